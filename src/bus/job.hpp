@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// A job: the ordered transactions of one client request on one bus. Nothing comes between them.
+// Jobs are owned by the gateway and lie still in memory; the bus links them into its queue.
+#pragma once
+
+#include <boost/container/small_vector.hpp>
+#include <boost/intrusive/list_hook.hpp>
+#include <boost/intrusive/set_hook.hpp>
+#include <cstdint>
+#include <optional>
+
+#include "bus/instant.hpp"
+#include "modbus/request.hpp"
+#include "modbus/rtu.hpp"
+
+namespace mbgate::bus {
+
+/// One request to one address, and its answer.
+struct Transaction {
+  std::uint8_t address;
+  modbus::Request request;
+  /// 08/01 and 08/04 silence a device: no answer is then no failure.
+  bool silence_is_success = false;
+  std::optional<modbus::Pdu> response = std::nullopt;
+
+  [[nodiscard]] bool is_broadcast() const { return address == modbus::kBroadcastAddress; }
+};
+
+/// Whose requests take turns with whose: one number for each client address.
+enum class SourceId : std::uint32_t {};
+
+/// How a job ended. Whether it may have had an effect is told by Job::was_on_wire.
+enum class Ending : std::uint8_t {
+  answered,     ///< every transaction has its response, or the last one's is an exception
+  transmitted,  ///< a broadcast, or a request that is not answered, has left
+  no_answer,    ///< transmitted, but no valid answer came
+  expired,      ///< its deadline passed before a (further) transmission
+  closed,       ///< the line is not there
+  cancelled     ///< taken back, or the gateway is stopping
+};
+
+struct Job {
+  boost::intrusive::list_member_hook<> queue_hook;
+  boost::intrusive::set_member_hook<> deadline_hook;
+
+  std::uint32_t number = 0;  ///< the gateway's number for the job
+  std::uint32_t owner = 0;   ///< and for the request it belongs to
+  SourceId source{};
+  Instant deadline;
+  boost::container::small_vector<Transaction, 1> transactions;
+  std::size_t current = 0;   ///< the transaction whose turn it is
+  unsigned tries = 0;        ///< transmissions of the current transaction
+  bool was_on_wire = false;  ///< something of it was transmitted
+  bool abandoned = false;    ///< its client is gone: no further transmission
+
+  [[nodiscard]] bool is_waiting() const { return queue_hook.is_linked(); }
+  [[nodiscard]] Transaction& transaction() { return transactions[current]; }
+  /// Of a job that ended as answered: the exception that ended it, or the last transaction's
+  /// response.
+  [[nodiscard]] const std::optional<modbus::Pdu>& last_response() const {
+    return current < transactions.size() ? transactions[current].response
+                                         : transactions.back().response;
+  }
+};
+
+}  // namespace mbgate::bus

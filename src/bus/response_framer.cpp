@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/response_framer.hpp"
+
+#include <algorithm>
+
+namespace mbgate::bus {
+namespace {
+
+constexpr unsigned kMaxNoise = 2;  // bytes that a driver's turning on may look like
+using Kind = modbus::PduLength::Kind;
+
+}  // namespace
+
+ResponseFramer::ResponseFramer(const modbus::RtuTiming& timing, BusCounters& counters)
+    : timing_(timing), silence_(std::max(timing.t3_5(), kAdapterSlack)), counters_(counters) {}
+
+void ResponseFramer::expect(const Transaction& transaction) {
+  reset();
+  transaction_ = &transaction;
+  response_.reset();
+}
+
+void ResponseFramer::reset() {
+  counters_.stray_bytes += buffer_.size();
+  buffer_.clear();
+  transaction_ = nullptr;
+  begun_at_.reset();
+  noise_skipped_ = 0;
+  discarding_ = bad_crc_ = opaque_ = false;
+}
+
+void ResponseFramer::discard() {
+  counters_.stray_bytes += buffer_.size();
+  buffer_.clear();
+  begun_at_.reset();
+  discarding_ = true;
+  bad_crc_ = opaque_ = false;
+}
+
+ResponseFramer::Verdict ResponseFramer::add(modbus::Bytes bytes, Instant now) {
+  const bool silence_before = now - last_byte_ >= timing_.t3_5();
+  last_byte_ = now;
+  if (silence_before && !begun_at_) {
+    // What stands here was not the answer, and a new frame begins.
+    counters_.stray_bytes += buffer_.size();
+    buffer_.clear();
+    discarding_ = false;
+  }
+  if (bad_crc_ || discarding_ || buffer_.size() + bytes.size() > buffer_.capacity()) {
+    discard();
+    counters_.stray_bytes += bytes.size();
+    return Verdict::none;
+  }
+  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+  for (;;) {
+    switch (look(now)) {
+      case Step::wait: return Verdict::none;
+      case Step::response: return Verdict::response;
+      case Step::again: break;
+    }
+  }
+}
+
+void ResponseFramer::skip_noise() {
+  while (!buffer_.empty() && noise_skipped_ < kMaxNoise && buffer_[0] != transaction_->address &&
+         (buffer_[0] == 0x00 || buffer_[0] == 0xFF)) {
+    buffer_.erase(buffer_.begin());
+    ++noise_skipped_;
+    ++counters_.noise_bytes;
+  }
+}
+
+void ResponseFramer::drop(std::size_t bytes) {
+  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(bytes));
+  begun_at_.reset();
+  opaque_ = false;
+}
+
+ResponseFramer::Step ResponseFramer::look(Instant now) {
+  skip_noise();
+  if (buffer_.empty()) {
+    return Step::wait;
+  }
+  const bool right_unit = buffer_[0] == transaction_->address;
+  if (buffer_.size() == 1) {
+    if (right_unit && !begun_at_) {
+      begun_at_ = now;
+    }
+    return Step::wait;
+  }
+  const bool right_function =
+      (buffer_[1] & ~modbus::kExceptionBit) == transaction_->request.function();
+  if (!right_unit || !right_function) {
+    begun_at_.reset();
+    return look_at_stranger();
+  }
+  if (!begun_at_) {
+    begun_at_ = now;
+  }
+  return look_at_candidate();
+}
+
+modbus::PduLength ResponseFramer::candidate_length() const {
+  const modbus::PduLength own = modbus::response_length(buffered().subspan(1));
+  return own.kind == Kind::opaque ? modbus::expected_response_length(transaction_->request) : own;
+}
+
+ResponseFramer::Step ResponseFramer::look_at_candidate() {
+  const modbus::PduLength length = candidate_length();
+  if (length.kind != Kind::known) {
+    opaque_ = length.kind == Kind::opaque;
+    return Step::wait;
+  }
+  const std::size_t size = length.bytes + modbus::kRtuOverhead;
+  if (size > modbus::kMaxRtuSize) {
+    discard();
+    return Step::wait;
+  }
+  if (buffer_.size() < size) {
+    return Step::wait;
+  }
+  const modbus::Bytes frame = buffered().first(size);
+  const modbus::Bytes pdu = frame.subspan(1, length.bytes);
+  const auto fit = modbus::check_response(transaction_->request, pdu);
+  if (!modbus::has_good_crc(frame)) {
+    if (buffer_.size() == size && fit != modbus::ResponseFit::wrong_length) {
+      bad_crc_ = true;
+    } else {
+      discard();
+    }
+    return Step::wait;
+  }
+  if (fit == modbus::ResponseFit::normal || fit == modbus::ResponseFit::exception) {
+    response_ = modbus::Pdu::from(pdu);
+    drop(size);
+    return Step::response;
+  }
+  ++counters_.stray_frames;
+  drop(size);
+  return Step::again;
+}
+
+ResponseFramer::Step ResponseFramer::look_at_stranger() {
+  const modbus::PduLength length = modbus::response_length(buffered().subspan(1));
+  const std::size_t size = length.bytes + modbus::kRtuOverhead;
+  if (length.kind != Kind::known || buffer_.size() < size) {
+    return Step::wait;
+  }
+  if (!modbus::has_good_crc(buffered().first(size))) {
+    discard();
+    return Step::wait;
+  }
+  ++counters_.stray_frames;
+  drop(size);
+  return Step::again;
+}
+
+std::optional<Instant> ResponseFramer::next_deadline() const {
+  if (!begun_at_) {
+    return std::nullopt;
+  }
+  if (awaits_silence()) {
+    return last_byte_ + silence_;
+  }
+  const modbus::PduLength length = buffer_.size() < 2
+                                       ? modbus::expected_response_length(transaction_->request)
+                                       : candidate_length();
+  const std::size_t size =
+      length.kind == Kind::known ? length.bytes + modbus::kRtuOverhead : modbus::kMaxRtuSize;
+  return *begun_at_ + timing_.duration_of(size) + kAdapterSlack;
+}
+
+ResponseFramer::Verdict ResponseFramer::handle_deadline(Instant now) {
+  const auto deadline = next_deadline();
+  if (!deadline || now < *deadline) {
+    return Verdict::none;
+  }
+  if (bad_crc_) {
+    return Verdict::bad_crc;
+  }
+  if (opaque_) {
+    return end_by_silence();
+  }
+  discard();
+  return Verdict::none;
+}
+
+ResponseFramer::Verdict ResponseFramer::end_by_silence() {
+  const auto frame = modbus::decode_rtu(buffered());
+  if (!frame) {
+    return Verdict::bad_crc;
+  }
+  const auto fit = modbus::check_response(transaction_->request, frame->pdu.bytes());
+  if (fit != modbus::ResponseFit::normal && fit != modbus::ResponseFit::exception) {
+    ++counters_.stray_frames;
+    drop(buffer_.size());
+    return Verdict::none;
+  }
+  response_ = frame->pdu;
+  drop(buffer_.size());
+  return Verdict::response;
+}
+
+}  // namespace mbgate::bus

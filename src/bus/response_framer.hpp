@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds the response to one request in the bytes that come from an RTU line. Known functions end by
+// their predicted length and CRC, at once; unknown ones by silence with a good CRC. Gaps between
+// bytes mean nothing by themselves, because a USB adapter's gaps are not the wire's; t1.5 is never
+// enforced.
+#pragma once
+
+#include <boost/container/static_vector.hpp>
+#include <optional>
+
+#include "bus/counters.hpp"
+#include "bus/instant.hpp"
+#include "bus/job.hpp"
+#include "modbus/response.hpp"
+
+namespace mbgate::bus {
+
+/// Slack for what lies between the wire and us: adapters hold received bytes back up to 16 ms.
+inline constexpr Duration kAdapterSlack = std::chrono::milliseconds(20);
+
+class ResponseFramer {
+ public:
+  enum class Verdict : std::uint8_t {
+    none,      ///< nothing yet
+    response,  ///< take_response() has it
+    bad_crc    ///< a frame of the right unit, function and length, but damaged
+  };
+
+  ResponseFramer(const modbus::RtuTiming& timing, BusCounters& counters);
+
+  /// From now on the answer to `transaction` is looked for; it must outlive the search.
+  void expect(const Transaction& transaction);
+  /// Bytes as they came in. After a verdict other than none, expect() must be called again.
+  Verdict add(modbus::Bytes bytes, Instant now);
+  /// Time has passed: silence may end a frame or show that one stays incomplete.
+  Verdict handle_deadline(Instant now);
+  [[nodiscard]] std::optional<Instant> next_deadline() const;
+  /// Has an answer begun that is still incomplete? The response timeout is then over, its rest has
+  /// its own time.
+  [[nodiscard]] bool in_progress() const { return begun_at_.has_value(); }
+  /// Is a frame complete as far as can be seen, and only silence can tell?
+  [[nodiscard]] bool awaits_silence() const { return bad_crc_ || opaque_; }
+  /// Counts what is left as stray and forgets it, until the next silence.
+  void discard();
+  /// Ends the search.
+  void reset();
+  [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
+
+ private:
+  enum class Step : std::uint8_t { wait, again, response };
+
+  void skip_noise();
+  void drop(std::size_t bytes);
+  Step look(Instant now);
+  Step look_at_candidate();
+  Step look_at_stranger();
+  [[nodiscard]] modbus::PduLength candidate_length() const;
+  [[nodiscard]] modbus::Bytes buffered() const { return {buffer_.data(), buffer_.size()}; }
+  Verdict end_by_silence();
+
+  modbus::RtuTiming timing_;
+  Duration silence_;  // ends frames of unknown length
+  BusCounters& counters_;
+  const Transaction* transaction_ = nullptr;
+  modbus::RtuBytes buffer_;
+  Instant last_byte_;
+  std::optional<Instant> begun_at_;  // first byte of what may be the answer
+  unsigned noise_skipped_ = 0;
+  bool discarding_ = false;  // the buffer is no frame: everything until silence is stray
+  bool bad_crc_ =
+      false;  // a complete candidate with a wrong CRC; silence must confirm that it is complete
+  bool opaque_ = false;  // a candidate that only silence ends
+  std::optional<modbus::Pdu> response_;
+};
+
+}  // namespace mbgate::bus

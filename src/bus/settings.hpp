@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bus is told: its line, its times, its limits. Names and meanings are those of
+// conf/mbgate.toml.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "bus/instant.hpp"
+#include "drive/device.hpp"
+#include "modbus/rtu_timing.hpp"
+
+namespace mbgate::bus {
+
+enum class Rs485 : std::uint8_t { off, kernel, rts };
+
+struct LineSettings {
+  std::string device;  ///< path, best one below /dev/serial/by-id
+  modbus::Baud baud{19200};
+  modbus::CharacterFormat format;
+  Rs485 rs485 = Rs485::off;
+  bool echo = false;  ///< the transceiver hears itself: the echo is read and compared
+  bool low_latency = true;
+};
+
+struct BusSettings {
+  std::string name;
+  LineSettings line;
+  /// For addresses without a device of their own.
+  drive::DeviceTiming timing;
+  std::optional<Duration> frame_gap;     ///< default: t3.5
+  std::optional<Duration> listen_first;  ///< default: the longest response timeout, at most 1 s
+  Duration turnaround = std::chrono::milliseconds(100);
+  Duration settle{0};
+  std::size_t queue = 2048;  ///< requests waiting at most
+  Duration reopen_min = std::chrono::milliseconds(100);
+  Duration reopen_max = std::chrono::seconds(5);
+};
+
+}  // namespace mbgate::bus

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the machine wants done. Actions are plain values with a text form, so that tracing is
+// printing.
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "gateway/event.hpp"
+#include "modbus/mbap.hpp"
+#include "modbus/rtu.hpp"
+
+namespace mbgate::gateway {
+
+/// Send this ADU in one piece; then call handle_client_sent().
+struct Send {
+  ClientId client;
+  modbus::MbapBytes adu;
+};
+/// Stop reading from the client, but watch for its FIN.
+struct Pause {
+  ClientId client;
+};
+struct Resume {
+  ClientId client;
+};
+/// Close the connection. The machine has forgotten the client already: nothing needs to be reported
+/// back. What was given to Send before is still sent.
+struct Close {
+  ClientId client;
+};
+/// Open the line; then call handle_bus_opened() or handle_bus_lost().
+struct Open {
+  BusId bus;
+};
+/// Transmit this frame in one contiguous write, at once.
+struct Transmit {
+  BusId bus;
+  modbus::RtuBytes frame;
+};
+struct Report {
+  Event event;
+};
+/// After handle_shutdown(): everything is answered, the process may end.
+struct Finished {};
+
+using Action = std::variant<Send, Pause, Resume, Close, Open, Transmit, Report, Finished>;
+
+/// One line for a trace. The settings give the names.
+std::string to_text(const Action& action, const Settings& settings);
+
+}  // namespace mbgate::gateway

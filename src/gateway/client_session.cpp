@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/client_session.hpp"
+
+#include <algorithm>
+
+#include "gateway/limits.hpp"
+
+namespace mbgate::gateway {
+
+ClientSession::ClientSession(const ClientInfo& info, const ListenerSettings& listener, Instant now)
+    : last_activity(now),
+      info_(info),
+      listener_(&listener),
+      rights_{routing::contains(listener.read_only, info.address)},
+      before_ready_(info.bytes_before_ready) {}
+
+ClientSession::AnswerId ClientSession::open_answer() {
+  if (!listener_->ordered) {
+    ++open_;
+    return AnswerId{0};
+  }
+  held_.emplace_back();
+  return AnswerId{first_held_ + held_.size() - 1};
+}
+
+ClientSession::Ready ClientSession::close_answer(AnswerId id,
+                                                 std::optional<modbus::MbapBytes> adu) {
+  Ready ready;
+  if (!listener_->ordered) {
+    --open_;
+    if (adu) {
+      ready.push_back(*adu);
+    }
+  } else {
+    Held& held = held_[static_cast<std::uint64_t>(id) - first_held_];
+    held.done = true;
+    held.adu = adu;
+    while (!held_.empty() && held_.front().done) {
+      if (held_.front().adu) {
+        ready.push_back(*held_.front().adu);
+      }
+      held_.pop_front();
+      ++first_held_;
+    }
+  }
+  unsent_ += ready.size();
+  return ready;
+}
+
+void ClientSession::confirm_sent() {
+  if (unsent_ > 0) {
+    --unsent_;
+  }
+}
+
+Instant ClientSession::arrival_of(std::size_t bytes, Instant now) {
+  const Instant arrival = unread_since_.value_or(now);
+  if (bytes < kClientReadSize) {
+    unread_since_.reset();  // a short piece: the socket was empty
+  }
+  return arrival;
+}
+
+bool ClientSession::take_before_ready(std::size_t bytes) {
+  const bool before = before_ready_ > 0;
+  before_ready_ -= std::min(before_ready_, bytes);
+  return before;
+}
+
+void ClientSession::half_close() {
+  half_closed_ = true;
+  if (!paused_) {
+    unread_since_.reset();  // the FIN was read, and so was everything before it
+  }
+}
+
+std::optional<ClientSession::Reading> ClientSession::update_reading(Instant now) {
+  // One more piece must still fit into the read-ahead.
+  const bool enough = is_full() && input.size() + kClientReadSize > kReadAhead;
+  if (enough == paused_) {
+    return std::nullopt;
+  }
+  paused_ = enough;
+  if (paused_) {
+    if (!unread_since_) {
+      unread_since_ = now;
+    }
+    return Reading::pause;
+  }
+  return Reading::resume;
+}
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// One TCP connection: bytes read ahead, answers that are due, and when it may be read further.
+// It neither parses nor routes; the gateway does.
+#pragma once
+
+#include <boost/container/small_vector.hpp>
+#include <deque>
+#include <optional>
+
+#include "gateway/event.hpp"
+#include "gateway/read_ahead.hpp"
+#include "modbus/mbap.hpp"
+#include "routing/access.hpp"
+
+namespace mbgate::gateway {
+
+/// What the shell knows of a client when it connects.
+struct ClientInfo {
+  ListenerId listener{};
+  routing::ClientAddress address;
+  /// Bytes that were readable at accept, for connections accepted before the first READY=1; else 0.
+  /// Writes among them are older than this process and must not be carried out.
+  std::size_t bytes_before_ready = 0;
+};
+
+class ClientSession {
+ public:
+  /// The place of an answer among those of its connection.
+  enum class AnswerId : std::uint64_t {};
+  using Ready = boost::container::small_vector<modbus::MbapBytes, 1>;
+
+  ClientSession(const ClientInfo& info, const ListenerSettings& listener, Instant now);
+
+  [[nodiscard]] const ClientInfo& info() const { return info_; }
+  [[nodiscard]] const ListenerSettings& listener() const { return *listener_; }
+  [[nodiscard]] routing::ClientRights rights() const { return rights_; }
+
+  /// Requests without an answer that has been written whole; `pipeline` at most.
+  [[nodiscard]] std::size_t outstanding() const { return open_ + held_.size() + unsent_; }
+  [[nodiscard]] bool is_full() const { return outstanding() >= listener_->pipeline; }
+
+  /// A request was taken: its answer is due.
+  AnswerId open_answer();
+  /// The answer is there, or (nothing) none will be given. Returns what is to be sent now: with
+  /// `ordered = true` an answer waits for those before it.
+  Ready close_answer(AnswerId id, std::optional<modbus::MbapBytes> adu);
+  /// An answer has been written whole.
+  void confirm_sent();
+
+  /// When bytes that were just read must be taken to have arrived: while reading was paused, if
+  /// they may have lain in the socket since then.
+  Instant arrival_of(std::size_t bytes, Instant now);
+  /// Is the next request older than this process? Called once for each, with its size.
+  bool take_before_ready(std::size_t bytes);
+
+  /// To be called after bytes or answers came: reading must stop or may go on. Nothing: as it is.
+  enum class Reading : std::uint8_t { pause, resume };
+  std::optional<Reading> update_reading(Instant now);
+
+  /// The peer has sent FIN. While reading is paused, bytes may still lie before it in the socket.
+  void half_close();
+  [[nodiscard]] bool is_half_closed() const { return half_closed_; }
+  /// Half-closed, everything read, everything answered and sent.
+  [[nodiscard]] bool is_finished() const {
+    return half_closed_ && !unread_since_ && outstanding() == 0;
+  }
+
+  ReadAhead input;
+  bool has_asked = false;  ///< a request was understood
+  bool speaks_rtu_reported = false;
+  Instant last_activity;
+  std::optional<Instant> partial_since;   ///< an incomplete ADU is at the front of `input`
+  std::optional<Instant> timer_armed_at;  ///< the entry in the gateway's timers
+  boost::container::small_vector<std::uint32_t, 4> exchanges;
+
+ private:
+  struct Held {
+    bool done = false;
+    std::optional<modbus::MbapBytes> adu;
+  };
+
+  ClientInfo info_;
+  const ListenerSettings* listener_;
+  routing::ClientRights rights_;
+  std::size_t open_ = 0;    // unordered: answers that are due
+  std::size_t unsent_ = 0;  // answers on their way to the socket
+  std::deque<Held> held_;   // ordered: answers due or waiting, oldest first
+  std::uint64_t first_held_ = 0;
+  std::size_t before_ready_ = 0;
+  bool paused_ = false;
+  bool half_closed_ = false;
+  std::optional<Instant> unread_since_;  // bytes may lie in the socket since then
+};
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an operator may want to know. Events are plain values; only app/log makes lines of them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "gateway/settings.hpp"
+
+namespace mbgate::gateway {
+
+/// A TCP connection; the driver numbers them and uses no number twice.
+enum class ClientId : std::uint64_t {};
+
+enum class RefusalReason : std::uint8_t {
+  not_allowed,  ///< not in the listener's allow list
+  full,         ///< max_connections reached and no idle connection could make room
+  stopping      ///< the gateway is stopping
+};
+
+struct BusOpened {
+  BusId bus;
+};
+struct BusLost {
+  BusId bus;
+};
+struct ClientRefused {
+  ListenerId listener;
+  routing::ClientAddress address;
+  RefusalReason reason;
+};
+/// Closed to make room for a newcomer.
+struct ClientDisplaced {
+  ListenerId listener;
+  routing::ClientAddress address;
+};
+/// An MBAP length that cannot be: the stream cannot be followed any further.
+struct ClientFramingLost {
+  ListenerId listener;
+  routing::ClientAddress address;
+  std::uint16_t length;
+};
+/// Bytes that look like an RTU frame came in on the TCP port.
+struct ClientSpeaksRtu {
+  ListenerId listener;
+  routing::ClientAddress address;
+};
+/// A partial ADU older than frame_timeout.
+struct ClientFrameTimedOut {
+  ListenerId listener;
+  routing::ClientAddress address;
+};
+/// The echo of our own transmission differed: a collision, or a transceiver without echo.
+struct EchoMismatch {
+  BusId bus;
+};
+
+using Event = std::variant<BusOpened, BusLost, ClientRefused, ClientDisplaced, ClientFramingLost,
+                           ClientSpeaksRtu, ClientFrameTimedOut, EchoMismatch>;
+
+/// One line for the journal. The settings give the names.
+std::string to_text(const Event& event, const Settings& settings);
+
+}  // namespace mbgate::gateway

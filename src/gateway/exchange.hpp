@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// A client request from its acceptance to its answer, and what its jobs have come to so far.
+#pragma once
+
+#include <boost/container/small_vector.hpp>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "bus/job.hpp"
+#include "gateway/client_session.hpp"
+#include "routing/plan.hpp"
+
+namespace mbgate::gateway {
+
+struct Exchange {
+  struct Part {
+    BusId bus;
+    bus::Job* job;
+  };
+
+  ClientId client{};
+  bool client_gone = false;
+  ClientSession::AnswerId answer{};
+  modbus::MbapHeader header;
+  routing::BroadcastReply reply = routing::BroadcastReply::echo;
+  std::optional<routing::Plan> plan;
+  boost::container::small_vector<Part, 1> parts;  ///< jobs that have not ended
+  std::optional<modbus::Pdu> response;
+  bool failed = false;
+  bool was_on_wire = false;
+  bool had_no_path = false;  ///< a line was not there and nothing of that part was transmitted
+  bool in_use = false;
+
+  /// Takes in what became of a job.
+  void note(const bus::Job& job, bus::Ending ending);
+  /// The answer, once every part has ended; nothing if none is to be given.
+  [[nodiscard]] std::optional<modbus::Pdu> result() const;
+};
+
+/// Objects that are handed out and taken back, and lie still meanwhile. Grows to the most ever
+/// needed.
+template <typename Object>
+class Pool {
+ public:
+  std::uint32_t take() {
+    if (free_.empty()) {
+      objects_.emplace_back();
+      return static_cast<std::uint32_t>(objects_.size() - 1);
+    }
+    const std::uint32_t index = free_.back();
+    free_.pop_back();
+    return index;
+  }
+  void give_back(std::uint32_t index) {
+    objects_[index] = Object{};
+    free_.push_back(index);
+  }
+  Object& operator[](std::uint32_t index) { return objects_[index]; }
+  [[nodiscard]] std::size_t in_use() const { return objects_.size() - free_.size(); }
+
+ private:
+  std::deque<Object> objects_;
+  std::vector<std::uint32_t> free_;
+};
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// The doors of the machine for buses and time, and the loop that works off what an input set off.
+#include "gateway/gateway.hpp"
+
+#include <algorithm>
+
+#include "gateway/limits.hpp"
+
+namespace mbgate::gateway {
+namespace {
+
+std::vector<routing::ListenerKind> kinds_of(const std::vector<ListenerSettings>& listeners) {
+  std::vector<routing::ListenerKind> kinds;
+  for (const auto& listener : listeners) {
+    kinds.push_back({listener.bus, listener.broadcast, listener.broadcast_reply});
+  }
+  return kinds;
+}
+
+std::vector<drive::Device> devices_on(const std::vector<drive::Device>& devices, BusId bus) {
+  std::vector<drive::Device> found;
+  std::ranges::copy_if(devices, std::back_inserter(found),
+                       [&](const drive::Device& device) { return device.bus == bus; });
+  return found;
+}
+
+}  // namespace
+
+Gateway::Gateway(Settings settings, Instant now)
+    : settings_(std::move(settings)),
+      routes_(kinds_of(settings_.listeners), settings_.routes),
+      listener_clients_(settings_.listeners.size()),
+      started_(now) {
+  for (std::size_t index = 0; index < settings_.buses.size(); ++index) {
+    const BusId id{static_cast<std::uint32_t>(index)};
+    buses_.emplace_back(settings_.buses[index], devices_on(settings_.devices, id));
+    touch(id).start();
+  }
+  settle(now);
+}
+
+void Gateway::handle_bus_opened(BusId bus, Instant now) {
+  report(BusOpened{bus});
+  touch(bus).handle_opened(now);
+  settle(now);
+}
+
+void Gateway::handle_bus_bytes(BusId bus, modbus::Bytes bytes, Instant now) {
+  touch(bus).handle_bytes(bytes, now);
+  settle(now);
+}
+
+void Gateway::handle_bus_lost(BusId bus, Instant now) {
+  bus::Bus& lost = touch(bus);
+  if (lost.is_open()) {
+    report(BusLost{bus});
+  }
+  lost.handle_lost(now);
+  settle(now);
+}
+
+void Gateway::handle_deadline(Instant now) {
+  for (std::size_t index = 0; index < buses_.size(); ++index) {
+    const auto deadline = buses_[index].bus.next_deadline();
+    if (deadline && *deadline <= now) {
+      touch(BusId{static_cast<std::uint32_t>(index)}).handle_deadline(now);
+    }
+  }
+  while (const auto due = timers_.take_due(now)) {
+    const auto entry = sessions_.find(due->second);
+    if (entry != sessions_.end() && entry->second.timer_armed_at == due->first) {
+      check_client(due->second, now);
+    }
+  }
+  if (stop_deadline_ && now >= *stop_deadline_) {
+    stop_deadline_.reset();
+    for (std::size_t index = 0; index < buses_.size(); ++index) {
+      touch(BusId{static_cast<std::uint32_t>(index)}).give_up(now);
+    }
+  }
+  settle(now);
+}
+
+void Gateway::handle_shutdown(Instant now) {
+  if (stopping_) {
+    return;
+  }
+  stopping_ = true;
+  stop_deadline_ = now + kShutdownGrace;
+  for (std::size_t index = 0; index < buses_.size(); ++index) {
+    touch(BusId{static_cast<std::uint32_t>(index)}).stop(now);
+  }
+  settle(now);
+}
+
+std::optional<Action> Gateway::poll_action() {
+  if (actions_.empty()) {
+    return std::nullopt;
+  }
+  Action action = std::move(actions_.front());
+  actions_.pop_front();
+  return action;
+}
+
+std::optional<Instant> Gateway::next_deadline() const {
+  auto deadline = bus::earlier(timers_.next(), stop_deadline_);
+  for (const BusSlot& slot : buses_) {
+    deadline = bus::earlier(deadline, slot.bus.next_deadline());
+  }
+  return deadline;
+}
+
+Status Gateway::status() const {
+  const auto open =
+      std::ranges::count_if(buses_, [](const BusSlot& slot) { return slot.bus.is_open(); });
+  return {sessions_.size(), static_cast<std::size_t>(open)};
+}
+
+bus::Bus& Gateway::touch(BusId id) {
+  BusSlot& slot = buses_[static_cast<std::size_t>(id)];
+  if (!slot.dirty) {
+    slot.dirty = true;
+    dirty_buses_.push_back(id);
+  }
+  return slot.bus;
+}
+
+// Everything that one input set off, until nothing is left. A list of work instead of recursion: an
+// answer may free a place, which takes a request, which may be answered at once.
+void Gateway::settle(Instant now) {
+  while (!dirty_buses_.empty() || !ready_clients_.empty()) {
+    if (!dirty_buses_.empty()) {
+      const BusId bus = dirty_buses_.back();
+      dirty_buses_.pop_back();
+      collect(bus);
+      continue;
+    }
+    const ClientId client = ready_clients_.back();
+    ready_clients_.pop_back();
+    if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
+      after_input(client, entry->second, now);
+    }
+  }
+  finish_if_stopped();
+}
+
+void Gateway::collect(BusId id) {
+  BusSlot& slot = buses_[static_cast<std::size_t>(id)];
+  slot.dirty = false;
+  while (auto action = slot.bus.poll()) {
+    if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
+      end_part(*ended->job, ended->ending);
+    } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&*action)) {
+      actions_.emplace_back(Transmit{id, transmit->frame});
+    } else if (std::holds_alternative<bus::OpenLine>(*action)) {
+      actions_.emplace_back(Open{id});
+    } else {
+      report(EchoMismatch{id});
+    }
+  }
+}
+
+void Gateway::finish_if_stopped() {
+  if (stopping_ && !finished_ && exchanges_.in_use() == 0) {
+    finished_ = true;
+    stop_deadline_.reset();
+    actions_.emplace_back(Finished{});
+  }
+}
+
+}  // namespace mbgate::gateway

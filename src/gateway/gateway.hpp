@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole gateway without its wires: bytes, line states and `now` go in, actions come out.
+// After every handle_*() the driver empties poll_action() and re-arms next_deadline().
+// Single-threaded; no clock, socket, log or random source inside. Spurious and late calls are
+// harmless.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <unordered_map>
+
+#include "bus/bus.hpp"
+#include "gateway/action.hpp"
+#include "gateway/client_session.hpp"
+#include "gateway/client_timers.hpp"
+#include "gateway/exchange.hpp"
+#include "gateway/own_unit.hpp"
+#include "routing/route_table.hpp"
+
+namespace mbgate::gateway {
+
+/// A glance for status lines.
+struct Status {
+  std::size_t clients = 0;
+  std::size_t buses_open = 0;
+};
+
+class Gateway {
+ public:
+  /// Asks for every line. The settings must be consistent: every bus that is named exists.
+  Gateway(Settings settings, Instant now);
+
+  /// The driver numbers clients and uses no number twice. A client that is not wanted is closed.
+  void handle_client_connected(ClientId client, const ClientInfo& info, Instant now);
+  /// At most kClientReadSize bytes; fewer mean that the socket was empty then.
+  void handle_client_bytes(ClientId client, modbus::Bytes bytes, Instant now);
+  /// The oldest Send that was not confirmed yet has been written whole.
+  void handle_client_sent(ClientId client, Instant now);
+  /// FIN: once when it is noticed while reading is paused, and when reading comes to it.
+  void handle_client_half_closed(ClientId client, Instant now);
+  /// The connection is gone. Unknown clients are ignored.
+  void handle_client_disconnected(ClientId client, Instant now);
+  void handle_bus_opened(BusId bus, Instant now);
+  void handle_bus_bytes(BusId bus, modbus::Bytes bytes, Instant now);
+  /// The line could not be opened, or died. The machine asks again by itself.
+  void handle_bus_lost(BusId bus, Instant now);
+  void handle_deadline(Instant now);
+  /// Nothing new is begun; Finished follows at most 1.5 s later.
+  void handle_shutdown(Instant now);
+
+  std::optional<Action> poll_action();
+  [[nodiscard]] std::optional<Instant> next_deadline() const;
+
+  [[nodiscard]] const Settings& settings() const { return settings_; }
+  [[nodiscard]] Status status() const;
+
+ private:
+  using Sessions = std::unordered_map<ClientId, ClientSession>;
+  struct BusSlot {
+    template <typename... Arguments>
+    explicit BusSlot(Arguments&&... arguments) : bus(std::forward<Arguments>(arguments)...) {}
+    bus::Bus bus;
+    bool dirty = false;
+  };
+  struct Source {
+    bus::SourceId id;
+    std::size_t connections;
+  };
+
+  // gateway.cpp: buses, time
+  [[nodiscard]] bus::Bus& touch(BusId id);
+  void settle(Instant now);
+  void collect(BusId id);
+  void finish_if_stopped();
+  void report(Event event) { actions_.emplace_back(Report{std::move(event)}); }
+
+  // gateway_clients.cpp: who is let in, when a connection is read, when it ends
+  bool admit(const ClientInfo& info);
+  bool displace_idle_client(ListenerId listener);
+  void after_input(ClientId id, ClientSession& session, Instant now);
+  void arm(ClientId id, ClientSession& session, Instant at);
+  void check_client(ClientId id, Instant now);
+  void close(ClientId id);
+  void forget(Sessions::iterator client);
+  void add_connection(const routing::ClientAddress& address);
+
+  // gateway_requests.cpp: from the bytes to the buses and back
+  void take_input(ClientId id, ClientSession& session, Instant now);
+  std::size_t take_requests(ClientId id, ClientSession& session, modbus::Bytes stream,
+                            std::optional<Instant> arrival, Instant now);
+  void lose_framing(ClientId id, ClientSession& session, modbus::Bytes stream,
+                    std::uint16_t length);
+  void notice_rtu(ClientSession& session, modbus::Bytes stream);
+  void accept(ClientId id, ClientSession& session, const modbus::MbapFrame& frame, Instant arrival,
+              Instant now);
+  modbus::Pdu answer_own(const ClientSession& session, const modbus::Pdu& request, Instant now);
+  Result<routing::Plan, modbus::ExceptionCode> plan_for(const ClientSession& session,
+                                                        const routing::Route* route,
+                                                        const modbus::MbapAdu& adu) const;
+  void start(std::uint32_t index, const routing::Route& route, Instant arrival, Instant now);
+  [[nodiscard]] Duration deadline_of(const routing::Route& route, const routing::Plan& plan) const;
+  void end_part(bus::Job& job, bus::Ending ending);
+  void complete(std::uint32_t index);
+  void cancel_waiting(std::uint32_t index, bool writes_only);
+  void answer_now(ClientId id, ClientSession& session, const modbus::MbapHeader& header,
+                  const modbus::Pdu& pdu);
+  void send(ClientId id, ClientSession& session, ClientSession::AnswerId answer,
+            const std::optional<modbus::MbapAdu>& adu);
+
+  Settings settings_;
+  routing::RouteTable routes_;
+  OwnUnit own_unit_;
+  Pool<Exchange> exchanges_;
+  Pool<bus::Job> jobs_;  // outlives the queues that link its jobs
+  std::deque<BusSlot> buses_;
+  Sessions sessions_;
+  std::vector<std::size_t> listener_clients_;
+  ClientCounters client_counters_;
+  std::map<routing::ClientAddress, Source> sources_;
+  std::vector<bus::SourceId> free_sources_;
+  ClientTimers timers_;
+  std::vector<BusId> dirty_buses_;
+  std::vector<ClientId> ready_clients_;
+  std::deque<Action> actions_;
+  Instant started_;
+  bool stopping_ = false;
+  bool finished_ = false;
+  std::optional<Instant> stop_deadline_;
+};
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// The way of a request through the machine, out and back.
+#include <algorithm>
+
+#include "gateway/gateway.hpp"
+#include "gateway/limits.hpp"
+
+namespace mbgate::gateway {
+
+using modbus::ExceptionCode;
+
+void Gateway::take_input(ClientId id, ClientSession& session, Instant now) {
+  if (session.input.empty() || session.is_full()) {
+    return;
+  }
+  const std::size_t taken = take_requests(id, session, session.input.bytes(), std::nullopt, now);
+  if (sessions_.contains(id) && taken > 0) {
+    session.input.consume(taken);
+  }
+}
+
+// Takes whole requests off the front of `stream` while the pipeline has room; returns how many
+// bytes that was. Without an `arrival` the stream is the session's own input and says itself how
+// old it is.
+std::size_t Gateway::take_requests(ClientId id, ClientSession& session, modbus::Bytes stream,
+                                   std::optional<Instant> arrival, Instant now) {
+  std::size_t taken = 0;
+  while (!session.is_full()) {
+    const modbus::Bytes rest = stream.subspan(taken);
+    const modbus::MbapScan scan = modbus::scan_mbap(rest);
+    if (const auto* lost = std::get_if<modbus::MbapLost>(&scan)) {
+      lose_framing(id, session, rest, lost->length);
+      return taken;
+    }
+    if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
+      notice_rtu(session, rest);
+      ++client_counters_.foreign_adus;
+      taken += foreign->size;
+    } else if (const auto* frame = std::get_if<modbus::MbapFrame>(&scan)) {
+      accept(id, session, *frame, arrival ? *arrival : session.input.arrival_at(taken), now);
+      taken += frame->size;
+    } else {
+      break;
+    }
+    session.partial_since.reset();
+  }
+  return taken;
+}
+
+void Gateway::lose_framing(ClientId id, ClientSession& session, modbus::Bytes stream,
+                           std::uint16_t length) {
+  notice_rtu(session, stream);
+  ++client_counters_.framing_lost;
+  if (!session.speaks_rtu_reported) {
+    report(ClientFramingLost{session.info().listener, session.info().address, length});
+  }
+  close(id);
+}
+
+void Gateway::notice_rtu(ClientSession& session, modbus::Bytes stream) {
+  if (!session.speaks_rtu_reported && modbus::looks_like_rtu(stream)) {
+    session.speaks_rtu_reported = true;
+    report(ClientSpeaksRtu{session.info().listener, session.info().address});
+  }
+}
+
+void Gateway::accept(ClientId id, ClientSession& session, const modbus::MbapFrame& frame,
+                     Instant arrival, Instant now) {
+  const modbus::MbapAdu& adu = frame.adu;
+  const bool before_ready = session.take_before_ready(frame.size);
+  session.has_asked = true;
+  ++client_counters_.requests;
+  if (settings_.own_unit == adu.header.unit) {
+    answer_now(id, session, adu.header, answer_own(session, adu.pdu, now));
+    return;
+  }
+  const routing::Route* route = routes_.find(session.info().listener, adu.header.unit);
+  auto plan = plan_for(session, route, adu);
+  const bool too_late =
+      stopping_ || ((before_ready || session.is_half_closed()) && plan && !plan->is_read());
+  if (!plan || too_late) {
+    const ExceptionCode code = plan ? ExceptionCode::server_device_busy : plan.error();
+    answer_now(id, session, adu.header, modbus::Pdu::exception(adu.pdu.function(), code));
+    return;
+  }
+  const std::uint32_t index = exchanges_.take();
+  Exchange& exchange = exchanges_[index];
+  exchange.in_use = true;
+  exchange.client = id;
+  exchange.answer = session.open_answer();
+  exchange.header = adu.header;
+  exchange.reply = route->broadcast_reply;
+  exchange.plan = std::move(*plan);
+  session.exchanges.push_back(index);
+  start(index, *route, arrival, now);
+}
+
+modbus::Pdu Gateway::answer_own(const ClientSession& session, const modbus::Pdu& request,
+                                Instant now) {
+  if (session.rights().read_only && !modbus::is_read(request.bytes())) {
+    return modbus::Pdu::exception(request.function(), ExceptionCode::illegal_function);
+  }
+  OwnView view{{}, settings_.devices, sessions_.size(), client_counters_, now - started_};
+  for (const BusSlot& slot : buses_) {
+    view.buses.push_back(&slot.bus);
+  }
+  const OwnUnit::Answer answer = own_unit_.answer(request, view);
+  if (answer.clear_counters) {
+    client_counters_ = {};
+    std::ranges::for_each(buses_, [](BusSlot& slot) { slot.bus.clear_counters(); });
+  }
+  return answer.pdu;
+}
+
+Result<routing::Plan, ExceptionCode> Gateway::plan_for(const ClientSession& session,
+                                                       const routing::Route* route,
+                                                       const modbus::MbapAdu& adu) const {
+  if (!modbus::is_request_function(adu.pdu.function())) {
+    return ExceptionCode::illegal_function;
+  }
+  if (route == nullptr) {
+    return ExceptionCode::gateway_path_unavailable;
+  }
+  return routing::Plan::make(*route, adu.header.unit, session.rights(), adu.pdu);
+}
+
+Duration Gateway::deadline_of(const routing::Route& route, const routing::Plan& plan) const {
+  if (route.deadline) {
+    return *route.deadline;
+  }
+  if (plan.is_read()) {
+    return kReadDeadline;
+  }
+  Duration deadline = kWriteDeadline;
+  for (const BusId bus : route.buses) {
+    deadline = std::max(deadline,
+                        2 * buses_[static_cast<std::size_t>(bus)].bus.longest_response_timeout());
+  }
+  return deadline;
+}
+
+void Gateway::start(std::uint32_t index, const routing::Route& route, Instant arrival,
+                    Instant now) {
+  Exchange& exchange = exchanges_[index];
+  const Instant deadline = arrival + deadline_of(route, *exchange.plan);
+  const auto& address = sessions_.at(exchange.client).info().address;
+  for (const routing::PlannedTransaction& planned : exchange.plan->transactions()) {
+    const std::uint32_t number = jobs_.take();
+    bus::Job& job = jobs_[number];
+    job.number = number;
+    job.owner = index;
+    job.source = sources_.at(address).id;
+    job.deadline = deadline;
+    job.transactions.push_back({planned.address, planned.request, planned.silence_is_success});
+    exchange.parts.push_back({planned.bus, &job});
+  }
+  const auto parts = exchange.parts;  // a part that ends at once is taken out
+  for (const Exchange::Part& part : parts) {
+    if (!touch(part.bus).submit(*part.job, now)) {
+      end_part(*part.job, bus::Ending::cancelled);
+    }
+  }
+}
+
+void Gateway::end_part(bus::Job& job, bus::Ending ending) {
+  const std::uint32_t index = job.owner;
+  Exchange& exchange = exchanges_[index];
+  exchange.note(job, ending);
+  exchange.parts.erase(std::ranges::find(exchange.parts, &job, &Exchange::Part::job));
+  jobs_.give_back(job.number);
+  if (exchange.parts.empty()) {
+    complete(index);
+  }
+}
+
+void Gateway::complete(std::uint32_t index) {
+  Exchange& exchange = exchanges_[index];
+  if (!exchange.client_gone) {
+    ClientSession& session = sessions_.at(exchange.client);
+    session.exchanges.erase(std::ranges::find(session.exchanges, index));
+    std::optional<modbus::MbapAdu> adu;
+    if (const auto pdu = exchange.result()) {
+      adu = modbus::MbapAdu{exchange.header, *pdu};
+    }
+    send(exchange.client, session, exchange.answer, adu);
+  }
+  exchanges_.give_back(index);
+}
+
+// Takes back what waits; what is on the wire goes on, but is not repeated for a client that has
+// gone.
+void Gateway::cancel_waiting(std::uint32_t index, bool writes_only) {
+  Exchange& exchange = exchanges_[index];
+  if (writes_only && exchange.plan->is_read()) {
+    return;
+  }
+  const auto parts = exchange.parts;
+  for (const Exchange::Part& part : parts) {
+    if (part.job->is_waiting()) {
+      touch(part.bus).withdraw(*part.job);
+      end_part(*part.job, bus::Ending::cancelled);
+    } else {
+      part.job->abandoned = true;
+    }
+  }
+}
+
+void Gateway::answer_now(ClientId id, ClientSession& session, const modbus::MbapHeader& header,
+                         const modbus::Pdu& pdu) {
+  send(id, session, session.open_answer(), modbus::MbapAdu{header, pdu});
+}
+
+void Gateway::send(ClientId id, ClientSession& session, ClientSession::AnswerId answer,
+                   const std::optional<modbus::MbapAdu>& adu) {
+  const auto bytes = adu ? std::optional(modbus::encode(*adu)) : std::nullopt;
+  for (const modbus::MbapBytes& ready : session.close_answer(answer, bytes)) {
+    actions_.emplace_back(Send{id, ready});
+  }
+  ready_clients_.push_back(id);
+}
+
+}  // namespace mbgate::gateway

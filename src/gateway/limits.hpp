@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every fixed limit of the machine, each with its reason. What a user may want to change is a
+// setting instead.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+#include "bus/instant.hpp"
+
+namespace mbgate::gateway {
+
+/// Bytes a connection is read ahead while its pipeline is full: enough to see what is coming, too
+/// few to matter with 10,000 connections.
+inline constexpr std::size_t kReadAhead = 4096;
+
+/// The shell reads a socket in pieces of at most this size; a shorter piece means that the socket
+/// was empty.
+inline constexpr std::size_t kClientReadSize = 2048;
+
+/// Arrival times kept of bytes read ahead. Beyond that, later bytes count as old as the last kept
+/// piece, which errs to the safe side: a request can only look older than it is.
+inline constexpr std::size_t kArrivalMarks = 32;
+
+/// Reads wait this long for their turn unless the route says otherwise: longer than any screen
+/// waits.
+inline constexpr bus::Duration kReadDeadline = std::chrono::seconds(5);
+
+/// Writes wait this long, or twice the longest response timeout of the bus: an old motion command
+/// is dangerous.
+inline constexpr bus::Duration kWriteDeadline = std::chrono::seconds(1);
+
+/// After a shutdown was asked for, what is on the wire has this long: the process ends within 2 s.
+inline constexpr bus::Duration kShutdownGrace = std::chrono::milliseconds(1500);
+
+}  // namespace mbgate::gateway

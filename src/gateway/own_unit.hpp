@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The gateway as a Modbus server of its own, so that a PLC can watch it with the protocol it has:
+// 43/14 identification, 08 counters, 04 input registers with the health of every bus and device.
+//
+// Input registers (16 bits each; 32-bit counters high word first, wrapping):
+//   0 layout version (1) · 1 buses · 2 devices · 3 connected clients · 4-5 seconds since the start
+//   · 6-7 requests · 8-9 ADUs of other protocols, skipped · 10-11 connections closed because
+//   framing was lost 1000 + 32 x bus:     0 open (0/1) · 1 requests waiting · from 2 on 32-bit
+//   counters: transmissions, responses,
+//                        exceptions, timeouts, bad CRCs, stray frames, stray bytes, noise bytes,
+//                        echo mismatches, expired, refused because full, losses, retries,
+//                        broadcasts · 30-31 zero
+//   10000 + 16 x device: 0 bus (1 = first) · 1 address · 2 state (0 not asked yet, 1 answering, 2
+//   not answering) ·
+//                        3 unanswered in a row · from 4 on 32-bit counters: transmissions,
+//                        responses, exceptions, timeouts, bad CRCs · 14-15 zero
+// Buses and devices are numbered in the order of the configuration. Other addresses: exception 02.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "drive/device.hpp"
+#include "modbus/pdu.hpp"
+
+namespace mbgate::gateway {
+
+/// What all clients together have sent.
+struct ClientCounters {
+  std::uint64_t requests = 0;
+  std::uint64_t foreign_adus = 0;  ///< skipped: the protocol identifier was not 0
+  std::uint64_t framing_lost = 0;
+};
+
+/// What the gateway looks like at the moment of a request.
+struct OwnView {
+  std::vector<const bus::Bus*> buses;
+  std::span<const drive::Device> devices;
+  std::size_t clients = 0;
+  ClientCounters counters;
+  bus::Duration uptime{0};
+};
+
+class OwnUnit {
+ public:
+  struct Answer {
+    modbus::Pdu pdu;
+    bool clear_counters = false;  ///< 08/0A: the buses' counters are to be cleared
+  };
+  /// Answers everything; what the gateway itself does not do gets exception 01.
+  Answer answer(const modbus::Pdu& request, const OwnView& view);
+
+ private:
+  [[nodiscard]] Answer diagnose(const modbus::Pdu& request, const OwnView& view);
+
+  std::uint16_t requests_ = 0;  ///< CPT4, the server message count (Serial Line V1.02, appendix A)
+};
+
+}  // namespace mbgate::gateway

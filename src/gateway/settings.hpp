@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// All that the gateway is told before it starts. Names and meanings are those of conf/mbgate.toml.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/settings.hpp"
+#include "drive/device.hpp"
+#include "routing/client_address.hpp"
+#include "routing/route.hpp"
+
+namespace mbgate::gateway {
+
+using bus::BusSettings;
+using bus::Duration;
+using bus::Instant;
+using drive::BusId;
+using routing::ListenerId;
+
+/// A zero duration turns the timer off.
+struct TcpSettings {
+  Duration keepalive_idle = std::chrono::seconds(30);
+  Duration keepalive_interval = std::chrono::seconds(10);
+  unsigned keepalive_probes = 3;
+  /// How long sent bytes may stay unacknowledged before the connection is given up.
+  Duration user_timeout = std::chrono::seconds(30);
+  unsigned backlog = 1024;
+};
+
+struct ListenerSettings {
+  std::string name;
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 502;  ///< 0: the kernel chooses
+  std::size_t max_connections = 256;
+  std::size_t pipeline = 16;  ///< requests outstanding on one connection
+  bool ordered = false;       ///< responses in the order of the requests
+  Duration idle_timeout{0};   ///< 0: never
+  Duration frame_timeout = std::chrono::seconds(10);
+  routing::NetworkList allow;      ///< empty: everyone
+  routing::NetworkList read_only;  ///< clients that may not write
+  routing::NetworkList keep;  ///< clients whose connection is never closed in favour of another
+  std::optional<BusId> bus;   ///< set: a transparent listener of this bus
+  bool broadcast = false;     ///< transparent listeners: unit 0 is sent to the bus
+  routing::BroadcastReply broadcast_reply = routing::BroadcastReply::echo;
+  TcpSettings tcp;
+};
+
+struct Settings {
+  /// The gateway's own unit identifier on every listener; none turns it off.
+  std::optional<std::uint8_t> own_unit = 255;
+  std::vector<ListenerSettings> listeners;
+  std::vector<BusSettings> buses;
+  std::vector<drive::Device> devices;
+  std::vector<routing::Route> routes;
+
+  [[nodiscard]] const ListenerSettings& listener(ListenerId id) const {
+    return listeners[static_cast<std::size_t>(id)];
+  }
+  [[nodiscard]] const BusSettings& bus(BusId id) const {
+    return buses[static_cast<std::size_t>(id)];
+  }
+};
+
+}  // namespace mbgate::gateway

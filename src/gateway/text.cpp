@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// The text forms of events and actions.
+#include <string_view>
+
+#include "gateway/action.hpp"
+#include "modbus/describe.hpp"
+
+namespace mbgate::gateway {
+namespace {
+
+template <typename... Handlers>
+struct Overloaded : Handlers... {
+  using Handlers::operator()...;
+};
+
+std::string bus_text(const Settings& settings, BusId bus) {
+  return "bus " + settings.bus(bus).name;
+}
+
+template <typename ClientEvent>
+std::string client_text(const Settings& settings, const ClientEvent& event) {
+  return "listener " + settings.listener(event.listener).name + ": client " +
+         event.address.to_text();
+}
+
+std::string_view reason_text(RefusalReason reason) {
+  switch (reason) {
+    case RefusalReason::not_allowed: return "not in the allow list";
+    case RefusalReason::full: return "max_connections is reached and no connection is idle";
+    case RefusalReason::stopping: return "the gateway is stopping";
+  }
+  return "";
+}
+
+std::string client_number(ClientId client) {
+  return "client " + std::to_string(static_cast<std::uint64_t>(client));
+}
+
+}  // namespace
+
+std::string to_text(const Event& event, const Settings& settings) {
+  return std::visit(
+      Overloaded{
+          [&](const BusOpened& e) { return bus_text(settings, e.bus) + " is open"; },
+          [&](const BusLost& e) {
+            return bus_text(settings, e.bus) + " is lost; it is being reopened";
+          },
+          [&](const ClientRefused& e) {
+            return client_text(settings, e) + " refused: " + std::string(reason_text(e.reason));
+          },
+          [&](const ClientDisplaced& e) {
+            return client_text(settings, e) + " closed: idle, and its place was needed";
+          },
+          [&](const ClientFramingLost& e) {
+            return client_text(settings, e) + " closed: MBAP length " + std::to_string(e.length) +
+                   " is not 2 to 254";
+          },
+          [&](const ClientSpeaksRtu& e) {
+            return client_text(settings, e) +
+                   " sends RTU frames to the Modbus TCP port; it must be set to Modbus TCP";
+          },
+          [&](const ClientFrameTimedOut& e) {
+            return client_text(settings, e) + " closed: a request stayed incomplete";
+          },
+          [&](const EchoMismatch& e) {
+            return bus_text(settings, e.bus) +
+                   ": the echo differs from what was sent (collision, or echo = true is wrong)";
+          }},
+      event);
+}
+
+std::string to_text(const Action& action, const Settings& settings) {
+  return std::visit(
+      Overloaded{[&](const Send& a) {
+                   return client_number(a.client) + " < " +
+                          modbus::describe_mbap({a.adu.data(), a.adu.size()},
+                                                modbus::Direction::response);
+                 },
+                 [&](const Pause& a) { return client_number(a.client) + ": pause reading"; },
+                 [&](const Resume& a) { return client_number(a.client) + ": resume reading"; },
+                 [&](const Close& a) { return client_number(a.client) + ": close"; },
+                 [&](const Open& a) { return bus_text(settings, a.bus) + ": open the line"; },
+                 [&](const Transmit& a) {
+                   return bus_text(settings, a.bus) + " > " +
+                          modbus::describe_rtu({a.frame.data(), a.frame.size()},
+                                               modbus::Direction::request);
+                 },
+                 [&](const Report& a) { return to_text(a.event, settings); },
+                 [&](const Finished&) { return std::string("finished"); }},
+      action);
+}
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "modbus/describe.hpp"
+
+#include <cstdio>
+
+#include "modbus/mbap.hpp"
+#include "modbus/response.hpp"
+#include "modbus/rtu.hpp"
+
+namespace mbgate::modbus {
+namespace {
+
+template <typename... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[96];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+std::string name_of(std::uint8_t function) {
+  const auto name = function_name(function);
+  return name.empty() ? format("function %u", unsigned{function}) : std::string(name);
+}
+
+std::string opaque(Bytes pdu) { return name_of(pdu[0]) + format(", %zu bytes", pdu.size() - 1); }
+
+std::string range_text(const TableRange& range) {
+  const unsigned first = range.first;
+  return range.count == 1 ? format(" %u", first)
+                          : format(" %u..%u", first, first + range.count - 1U);
+}
+
+std::string registers(Bytes data) {
+  std::string text = format("%zu registers:", data.size() / 2);
+  for (std::size_t at = 0; at + 1 < data.size(); at += 2) {
+    text += format(" 0x%04X", unsigned{load_be16(data, at)});
+  }
+  return text;
+}
+
+std::string written(const Request& request) {
+  const Bytes bytes = request.pdu().bytes();
+  const std::uint8_t function = request.function();
+  if (function == 0x05 || function == 0x06) {
+    return format(" = 0x%04X", unsigned{load_be16(bytes, 3)});
+  }
+  if (function == 0x10) {
+    return " = " + registers(bytes.subspan(6));
+  }
+  return {};
+}
+
+std::string body(Bytes pdu, Direction direction) {
+  return direction == Direction::request ? describe_request(pdu) : describe_response(pdu);
+}
+
+}  // namespace
+
+std::string hex(Bytes bytes) {
+  std::string text;
+  for (const std::uint8_t byte : bytes) {
+    text += format(text.empty() ? "%02X" : " %02X", unsigned{byte});
+  }
+  return text;
+}
+
+std::string describe_request(Bytes pdu) {
+  const auto whole = Pdu::from(pdu);
+  if (!whole) {
+    return format("no PDU: %zu bytes", pdu.size());
+  }
+  const auto request = Request::parse(*whole);
+  if (!request) {
+    return name_of(pdu[0]) + ", malformed: " + hex(pdu);
+  }
+  if (request->function() == 0x17) {
+    return name_of(pdu[0]) + ", reads" + range_text(request->reads()->range) + ", writes" +
+           range_text(request->writes()->range);
+  }
+  if (request->reads()) {
+    return name_of(pdu[0]) + range_text(request->reads()->range);
+  }
+  if (request->writes()) {
+    return name_of(pdu[0]) + range_text(request->writes()->range) + written(*request);
+  }
+  return opaque(pdu);
+}
+
+std::string describe_response(Bytes pdu) {
+  if (pdu.empty()) {
+    return "no PDU: 0 bytes";
+  }
+  if ((pdu[0] & kExceptionBit) != 0) {
+    return pdu.size() == 2 ? exception_text(pdu[1]) : "exception, malformed: " + hex(pdu);
+  }
+  const PduLength length = response_length(pdu);
+  if (length.kind == PduLength::Kind::need_more ||
+      (length.kind == PduLength::Kind::known && length.bytes != pdu.size())) {
+    return name_of(pdu[0]) + ", malformed: " + hex(pdu);
+  }
+  switch (pdu[0]) {
+    case 0x01:
+    case 0x02: return "bits: " + hex(pdu.subspan(2));
+    case 0x03:
+    case 0x04:
+    case 0x17: return registers(pdu.subspan(2));
+    case 0x05:
+    case 0x06: return name_of(pdu[0]) + " " + std::to_string(load_be16(pdu, 1)) + " done";
+    case 0x0F:
+    case 0x10:
+      return name_of(pdu[0]) + " " + std::to_string(load_be16(pdu, 1)) + ": " +
+             std::to_string(load_be16(pdu, 3)) + " done";
+    default: return opaque(pdu);
+  }
+}
+
+std::string describe_rtu(Bytes frame, Direction direction) {
+  const auto adu = decode_rtu(frame);
+  if (!adu) {
+    return "no RTU frame (size or CRC): " + hex(frame);
+  }
+  return format("unit %u: ", unsigned{adu->address}) + body(adu->pdu.bytes(), direction);
+}
+
+std::string describe_mbap(Bytes adu, Direction direction) {
+  const MbapScan scan = scan_mbap(adu);
+  if (const auto* frame = std::get_if<MbapFrame>(&scan)) {
+    const MbapHeader& header = frame->adu.header;
+    return format("transaction %u unit %u: ", unsigned{header.transaction}, unsigned{header.unit}) +
+           body(frame->adu.pdu.bytes(), direction);
+  }
+  if (const auto* foreign = std::get_if<MbapForeign>(&scan)) {
+    return format("protocol identifier %u instead of 0: ", unsigned{foreign->protocol}) + hex(adu);
+  }
+  if (const auto* lost = std::get_if<MbapLost>(&scan)) {
+    return format("length %u, not 2 to 254: ", unsigned{lost->length}) + hex(adu);
+  }
+  return "incomplete: " + hex(adu);
+}
+
+}  // namespace mbgate::modbus

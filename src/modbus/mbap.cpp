@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "modbus/mbap.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "modbus/crc16.hpp"
+
+namespace mbgate::modbus {
+namespace {
+
+constexpr std::uint16_t kMinLength = 2;    // unit identifier and function code
+constexpr std::uint16_t kMaxLength = 254;  // unit identifier and 253 bytes
+constexpr std::size_t kLengthFieldEnd = 6;
+
+}  // namespace
+
+MbapBytes encode(const MbapAdu& adu) {
+  std::array<std::uint8_t, kMbapHeaderSize> header{};
+  store_be16(header, 0, adu.header.transaction);
+  store_be16(header, 4, static_cast<std::uint16_t>(adu.pdu.size() + 1));
+  header[6] = adu.header.unit;
+  MbapBytes bytes(header.begin(), header.end());
+  const Bytes pdu = adu.pdu.bytes();
+  bytes.insert(bytes.end(), pdu.begin(), pdu.end());
+  return bytes;
+}
+
+MbapScan scan_mbap(Bytes stream) {
+  if (stream.size() < kLengthFieldEnd) {
+    return MbapIncomplete{};
+  }
+  const std::uint16_t length = load_be16(stream, 4);
+  if (length < kMinLength || length > kMaxLength) {
+    return MbapLost{length};
+  }
+  const std::size_t size = kLengthFieldEnd + length;
+  if (stream.size() < size) {
+    return MbapIncomplete{};
+  }
+  if (const std::uint16_t protocol = load_be16(stream, 2); protocol != 0) {
+    return MbapForeign{protocol, size};
+  }
+  const MbapHeader header{load_be16(stream, 0), stream[6]};
+  // A length of 2 to 254 leaves 1 to 253 bytes of PDU.
+  return MbapFrame{{header, *Pdu::from(stream.subspan(kMbapHeaderSize, length - 1U))}, size};
+}
+
+bool looks_like_rtu(Bytes stream) {
+  constexpr std::size_t kSmallest = 4;
+  constexpr std::size_t kLargest = 256;
+  if (stream.size() < kSmallest || !is_request_function(stream[1])) {
+    return false;
+  }
+  const auto good_crc = [&](std::size_t size) {
+    return stream.size() >= size &&
+           crc16(stream.first(size)) == 0;  // the CRC of a frame with its CRC is 0
+  };
+  const bool multiple = stream[1] == 0x0F || stream[1] == 0x10;
+  const std::size_t guess = multiple && stream.size() > 6 ? std::size_t{9} + stream[6] : 8;
+  return good_crc(guess) || good_crc(std::min(stream.size(), kLargest));
+}
+
+}  // namespace mbgate::modbus

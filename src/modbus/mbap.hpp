@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The MBAP header and the stream of ADUs on a TCP connection (Messaging on TCP/IP V1.0b, 3.1.3).
+#pragma once
+
+#include <boost/container/static_vector.hpp>
+#include <cstdint>
+#include <variant>
+
+#include "modbus/pdu.hpp"
+
+namespace mbgate::modbus {
+
+inline constexpr std::size_t kMbapHeaderSize = 7;
+inline constexpr std::size_t kMaxMbapAduSize = kMbapHeaderSize + kMaxPduSize;  // 260
+
+struct MbapHeader {
+  std::uint16_t transaction = 0;  ///< echoed exactly
+  std::uint8_t unit = 0;          ///< echoed exactly
+  friend bool operator==(const MbapHeader&, const MbapHeader&) = default;
+};
+
+/// A whole request or response.
+struct MbapAdu {
+  MbapHeader header;
+  Pdu pdu;
+};
+
+using MbapBytes = boost::container::static_vector<std::uint8_t, kMaxMbapAduSize>;
+
+/// The bytes of an ADU as they go to the socket.
+MbapBytes encode(const MbapAdu& adu);
+
+/// What lies at the front of a stream. `size` is how many bytes to take off.
+struct MbapIncomplete {};
+struct MbapFrame {
+  MbapAdu adu;
+  std::size_t size;
+};
+/// A protocol identifier other than 0 with a sane length: exactly this ADU is to be skipped.
+struct MbapForeign {
+  std::uint16_t protocol;
+  std::size_t size;
+};
+/// Length below 2 or above 254: where the next ADU begins cannot be known any more.
+struct MbapLost {
+  std::uint16_t length;
+};
+using MbapScan = std::variant<MbapIncomplete, MbapFrame, MbapForeign, MbapLost>;
+
+/// Looks at the front of `stream`, which may be split and coalesced in any way. Keeps no state.
+MbapScan scan_mbap(Bytes stream);
+
+/// Do the bytes begin with an RTU frame (address, a known function, good CRC)? A frequent mistake
+/// of users, worth a log line of its own.
+bool looks_like_rtu(Bytes stream);
+
+}  // namespace mbgate::modbus

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// A protocol data unit: function code and data, 1 to 253 bytes (Application Protocol V1.1b3, 4.1).
+// A Pdu that exists has a legal size; what its bytes mean is the business of request.hpp and
+// response.hpp.
+#pragma once
+
+#include <boost/container/static_vector.hpp>
+#include <optional>
+
+#include "modbus/bytes.hpp"
+#include "modbus/exception_code.hpp"
+#include "modbus/function_code.hpp"
+
+namespace mbgate::modbus {
+
+inline constexpr std::size_t kMaxPduSize = 253;
+
+class Pdu {
+ public:
+  /// A copy of `bytes`; nothing if they are none or more than 253.
+  static std::optional<Pdu> from(Bytes bytes);
+  /// The exception response to a request with `function`.
+  static Pdu exception(std::uint8_t function, ExceptionCode code);
+
+  [[nodiscard]] std::uint8_t function() const { return bytes_[0]; }
+  [[nodiscard]] bool is_exception() const { return (function() & kExceptionBit) != 0; }
+  [[nodiscard]] Bytes bytes() const { return {bytes_.data(), bytes_.size()}; }
+  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+  /// Overwrites the 16-bit field at `offset`, which must lie inside.
+  void set_be16(std::size_t offset, std::uint16_t value) {
+    store_be16({bytes_.data(), bytes_.size()}, offset, value);
+  }
+
+  friend bool operator==(const Pdu&, const Pdu&) = default;
+
+ private:
+  Pdu() = default;
+  boost::container::static_vector<std::uint8_t, kMaxPduSize> bytes_;
+};
+
+}  // namespace mbgate::modbus

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "modbus/request.hpp"
+
+namespace mbgate::modbus {
+namespace {
+
+using enum ExceptionCode;
+using MaybeError = std::optional<ExceptionCode>;
+
+constexpr std::uint16_t kMaxReadBits = 2000;        // 6.1, 6.2
+constexpr std::uint16_t kMaxReadRegisters = 125;    // 6.3, 6.4, 6.17
+constexpr std::uint16_t kMaxWriteBits = 1968;       // 6.11
+constexpr std::uint16_t kMaxWriteRegisters = 123;   // 6.12
+constexpr std::uint16_t kMaxReadWriteWrites = 121;  // 6.17
+
+MaybeError check_range(std::uint16_t first, std::uint16_t count, std::uint16_t limit) {
+  if (count == 0 || count > limit) {
+    return illegal_data_value;
+  }
+  if (std::uint32_t{first} + count > 0x10000U) {
+    return illegal_data_address;
+  }
+  return std::nullopt;
+}
+
+bool is_bits(Table table) { return table == Table::coils || table == Table::discrete_inputs; }
+
+std::size_t data_size(Table table, std::uint16_t count) {
+  return is_bits(table) ? (count + 7U) / 8U : std::size_t{count} * 2U;
+}
+
+// Functions 07, 11, 12 and 17 carry nothing but their code (6.7, 6.9, 6.10, 6.13).
+MaybeError check_size(const Pdu& pdu, std::size_t size) {
+  return pdu.size() == size ? MaybeError{} : illegal_data_value;
+}
+
+// 20 and 21: a byte count of all that follows (6.14, 6.15).
+MaybeError check_file_record(const Pdu& pdu, std::size_t smallest) {
+  const Bytes bytes = pdu.bytes();
+  const bool fits = bytes.size() >= 2 && bytes[1] >= smallest && bytes[1] == bytes.size() - 2;
+  return fits ? MaybeError{} : illegal_data_value;
+}
+
+// 08: a sub-function and at least one 16-bit data field (6.8).
+MaybeError check_diagnostics(const Pdu& pdu) {
+  return pdu.size() >= 5 && pdu.size() % 2 == 1 ? MaybeError{} : illegal_data_value;
+}
+
+// 43/14 carries a code and an object (6.21); other MEI types are opaque.
+MaybeError check_encapsulated(const Pdu& pdu) {
+  if (pdu.size() < 2) {
+    return illegal_data_value;
+  }
+  return pdu.bytes()[1] == kReadDeviceIdentification ? check_size(pdu, 4) : MaybeError{};
+}
+
+}  // namespace
+
+Result<Request, ExceptionCode> Request::parse(const Pdu& pdu) {
+  if (!is_request_function(pdu.function())) {
+    return illegal_function;
+  }
+  Request request(pdu);
+  if (const auto error = request.parse_fields()) {
+    return *error;
+  }
+  return request;
+}
+
+std::optional<ExceptionCode> Request::parse_fields() {
+  switch (pdu_.function()) {
+    case 0x01: return parse_reads(Table::coils, kMaxReadBits);
+    case 0x02: return parse_reads(Table::discrete_inputs, kMaxReadBits);
+    case 0x03: return parse_reads(Table::holding_registers, kMaxReadRegisters);
+    case 0x04: return parse_reads(Table::input_registers, kMaxReadRegisters);
+    case 0x05: return parse_single_write(Table::coils);
+    case 0x06: return parse_single_write(Table::holding_registers);
+    case 0x07:
+    case 0x0B:
+    case 0x0C:
+    case 0x11: return check_size(pdu_, 1);
+    case 0x08: return check_diagnostics(pdu_);
+    case 0x0F: return parse_multiple_write(Table::coils, kMaxWriteBits);
+    case 0x10: return parse_multiple_write(Table::holding_registers, kMaxWriteRegisters);
+    case 0x14: return check_file_record(pdu_, 7);
+    case 0x15: return check_file_record(pdu_, 9);
+    case 0x16: return parse_mask_write();
+    case 0x17: return parse_read_write();
+    case 0x18: return parse_fifo();
+    case 0x2B: return check_encapsulated(pdu_);
+    default: return std::nullopt;
+  }
+}
+
+std::optional<ExceptionCode> Request::parse_reads(Table table, std::uint16_t limit) {
+  if (pdu_.size() != 5) {
+    return illegal_data_value;
+  }
+  const TableRange range{table, load_be16(pdu_.bytes(), 1), load_be16(pdu_.bytes(), 3)};
+  reads_ = AddressField{range, 1};
+  return check_range(range.first, range.count, limit);
+}
+
+std::optional<ExceptionCode> Request::parse_single_write(Table table) {
+  if (pdu_.size() != 5) {
+    return illegal_data_value;
+  }
+  const std::uint16_t value = load_be16(pdu_.bytes(), 3);
+  if (table == Table::coils && value != 0x0000 && value != 0xFF00) {
+    return illegal_data_value;
+  }
+  writes_ = AddressField{{table, load_be16(pdu_.bytes(), 1), 1}, 1};
+  return std::nullopt;
+}
+
+std::optional<ExceptionCode> Request::parse_multiple_write(Table table, std::uint16_t limit) {
+  if (pdu_.size() < 6) {
+    return illegal_data_value;
+  }
+  const Bytes bytes = pdu_.bytes();
+  const TableRange range{table, load_be16(bytes, 1), load_be16(bytes, 3)};
+  const std::size_t size = data_size(table, range.count);
+  if (bytes[5] != size || bytes.size() != 6 + size) {
+    return illegal_data_value;
+  }
+  writes_ = AddressField{range, 1};
+  return check_range(range.first, range.count, limit);
+}
+
+std::optional<ExceptionCode> Request::parse_mask_write() {
+  if (pdu_.size() != 7) {
+    return illegal_data_value;
+  }
+  writes_ = AddressField{{Table::holding_registers, load_be16(pdu_.bytes(), 1), 1}, 1};
+  return std::nullopt;
+}
+
+std::optional<ExceptionCode> Request::parse_read_write() {
+  const Bytes bytes = pdu_.bytes();
+  if (bytes.size() < 10) {
+    return illegal_data_value;
+  }
+  const TableRange read{Table::holding_registers, load_be16(bytes, 1), load_be16(bytes, 3)};
+  const TableRange write{Table::holding_registers, load_be16(bytes, 5), load_be16(bytes, 7)};
+  const std::size_t size = std::size_t{write.count} * 2U;
+  if (bytes[9] != size || bytes.size() != 10 + size) {
+    return illegal_data_value;
+  }
+  reads_ = AddressField{read, 1};
+  writes_ = AddressField{write, 5};
+  const auto error = check_range(read.first, read.count, kMaxReadRegisters);
+  return error ? error : check_range(write.first, write.count, kMaxReadWriteWrites);
+}
+
+std::optional<ExceptionCode> Request::parse_fifo() {
+  if (pdu_.size() != 3) {
+    return illegal_data_value;
+  }
+  reads_ = AddressField{{Table::holding_registers, load_be16(pdu_.bytes(), 1), 1}, 1};
+  return std::nullopt;
+}
+
+Request Request::with_addresses(std::optional<std::uint16_t> read_first,
+                                std::optional<std::uint16_t> write_first) const {
+  Request moved = *this;
+  if (moved.reads_ && read_first) {
+    moved.reads_->range.first = *read_first;
+    moved.pdu_.set_be16(moved.reads_->offset, *read_first);
+  }
+  if (moved.writes_ && write_first) {
+    moved.writes_->range.first = *write_first;
+    moved.pdu_.set_be16(moved.writes_->offset, *write_first);
+  }
+  return moved;
+}
+
+Pdu echo_response(const Request& request) {
+  const bool multiple = request.function() == 0x0F || request.function() == 0x10;
+  const Bytes bytes = request.pdu().bytes();
+  // A part of a legal PDU, five bytes of at least six, is a legal PDU.
+  return multiple ? *Pdu::from(bytes.first(5)) : request.pdu();
+}
+
+}  // namespace mbgate::modbus

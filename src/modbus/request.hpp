@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// A request that is well formed: its length fits its function, quantities are within the limits of
+// the Application Protocol V1.1b3, addresses stay below 65536. Unknown functions are opaque and
+// pass.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "modbus/pdu.hpp"
+#include "modbus/result.hpp"
+
+namespace mbgate::modbus {
+
+/// The four primary tables (Application Protocol V1.1b3, 4.3).
+enum class Table : std::uint8_t { coils, discrete_inputs, holding_registers, input_registers };
+
+/// Registers or bits `first` .. `first + count - 1` of a table; never beyond address 65535.
+struct TableRange {
+  Table table;
+  std::uint16_t first;
+  std::uint16_t count;
+  friend bool operator==(const TableRange&, const TableRange&) = default;
+};
+
+/// A range that a request names, and where in the PDU its address field lies.
+struct AddressField {
+  TableRange range;
+  std::size_t offset;
+};
+
+class Request {
+ public:
+  /// Errors: illegal_function for function 0 and 128-255; illegal_data_value where the length does
+  /// not fit the function, a quantity is 0 or over its limit, or a coil is neither 0000 nor FF00
+  /// (6.1-6.18); illegal_data_address where address + quantity exceeds 65536.
+  static Result<Request, ExceptionCode> parse(const Pdu& pdu);
+
+  [[nodiscard]] const Pdu& pdu() const { return pdu_; }
+  [[nodiscard]] std::uint8_t function() const { return pdu_.function(); }
+  [[nodiscard]] bool is_read() const { return modbus::is_read(pdu_.bytes()); }
+  /// What the request reads from a table: 01-04, 23, 24 (only the pointer register of 24).
+  [[nodiscard]] const std::optional<AddressField>& reads() const { return reads_; }
+  /// What it writes to a table: 05, 06, 15, 16, 22, 23.
+  [[nodiscard]] const std::optional<AddressField>& writes() const { return writes_; }
+  /// The same request with another start address: reads()->offset or writes()->offset moved to
+  /// `first`. The caller keeps first + count within 65536.
+  [[nodiscard]] Request with_addresses(std::optional<std::uint16_t> read_first,
+                                       std::optional<std::uint16_t> write_first) const;
+
+ private:
+  explicit Request(const Pdu& pdu) : pdu_(pdu) {}
+  std::optional<ExceptionCode> parse_fields();
+  std::optional<ExceptionCode> parse_reads(Table table, std::uint16_t limit);
+  std::optional<ExceptionCode> parse_single_write(Table table);
+  std::optional<ExceptionCode> parse_multiple_write(Table table, std::uint16_t limit);
+  std::optional<ExceptionCode> parse_mask_write();
+  std::optional<ExceptionCode> parse_read_write();
+  std::optional<ExceptionCode> parse_fifo();
+
+  Pdu pdu_;
+  std::optional<AddressField> reads_;
+  std::optional<AddressField> writes_;
+};
+
+/// The normal response to a write that merely repeats its fields (05, 06, 15, 16, 22; 08 repeats
+/// all): what a client gets after a broadcast. Other functions repeat the request unchanged.
+Pdu echo_response(const Request& request);
+
+}  // namespace mbgate::modbus

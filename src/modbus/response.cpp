@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "modbus/response.hpp"
+
+#include <algorithm>
+
+namespace mbgate::modbus {
+namespace {
+
+using Kind = PduLength::Kind;
+
+PduLength known(std::size_t bytes) { return {Kind::known, bytes}; }
+
+// A byte count at offset 1 counts all that follows it.
+PduLength counted(Bytes prefix) {
+  return prefix.size() < 2 ? PduLength{Kind::need_more} : known(std::size_t{2} + prefix[1]);
+}
+
+// 24: a 16-bit byte count (6.18).
+PduLength fifo(Bytes prefix) {
+  return prefix.size() < 3 ? PduLength{Kind::need_more}
+                           : known(std::size_t{3} + load_be16(prefix, 1));
+}
+
+// 43/14: six fields, then objects of id, length, value (6.21). Other MEI types are opaque.
+PduLength identification(Bytes prefix) {
+  if (prefix.size() < 2) {
+    return {Kind::need_more};
+  }
+  if (prefix[1] != kReadDeviceIdentification) {
+    return {Kind::opaque};
+  }
+  if (prefix.size() < 7) {
+    return {Kind::need_more};
+  }
+  std::size_t end = 7;
+  for (unsigned object = 0; object < prefix[6]; ++object) {
+    if (prefix.size() < end + 2) {
+      return {Kind::need_more};
+    }
+    end += std::size_t{2} + prefix[end + 1];
+  }
+  return known(end);
+}
+
+bool repeats(Bytes request, Bytes response, std::size_t bytes) {
+  return std::ranges::equal(request.first(bytes), response.first(bytes));
+}
+
+}  // namespace
+
+PduLength response_length(Bytes prefix) {
+  if ((prefix[0] & kExceptionBit) != 0) {
+    return known(2);
+  }
+  switch (prefix[0]) {
+    case 0x01:
+    case 0x02:
+    case 0x03:
+    case 0x04:
+    case 0x0C:
+    case 0x11:
+    case 0x14:
+    case 0x15:
+    case 0x17: return counted(prefix);
+    case 0x05:
+    case 0x06:
+    case 0x0B:
+    case 0x0F:
+    case 0x10: return known(5);
+    case 0x07: return known(2);
+    case 0x16: return known(7);
+    case 0x18: return fifo(prefix);
+    case 0x2B: return identification(prefix);
+    default: return {Kind::opaque};
+  }
+}
+
+PduLength expected_response_length(const Request& request) {
+  switch (request.function()) {
+    case 0x01:
+    case 0x02: return known(2U + (request.reads()->range.count + 7U) / 8U);
+    case 0x03:
+    case 0x04:
+    case 0x17: return known(2U + std::size_t{request.reads()->range.count} * 2U);
+    case 0x05:
+    case 0x06:
+    case 0x0F:
+    case 0x10:
+    case 0x0B: return known(5);
+    case 0x07: return known(2);
+    case 0x08:
+    case 0x15:
+    case 0x16: return known(request.pdu().size());
+    case 0x0C:
+    case 0x11:
+    case 0x14:
+    case 0x18: return {Kind::need_more};
+    case 0x2B:
+      return {request.pdu().bytes()[1] == kReadDeviceIdentification ? Kind::need_more
+                                                                    : Kind::opaque};
+    default: return {Kind::opaque};
+  }
+}
+
+ResponseFit check_response(const Request& request, Bytes response) {
+  if (response[0] == (request.function() | kExceptionBit)) {
+    return response.size() == 2 ? ResponseFit::exception : ResponseFit::wrong_length;
+  }
+  if (response[0] != request.function()) {
+    return ResponseFit::wrong_function;
+  }
+  const PduLength expected = expected_response_length(request);
+  const PduLength own = response_length(response);
+  if ((expected.kind == Kind::known && expected.bytes != response.size()) ||
+      (own.kind == Kind::known && own.bytes != response.size()) || own.kind == Kind::need_more) {
+    return ResponseFit::wrong_length;
+  }
+  const Bytes asked = request.pdu().bytes();
+  bool echo = true;
+  switch (request.function()) {
+    case 0x05:
+    case 0x06:
+    case 0x0F:
+    case 0x10: echo = repeats(asked, response, 5); break;
+    case 0x15:
+    case 0x16: echo = repeats(asked, response, asked.size()); break;
+    // 08/00 returns its data, the other sub-functions data of their own (6.8).
+    case 0x08: echo = repeats(asked, response, load_be16(asked, 1) == 0 ? asked.size() : 3); break;
+    case 0x2B: echo = response.size() >= 2 && response[1] == asked[1]; break;
+    default: break;
+  }
+  return echo ? ResponseFit::normal : ResponseFit::wrong_echo;
+}
+
+}  // namespace mbgate::modbus

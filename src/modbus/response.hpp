@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Is this the response to that request? Lengths by function, and the fields that a response
+// repeats.
+#pragma once
+
+#include <cstddef>
+
+#include "modbus/request.hpp"
+
+namespace mbgate::modbus {
+
+/// How long a response PDU is, judged by its first bytes.
+struct PduLength {
+  enum class Kind : std::uint8_t {
+    known,      ///< `bytes` in all
+    need_more,  ///< more bytes must come before the length is known
+    opaque      ///< the function does not say; only silence ends it
+  };
+  Kind kind;
+  std::size_t bytes = 0;
+};
+
+/// The length of the response that begins with `prefix` (function code first, not empty).
+/// Source: Application Protocol V1.1b3, section 6; exceptions have 2 bytes (section 7).
+PduLength response_length(Bytes prefix);
+
+/// The length that the normal response to `request` must have, where the request decides it.
+PduLength expected_response_length(const Request& request);
+
+enum class ResponseFit : std::uint8_t {
+  normal,          ///< the answer
+  exception,       ///< the answer: an exception of the device
+  wrong_function,  ///< another function's answer
+  wrong_length,    ///< not as long as the request asks for
+  wrong_echo       ///< address, value or quantity are not those of the request
+};
+
+/// Holds `response` (a PDU, not empty) against `request`: function, length, byte count of 01-04 and
+/// 23, address and value or quantity of 05, 06, 15, 16, all fields of 22, the sub-function of 08
+/// and 43.
+ResponseFit check_response(const Request& request, Bytes response);
+
+}  // namespace mbgate::modbus

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a function returns when outside data may be wrong: a value, or the reason why there is none.
+#pragma once
+
+#include <boost/system/result.hpp>
+
+namespace mbgate {
+
+template <typename Value, typename Error>
+using Result = boost::system::result<Value, Error>;
+
+}  // namespace mbgate

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "routing/client_address.hpp"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <charconv>
+
+namespace mbgate::routing {
+namespace {
+
+constexpr std::size_t kV4Offset = 12;  // ::ffff:a.b.c.d
+constexpr unsigned kV4Prefix = 96;
+constexpr unsigned kAllBits = 128;
+
+bool bits_beyond(const ClientAddress::Octets& octets, unsigned prefix) {
+  for (unsigned bit = prefix; bit < kAllBits; ++bit) {
+    if (((octets[bit / 8] >> (7U - bit % 8)) & 1U) != 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool same_prefix(const ClientAddress::Octets& a, const ClientAddress::Octets& b, unsigned prefix) {
+  const auto whole = static_cast<std::ptrdiff_t>(prefix / 8);
+  if (!std::equal(a.begin(), a.begin() + whole, b.begin())) {
+    return false;
+  }
+  const unsigned rest = prefix % 8;
+  const auto at = static_cast<std::size_t>(whole);
+  return rest == 0 || ((a[at] ^ b[at]) >> (8U - rest)) == 0;
+}
+
+}  // namespace
+
+std::optional<ClientAddress> ClientAddress::parse(std::string_view text) {
+  if (text.find('\0') != std::string_view::npos) {
+    return std::nullopt;  // inet_pton() would not see what lies behind it
+  }
+  const std::string terminated(text);
+  Octets octets{};
+  if (inet_pton(AF_INET, terminated.c_str(), &octets[kV4Offset]) == 1) {
+    octets[10] = octets[11] = 0xFF;
+    return ClientAddress(octets);
+  }
+  if (inet_pton(AF_INET6, terminated.c_str(), octets.data()) == 1) {
+    return ClientAddress(octets);
+  }
+  return std::nullopt;
+}
+
+bool ClientAddress::is_v4() const {
+  return std::all_of(octets_.begin(), octets_.begin() + 10,
+                     [](auto octet) { return octet == 0; }) &&
+         octets_[10] == 0xFF && octets_[11] == 0xFF;
+}
+
+std::string ClientAddress::to_text() const {
+  char text[INET6_ADDRSTRLEN] = "";
+  if (is_v4()) {
+    inet_ntop(AF_INET, &octets_[kV4Offset], text, sizeof text);
+  } else {
+    inet_ntop(AF_INET6, octets_.data(), text, sizeof text);
+  }
+  return text;
+}
+
+std::optional<Network> Network::parse(std::string_view text) {
+  const auto slash = text.find('/');
+  const auto address = ClientAddress::parse(text.substr(0, slash));
+  if (!address) {
+    return std::nullopt;
+  }
+  const bool v4 = text.substr(0, slash).find(':') == std::string_view::npos;
+  unsigned prefix = v4 ? 32 : kAllBits;
+  if (slash != std::string_view::npos) {
+    const auto digits = text.substr(slash + 1);
+    const auto* end = digits.data() + digits.size();
+    unsigned given = 0;
+    const auto [at, error] = std::from_chars(digits.data(), end, given);
+    if (error != std::errc{} || at != end || given > prefix) {
+      return std::nullopt;
+    }
+    prefix = given;
+  }
+  if (v4) {
+    prefix += kV4Prefix;
+  }
+  if (bits_beyond(address->octets(), prefix)) {
+    return std::nullopt;
+  }
+  return Network(*address, prefix);
+}
+
+bool Network::contains(const ClientAddress& address) const {
+  return same_prefix(address_.octets(), address.octets(), prefix_);
+}
+
+bool contains(const NetworkList& list, const ClientAddress& address) {
+  return std::ranges::any_of(list,
+                             [&](const Network& network) { return network.contains(address); });
+}
+
+}  // namespace mbgate::routing

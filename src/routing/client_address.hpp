@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who a client is to the gateway: its network address. IPv4 is kept in its IPv6-mapped form, so
+// that one type serves both and an IPv4 client of an IPv6 socket is the same client.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mbgate::routing {
+
+class ClientAddress {
+ public:
+  using Octets = std::array<std::uint8_t, 16>;
+
+  ClientAddress() = default;
+  explicit ClientAddress(const Octets& octets) : octets_(octets) {}
+  /// "192.168.10.5" or "fe80::1", without zone; nothing if it is neither.
+  static std::optional<ClientAddress> parse(std::string_view text);
+
+  [[nodiscard]] const Octets& octets() const { return octets_; }
+  [[nodiscard]] bool is_v4() const;
+  [[nodiscard]] std::string to_text() const;
+  friend auto operator<=>(const ClientAddress&, const ClientAddress&) = default;
+
+ private:
+  Octets octets_{};
+};
+
+/// An address block in CIDR form.
+class Network {
+ public:
+  /// "192.168.10.0/24", "10.0.0.7", "::/0"; nothing if it is no such thing or has bits beyond its
+  /// prefix.
+  static std::optional<Network> parse(std::string_view text);
+  [[nodiscard]] bool contains(const ClientAddress& address) const;
+
+ private:
+  Network(const ClientAddress& address, unsigned prefix) : address_(address), prefix_(prefix) {}
+  ClientAddress address_;
+  unsigned prefix_;  ///< of 128 bits
+};
+
+using NetworkList = std::vector<Network>;
+
+/// Is the address in one of the networks?
+bool contains(const NetworkList& list, const ClientAddress& address);
+
+}  // namespace mbgate::routing

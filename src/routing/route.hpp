@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// A route: which client-visible unit leads to which device, and what may go along it.
+#pragma once
+
+#include <bitset>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "drive/device.hpp"
+#include "modbus/request.hpp"
+
+namespace mbgate::routing {
+
+using drive::BusId;
+using modbus::Duration;
+
+/// The place of a listener in the settings.
+enum class ListenerId : std::uint32_t {};
+
+enum class Access : std::uint8_t { read_only, read_write };
+
+/// What the client of a broadcast gets once every bus has transmitted it.
+enum class BroadcastReply : std::uint8_t { echo, none };
+
+/// Client addresses `from` .. `from + count - 1` of one table become device addresses from `to` on.
+struct AddressWindow {
+  modbus::Table table = modbus::Table::holding_registers;
+  std::uint16_t from = 0;
+  std::uint32_t count = 0;  ///< 1 to 65536; neither side passes 65536
+  std::uint16_t to = 0;
+};
+
+/// The function codes that a route lets through. 08/01 and 08/04 silence a device and pass only
+/// where they are named (Application Protocol V1.1b3, 6.8.1).
+struct FunctionRules {
+  std::bitset<128> allowed;
+  bool restart_communications = false;  ///< 08/01
+  bool force_listen_only = false;       ///< 08/04
+  /// Functions 1 to 127.
+  static FunctionRules all();
+  /// Those whose addresses a window can rewrite: 01-06, 15, 16, 22, 23, 24.
+  static FunctionRules rewritable();
+};
+
+struct Route {
+  std::optional<ListenerId> listener;  ///< none: every routed listener
+  std::uint8_t first_unit = 0;
+  std::uint8_t last_unit = 0;
+  /// One bus; for a broadcast route (unit 0) one or more.
+  std::vector<BusId> buses;
+  /// The bus address of first_unit; the others follow in order. 0 for a broadcast route.
+  std::uint8_t first_address = 0;
+  std::optional<AddressWindow> window;
+  Access access = Access::read_write;
+  FunctionRules functions = FunctionRules::all();
+  std::optional<Duration> deadline;  ///< default by read and write: see Gateway
+  BroadcastReply broadcast_reply = BroadcastReply::echo;
+
+  [[nodiscard]] bool is_broadcast() const { return first_unit == 0 && first_address == 0; }
+};
+
+}  // namespace mbgate::routing

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+// A Gateway on a bench: virtual time, clients and lines played by the test, every action kept.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "gateway/gateway.hpp"
+#include "support/hex.hpp"
+
+namespace mbgate::test {
+
+using namespace std::chrono_literals;
+using bus::Duration;
+using bus::Instant;
+using gateway::BusId;
+using gateway::ClientId;
+using gateway::ListenerId;
+using gateway::Settings;
+
+/// One routed listener, one bus at 19200 8E1 (t3.5 = 2.005 ms), units 1-247 to the same addresses.
+/// No listening at the start, so that tests begin with an idle line.
+inline Settings one_bus() {
+  Settings settings;
+  settings.listeners.emplace_back().name = "plant";
+  auto& line = settings.buses.emplace_back();
+  line.name = "line-a";
+  line.line.device = "/dev/ttyS0";
+  line.listen_first = 0ms;
+  line.timing.response_timeout = 100ms;
+  auto& route = settings.routes.emplace_back();
+  route.first_unit = route.first_address = 1;
+  route.last_unit = 247;
+  route.buses = {BusId{0}};
+  return settings;
+}
+
+class MachineRig {
+ public:
+  explicit MachineRig(Settings settings = one_bus(), bool open_lines = true)
+      : gateway(std::move(settings), now) {
+    drain();
+    if (open_lines) {
+      for (std::uint32_t bus = 0; bus < gateway.settings().buses.size(); ++bus) {
+        gateway.handle_bus_opened(BusId{bus}, now);
+        drain();
+      }
+      advance(5ms);  // more than t3.5
+      opened.clear();
+      events.clear();
+    }
+  }
+
+  void connect(std::uint64_t client, std::string_view address = "192.0.2.1",
+               std::uint32_t listener = 0, std::size_t bytes_before_ready = 0) {
+    gateway.handle_client_connected(
+        ClientId{client},
+        {ListenerId{listener}, *routing::ClientAddress::parse(address), bytes_before_ready}, now);
+    drain();
+  }
+  void receive(std::uint64_t client, std::string_view bytes) {
+    gateway.handle_client_bytes(ClientId{client}, unhex(bytes), now);
+    drain();
+  }
+  void half_close(std::uint64_t client) {
+    gateway.handle_client_half_closed(ClientId{client}, now);
+    drain();
+  }
+  void disconnect(std::uint64_t client) {
+    gateway.handle_client_disconnected(ClientId{client}, now);
+    drain();
+  }
+  void confirm_sent(std::uint64_t client) {
+    gateway.handle_client_sent(ClientId{client}, now);
+    drain();
+  }
+  void line(std::string_view bytes, std::uint32_t bus = 0) {
+    gateway.handle_bus_bytes(BusId{bus}, unhex(bytes), now);
+    drain();
+  }
+  /// A device's answer: address and PDU; the CRC is added.
+  void respond(std::string_view address_and_pdu, std::uint32_t bus = 0) {
+    const auto bytes = unhex(address_and_pdu);
+    const auto frame =
+        modbus::encode_rtu(bytes[0], *modbus::Pdu::from(modbus::Bytes(bytes).subspan(1)));
+    gateway.handle_bus_bytes(BusId{bus}, {frame.data(), frame.size()}, now);
+    drain();
+  }
+  void lose_line(std::uint32_t bus = 0) {
+    gateway.handle_bus_lost(BusId{bus}, now);
+    drain();
+  }
+  void open_line(std::uint32_t bus = 0) {
+    gateway.handle_bus_opened(BusId{bus}, now);
+    drain();
+  }
+  void shutdown() {
+    gateway.handle_shutdown(now);
+    drain();
+  }
+  /// Lets time pass, stopping at every deadline on the way.
+  void advance(Duration duration) {
+    const Instant end = now + duration;
+    for (auto deadline = gateway.next_deadline(); deadline && *deadline <= end;
+         deadline = gateway.next_deadline()) {
+      now = std::max(now, *deadline);
+      gateway.handle_deadline(now);
+      drain();
+    }
+    now = end;
+  }
+
+  /// What went out since the last call, as hexadecimal text.
+  std::vector<std::string> take_sent(std::uint64_t client) {
+    return std::exchange(sent[client], {});
+  }
+  std::vector<std::string> take_transmitted(std::uint32_t bus = 0) {
+    return std::exchange(transmitted[bus], {});
+  }
+
+  Instant now{};
+  gateway::Gateway gateway;
+  bool confirms = true;  ///< sockets take every answer at once
+  std::map<std::uint64_t, std::vector<std::string>> sent;
+  std::map<std::uint32_t, std::vector<std::string>> transmitted;
+  std::map<std::uint32_t, std::vector<Instant>> transmitted_at;
+  std::vector<Instant> opened;
+  std::set<std::uint64_t> closed;
+  std::set<std::uint64_t> paused;
+  std::vector<std::string> events;
+  bool finished = false;
+
+ private:
+  void drain() {
+    while (const auto action = gateway.poll_action()) {
+      std::visit([this](const auto& what) { take(what); }, *action);
+    }
+  }
+  void take(const gateway::Send& action) {
+    const auto client = static_cast<std::uint64_t>(action.client);
+    sent[client].push_back(hex({action.adu.data(), action.adu.size()}));
+    if (confirms) {
+      gateway.handle_client_sent(action.client, now);
+    }
+  }
+  void take(const gateway::Transmit& action) {
+    const auto bus = static_cast<std::uint32_t>(action.bus);
+    transmitted[bus].push_back(hex({action.frame.data(), action.frame.size()}));
+    transmitted_at[bus].push_back(now);
+  }
+  void take(const gateway::Pause& action) {
+    paused.insert(static_cast<std::uint64_t>(action.client));
+  }
+  void take(const gateway::Resume& action) {
+    paused.erase(static_cast<std::uint64_t>(action.client));
+  }
+  void take(const gateway::Close& action) {
+    closed.insert(static_cast<std::uint64_t>(action.client));
+  }
+  void take(const gateway::Open& /*action*/) { opened.push_back(now); }
+  void take(const gateway::Report& action) {
+    events.push_back(gateway::to_text(action.event, gateway.settings()));
+  }
+  void take(const gateway::Finished& /*action*/) { finished = true; }
+};
+
+/// Strings of one line each, for EXPECT_THAT(..., ElementsAre(...)).
+using Lines = std::vector<std::string>;
+
+}  // namespace mbgate::test

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/response_framer.hpp"
+
+#include <gtest/gtest.h>
+
+#include "modbus/crc16.hpp"
+#include "support/hex.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using namespace std::chrono_literals;
+using bus::Duration;
+using bus::Instant;
+using Verdict = bus::ResponseFramer::Verdict;
+
+// 19200 8E1: 573 us a character, t3.5 = 2.005 ms.
+class ResponseFramer : public testing::Test {
+ protected:
+  void expect(std::string_view request, std::uint8_t address = 1) {
+    const auto pdu = modbus::Pdu::from(unhex(request));
+    transaction_.emplace(bus::Transaction{address, *modbus::Request::parse(*pdu)});
+    framer_.expect(*transaction_);
+  }
+  Verdict add(std::string_view bytes) { return framer_.add(unhex(bytes), now_); }
+  Verdict after(Duration duration) {
+    now_ += duration;
+    return framer_.handle_deadline(now_);
+  }
+  std::string response() { return hex(framer_.response().bytes()); }
+
+  Instant now_{10s};
+  bus::BusCounters counters_;
+  std::optional<bus::Transaction> transaction_;
+  bus::ResponseFramer framer_{modbus::RtuTiming(modbus::Baud{19200}, {}), counters_};
+};
+
+constexpr auto kRead = "03 001E 0002";
+constexpr auto kAnswer = "01 03 04 00 03 0D 40 0F 53";
+
+TEST_F(ResponseFramer, TakesAnAnswerAtItsLastByte) {
+  expect(kRead);
+  EXPECT_EQ(add("01 03 04 00 03 0D 40 0F"), Verdict::none);
+  EXPECT_EQ(add("53"), Verdict::response);
+  EXPECT_EQ(response(), "03 04 00 03 0D 40");
+}
+
+TEST_F(ResponseFramer, GapsWithinAnAnswerMeanNothing) {
+  for (std::size_t cut = 1; cut < 9; ++cut) {
+    expect(kRead);
+    const auto bytes = unhex(kAnswer);
+    EXPECT_EQ(framer_.add(modbus::Bytes(bytes).first(cut), now_), Verdict::none);
+    now_ += 16ms;  // an adapter's latency timer
+    EXPECT_EQ(framer_.add(modbus::Bytes(bytes).subspan(cut), now_), Verdict::response) << cut;
+  }
+}
+
+TEST_F(ResponseFramer, TakesAnExceptionAtOnce) {
+  expect(kRead);
+  EXPECT_EQ(add("01 83 02 C0 F1"), Verdict::response);
+  EXPECT_EQ(response(), "83 02");
+}
+
+TEST_F(ResponseFramer, SkipsUpToTwoLeadingNoiseBytes) {
+  expect(kRead);
+  EXPECT_EQ(add(std::string("00 FF ") + kAnswer), Verdict::response);
+  EXPECT_EQ(counters_.noise_bytes, 2U);
+  expect(kRead);
+  EXPECT_EQ(add(std::string("00 FF 00 ") + kAnswer), Verdict::none);
+}
+
+TEST_F(ResponseFramer, IgnoresAnswersOfOtherUnitsAndFunctions) {
+  expect(kRead);
+  EXPECT_EQ(add("02 03 04 00 03 0D 40 3C 53"), Verdict::none);  // unit 2
+  EXPECT_EQ(add("01 04 04 00 03 0D 40 0E E4"), Verdict::none);  // function 4
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+  EXPECT_EQ(counters_.stray_frames, 2U);
+}
+
+TEST_F(ResponseFramer, IgnoresAnswersOfAnotherLength) {
+  expect(kRead);
+  EXPECT_EQ(add("01 03 02 12 34 B5 33"), Verdict::none);
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+  EXPECT_EQ(counters_.stray_frames, 1U);
+}
+
+TEST_F(ResponseFramer, IgnoresAWriteEchoedWithAnotherValueOrAddress) {
+  expect("06 007C 00E1");
+  EXPECT_EQ(add("01 06 00 7C 00 66 C8 38"), Verdict::none);
+  EXPECT_EQ(add("01 06 00 7B 00 E1 39 9B"), Verdict::none);
+  EXPECT_EQ(add("01 06 00 7C 00 E1 88 5A"), Verdict::response);
+  EXPECT_EQ(counters_.stray_frames, 2U);
+}
+
+TEST_F(ResponseFramer, ABadCrcNeedsSilenceToBeBelieved) {
+  expect(kRead);
+  EXPECT_EQ(add("01 03 04 00 03 0D 41 0F 53"), Verdict::none);
+  EXPECT_EQ(after(19ms), Verdict::none);
+  EXPECT_EQ(after(1ms), Verdict::bad_crc);
+}
+
+TEST_F(ResponseFramer, ABadCrcWithMoreBytesBehindItIsGarbage) {
+  expect(kRead);
+  EXPECT_EQ(add("01 03 04 00 03 0D 41 0F 53"), Verdict::none);
+  EXPECT_EQ(add("55"), Verdict::none);
+  EXPECT_EQ(after(100ms), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+  EXPECT_EQ(counters_.stray_bytes, 10U);
+}
+
+TEST_F(ResponseFramer, UnknownFunctionsEndBySilenceWithAGoodCrc) {
+  expect("46 01 02");  // FDA6000's JOG
+  EXPECT_EQ(add("01 46 AA BB"), Verdict::none);
+  now_ += 10ms;
+  EXPECT_EQ(add("CC"), Verdict::none);
+  const auto crc = modbus::crc16(unhex("01 46 AA BB CC"));
+  const std::uint8_t tail[] = {static_cast<std::uint8_t>(crc & 0xFFU),
+                               static_cast<std::uint8_t>(crc >> 8U)};
+  EXPECT_EQ(framer_.add(tail, now_), Verdict::none);
+  EXPECT_EQ(after(19ms), Verdict::none);
+  EXPECT_EQ(after(1ms), Verdict::response);
+  EXPECT_EQ(response(), "46 AA BB CC");
+}
+
+TEST_F(ResponseFramer, GivesAnIncompleteAnswerUpAfterTheTimeOfItsBytes) {
+  expect(kRead);
+  EXPECT_EQ(add("01 03 04 00"), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+  // nine characters take 5.156 ms, plus 20 ms
+  EXPECT_EQ(after(25ms), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+  EXPECT_EQ(after(200us), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+}
+
+TEST_F(ResponseFramer, SilenceSeparatesGarbageFromTheAnswer) {
+  expect(kRead);
+  EXPECT_EQ(add("55 AA 12"), Verdict::none);
+  now_ += 3ms;
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+  EXPECT_EQ(counters_.stray_bytes, 3U);
+}
+
+TEST_F(ResponseFramer, SurvivesABabblingLine) {
+  expect(kRead);
+  const std::vector<std::uint8_t> garbage(200, 0x55);
+  for (int pieces = 0; pieces < 50; ++pieces) {
+    EXPECT_EQ(framer_.add(garbage, now_), Verdict::none);
+    now_ += 1ms;
+  }
+  now_ += 3ms;
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+}
+
+TEST_F(ResponseFramer, ReadsIdentificationByItsObjects) {
+  expect("2B 0E 01 00");
+  const auto body = unhex("01 2B 0E 01 01 00 00 01 00 02 41 42");
+  const auto crc = modbus::crc16(body);
+  EXPECT_EQ(framer_.add(body, now_), Verdict::none);
+  const std::uint8_t tail[] = {static_cast<std::uint8_t>(crc & 0xFFU),
+                               static_cast<std::uint8_t>(crc >> 8U)};
+  EXPECT_EQ(framer_.add(tail, now_), Verdict::response);
+}
+
+}  // namespace
+}  // namespace mbgate::test

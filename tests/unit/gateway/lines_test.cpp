@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lines that are absent, vanish and return; the end of the process; the gateway's own unit.
+#include <gmock/gmock.h>
+
+#include "support/machine_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr auto kRead = "0001 0000 0006 01 03 0000 0001";
+constexpr auto kRead2 = "0002 0000 0006 01 03 0000 0001";
+
+TEST(Gateway, HoldsRequestsUntilTheFirstAttemptToOpenTheLine) {
+  MachineRig rig(one_bus(), false);
+  EXPECT_THAT(rig.opened, SizeIs(1));
+  rig.connect(1);
+  rig.receive(1, kRead);
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+  rig.open_line();
+  rig.advance(5ms);
+  EXPECT_THAT(rig.take_transmitted(), SizeIs(1));
+}
+
+TEST(Gateway, AnswersWith0AAtOnceWhileThePortIsAbsentAndTriesAgain) {
+  MachineRig rig(one_bus(), false);
+  rig.connect(1);
+  rig.receive(1, kRead);
+  rig.lose_line();
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 83 0A"));
+  rig.receive(1, kRead2);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 01 83 0A"));
+  const Instant lost = rig.now;
+  std::vector<Duration> waits;
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    rig.opened.clear();
+    const Instant before = rig.now;
+    rig.advance(6s);
+    ASSERT_THAT(rig.opened, SizeIs(1));
+    waits.push_back(rig.opened[0] - before);
+    rig.lose_line();
+  }
+  EXPECT_THAT(waits, ElementsAre(100ms, 200ms, 400ms, 800ms, 1600ms, 3200ms, 5s, 5s));
+  EXPECT_GT(rig.now, lost);
+}
+
+TEST(Gateway, AVanishedLineEndsWhatWasOnTheWireWith0BAndTheRestWith0A) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, std::string(kRead) + kRead2);
+  rig.lose_line();
+  EXPECT_THAT(rig.take_sent(1),
+              ElementsAre("00 01 00 00 00 03 01 83 0B", "00 02 00 00 00 03 01 83 0A"));
+  EXPECT_THAT(rig.events, ElementsAre("bus line-a is lost; it is being reopened"));
+  rig.advance(100ms);
+  EXPECT_THAT(rig.opened, SizeIs(1));
+  rig.open_line();
+  rig.advance(5ms);
+  rig.take_transmitted();
+  rig.receive(1, kRead);
+  EXPECT_THAT(rig.take_transmitted(), SizeIs(1));
+}
+
+TEST(Gateway, ListensBeforeItTransmitsAfterOpening) {
+  Settings settings = one_bus();
+  settings.buses[0].listen_first.reset();  // the longest response timeout: 100 ms
+  MachineRig rig(settings, false);
+  rig.connect(1);
+  rig.receive(1, kRead);
+  rig.open_line();
+  rig.advance(99ms);
+  rig.respond("01 03 02 BA AD");  // a late answer to an earlier process
+  EXPECT_THAT(rig.take_transmitted(), IsEmpty());
+  rig.advance(3ms);
+  EXPECT_THAT(rig.take_transmitted(), SizeIs(1));
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+}
+
+TEST(Gateway, OneBusDoesNotDelayAnother) {
+  Settings settings = one_bus();
+  settings.buses.push_back(settings.buses[0]);
+  settings.routes[0].last_unit = 10;
+  settings.routes.push_back(settings.routes[0]);
+  settings.routes[1].first_unit = settings.routes[1].first_address = 11;
+  settings.routes[1].last_unit = 20;
+  settings.routes[1].buses = {BusId{1}};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, kRead);
+  rig.receive(1, "0002 0000 0006 0B 03 0000 0001");
+  rig.respond("0B 03 02 00 07", 1);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 05 0B 03 02 00 07"));
+}
+
+TEST(Gateway, StopsInOrder) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, std::string(kRead) + kRead2);
+  rig.shutdown();
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 01 83 06"));
+  EXPECT_FALSE(rig.finished);
+  rig.receive(1, "0003 0000 0006 01 03 0000 0001");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 03 01 83 06"));
+  rig.respond("01 03 02 00 01");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 05 01 03 02 00 01"));
+  EXPECT_TRUE(rig.finished);
+}
+
+TEST(Gateway, GivesWhatIsStillUnansweredOnTheWire0BWhenItStops) {
+  Settings settings = one_bus();
+  settings.buses[0].timing.response_timeout = 10s;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, kRead);
+  rig.shutdown();
+  rig.advance(1499ms);
+  EXPECT_FALSE(rig.finished);
+  rig.advance(1ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 83 0B"));
+  EXPECT_TRUE(rig.finished);
+}
+
+TEST(OwnUnit, IdentifiesItself) {
+  MachineRig rig(one_bus(), false);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0005 FF 2B 0E 01 00");
+  const auto sent = rig.take_sent(1);
+  ASSERT_THAT(sent, SizeIs(1));
+  // conformity 82, no more follows, three objects, the first "mbgate"
+  EXPECT_THAT(sent[0], testing::HasSubstr("FF 2B 0E 01 82 00 00 03 00 06 6D 62 67 61 74 65 01 07"));
+  rig.receive(1, "0002 0000 0005 FF 2B 0E 04 7F 0003 0000 0005 FF 2B 0E 05 00");
+  EXPECT_THAT(rig.take_sent(1),
+              ElementsAre("00 02 00 00 00 03 FF AB 02", "00 03 00 00 00 03 FF AB 03"));
+}
+
+TEST(OwnUnit, ShowsTheHealthOfBusesAndDevices) {
+  Settings settings = one_bus();
+  settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing}};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, kRead);
+  rig.advance(10ms);
+  rig.respond("01 83 02");
+  rig.take_sent(1);
+  rig.receive(1, "0002 0000 0006 FF 04 0000 0004");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 0B FF 04 08 00 01 00 01 00 01 00 01"));
+  rig.receive(1, "0003 0000 0006 FF 04 03E8 0008");  // bus 0: open, 0 waiting, 1, 1, 1 exception
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 13 FF 04 10 00 01 00 00 00 00 00 01 "
+                                            "00 00 00 01 00 00 00 01"));
+  rig.receive(1, "0004 0000 0006 FF 04 2710 0004");  // device 0: bus 1, address 1, answering
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 04 00 00 00 0B FF 04 08 00 01 00 01 00 01 00 00"));
+  rig.receive(1, "0005 0000 0006 FF 04 2710 0011");  // there is no second device
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 84 02"));
+}
+
+TEST(OwnUnit, CountsAndClears) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, kRead);
+  rig.respond("01 83 02");
+  rig.take_sent(1);
+  rig.receive(1, "0002 0000 0006 FF 08 000D 0000");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 06 FF 08 00 0D 00 01"));
+  rig.receive(1, "0003 0000 0006 FF 08 000A 0000 0004 0000 0006 FF 08 000D 0000");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 06 FF 08 00 0A 00 00",
+                                            "00 04 00 00 00 06 FF 08 00 0D 00 00"));
+  rig.receive(1, "0005 0000 0006 FF 06 0000 0001");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 86 01"));
+}
+
+}  // namespace
+}  // namespace mbgate::test

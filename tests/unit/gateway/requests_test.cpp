@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+// One request, one answer: what the client gets for what it asked.
+#include <gmock/gmock.h>
+
+#include "support/machine_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// transaction 0007, unit 1: read holding registers 30..31 (moons-drives.txt, section 7.1).
+constexpr auto kRead = "0007 0000 0006 01  03 001E 0002";
+constexpr auto kReadFrame = "01 03 00 1E 00 02 A4 0D";
+constexpr auto kReadAnswer = "01 03 04 00 03 0D 40";
+constexpr auto kReadAnswerAdu = "00 07 00 00 00 07 01 03 04 00 03 0D 40";
+// write single register 124 = 0x00E1 (stop).
+constexpr auto kWrite = "0008 0000 0006 01  06 007C 00E1";
+constexpr auto kWriteFrame = "01 06 00 7C 00 E1 88 5A";
+
+TEST(Gateway, CarriesARequestToTheLineAndItsAnswerBack) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, kRead);
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre(kReadFrame));
+  rig.advance(10ms);
+  rig.respond(kReadAnswer);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(kReadAnswerAdu));
+}
+
+TEST(Gateway, PassesExceptionsOfTheDeviceOnAtOnce) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, kRead);
+  rig.respond("01 83 11");  // MOONS': register does not support read
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 07 00 00 00 03 01 83 11"));
+}
+
+TEST(Gateway, AnswersSplitAndCoalescedRequestsAlike) {
+  const auto whole = unhex("0001 0000 0006 01 03 0000 0001  0002 0000 0006 02 03 0000 0001");
+  for (std::size_t cut = 1; cut < whole.size(); ++cut) {
+    MachineRig rig;
+    rig.connect(1);
+    rig.receive(1, hex(modbus::Bytes(whole).first(cut)));
+    rig.receive(1, hex(modbus::Bytes(whole).subspan(cut)));
+    rig.respond("01 03 02 12 34");
+    rig.advance(10ms);
+    rig.respond("02 03 02 56 78");
+    EXPECT_THAT(rig.take_sent(1),
+                ElementsAre("00 01 00 00 00 05 01 03 02 12 34", "00 02 00 00 00 05 02 03 02 56 78"))
+        << "cut at " << cut;
+  }
+}
+
+TEST(Gateway, GivesAReadOfASilentDevice0BAfterItsRetries) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, kRead);
+  rig.advance(90ms);
+  EXPECT_EQ(rig.take_transmitted().size(), 1U);
+  // 8 characters of 11 bits at 19200 take 4.583 ms; twice 100 ms + that + t3.5 is under 214 ms.
+  rig.advance(125ms);
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre(kReadFrame));
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 07 00 00 00 03 01 83 0B"));
+  rig.advance(10s);
+  EXPECT_THAT(rig.take_transmitted(), IsEmpty());
+}
+
+TEST(Gateway, TransmitsAWriteToASilentDeviceOnce) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, kWrite);
+  rig.advance(10s);
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre(kWriteFrame));
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 08 00 00 00 03 01 86 0B"));
+}
+
+TEST(Gateway, RepeatsWritesOnlyOfDevicesThatSayItIsSafe) {
+  Settings settings = one_bus();
+  drive::Device device{"axis", BusId{0}, 1, {}};
+  device.timing.response_timeout = 50ms;
+  device.timing.retry_writes = true;
+  settings.devices = {device};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, kWrite);
+  rig.advance(10s);
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre(kWriteFrame, kWriteFrame));
+}
+
+TEST(Gateway, RefusesWhatCannotBeOrMayNotBe) {
+  Settings settings = one_bus();
+  settings.routes[0].last_unit = 100;
+  settings.routes[0].functions.allowed.reset(0x10);
+  MachineRig rig(settings);
+  rig.connect(1);
+  const auto answer_to = [&](std::string_view request) {
+    rig.receive(1, request);
+    const auto sent = rig.take_sent(1);
+    return sent.size() == 1 ? sent[0] : "nothing or too much";
+  };
+  // no route
+  EXPECT_EQ(answer_to("0001 0000 0006 65 03 0000 0001"), "00 01 00 00 00 03 65 83 0A");
+  // functions 0 and 128 and above
+  EXPECT_EQ(answer_to("0002 0000 0002 01 00"), "00 02 00 00 00 03 01 80 01");
+  EXPECT_EQ(answer_to("0003 0000 0002 01 90"), "00 03 00 00 00 03 01 90 01");
+  // a function that the route denies
+  EXPECT_EQ(answer_to("0004 0000 0009 01 10 0000 0001 02 0001"), "00 04 00 00 00 03 01 90 01");
+  // cut short, quantity 0, quantity over the limit, a coil that is neither on nor off
+  EXPECT_EQ(answer_to("0005 0000 0005 01 03 0000 00"), "00 05 00 00 00 03 01 83 03");
+  EXPECT_EQ(answer_to("0006 0000 0006 01 03 0000 0000"), "00 06 00 00 00 03 01 83 03");
+  EXPECT_EQ(answer_to("0007 0000 0006 01 03 0000 007E"), "00 07 00 00 00 03 01 83 03");
+  EXPECT_EQ(answer_to("0008 0000 0006 01 05 0000 1234"), "00 08 00 00 00 03 01 85 03");
+  // beyond address 65535
+  EXPECT_EQ(answer_to("0009 0000 0006 01 03 FFFF 0002"), "00 09 00 00 00 03 01 83 02");
+  // sub-functions that silence a device pass only where they are named
+  EXPECT_EQ(answer_to("000A 0000 0006 01 08 0004 0000"), "00 0A 00 00 00 03 01 88 01");
+  EXPECT_THAT(rig.take_transmitted(), IsEmpty());
+}
+
+TEST(Gateway, LetsReadOnlyClientsReadOnly) {
+  Settings settings = one_bus();
+  settings.listeners[0].read_only = {*routing::Network::parse("192.0.2.0/24")};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, kWrite);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 08 00 00 00 03 01 86 01"));
+  rig.receive(1, kRead);
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre(kReadFrame));
+}
+
+TEST(Gateway, RewritesAddressesThroughAWindowAndBack) {
+  Settings settings = one_bus();
+  settings.routes[0].first_unit = settings.routes[0].last_unit = 11;
+  settings.routes[0].functions = routing::FunctionRules::rewritable();
+  settings.routes[0].window = {modbus::Table::holding_registers, 1000, 600, 0};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 0B 06 0464 00E1");  // client register 1124 is device register 124
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre(kWriteFrame));
+  rig.respond("01 06 00 7C 00 E1");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 0B 06 04 64 00 E1"));
+  for (const auto* outside : {"0002 0000 0006 0B 03 03E7 0001", "0002 0000 0006 0B 03 063F 0002",
+                              "0002 0000 0006 0B 04 03E8 0001"}) {
+    rig.receive(1, outside);
+    EXPECT_THAT(rig.take_sent(1), ElementsAre(testing::EndsWith(" 02"))) << outside;
+  }
+  rig.receive(1, "0003 0000 0002 0B 11");  // report server id cannot be rewritten
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 03 0B 91 01"));
+  EXPECT_THAT(rig.take_transmitted(), IsEmpty());
+}
+
+TEST(Gateway, TransparentListenersPassUnitsUnchanged) {
+  Settings settings = one_bus();
+  settings.routes.clear();
+  settings.listeners[0].bus = BusId{0};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 F7 03 0000 0001");
+  EXPECT_EQ(rig.take_transmitted().size(), 1U);
+  rig.respond("F7 03 02 00 05");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 05 F7 03 02 00 05"));
+  rig.receive(1, "0002 0000 0006 F8 03 0000 0001 0003 0000 0006 00 06 0000 0001");
+  EXPECT_THAT(rig.take_sent(1),
+              ElementsAre("00 02 00 00 00 03 F8 83 0A", "00 03 00 00 00 03 00 86 0A"));
+}
+
+TEST(Gateway, BroadcastsWritesAndKeepsTheTurnaroundDelay) {
+  Settings settings = one_bus();
+  settings.routes.clear();
+  settings.listeners[0].bus = BusId{0};
+  settings.listeners[0].broadcast = true;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 00 06 007C 00E1  0002 0000 0006 01 03 0000 0001");
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre("00 06 00 7C 00 E1 89 8B"));
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+  rig.advance(5ms);  // the frame has left the wire after 4.583 ms
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 00 06 00 7C 00 E1"));
+  rig.advance(99ms);
+  EXPECT_THAT(rig.take_transmitted(), IsEmpty());
+  rig.advance(1ms);
+  EXPECT_EQ(rig.take_transmitted().size(), 1U);
+  rig.respond("01 03 02 00 05");
+  rig.take_sent(1);
+  rig.receive(1, "0003 0000 0006 00 03 0000 0001");  // nobody could answer a read
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 03 00 83 01"));
+}
+
+TEST(Gateway, BroadcastsToSeveralBusesAndAnswersWhenAllHaveTransmitted) {
+  Settings settings = one_bus();
+  settings.buses.push_back(settings.buses[0]);
+  settings.routes.clear();
+  auto& route = settings.routes.emplace_back();
+  route.buses = {BusId{0}, BusId{1}};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 00 06 007C 00E1");
+  EXPECT_EQ(rig.take_transmitted(0).size() + rig.take_transmitted(1).size(), 2U);
+  rig.advance(5ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 00 06 00 7C 00 E1"));
+  rig.lose_line(1);
+  rig.receive(1, "0002 0000 0006 00 06 007C 00E1");
+  rig.advance(200ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 00 86 0A"));
+}
+
+TEST(Gateway, SilenceAfterListenOnlyIsNoFailure) {
+  Settings settings = one_bus();
+  settings.routes[0].functions.force_listen_only = true;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 01 08 0004 0000");
+  rig.advance(110ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 01 08 00 04 00 00"));
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "routing/plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include "routing/address_window.hpp"
+#include "routing/route_table.hpp"
+#include "support/hex.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using modbus::ExceptionCode;
+using routing::BusId;
+using routing::ListenerId;
+using routing::Route;
+
+modbus::Pdu pdu(std::string_view text) { return *modbus::Pdu::from(unhex(text)); }
+
+Route window_route() {
+  Route route;
+  route.first_unit = route.last_unit = 11;
+  route.first_address = 1;
+  route.buses = {BusId{0}};
+  route.functions = routing::FunctionRules::rewritable();
+  route.window = {modbus::Table::holding_registers, 1000, 600, 100};
+  return route;
+}
+
+std::string on_the_bus(const Route& route, std::string_view request) {
+  const auto plan = routing::Plan::make(route, 11, {}, pdu(request));
+  return plan ? hex(plan->transactions()[0].request.pdu().bytes())
+              : modbus::exception_text(static_cast<std::uint8_t>(plan.error()));
+}
+
+TEST(Plan, MovesTheAddressesOfEveryFunctionThatHasOne) {
+  const Route route = window_route();
+  EXPECT_EQ(on_the_bus(route, "03 03E8 0002"), "03 00 64 00 02");
+  EXPECT_EQ(on_the_bus(route, "06 03E9 1234"), "06 00 65 12 34");
+  EXPECT_EQ(on_the_bus(route, "10 03E8 0001 02 1234"), "10 00 64 00 01 02 12 34");
+  EXPECT_EQ(on_the_bus(route, "16 03E8 00F2 0025"), "16 00 64 00 F2 00 25");
+  EXPECT_EQ(on_the_bus(route, "17 03E8 0001 03E9 0001 02 00FF"),
+            "17 00 64 00 01 00 65 00 01 02 00 FF");
+  EXPECT_EQ(on_the_bus(route, "18 03E8"), "18 00 64");
+}
+
+TEST(Plan, RefusesWhatLiesNotWhollyInTheWindow) {
+  const Route route = window_route();
+  const auto outside = modbus::exception_text(2);
+  EXPECT_EQ(on_the_bus(route, "03 03E7 0001"), outside);
+  EXPECT_EQ(on_the_bus(route, "03 063F 0002"), outside);
+  EXPECT_EQ(on_the_bus(route, "03 063F 0001"), "03 02 BB 00 01");
+  EXPECT_EQ(on_the_bus(route, "17 03E8 0001 0000 0001 02 00FF"), outside);
+  EXPECT_EQ(on_the_bus(route, "17 0000 0001 03E8 0001 02 00FF"), outside);
+  EXPECT_EQ(on_the_bus(route, "04 03E8 0001"), outside);
+  EXPECT_EQ(on_the_bus(route, "01 03E8 0001"), outside);
+  EXPECT_EQ(on_the_bus(route, "2B 0E 01 00"), modbus::exception_text(1));
+}
+
+TEST(Plan, GivesTheClientItsOwnAddressesBack) {
+  const auto plan = routing::Plan::make(window_route(), 11, {}, pdu("10 03E8 0001 02 1234"));
+  ASSERT_TRUE(plan);
+  EXPECT_EQ(hex(plan->answer(pdu("10 0064 0001")).bytes()), "10 03 E8 00 01");
+  EXPECT_EQ(hex(plan->answer(pdu("90 03")).bytes()), "90 03");
+  EXPECT_EQ(hex(plan->echo().bytes()), "10 03 E8 00 01");
+}
+
+TEST(Plan, AWindowMayReachTheLastAddress) {
+  Route route = window_route();
+  route.window = {modbus::Table::holding_registers, 0, 65536, 0};
+  EXPECT_EQ(on_the_bus(route, "03 FFFF 0001"), "03 FF FF 00 01");
+  EXPECT_EQ(on_the_bus(route, "03 FFFF 0002"), modbus::exception_text(2));
+}
+
+TEST(Plan, ReadOnlyRoutesAndClientsMayOnlyRead) {
+  Route route = window_route();
+  route.access = routing::Access::read_only;
+  EXPECT_EQ(on_the_bus(route, "06 03E8 0001"), modbus::exception_text(1));
+  EXPECT_EQ(on_the_bus(route, "17 03E8 0001 03E8 0001 02 00FF"), modbus::exception_text(1));
+  EXPECT_EQ(on_the_bus(route, "03 03E8 0001"), "03 00 64 00 01");
+  const auto plan = routing::Plan::make(window_route(), 11, {true}, pdu("06 03E8 0001"));
+  EXPECT_EQ(plan.error(), ExceptionCode::illegal_function);
+}
+
+TEST(RouteTable, MapsRangesOfUnitsToAddresses) {
+  Route range;
+  range.first_unit = 100;
+  range.last_unit = 131;
+  range.first_address = 1;
+  range.buses = {BusId{0}};
+  const std::vector<routing::ListenerKind> listeners(1);
+  const routing::RouteTable table(listeners, std::vector{range});
+  EXPECT_EQ(table.find(ListenerId{0}, 99), nullptr);
+  EXPECT_EQ(table.find(ListenerId{0}, 132), nullptr);
+  const Route* found = table.find(ListenerId{0}, 131);
+  ASSERT_NE(found, nullptr);
+  const auto plan = routing::Plan::make(*found, 131, {}, pdu("03 0000 0001"));
+  EXPECT_EQ(plan->transactions()[0].address, 32);
+}
+
+TEST(RouteTable, ARouteOfTheListenerGoesBeforeOneOfAll) {
+  Route any;
+  any.first_unit = any.last_unit = any.first_address = 5;
+  any.buses = {BusId{0}};
+  Route own = any;
+  own.listener = ListenerId{1};
+  own.buses = {BusId{1}};
+  const std::vector<routing::ListenerKind> listeners(2);
+  const routing::RouteTable table(listeners, std::vector{own, any});
+  EXPECT_EQ(table.find(ListenerId{0}, 5)->buses[0], BusId{0});
+  EXPECT_EQ(table.find(ListenerId{1}, 5)->buses[0], BusId{1});
+}
+
+TEST(RouteTable, TransparentListenersHaveRoutesOfTheirOwnOnly) {
+  Route any;
+  any.first_unit = any.last_unit = 250;
+  any.first_address = 5;
+  any.buses = {BusId{0}};
+  const std::vector<routing::ListenerKind> listeners{{BusId{1}, true, {}}};
+  const routing::RouteTable table(listeners, std::vector{any});
+  EXPECT_EQ(table.find(ListenerId{0}, 250), nullptr);
+  EXPECT_TRUE(table.find(ListenerId{0}, 0)->is_broadcast());
+  EXPECT_EQ(table.find(ListenerId{0}, 247)->buses[0], BusId{1});
+}
+
+}  // namespace
+}  // namespace mbgate::test
