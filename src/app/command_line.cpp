@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/command_line.hpp"
+
+#include <sysexits.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+
+namespace mbgate::app {
+
+std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
+                                              const std::string& version) {
+  Options options;
+  CLI::App app("mbgated: carries Modbus TCP requests to devices on serial lines", "mbgated");
+  app.add_option("--config", options.config, "The configuration file")
+      ->type_name("FILE")
+      ->capture_default_str();
+  app.add_flag("--check", options.check,
+               "Validate the configuration without touching a port, then exit");
+  app.set_version_flag("--version", "mbgated " + version);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : EX_USAGE;
+  }
+  return options;
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The arguments of mbgated.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+
+namespace mbgate::app {
+
+struct Options {
+  std::filesystem::path config = "/etc/mbgate/mbgate.toml";
+  bool check = false;  ///< validate the configuration and exit
+};
+
+/// The options, or the exit status when help, version or an error has been printed already.
+std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
+                                              const std::string& version);
+
+}  // namespace mbgate::app

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program mbgated from its arguments to its exit status.
+#pragma once
+
+#include <string>
+
+namespace mbgate::app {
+
+/// 0, 1 (it could not start or a fault of its own ended it), 64 (bad arguments) or 78 (bad
+/// configuration).
+int run_mbgated(int argc, const char* const* argv, const std::string& version);
+
+}  // namespace mbgate::app

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The running gateway as a process: binds the listeners, drives the machine, tells systemd and the
+// operator, and ends in order on SIGTERM or SIGINT.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/log.hpp"
+#include "app/systemd.hpp"
+#include "io/gateway_driver.hpp"
+
+namespace mbgate::app {
+
+class Service final : public io::DriverObserver {
+ public:
+  Service(gateway::Settings settings, Log& log);
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+  ~Service() override = default;
+
+  /// Serves until a signal ends it. The exit status: 0, or 1 if a listener could not be bound. An
+  /// exception means that we are wrong.
+  int run();
+
+ private:
+  void on_event(const gateway::Event& event) override;
+  void on_line_warning(gateway::BusId bus, const std::string& warning) override;
+  void on_line_failure(gateway::BusId bus, const std::string& why) override;
+  void on_accept_failure(gateway::ListenerId listener, const std::string& why) override;
+  void on_status_changed() override;
+  void on_finished() override;
+
+  bool listen_on_all();
+  bool listen(gateway::ListenerId id, std::vector<InheritedSocket>& inherited);
+  bool add_server(gateway::ListenerId id,
+                  Result<boost::asio::ip::tcp::acceptor, std::string> acceptor);
+  boost::asio::awaitable<void> wait_for_signal();
+  void send_status();
+  [[nodiscard]] std::string bus_text(gateway::BusId bus, const std::string& text) const;
+
+  Log& log_;
+  boost::asio::io_context context_{1};
+  boost::asio::signal_set signals_;
+  boost::asio::steady_timer status_timer_;
+  bool status_pending_ = false;
+  bool ready_ = false;
+  std::chrono::steady_clock::time_point last_status_time_;
+  std::string last_status_;
+  /// Written already: a line that stays away is tried again every few seconds, for the same reason.
+  std::vector<std::set<std::string>> failures_;
+  std::set<std::string> warnings_;
+  io::GatewayDriver driver_;
+};
+
+}  // namespace mbgate::app

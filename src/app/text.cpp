@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/text.hpp"
+
+namespace mbgate::app {
+namespace {
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string listeners_text(const gateway::Settings& settings) {
+  return counted(settings.listeners.size(), "listener", "listeners");
+}
+
+}  // namespace
+
+std::string check_summary(const gateway::Settings& settings) {
+  return "configuration ok: " + listeners_text(settings) + ", " +
+         counted(settings.buses.size(), "bus", "buses") + ", " +
+         counted(settings.devices.size(), "device", "devices") + ", " +
+         counted(settings.routes.size(), "route", "routes");
+}
+
+std::string status_text(const gateway::Settings& settings, const gateway::Status& status) {
+  return listeners_text(settings) + ", " + std::to_string(status.buses_open) + " of " +
+         counted(settings.buses.size(), "bus", "buses") + " open, " +
+         counted(status.clients, "client", "clients");
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lines that mbgated prints or hands to systemd, apart from the log.
+#pragma once
+
+#include <string>
+
+#include "gateway/gateway.hpp"
+
+namespace mbgate::app {
+
+/// "configuration ok: 2 listeners, 1 bus, 3 devices, 2 routes"
+std::string check_summary(const gateway::Settings& settings);
+
+/// "2 listeners, 1 of 2 buses open, 3 clients"
+std::string status_text(const gateway::Settings& settings, const gateway::Status& status);
+
+}  // namespace mbgate::app

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config/diagnostic.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace mbgate::config {
+namespace {
+
+bool continues_character(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;  // UTF-8, RFC 3629
+}
+
+bool is_control(char byte) { return static_cast<unsigned char>(byte) < 0x20U || byte == '\x7F'; }
+
+/// A terminal must not obey what stands in a file; the tab stays, the caret's indent repeats it.
+std::string printable(std::string_view line) {
+  std::string text(line);
+  std::ranges::replace_if(
+      text, [](char byte) { return is_control(byte) && byte != '\t'; }, ' ');
+  return text;
+}
+
+std::string caret_indent(std::string_view line, std::uint32_t column) {
+  std::string indent;
+  for (const char byte : line) {
+    if (continues_character(byte)) {
+      continue;
+    }
+    if (indent.size() + 1 >= column) {
+      break;
+    }
+    indent += byte == '\t' ? '\t' : ' ';
+  }
+  return indent;
+}
+
+}  // namespace
+
+std::string render(const Diagnostic& diagnostic) {
+  std::string text = diagnostic.file + ":";
+  if (diagnostic.position.line != 0) {
+    text += std::to_string(diagnostic.position.line) + ":" +
+            std::to_string(diagnostic.position.column) + ":";
+  }
+  text += diagnostic.severity == Severity::error ? " error: " : " warning: ";
+  text += diagnostic.message + "\n";
+  if (diagnostic.position.line != 0) {
+    const std::string line = printable(diagnostic.source_line);
+    text += line + "\n" + caret_indent(line, diagnostic.position.column) + "^\n";
+  }
+  return text;
+}
+
+std::string render(const std::vector<Diagnostic>& diagnostics) {
+  std::string text;
+  for (const auto& diagnostic : diagnostics) {
+    text += render(diagnostic);
+  }
+  return text;
+}
+
+bool has_errors(const std::vector<Diagnostic>& diagnostics) {
+  return std::ranges::any_of(diagnostics, [](const Diagnostic& diagnostic) {
+    return diagnostic.severity == Severity::error;
+  });
+}
+
+}  // namespace mbgate::config

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is wrong in a configuration file, where, and how a person sees it: the form of compilers,
+// with the line itself and a caret below the place.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mbgate::config {
+
+/// A place in a text; lines and columns count from 1, columns in characters (code points).
+/// Line 0 means the file as a whole.
+struct Position {
+  std::uint32_t line = 0;
+  std::uint32_t column = 0;
+  friend auto operator<=>(const Position&, const Position&) = default;
+};
+
+/// A warning is shown and changes nothing; with one error the file is refused.
+enum class Severity : std::uint8_t { error, warning };
+
+struct Diagnostic {
+  Severity severity = Severity::error;
+  std::string file;
+  Position position;
+  std::string message;      ///< what was found and what would be right, without place and newline
+  std::string source_line;  ///< the line as it stands in the file, without its end
+};
+
+/// One diagnostic, each of its lines ended by a newline:
+///   conf/x.toml:12:8: error: baud: expected an integer from 1 to 4294967295, found "fast"
+///   baud = "fast"
+///          ^
+std::string render(const Diagnostic& diagnostic);
+
+/// All of them, in the given order.
+std::string render(const std::vector<Diagnostic>& diagnostics);
+
+/// Is one of them an error?
+bool has_errors(const std::vector<Diagnostic>& diagnostics);
+
+}  // namespace mbgate::config

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include "config/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using gateway::ListenerSettings;
+using routing::BroadcastReply;
+using routing::ClientAddress;
+using namespace std::chrono_literals;
+
+constexpr std::array kBroadcastReplies = {Word{"echo", BroadcastReply::echo},
+                                          Word{"none", BroadcastReply::none}};
+
+/// What Linux takes for TCP_KEEPIDLE and TCP_KEEPINTVL (tcp.h, MAX_TCP_KEEPIDLE), and for
+/// TCP_KEEPCNT.
+constexpr std::chrono::seconds kLongestKeepalive = 32767s;
+constexpr std::int64_t kMostKeepaliveProbes = 127;
+
+void read_address(TomlTable& table, ListenerSettings& listener) {
+  if (const auto address = table.string("address")) {
+    listener.address = *address;
+    if (!ClientAddress::parse(*address)) {
+      table.report_expected("address", *table.value("address"),
+                            R"(an IPv4 or IPv6 address, such as "127.0.0.1" or "::")");
+    }
+  }
+  table.require("port");
+  listener.port = static_cast<std::uint16_t>(table.integer("port", {0, 65535}).value_or(0));
+}
+
+void read_limits(TomlTable& table, ListenerSettings& listener) {
+  assign(listener.max_connections, table.integer("max_connections", {1, 100'000}));
+  assign(listener.pipeline, table.integer("pipeline", {1, 1024}));
+  assign(listener.ordered, table.boolean("ordered"));
+  assign(listener.idle_timeout, table.duration("idle_timeout", {10ms, 1000h, true}));
+  assign(listener.frame_timeout, table.duration("frame_timeout", {10ms, 1h}));
+}
+
+routing::NetworkList read_networks(TomlTable& table, std::string_view key) {
+  routing::NetworkList networks;
+  const auto texts = table.strings(key);
+  if (!texts) {
+    return networks;
+  }
+  for (const auto& [text, position] : *texts) {
+    if (const auto network = routing::Network::parse(text)) {
+      networks.push_back(*network);
+    } else {
+      table.report_expected(key, {position, text},
+                            "an address or a block without bits beyond its prefix, such as "
+                            "\"192.168.10.0/24\"");
+    }
+  }
+  return networks;
+}
+
+void read_access(TomlTable& table, ListenerSettings& listener) {
+  listener.allow = read_networks(table, "allow");
+  listener.read_only = read_networks(table, "read_only");
+  listener.keep = read_networks(table, "keep");
+  const auto* allowed = table.value("allow");
+  if (allowed != nullptr && is_empty_list(*allowed)) {
+    table.error("allow", "expected at least one address; leave the key out to let everyone in");
+  }
+}
+
+void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener) {
+  const bool transparent = table.has("bus");
+  if (const auto bus = find_named(table, "bus", draft.settings.buses)) {
+    listener.bus = drive::BusId{static_cast<std::uint32_t>(*bus)};
+  } else if (transparent) {
+    listener.bus = drive::BusId{~0U};  // stays transparent, of no bus
+  }
+  assign(listener.broadcast, table.boolean("broadcast"));
+  assign(listener.broadcast_reply,
+         table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
+  for (const auto* key : {"broadcast", "broadcast_reply"}) {
+    if (!transparent && table.has(key)) {
+      table.error(key, "belongs to a listener with 'bus'; here, a [[route]] with unit = 0 does it");
+    }
+  }
+}
+
+void read_tcp(TomlTable& table, gateway::TcpSettings& tcp) {
+  assign(tcp.keepalive_idle, table.duration("keepalive_idle", {1s, kLongestKeepalive, true}));
+  assign(tcp.keepalive_interval, table.duration("keepalive_interval", {1s, kLongestKeepalive}));
+  assign(tcp.keepalive_probes, table.integer("keepalive_probes", {1, kMostKeepaliveProbes}));
+  assign(tcp.user_timeout, table.duration("user_timeout", {100ms, 24h, true}));
+  assign(tcp.backlog, table.integer("backlog", {1, 65535}));
+  for (const auto& [key, value] : {std::pair{"keepalive_idle", tcp.keepalive_idle},
+                                   std::pair{"keepalive_interval", tcp.keepalive_interval}}) {
+    if (value % 1s != 0s) {
+      table.report_expected(key, *table.value(key), "whole seconds");
+    }
+  }
+}
+
+/// The kernel gives a port to one listening socket only; a wildcard takes it on every address of
+/// its kind.
+bool clash(const ListenerSettings& a, const ListenerSettings& b) {
+  const auto first = ClientAddress::parse(a.address);
+  const auto second = ClientAddress::parse(b.address);
+  if (a.port == 0 || a.port != b.port || !first || !second) {
+    return false;
+  }
+  const auto wildcard = ClientAddress::parse(first->is_v4() ? "0.0.0.0" : "::");
+  return *first == *second ||
+         (first->is_v4() == second->is_v4() && (first == wildcard || second == wildcard));
+}
+
+void check_port(Draft& draft, const ListenerSettings& listener) {
+  const auto& all = draft.settings.listeners;
+  const auto same = std::ranges::find_if(all, [&](const auto& it) { return clash(it, listener); });
+  if (same != all.end()) {
+    const auto first = static_cast<std::size_t>(same - all.begin());
+    draft.listeners.back().error(
+        "port", std::to_string(listener.port) + " of " + listener.address +
+                    " is taken already at " +
+                    place(draft.document, draft.listeners[first].value_position("port")));
+  }
+}
+
+}  // namespace
+
+void read_listeners(Draft& draft) {
+  for (auto table : draft.document.root().tables("listen")) {
+    ListenerSettings listener;
+    draft.listeners.push_back(table);
+    listener.name = read_name(table);
+    check_name(draft.listeners, draft.settings.listeners, listener.name);
+    read_address(table, listener);
+    check_port(draft, listener);
+    read_limits(table, listener);
+    read_access(table, listener);
+    read_transparent(draft, table, listener);
+    read_tcp(table, listener.tcp);
+    draft.settings.listeners.push_back(std::move(listener));
+  }
+}
+
+}  // namespace mbgate::config

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a route begins and where it leads; what it lets through is in route_rules.cpp.
+#include <array>
+#include <charconv>
+
+#include "config/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using routing::BroadcastReply;
+using routing::Route;
+
+constexpr std::array kBroadcastReplies = {Word{"echo", BroadcastReply::echo},
+                                          Word{"none", BroadcastReply::none}};
+constexpr std::array kBroadcastTargets = {Word{"all", true}};
+constexpr IntegerRange kUnits = {0, 255};
+constexpr IntegerRange kAddresses = {1, 247};  // Serial Line V1.02, 2.2
+
+std::optional<unsigned> parse_number(std::string_view text) {
+  unsigned number = 0;
+  const auto* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc{} && at == end ? std::optional(number) : std::nullopt;
+}
+
+/// "1-32"; `limits` bounds both ends.
+std::optional<UnitRange> parse_range(std::string_view text, IntegerRange limits) {
+  const auto dash = text.find('-');
+  if (dash == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const auto first = parse_number(text.substr(0, dash));
+  const auto last = parse_number(text.substr(dash + 1));
+  if (!first || !last || *first > *last || *first < limits.min || *last > limits.max) {
+    return std::nullopt;
+  }
+  return UnitRange{static_cast<std::uint8_t>(*first), static_cast<std::uint8_t>(*last)};
+}
+
+/// An integer, or a range in a string.
+std::optional<UnitRange> read_range(TomlTable& table, std::string_view key, IntegerRange limits) {
+  const auto* found = table.value(key);
+  if (found == nullptr) {
+    return std::nullopt;
+  }
+  if (const auto* number = std::get_if<std::int64_t>(&found->data)) {
+    if (*number >= limits.min && *number <= limits.max) {
+      const auto unit = static_cast<std::uint8_t>(*number);
+      return UnitRange{unit, unit};
+    }
+  } else if (const auto* text = std::get_if<std::string>(&found->data)) {
+    if (const auto range = parse_range(*text, limits)) {
+      return range;
+    }
+  }
+  table.report_expected(key, *found,
+                        "an integer from " + std::to_string(limits.min) + " to " +
+                            std::to_string(limits.max) + " or a range such as \"1-32\"");
+  return std::nullopt;
+}
+
+void read_listener(Draft& draft, TomlTable& table, Route& route) {
+  const auto listener = find_named(table, "listener", draft.settings.listeners);
+  if (!listener) {
+    return;
+  }
+  route.listener = routing::ListenerId{static_cast<std::uint32_t>(*listener)};
+  if (draft.settings.listeners[*listener].bus) {
+    table.error("listener", in_quotes(draft.settings.listeners[*listener].name) +
+                                " is transparent (it has 'bus'): it takes no routes");
+  }
+}
+
+std::optional<UnitRange> read_units(const Draft& draft, TomlTable& table, Route& route) {
+  table.require("unit");
+  const auto units = read_range(table, "unit", kUnits);
+  if (!units) {
+    return std::nullopt;
+  }
+  route.first_unit = units->first;
+  route.last_unit = units->last;
+  const auto own = draft.settings.own_unit;
+  if (own && units->contains(*own)) {
+    table.error("unit", std::to_string(*own) + " is the gateway itself ([gateway] unit)");
+  }
+  if (units->first == 0 && units->last != 0) {
+    table.error("unit", "0 is for broadcasts: it stands alone, in a route of its own");
+    return std::nullopt;
+  }
+  return units;
+}
+
+void read_device(Draft& draft, TomlTable& table, const UnitRange& units, Route& route) {
+  if (table.has("address")) {
+    table.error("address", "belongs to a route with 'bus'; a device has its own address");
+  }
+  if (units.size() != 1) {
+    table.error("unit", "a route to a device has one unit, found a range of " +
+                            std::to_string(units.size()));
+  }
+  if (const auto found = find_named(table, "device", draft.settings.devices)) {
+    const auto& device = draft.settings.devices[*found];
+    route.buses = {device.bus};
+    route.first_address = device.address;
+  }
+}
+
+void read_bus(Draft& draft, TomlTable& table, const UnitRange& units, Route& route) {
+  if (const auto bus = find_named(table, "bus", draft.settings.buses)) {
+    route.buses = {drive::BusId{static_cast<std::uint32_t>(*bus)}};
+  }
+  if (!table.has("address")) {
+    if (units.last > kAddresses.max) {
+      table.error("unit", "no bus has an address " + std::to_string(units.last) +
+                              " (1 to 247): give 'address'");
+    }
+    route.first_address = units.first;
+    return;
+  }
+  const auto addresses = read_range(table, "address", kAddresses);
+  if (!addresses) {
+    return;
+  }
+  route.first_address = addresses->first;
+  if (addresses->size() != units.size()) {
+    table.error("address", "expected as many addresses as units (" + std::to_string(units.size()) +
+                               "), found " + std::to_string(addresses->size()));
+  }
+}
+
+void read_unicast_target(Draft& draft, TomlTable& table, const UnitRange& units, Route& route) {
+  for (const auto* key : {"broadcast", "broadcast_reply"}) {
+    if (table.has(key)) {
+      table.error(key, "belongs to a route with unit = 0");
+    }
+  }
+  const bool to_device = table.has("device");
+  const bool to_bus = table.has("bus");
+  if (to_device && to_bus) {
+    table.error("bus", "a route leads to a device or to a bus, not to both");
+  } else if (to_device) {
+    read_device(draft, table, units, route);
+  } else if (to_bus) {
+    read_bus(draft, table, units, route);
+  } else {
+    draft.document.error(table.position(),
+                         "[[route]]: it leads nowhere: give 'device', or 'bus' and 'address'");
+  }
+}
+
+void read_broadcast_target(Draft& draft, TomlTable& table, Route& route) {
+  for (const auto* key : {"device", "address"}) {
+    if (table.has(key)) {
+      table.error(key,
+                  "a broadcast (unit 0) is for a whole bus: give 'bus' or broadcast = \"all\"");
+    }
+  }
+  assign(route.broadcast_reply, table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
+  const auto bus = find_named(table, "bus", draft.settings.buses);
+  const auto all = table.word<bool>("broadcast", kBroadcastTargets);
+  if (table.has("bus") && table.has("broadcast")) {
+    table.error("broadcast", "a broadcast goes to one bus or to all, not to both");
+  } else if (bus) {
+    route.buses = {drive::BusId{static_cast<std::uint32_t>(*bus)}};
+  } else if (all) {
+    for (std::size_t id = 0; id < draft.settings.buses.size(); ++id) {
+      route.buses.push_back(drive::BusId{static_cast<std::uint32_t>(id)});
+    }
+  } else if (!table.has("bus") && !table.has("broadcast")) {
+    draft.document.error(table.position(),
+                         "[[route]]: it leads nowhere: give 'bus' or broadcast = \"all\"");
+  }
+}
+
+/// Without a usable unit nobody can say which of these keys are right; none of them is unknown.
+void accept_target_keys(TomlTable& table) {
+  for (const auto* key : {"device", "bus", "address", "broadcast", "broadcast_reply"}) {
+    table.has(key);
+  }
+}
+
+}  // namespace
+
+void read_routes(Draft& draft) {
+  for (auto table : draft.document.root().tables("route")) {
+    Route route;
+    read_listener(draft, table, route);
+    const auto units = read_units(draft, table, route);
+    const bool broadcast = units && units->first == 0;
+    accept_target_keys(table);
+    if (broadcast) {
+      read_broadcast_target(draft, table, route);
+    } else if (units) {
+      read_unicast_target(draft, table, *units, route);
+    }
+    read_route_rules(table, route, broadcast);
+    draft.routes.push_back(table);
+    draft.route_units.push_back(units);
+    draft.settings.routes.push_back(std::move(route));
+  }
+}
+
+}  // namespace mbgate::config

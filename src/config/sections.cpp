@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+constexpr std::size_t kLongestName = 64;
+
+bool is_name_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+         c == '_' || c == '.';
+}
+
+}  // namespace
+
+void read_gateway(Draft& draft) {
+  auto table = draft.document.root().table("gateway");
+  if (!table) {
+    return;
+  }
+  const auto* unit = table->value("unit");
+  if (unit == nullptr) {
+    return;
+  }
+  const auto* number = std::get_if<std::int64_t>(&unit->data);
+  const auto* truth = std::get_if<bool>(&unit->data);
+  if (number != nullptr && *number >= 1 && *number <= 255) {
+    draft.settings.own_unit = static_cast<std::uint8_t>(*number);
+  } else if (truth != nullptr && !*truth) {
+    draft.settings.own_unit.reset();
+  } else {
+    table->report_expected("unit", *unit, "an integer from 1 to 255 or false");
+  }
+}
+
+std::string read_name(TomlTable& table) {
+  table.require("name");
+  auto name = table.string("name");
+  if (!name) {
+    return {};
+  }
+  if (name->empty() || name->size() > kLongestName || !std::ranges::all_of(*name, is_name_letter)) {
+    table.report_expected("name", *table.value("name"),
+                          "1 to 64 letters, digits, '-', '_' and '.'");
+  }
+  return *std::move(name);
+}
+
+std::string place(const TomlDocument& document, Position position) {
+  return document.name() + ":" + std::to_string(position.line) + ":" +
+         std::to_string(position.column);
+}
+
+void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,
+                  std::string_view what) {
+  auto& again = tables.back();
+  again.error(key, in_quotes(what) + " is taken already at " +
+                       place(again.document(), tables[first].value_position(key)));
+}
+
+}  // namespace mbgate::config

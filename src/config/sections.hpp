@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// One function a section of the configuration, each filling its part of the draft. They go on after
+// an error, so that all errors of meaning are reported at once; a wrong entry keeps its place in
+// the settings.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/suggestion.hpp"
+#include "config/toml_reader.hpp"
+#include "gateway/settings.hpp"
+
+namespace mbgate::config {
+
+/// Units of a client or addresses of a bus, both ends included.
+struct UnitRange {
+  std::uint8_t first = 0;
+  std::uint8_t last = 0;
+  [[nodiscard]] int size() const { return last - first + 1; }
+  [[nodiscard]] bool contains(unsigned unit) const { return unit >= first && unit <= last; }
+  [[nodiscard]] bool overlaps(const UnitRange& other) const {
+    return first <= other.last && other.first <= last;
+  }
+};
+
+/// Settings in the making, and beside each entry the table it was read from.
+struct Draft {
+  explicit Draft(TomlDocument& source) : document(source) {}
+
+  TomlDocument& document;
+  gateway::Settings settings;
+  std::vector<TomlTable> listeners;
+  std::vector<TomlTable> buses;
+  std::vector<TomlTable> devices;
+  std::vector<TomlTable> routes;
+  std::vector<std::optional<UnitRange>> route_units;  ///< none where `unit` is wrong
+};
+
+void read_gateway(Draft& draft);
+void read_buses(Draft& draft);
+void read_devices(Draft& draft);
+void read_listeners(Draft& draft);
+void read_routes(Draft& draft);
+/// What no section can see alone: clashes between routes, ways that lead nowhere, deadlines.
+void check_whole(Draft& draft);
+
+/// `name` of a table: required, and fit to be printed in a log line and a list of labels.
+std::string read_name(TomlTable& table);
+
+/// What a route lets through: `access`, `functions`, `[[route.registers]]`, `deadline`.
+void read_route_rules(TomlTable& table, routing::Route& route, bool broadcast);
+
+/// "conf/x.toml:12:8", to name a second place in a message.
+std::string place(const TomlDocument& document, Position position);
+
+/// Reports what the newest of `tables` shares with an earlier one: the value of `key`, called
+/// `what`.
+void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,
+                  std::string_view what);
+
+/// The section that an entry of the settings stands in.
+template <typename Named>
+inline constexpr std::string_view kSection;
+template <>
+inline constexpr std::string_view kSection<gateway::ListenerSettings> = "[[listen]]";
+template <>
+inline constexpr std::string_view kSection<bus::BusSettings> = "[[bus]]";
+template <>
+inline constexpr std::string_view kSection<drive::Device> = "[[device]]";
+
+/// The entry whose name stands at `key`; unknown names are reported with a suggestion.
+template <typename Named>
+std::optional<std::size_t> find_named(TomlTable& table, std::string_view key,
+                                      const std::vector<Named>& all) {
+  const auto name = table.string(key);
+  if (!name) {
+    return std::nullopt;
+  }
+  const auto entry = std::ranges::find(all, *name, &Named::name);
+  if (entry != all.end()) {
+    return static_cast<std::size_t>(entry - all.begin());
+  }
+  std::vector<std::string_view> names;
+  names.reserve(all.size());
+  for (const auto& candidate : all) {
+    names.push_back(candidate.name);
+  }
+  table.error(key, "no " + std::string(kSection<Named>) + " is named " + in_quotes(*name) +
+                       did_you_mean(*name, names));
+  return std::nullopt;
+}
+
+/// Reports a name that an earlier entry has; the newest entry is not yet among `all`.
+template <typename Named>
+void check_name(std::vector<TomlTable>& tables, const std::vector<Named>& all,
+                std::string_view name) {
+  const auto entry = std::ranges::find(all, name, &Named::name);
+  if (!name.empty() && entry != all.end()) {
+    report_twice(tables, static_cast<std::size_t>(entry - all.begin()), "name", name);
+  }
+}
+
+/// The place in the settings of an identifier.
+template <typename Id>
+constexpr std::size_t index(Id id) {
+  return static_cast<std::size_t>(id);
+}
+
+}  // namespace mbgate::config

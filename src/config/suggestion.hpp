@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// "did you mean": which of the right words a wrong one was probably meant to be.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mbgate::config {
+
+/// How many letters must be inserted, removed, replaced or swapped with their neighbour to turn one
+/// word into the other (Damerau-Levenshtein distance, optimal string alignment).
+std::size_t edit_distance(std::string_view from, std::string_view to);
+
+/// The nearest candidate that is at most a third of the word's letters away, rounded, and never
+/// more than 3.
+std::optional<std::string_view> nearest(std::string_view word,
+                                        const std::vector<std::string_view>& candidates);
+
+/// "; did you mean 'response_timeout'?", or nothing.
+std::string did_you_mean(std::string_view word, const std::vector<std::string_view>& candidates);
+
+}  // namespace mbgate::config

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// What only the whole configuration shows.
+#include <algorithm>
+
+#include "config/duration_text.hpp"
+#include "config/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using bus::Duration;
+using gateway::Settings;
+using routing::Route;
+using namespace std::chrono_literals;
+
+bool stands_nowhere(TomlTable root, std::string_view key) {
+  const auto* found = root.value(key);
+  return found == nullptr || is_empty_list(*found);
+}
+
+void check_present(Draft& draft) {
+  if (stands_nowhere(draft.document.root(), "listen")) {
+    draft.document.error({}, "no [[listen]]: nobody could connect");
+  }
+  if (stands_nowhere(draft.document.root(), "bus")) {
+    draft.document.error({}, "no [[bus]]: there would be nothing to reach");
+  }
+}
+
+/// A unit leads to one place only; the later route of two is reported. A route that names its
+/// listener goes before one that names none, so these two do not clash.
+void check_overlaps(Draft& draft) {
+  const auto& routes = draft.settings.routes;
+  for (std::size_t later = 0; later < routes.size(); ++later) {
+    const auto& units = draft.route_units[later];
+    for (std::size_t earlier = 0; units && earlier < later; ++earlier) {
+      const auto& taken = draft.route_units[earlier];
+      if (!taken || !units->overlaps(*taken) ||
+          routes[later].listener != routes[earlier].listener) {
+        continue;
+      }
+      draft.routes[later].error(
+          "unit", std::to_string(std::max(units->first, taken->first)) +
+                      " has a route already at " +
+                      place(draft.document, draft.routes[earlier].value_position("unit")));
+      break;
+    }
+  }
+}
+
+Duration whole(const drive::DeviceTiming& timing) {
+  return timing.response_timeout + timing.response_wait;
+}
+
+/// The bus's own timeout counts only where it has no devices, as in the machine.
+Duration longest_response_timeout(const Settings& settings, drive::BusId id) {
+  std::optional<Duration> longest;
+  for (const auto& device : settings.devices) {
+    if (device.bus == id) {
+      longest = std::max(longest.value_or(Duration{0}), whole(device.timing));
+    }
+  }
+  return longest.value_or(whole(settings.bus(id).timing));
+}
+
+/// A write that waits behind one whole timeout and one retry must not miss its turn for that alone.
+Duration sensible_deadline(const Settings& settings, const Route& route) {
+  Duration sensible = 1s;
+  for (const auto id : route.buses) {
+    if (index(id) < settings.buses.size()) {
+      sensible = std::max(sensible, 2 * longest_response_timeout(settings, id));
+    }
+  }
+  return sensible;
+}
+
+void check_deadlines(Draft& draft) {
+  for (std::size_t i = 0; i < draft.routes.size(); ++i) {
+    const auto& route = draft.settings.routes[i];
+    const auto sensible = sensible_deadline(draft.settings, route);
+    if (route.deadline && *route.deadline < sensible) {
+      draft.routes[i].warning(
+          "deadline", to_text(*route.deadline) + " is shorter than " + to_text(sensible) +
+                          " (1s, or twice the longest response timeout of the bus): requests may "
+                          "give up behind one silent device");
+    }
+  }
+}
+
+bool is_reached(const Settings& settings, drive::BusId id) {
+  return std::ranges::any_of(settings.listeners, [&](const auto& it) { return it.bus == id; }) ||
+         std::ranges::any_of(settings.routes, [&](const Route& route) {
+           return std::ranges::find(route.buses, id) != route.buses.end();
+         });
+}
+
+void check_ways(Draft& draft) {
+  const auto& settings = draft.settings;
+  for (std::size_t i = 0; i < settings.buses.size(); ++i) {
+    if (!is_reached(settings, drive::BusId{static_cast<std::uint32_t>(i)})) {
+      draft.document.warning(draft.buses[i].value_position("name"),
+                             "no listener and no route leads to this bus");
+    }
+  }
+  bool any_routed = false;
+  for (std::size_t i = 0; i < settings.listeners.size(); ++i) {
+    const bool routed = !settings.listeners[i].bus;
+    const bool served = std::ranges::any_of(settings.routes, [&](const Route& route) {
+      return !route.listener || index(*route.listener) == i;
+    });
+    any_routed = any_routed || routed;
+    if (routed && !served) {
+      draft.document.warning(draft.listeners[i].value_position("name"),
+                             "no route serves this listener and it has no 'bus'");
+    }
+  }
+  if (!any_routed && !draft.routes.empty()) {
+    draft.document.warning(draft.routes[0].position(),
+                           "[[route]]: every listener has its 'bus', so routes serve nobody");
+  }
+}
+
+}  // namespace
+
+void check_whole(Draft& draft) {
+  check_present(draft);
+  check_overlaps(draft);
+  check_deadlines(draft);
+  // After an error a way may be missing only because the entry that leads there is wrong.
+  if (!draft.document.failed()) {
+    check_ways(draft);
+  }
+}
+
+}  // namespace mbgate::config

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the operator asks for, as plain values: whom to ask, what to read, what to write.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "ctl/value.hpp"
+#include "modbus/request.hpp"
+
+namespace mbgate::ctl {
+
+using modbus::Table;
+
+/// A Modbus TCP server and the unit behind it.
+struct Target {
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 502;
+  std::uint8_t unit = 1;
+  /// For the connection, and again for the answer.
+  std::chrono::nanoseconds timeout = std::chrono::seconds(5);
+};
+
+/// Where values lie and how they are to be understood.
+struct Place {
+  Table table = Table::holding_registers;
+  std::uint16_t address = 0;
+  ValueType type = ValueType::u16;
+  drive::WordOrder order = drive::WordOrder::big;
+};
+
+struct ReadCommand {
+  Target target;
+  Place place;
+  std::size_t count = 1;  ///< values, not registers
+  bool quiet = false;     ///< print the plain values only
+};
+
+struct WriteCommand {
+  Target target;
+  Place place;
+  std::vector<std::uint32_t> values;
+  bool multiple = false;  ///< functions 15 and 16 even for a single coil or register
+  bool quiet = false;     ///< print nothing on success
+};
+
+using Command = std::variant<ReadCommand, WriteCommand>;
+
+/// The request that the command stands for: 01-04; 05 and 06 for one coil or register; else 15 and
+/// 16, so that the registers of a 32-bit value are never written one by one. The error is a whole
+/// sentence.
+Result<modbus::Request, std::string> make_request(const ReadCommand& command);
+Result<modbus::Request, std::string> make_request(const WriteCommand& command);
+
+/// The values in the normal response to a read.
+std::vector<std::uint32_t> response_values(const ReadCommand& command, const modbus::Pdu& response);
+
+}  // namespace mbgate::ctl

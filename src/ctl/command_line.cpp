@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <sstream>
+
+#include "config/duration_text.hpp"
+#include "ctl/carry_out.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+const std::map<std::string, Table> kTables{{"coils", Table::coils},
+                                           {"discrete", Table::discrete_inputs},
+                                           {"holding", Table::holding_registers},
+                                           {"input", Table::input_registers}};
+const std::map<std::string, ValueType> kTypes{{"u16", ValueType::u16},
+                                              {"i16", ValueType::i16},
+                                              {"u32", ValueType::u32},
+                                              {"i32", ValueType::i32},
+                                              {"f32", ValueType::f32}};
+const std::map<std::string, drive::WordOrder> kOrders{{"big", drive::WordOrder::big},
+                                                      {"little", drive::WordOrder::little}};
+
+/// What the user wrote, before it is understood.
+struct Words {
+  std::string table = "holding";
+  std::string address;
+  std::string type;
+  std::string order = "big";
+  std::string timeout = "5s";
+  std::vector<std::string> values;
+  unsigned unit = 1;
+  Target target;
+  std::size_t count = 1;
+  bool multiple = false;
+  bool quiet = false;
+};
+
+template <typename Value>
+CLI::IsMember one_of(const std::map<std::string, Value>& names) {
+  std::vector<std::string> keys;
+  keys.reserve(names.size());
+  for (const auto& [name, value] : names) {
+    keys.push_back(name);
+  }
+  return CLI::IsMember(keys);
+}
+
+void add_common(CLI::App& command, Words& words) {
+  command.add_option("address", words.address, "protocol address, counted from 0: 30 or 0x1E")
+      ->required();
+  command.add_option("--type", words.type, "of registers: u16 (default), i16, u32, i32 or f32")
+      ->check(one_of(kTypes));
+  command
+      .add_option("--order", words.order,
+                  "of the two registers of a 32-bit value: big (high word first) or little")
+      ->check(one_of(kOrders))
+      ->capture_default_str();
+  command.add_option("--unit", words.unit, "unit identifier")
+      ->check(CLI::Range(0, 255))
+      ->capture_default_str();
+  command.add_option("--host", words.target.host, "name or address of the gateway")
+      ->capture_default_str();
+  command.add_option("--port", words.target.port, "TCP port")
+      ->check(CLI::Range(1, 65535))
+      ->capture_default_str();
+  command.add_option("--timeout", words.timeout, "for the connection and for the answer")
+      ->capture_default_str();
+}
+
+CLI::App* add_read(CLI::App& app, Words& words) {
+  CLI::App* read = app.add_subcommand("read", "Read coils, discrete inputs or registers.");
+  read->add_option("table", words.table, "coils, discrete, holding or input")
+      ->required()
+      ->check(one_of(kTables));
+  add_common(*read, words);
+  read->add_option("--count", words.count, "how many values")->capture_default_str();
+  read->add_flag("--quiet", words.quiet, "print the plain values only, one a line");
+  return read;
+}
+
+CLI::App* add_write(CLI::App& app, Words& words) {
+  CLI::App* write = app.add_subcommand("write", "Write coils or holding registers.");
+  write->add_option("table", words.table, "coils or holding")
+      ->required()
+      ->check(CLI::IsMember(std::vector<std::string>{"coils", "holding"}));
+  add_common(*write, words);
+  write
+      ->add_option(
+          "values", words.values,
+          "decimal, or hex as the bits that go out (0xFFFE is -2 as i16); coils: 0, 1, off or on")
+      ->required();
+  write->add_flag("--multiple", words.multiple,
+                  "use functions 15 and 16 even for one coil or register");
+  write->add_flag("--quiet", words.quiet, "print nothing on success");
+  return write;
+}
+
+Result<Place, std::string> understand_place(const Words& words) {
+  Place place;
+  place.table = kTables.at(words.table);
+  place.order = kOrders.at(words.order);
+  const bool bits = place.table == Table::coils || place.table == Table::discrete_inputs;
+  if (bits && !words.type.empty()) {
+    return "--type is for registers: " + words.table + " hold bits";
+  }
+  if (bits) {
+    place.type = ValueType::bit;
+  } else if (!words.type.empty()) {
+    place.type = kTypes.at(words.type);
+  }
+  const auto address = parse_address(words.address);
+  if (!address) {
+    return address.error();
+  }
+  place.address = *address;
+  return place;
+}
+
+Result<Command, std::string> understand(const Words& words, bool is_write) {
+  Target target = words.target;
+  const auto timeout = config::parse_duration(words.timeout);
+  if (!timeout || *timeout < std::chrono::milliseconds(1)) {
+    return "\"" + words.timeout + "\" is not a time of at least 1ms, like 500ms or 5s";
+  }
+  target.timeout = *timeout;
+  target.unit = static_cast<std::uint8_t>(words.unit);
+  const auto place = understand_place(words);
+  if (!place) {
+    return place.error();
+  }
+  if (!is_write) {
+    return Command(ReadCommand{target, *place, words.count, words.quiet});
+  }
+  WriteCommand write{target, *place, {}, words.multiple, words.quiet};
+  for (const auto& text : words.values) {
+    const auto value = parse_value(place->type, text);
+    if (!value) {
+      return value.error();
+    }
+    write.values.push_back(*value);
+  }
+  return Command(write);
+}
+
+}  // namespace
+
+std::variant<Command, Notice> parse_command_line(const std::string& version, int count,
+                                                 const char* const* arguments) {
+  CLI::App app("Reads and writes Modbus devices through a gateway, or any Modbus TCP server.",
+               "mbgatectl");
+  app.set_version_flag("--version", "mbgatectl " + version);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(22);
+  Words words;
+  add_read(app, words);
+  const CLI::App* write = add_write(app, words);
+  try {
+    app.parse(count, arguments);
+  } catch (const CLI::ParseError& error) {
+    std::ostringstream text;
+    const int status = app.exit(error, text, text);
+    return Notice{status == 0 ? kExitDone : kExitUsage,
+                  status == 0 ? text.str() : "mbgatectl: " + text.str()};
+  }
+  const auto command = understand(words, write->parsed());
+  if (!command) {
+    return Notice{kExitUsage, "mbgatectl: " + command.error() + "\n"};
+  }
+  return *command;
+}
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs calls that may block for seconds, each on a thread of its own, so that one dying adapter
+// delays nobody. What they return is posted back to the io thread. Between calls no thread exists.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <csignal>
+#include <memory>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace mbgate::io {
+
+class BlockingCalls {
+ public:
+  explicit BlockingCalls(boost::asio::io_context& context)
+      : home_(std::make_shared<Home>(&context)) {}
+  BlockingCalls(const BlockingCalls&) = delete;
+  BlockingCalls& operator=(const BlockingCalls&) = delete;
+  /// Does not wait: a call that is still blocked ends by itself, and its result is dropped where it
+  /// is.
+  ~BlockingCalls() {
+    const std::lock_guard lock(home_->mutex);
+    home_->context = nullptr;
+  }
+
+  /// Runs `call` on a thread of its own, then `then(result)` on the io thread. False if there is no
+  /// thread to be had; `call` is then destroyed without having run.
+  template <typename Call, typename Then>
+  [[nodiscard]] bool run(Call call, Then then) {
+    try {
+      std::thread([home = home_, call = std::move(call), then = std::move(then)]() mutable {
+        block_signals();
+        auto result = call();
+        const std::lock_guard lock(home->mutex);
+        if (home->context != nullptr) {
+          boost::asio::post(*home->context,
+                            [then = std::move(then), result = std::move(result)]() mutable {
+                              then(std::move(result));
+                            });
+        }
+      }).detach();
+    } catch (const std::system_error&) {
+      return false;
+    }
+    return true;
+  }
+
+ private:
+  /// Taken only for the moment of posting and at the end of the process, never while a call blocks.
+  struct Home {
+    explicit Home(boost::asio::io_context* io) : context(io) {}
+    std::mutex mutex;
+    boost::asio::io_context* context;
+  };
+
+  /// Signals belong to the io thread: here they would cut open() short.
+  static void block_signals() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, nullptr);
+  }
+
+  std::shared_ptr<Home> home_;
+};
+
+}  // namespace mbgate::io

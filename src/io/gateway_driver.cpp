@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/gateway_driver.hpp"
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <chrono>
+#include <utility>
+#include <variant>
+
+#include "io/clock.hpp"
+
+namespace mbgate::io {
+namespace {
+
+using gateway::BusId;
+using gateway::ClientId;
+using gateway::ListenerId;
+
+/// How long a connection that the machine has closed may take to send what was queued.
+constexpr std::chrono::seconds kCloseLimit{1};
+/// The same at the end of the process: with the machine's own 1.5 s it makes less than 2 s.
+constexpr std::chrono::milliseconds kFlushLimit{250};
+
+routing::ClientAddress address_of(const boost::asio::ip::tcp::endpoint& peer) {
+  const auto address = peer.address();
+  const auto v6 = address.is_v6() ? address.to_v6()
+                                  : boost::asio::ip::make_address_v6(boost::asio::ip::v4_mapped,
+                                                                     address.to_v4());
+  return routing::ClientAddress(v6.to_bytes());
+}
+
+}  // namespace
+
+GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings settings,
+                             DriverObserver& observer)
+    : context_(context),
+      observer_(observer),
+      gateway_(std::move(settings), now()),
+      timer_(context),
+      blocking_(context),
+      hangups_(context,
+               [this](std::uint64_t key, Hangup hangup) {
+                 if (auto* const client = connection(ClientId{key})) {
+                   client->handle_hangup(hangup);
+                 }
+               }),
+      connection_context_{context, hangups_, *this, {}},
+      flush_timer_(context) {
+  for (std::size_t i = 0; i < gateway_.settings().buses.size(); ++i) {
+    const auto bus = static_cast<BusId>(i);
+    lines_.push_back(std::make_unique<SerialLine>(LineContext{context, blocking_, *this}, bus,
+                                                  gateway_.settings().bus(bus).line));
+  }
+}
+
+void GatewayDriver::add_server(ListenerId listener, boost::asio::ip::tcp::acceptor acceptor) {
+  servers_.push_back(std::make_unique<TcpServer>(context_, listener, std::move(acceptor), *this));
+}
+
+void GatewayDriver::start() {
+  carry_out_actions();
+  for (const auto& server : servers_) {
+    server->accept_waiting();
+  }
+  for (const auto& server : servers_) {
+    server->start();
+  }
+}
+
+void GatewayDriver::shutdown() {
+  for (const auto& server : servers_) {
+    server->stop();
+  }
+  gateway_.handle_shutdown(now());
+  carry_out_actions();
+}
+
+void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) {
+  const auto id = static_cast<ClientId>(next_client_++);
+  const auto added =
+      std::make_shared<TcpConnection>(connection_context_, id, std::move(client.socket));
+  connections_.emplace(id, added);
+  gateway_.handle_client_connected(id, {listener, address_of(client.peer), client.bytes_waiting},
+                                   now());
+  carry_out_actions();
+  if (connection(id) != nullptr) {
+    added->start();
+  }
+  observer_.on_status_changed();
+}
+
+void GatewayDriver::accept_failed(ListenerId listener, const boost::system::error_code& error) {
+  observer_.on_accept_failure(listener, error.message());
+}
+
+void GatewayDriver::client_bytes(ClientId client, modbus::Bytes bytes) {
+  gateway_.handle_client_bytes(client, bytes, now());
+  carry_out_actions();
+}
+
+void GatewayDriver::client_sent(ClientId client) {
+  gateway_.handle_client_sent(client, now());
+  carry_out_actions();
+}
+
+void GatewayDriver::client_half_closed(ClientId client) {
+  gateway_.handle_client_half_closed(client, now());
+  carry_out_actions();
+}
+
+void GatewayDriver::client_disconnected(ClientId client) {
+  connections_.erase(client);
+  gateway_.handle_client_disconnected(client, now());
+  carry_out_actions();
+  observer_.on_status_changed();
+}
+
+void GatewayDriver::client_closed(ClientId /*client*/) {
+  --closing_;
+  if (phase_ == Phase::flushing && closing_ == 0) {
+    finish();
+  }
+}
+
+void GatewayDriver::line_opened(BusId bus, const std::vector<std::string>& warnings) {
+  for (const auto& warning : warnings) {
+    observer_.on_line_warning(bus, warning);
+  }
+  gateway_.handle_bus_opened(bus, now());
+  carry_out_actions();
+  observer_.on_status_changed();
+}
+
+void GatewayDriver::line_bytes(BusId bus, modbus::Bytes bytes) {
+  gateway_.handle_bus_bytes(bus, bytes, now());
+  carry_out_actions();
+}
+
+void GatewayDriver::line_lost(BusId bus, const std::string& why) {
+  observer_.on_line_failure(bus, why);
+  gateway_.handle_bus_lost(bus, now());
+  carry_out_actions();
+  observer_.on_status_changed();
+}
+
+void GatewayDriver::carry_out_actions() {
+  if (carrying_out_) {
+    return;
+  }
+  carrying_out_ = true;
+  while (const auto action = gateway_.poll_action()) {
+    std::visit([this](const auto& wanted) { carry_out(wanted); }, *action);
+  }
+  carrying_out_ = false;
+  set_timer();
+}
+
+void GatewayDriver::set_timer() {
+  const auto deadline = gateway_.next_deadline();
+  // A timer that goes off too early costs a spurious call; one that is set anew each time costs a
+  // system call.
+  if (!deadline || (timer_set_to_ && *timer_set_to_ <= *deadline)) {
+    return;
+  }
+  timer_set_to_ = deadline;
+  timer_.expires_at(to_steady(*deadline));
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) {
+      timer_set_to_.reset();
+      gateway_.handle_deadline(now());
+      carry_out_actions();
+    }
+  });
+}
+
+void GatewayDriver::carry_out(const gateway::Send& action) {
+  auto* const client = connection(action.client);
+  if (client == nullptr) {
+    return;
+  }
+  switch (client->send(action.adu)) {
+    case TcpConnection::SendOutcome::sent:
+      gateway_.handle_client_sent(action.client, now());
+      return;
+    case TcpConnection::SendOutcome::queued: return;
+    case TcpConnection::SendOutcome::failed: drop(action.client); return;
+  }
+}
+
+void GatewayDriver::carry_out(const gateway::Pause& action) {
+  auto* const client = connection(action.client);
+  if (client != nullptr && !client->pause()) {
+    drop(action.client);
+  }
+}
+
+void GatewayDriver::carry_out(const gateway::Resume& action) {
+  if (auto* const client = connection(action.client)) {
+    client->resume();
+  }
+}
+
+void GatewayDriver::carry_out(const gateway::Close& action) {
+  close_connection(action.client, kCloseLimit);
+  observer_.on_status_changed();
+}
+
+void GatewayDriver::carry_out(const gateway::Open& action) { line(action.bus).open(); }
+
+void GatewayDriver::carry_out(const gateway::Transmit& action) {
+  if (const auto why = line(action.bus).transmit(action.frame)) {
+    observer_.on_line_failure(action.bus, *why);
+    gateway_.handle_bus_lost(action.bus, now());
+    observer_.on_status_changed();
+  }
+}
+
+void GatewayDriver::carry_out(const gateway::Report& action) { observer_.on_event(action.event); }
+
+void GatewayDriver::carry_out(const gateway::Finished& /*action*/) {
+  std::vector<ClientId> remaining;
+  std::ranges::transform(connections_, std::back_inserter(remaining),
+                         [](const auto& entry) { return entry.first; });
+  for (const ClientId client : remaining) {
+    close_connection(client, kFlushLimit);
+  }
+  phase_ = Phase::flushing;
+  flush_timer_.expires_after(closing_ == 0 ? std::chrono::milliseconds(0) : kFlushLimit);
+  flush_timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) {
+      finish();
+    }
+  });
+}
+
+void GatewayDriver::drop(ClientId client) {
+  if (const auto entry = connections_.extract(client)) {
+    entry.mapped()->abort();
+    gateway_.handle_client_disconnected(client, now());
+    observer_.on_status_changed();
+  }
+}
+
+void GatewayDriver::close_connection(ClientId client, bus::Duration limit) {
+  if (const auto entry = connections_.extract(client)) {
+    ++closing_;
+    entry.mapped()->close(limit);
+  }
+}
+
+void GatewayDriver::finish() {
+  if (std::exchange(phase_, Phase::finished) != Phase::finished) {
+    observer_.on_finished();
+  }
+}
+
+TcpConnection* GatewayDriver::connection(ClientId client) {
+  const auto entry = connections_.find(client);
+  return entry == connections_.end() ? nullptr : entry->second.get();
+}
+
+}  // namespace mbgate::io

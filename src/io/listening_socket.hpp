@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// A TCP socket that listens for one listener of the settings: bound by us, or bound by systemd and
+// handed over. Its options are those of every connection accepted from it, because Linux lets an
+// accepted socket inherit them.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <string>
+
+#include "gateway/settings.hpp"
+#include "io/unique_fd.hpp"
+#include "modbus/result.hpp"
+
+namespace mbgate::io {
+
+/// Binds the listener's address and port. The error is one line with the listener's name and its
+/// address.
+Result<boost::asio::ip::tcp::acceptor, std::string> bind_listener(
+    boost::asio::io_context& context, const gateway::ListenerSettings& listener);
+
+/// Takes over a listening TCP socket; address and port of the settings do not matter then.
+Result<boost::asio::ip::tcp::acceptor, std::string> adopt_listener(
+    boost::asio::io_context& context, const gateway::ListenerSettings& listener, UniqueFd socket);
+
+/// "127.0.0.1:502" or "[::1]:502"
+std::string to_text(const boost::asio::ip::tcp::endpoint& endpoint);
+
+}  // namespace mbgate::io

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/serial_line.hpp"
+
+#include <unistd.h>
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <cerrno>
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+#include "io/supervise.hpp"
+#include "io/tty_direction.hpp"
+
+namespace mbgate::io {
+namespace {
+
+using boost::asio::error::operation_aborted;
+using boost::asio::posix::descriptor_base;
+
+constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
+
+/// Between two questions whether the transmitter is empty: a fraction of t3.5, so that RTS is
+/// lowered before a device may answer.
+constexpr std::chrono::microseconds kTransmitterPoll{200};
+/// A transmitter that is not empty this long after the longest frame has had its time is stuck.
+constexpr std::chrono::milliseconds kTransmitterLimit{500};
+
+bool would_block(int error) { return error == EAGAIN || error == EINTR; }
+
+/// A vanished adapter reads as the end of the stream at first, then as one of these errors.
+bool has_gone(const boost::system::error_code& error) {
+  return error == boost::asio::error::eof || error.value() == EIO || error.value() == ENODEV ||
+         error.value() == ENXIO;
+}
+
+}  // namespace
+
+SerialLine::SerialLine(LineContext context, drive::BusId bus, bus::LineSettings settings)
+    : context_(context),
+      bus_(bus),
+      settings_(std::move(settings)),
+      timing_(settings_.baud, settings_.format),
+      descriptor_(context.io),
+      timer_(context.io) {}
+
+SerialLine::~SerialLine() {
+  if (state_ == State::open) {
+    close_tty(UniqueFd(descriptor_.release()));
+  }
+}
+
+void SerialLine::open() {
+  if (state_ != State::closed) {
+    return;
+  }
+  state_ = State::opening;
+  const bool started = context_.blocking.run(
+      [settings = settings_] { return open_tty(settings); },
+      [this](Result<OpenTty, std::string> result) { finish_open(std::move(result)); });
+  if (!started) {
+    boost::asio::post(context_.io, [this] {
+      finish_open(std::string("cannot open " + settings_.device + ": no thread to do it on"));
+    });
+  }
+}
+
+void SerialLine::finish_open(Result<OpenTty, std::string> result) {
+  state_ = State::closed;
+  if (!result) {
+    context_.events.line_lost(bus_, result.error());
+    return;
+  }
+  boost::system::error_code error;
+  descriptor_.assign(result->fd.get(), error);
+  if (error) {
+    context_.events.line_lost(bus_, settings_.device + ": cannot watch it: " + error.message());
+    return;
+  }
+  result->fd.release();
+  state_ = State::open;
+  transmitting_ = false;
+  rest_.clear();
+  ++generation_;
+  supervise(context_.io, read_loop(generation_), "line read");
+  context_.events.line_opened(bus_, result->warnings);
+}
+
+std::optional<std::string> SerialLine::transmit(modbus::Bytes frame) {
+  if (state_ != State::open) {
+    return settings_.device + ": the line is not open";
+  }
+  std::optional<std::string> error;
+  if (transmitting_) {
+    error = settings_.device + ": the frame before is still not transmitted";
+  } else if (settings_.rs485 == bus::Rs485::rts && !set_rts(descriptor_.native_handle(), true)) {
+    error = error_text("raise RTS", errno);
+  } else {
+    const ssize_t count = ::write(descriptor_.native_handle(), frame.data(), frame.size());
+    if (count < 0 && !would_block(errno)) {
+      error = error_text("write", errno);
+    } else {
+      const auto rest = frame.subspan(count < 0 ? 0 : static_cast<std::size_t>(count));
+      rest_.assign(rest.begin(), rest.end());
+    }
+  }
+  if (error) {
+    close();
+    return error;
+  }
+  if (!rest_.empty()) {
+    transmitting_ = true;
+    supervise(context_.io, write_rest(generation_), "line write");
+  } else if (settings_.rs485 == bus::Rs485::rts) {
+    transmitting_ = true;
+    timer_.expires_after(timing_.duration_of(frame.size()));
+    supervise(context_.io, release_rts(generation_), "line direction");
+  }
+  return std::nullopt;
+}
+
+boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
+  while (true) {
+    const auto [error, count] =
+        co_await descriptor_.async_read_some(boost::asio::buffer(buffer_), kUseTuple);
+    if (error == operation_aborted || generation != generation_) {
+      co_return;
+    }
+    if (error) {
+      lose(has_gone(error) ? settings_.device + ": the device has gone"
+                           : error_text("read", error.value()));
+      co_return;
+    }
+    context_.events.line_bytes(bus_, modbus::Bytes(buffer_).first(count));
+    if (generation != generation_) {
+      co_return;
+    }
+  }
+}
+
+boost::asio::awaitable<void> SerialLine::write_rest(unsigned generation) {
+  while (!rest_.empty()) {
+    const auto [error] = co_await descriptor_.async_wait(descriptor_base::wait_write, kUseTuple);
+    if (error == operation_aborted || generation != generation_) {
+      co_return;
+    }
+    const ssize_t count = ::write(descriptor_.native_handle(), rest_.data(), rest_.size());
+    if (count < 0 && !would_block(errno)) {
+      lose(error_text("write", errno));
+      co_return;
+    }
+    rest_.erase(rest_.begin(), rest_.begin() + (count < 0 ? 0 : count));
+  }
+  if (settings_.rs485 == bus::Rs485::rts) {
+    // How much of the frame the driver still holds is not known: ask at once.
+    timer_.expires_after(std::chrono::nanoseconds(0));
+    co_await release_rts(generation);
+  } else {
+    transmitting_ = false;
+  }
+}
+
+boost::asio::awaitable<void> SerialLine::release_rts(unsigned generation) {
+  const auto give_up =
+      timer_.expiry() + timing_.duration_of(modbus::kMaxRtuSize) + kTransmitterLimit;
+  while (true) {
+    const auto [error] = co_await timer_.async_wait(kUseTuple);
+    if (error == operation_aborted || generation != generation_) {
+      co_return;
+    }
+    const auto empty = is_transmitter_empty(descriptor_.native_handle());
+    if (empty.value_or(false)) {
+      break;
+    }
+    if (!empty || std::chrono::steady_clock::now() > give_up) {
+      lose(settings_.device + ": the transmitter does not become empty");
+      co_return;
+    }
+    timer_.expires_after(kTransmitterPoll);
+  }
+  if (!set_rts(descriptor_.native_handle(), false)) {
+    lose(error_text("lower RTS", errno));
+    co_return;
+  }
+  transmitting_ = false;
+}
+
+void SerialLine::close() {
+  state_ = State::closed;
+  ++generation_;
+  timer_.cancel();
+  UniqueFd fd(descriptor_.release());
+  // Without a thread the descriptor is closed here, as soon as run() has given up.
+  const bool started = context_.blocking.run(
+      [fd = std::move(fd)]() mutable {
+        close_tty(std::move(fd));
+        return true;
+      },
+      [](bool) {});
+  static_cast<void>(started);
+}
+
+void SerialLine::lose(const std::string& why) {
+  close();
+  context_.events.line_lost(bus_, why);
+}
+
+std::string SerialLine::error_text(const char* action, int error) const {
+  return settings_.device + ": cannot " + action + ": " + std::generic_category().message(error);
+}
+
+}  // namespace mbgate::io

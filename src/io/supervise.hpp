@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Starts a coroutine whose failure cannot go unseen. Asio's `detached` swallows exceptions; here
+// one that escapes the coroutine comes out of io_context::run(), with the name of the coroutine
+// before its text.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+
+namespace mbgate::io {
+
+/// `name` says in the error text which coroutine failed.
+void supervise(boost::asio::io_context& context, boost::asio::awaitable<void> coroutine,
+               const char* name);
+
+}  // namespace mbgate::io

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tty.hpp"
+
+#include <fcntl.h>
+#include <linux/serial.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <termios.h>
+
+#include <cerrno>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "io/tty_direction.hpp"
+#include "io/tty_mode.hpp"
+
+namespace mbgate::io {
+namespace {
+
+/// The device numbers of Unix 98 pseudo-terminals (Linux, Documentation/admin-guide/devices.txt).
+constexpr unsigned kFirstPtyMajor = 136;
+constexpr unsigned kLastPtyMajor = 143;
+
+std::string in_use(const std::string& device) { return device + ": another program uses it"; }
+
+std::string open_error(const std::string& device, int error) {
+  std::string text = "cannot open " + device + ": " + std::generic_category().message(error);
+  switch (error) {
+    case EBUSY: return in_use(device);
+    case EACCES: return text + "; the user that mbgated runs as must be in the group dialout";
+    case EPERM:
+      // The device cgroup refuses with EPERM where file modes refuse with EACCES. A DeviceAllow of
+      // a driver that was not loaded when the unit started allows nothing.
+      return text +
+             "; if systemd started mbgated, DeviceAllow of the unit must name the driver, and its "
+             "module must "
+             "be loaded before the unit starts (modprobe@usbserial.service); then restart the unit";
+    default: return text;
+  }
+}
+
+bool is_pseudo_terminal(int fd) {
+  struct stat status {};
+  if (::fstat(fd, &status) != 0) {
+    return false;
+  }
+  return major(status.st_rdev) >= kFirstPtyMajor && major(status.st_rdev) <= kLastPtyMajor;
+}
+
+std::optional<std::string> take_exclusively(int fd, const std::string& device,
+                                            bool pseudo_terminal) {
+  // TIOCEXCL does not stop root, and flock stops only those who ask: both together stop everyone
+  // who looks.
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    return errno == EWOULDBLOCK
+               ? in_use(device)
+               : device + ": cannot lock it: " + std::generic_category().message(errno);
+  }
+  // A pseudo-terminal keeps the flag of a program that has died, as long as its other end is open.
+  int exclusive = 0;
+  if (!pseudo_terminal && ::ioctl(fd, TIOCGEXCL, &exclusive) == 0 && exclusive != 0) {
+    return in_use(device);
+  }
+  if (::ioctl(fd, TIOCEXCL) != 0) {
+    return device + ": cannot take it for exclusive use: " + std::generic_category().message(errno);
+  }
+  return std::nullopt;
+}
+
+/// Without it an FTDI chip holds received bytes back for up to 16 ms. Only at open: changing it
+/// under traffic can stall reception.
+std::optional<std::string> ask_for_low_latency(int fd, const std::string& device) {
+  serial_struct serial{};
+  if (::ioctl(fd, TIOCGSERIAL, &serial) == 0) {
+    serial.flags |= ASYNC_LOW_LATENCY;
+    if (::ioctl(fd, TIOCSSERIAL, &serial) == 0) {
+      return std::nullopt;
+    }
+  }
+  // Pseudo-terminals and many adapters have no such thing and need none.
+  if (errno == ENOTTY || errno == EINVAL || errno == EOPNOTSUPP) {
+    return std::nullopt;
+  }
+  return device + ": no low-latency mode: " + std::generic_category().message(errno);
+}
+
+}  // namespace
+
+Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {
+  UniqueFd fd(::open(line.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!fd.is_open()) {
+    return open_error(line.device, errno);
+  }
+  if (::isatty(fd.get()) == 0) {
+    return line.device + ": this is no serial line";
+  }
+  const bool pseudo_terminal = is_pseudo_terminal(fd.get());
+  if (auto error = take_exclusively(fd.get(), line.device, pseudo_terminal)) {
+    return *std::move(error);
+  }
+  auto warnings = set_tty_mode(fd.get(), line, pseudo_terminal);
+  std::optional<std::string> error;
+  if (!warnings) {
+    error = std::move(warnings).error();
+  } else {
+    error = set_direction_control(fd.get(), line);
+  }
+  if (error) {
+    close_tty(std::move(fd));
+    return *std::move(error);
+  }
+  if (line.low_latency) {
+    if (auto warning = ask_for_low_latency(fd.get(), line.device)) {
+      warnings->push_back(*std::move(warning));
+    }
+  }
+  // What lies there was meant for somebody before us.
+  ::tcflush(fd.get(), TCIOFLUSH);
+  return OpenTty{std::move(fd), *std::move(warnings)};
+}
+
+void close_tty(UniqueFd fd) {
+  if (!fd.is_open()) {
+    return;
+  }
+  ::tcflush(fd.get(), TCOFLUSH);
+  ::ioctl(fd.get(), TIOCNXCL);
+}
+
+}  // namespace mbgate::io

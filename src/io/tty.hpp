@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Opens a serial line for exclusive use with all its settings, or says why not. These calls may
+// block for seconds on a dying adapter: they belong on a thread that may wait.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bus/settings.hpp"
+#include "io/unique_fd.hpp"
+#include "modbus/result.hpp"
+
+namespace mbgate::io {
+
+struct OpenTty {
+  UniqueFd fd;  ///< non-blocking
+  std::vector<std::string> warnings;
+};
+
+/// The path is looked up anew at each call: below /dev/serial/by-id it leads to another device
+/// after each plugging. The error is one line with the path, what was asked and what the system
+/// said.
+Result<OpenTty, std::string> open_tty(const bus::LineSettings& line);
+
+/// Gives the line back. What was not transmitted yet is thrown away: waiting for it can take 30 s.
+void close_tty(UniqueFd fd);
+
+}  // namespace mbgate::io

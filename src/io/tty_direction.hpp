@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who switches the RS-485 transceiver between sending and receiving: the kernel, or we by RTS. The
+// ioctls are passed in, because no pseudo-terminal knows them and a test must be able to answer for
+// the driver.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "bus/settings.hpp"
+
+namespace mbgate::io {
+
+/// ioctl(2).
+using IoControl = int (*)(int fd, unsigned long request, void* argument);
+int system_io_control(int fd, unsigned long request, void* argument);
+
+/// Makes the direction control that `line` asks for ready; RTS is left at receiving. Why it cannot
+/// be, or nothing.
+std::optional<std::string> set_direction_control(int fd, const bus::LineSettings& line,
+                                                 IoControl control = system_io_control);
+
+/// Raises RTS (sending) or lowers it (receiving). False if the driver refuses.
+bool set_rts(int fd, bool sending, IoControl control = system_io_control);
+
+/// Has the last bit left the transmitter's shift register? Nothing if the driver cannot say.
+std::optional<bool> is_transmitter_empty(int fd, IoControl control = system_io_control);
+
+}  // namespace mbgate::io

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/device.hpp"
+
+namespace mbgate::sim {
+namespace {
+
+constexpr ExceptionByte kDeviceFailure = 0x04;
+
+std::uint8_t next_address(std::uint8_t address) {
+  return address < modbus::kMaxDeviceAddress ? static_cast<std::uint8_t>(address + 1)
+                                             : std::uint8_t{1};
+}
+
+modbus::Pdu with_next_function(const modbus::Pdu& pdu) {
+  std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
+  ++bytes[0];
+  return *modbus::Pdu::from(bytes);
+}
+
+}  // namespace
+
+Device::Device(const DeviceSettings& settings)
+    : settings_(settings), model_(make_model(settings)) {}
+
+Device::Model Device::make_model(const DeviceSettings& settings) {
+  switch (settings.model) {
+    case ModelKind::moons: return MoonsDrive(settings.series, settings.word_order);
+    case ModelKind::stepper: return StepperDrive();
+    case ModelKind::aic: break;
+  }
+  AicDrive drive;
+  if (settings.response_wait) {
+    using std::chrono::milliseconds;
+    drive.set_response_wait(std::chrono::duration_cast<milliseconds>(*settings.response_wait));
+  }
+  return drive;
+}
+
+std::optional<Answer> Device::receive(modbus::Bytes frame, Instant end) {
+  const auto adu = modbus::decode_rtu(frame);
+  if (!adu || settings_.faults.silent || end < deaf_until_) {
+    return std::nullopt;
+  }
+  const bool broadcast = adu->address == broadcast_address();
+  if (!broadcast && adu->address != settings_.address) {
+    return std::nullopt;
+  }
+  ++heard_;
+  const Reaction reaction = broadcast ? hear_broadcast(adu->pdu) : react(*adu);
+  if (reaction.deaf_for > Duration{0}) {
+    deaf_until_ = end + reaction.deaf_for;
+  }
+  if (!reaction.response) {
+    return std::nullopt;
+  }
+  return spoil(*reaction.response, reaction.delay);
+}
+
+std::uint8_t Device::broadcast_address() const {
+  return std::visit([](const auto& drive) { return drive.kBroadcastAddress; }, model_);
+}
+
+Reaction Device::hear_broadcast(const modbus::Pdu& pdu) {
+  return std::visit([&pdu](auto& drive) { return drive.hear_broadcast(pdu); }, model_);
+}
+
+Reaction Device::react(const modbus::RtuAdu& adu) {
+  ++addressed_;
+  const unsigned every = settings_.faults.exception_every;
+  if (every != 0 && addressed_ % every == 0) {
+    return {exception(adu.pdu.function(), kDeviceFailure)};
+  }
+  return std::visit([&](auto& drive) { return drive.answer(adu.pdu); }, model_);
+}
+
+Answer Device::spoil(const modbus::Pdu& response, Duration delay) const {
+  const Faults& faults = settings_.faults;
+  const std::uint8_t address =
+      faults.wrong_unit ? next_address(settings_.address) : settings_.address;
+  Answer answer{
+      modbus::encode_rtu(address, faults.wrong_function ? with_next_function(response) : response),
+      delay + settings_.processing.value_or(Duration{0}), false};
+  if (settings_.model != ModelKind::aic) {
+    answer.after += settings_.response_wait.value_or(Duration{0});
+  }
+  if (faults.answer_after) {
+    answer.after = *faults.answer_after;
+    answer.counts_from_end = true;
+  }
+  if (faults.bad_crc) {
+    answer.frame.back() = static_cast<std::uint8_t>(~answer.frame.back());
+  }
+  return answer;
+}
+
+}  // namespace mbgate::sim

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a drive does about a request that it has heard.
+#pragma once
+
+#include <optional>
+
+#include "modbus/pdu.hpp"
+#include "modbus/rtu_timing.hpp"
+
+namespace mbgate::sim {
+
+using modbus::Duration;
+
+struct Reaction {
+  std::optional<modbus::Pdu> response;  ///< nothing: the drive does not answer
+  Duration delay{0};                    ///< what the work takes, besides the usual processing time
+  Duration deaf_for{0};                 ///< it restarts and hears nothing for so long
+};
+
+}  // namespace mbgate::sim

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The simulator's process: buses on ptys, one thread, one precise timer, signals as input.
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <vector>
+
+#include "sim/file_descriptor.hpp"
+#include "sim/live_bus.hpp"
+#include "sim/settings.hpp"
+
+namespace mbgate::sim {
+
+class Simulator {
+ public:
+  /// Ready lines and counters go to `output`, errors to `errors`.
+  Simulator(const Settings& settings, std::ostream& output, std::ostream& errors);
+
+  /// Serves until SIGTERM or SIGINT; SIGUSR1 prints the counters, SIGUSR2 takes the ptys away for a
+  /// while. The exit status: 0, or 1 if a pty, a link or the system fails.
+  int run();
+
+ private:
+  bool prepare();
+  bool connect();
+  void disconnect();
+  void serve_once();
+  void handle_signal();
+  void print_counters();
+  [[nodiscard]] std::optional<Instant> next_event() const;
+  void arm_timer();
+  void wait();
+
+  Duration reopen_after_;
+  std::vector<LiveBus> buses_;
+  std::ostream& output_;
+  std::ostream& errors_;
+  FileDescriptor signals_;
+  FileDescriptor timer_;
+  std::optional<Instant> armed_for_;
+  std::optional<Instant> reopen_at_;
+  bool connected_ = false;
+  bool failed_ = false;
+  bool stopping_ = false;
+};
+
+}  // namespace mbgate::sim

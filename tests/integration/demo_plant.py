@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The plant of the demo: mbgate-sim and mbgated on conf/demo*.toml, in a folder of their own, on a port that the
+kernel chooses. The programs are those in the folder MBGATE_PROGRAMS, else the installed ones."""
+
+import os
+import pathlib
+import queue
+import re
+import shutil
+import subprocess
+import tempfile
+import threading
+
+CONFIGURATION = pathlib.Path(__file__).parents[2] / "conf"
+PATIENCE = 30  # seconds until a program must have said what it has to say
+
+
+def program(name):
+    """The path of one of mbgate's programs."""
+    folder = os.environ.get("MBGATE_PROGRAMS", os.environ.get("PATH", "") + ":/usr/sbin")
+    path = shutil.which(name, path=folder)
+    if path is None:
+        raise FileNotFoundError(f"{name} is not in {folder}")
+    return path
+
+
+class Process:
+    """A program that we started: its lines as they come, and its end."""
+
+    def __init__(self, folder, name, *arguments):
+        self.name = name
+        self.printed = []
+        self._lines = queue.Queue()
+        self._process = subprocess.Popen(
+            [program(name), *map(str, arguments)],
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    def _read(self):
+        for line in self._process.stdout:
+            self._lines.put(line)
+        self._lines.put(None)
+
+    def wait_for(self, pattern):
+        """The match of the first line from now on that `pattern` matches."""
+        while True:
+            try:
+                line = self._lines.get(timeout=PATIENCE)
+            except queue.Empty:
+                line = None
+            if line is None:
+                raise AssertionError(f"{self.name} did not print {pattern!r} but:\n{''.join(self.printed)}")
+            self.printed.append(line)
+            match = re.search(pattern, line)
+            if match:
+                return match
+
+    def end(self):
+        """Asks the program to end; its exit status."""
+        self._process.terminate()
+        try:
+            status = self._process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            status = self._process.wait()
+        self._reader.join()
+        self._process.stdout.close()
+        return status
+
+
+class DemoPlant:
+    """with DemoPlant() as plant: plant.port is where the gateway listens on 127.0.0.1."""
+
+    def __enter__(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self._processes = []
+        try:
+            self._start()
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def _start(self):
+        folder = pathlib.Path(self._folder.name)
+        text = (CONFIGURATION / "demo.toml").read_text(encoding="utf-8")
+        configuration = folder / "demo.toml"
+        configuration.write_text(re.sub(r"(?m)^port *=.*$", "port = 0", text), encoding="utf-8")
+        drives = Process(folder, "mbgate-sim", CONFIGURATION / "demo-sim.toml")
+        self._processes.append(drives)
+        drives.wait_for("^ready")
+        gateway = Process(folder, "mbgated", "--config", configuration)
+        self._processes.append(gateway)
+        self.port = int(gateway.wait_for(r"listening demo 127\.0\.0\.1:(\d+)$").group(1))
+
+    def __exit__(self, *_):
+        statuses = {process.name: process.end() for process in reversed(self._processes)}
+        self._folder.cleanup()
+        wrong = {name: status for name, status in statuses.items() if status != 0}
+        assert not wrong, f"exit status other than 0: {wrong}"

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/world.hpp"
+
+namespace mbgate::test {
+namespace {
+
+sim::WireSettings wire_for(const bus::BusSettings& bus) {
+  sim::WireSettings wire;
+  wire.baud = bus.line.baud;
+  wire.format = bus.line.format;
+  wire.gap = bus.frame_gap;
+  wire.echo = bus.line.echo;
+  wire.frames_kept = 200'000;
+  return wire;
+}
+
+gateway::Settings settings_for(const std::vector<BusPlan>& buses) {
+  gateway::Settings settings;
+  for (std::size_t index = 0; index < buses.size(); ++index) {
+    const BusId bus{static_cast<std::uint32_t>(index)};
+    settings.buses.push_back(buses[index].bus);
+    settings.buses.back().name = "line-" + std::to_string(index);
+    auto& listener = settings.listeners.emplace_back();
+    listener.name = settings.buses.back().name;
+    listener.bus = bus;
+    listener.broadcast = true;
+  }
+  return settings;
+}
+
+}  // namespace
+
+World::World(const std::vector<BusPlan>& buses, OnAnswer on_answer)
+    : on_answer_(std::move(on_answer)), plugged_(buses.size(), true) {
+  for (const BusPlan& plan : buses) {
+    wires_.emplace_back(wire_for(plan.bus), plan.devices);
+  }
+  gateway_.emplace(settings_for(buses), now_);
+  drain();
+}
+
+ClientId World::connect(std::size_t bus, unsigned host) {
+  const ClientId client{++clients_};
+  const auto address = routing::ClientAddress::parse("10.0." + std::to_string(host / 250) + "." +
+                                                     std::to_string(host % 250 + 1));
+  gateway_->handle_client_connected(client, {ListenerId{static_cast<std::uint32_t>(bus)}, *address},
+                                    now_);
+  drain();
+  return client;
+}
+
+void World::send(ClientId client, modbus::Bytes bytes) {
+  gateway_->handle_client_bytes(client, bytes, now_);
+  drain();
+}
+
+void World::half_close(ClientId client) {
+  gateway_->handle_client_half_closed(client, now_);
+  drain();
+}
+
+void World::disconnect(ClientId client) {
+  gateway_->handle_client_disconnected(client, now_);
+  drain();
+}
+
+void World::unplug(std::size_t bus) {
+  wires_[bus].disconnect();
+  gateway_->handle_bus_lost(BusId{static_cast<std::uint32_t>(bus)}, now_);
+  drain();
+}
+
+std::optional<Instant> World::next_event() const {
+  auto next = gateway_->next_deadline();
+  for (const sim::Wire& wire : wires_) {
+    next = bus::earlier(next, wire.next_event());
+  }
+  return next;
+}
+
+void World::run(Instant limit, const std::function<bool()>& done) {
+  while (!done()) {
+    const auto next = next_event();
+    if (!next || *next > limit) {
+      now_ = std::max(now_, limit);
+      return;
+    }
+    now_ = std::max(now_, *next);
+    step();
+  }
+}
+
+void World::step() {
+  for (std::size_t bus = 0; bus < wires_.size(); ++bus) {
+    const auto bytes = wires_[bus].advance(now_);
+    if (!bytes.empty()) {
+      gateway_->handle_bus_bytes(BusId{static_cast<std::uint32_t>(bus)}, bytes, now_);
+      drain();
+    }
+  }
+  gateway_->handle_deadline(now_);
+  drain();
+}
+
+void World::drain() {
+  while (const auto action = gateway_->poll_action()) {
+    if (const auto* send = std::get_if<gateway::Send>(&*action)) {
+      gateway_->handle_client_sent(send->client, now_);
+      on_answer_(send->client, {send->adu.data(), send->adu.size()});
+    } else if (const auto* transmit = std::get_if<gateway::Transmit>(&*action)) {
+      wires_[static_cast<std::size_t>(transmit->bus)].transmit(
+          {transmit->frame.data(), transmit->frame.size()}, now_);
+    } else if (const auto* open = std::get_if<gateway::Open>(&*action)) {
+      gateway_->handle_bus_opened(open->bus, now_);
+    } else if (const auto* close = std::get_if<gateway::Close>(&*action)) {
+      closed_[close->client] = true;
+    }
+  }
+}
+
+std::uint64_t World::silence_violations() const {
+  std::uint64_t total = 0;
+  for (const sim::Wire& wire : wires_) {
+    total += wire.counters().silence_violations;
+  }
+  return total;
+}
+
+std::uint64_t World::collisions() const {
+  std::uint64_t total = 0;
+  for (const sim::Wire& wire : wires_) {
+    total += wire.counters().collisions;
+  }
+  return total;
+}
+
+}  // namespace mbgate::test

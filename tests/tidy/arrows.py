@@ -1,0 +1,170 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Keeps the arrows between the rooms of src/ (see src/README.md) and a few rules that a compiler does not know.
+
+Every header is visible to every target, so nothing else stops a room from including what it must not know.
+usage: arrows.py [FOLDER], FOLDER holding src/ and tests/.
+"""
+
+import pathlib
+import re
+import sys
+
+# Who may include whom; what a room's headers show of the rooms below is within its reach.
+MODBUS = {"modbus"}
+DRIVE = MODBUS | {"drive"}
+ROUTING = DRIVE | {"routing"}
+BUS = DRIVE | {"bus"}
+GATEWAY = ROUTING | BUS | {"gateway"}
+IO = GATEWAY | {"io"}
+CONFIG = DRIVE | {"config"}
+ROOMS = {
+    "modbus": MODBUS,
+    "drive": DRIVE,
+    "routing": ROUTING,
+    "bus": BUS,
+    "gateway": GATEWAY,
+    "config": CONFIG,
+    "io": IO,
+    "app": IO | CONFIG | {"app"},
+    "sim": CONFIG | {"sim"},
+    "ctl": CONFIG | {"ctl"},
+}
+# Single headers beyond a room's arrows: plain data that carries no decision.
+SETTINGS = {"gateway/settings.hpp", "routing/route.hpp", "routing/client_address.hpp", "bus/settings.hpp"}
+EXTRA_HEADERS = {
+    "config": SETTINGS,
+    "sim": {"bus/instant.hpp"},
+}
+# The rooms that tests of several rooms see. Integration tests know only the built programs.
+TEST_FOLDERS = {
+    "simulation": GATEWAY | CONFIG | {"sim"},
+    "integration": set(),
+    "support": GATEWAY | CONFIG | {"sim"},
+    "manuals": MODBUS,
+}
+
+PURE_ROOMS = {"modbus", "drive", "routing", "bus", "gateway"}
+PURE_BOOST = ("boost/container/", "boost/intrusive/", "boost/system/")
+# A pure room has no clock of its own, no thread, no socket, no file and no terminal.
+IMPURE_STANDARD = {
+    "atomic", "barrier", "condition_variable", "coroutine", "ctime", "filesystem", "fstream", "future", "iostream",
+    "latch", "mutex", "random", "semaphore", "shared_mutex", "stop_token", "thread",
+}
+PURE_EXCEPTIONS = {("src/routing/client_address.cpp", "arpa/inet.h")}  # text to address, no socket
+IMPURE_WORDS = re.compile(r"_clock::now\b|\bclock_gettime\b|\bgetenv\b|\bstd::rand\b|\bshared_ptr\b")
+
+# Libraries that only some files may see: a pattern of includes, and a pattern of the files.
+LIBRARIES = (
+    (r"boost/asio", r"src/(io|app)/|src/(sim|ctl)/(main|shell|.*_shell|pty.*)\.|tests/unit/(io|app)/"),
+    (r"toml\+\+", r"src/config/toml_reader\."),
+    (r"systemd/", r"src/app/(systemd|log)\."),
+    (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),
+    (r"CLI/", r"src/(app|ctl|sim)/(command_line|main)\."),
+    (r"gtest/|gmock/", r"tests/"),
+)
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+SPDX = "SPDX-License-Identifier: Apache-2.0"
+MOST_LINES = 300
+
+
+def rooms_in_reach(path):
+    """The rooms that the file `path` may include."""
+    parts = path.split("/")
+    if parts[0] == "src":
+        return ROOMS.get(parts[1])
+    if parts[1] == "unit":
+        return ROOMS.get(parts[2])
+    return TEST_FOLDERS.get(parts[1])
+
+
+def check_room(path, header):
+    """An include of ours, "room/file.hpp": does an arrow lead there?"""
+    room = header.split("/")[0]
+    if room not in ROOMS or "/" not in header:
+        return []  # a file of the same tests
+    parts = path.split("/")
+    reach = rooms_in_reach(path)
+    if reach is None:
+        return [f"{path}: stands in no room that tests/tidy/arrows.py knows"]
+    own_room = parts[1] if parts[0] == "src" else parts[2] if parts[1] == "unit" else ""
+    if room in reach or header in EXTRA_HEADERS.get(own_room, set()):
+        return []
+    return [f'{path}: includes "{header}", but no arrow leads from here to {room}/']
+
+
+def check_libraries(path, header):
+    found = []
+    for pattern, files in LIBRARIES:
+        if re.match(pattern, header) and not re.match(files, path):
+            found.append(f"{path}: includes <{header}>, which belongs elsewhere ({files})")
+    return found
+
+
+def check_purity(path, header):
+    """A system include in a pure room: only what has no outside."""
+    if (path, header) in PURE_EXCEPTIONS or header.startswith(PURE_BOOST):
+        return []
+    if "/" in header or header.endswith(".h") or header in IMPURE_STANDARD:
+        return [f"{path}: includes <{header}>, but this room is pure"]
+    return []
+
+
+def check_source(path, text):
+    """All findings about one C++ file; `path` is relative, with slashes."""
+    found = []
+    if not text.startswith(f"// {SPDX}\n"):
+        found.append(f"{path}: the first line must be // {SPDX}")
+    lines = text.count("\n")
+    if lines > MOST_LINES:
+        found.append(f"{path}: has {lines} lines, more than {MOST_LINES}")
+    if path.endswith(".hpp") and "\n#pragma once\n" not in text:
+        found.append(f"{path}: a header without #pragma once")
+    pure = path.startswith("src/") and path.split("/")[1] in PURE_ROOMS
+    for bracket, header in INCLUDE.findall(text):
+        if bracket == '"':
+            found += check_room(path, header)
+        found += check_libraries(path, header)
+        if pure and bracket == "<":
+            found += check_purity(path, header)
+    if pure:
+        for word in IMPURE_WORDS.findall(COMMENT.sub("", text)):
+            found.append(f"{path}: says {word}, but this room is pure")
+    return found
+
+
+def check_script(path, text):
+    """Scripts and CMake files: only the licence line, after a #! line if there is one."""
+    head = text.split("\n")[:2]
+    return [] if f"# {SPDX}" in head else [f"{path}: the first line (after #!) must be # {SPDX}"]
+
+
+def check_tree(root):
+    """All findings about src/ and tests/ below `root`, and how many files were looked at."""
+    found, files = [], 0
+    for file in sorted(path for folder in ("src", "tests") for path in (root / folder).rglob("*") if path.is_file()):
+        path = file.relative_to(root).as_posix()
+        if file.suffix in (".cpp", ".hpp", ".h", ".cc"):
+            files += 1
+            if file.suffix not in (".cpp", ".hpp"):
+                found.append(f"{path}: sources end in .cpp and .hpp")
+            found += check_source(path, file.read_text(encoding="utf-8"))
+        elif file.suffix in (".py", ".sh") or file.name == "CMakeLists.txt":
+            files += 1
+            found += check_script(path, file.read_text(encoding="utf-8"))
+    return found, files
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2])
+    found, files = check_tree(root)
+    for finding in found:
+        print(finding)
+    print(f"{files} files, {len(found)} findings")
+    return 1 if found or files == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

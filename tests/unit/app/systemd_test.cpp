@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/systemd.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+namespace mbgate::app {
+namespace {
+
+/// Stands in for systemd's end of the notification socket.
+class SystemdTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    path_ =
+        std::filesystem::temp_directory_path() / ("mbgate-notify-" + std::to_string(::getpid()));
+    std::filesystem::remove(path_);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string text = path_.string();
+    ASSERT_LT(text.size(), sizeof address.sun_path);
+    std::memcpy(static_cast<void*>(address.sun_path), text.data(), text.size());
+    ASSERT_EQ(::bind(socket_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    ::setenv("NOTIFY_SOCKET", text.c_str(), 1);
+  }
+  void TearDown() override {
+    ::unsetenv("NOTIFY_SOCKET");
+    std::filesystem::remove(path_);
+  }
+  std::string notified() {
+    std::array<char, 512> buffer{};
+    const ssize_t count = ::recv(socket_.get(), buffer.data(), buffer.size(), MSG_DONTWAIT);
+    return count > 0 ? std::string(buffer.data(), static_cast<std::size_t>(count)) : std::string();
+  }
+
+  std::filesystem::path path_;
+  io::UniqueFd socket_{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+};
+
+TEST_F(SystemdTest, HearsThatTheServiceIsReady) {
+  notify_ready("2 listeners");
+  EXPECT_EQ(notified(), "READY=1\nSTATUS=2 listeners");
+}
+
+TEST_F(SystemdTest, HearsTheStatus) {
+  notify_status("3 clients");
+  EXPECT_EQ(notified(), "STATUS=3 clients");
+}
+
+TEST_F(SystemdTest, HearsThatTheServiceStops) {
+  notify_stopping();
+  EXPECT_EQ(notified(), "STOPPING=1\nSTATUS=stopping");
+}
+
+TEST(InheritedSockets, AreNoneWithoutSystemd) { EXPECT_TRUE(take_inherited_sockets().empty()); }
+
+}  // namespace
+}  // namespace mbgate::app

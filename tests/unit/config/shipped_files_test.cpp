@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// The files in conf/ are what users start from.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "config/load.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string kFolder = std::string(MBGATE_SOURCE_DIR) + "/conf/";
+
+std::string text_of(const std::string& path) {
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+TEST(CompleteFile, LoadsWithoutAWord) {
+  const auto loaded = load_settings(kFolder + "mbgate.toml");
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->listeners.size(), 2U);
+}
+
+/// "# key = ..." and "# [[table]]", unlike the sentences around them.
+bool is_commented_setting(const std::string& line) {
+  if (!line.starts_with("# ")) {
+    return false;
+  }
+  const auto key_end = line.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", 2);
+  return line.starts_with("# [[") ||
+         (key_end != std::string::npos && key_end > 2 && line.substr(key_end).starts_with(" = "));
+}
+
+/// The keys that are commented out are true as well: nothing there may rot.
+TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
+  std::istringstream lines(text_of(kFolder + "mbgate.toml"));
+  std::string text;
+  int commented = 0;
+  for (std::string line; std::getline(lines, line);) {
+    commented += is_commented_setting(line) ? 1 : 0;
+    text += (is_commented_setting(line) ? line.substr(2) : line) + "\n";
+  }
+  EXPECT_EQ(commented, 11);
+  const auto loaded = load_settings_text("mbgate.toml", text);
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->routes.size(), 5U);
+  EXPECT_EQ(loaded.settings->buses[0].frame_gap, 3ms);
+  EXPECT_EQ(loaded.settings->listeners[0].allow.size(), 1U);
+}
+
+/// What the file says is a default is one.
+TEST(CompleteFile, ShowsTheDefaults) {
+  const auto loaded = load_settings(kFolder + "mbgate.toml");
+  ASSERT_TRUE(loaded.settings);
+  const auto& shown = *loaded.settings;
+  const gateway::Settings settings;
+  const gateway::ListenerSettings listener;
+  const bus::BusSettings bus;
+  EXPECT_EQ(shown.own_unit, settings.own_unit);
+  const auto& plant = shown.listeners[0];
+  EXPECT_EQ(plant.address, listener.address);
+  EXPECT_EQ(plant.port, listener.port);
+  EXPECT_EQ(plant.max_connections, listener.max_connections);
+  EXPECT_EQ(plant.pipeline, listener.pipeline);
+  EXPECT_EQ(plant.ordered, listener.ordered);
+  EXPECT_EQ(plant.idle_timeout, listener.idle_timeout);
+  EXPECT_EQ(plant.frame_timeout, listener.frame_timeout);
+  EXPECT_EQ(plant.tcp.keepalive_idle, listener.tcp.keepalive_idle);
+  EXPECT_EQ(plant.tcp.keepalive_interval, listener.tcp.keepalive_interval);
+  EXPECT_EQ(plant.tcp.keepalive_probes, listener.tcp.keepalive_probes);
+  EXPECT_EQ(plant.tcp.user_timeout, listener.tcp.user_timeout);
+  EXPECT_EQ(plant.tcp.backlog, listener.tcp.backlog);
+  EXPECT_EQ(shown.listeners[1].broadcast, listener.broadcast);
+  EXPECT_EQ(shown.listeners[1].broadcast_reply, listener.broadcast_reply);
+  const auto& line = shown.buses[0];
+  EXPECT_EQ(line.line.baud, bus.line.baud);
+  EXPECT_EQ(line.line.format, bus.line.format);
+  EXPECT_EQ(line.line.rs485, bus.line.rs485);
+  EXPECT_EQ(line.line.echo, bus.line.echo);
+  EXPECT_EQ(line.line.low_latency, bus.line.low_latency);
+  EXPECT_EQ(line.timing.response_timeout, bus.timing.response_timeout);
+  EXPECT_EQ(line.timing.retries, bus.timing.retries);
+  EXPECT_EQ(line.turnaround, bus.turnaround);
+  EXPECT_EQ(line.settle, bus.settle);
+  EXPECT_EQ(line.queue, bus.queue);
+  EXPECT_EQ(line.reopen_min, bus.reopen_min);
+  EXPECT_EQ(line.reopen_max, bus.reopen_max);
+  EXPECT_EQ(shown.devices[0].timing.response_wait, bus.timing.response_wait);
+  EXPECT_EQ(shown.devices[0].timing.gap, bus.timing.gap);
+  EXPECT_EQ(shown.devices[0].timing.retry_writes, bus.timing.retry_writes);
+}
+
+TEST(DemoFile, IsWhatTheDemoPromises) {
+  const auto loaded = load_settings(kFolder + "demo.toml");
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  const auto& settings = *loaded.settings;
+  ASSERT_EQ(settings.listeners.size(), 1U);
+  EXPECT_EQ(settings.listeners[0].port, 1502);
+  ASSERT_EQ(settings.buses.size(), 2U);
+  EXPECT_EQ(settings.buses[0].line.device, "line-a");
+  EXPECT_EQ(settings.buses[0].line.baud, modbus::Baud{115200});
+  EXPECT_EQ(settings.buses[1].line.device, "line-b");
+  EXPECT_EQ(settings.buses[1].line.baud, modbus::Baud{9600});
+  ASSERT_EQ(settings.devices.size(), 4U);
+  EXPECT_EQ(settings.devices[2].name, "turntable");
+  EXPECT_EQ(settings.devices[2].timing.response_wait, 20ms);
+  EXPECT_EQ(settings.devices[2].timing.response_timeout, 300ms);
+  ASSERT_EQ(settings.routes.size(), 6U);
+  EXPECT_TRUE(settings.routes[5].is_broadcast());
+}
+
+}  // namespace
+}  // namespace mbgate::config

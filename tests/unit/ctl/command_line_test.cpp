@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/command_line.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+namespace mbgate::ctl {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::variant<Command, Notice> parse(const std::string& line) {
+  std::istringstream words("mbgatectl " + line);
+  const std::vector<std::string> arguments{std::istream_iterator<std::string>(words), {}};
+  std::vector<const char*> pointers;
+  pointers.reserve(arguments.size());
+  for (const auto& argument : arguments) {
+    pointers.push_back(argument.c_str());
+  }
+  return parse_command_line("1.2.3", static_cast<int>(pointers.size()), pointers.data());
+}
+
+template <typename AnyCommand>
+AnyCommand command(const std::string& line) {
+  const auto parsed = parse(line);
+  if (const auto* notice = std::get_if<Notice>(&parsed)) {
+    ADD_FAILURE() << notice->text;
+    return {};
+  }
+  return std::get<AnyCommand>(std::get<Command>(parsed));
+}
+
+/// The first line of what a wrong command line is told; its status must be that of wrong usage.
+std::string complaint(const std::string& line) {
+  const auto parsed = parse(line);
+  const auto* notice = std::get_if<Notice>(&parsed);
+  if (notice == nullptr) {
+    return "no complaint";
+  }
+  EXPECT_EQ(notice->status, 2);
+  return notice->text.substr(0, notice->text.find('\n'));
+}
+
+TEST(CommandLine, ReadHasSensibleDefaults) {
+  const auto read = command<ReadCommand>("read holding 30");
+  EXPECT_EQ(read.target.host, "127.0.0.1");
+  EXPECT_EQ(read.target.port, 502);
+  EXPECT_EQ(read.target.unit, 1);
+  EXPECT_EQ(read.target.timeout, std::chrono::seconds(5));
+  EXPECT_EQ(read.place.table, Table::holding_registers);
+  EXPECT_EQ(read.place.address, 30);
+  EXPECT_EQ(read.place.type, ValueType::u16);
+  EXPECT_EQ(read.place.order, drive::WordOrder::big);
+  EXPECT_EQ(read.count, 1U);
+  EXPECT_FALSE(read.quiet);
+}
+
+TEST(CommandLine, ReadTakesEveryOption) {
+  const auto read = command<ReadCommand>(
+      "read input 0x68 --type f32 --order little --count 3 --unit 17 --host ::1 --port 1502 "
+      "--timeout 250ms --quiet");
+  EXPECT_EQ(read.target.host, "::1");
+  EXPECT_EQ(read.target.port, 1502);
+  EXPECT_EQ(read.target.unit, 17);
+  EXPECT_EQ(read.target.timeout, std::chrono::milliseconds(250));
+  EXPECT_EQ(read.place.table, Table::input_registers);
+  EXPECT_EQ(read.place.address, 0x68);
+  EXPECT_EQ(read.place.type, ValueType::f32);
+  EXPECT_EQ(read.place.order, drive::WordOrder::little);
+  EXPECT_EQ(read.count, 3U);
+  EXPECT_TRUE(read.quiet);
+}
+
+TEST(CommandLine, TablesOfBitsHoldBits) {
+  EXPECT_EQ(command<ReadCommand>("read coils 0").place.type, ValueType::bit);
+  EXPECT_EQ(command<ReadCommand>("read discrete 0").place.table, Table::discrete_inputs);
+  EXPECT_EQ(complaint("read coils 0 --type u16"),
+            "mbgatectl: --type is for registers: coils hold bits");
+}
+
+TEST(CommandLine, WriteTakesNegativeValuesAndHex) {
+  const auto write =
+      command<WriteCommand>("write holding 0x1E -5 200000 0xFFFFFFFF --type i32 --unit 3");
+  EXPECT_EQ(write.target.unit, 3);
+  EXPECT_EQ(write.place.address, 0x1E);
+  EXPECT_EQ(write.values, (std::vector<std::uint32_t>{0xFFFFFFFB, 200000, 0xFFFFFFFF}));
+  EXPECT_FALSE(write.multiple);
+}
+
+TEST(CommandLine, WriteTakesCoilsAsWords) {
+  const auto write = command<WriteCommand>("write coils 11 on off 1 0 --multiple --quiet");
+  EXPECT_EQ(write.place.table, Table::coils);
+  EXPECT_EQ(write.values, (std::vector<std::uint32_t>{1, 0, 1, 0}));
+  EXPECT_TRUE(write.multiple);
+  EXPECT_TRUE(write.quiet);
+}
+
+TEST(CommandLine, OnlyCoilsAndHoldingRegistersAreWritten) {
+  EXPECT_EQ(complaint("write input 0 1"), "mbgatectl: table: input not in {coils,holding}");
+  EXPECT_EQ(complaint("write discrete 0 1"), "mbgatectl: table: discrete not in {coils,holding}");
+}
+
+TEST(CommandLine, WrongWordsAreNamed) {
+  EXPECT_EQ(complaint("read holding 65536"),
+            "mbgatectl: \"65536\" is not an address, 0 to 65535 or 0x0 to 0xFFFF");
+  EXPECT_EQ(complaint("write holding 0 70000"), "mbgatectl: \"70000\" is outside u16, 0 to 65535");
+  EXPECT_EQ(complaint("read holding 0 --timeout 5"),
+            "mbgatectl: \"5\" is not a time of at least 1ms, like 500ms or 5s");
+  EXPECT_EQ(complaint("read holding 0 --timeout 0s"),
+            "mbgatectl: \"0s\" is not a time of at least 1ms, like 500ms or 5s");
+  EXPECT_THAT(complaint("read holding 0 --type u64"), StartsWith("mbgatectl: --type: u64 not in "));
+  EXPECT_THAT(complaint("read holding 0 --unit 256"), StartsWith("mbgatectl: --unit: "));
+  EXPECT_THAT(complaint("read holding 0 --port 0"), StartsWith("mbgatectl: --port: "));
+  EXPECT_EQ(complaint("write holding 0"), "mbgatectl: values is required");
+  EXPECT_EQ(complaint("read holding"), "mbgatectl: address is required");
+  EXPECT_EQ(complaint(""), "mbgatectl: A subcommand is required");
+  EXPECT_THAT(complaint("read holding 0 --colour red"), HasSubstr("--colour"));
+}
+
+TEST(CommandLine, HelpAndVersionAreNoErrors) {
+  for (const auto* line : {"--help", "read --help", "write --help"}) {
+    const auto parsed = parse(line);
+    ASSERT_TRUE(std::holds_alternative<Notice>(parsed)) << line;
+    EXPECT_EQ(std::get<Notice>(parsed).status, 0) << line;
+    EXPECT_THAT(std::get<Notice>(parsed).text, HasSubstr("Usage: mbgatectl")) << line;
+  }
+  const auto version = parse("--version");
+  ASSERT_TRUE(std::holds_alternative<Notice>(version));
+  EXPECT_EQ(std::get<Notice>(version).status, 0);
+  EXPECT_EQ(std::get<Notice>(version).text, "mbgatectl 1.2.3\n");
+}
+
+}  // namespace
+}  // namespace mbgate::ctl

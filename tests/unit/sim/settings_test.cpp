@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/settings.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mbgate::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::string errors_of(std::string_view text) {
+  const auto loaded = sim::load_settings_text("sim.toml", text);
+  EXPECT_FALSE(loaded.settings);
+  return config::render(loaded.diagnostics);
+}
+
+TEST(SimulatorSettings, ReadsTheDemo) {
+  const auto loaded = sim::load_settings(MBGATE_SOURCE_DIR "/conf/demo-sim.toml");
+  EXPECT_EQ(config::render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  const auto& buses = loaded.settings->buses;
+  ASSERT_EQ(buses.size(), 2U);
+  EXPECT_EQ(buses[0].name, "line-a");
+  EXPECT_EQ(buses[0].link, "line-a");
+  EXPECT_EQ(buses[0].wire.baud, modbus::Baud{115200});
+  EXPECT_EQ(buses[0].wire.format.bits(), 10U);
+  EXPECT_EQ(buses[1].wire.baud, modbus::Baud{9600});
+  EXPECT_EQ(buses[1].wire.format.bits(), 11U);
+  ASSERT_EQ(buses[0].devices.size(), 2U);
+  EXPECT_EQ(buses[0].devices[0].word_order, drive::WordOrder::big);
+  EXPECT_EQ(buses[0].devices[1].model, sim::ModelKind::stepper);
+  ASSERT_EQ(buses[1].devices.size(), 2U);
+  EXPECT_EQ(buses[1].devices[0].address, 17);
+  EXPECT_EQ(buses[1].devices[0].response_wait, 20ms);
+  EXPECT_EQ(buses[1].devices[1].word_order, drive::WordOrder::little);
+}
+
+TEST(SimulatorSettings, ReadsEveryKey) {
+  const auto loaded = sim::load_settings_text("sim.toml", R"(
+reopen_after = "250ms"
+[[bus]]
+name = "a"
+link = "/tmp/a"
+baud = 250000
+parity = "odd"
+data_bits = 8
+stop_bits = 2
+adapter_latency = "16ms"
+gap = "0ms"
+echo = true
+paced = false
+[[device]]
+name = "x"
+bus = "a"
+address = 5
+model = "moons"
+word_order = "little"
+series = "m2"
+response_wait = "3ms"
+processing = "2ms"
+faults = { silent = true, answer_after = "400ms", bad_crc = true, wrong_unit = true, wrong_function = true, exception_every = 5 }
+)");
+  EXPECT_EQ(config::render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->reopen_after, 250ms);
+  const auto& wire = loaded.settings->buses[0].wire;
+  EXPECT_EQ(wire.baud, modbus::Baud{250000});
+  EXPECT_EQ(wire.format, (modbus::CharacterFormat{8, modbus::Parity::odd, 2}));
+  EXPECT_EQ(wire.adapter_latency, 16ms);
+  EXPECT_EQ(wire.gap, 0ms);
+  EXPECT_TRUE(wire.echo);
+  EXPECT_FALSE(wire.paced);
+  EXPECT_EQ(wire.clocking, sim::Clocking::real_time);
+  const auto& device = loaded.settings->buses[0].devices[0];
+  EXPECT_EQ(device.series, sim::MoonsSeries::m2);
+  EXPECT_EQ(device.processing, 2ms);
+  EXPECT_TRUE(device.faults.silent && device.faults.bad_crc && device.faults.wrong_unit &&
+              device.faults.wrong_function);
+  EXPECT_EQ(device.faults.answer_after, 400ms);
+  EXPECT_EQ(device.faults.exception_every, 5U);
+}
+
+TEST(SimulatorSettings, ReportsEverythingAtOnce) {
+  EXPECT_EQ(errors_of(R"([[bus]]
+name = "a"
+baud = 0
+[[device]]
+name = "x"
+bus = "b"
+address = 248
+model = "steper"
+[[device]]
+name = "x"
+bus = "a"
+address = 1
+model = "aic"
+word_order = "big"
+response_wait = "1.5ms"
+)"),
+            "");
+}
+
+TEST(SimulatorSettings, RefusesToSimulateNothing) { EXPECT_EQ(errors_of(""), ""); }
+
+TEST(SimulatorSettings, RefusesWhatIsTakenTwice) {
+  EXPECT_EQ(errors_of(R"([[bus]]
+name = "a"
+link = "l"
+[[bus]]
+name = "a"
+link = "l"
+[[device]]
+name = "x"
+bus = "a"
+address = 1
+model = "stepper"
+[[device]]
+name = "y"
+bus = "a"
+address = 1
+model = "stepper"
+)"),
+            "");
+}
+
+}  // namespace
+}  // namespace mbgate::test
