@@ -79,6 +79,10 @@ int Service::run() {
     return EXIT_FAILURE;
   }
   driver_.start();
+  // Only now: whoever waits for these lines connects to a process that has started.
+  for (const auto& line : listening_) {
+    log_.print(line);
+  }
   io::supervise(context_, wait_for_signal(), "signals");
   ready_ = true;
   last_status_ = status_text(driver_.settings(), driver_.status());
@@ -121,8 +125,8 @@ bool Service::add_server(ListenerId id, Result<tcp::acceptor, std::string> accep
     log_.write(Level::error, acceptor.error());
     return false;
   }
-  log_.print("listening " + driver_.settings().listener(id).name + " " +
-             io::to_text(acceptor->local_endpoint()));
+  listening_.push_back("listening " + driver_.settings().listener(id).name + " " +
+                       io::to_text(acceptor->local_endpoint()));
   driver_.add_server(id, *std::move(acceptor));
   return true;
 }

@@ -56,6 +56,7 @@ class Service final : public io::DriverObserver {
   /// Written already: a line that stays away is tried again every few seconds, for the same reason.
   std::vector<std::set<std::string>> failures_;
   std::set<std::string> warnings_;
+  std::vector<std::string> listening_;  ///< a line for each socket, to be printed once all are served
   io::GatewayDriver driver_;
 };
 

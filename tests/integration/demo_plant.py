@@ -97,6 +97,10 @@ class DemoPlant:
         gateway = Process(folder, "mbgated", "--config", configuration)
         self._processes.append(gateway)
         self.port = int(gateway.wait_for(r"listening demo 127\.0\.0\.1:(\d+)$").group(1))
+        # A line listens before it first transmits, and a write may not wait for long; a read may.
+        for table, unit in (("holding", 1), ("coils", 17)):
+            read = [program("mbgatectl"), "read", table, "0", "--unit", str(unit), "--port", str(self.port)]
+            subprocess.run(read, stdout=subprocess.DEVNULL, timeout=PATIENCE, check=True)
 
     def __exit__(self, *_):
         statuses = {process.name: process.end() for process in reversed(self._processes)}

@@ -76,7 +76,7 @@ class PymodbusReadsAndWrites(unittest.TestCase):
         self.assertEqual(self.client.read_holding_registers(0, 1, slave=NOBODY).exception_code, 0x0A)
 
     def test_the_gateway_says_what_it_is(self):
-        answer = self.client.execute(ReadDeviceInformationRequest(0x01, 0x00, slave=GATEWAY))
+        answer = self.client.execute(ReadDeviceInformationRequest(0x01, 0x00, unit=GATEWAY))
         self.assertFalse(answer.isError(), answer)
         self.assertEqual(sorted(answer.information), [0, 1, 2])
         self.assertEqual(self.client.read_input_registers(1, 2, slave=GATEWAY).registers, [2, 4])
