@@ -126,7 +126,7 @@ std::vector<BusSettings> read_buses(TomlTable root) {
     buses.push_back(std::move(bus));
   }
   if (buses.empty()) {
-    root.document().error(root.position(), "there is no [[bus]]: nothing to simulate");
+    root.document().error({}, "there is no [[bus]]: nothing to simulate");
   }
   return buses;
 }

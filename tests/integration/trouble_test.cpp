@@ -2,6 +2,7 @@
 // What goes wrong in a plant: vanished adapters, dead drives, hostile clients, the end of the
 // process.
 #include <gmock/gmock.h>
+#include <netinet/in.h>
 #include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -195,6 +196,50 @@ TEST(Plant, StopsInOrderAndInTime) {
   EXPECT_EQ(exception_of(client.receive()), 0x0BU);
   EXPECT_TRUE(client.is_closed());
   EXPECT_EQ(plant.gateway.wait_for_exit(std::chrono::seconds(3)), 0);
+}
+
+// A socket of systemd's that a client has used before the gateway runs: LISTEN_FDS as in
+// sd_listen_fds(3).
+TEST(Mbgated, RefusesWritesThatWaitedBeforeItStarted) {
+  const int listening = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(bind(listening, reinterpret_cast<const sockaddr*>(&address), size), 0);
+  ASSERT_EQ(listen(listening, 8), 0);
+  ASSERT_EQ(getsockname(listening, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  TcpClient client(ntohs(address.sin_port));
+  ByteString waiting = request(1, 1, "06 003C 0001");
+  const ByteString read = request(2, 1, kReadPdu);
+  waiting.insert(waiting.end(), read.begin(), read.end());
+  ASSERT_TRUE(client.send(waiting));
+
+  TemporaryFolder folder;
+  const auto simulated = folder.write(
+      "sim.toml",
+      "[[bus]]\nname = \"a\"\nlink = \"a\"\nbaud = 115200\nparity = \"none\"\npaced = false\n"
+      "[[device]]\nname = \"drive\"\nbus = \"a\"\naddress = 1\nmodel = \"moons\"\n");
+  Process simulator("mbgate-sim", {simulated.string()}, {folder.path(), {}});
+  simulator.wait_for_line("ready");
+  const auto config =
+      folder.write("mbgate.toml",
+                   "[[listen]]\nname = \"plant\"\nport = 0\nbus = \"a\"\n"
+                   "[[bus]]\nname = \"a\"\ndevice = \"a\"\nbaud = 115200\nparity = \"none\"\n");
+  Process gateway("mbgated", {"--config", config.string()},
+                  {folder.path(), [listening] {
+                     dup2(listening, 3);
+                     setenv("LISTEN_FDS", "1", 1);
+                     setenv("LISTEN_FDNAMES", "plant", 1);
+                     setenv("LISTEN_PID", std::to_string(getpid()).c_str(), 1);
+                   }});
+  EXPECT_EQ(text_of(client.receive().value_or(ByteString{})), "00 01 00 00 00 03 01 86 06");
+  EXPECT_EQ(text_of(client.receive().value_or(ByteString{})),
+            "00 02 00 00 00 07 01 03 04 00 00 00 00");
+  ASSERT_TRUE(client.send(request(3, 1, "06 003C 0001")));
+  EXPECT_EQ(text_of(client.receive().value_or(ByteString{})),
+            "00 03 00 00 00 06 01 06 00 3C 00 01");
+  close(listening);
 }
 
 TEST(Mbgated, RefusesABadConfigurationWithAllItsErrors) {

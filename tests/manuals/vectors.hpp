@@ -28,7 +28,7 @@ struct Frame {
   [[nodiscard]] std::string where() const { return manual + ':' + std::to_string(line); }
 };
 
-/// The same request or response as an RTU frame and as a TCP message.
+/// The same request or response as an RTU frame and as a TCP ADU.
 struct Pair {
   std::string manual;
   unsigned line = 0;
@@ -153,7 +153,7 @@ inline std::vector<Frame> load_rtu() { return detail::load_frames("rtu.tsv"); }
 /// Frames that are printed without their CRC: address and PDU.
 inline std::vector<Frame> load_without_crc() { return detail::load_frames("without_crc.tsv"); }
 
-/// Every example that is printed as an RTU frame and as a TCP message, misprints corrected.
+/// Every example that is printed as an RTU frame and as a TCP ADU, misprints corrected.
 inline std::vector<Pair> load_pairs() {
   std::vector<Pair> pairs;
   detail::for_each_row("pairs.tsv", "manual\tline\tdirection\tanswers\trtu\ttcp",

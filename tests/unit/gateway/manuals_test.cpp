@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The printed frames of the drive manuals driven through the machine: the TCP message in, exactly
-// the RTU bytes out; the RTU response in, exactly the TCP message out.
+// The printed frames of the drive manuals driven through the machine: the TCP ADU in, exactly
+// the RTU bytes out; the RTU response in, exactly the TCP ADU out.
 #include <gmock/gmock.h>
 
 #include "unit/gateway/printed_examples.hpp"

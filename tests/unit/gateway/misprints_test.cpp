@@ -21,7 +21,7 @@ manuals::Misprint misprint(unsigned line) {
   return *found;
 }
 
-/// The example whose request stands on the line before the TCP message at `line`.
+/// The example whose request stands on the line before the TCP ADU at `line`.
 Example pair_of(unsigned line) {
   return example_at(printed_pairs(), "moons-drives:" + std::to_string(line - 1));
 }

@@ -45,7 +45,7 @@ inline std::string rtu_of(modbus::Bytes address_and_pdu) {
   return hex({frame.data(), frame.size()});
 }
 
-/// The TCP message of an RTU frame with a right CRC: MBAP with transaction identifier 0, and the
+/// The TCP ADU of an RTU frame with a right CRC: MBAP with transaction identifier 0, and the
 /// PDU.
 inline std::string tcp_of(modbus::Bytes rtu) {
   manuals::ByteList tcp{0, 0, 0, 0, 0, static_cast<std::uint8_t>(rtu.size() - 2)};
@@ -68,7 +68,7 @@ inline Example example_of(const std::string& where, modbus::Bytes rtu_request,
   return example;
 }
 
-/// Every pair of the MOONS' manual, its TCP messages as they are printed.
+/// Every pair of the MOONS' manual, its TCP ADUs as they are printed.
 inline std::vector<Example> printed_pairs() {
   std::vector<Example> examples;
   for (const auto& [request, response] : manuals::load_transactions()) {
@@ -82,7 +82,7 @@ inline std::vector<Example> printed_pairs() {
   return examples;
 }
 
-/// Every RTU frame of every manual, with the TCP message that it must come from.
+/// Every RTU frame of every manual, with the TCP ADU that it must come from.
 inline std::vector<Example> printed_frames() {
   const auto frames = manuals::load_rtu();
   std::vector<Example> examples;

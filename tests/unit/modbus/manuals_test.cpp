@@ -100,7 +100,7 @@ TEST(ManualFrames, RequestsOnTheTcpPortLookLikeRtu) {
   }
 }
 
-TEST(ManualPairs, TcpMessageIsTheRtuFrameWithMbapInsteadOfCrc) {
+TEST(ManualPairs, TcpAduIsTheRtuFrameWithMbapInsteadOfCrc) {
   for (const manuals::Pair& pair : manuals::load_pairs()) {
     const auto adu = decode_rtu(pair.rtu);
     ASSERT_TRUE(adu.has_value()) << pair.where();
@@ -143,7 +143,7 @@ TEST(ManualMisprints, RtuFramesFailAsPrintedAndHoldCorrected) {
   }
 }
 
-TEST(ManualMisprints, CorrectedTcpMessagesAreInThePairs) {
+TEST(ManualMisprints, CorrectedTcpAdusAreInThePairs) {
   const auto pairs = manuals::load_pairs();
   unsigned seen = 0;
   for (const manuals::Misprint& misprint : manuals::load_misprints()) {

@@ -97,10 +97,36 @@ model = "aic"
 word_order = "big"
 response_wait = "1.5ms"
 )"),
-            "");
+            R"(sim.toml:1:1: error: [[bus]]: the key 'link' is missing
+[[bus]]
+^
+sim.toml:3:8: error: baud: expected an integer from 1 to 4294967295, found 0
+baud = 0
+       ^
+sim.toml:6:7: error: bus: there is no bus "b"
+bus = "b"
+      ^
+sim.toml:7:11: error: address: expected an integer from 1 to 247, found 248
+address = 248
+          ^
+sim.toml:8:9: error: model: expected "moons", "stepper" or "aic", found "steper"; did you mean 'stepper'?
+model = "steper"
+        ^
+sim.toml:10:8: error: name: "x" is taken already
+name = "x"
+       ^
+sim.toml:14:14: error: word_order: only a "moons" drive has one to be set
+word_order = "big"
+             ^
+sim.toml:15:17: error: response_wait: an AiC counts its waiting time in whole milliseconds
+response_wait = "1.5ms"
+                ^
+)");
 }
 
-TEST(SimulatorSettings, RefusesToSimulateNothing) { EXPECT_EQ(errors_of(""), ""); }
+TEST(SimulatorSettings, RefusesToSimulateNothing) {
+  EXPECT_EQ(errors_of(""), "sim.toml: error: there is no [[bus]]: nothing to simulate\n");
+}
 
 TEST(SimulatorSettings, RefusesWhatIsTakenTwice) {
   EXPECT_EQ(errors_of(R"([[bus]]
@@ -120,7 +146,16 @@ bus = "a"
 address = 1
 model = "stepper"
 )"),
-            "");
+            R"(sim.toml:5:8: error: name: "a" is taken already
+name = "a"
+       ^
+sim.toml:6:8: error: link: "l" is taken already
+link = "l"
+       ^
+sim.toml:15:11: error: address: 1 is taken already on bus "a"
+address = 1
+          ^
+)");
 }
 
 }  // namespace
