@@ -39,7 +39,8 @@ TomlTableValue convert_table(const toml::table& table, const std::string& path, 
   }
   for (const auto& [key, value] : table) {
     const std::string name(key.str());
-    const std::string below = path.empty() ? name : path + "." + name;
+    std::string below = path;
+    below.append(path.empty() ? "" : ".").append(name);
     converted.entries.push_back({name, position_of(key.source()), convert(value, below, false)});
   }
   return converted;

@@ -163,4 +163,11 @@ void assign(Target& target, std::optional<Source> source) {
   }
 }
 
+template <typename Value>
+void assign(std::optional<Value>& target, std::optional<Value> source) {
+  if (source) {
+    target = std::move(source);
+  }
+}
+
 }  // namespace mbgate::config

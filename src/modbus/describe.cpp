@@ -24,6 +24,8 @@ std::string name_of(std::uint8_t function) {
 
 std::string opaque(Bytes pdu) { return name_of(pdu[0]) + format(", %zu bytes", pdu.size() - 1); }
 
+std::string malformed(Bytes pdu) { return name_of(pdu[0]) + ", malformed: " + hex(pdu); }
+
 std::string range_text(const TableRange& range) {
   const unsigned first = range.first;
   return range.count == 1 ? format(" %u", first)
@@ -31,7 +33,8 @@ std::string range_text(const TableRange& range) {
 }
 
 std::string registers(Bytes data) {
-  std::string text = format("%zu registers:", data.size() / 2);
+  const std::size_t count = data.size() / 2;
+  std::string text = format(count == 1 ? "%zu register:" : "%zu registers:", count);
   for (std::size_t at = 0; at + 1 < data.size(); at += 2) {
     text += format(" 0x%04X", unsigned{load_be16(data, at)});
   }
@@ -71,7 +74,7 @@ std::string describe_request(Bytes pdu) {
   }
   const auto request = Request::parse(*whole);
   if (!request) {
-    return name_of(pdu[0]) + ", malformed: " + hex(pdu);
+    return malformed(pdu);
   }
   if (request->function() == 0x17) {
     return name_of(pdu[0]) + ", reads" + range_text(request->reads()->range) + ", writes" +
@@ -96,14 +99,14 @@ std::string describe_response(Bytes pdu) {
   const PduLength length = response_length(pdu);
   if (length.kind == PduLength::Kind::need_more ||
       (length.kind == PduLength::Kind::known && length.bytes != pdu.size())) {
-    return name_of(pdu[0]) + ", malformed: " + hex(pdu);
+    return malformed(pdu);
   }
   switch (pdu[0]) {
     case 0x01:
     case 0x02: return "bits: " + hex(pdu.subspan(2));
     case 0x03:
     case 0x04:
-    case 0x17: return registers(pdu.subspan(2));
+    case 0x17: return pdu.size() % 2 == 0 ? registers(pdu.subspan(2)) : malformed(pdu);
     case 0x05:
     case 0x06: return name_of(pdu[0]) + " " + std::to_string(load_be16(pdu, 1)) + " done";
     case 0x0F:

@@ -12,15 +12,12 @@ constexpr std::uint16_t kMaxReadRegisters = 125;    // 6.3, 6.4, 6.17
 constexpr std::uint16_t kMaxWriteBits = 1968;       // 6.11
 constexpr std::uint16_t kMaxWriteRegisters = 123;   // 6.12
 constexpr std::uint16_t kMaxReadWriteWrites = 121;  // 6.17
+constexpr std::size_t kFileSubRequest = 7;          // 6.14
 
-MaybeError check_range(std::uint16_t first, std::uint16_t count, std::uint16_t limit) {
-  if (count == 0 || count > limit) {
-    return illegal_data_value;
-  }
-  if (std::uint32_t{first} + count > 0x10000U) {
-    return illegal_data_address;
-  }
-  return std::nullopt;
+bool is_quantity(std::uint16_t count, std::uint16_t limit) { return count > 0 && count <= limit; }
+
+MaybeError check_addresses(const TableRange& range) {
+  return std::uint32_t{range.first} + range.count > 0x10000U ? illegal_data_address : MaybeError{};
 }
 
 bool is_bits(Table table) { return table == Table::coils || table == Table::discrete_inputs; }
@@ -34,11 +31,13 @@ MaybeError check_size(const Pdu& pdu, std::size_t size) {
   return pdu.size() == size ? MaybeError{} : illegal_data_value;
 }
 
-// 20 and 21: a byte count of all that follows (6.14, 6.15).
-MaybeError check_file_record(const Pdu& pdu, std::size_t smallest) {
+// 20 and 21: a byte count of all that follows; 20 has sub-requests of 7 bytes each (6.14, 6.15).
+MaybeError check_file_record(const Pdu& pdu, std::size_t smallest, std::size_t largest) {
   const Bytes bytes = pdu.bytes();
-  const bool fits = bytes.size() >= 2 && bytes[1] >= smallest && bytes[1] == bytes.size() - 2;
-  return fits ? MaybeError{} : illegal_data_value;
+  const bool fits = bytes.size() >= 2 && bytes[1] >= smallest && bytes[1] <= largest &&
+                    bytes[1] == bytes.size() - 2;
+  const bool whole = fits && (pdu.function() != 0x14 || bytes[1] % kFileSubRequest == 0);
+  return whole ? MaybeError{} : illegal_data_value;
 }
 
 // 08: a sub-function and at least one 16-bit data field (6.8).
@@ -82,8 +81,8 @@ std::optional<ExceptionCode> Request::parse_fields() {
     case 0x08: return check_diagnostics(pdu_);
     case 0x0F: return parse_multiple_write(Table::coils, kMaxWriteBits);
     case 0x10: return parse_multiple_write(Table::holding_registers, kMaxWriteRegisters);
-    case 0x14: return check_file_record(pdu_, 7);
-    case 0x15: return check_file_record(pdu_, 9);
+    case 0x14: return check_file_record(pdu_, 7, 0xF5);
+    case 0x15: return check_file_record(pdu_, 9, 0xFB);
     case 0x16: return parse_mask_write();
     case 0x17: return parse_read_write();
     case 0x18: return parse_fifo();
@@ -98,7 +97,7 @@ std::optional<ExceptionCode> Request::parse_reads(Table table, std::uint16_t lim
   }
   const TableRange range{table, load_be16(pdu_.bytes(), 1), load_be16(pdu_.bytes(), 3)};
   reads_ = AddressField{range, 1};
-  return check_range(range.first, range.count, limit);
+  return is_quantity(range.count, limit) ? check_addresses(range) : illegal_data_value;
 }
 
 std::optional<ExceptionCode> Request::parse_single_write(Table table) {
@@ -124,7 +123,7 @@ std::optional<ExceptionCode> Request::parse_multiple_write(Table table, std::uin
     return illegal_data_value;
   }
   writes_ = AddressField{range, 1};
-  return check_range(range.first, range.count, limit);
+  return is_quantity(range.count, limit) ? check_addresses(range) : illegal_data_value;
 }
 
 std::optional<ExceptionCode> Request::parse_mask_write() {
@@ -148,8 +147,12 @@ std::optional<ExceptionCode> Request::parse_read_write() {
   }
   reads_ = AddressField{read, 1};
   writes_ = AddressField{write, 5};
-  const auto error = check_range(read.first, read.count, kMaxReadRegisters);
-  return error ? error : check_range(write.first, write.count, kMaxReadWriteWrites);
+  if (!is_quantity(read.count, kMaxReadRegisters) ||
+      !is_quantity(write.count, kMaxReadWriteWrites)) {
+    return illegal_data_value;
+  }
+  const auto error = check_addresses(read);
+  return error ? error : check_addresses(write);
 }
 
 std::optional<ExceptionCode> Request::parse_fifo() {

@@ -14,7 +14,7 @@ namespace mbgate::sim {
 namespace {
 
 // How soon after its client has gone a port can be opened again by somebody who is not root.
-constexpr int kExclusiveCheckMilliseconds = 200;
+constexpr std::chrono::duration<int, std::milli> kExclusiveCheck{200};
 
 // The steady clock is CLOCK_MONOTONIC, so instants can be given to the timer as they are.
 Instant now() { return Instant(std::chrono::steady_clock::now().time_since_epoch()); }
@@ -94,6 +94,18 @@ void Simulator::serve_once() {
   for (LiveBus& bus : buses_) {
     bus.handle_time(instant);
   }
+  if (instant >= release_at_) {
+    release_exclusive();
+    release_at_ = instant + kExclusiveCheck;
+  }
+}
+
+void Simulator::release_exclusive() {
+  for (const LiveBus& bus : buses_) {
+    if (bus.pty() != nullptr) {
+      bus.pty()->release_exclusive();
+    }
+  }
 }
 
 void Simulator::arm_timer() {
@@ -116,13 +128,7 @@ void Simulator::wait() {
   for (const LiveBus& bus : buses_) {
     waiting.push_back({bus.pty() != nullptr ? bus.pty()->descriptor() : -1, POLLIN, 0});
   }
-  if (::poll(waiting.data(), waiting.size(), kExclusiveCheckMilliseconds) == 0) {
-    for (const LiveBus& bus : buses_) {
-      if (bus.pty() != nullptr) {
-        bus.pty()->release_exclusive();
-      }
-    }
-  }
+  ::poll(waiting.data(), waiting.size(), kExclusiveCheck.count());
   if ((waiting[1].revents & POLLIN) != 0) {
     std::uint64_t expirations = 0;
     if (::read(timer_.get(), &expirations, sizeof expirations) > 0) {

@@ -26,6 +26,7 @@ class Simulator {
   bool connect();
   void disconnect();
   void serve_once();
+  void release_exclusive();
   void handle_signal();
   void print_counters();
   [[nodiscard]] std::optional<Instant> next_event() const;
@@ -40,6 +41,7 @@ class Simulator {
   FileDescriptor timer_;
   std::optional<Instant> armed_for_;
   std::optional<Instant> reopen_at_;
+  Instant release_at_{};
   bool connected_ = false;
   bool failed_ = false;
   bool stopping_ = false;

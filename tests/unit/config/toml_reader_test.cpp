@@ -142,7 +142,7 @@ TEST(TomlReader, SortsByPositionAndKeepsWarningsApart) {
 }
 
 TEST(TomlReader, ShowsLongAndStrangeStringsShortAndPlain) {
-  auto document = TomlDocument::parse("x", "a = \"\\n\\t\\u001B" + std::string(100, 'y') + "\"\n");
+  auto document = TomlDocument::parse("x", R"(a = "\n\t\u001B)" + std::string(100, 'y') + "\"\n");
   document.root().integer("a", {0, 1});
   const auto diagnostics = document.finish();
   ASSERT_EQ(diagnostics.size(), 1U);
