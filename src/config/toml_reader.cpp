@@ -7,6 +7,10 @@
 #undef TOML_HEADER_ONLY
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 0
+// The parser of 3.3 asserts (or, with NDEBUG, lets clang assume) that a key begins with a letter of
+// keys, two lines before it reports the opposite as an error. Wrong text must not end the process.
+#undef NDEBUG
+#define TOML_ASSERT(expr) static_assert(true)
 #include <toml++/toml.h>
 
 #include <algorithm>

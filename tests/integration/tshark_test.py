@@ -30,7 +30,7 @@ COMMANDS = (
 )
 # Function, and exception code if any, of each request and response above.
 EXPECTED = [
-    "16/", "16/", "3/", "3/", "6/", "6/", "5/", "5/", "1/", "1/", "2/", "2/", "4/", "4/", "4/", "4/2", "3/", "3/10",
+    "16,", "16,", "3,", "3,", "6,", "6,", "5,", "5,", "1,", "1,", "2,", "2,", "4,", "4,", "4,", "4,2", "3,", "3,10",
 ]  # fmt: skip
 
 
@@ -83,7 +83,7 @@ def decode(pcap):
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder, "recording.pcap")
         file.write_bytes(pcap)
-        fields = ["-T", "fields", "-E", "separator=/", "-e", "modbus.func_code", "-e", "modbus.exception_code"]
+        fields = ["-T", "fields", "-E", "separator=,", "-e", "modbus.func_code", "-e", "modbus.exception_code"]
         tshark = ["tshark", "-r", str(file)]
         found = subprocess.run([*tshark, "-Y", "mbtcp", *fields], capture_output=True, text=True, check=True)
         complaints = subprocess.run(

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 
 #include "io/unique_fd.hpp"
 
@@ -18,6 +19,7 @@ constexpr std::chrono::seconds kLimit{10};
 class LogTest : public testing::Test {
  protected:
   void SetUp() override {
+    std::signal(SIGPIPE, SIG_IGN);  // as mbgated does
     std::array<int, 2> ends{};
     ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
     read_end_.reset(ends[0]);
