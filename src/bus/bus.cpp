@@ -10,17 +10,6 @@ namespace {
 constexpr Duration kLongestListening = std::chrono::seconds(1);
 constexpr int kBackoffFactor = 2;
 
-Duration longest_timeout(const BusSettings& settings, std::span<const drive::Device> devices) {
-  const auto whole = [](const drive::DeviceTiming& timing) {
-    return timing.response_timeout + timing.response_wait;
-  };
-  Duration longest = devices.empty() ? whole(settings.timing) : Duration{0};
-  for (const auto& device : devices) {
-    longest = std::max(longest, whole(device.timing));
-  }
-  return longest;
-}
-
 auto make_timings(const BusSettings& settings, std::span<const drive::Device> devices) {
   std::array<drive::DeviceTiming, modbus::kMaxDeviceAddress + 1> timings;
   timings.fill(settings.timing);
@@ -35,7 +24,7 @@ auto make_timings(const BusSettings& settings, std::span<const drive::Device> de
 Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
     : settings_(settings),
       timings_(make_timings(settings, devices)),
-      longest_response_timeout_(longest_timeout(settings, devices)),
+      longest_response_timeout_(bus::longest_response_timeout(settings, devices)),
       line_(settings,
             settings.listen_first.value_or(std::min(longest_response_timeout_, kLongestListening)),
             counters_),
@@ -46,8 +35,8 @@ void Bus::start() { actions_.emplace_back(OpenLine{}); }
 
 void Bus::handle_opened(Instant now) {
   state_ = State::open;
+  opened_at_ = now;
   reopen_at_.reset();
-  reopen_delay_ = settings_.reopen_min;
   line_.open(now);
   pump(now);
 }
@@ -55,6 +44,10 @@ void Bus::handle_opened(Instant now) {
 void Bus::handle_lost(Instant now) {
   if (state_ == State::open) {
     ++counters_.losses;
+    if (now - opened_at_ >= settings_.reopen_max) {
+      reopen_delay_ =
+          settings_.reopen_min;  // a line that dies as soon as it is open gets no such favour
+    }
   }
   state_ = State::closed;
   line_.abort();
@@ -218,10 +211,10 @@ void Bus::handle_end(RtuLine::End how) {
         return;
       }
       ++device.timeouts;
+      ++device.unanswered_in_row;
       break;
     case RtuLine::End::bad_crc: ++device.bad_crcs; break;
   }
-  ++device.unanswered_in_row;
   handle_failure(job);
 }
 

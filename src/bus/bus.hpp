@@ -95,6 +95,7 @@ class Bus {
   State state_ = State::starting;
   bool stopping_ = false;
   Job* running_ = nullptr;  // its transaction is on the wire, or must be the next one there
+  Instant opened_at_;
   std::optional<Instant> reopen_at_;
   Duration reopen_delay_;
   std::deque<BusAction> actions_;

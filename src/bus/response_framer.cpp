@@ -44,6 +44,7 @@ ResponseFramer::Verdict ResponseFramer::add(modbus::Bytes bytes, Instant now) {
     // What stands here was not the answer, and a new frame begins.
     counters_.stray_bytes += buffer_.size();
     buffer_.clear();
+    noise_skipped_ = 0;
     discarding_ = false;
   }
   if (bad_crc_ || discarding_ || buffer_.size() + bytes.size() > buffer_.capacity()) {
@@ -73,6 +74,7 @@ void ResponseFramer::skip_noise() {
 void ResponseFramer::drop(std::size_t bytes) {
   buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(bytes));
   begun_at_.reset();
+  noise_skipped_ = 0;
   opaque_ = false;
 }
 

@@ -18,6 +18,9 @@ namespace mbgate::bus {
 /// Slack for what lies between the wire and us: adapters hold received bytes back up to 16 ms.
 inline constexpr Duration kAdapterSlack = std::chrono::milliseconds(20);
 
+/// A whole frame and what may stand before or behind it in the same piece.
+inline constexpr std::size_t kMostBuffered = 1024;
+
 class ResponseFramer {
  public:
   enum class Verdict : std::uint8_t {
@@ -62,7 +65,7 @@ class ResponseFramer {
   Duration silence_;  // ends frames of unknown length
   BusCounters& counters_;
   const Transaction* transaction_ = nullptr;
-  modbus::RtuBytes buffer_;
+  boost::container::static_vector<std::uint8_t, kMostBuffered> buffer_;
   Instant last_byte_;
   std::optional<Instant> begun_at_;  // first byte of what may be the answer
   unsigned noise_skipped_ = 0;

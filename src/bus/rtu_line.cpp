@@ -36,6 +36,7 @@ modbus::RtuBytes RtuLine::begin(const Transaction& transaction, const drive::Dev
   quiet_since_ = emission_ends_;
   response_deadline_ = emission_ends_ + timing.response_timeout + timing.response_wait;
   echo_seen_ = 0;
+  echo_spoilt_ = false;
   if (echo_) {
     echo_expected_ = frame;
   }
@@ -71,10 +72,10 @@ modbus::Bytes RtuLine::compare_echo(modbus::Bytes bytes) {
     return bytes.subspan(count);
   }
   echo_seen_ = echo_expected_.size();
+  echo_spoilt_ = true;
   echo_mismatch_ = true;
   ++counters_.echo_mismatches;
   counters_.stray_bytes += bytes.size();
-  framer_.discard();
   return {};
 }
 
@@ -89,7 +90,7 @@ void RtuLine::handle_bytes(modbus::Bytes bytes, Instant now) {
   if (bytes.empty()) {
     return;
   }
-  if (transaction_ == nullptr || transaction_->is_broadcast()) {
+  if (transaction_ == nullptr || transaction_->is_broadcast() || echo_spoilt_) {
     counters_.stray_bytes += bytes.size();
     return;
   }
@@ -119,8 +120,10 @@ void RtuLine::handle_deadline(Instant now) {
     case ResponseFramer::Verdict::none: break;
   }
   if (now >= response_deadline_ && !framer_.in_progress()) {
-    ++counters_.timeouts;
-    hold_until(now + settle_);
+    if (!transaction_->silence_is_success) {
+      ++counters_.timeouts;
+      hold_until(now + settle_);
+    }
     end(End::no_response);
   }
 }

@@ -78,7 +78,8 @@ class RtuLine {
   Instant response_deadline_;
   modbus::RtuBytes echo_expected_;
   std::size_t echo_seen_ = 0;
-  bool echo_mismatch_ = false;
+  bool echo_spoilt_ = false;    // what follows cannot be told from the rest of the echo
+  bool echo_mismatch_ = false;  // to be reported
   std::optional<End> end_;
 };
 

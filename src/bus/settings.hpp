@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "bus/instant.hpp"
@@ -37,5 +38,10 @@ struct BusSettings {
   Duration reopen_min = std::chrono::milliseconds(100);
   Duration reopen_max = std::chrono::seconds(5);
 };
+
+/// The longest that a response of this bus may be waited for: its devices', and the bus's own for
+/// addresses without a device.
+Duration longest_response_timeout(const BusSettings& settings,
+                                  std::span<const drive::Device> devices);
 
 }  // namespace mbgate::bus

@@ -23,10 +23,6 @@ constexpr std::array kTables = {
 constexpr std::int64_t kTableSize = 65536;
 constexpr std::int64_t kDiagnostics = 8;
 
-bool is_broadcast_function(std::int64_t function) {
-  return function == 5 || function == 6 || function == 15 || function == 16;
-}
-
 /// Takes one element of `functions` over; false if it is none.
 bool allow(const TomlValue& element, FunctionRules& rules) {
   if (const auto* code = std::get_if<std::int64_t>(&element.data)) {
@@ -56,7 +52,8 @@ void read_functions(TomlTable& table, Route& route, bool broadcast) {
     if (!allow(element, rules)) {
       table.report_expected("functions", element,
                             R"(a function code from 1 to 127, "8/1" or "8/4")");
-    } else if (broadcast && (code == nullptr || !is_broadcast_function(*code))) {
+    } else if (broadcast && (code == nullptr ||
+                             !modbus::is_broadcast_function(static_cast<std::uint8_t>(*code)))) {
       table.report_expected("functions", element, "a function of broadcasts (5, 6, 15 or 16)");
     }
   }

@@ -4,6 +4,7 @@
 
 #include "config/duration_text.hpp"
 #include "config/sections.hpp"
+#include "gateway/limits.hpp"
 
 namespace mbgate::config {
 namespace {
@@ -48,27 +49,12 @@ void check_overlaps(Draft& draft) {
   }
 }
 
-Duration whole(const drive::DeviceTiming& timing) {
-  return timing.response_timeout + timing.response_wait;
-}
-
-/// The bus's own timeout counts only where it has no devices, as in the machine.
-Duration longest_response_timeout(const Settings& settings, drive::BusId id) {
-  std::optional<Duration> longest;
-  for (const auto& device : settings.devices) {
-    if (device.bus == id) {
-      longest = std::max(longest.value_or(Duration{0}), whole(device.timing));
-    }
-  }
-  return longest.value_or(whole(settings.bus(id).timing));
-}
-
-/// A write that waits behind one whole timeout and one retry must not miss its turn for that alone.
 Duration sensible_deadline(const Settings& settings, const Route& route) {
-  Duration sensible = 1s;
+  Duration sensible{0};
   for (const auto id : route.buses) {
     if (index(id) < settings.buses.size()) {
-      sensible = std::max(sensible, 2 * longest_response_timeout(settings, id));
+      const auto longest = bus::longest_response_timeout(settings.bus(id), settings.devices_on(id));
+      sensible = std::max(sensible, gateway::write_deadline(longest));
     }
   }
   return sensible;

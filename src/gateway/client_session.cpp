@@ -53,10 +53,15 @@ void ClientSession::confirm_sent() {
   }
 }
 
-Instant ClientSession::arrival_of(std::size_t bytes, Instant now) {
-  const Instant arrival = unread_since_.value_or(now);
-  if (bytes < kClientReadSize) {
-    unread_since_.reset();  // a short piece: the socket was empty
+Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant now) {
+  const Instant arrival = pauses_.empty() ? now : pauses_.front().began;
+  read_position_ += bytes;
+  unread_ = unread;
+  while (pauses_.size() > 1 && pauses_[1].position <= read_position_) {
+    pauses_.erase(pauses_.begin());
+  }
+  if (unread == 0) {
+    pauses_.clear();
   }
   return arrival;
 }
@@ -70,7 +75,7 @@ bool ClientSession::take_before_ready(std::size_t bytes) {
 void ClientSession::half_close() {
   half_closed_ = true;
   if (!paused_) {
-    unread_since_.reset();  // the FIN was read, and so was everything before it
+    pauses_.clear();  // the FIN was read, and so was everything before it
   }
 }
 
@@ -82,8 +87,12 @@ std::optional<ClientSession::Reading> ClientSession::update_reading(Instant now)
   }
   paused_ = enough;
   if (paused_) {
-    if (!unread_since_) {
-      unread_since_ = now;
+    // What is in the socket by now is as old as it was; what comes behind it counts from this
+    // pause. Without room for another mark it counts as older still.
+    if (pauses_.empty()) {
+      pauses_.push_back({read_position_, now});
+    } else if (pauses_.size() < kArrivalMarks) {
+      pauses_.push_back({read_position_ + unread_, now});
     }
     return Reading::pause;
   }

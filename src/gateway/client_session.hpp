@@ -47,9 +47,9 @@ class ClientSession {
   /// An answer has been written whole.
   void confirm_sent();
 
-  /// When bytes that were just read must be taken to have arrived: while reading was paused, if
-  /// they may have lain in the socket since then.
-  Instant arrival_of(std::size_t bytes, Instant now);
+  /// When bytes that were just read must be taken to have arrived: when reading was paused, if they
+  /// may have come since then. `unread` bytes still lie in the socket behind them.
+  Instant arrival_of(std::size_t bytes, std::size_t unread, Instant now);
   /// Is the next request older than this process? Called once for each, with its size.
   bool take_before_ready(std::size_t bytes);
 
@@ -62,7 +62,7 @@ class ClientSession {
   [[nodiscard]] bool is_half_closed() const { return half_closed_; }
   /// Half-closed, everything read, everything answered and sent.
   [[nodiscard]] bool is_finished() const {
-    return half_closed_ && !unread_since_ && outstanding() == 0;
+    return half_closed_ && pauses_.empty() && outstanding() == 0;
   }
 
   ReadAhead input;
@@ -89,7 +89,14 @@ class ClientSession {
   std::size_t before_ready_ = 0;
   bool paused_ = false;
   bool half_closed_ = false;
-  std::optional<Instant> unread_since_;  // bytes may lie in the socket since then
+  /// From this position of the stream on, bytes came after a pause had begun.
+  struct PauseMark {
+    std::uint64_t position;
+    Instant began;
+  };
+  boost::container::small_vector<PauseMark, 1> pauses_;  // as long as the socket was not seen empty
+  std::uint64_t read_position_ = 0;
+  std::size_t unread_ = 0;  // in the socket, after the last reading
 };
 
 }  // namespace mbgate::gateway

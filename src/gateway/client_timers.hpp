@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a client must be looked at next (idle, partial frame). Entries are not taken back: a client
-// that is looked at too early just asks again.
+// When a client must be looked at next (idle, partial frame). One entry a client; one that is
+// looked at too early just asks again.
 #pragma once
 
 #include <optional>
-#include <queue>
+#include <set>
 #include <utility>
-#include <vector>
 
 #include "gateway/event.hpp"
 
@@ -14,23 +13,29 @@ namespace mbgate::gateway {
 
 class ClientTimers {
  public:
-  void arm(ClientId client, Instant at) { entries_.emplace(at, client); }
-  [[nodiscard]] std::optional<Instant> next() const {
-    return entries_.empty() ? std::nullopt : std::optional(entries_.top().first);
+  /// Sets the client's time, in place of the one it had (`before`).
+  void set(ClientId client, std::optional<Instant> before, Instant at) {
+    cancel(client, before);
+    entries_.emplace(at, client);
   }
-  /// A client whose time has come, and the time it was armed for.
-  std::optional<std::pair<Instant, ClientId>> take_due(Instant now) {
-    if (entries_.empty() || entries_.top().first > now) {
+  void cancel(ClientId client, std::optional<Instant> before) {
+    if (before) {
+      entries_.erase({*before, client});
+    }
+  }
+  [[nodiscard]] std::optional<Instant> next() const {
+    return entries_.empty() ? std::nullopt : std::optional(entries_.begin()->first);
+  }
+  /// Takes a client out whose time has come.
+  std::optional<ClientId> take_due(Instant now) {
+    if (entries_.empty() || entries_.begin()->first > now) {
       return std::nullopt;
     }
-    const auto entry = entries_.top();
-    entries_.pop();
-    return entry;
+    return entries_.extract(entries_.begin()).value().second;
   }
 
  private:
-  using Entry = std::pair<Instant, ClientId>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> entries_;
+  std::set<std::pair<Instant, ClientId>> entries_;
 };
 
 }  // namespace mbgate::gateway

@@ -30,7 +30,6 @@ struct Exchange {
   bool failed = false;
   bool was_on_wire = false;
   bool had_no_path = false;  ///< a line was not there and nothing of that part was transmitted
-  bool in_use = false;
 
   /// Takes in what became of a job.
   void note(const bus::Job& job, bus::Ending ending);

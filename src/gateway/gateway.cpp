@@ -17,13 +17,6 @@ std::vector<routing::ListenerKind> kinds_of(const std::vector<ListenerSettings>&
   return kinds;
 }
 
-std::vector<drive::Device> devices_on(const std::vector<drive::Device>& devices, BusId bus) {
-  std::vector<drive::Device> found;
-  std::ranges::copy_if(devices, std::back_inserter(found),
-                       [&](const drive::Device& device) { return device.bus == bus; });
-  return found;
-}
-
 }  // namespace
 
 Gateway::Gateway(Settings settings, Instant now)
@@ -33,7 +26,7 @@ Gateway::Gateway(Settings settings, Instant now)
       started_(now) {
   for (std::size_t index = 0; index < settings_.buses.size(); ++index) {
     const BusId id{static_cast<std::uint32_t>(index)};
-    buses_.emplace_back(settings_.buses[index], devices_on(settings_.devices, id));
+    buses_.emplace_back(settings_.buses[index], settings_.devices_on(id));
     touch(id).start();
   }
   settle(now);
@@ -67,10 +60,7 @@ void Gateway::handle_deadline(Instant now) {
     }
   }
   while (const auto due = timers_.take_due(now)) {
-    const auto entry = sessions_.find(due->second);
-    if (entry != sessions_.end() && entry->second.timer_armed_at == due->first) {
-      check_client(due->second, now);
-    }
+    check_client(*due, now);
   }
   if (stop_deadline_ && now >= *stop_deadline_) {
     stop_deadline_.reset();
@@ -89,6 +79,9 @@ void Gateway::handle_shutdown(Instant now) {
   stop_deadline_ = now + kShutdownGrace;
   for (std::size_t index = 0; index < buses_.size(); ++index) {
     touch(BusId{static_cast<std::uint32_t>(index)}).stop(now);
+  }
+  for (const auto& [client, session] : sessions_) {
+    ready_clients_.push_back(client);
   }
   settle(now);
 }

@@ -32,8 +32,10 @@ class Gateway {
 
   /// The driver numbers clients and uses no number twice. A client that is not wanted is closed.
   void handle_client_connected(ClientId client, const ClientInfo& info, Instant now);
-  /// At most kClientReadSize bytes; fewer mean that the socket was empty then.
-  void handle_client_bytes(ClientId client, modbus::Bytes bytes, Instant now);
+  /// At most kClientReadSize bytes, and how many still lie in the socket behind them. After Resume
+  /// the driver reads even if there is nothing: no bytes then say that the socket was empty.
+  void handle_client_bytes(ClientId client, modbus::Bytes bytes, Instant now,
+                           std::size_t unread = 0);
   /// The oldest Send that was not confirmed yet has been written whole.
   void handle_client_sent(ClientId client, Instant now);
   /// FIN: once when it is noticed while reading is paused, and when reading comes to it.
@@ -85,6 +87,10 @@ class Gateway {
   void add_connection(const routing::ClientAddress& address);
 
   // gateway_requests.cpp: from the bytes to the buses and back
+  /// When the gateway stops, what was read ahead is answered too.
+  [[nodiscard]] bool may_take(const ClientSession& session) const {
+    return stopping_ || !session.is_full();
+  }
   void take_input(ClientId id, ClientSession& session, Instant now);
   std::size_t take_requests(ClientId id, ClientSession& session, modbus::Bytes stream,
                             std::optional<Instant> arrival, Instant now);

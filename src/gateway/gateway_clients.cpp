@@ -57,17 +57,20 @@ bool Gateway::displace_idle_client(ListenerId listener) {
   return true;
 }
 
-void Gateway::handle_client_bytes(ClientId client, modbus::Bytes bytes, Instant now) {
+void Gateway::handle_client_bytes(ClientId client, modbus::Bytes bytes, Instant now,
+                                  std::size_t unread) {
   const auto entry = sessions_.find(client);
   if (entry == sessions_.end()) {
     return;
   }
   ClientSession& session = entry->second;
-  session.last_activity = now;
+  if (!bytes.empty()) {
+    session.last_activity = now;
+  }
   if (!session.has_asked) {
     notice_rtu(session, bytes);  // some RTU frames can be read as MBAP
   }
-  const Instant arrival = session.arrival_of(bytes.size(), now);
+  const Instant arrival = session.arrival_of(bytes.size(), unread, now);
   if (session.input.empty()) {
     const std::size_t taken = take_requests(client, session, bytes, arrival, now);
     if (!sessions_.contains(client)) {
@@ -88,6 +91,7 @@ void Gateway::handle_client_sent(ClientId client, Instant now) {
     return;
   }
   entry->second.confirm_sent();
+  entry->second.last_activity = now;
   ready_clients_.push_back(client);
   settle(now);
 }
@@ -141,8 +145,8 @@ void Gateway::after_input(ClientId id, ClientSession& session, Instant now) {
 
 void Gateway::arm(ClientId id, ClientSession& session, Instant at) {
   if (!session.timer_armed_at || at < *session.timer_armed_at) {
+    timers_.set(id, session.timer_armed_at, at);
     session.timer_armed_at = at;
-    timers_.arm(id, at);
   }
 }
 
@@ -180,6 +184,7 @@ void Gateway::forget(Sessions::iterator client) {
     exchanges_[index].client_gone = true;
     cancel_waiting(index, false);
   }
+  timers_.cancel(client->first, client->second.timer_armed_at);
   const ClientInfo info = client->second.info();
   --listener_clients_[static_cast<std::size_t>(info.listener)];
   const auto source = sources_.find(info.address);

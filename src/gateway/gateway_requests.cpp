@@ -10,7 +10,7 @@ namespace mbgate::gateway {
 using modbus::ExceptionCode;
 
 void Gateway::take_input(ClientId id, ClientSession& session, Instant now) {
-  if (session.input.empty() || session.is_full()) {
+  if (session.input.empty() || !may_take(session)) {
     return;
   }
   const std::size_t taken = take_requests(id, session, session.input.bytes(), std::nullopt, now);
@@ -25,7 +25,7 @@ void Gateway::take_input(ClientId id, ClientSession& session, Instant now) {
 std::size_t Gateway::take_requests(ClientId id, ClientSession& session, modbus::Bytes stream,
                                    std::optional<Instant> arrival, Instant now) {
   std::size_t taken = 0;
-  while (!session.is_full()) {
+  while (may_take(session)) {
     const modbus::Bytes rest = stream.subspan(taken);
     const modbus::MbapScan scan = modbus::scan_mbap(rest);
     if (const auto* lost = std::get_if<modbus::MbapLost>(&scan)) {
@@ -35,6 +35,7 @@ std::size_t Gateway::take_requests(ClientId id, ClientSession& session, modbus::
     if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
       notice_rtu(session, rest);
       ++client_counters_.foreign_adus;
+      session.take_before_ready(foreign->size);
       taken += foreign->size;
     } else if (const auto* frame = std::get_if<modbus::MbapFrame>(&scan)) {
       accept(id, session, *frame, arrival ? *arrival : session.input.arrival_at(taken), now);
@@ -85,7 +86,6 @@ void Gateway::accept(ClientId id, ClientSession& session, const modbus::MbapFram
   }
   const std::uint32_t index = exchanges_.take();
   Exchange& exchange = exchanges_[index];
-  exchange.in_use = true;
   exchange.client = id;
   exchange.answer = session.open_answer();
   exchange.header = adu.header;
@@ -131,10 +131,10 @@ Duration Gateway::deadline_of(const routing::Route& route, const routing::Plan& 
   if (plan.is_read()) {
     return kReadDeadline;
   }
-  Duration deadline = kWriteDeadline;
+  Duration deadline{0};
   for (const BusId bus : route.buses) {
-    deadline = std::max(deadline,
-                        2 * buses_[static_cast<std::size_t>(bus)].bus.longest_response_timeout());
+    const bus::Bus& target = buses_[static_cast<std::size_t>(bus)].bus;
+    deadline = std::max(deadline, write_deadline(target.longest_response_timeout()));
   }
   return deadline;
 }

@@ -3,6 +3,7 @@
 // setting instead.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 
@@ -14,8 +15,8 @@ namespace mbgate::gateway {
 /// few to matter with 10,000 connections.
 inline constexpr std::size_t kReadAhead = 4096;
 
-/// The shell reads a socket in pieces of at most this size; a shorter piece means that the socket
-/// was empty.
+/// The driver reads a socket in pieces of at most this size: one more always fits into the
+/// read-ahead.
 inline constexpr std::size_t kClientReadSize = 2048;
 
 /// Arrival times kept of bytes read ahead. Beyond that, later bytes count as old as the last kept
@@ -26,9 +27,11 @@ inline constexpr std::size_t kArrivalMarks = 32;
 /// waits.
 inline constexpr bus::Duration kReadDeadline = std::chrono::seconds(5);
 
-/// Writes wait this long, or twice the longest response timeout of the bus: an old motion command
-/// is dangerous.
-inline constexpr bus::Duration kWriteDeadline = std::chrono::seconds(1);
+/// Writes wait 1 s, or twice the longest response timeout of the bus so that one silent device does
+/// not cost them their turn; not longer, because an old motion command is dangerous.
+constexpr bus::Duration write_deadline(bus::Duration longest_response_timeout) {
+  return std::max<bus::Duration>(std::chrono::seconds(1), 2 * longest_response_timeout);
+}
 
 /// After a shutdown was asked for, what is on the wire has this long: the process ends within 2 s.
 inline constexpr bus::Duration kShutdownGrace = std::chrono::milliseconds(1500);

@@ -128,20 +128,20 @@ Pdu identify(const Pdu& request) {
   if (code < 1 || code > 4) {
     return Pdu::exception(request.function(), ExceptionCode::illegal_data_value);
   }
-  const auto known = [](std::uint8_t id) {
-    return std::ranges::any_of(kObjects, [&](const Object& object) { return object.id == id; });
+  const auto in_reach = [code](const Object& object) {
+    return code > 1 || object.id <= kLastBasicObject;
   };
-  if (code == 4 && !known(first)) {
+  const bool known = std::ranges::any_of(
+      kObjects, [&](const Object& object) { return object.id == first && in_reach(object); });
+  if (code == 4 && !known) {
     return Pdu::exception(request.function(), ExceptionCode::illegal_data_address);
   }
-  // A stream that begins at an unknown object restarts at the first one.
-  const std::uint8_t from = known(first) ? first : std::uint8_t{0};
+  // A stream that begins at an object that it does not have restarts at the first one.
+  const std::uint8_t from = known ? first : std::uint8_t{0};
   std::vector<std::uint8_t> bytes{
       request.function(), modbus::kReadDeviceIdentification, code, kRegularConformity, 0, 0, 0};
   for (const Object& object : kObjects) {
-    const bool wanted = code == 4
-                            ? object.id == from
-                            : object.id >= from && (code > 1 || object.id <= kLastBasicObject);
+    const bool wanted = code == 4 ? object.id == from : object.id >= from && in_reach(object);
     if (wanted) {
       ++bytes[6];
       bytes.push_back(object.id);

@@ -2,19 +2,29 @@
 // The gateway as a Modbus server of its own, so that a PLC can watch it with the protocol it has:
 // 43/14 identification, 08 counters, 04 input registers with the health of every bus and device.
 //
-// Input registers (16 bits each; 32-bit counters high word first, wrapping):
-//   0 layout version (1) · 1 buses · 2 devices · 3 connected clients · 4-5 seconds since the start
-//   · 6-7 requests · 8-9 ADUs of other protocols, skipped · 10-11 connections closed because
-//   framing was lost 1000 + 32 x bus:     0 open (0/1) · 1 requests waiting · from 2 on 32-bit
-//   counters: transmissions, responses,
-//                        exceptions, timeouts, bad CRCs, stray frames, stray bytes, noise bytes,
-//                        echo mismatches, expired, refused because full, losses, retries,
-//                        broadcasts · 30-31 zero
-//   10000 + 16 x device: 0 bus (1 = first) · 1 address · 2 state (0 not asked yet, 1 answering, 2
-//   not answering) ·
-//                        3 unanswered in a row · from 4 on 32-bit counters: transmissions,
-//                        responses, exceptions, timeouts, bad CRCs · 14-15 zero
-// Buses and devices are numbered in the order of the configuration. Other addresses: exception 02.
+// Input registers have 16 bits; 32-bit counters take two, high word first, and wrap. Buses and
+// devices are numbered from 0 in the order of the configuration. Reserved registers are 0, other
+// addresses exception 02.
+//
+// At 0, the gateway:
+//   0 layout version (1)
+//   1, 2, 3 number of buses, devices, connected clients
+//   4-5 seconds since the start
+//   6-7 requests, 8-9 ADUs of other protocols (skipped), 10-11 connections closed because framing
+//   was lost
+//
+// At 1000 + 32 * bus:
+//   0 open (1) or not (0)
+//   1 requests waiting
+//   2-29 counters: transmissions, responses, exceptions, timeouts, bad CRCs, stray frames, stray
+//   bytes,
+//        noise bytes, echo mismatches, expired, refused because full, losses, retries, broadcasts
+//
+// At 10000 + 16 * device:
+//   0 its bus (1 is the first), 1 its address
+//   2 state: 0 not asked yet, 1 answering, 2 not answering
+//   3 unanswered requests in a row
+//   4-13 counters: transmissions, responses, exceptions, timeouts, bad CRCs
 #pragma once
 
 #include <cstdint>

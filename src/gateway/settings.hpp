@@ -59,6 +59,7 @@ struct Settings {
   [[nodiscard]] const ListenerSettings& listener(ListenerId id) const {
     return listeners[static_cast<std::size_t>(id)];
   }
+  [[nodiscard]] std::vector<drive::Device> devices_on(BusId bus) const;
   [[nodiscard]] const BusSettings& bus(BusId id) const {
     return buses[static_cast<std::size_t>(id)];
   }

@@ -93,8 +93,8 @@ void GatewayDriver::accept_failed(ListenerId listener, const boost::system::erro
   observer_.on_accept_failure(listener, error.message());
 }
 
-void GatewayDriver::client_bytes(ClientId client, modbus::Bytes bytes) {
-  gateway_.handle_client_bytes(client, bytes, now());
+void GatewayDriver::client_bytes(ClientId client, modbus::Bytes bytes, std::size_t unread) {
+  gateway_.handle_client_bytes(client, bytes, now(), unread);
   carry_out_actions();
 }
 

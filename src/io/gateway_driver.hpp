@@ -60,7 +60,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
  private:
   void client_accepted(gateway::ListenerId listener, AcceptedClient client) override;
   void accept_failed(gateway::ListenerId listener, const boost::system::error_code& error) override;
-  void client_bytes(gateway::ClientId client, modbus::Bytes bytes) override;
+  void client_bytes(gateway::ClientId client, modbus::Bytes bytes, std::size_t unread) override;
   void client_sent(gateway::ClientId client) override;
   void client_half_closed(gateway::ClientId client) override;
   void client_disconnected(gateway::ClientId client) override;

@@ -49,7 +49,7 @@ SerialLine::SerialLine(LineContext context, drive::BusId bus, bus::LineSettings 
 
 SerialLine::~SerialLine() {
   if (state_ == State::open) {
-    close_tty(UniqueFd(descriptor_.release()));
+    close_tty(UniqueFd(descriptor_.release()), settings_);
   }
 }
 
@@ -113,6 +113,10 @@ std::optional<std::string> SerialLine::transmit(modbus::Bytes frame) {
   }
   if (!rest_.empty()) {
     transmitting_ = true;
+    // What the driver does not take in time must not leave later, when nobody waits for it any
+    // more.
+    timer_.expires_after(timing_.duration_of(frame.size()) + kTransmitterLimit);
+    supervise(context_.io, limit_writing(generation_), "line write limit");
     supervise(context_.io, write_rest(generation_), "line write");
   } else if (settings_.rs485 == bus::Rs485::rts) {
     transmitting_ = true;
@@ -154,12 +158,19 @@ boost::asio::awaitable<void> SerialLine::write_rest(unsigned generation) {
     }
     rest_.erase(rest_.begin(), rest_.begin() + (count < 0 ? 0 : count));
   }
+  timer_.expires_after(std::chrono::nanoseconds(0));  // ends limit_writing()
   if (settings_.rs485 == bus::Rs485::rts) {
     // How much of the frame the driver still holds is not known: ask at once.
-    timer_.expires_after(std::chrono::nanoseconds(0));
     co_await release_rts(generation);
   } else {
     transmitting_ = false;
+  }
+}
+
+boost::asio::awaitable<void> SerialLine::limit_writing(unsigned generation) {
+  const auto [error] = co_await timer_.async_wait(kUseTuple);
+  if (!error && generation == generation_ && !rest_.empty()) {
+    lose(settings_.device + ": the driver does not take a frame in time");
   }
 }
 
@@ -195,8 +206,8 @@ void SerialLine::close() {
   UniqueFd fd(descriptor_.release());
   // Without a thread the descriptor is closed here, as soon as run() has given up.
   const bool started = context_.blocking.run(
-      [fd = std::move(fd)]() mutable {
-        close_tty(std::move(fd));
+      [fd = std::move(fd), settings = settings_]() mutable {
+        close_tty(std::move(fd), settings);
         return true;
       },
       [](bool) {});

@@ -56,6 +56,7 @@ class SerialLine {
 
   boost::asio::awaitable<void> read_loop(unsigned generation);
   boost::asio::awaitable<void> write_rest(unsigned generation);
+  boost::asio::awaitable<void> limit_writing(unsigned generation);
   boost::asio::awaitable<void> release_rts(unsigned generation);
   void finish_open(Result<OpenTty, std::string> result);
   /// Hands the descriptor to a thread that may wait.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tcp_connection.hpp"
 
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <boost/asio/as_tuple.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 #include <utility>
@@ -31,6 +33,11 @@ std::optional<std::size_t> try_send(int socket, modbus::Bytes bytes) {
 
 }  // namespace
 
+std::size_t unread_bytes(int socket) {
+  int bytes = 0;
+  return ::ioctl(socket, FIONREAD, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+}
+
 TcpConnection::TcpConnection(ConnectionContext& context, gateway::ClientId client,
                              tcp::socket socket)
     : context_(context), client_(client), socket_(std::move(socket)) {}
@@ -57,6 +64,7 @@ void TcpConnection::resume() {
   if (!fin_seen_) {
     stop_watching();
     start();
+    boost::asio::post(context_.io, [self = shared_from_this()] { self->read_after_pause(); });
   }
 }
 
@@ -132,12 +140,26 @@ void TcpConnection::read_once() {
   ReadBuffer& buffer = context_.buffer;
   const ssize_t count = ::recv(socket_.native_handle(), buffer.data(), buffer.size(), MSG_DONTWAIT);
   if (count > 0) {
-    context_.events.client_bytes(client_,
-                                 modbus::Bytes(buffer).first(static_cast<std::size_t>(count)));
+    const auto size = static_cast<std::size_t>(count);
+    const std::size_t unread = size < buffer.size() ? 0 : unread_bytes(socket_.native_handle());
+    context_.events.client_bytes(client_, modbus::Bytes(buffer).first(size), unread);
   } else if (count == 0) {
     handle_fin();
   } else if (!would_block(errno)) {
     disconnect();
+  }
+}
+
+// Bytes that come later must not be taken for ones that came during the pause, so an empty socket
+// is reported.
+void TcpConnection::read_after_pause() {
+  if (paused_ || fin_seen_ || closing_ || !socket_.is_open()) {
+    return;
+  }
+  if (unread_bytes(socket_.native_handle()) == 0) {
+    context_.events.client_bytes(client_, {}, 0);
+  } else {
+    read_once();
   }
 }
 

@@ -24,7 +24,9 @@ namespace mbgate::io {
 class ConnectionEvents {
  public:
   virtual ~ConnectionEvents() = default;
-  virtual void client_bytes(gateway::ClientId client, modbus::Bytes bytes) = 0;
+  /// `unread` more bytes are in the socket. Without bytes: reading was resumed and there was
+  /// nothing.
+  virtual void client_bytes(gateway::ClientId client, modbus::Bytes bytes, std::size_t unread) = 0;
   /// The oldest ADU that send() called queued has been written.
   virtual void client_sent(gateway::ClientId client) = 0;
   /// FIN: once when it is noticed while reading is paused, before the bytes in front of it are
@@ -35,6 +37,9 @@ class ConnectionEvents {
   /// After close(): the socket is closed.
   virtual void client_closed(gateway::ClientId client) = 0;
 };
+
+/// Bytes that have come and were not read yet.
+std::size_t unread_bytes(int socket);
 
 using ReadBuffer = std::array<std::uint8_t, gateway::kClientReadSize>;
 
@@ -76,6 +81,7 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   static boost::asio::awaitable<void> write_loop(std::shared_ptr<TcpConnection> self);
   static boost::asio::awaitable<void> discard_until_fin(std::shared_ptr<TcpConnection> self);
   void read_once();
+  void read_after_pause();
   bool write_queued();
   void start_writing();
   void handle_fin();

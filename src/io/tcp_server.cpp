@@ -2,7 +2,6 @@
 #include "io/tcp_server.hpp"
 
 #include <fcntl.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <boost/asio/as_tuple.hpp>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "io/supervise.hpp"
+#include "io/tcp_connection.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -29,11 +29,6 @@ constexpr int kMostWaiting = 65536;
 constexpr std::chrono::milliseconds kPause{100};
 
 UniqueFd open_spare() { return UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
-
-std::size_t readable_bytes(int socket) {
-  int bytes = 0;
-  return ::ioctl(socket, FIONREAD, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
-}
 
 int accept_socket(int listening, tcp::endpoint& peer) {
   auto size = static_cast<socklen_t>(peer.capacity());
@@ -109,7 +104,7 @@ TcpServer::Outcome TcpServer::accept_one(bool count_bytes) {
 }
 
 TcpServer::Outcome TcpServer::take(UniqueFd socket, const tcp::endpoint& peer, bool count_bytes) {
-  const std::size_t waiting = count_bytes ? readable_bytes(socket.get()) : 0;
+  const std::size_t waiting = count_bytes ? unread_bytes(socket.get()) : 0;
   tcp::socket connection(context_);
   error_code error;
   connection.assign(peer.protocol(), socket.get(), error);

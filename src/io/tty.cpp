@@ -109,7 +109,7 @@ Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {
     error = set_direction_control(fd.get(), line);
   }
   if (error) {
-    close_tty(std::move(fd));
+    close_tty(std::move(fd), line);
     return *std::move(error);
   }
   if (line.low_latency) {
@@ -122,11 +122,14 @@ Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {
   return OpenTty{std::move(fd), *std::move(warnings)};
 }
 
-void close_tty(UniqueFd fd) {
+void close_tty(UniqueFd fd, const bus::LineSettings& line) {
   if (!fd.is_open()) {
     return;
   }
   ::tcflush(fd.get(), TCOFLUSH);
+  if (line.rs485 == bus::Rs485::rts) {
+    set_rts(fd.get(), false);
+  }
   ::ioctl(fd.get(), TIOCNXCL);
 }
 

@@ -23,6 +23,8 @@ struct OpenTty {
 Result<OpenTty, std::string> open_tty(const bus::LineSettings& line);
 
 /// Gives the line back. What was not transmitted yet is thrown away: waiting for it can take 30 s.
-void close_tty(UniqueFd fd);
+/// A transceiver that we switch by RTS is left receiving, because a raised RTS would outlive us and
+/// block the bus.
+void close_tty(UniqueFd fd, const bus::LineSettings& line);
 
 }  // namespace mbgate::io

@@ -45,6 +45,15 @@ constexpr bool is_request_function(std::uint8_t function) {
 /// not empty.
 bool is_read(Bytes pdu);
 
+/// What may be broadcast: the writes 05, 06, 15 and 16 (Serial Line V1.02, 2.1).
+constexpr bool is_broadcast_function(std::uint8_t function) {
+  return function == 0x05 || function == 0x06 || function == 0x0F || function == 0x10;
+}
+
+/// Sub-functions of 08 after which a device need not answer (6.8.1).
+inline constexpr std::uint16_t kRestartCommunications = 0x01;
+inline constexpr std::uint16_t kForceListenOnly = 0x04;
+
 /// The standard's name, lower case; unknown and user-defined functions give an empty text.
 std::string_view function_name(std::uint8_t function);
 

@@ -4,13 +4,6 @@
 namespace mbgate::routing {
 namespace {
 
-constexpr std::uint16_t kRestartCommunications = 1;  // Application Protocol V1.1b3, 6.8.1
-constexpr std::uint16_t kForceListenOnly = 4;
-
-bool is_broadcast_function(std::uint8_t function) {
-  return function == 0x05 || function == 0x06 || function == 0x0F || function == 0x10;
-}
-
 bool passes(const FunctionRules& rules, const modbus::Pdu& pdu) {
   const std::uint8_t function = pdu.function();
   if (!modbus::is_request_function(function) || !rules.allowed.test(function)) {
@@ -18,8 +11,8 @@ bool passes(const FunctionRules& rules, const modbus::Pdu& pdu) {
   }
   if (function == 0x08 && pdu.size() >= 3) {
     const std::uint16_t sub_function = modbus::load_be16(pdu.bytes(), 1);
-    return (sub_function != kRestartCommunications || rules.restart_communications) &&
-           (sub_function != kForceListenOnly || rules.force_listen_only);
+    return (sub_function != modbus::kRestartCommunications || rules.restart_communications) &&
+           (sub_function != modbus::kForceListenOnly || rules.force_listen_only);
   }
   return true;
 }
@@ -29,7 +22,7 @@ bool passes(const FunctionRules& rules, const modbus::Pdu& pdu) {
 bool is_allowed(const Route& route, ClientRights rights, const modbus::Pdu& pdu) {
   const bool read_only = rights.read_only || route.access == Access::read_only;
   return passes(route.functions, pdu) && (!read_only || modbus::is_read(pdu.bytes())) &&
-         (!route.is_broadcast() || is_broadcast_function(pdu.function()));
+         (!route.is_broadcast() || modbus::is_broadcast_function(pdu.function()));
 }
 
 }  // namespace mbgate::routing

@@ -9,13 +9,12 @@ namespace {
 
 using modbus::ExceptionCode;
 
-// 08/01 and 08/04 are the sub-functions that a device need not answer (6.8.1).
 bool may_be_silent(const modbus::Request& request) {
   if (request.function() != 0x08) {
     return false;
   }
   const std::uint16_t sub_function = modbus::load_be16(request.pdu().bytes(), 1);
-  return sub_function == 1 || sub_function == 4;
+  return sub_function == modbus::kRestartCommunications || sub_function == modbus::kForceListenOnly;
 }
 
 }  // namespace

@@ -64,4 +64,4 @@ class MbpollReadsAndWrites(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    sys.exit(unittest.main())
+    sys.exit(unittest.main(verbosity=2))

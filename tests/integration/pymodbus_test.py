@@ -83,4 +83,4 @@ class PymodbusReadsAndWrites(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    sys.exit(unittest.main())
+    sys.exit(unittest.main(verbosity=2))

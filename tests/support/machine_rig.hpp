@@ -60,8 +60,8 @@ class MachineRig {
         {ListenerId{listener}, *routing::ClientAddress::parse(address), bytes_before_ready}, now);
     drain();
   }
-  void receive(std::uint64_t client, std::string_view bytes) {
-    gateway.handle_client_bytes(ClientId{client}, unhex(bytes), now);
+  void receive(std::uint64_t client, std::string_view bytes, std::size_t unread = 0) {
+    gateway.handle_client_bytes(ClientId{client}, unhex(bytes), now, unread);
     drain();
   }
   void half_close(std::uint64_t client) {

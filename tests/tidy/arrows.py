@@ -31,7 +31,7 @@ ROOMS = {
     "ctl": CONFIG | {"ctl"},
 }
 # Single headers beyond a room's arrows: plain data that carries no decision.
-SETTINGS = {"gateway/settings.hpp", "routing/route.hpp", "routing/client_address.hpp", "bus/settings.hpp"}
+SETTINGS = {"gateway/settings.hpp", "gateway/limits.hpp", "routing/route.hpp", "routing/client_address.hpp", "bus/settings.hpp"}
 EXTRA_HEADERS = {
     "config": SETTINGS,
     "sim": {"bus/instant.hpp"},

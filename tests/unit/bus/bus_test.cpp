@@ -247,6 +247,65 @@ TEST_F(Bus, AnEchoThatDiffersIsCountedAndNotTakenForAnAnswer) {
   EXPECT_EQ(bus_->counters().echo_mismatches, 1U);
 }
 
+TEST_F(Bus, AnEchoIsNoAnswerEvenIfNoiseCameBeforeIt) {
+  auto echoing = settings();
+  echoing.line.echo = true;
+  open(echoing);
+  submit(job("06 0010 0005"));
+  line("FF");
+  advance(1ms);
+  line("01 06 00 10 00 05 48 0C");
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(1s);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+}
+
+TEST_F(Bus, SilenceThatWasAskedForIsNoTimeout) {
+  auto settling = settings();
+  settling.settle = 50ms;
+  open(settling);
+  bus::Job& listen_only = job("08 0004 0000");
+  listen_only.transactions[0].silence_is_success = true;
+  submit(listen_only);
+  submit(job(kRead, 2));
+  advance(kEmission + 100ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::transmitted));
+  EXPECT_THAT(frames_, SizeIs(2));
+  EXPECT_EQ(bus_->counters().timeouts, 0U);
+}
+
+TEST_F(Bus, ABadCrcIsNoSilence) {
+  open(settings());
+  submit(job(kRead));
+  advance(10ms);
+  line("01 03 02 12 35 B5 33");
+  advance(30ms);
+  EXPECT_EQ(bus_->device_counters(1).bad_crcs, 1U);
+  EXPECT_EQ(bus_->device_counters(1).unanswered_in_row, 0U);
+}
+
+TEST_F(Bus, ALineThatDiesAtOnceIsReopenedLessAndLessOften) {
+  open(settings());
+  std::vector<Duration> waits;
+  for (int times = 0; times < 4; ++times) {
+    bus_->handle_lost(now_);
+    waits.push_back(*bus_->next_deadline() - now_);
+    advance(waits.back());
+    bus_->handle_opened(now_);
+  }
+  EXPECT_THAT(waits, ElementsAre(100ms, 200ms, 400ms, 800ms));
+  advance(5s);
+  bus_->handle_lost(now_);
+  EXPECT_EQ(*bus_->next_deadline() - now_, 100ms);
+}
+
+TEST_F(Bus, ListensAsLongAsTheSlowestAddressMayTake) {
+  auto slow_bus = settings();
+  slow_bus.timing.response_timeout = 700ms;
+  drive::Device quick{"quick", {}, 1, settings().timing};
+  EXPECT_EQ(bus::longest_response_timeout(slow_bus, std::vector{quick}), 700ms);
+}
+
 TEST_F(Bus, LetsNothingComeBetweenTheTransactionsOfAJob) {
   open(settings());
   bus::Job& two = job(kRead);

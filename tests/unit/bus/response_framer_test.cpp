@@ -69,6 +69,27 @@ TEST_F(ResponseFramer, SkipsUpToTwoLeadingNoiseBytes) {
   EXPECT_EQ(add(std::string("00 FF 00 ") + kAnswer), Verdict::none);
 }
 
+TEST_F(ResponseFramer, NoiseIsAllowedBeforeEachFrame) {
+  expect(kRead);
+  EXPECT_EQ(add("00"), Verdict::none);  // our own driver turning off
+  now_ += 5ms;
+  EXPECT_EQ(add(std::string("FF FF ") + kAnswer), Verdict::response);
+}
+
+TEST_F(ResponseFramer, TakesTheLongestAnswerWithNoiseAroundIt) {
+  expect("03 0000 007D");
+  std::string answer = "01 03 FA";
+  for (int byte = 0; byte < 250; ++byte) {
+    answer += " 11";
+  }
+  auto bytes = unhex(answer);
+  const auto crc = modbus::crc16(bytes);
+  bytes.insert(bytes.begin(), {0x00, 0xFF});
+  bytes.insert(bytes.end(), {static_cast<std::uint8_t>(crc & 0xFFU),
+                             static_cast<std::uint8_t>(crc >> 8U), 0x00});
+  EXPECT_EQ(framer_.add(bytes, now_), Verdict::response);
+}
+
 TEST_F(ResponseFramer, IgnoresAnswersOfOtherUnitsAndFunctions) {
   expect(kRead);
   EXPECT_EQ(add("02 03 04 00 03 0D 40 3C 53"), Verdict::none);  // unit 2

@@ -164,6 +164,22 @@ TEST(TomlReader, RefusesFilesThatAreTooLarge) {
             "x: error: is larger than 1 MiB: expected a configuration\n");
 }
 
+/// The library takes such keys for impossible in one place and for an error in the next.
+TEST(TomlReader, ReportsKeysThatBeginWithNoLetterOfKeys) {
+  EXPECT_EQ(render(TomlDocument::parse("x", "[.]\n").finish()),
+            "x:1:2: error: syntax: key: expected bare key starting character or string delimiter, "
+            "saw '.'\n[.]\n ^\n");
+  EXPECT_EQ(render(TomlDocument::parse("x", "a = 1\n[\xC3\xA4]\n").finish()),
+            "x:2:2: error: syntax: key: expected bare key starting character or string delimiter, "
+            "saw '\xC3\xA4'\n[\xC3\xA4]\n ^\n");
+  for (const auto* text : {"[[", "[=]", "[#]", "[[.a]]", "a.\xC3\xA4 = 1", "a\xC3\xA4 = 1",
+                           "\xC3\xA4 = 1", "a = \xC3\xA4", "a = 1 \xC3\xA4"}) {
+    const auto diagnostics = TomlDocument::parse("x", text).finish();
+    ASSERT_EQ(diagnostics.size(), 1U) << text;
+    EXPECT_EQ(diagnostics[0].message.substr(0, 8), "syntax: ");
+  }
+}
+
 TEST(TomlReader, SurvivesTheDeepestNestingALineCanHold) {
   std::string deep = "a";
   while (deep.size() < 4080) {

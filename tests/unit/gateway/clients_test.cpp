@@ -128,8 +128,8 @@ TEST(Gateway, AHalfClosedClientIsReadToItsEndBeforeItIsClosed) {
   }
   rig.confirms = false;
   const std::string first = piece + "00 AA 00 00 00 06 FA 03";  // 2048 bytes: there may be more
-  rig.receive(1, first);
-  rig.receive(1, "00 00 00 01" + piece + "00 AA 00 00");
+  rig.receive(1, first, 2048);
+  rig.receive(1, "00 00 00 01" + piece + "00 AA 00 00", 8);
   EXPECT_TRUE(rig.paused.contains(1));
   rig.half_close(1);  // noticed while paused
   rig.confirms = true;
@@ -159,28 +159,64 @@ TEST(Gateway, ADeadlineThatPassedMeans06AndNoTransmission) {
   EXPECT_EQ(sent.back(), "00 09 00 00 00 03 01 86 06");
 }
 
-TEST(Gateway, ARequestReadAfterAPauseIsAsOldAsThePause) {
-  Settings settings = one_bus();
-  settings.listeners[0].pipeline = 1;
-  settings.routes[0].deadline = 50ms;
-  MachineRig rig(settings);
-  rig.connect(1);
-  std::string many = read_request(0);
-  for (unsigned transaction = 1; transaction < 200; ++transaction) {
-    many += write_request(transaction, 250);
+class PausedClient : public testing::Test {
+ protected:
+  // Reading is paused from 5 ms on, with one request on the wire and `unread` bytes in the socket;
+  // the answer comes 60 ms later, and reading goes on.
+  explicit PausedClient() : rig_(settings()) {
+    rig_.connect(1);
+    std::string many = read_request(0);
+    for (unsigned transaction = 1; transaction < 200; ++transaction) {
+      many += write_request(transaction, 250);  // no such path: answered at once
+    }
+    rig_.receive(1, many);
+    EXPECT_TRUE(rig_.paused.contains(1));
+    rig_.advance(60ms);
+    rig_.respond("01 03 02 00 01");
+    EXPECT_FALSE(rig_.paused.contains(1));
+    rig_.advance(10ms);
+    rig_.take_transmitted();
+    rig_.take_sent(1);
   }
-  rig.receive(1, many.substr(0, many.size() / 2) + many.substr(many.size() / 2));
-  ASSERT_TRUE(rig.paused.contains(1));
-  rig.advance(60ms);
-  rig.respond("01 03 02 00 01");  // everything read ahead is answered, reading goes on
-  ASSERT_FALSE(rig.paused.contains(1));
-  rig.take_transmitted();
-  rig.receive(1, write_request(999));  // it may have lain in the socket for 60 ms
-  rig.advance(10s);
-  EXPECT_THAT(rig.take_transmitted(), IsEmpty());
-  EXPECT_EQ(rig.take_sent(1).back(), "03 E7 00 00 00 03 01 86 06");
-  rig.receive(1, write_request(1000));  // this one came just now
-  EXPECT_THAT(rig.take_transmitted(), SizeIs(1));
+  static Settings settings() {
+    Settings settings = one_bus();
+    settings.listeners[0].pipeline = 1;
+    settings.routes[0].deadline = 50ms;
+    return settings;
+  }
+  MachineRig rig_;
+};
+
+TEST_F(PausedClient, ARequestReadAfterThePauseIsAsOldAsThePause) {
+  rig_.receive(1, write_request(999));  // it may have lain in the socket for 70 ms
+  rig_.advance(10s);
+  EXPECT_THAT(rig_.take_transmitted(), IsEmpty());
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre("03 E7 00 00 00 03 01 86 06"));
+  rig_.receive(1, write_request(1000));  // this one came just now
+  EXPECT_THAT(rig_.take_transmitted(), SizeIs(1));
+}
+
+TEST_F(PausedClient, AnEmptySocketAfterThePauseMakesTheNextRequestFresh) {
+  rig_.receive(1, "");
+  rig_.advance(10min);
+  rig_.receive(1, write_request(999));
+  EXPECT_THAT(rig_.take_transmitted(), SizeIs(1));
+}
+
+TEST_F(PausedClient, WhatCameBehindALaterPauseCountsFromThatPause) {
+  // 2040 bytes of 4080: the first 170 requests came during the first pause, 170 more may have come
+  // since.
+  std::string piece;
+  for (unsigned transaction = 0; transaction < 170; ++transaction) {
+    piece += read_request(transaction);
+  }
+  rig_.receive(1, piece, 2040);
+  EXPECT_THAT(rig_.take_transmitted(), IsEmpty());  // 70 ms old: too old
+  EXPECT_THAT(rig_.take_sent(1), SizeIs(170));
+  rig_.receive(1, piece, 0);
+  EXPECT_THAT(rig_.take_sent(1), SizeIs(170));  // they lay behind the first ones at the same time
+  rig_.receive(1, piece, 0);
+  EXPECT_THAT(rig_.take_transmitted(), SizeIs(1));
 }
 
 TEST(Gateway, RefusesWritesThatWaitedBeforeTheStart) {

@@ -123,6 +123,18 @@ TEST(Gateway, GivesWhatIsStillUnansweredOnTheWire0BWhenItStops) {
   EXPECT_TRUE(rig.finished);
 }
 
+TEST(Gateway, AnswersWhatItHasReadAheadWhenItStops) {
+  Settings settings = one_bus();
+  settings.listeners[0].pipeline = 1;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, std::string(kRead) + kRead2 + "0003 0000 0006 01 03 0000 0001");
+  rig.shutdown();
+  EXPECT_THAT(rig.take_sent(1),
+              ElementsAre("00 02 00 00 00 03 01 83 06", "00 03 00 00 00 03 01 83 06"));
+  EXPECT_FALSE(rig.finished);
+}
+
 TEST(OwnUnit, IdentifiesItself) {
   MachineRig rig(one_bus(), false);
   rig.connect(1);
@@ -131,6 +143,9 @@ TEST(OwnUnit, IdentifiesItself) {
   ASSERT_THAT(sent, SizeIs(1));
   // conformity 82, no more follows, three objects, the first "mbgate"
   EXPECT_THAT(sent[0], testing::HasSubstr("FF 2B 0E 01 82 00 00 03 00 06 6D 62 67 61 74 65 01 07"));
+  rig.receive(1,
+              "0009 0000 0005 FF 2B 0E 01 04");  // not among the basic objects: from the first on
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(testing::HasSubstr("FF 2B 0E 01 82 00 00 03 00 06")));
   rig.receive(1, "0002 0000 0005 FF 2B 0E 04 7F 0003 0000 0005 FF 2B 0E 05 00");
   EXPECT_THAT(rig.take_sent(1),
               ElementsAre("00 02 00 00 00 03 FF AB 02", "00 03 00 00 00 03 FF AB 03"));

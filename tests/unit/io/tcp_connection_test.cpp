@@ -18,7 +18,8 @@ constexpr gateway::ClientId kClient{42};
 
 class TcpConnectionTest : public testing::Test, public ConnectionEvents {
  protected:
-  void client_bytes(gateway::ClientId /*client*/, modbus::Bytes bytes) override {
+  void client_bytes(gateway::ClientId /*client*/, modbus::Bytes bytes,
+                    std::size_t /*unread*/) override {
     received_.append(bytes.begin(), bytes.end());
   }
   void client_sent(gateway::ClientId /*client*/) override { ++sent_; }

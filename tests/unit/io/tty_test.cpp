@@ -44,7 +44,7 @@ TEST(Tty, CanBeOpenedAgainOnceGivenBack) {
   for (int i = 0; i < 3; ++i) {
     auto tty = open_tty(line_at(terminal.path()));
     ASSERT_TRUE(tty.has_value()) << tty.error();
-    close_tty(std::move(tty->fd));
+    close_tty(std::move(tty->fd), line_at(terminal.path()));
   }
   const UniqueFd stranger(::open(terminal.path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   int exclusive = 1;
