@@ -151,15 +151,7 @@ void Bus::pump(Instant now) {
     if (job == nullptr) {
       return;
     }
-    const bool withdrawn = job == running_ && (job->abandoned || stopping_);
-    if (withdrawn || now >= job->deadline) {
-      if (job == running_) {
-        running_ = nullptr;
-      } else {
-        queue_.remove(*job);
-      }
-      counters_.expired += withdrawn ? 0U : 1U;
-      end_job(*job, withdrawn ? Ending::cancelled : Ending::expired);
+    if (end_if_over(*job, now)) {
       continue;
     }
     if (now < line_.ready_at(timing_of(*job).gap)) {
@@ -171,6 +163,23 @@ void Bus::pump(Instant now) {
     }
     transmit(*job, now);
   }
+}
+
+// May the job whose turn it is not be transmitted (again)?
+bool Bus::end_if_over(Job& job, Instant now) {
+  const bool is_running = &job == running_;
+  const bool withdrawn = is_running && (job.abandoned || stopping_);
+  if (!withdrawn && now < job.deadline) {
+    return false;
+  }
+  if (is_running) {
+    running_ = nullptr;
+  } else {
+    queue_.remove(job);
+  }
+  counters_.expired += withdrawn ? 0U : 1U;
+  end_job(job, withdrawn ? Ending::cancelled : Ending::expired);
+  return true;
 }
 
 void Bus::transmit(Job& job, Instant now) {

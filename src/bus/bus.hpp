@@ -73,6 +73,7 @@ class Bus {
   };
 
   void pump(Instant now);
+  bool end_if_over(Job& job, Instant now);
   [[nodiscard]] Job* next_job();
   void transmit(Job& job, Instant now);
   void collect();

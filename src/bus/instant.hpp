@@ -13,15 +13,9 @@ using modbus::Duration;
 
 /// The machine's time line. It has no now(): the shell maps the steady clock onto it, a simulation
 /// counts it.
-struct MachineTime {
-  using duration = Duration;
-  using rep = duration::rep;
-  using period = duration::period;
-  using time_point = std::chrono::time_point<MachineTime, duration>;
-  static constexpr bool is_steady = true;
-};
+struct MachineTime {};
 
-using Instant = MachineTime::time_point;
+using Instant = std::chrono::time_point<MachineTime, Duration>;
 
 /// The earlier of two deadlines, either of which may be absent.
 inline std::optional<Instant> earlier(std::optional<Instant> a, std::optional<Instant> b) {

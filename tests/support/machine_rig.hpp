@@ -2,6 +2,7 @@
 // A Gateway on a bench: virtual time, clients and lines played by the test, every action kept.
 #pragma once
 
+#include <cstdio>
 #include <map>
 #include <set>
 #include <string>
@@ -165,6 +166,19 @@ class MachineRig {
   }
   void take(const gateway::Finished& /*action*/) { finished = true; }
 };
+
+/// A read of register 0, and a write of 1 to it, as MBAP in hexadecimal.
+inline std::string read_request(unsigned transaction, unsigned unit = 1) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%04X 0000 0006 %02X 03 0000 0001 ", transaction, unit);
+  return text;
+}
+
+inline std::string write_request(unsigned transaction, unsigned unit = 1) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%04X 0000 0006 %02X 06 0000 0001 ", transaction, unit);
+  return text;
+}
 
 /// Strings of one line each, for EXPECT_THAT(..., ElementsAre(...)).
 using Lines = std::vector<std::string>;

@@ -1,190 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The times of a bus at 19200 8E1: a character takes 572.9 us, t3.5 is 2.005 ms, 8 characters 4.583
-// ms.
-#include "bus/bus.hpp"
-
-#include <gmock/gmock.h>
-
-#include "support/hex.hpp"
+// What becomes of jobs on a bus: retries, echo, deadlines, loss of the line.
+#include "bus_rig.hpp"
 
 namespace mbgate::test {
 namespace {
-
-using namespace std::chrono_literals;
-using bus::Duration;
-using bus::Ending;
-using bus::Instant;
-using testing::ElementsAre;
-using testing::IsEmpty;
-using testing::SizeIs;
-
-class Bus : public testing::Test {
- protected:
-  void open(const bus::BusSettings& settings, const std::vector<drive::Device>& devices = {}) {
-    bus_.emplace(settings, devices);
-    bus_->start();
-    bus_->handle_opened(now_);
-    drain();
-    advance(5ms);
-  }
-  static bus::BusSettings settings() {
-    bus::BusSettings settings;
-    settings.listen_first = 0ms;
-    settings.timing.response_timeout = 100ms;
-    settings.timing.retries = 0;
-    return settings;
-  }
-  bus::Job& job(std::string_view request, std::uint8_t address = 1) {
-    bus::Job& job = jobs_.emplace_back();
-    job.deadline = now_ + 60s;
-    add(job, request, address);
-    return job;
-  }
-  static void add(bus::Job& job, std::string_view request, std::uint8_t address = 1) {
-    const auto pdu = modbus::Pdu::from(unhex(request));
-    job.transactions.push_back({address, *modbus::Request::parse(*pdu)});
-  }
-  void submit(bus::Job& job) {
-    EXPECT_TRUE(bus_->submit(job, now_));
-    drain();
-  }
-  void line(std::string_view bytes) {
-    bus_->handle_bytes(unhex(bytes), now_);
-    drain();
-  }
-  void advance(Duration duration) {
-    const Instant end = now_ + duration;
-    for (auto at = bus_->next_deadline(); at && *at <= end; at = bus_->next_deadline()) {
-      now_ = std::max(now_, *at);
-      bus_->handle_deadline(now_);
-      drain();
-    }
-    now_ = end;
-  }
-  void drain() {
-    while (const auto action = bus_->poll()) {
-      if (const auto* transmit = std::get_if<bus::TransmitFrame>(&*action)) {
-        frames_.push_back(hex({transmit->frame.data(), transmit->frame.size()}));
-        frame_times_.push_back(now_);
-      } else if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
-        endings_.push_back(ended->ending);
-        ended_at_.push_back(now_);
-      }
-    }
-  }
-  /// From the last transmission on until the next one.
-  Duration until_next_frame(Duration limit = 2s) {
-    const std::size_t before = frames_.size();
-    const Instant start = now_;
-    advance(limit);
-    return frames_.size() > before ? frame_times_[before] - start : Duration::max();
-  }
-
-  Instant now_{};
-  std::deque<bus::Job> jobs_;
-  std::optional<bus::Bus> bus_;
-  std::vector<std::string> frames_;
-  std::vector<Instant> frame_times_;
-  std::vector<Ending> endings_;
-  std::vector<Instant> ended_at_;
-};
-
-constexpr auto kRead = "03 0000 0001";
-constexpr auto kAnswer = "01 03 02 12 34 B5 33";
-constexpr auto kT35 = 2005209ns;       // 38.5 bits, rounded up
-constexpr auto kEmission = 4583334ns;  // 88 bits, rounded up
-
-TEST_F(Bus, KeepsT35AfterAnAnswer) {
-  open(settings());
-  submit(job(kRead));
-  submit(job(kRead));
-  advance(20ms);
-  line(kAnswer);
-  EXPECT_EQ(until_next_frame(), kT35);
-}
-
-TEST_F(Bus, AFrameGapMayBeShorterThanT35) {
-  auto shorter = settings();
-  shorter.frame_gap = 0ms;
-  open(shorter);
-  submit(job(kRead));
-  submit(job(kRead));
-  advance(20ms);
-  line(kAnswer);
-  EXPECT_THAT(frames_, SizeIs(2));
-}
-
-TEST_F(Bus, KeepsTheGapOfADeviceOnTopOfT35) {
-  drive::Device slow{"slow", {}, 1, settings().timing};
-  slow.timing.gap = 30ms;
-  open(settings(), {slow});
-  advance(100ms);
-  submit(job(kRead, 2));
-  submit(job(kRead, 1));
-  advance(20ms);
-  line("02 03 02 12 34 F1 33");
-  EXPECT_EQ(until_next_frame(), kT35 + 30ms);
-}
-
-TEST_F(Bus, WaitsForSilenceWhileTheLineBabbles) {
-  open(settings());
-  bus::Job& waiting = job(kRead);
-  for (int byte = 0; byte < 20; ++byte) {
-    line("55");
-    if (byte == 0) {
-      submit(waiting);
-    }
-    advance(1ms);
-    EXPECT_THAT(frames_, IsEmpty());
-  }
-  EXPECT_EQ(until_next_frame(), kT35 - 1ms);
-}
-
-TEST_F(Bus, NeverTransmitsIntoItsOwnFrame) {
-  open(settings());
-  submit(job(kRead));
-  submit(job(kRead));
-  line(kAnswer);  // a stranger's bytes that happen to fit, while our frame is still on its way
-  EXPECT_EQ(until_next_frame(), kEmission + kT35);
-}
-
-TEST_F(Bus, TheResponseTimeoutRunsFromTheEndOfTheTransmission) {
-  open(settings());
-  submit(job(kRead));
-  const Instant start = now_;
-  advance(1s);
-  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
-  EXPECT_EQ(ended_at_[0] - start, kEmission + 100ms);
-}
-
-TEST_F(Bus, TheResponseWaitOfADeviceIsAddedToItsTimeout) {
-  drive::Device aic{"aic", {}, 1, settings().timing};
-  aic.timing.response_wait = 20ms;
-  open(settings(), {aic});
-  submit(job(kRead));
-  const Instant start = now_;
-  advance(1s);
-  EXPECT_EQ(ended_at_.at(0) - start, kEmission + 120ms);
-}
-
-TEST_F(Bus, AnAnswerMayEndAfterTheTimeoutIfItBeganBefore) {
-  open(settings());
-  submit(job(kRead));
-  advance(kEmission + 99ms);
-  line("01 03");
-  advance(10ms);
-  line("02 12 34 B5 33");
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-}
-
-TEST_F(Bus, AnAnswerThatStopsHalfWayEndsTheWait) {
-  open(settings());
-  submit(job(kRead));
-  advance(kEmission + 99ms);
-  line("01 03 02");
-  advance(30ms);  // seven characters take 4.01 ms, plus 20 ms
-  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
-}
 
 TEST_F(Bus, ABadCrcIsRetriedForReadsOnly) {
   auto retrying = settings();
@@ -205,16 +24,6 @@ TEST_F(Bus, ABadCrcIsRetriedForReadsOnly) {
   EXPECT_THAT(frames_, SizeIs(3));
   EXPECT_EQ(endings_.back(), Ending::no_answer);
   EXPECT_EQ(bus_->counters().bad_crcs, 2U);
-}
-
-TEST_F(Bus, SettlesAfterATimeoutBeforeTheNextRequest) {
-  auto settling = settings();
-  settling.settle = 50ms;
-  open(settling);
-  submit(job(kRead));
-  submit(job(kRead, 2));
-  advance(kEmission + 100ms);
-  EXPECT_EQ(until_next_frame(), 50ms);
 }
 
 TEST_F(Bus, ReadsAndComparesItsEcho) {
@@ -299,13 +108,6 @@ TEST_F(Bus, ALineThatDiesAtOnceIsReopenedLessAndLessOften) {
   EXPECT_EQ(*bus_->next_deadline() - now_, 100ms);
 }
 
-TEST_F(Bus, ListensAsLongAsTheSlowestAddressMayTake) {
-  auto slow_bus = settings();
-  slow_bus.timing.response_timeout = 700ms;
-  drive::Device quick{"quick", {}, 1, settings().timing};
-  EXPECT_EQ(bus::longest_response_timeout(slow_bus, std::vector{quick}), 700ms);
-}
-
 TEST_F(Bus, LetsNothingComeBetweenTheTransactionsOfAJob) {
   open(settings());
   bus::Job& two = job(kRead);
@@ -373,24 +175,6 @@ TEST_F(Bus, CountsWhatADeviceDid) {
   EXPECT_EQ(counters.responses, 1U);
   EXPECT_EQ(counters.exceptions, 1U);
   EXPECT_EQ(counters.unanswered_in_row, 0U);
-}
-
-TEST_F(Bus, ShowsTheStatesOfTheSpecification) {
-  auto listening = settings();
-  listening.listen_first = 50ms;
-  open(listening);
-  using State = bus::RtuLine::State;
-  EXPECT_EQ(bus_->line_state(now_), State::initial);
-  advance(50ms);
-  EXPECT_EQ(bus_->line_state(now_), State::idle);
-  submit(job("06 0000 0001", 0));
-  EXPECT_EQ(bus_->line_state(now_), State::emission);
-  advance(kEmission);
-  EXPECT_EQ(bus_->line_state(now_), State::waiting_turnaround_delay);
-  advance(100ms);
-  submit(job(kRead));
-  advance(kEmission);
-  EXPECT_EQ(bus_->line_state(now_), State::waiting_for_reply);
 }
 
 }  // namespace

@@ -117,15 +117,13 @@ TEST_F(SerialLineTest, FinishesAFrameThatTheDriverTakesInParts) {
   EXPECT_TRUE(lost_.empty());
 }
 
-TEST_F(SerialLineTest, WritesTheRestAsSoonAsTheDriverTakesIt) {
-  const PseudoTerminal terminal;
-  make_line(terminal.path());
-  ASSERT_TRUE(open_line());
-  // Another holder of the line fills it up, so that no byte of ours is taken at first.
+/// Another holder of a line fills it up, so that no byte of ours is taken; nothing if only root may
+/// do that.
+std::optional<std::size_t> fill(const PseudoTerminal& terminal) {
   const UniqueFd filler(
       ::open(terminal.path().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!filler.is_open()) {
-    GTEST_SKIP() << "skipped: only root can open a line in exclusive use again";
+    return std::nullopt;
   }
   std::size_t filled = 0;
   const std::array<char, 1024> filling{};
@@ -133,14 +131,41 @@ TEST_F(SerialLineTest, WritesTheRestAsSoonAsTheDriverTakesIt) {
     count = ::write(filler.get(), filling.data(), filling.size());
     filled += count > 0 ? static_cast<std::size_t>(count) : 0;
   }
+  return filled;
+}
+
+constexpr auto kSkipped = "skipped: only root can open a line in exclusive use again";
+
+TEST_F(SerialLineTest, WritesTheRestAsSoonAsTheDriverTakesIt) {
+  const PseudoTerminal terminal;
+  make_line(terminal.path());
+  ASSERT_TRUE(open_line());
+  const auto filled = fill(terminal);
+  if (!filled) {
+    GTEST_SKIP() << kSkipped;
+  }
   ASSERT_EQ(line_->transmit(kFrame), std::nullopt);
   std::string transmitted;
   ASSERT_TRUE(wait_for([&] {
-    transmitted += terminal.read();
-    return transmitted.size() == filled + kFrame.size();
+    for (auto piece = terminal.read(); !piece.empty(); piece = terminal.read()) {
+      transmitted += piece;
+    }
+    return transmitted.size() == *filled + kFrame.size();
   }));
-  EXPECT_EQ(transmitted.substr(filled), kFrameText);
+  EXPECT_EQ(transmitted.substr(*filled), kFrameText);
   EXPECT_EQ(line_->transmit(kFrame), std::nullopt);
+}
+
+TEST_F(SerialLineTest, ThrowsAFrameAwayThatTheDriverDoesNotTakeInTime) {
+  const PseudoTerminal terminal;
+  make_line(terminal.path());
+  ASSERT_TRUE(open_line());
+  if (!fill(terminal)) {
+    GTEST_SKIP() << kSkipped;
+  }
+  ASSERT_EQ(line_->transmit(kFrame), std::nullopt);
+  ASSERT_TRUE(wait_for([&] { return !lost_.empty(); }));
+  EXPECT_EQ(lost_[0], terminal.path() + ": the driver does not take a frame in time");
 }
 
 TEST_F(SerialLineTest, DoesNotTransmitWhileClosed) {

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// A Bus in virtual time at 19200 8E1: a character takes 572.9 us, t3.5 is 2.005 ms, 8
+// characters 4.583 ms.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <deque>
+
+#include "bus/bus.hpp"
+#include "support/hex.hpp"
+
+namespace mbgate::test {
+
+using namespace std::chrono_literals;
+using bus::Duration;
+using bus::Ending;
+using bus::Instant;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class Bus : public testing::Test {
+ protected:
+  void open(const bus::BusSettings& settings, const std::vector<drive::Device>& devices = {}) {
+    bus_.emplace(settings, devices);
+    bus_->start();
+    bus_->handle_opened(now_);
+    drain();
+    advance(5ms);
+  }
+  static bus::BusSettings settings() {
+    bus::BusSettings settings;
+    settings.listen_first = 0ms;
+    settings.timing.response_timeout = 100ms;
+    settings.timing.retries = 0;
+    return settings;
+  }
+  bus::Job& job(std::string_view request, std::uint8_t address = 1) {
+    bus::Job& job = jobs_.emplace_back();
+    job.deadline = now_ + 60s;
+    add(job, request, address);
+    return job;
+  }
+  static void add(bus::Job& job, std::string_view request, std::uint8_t address = 1) {
+    const auto pdu = modbus::Pdu::from(unhex(request));
+    job.transactions.push_back({address, *modbus::Request::parse(*pdu)});
+  }
+  void submit(bus::Job& job) {
+    EXPECT_TRUE(bus_->submit(job, now_));
+    drain();
+  }
+  void line(std::string_view bytes) {
+    bus_->handle_bytes(unhex(bytes), now_);
+    drain();
+  }
+  void advance(Duration duration) {
+    const Instant end = now_ + duration;
+    for (auto at = bus_->next_deadline(); at && *at <= end; at = bus_->next_deadline()) {
+      now_ = std::max(now_, *at);
+      bus_->handle_deadline(now_);
+      drain();
+    }
+    now_ = end;
+  }
+  void drain() {
+    while (const auto action = bus_->poll()) {
+      if (const auto* transmit = std::get_if<bus::TransmitFrame>(&*action)) {
+        frames_.push_back(hex({transmit->frame.data(), transmit->frame.size()}));
+        frame_times_.push_back(now_);
+      } else if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
+        endings_.push_back(ended->ending);
+        ended_at_.push_back(now_);
+      }
+    }
+  }
+  /// From the last transmission on until the next one.
+  Duration until_next_frame(Duration limit = 2s) {
+    const std::size_t before = frames_.size();
+    const Instant start = now_;
+    advance(limit);
+    return frames_.size() > before ? frame_times_[before] - start : Duration::max();
+  }
+
+  Instant now_{};
+  std::deque<bus::Job> jobs_;
+  std::optional<bus::Bus> bus_;
+  std::vector<std::string> frames_;
+  std::vector<Instant> frame_times_;
+  std::vector<Ending> endings_;
+  std::vector<Instant> ended_at_;
+};
+
+inline constexpr auto kRead = "03 0000 0001";
+inline constexpr auto kAnswer = "01 03 02 12 34 B5 33";
+inline constexpr auto kT35 = 2005209ns;       // 38.5 bits, rounded up
+inline constexpr auto kEmission = 4583334ns;  // 88 bits, rounded up
+
+}  // namespace mbgate::test

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far a client is read, how old its requests are, and what a half-close means.
+#include <gmock/gmock.h>
+
+#include "support/machine_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+TEST(Gateway, TakesAtMostThePipelineAndThenReadsAheadAtMostFourKilobytes) {
+  MachineRig rig;
+  rig.connect(1);
+  std::string many;
+  for (unsigned transaction = 0; transaction < 100; ++transaction) {
+    many += read_request(transaction);
+  }
+  rig.receive(1, many);  // 1200 bytes
+  EXPECT_FALSE(rig.paused.contains(1));
+  rig.receive(1, many);
+  EXPECT_TRUE(rig.paused.contains(1));
+  for (int answers = 0; answers < 16; ++answers) {
+    rig.advance(10ms);
+    rig.respond("01 03 02 00 01");
+  }
+  EXPECT_THAT(rig.take_sent(1), SizeIs(16));
+  for (int answers = 0; answers < 184; ++answers) {
+    rig.advance(10ms);
+    rig.respond("01 03 02 00 01");
+  }
+  EXPECT_THAT(rig.take_sent(1), SizeIs(184));
+  EXPECT_FALSE(rig.paused.contains(1));
+}
+
+TEST(Gateway, AClientThatNeverReadsIsNotReadFurther) {
+  MachineRig rig;
+  rig.confirms = false;
+  rig.connect(1);
+  std::string many;
+  for (unsigned transaction = 0; transaction < 200; ++transaction) {
+    many += read_request(transaction, 250);  // no route: answered at once with 0A
+  }
+  rig.receive(1, many);
+  EXPECT_THAT(rig.sent[1], SizeIs(16));
+  EXPECT_TRUE(rig.paused.contains(1));
+  rig.confirm_sent(1);
+  EXPECT_THAT(rig.sent[1], SizeIs(17));
+}
+
+TEST(Gateway, DropsWaitingWritesButAnswersReadsAfterAHalfClose) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, read_request(1) + write_request(2) + read_request(3));
+  rig.half_close(1);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 01 86 06"));
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  EXPECT_FALSE(rig.closed.contains(1));
+  rig.respond("01 03 02 00 03");
+  EXPECT_THAT(rig.take_sent(1),
+              ElementsAre("00 01 00 00 00 05 01 03 02 00 01", "00 03 00 00 00 05 01 03 02 00 03"));
+  EXPECT_THAT(rig.take_transmitted(), SizeIs(2));
+  EXPECT_TRUE(rig.closed.contains(1));
+}
+
+TEST(Gateway, AHalfClosedClientIsReadToItsEndBeforeItIsClosed) {
+  MachineRig rig;
+  rig.connect(1);
+  std::string piece;
+  for (unsigned transaction = 0; transaction < 170; ++transaction) {
+    piece += read_request(transaction, 250);
+  }
+  rig.confirms = false;
+  const std::string first = piece + "00 AA 00 00 00 06 FA 03";  // 2048 bytes: there may be more
+  rig.receive(1, first, 2048);
+  rig.receive(1, "00 00 00 01" + piece + "00 AA 00 00", 8);
+  EXPECT_TRUE(rig.paused.contains(1));
+  rig.half_close(1);  // noticed while paused
+  rig.confirms = true;
+  for (int answers = 0; answers < 16; ++answers) {
+    rig.confirm_sent(1);
+  }
+  EXPECT_FALSE(rig.paused.contains(1));
+  EXPECT_FALSE(rig.closed.contains(1));
+  rig.receive(1, "00 06 FA 03 00 00 00 01");
+  EXPECT_THAT(rig.sent[1], SizeIs(342));
+  rig.half_close(1);
+  EXPECT_TRUE(rig.closed.contains(1));
+}
+
+TEST(Gateway, ADeadlineThatPassedMeans06AndNoTransmission) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.connect(2, "192.0.2.2");
+  for (unsigned transaction = 0; transaction < 6; ++transaction) {
+    rig.receive(2, read_request(transaction, 9));  // silent: 2 x 107 ms each
+  }
+  rig.receive(1, write_request(7) + write_request(8) + write_request(9));
+  rig.advance(1s);
+  // Turns alternate between the two addresses: the third write comes after its second has passed.
+  const auto sent = rig.take_sent(1);
+  ASSERT_THAT(sent, SizeIs(3));
+  EXPECT_EQ(sent.back(), "00 09 00 00 00 03 01 86 06");
+}
+
+class PausedClient : public testing::Test {
+ protected:
+  // Reading is paused from 5 ms on, with one request on the wire and `unread` bytes in the socket;
+  // the answer comes 60 ms later, and reading goes on.
+  explicit PausedClient() : rig_(settings()) {
+    rig_.connect(1);
+    std::string many = read_request(0);
+    for (unsigned transaction = 1; transaction < 200; ++transaction) {
+      many += write_request(transaction, 250);  // no such path: answered at once
+    }
+    rig_.receive(1, many);
+    EXPECT_TRUE(rig_.paused.contains(1));
+    rig_.advance(60ms);
+    rig_.respond("01 03 02 00 01");
+    EXPECT_FALSE(rig_.paused.contains(1));
+    rig_.advance(10ms);
+    rig_.take_transmitted();
+    rig_.take_sent(1);
+  }
+  static Settings settings() {
+    Settings settings = one_bus();
+    settings.listeners[0].pipeline = 1;
+    settings.routes[0].deadline = 50ms;
+    return settings;
+  }
+  MachineRig rig_;
+};
+
+TEST_F(PausedClient, ARequestReadAfterThePauseIsAsOldAsThePause) {
+  rig_.receive(1, write_request(999));  // it may have lain in the socket for 70 ms
+  rig_.advance(10s);
+  EXPECT_THAT(rig_.take_transmitted(), IsEmpty());
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre("03 E7 00 00 00 03 01 86 06"));
+  rig_.receive(1, write_request(1000));  // this one came just now
+  EXPECT_THAT(rig_.take_transmitted(), SizeIs(1));
+}
+
+TEST_F(PausedClient, AnEmptySocketAfterThePauseMakesTheNextRequestFresh) {
+  rig_.receive(1, "");
+  rig_.advance(10min);
+  rig_.receive(1, write_request(999));
+  EXPECT_THAT(rig_.take_transmitted(), SizeIs(1));
+}
+
+TEST_F(PausedClient, WhatCameBehindALaterPauseCountsFromThatPause) {
+  // 2040 bytes of 4080: the first 170 requests came during the first pause, 170 more may have come
+  // since.
+  std::string piece;
+  for (unsigned transaction = 0; transaction < 170; ++transaction) {
+    piece += read_request(transaction);
+  }
+  rig_.receive(1, piece, 2040);
+  EXPECT_THAT(rig_.take_transmitted(), IsEmpty());  // 70 ms old: too old
+  EXPECT_THAT(rig_.take_sent(1), SizeIs(170));
+  rig_.receive(1, piece, 0);
+  EXPECT_THAT(rig_.take_sent(1), SizeIs(170));  // they lay behind the first ones at the same time
+  rig_.receive(1, piece, 0);
+  EXPECT_THAT(rig_.take_transmitted(), SizeIs(1));
+}
+
+TEST(Gateway, RefusesWritesThatWaitedBeforeTheStart) {
+  MachineRig rig;
+  rig.connect(1, "192.0.2.1", 0, 24);  // two requests lay in the socket
+  rig.receive(1, write_request(1) + read_request(2) + write_request(3));
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 86 06"));
+  EXPECT_THAT(rig.take_transmitted(), SizeIs(1));
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre("01 06 00 00 00 01 48 0A"));
+}
+
+}  // namespace
+}  // namespace mbgate::test
