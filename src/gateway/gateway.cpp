@@ -11,6 +11,7 @@ namespace {
 
 std::vector<routing::ListenerKind> kinds_of(const std::vector<ListenerSettings>& listeners) {
   std::vector<routing::ListenerKind> kinds;
+  kinds.reserve(listeners.size());
   for (const auto& listener : listeners) {
     kinds.push_back({listener.bus, listener.broadcast, listener.broadcast_reply});
   }

@@ -74,7 +74,7 @@ class Gateway {
   void settle(Instant now);
   void collect(BusId id);
   void finish_if_stopped();
-  void report(Event event) { actions_.emplace_back(Report{std::move(event)}); }
+  void report(const Event& event) { actions_.emplace_back(Report{event}); }
 
   // gateway_clients.cpp: who is let in, when a connection is read, when it ends
   bool admit(const ClientInfo& info);

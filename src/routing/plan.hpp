@@ -4,6 +4,7 @@
 #pragma once
 
 #include <boost/container/small_vector.hpp>
+#include <utility>
 
 #include "modbus/request.hpp"
 #include "routing/access.hpp"
@@ -33,8 +34,8 @@ class Plan {
   [[nodiscard]] std::uint8_t function() const { return client_request_.function(); }
 
  private:
-  Plan(const modbus::Request& request, bool rewritten)
-      : client_request_(request), rewritten_(rewritten) {}
+  Plan(modbus::Request request, bool rewritten)
+      : client_request_(std::move(request)), rewritten_(rewritten) {}
 
   modbus::Request client_request_;
   bool rewritten_;
