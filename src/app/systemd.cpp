@@ -4,18 +4,26 @@
 #include <systemd/sd-daemon.h>
 
 #include <cstdlib>
+#include <memory>
 
 namespace mbgate::app {
+namespace {
+
+/// Memory of a C library, which free() gives back.
+template <typename Value>
+using Allocated = std::unique_ptr<Value, void (*)(void*)>;
+
+}  // namespace
 
 std::vector<InheritedSocket> take_inherited_sockets() {
   std::vector<InheritedSocket> sockets;
-  char** names = nullptr;
-  const int count = ::sd_listen_fds_with_names(1, &names);
+  char** list = nullptr;
+  const int count = ::sd_listen_fds_with_names(1, &list);
+  const Allocated<char*> names(list, &std::free);
   for (int i = 0; i < count; ++i) {
-    sockets.push_back({names[i], io::UniqueFd(SD_LISTEN_FDS_START + i)});
-    std::free(names[i]);
+    const Allocated<char> name(names.get()[i], &std::free);
+    sockets.push_back({name.get(), io::UniqueFd(SD_LISTEN_FDS_START + i)});
   }
-  std::free(names);
   return sockets;
 }
 

@@ -104,7 +104,7 @@ Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {
   auto warnings = set_tty_mode(fd.get(), line, pseudo_terminal);
   std::optional<std::string> error;
   if (!warnings) {
-    error = std::move(warnings).error();
+    error = warnings.error();
   } else {
     error = set_direction_control(fd.get(), line);
   }

@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <ostream>
 #include <thread>
 
 #include "integration/plant.hpp"
@@ -90,6 +91,8 @@ struct Hostile {
   bool closes;
   const char* answer;  // "" for none
 };
+
+void PrintTo(const Hostile& hostile, std::ostream* stream) { *stream << hostile.what; }
 
 class HostileInput : public testing::TestWithParam<Hostile> {};
 
