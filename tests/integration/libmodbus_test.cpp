@@ -172,6 +172,7 @@ TEST_F(Libmodbus, GetsTheDevicesExceptionsAndTheGateways) {
 
 TEST_F(Libmodbus, ServesEightClientsAtOnce) {
   std::vector<std::thread> threads;
+  threads.reserve(8);
   std::atomic<int> wrong{0};
   for (int number = 0; number < 8; ++number) {
     threads.emplace_back([this, number, &wrong] {

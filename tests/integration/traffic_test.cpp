@@ -2,8 +2,8 @@
 // Many clients, much traffic, through the real programs.
 #include <gtest/gtest.h>
 #include <poll.h>
-#include <signal.h>
 
+#include <csignal>
 #include <map>
 
 #include "integration/plant.hpp"

@@ -3,10 +3,10 @@
 // process.
 #include <gmock/gmock.h>
 #include <netinet/in.h>
-#include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <ostream>
 #include <thread>
 

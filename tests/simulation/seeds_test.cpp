@@ -55,6 +55,7 @@ TEST_P(Seeds, EveryRequestIsAnsweredOnceAndAsAsked) {
   const std::uint64_t filled =
       world_->wire(0).counters().frames + world_->wire(1).counters().frames;
   std::vector<std::pair<ClientId, std::size_t>> clients;
+  clients.reserve(8);
   for (unsigned number = 0; number < 8; ++number) {
     clients.emplace_back(world_->connect(number % 2, number), number % 2);
   }

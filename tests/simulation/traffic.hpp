@@ -42,6 +42,13 @@ inline sim::Faults exceptions_every(unsigned requests) {
   return faults;
 }
 
+/// Registers of a drive.
+struct Registers {
+  std::uint8_t unit;
+  std::uint16_t first;
+  std::uint16_t count;
+};
+
 class Traffic : public testing::Test {
  protected:
   void build(const std::vector<BusPlan>& buses) {
@@ -52,9 +59,9 @@ class Traffic : public testing::Test {
       }
     });
     units_.clear();
-    for (std::size_t bus = 0; bus < buses.size(); ++bus) {
+    for (const BusPlan& plan : buses) {
       units_.emplace_back();
-      for (const auto& device : buses[bus].devices) {
+      for (const auto& device : plan.devices) {
         units_.back().push_back(device.address);
       }
     }
@@ -72,11 +79,11 @@ class Traffic : public testing::Test {
       world_->disconnect(client);
     }
   }
-  void read(ClientId client, std::uint16_t transaction, std::uint8_t unit, std::uint16_t address,
-            std::uint16_t count, bool may_fail = false) {
-    oracle_.expect(client, transaction, adu(transaction, unit, data_pdu(unit, address, count)),
-                   may_fail);
-    world_->send(client, adu(transaction, unit, read_pdu(address, count)));
+  void read(ClientId client, std::uint16_t transaction, const Registers& asked,
+            bool may_fail = false) {
+    const auto answer = data_pdu(asked.unit, asked.first, asked.count);
+    oracle_.expect(client, transaction, adu(transaction, asked.unit, answer), may_fail);
+    world_->send(client, adu(transaction, asked.unit, read_pdu(asked.first, asked.count)));
   }
   void random_read(ClientId client, std::size_t bus, std::uint16_t transaction,
                    bool may_fail = false) {
@@ -84,7 +91,7 @@ class Traffic : public testing::Test {
     const auto count =
         static_cast<std::uint16_t>(1 + random_() % std::min(10, kRegisters - offset));
     const std::uint8_t unit = units_[bus][random_() % units_[bus].size()];
-    read(client, transaction, unit, static_cast<std::uint16_t>(kFirst + offset), count, may_fail);
+    read(client, transaction, {unit, static_cast<std::uint16_t>(kFirst + offset), count}, may_fail);
   }
   void finish(Instant limit) {
     world_->run(limit, [this] { return oracle_.open() == 0; });

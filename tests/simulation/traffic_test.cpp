@@ -66,10 +66,10 @@ TEST_F(Traffic, ASilentDeviceCostsItsClientsTheStatedTimeAndOtherBusesNothing) {
   // Two tries of 100 ms, 8 characters of 10 bits and t3.5 at 115200 baud.
   const Duration limit = 2 * (100ms + 694445ns + 1750us);
   const Instant start = world_->now();
-  read(victim, 1, 2, kFirst, 1, true);
+  read(victim, 1, {2, kFirst, 1}, true);
   for (std::uint16_t transaction = 0; transaction < 20; ++transaction) {
     const Instant asked = world_->now();
-    read(other, transaction, 3, kFirst, 1);
+    read(other, transaction, {3, kFirst, 1});
     world_->run(start + 1s, [&] { return oracle_.open_of(other) == 0; });
     EXPECT_LT(world_->now() - asked, 10ms);
   }
@@ -87,7 +87,7 @@ TEST_F(Traffic, AnswersOfAnotherUnitOrFunctionAreNotDelivered) {
     world_->wire(0).device(1)->set_faults(faults);
     const ClientId client = world_->connect(0, 1);
     const auto failures = oracle_.exceptions().contains(0x0B) ? oracle_.exceptions().at(0x0B) : 0;
-    read(client, 1, 1, kFirst, 2, true);
+    read(client, 1, {1, kFirst, 2}, true);
     finish(world_->now() + 1s);
     EXPECT_EQ(oracle_.exceptions().at(0x0B), failures + 1);
     oracle_.forget(client);
@@ -112,7 +112,7 @@ TEST_F(Traffic, AnUnpluggedAdapterFailsAtOnceAndServiceResumes) {
   fill_registers();
   const ClientId client = world_->connect(0, 1);
   for (std::uint16_t transaction = 0; transaction < 10; ++transaction) {
-    read(client, transaction, 1, kFirst, 5, true);
+    read(client, transaction, {1, kFirst, 5}, true);
   }
   world_->run_for(3ms);  // the first one is on the wire
   world_->unplug(0);
@@ -120,7 +120,7 @@ TEST_F(Traffic, AnUnpluggedAdapterFailsAtOnceAndServiceResumes) {
   EXPECT_EQ(oracle_.exceptions().at(0x0B), 1U);
   EXPECT_EQ(oracle_.exceptions().at(0x0A), 9U);
   world_->run_for(1s);
-  read(client, 100, 1, kFirst, 5);
+  read(client, 100, {1, kFirst, 5});
   finish(world_->now() + 1s);
 }
 
