@@ -45,8 +45,8 @@ void Bus::handle_lost(Instant now) {
   if (state_ == State::open) {
     ++counters_.losses;
     if (now - opened_at_ >= settings_.reopen_max) {
-      reopen_delay_ =
-          settings_.reopen_min;  // a line that dies as soon as it is open gets no such favour
+      // A line that dies as soon as it is open gets no such favour.
+      reopen_delay_ = settings_.reopen_min;
     }
   }
   state_ = State::closed;

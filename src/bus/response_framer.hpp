@@ -43,8 +43,6 @@ class ResponseFramer {
   [[nodiscard]] bool in_progress() const { return begun_at_.has_value(); }
   /// Is a frame complete as far as can be seen, and only silence can tell?
   [[nodiscard]] bool awaits_silence() const { return bad_crc_ || opaque_; }
-  /// Counts what is left as stray and forgets it, until the next silence.
-  void discard();
   /// Ends the search.
   void reset();
   [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
@@ -52,6 +50,8 @@ class ResponseFramer {
  private:
   enum class Step : std::uint8_t { wait, again, response };
 
+  /// Counts what is left as stray and forgets it, until the next silence.
+  void discard();
   void skip_noise();
   void drop(std::size_t bytes);
   Step look(Instant now);

@@ -16,9 +16,9 @@
 // At 1000 + 32 * bus:
 //   0 open (1) or not (0)
 //   1 requests waiting
-//   2-29 counters: transmissions, responses, exceptions, timeouts, bad CRCs, stray frames, stray
-//   bytes,
-//        noise bytes, echo mismatches, expired, refused because full, losses, retries, broadcasts
+//   2-29 counters: transmissions, responses, exceptions, timeouts, bad CRCs, stray frames,
+//        stray bytes, noise bytes, echo mismatches, expired, refused because full, losses,
+//        retries, broadcasts
 //
 // At 10000 + 16 * device:
 //   0 its bus (1 is the first), 1 its address
