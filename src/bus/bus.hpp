@@ -16,7 +16,7 @@ namespace mbgate::bus {
 
 struct OpenLine {};
 struct TransmitFrame {
-  modbus::RtuBytes frame;
+  FrameBytes frame;
 };
 struct JobEnded {
   Job* job;

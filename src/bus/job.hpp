@@ -4,16 +4,23 @@
 #pragma once
 
 #include <boost/container/small_vector.hpp>
+#include <boost/container/static_vector.hpp>
 #include <boost/intrusive/list_hook.hpp>
 #include <boost/intrusive/set_hook.hpp>
 #include <cstdint>
 #include <optional>
 
 #include "bus/instant.hpp"
+#include "drive/device.hpp"
 #include "modbus/request.hpp"
 #include "modbus/rtu.hpp"
 
 namespace mbgate::bus {
+
+/// The longest frame of any line discipline: ASCII has two characters a byte (Serial Line V1.02,
+/// 2.5.2.1).
+inline constexpr std::size_t kMaxFrameSize = 513;
+using FrameBytes = boost::container::static_vector<std::uint8_t, kMaxFrameSize>;
 
 /// One request to one address, and its answer.
 struct Transaction {
@@ -21,9 +28,11 @@ struct Transaction {
   modbus::Request request;
   /// 08/01 and 08/04 silence a device: no answer is then no failure.
   bool silence_is_success = false;
+  /// Other than none: a broadcast in this form, which nobody answers.
+  drive::BroadcastForm broadcast = drive::BroadcastForm::none;
   std::optional<modbus::Pdu> response = std::nullopt;
 
-  [[nodiscard]] bool is_broadcast() const { return address == modbus::kBroadcastAddress; }
+  [[nodiscard]] bool is_broadcast() const { return broadcast != drive::BroadcastForm::none; }
 };
 
 /// Whose requests take turns with whose: one number for each client address.

@@ -27,8 +27,8 @@ Instant RtuLine::ready_at(Duration gap) const {
   return std::max(quiet_since_ + frame_gap_ + gap, not_before_);
 }
 
-modbus::RtuBytes RtuLine::begin(const Transaction& transaction, const drive::DeviceTiming& timing,
-                                Instant now) {
+FrameBytes RtuLine::begin(const Transaction& transaction, const drive::DeviceTiming& timing,
+                          Instant now) {
   const modbus::RtuBytes frame = modbus::encode_rtu(transaction.address, transaction.request.pdu());
   transaction_ = &transaction;
   end_.reset();
@@ -46,7 +46,7 @@ modbus::RtuBytes RtuLine::begin(const Transaction& transaction, const drive::Dev
     framer_.expect(transaction);
   }
   ++counters_.transmissions;
-  return frame;
+  return {frame.begin(), frame.end()};
 }
 
 void RtuLine::abort() {

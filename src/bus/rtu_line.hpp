@@ -40,8 +40,7 @@ class RtuLine {
   /// From when on the silence before a transmission suffices; `gap` is asked for on top of it.
   [[nodiscard]] Instant ready_at(Duration gap) const;
   /// Starts to transmit now; `transaction` must outlive its end. Returns the frame.
-  modbus::RtuBytes begin(const Transaction& transaction, const drive::DeviceTiming& timing,
-                         Instant now);
+  FrameBytes begin(const Transaction& transaction, const drive::DeviceTiming& timing, Instant now);
   /// Gives up the running transaction: nothing of it will be reported.
   void abort();
 

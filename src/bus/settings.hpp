@@ -16,7 +16,21 @@ namespace mbgate::bus {
 
 enum class Rs485 : std::uint8_t { off, kernel, rts };
 
+/// What a frame looks like on the line.
+enum class Framing : std::uint8_t { rtu, ascii, tcp };
+
+/// The far end of a TCP connection.
+struct Endpoint {
+  std::string host;
+  std::uint16_t port = 502;
+  friend bool operator==(const Endpoint&, const Endpoint&) = default;
+};
+
 struct LineSettings {
+  Framing framing = Framing::rtu;
+  /// Set: a TCP connection in place of a serial line. Framing tcp always has one; with rtu and
+  /// ascii a serial device server is behind it.
+  std::optional<Endpoint> remote;
   std::string device;  ///< path, best one below /dev/serial/by-id
   modbus::Baud baud{19200};
   modbus::CharacterFormat format;
@@ -34,7 +48,8 @@ struct BusSettings {
   std::optional<Duration> listen_first;  ///< default: the longest response timeout, at most 1 s
   Duration turnaround = std::chrono::milliseconds(100);
   Duration settle{0};
-  std::size_t queue = 2048;  ///< requests waiting at most
+  std::size_t queue = 2048;     ///< requests waiting at most
+  std::size_t outstanding = 1;  ///< framing tcp: requests on their way at a time
   Duration reopen_min = std::chrono::milliseconds(100);
   Duration reopen_max = std::chrono::seconds(5);
 };

@@ -94,7 +94,8 @@ void read_window(TomlTable& window, Route& route, bool broadcast) {
   if (to && count) {
     check_end(window, "to", *to, *count);
   }
-  route.window = read;
+  read.to_table = read.table;
+  route.windows.push_back(read);
   route.functions = FunctionRules::rewritable();
 }
 

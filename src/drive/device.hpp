@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device: one server on a bus, and the times that its maker or its user states for it.
+// A device: one server on a bus, what kind of drive it is, and what its user states for it.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
-#include "modbus/rtu_timing.hpp"
+#include "drive/profile.hpp"
 
 namespace mbgate::drive {
-
-using modbus::Duration;
 
 /// The place of a bus in the settings.
 enum class BusId : std::uint32_t {};
@@ -32,8 +31,24 @@ struct DeviceTiming {
 struct Device {
   std::string name;
   BusId bus{};
-  std::uint8_t address = 1;  ///< 1 to 247
+  std::uint8_t address = 1;  ///< 1 to 247; on a downstream TCP bus 0 to 255
   DeviceTiming timing;
+  /// Its values include the device's own (`values32`).
+  Profile profile{};
+  /// What the drive speaks; none where it can be set and nobody said how.
+  std::optional<WordOrder> word_order{};
+  /// The order of the position in MOONS' opcodes EP and SP.
+  std::optional<WordOrder> opcode_order{};
+  std::optional<std::uint8_t> write_function{};  ///< 6 or 16
+  bool split_values = false;                     ///< a run of 06 may go through a value
+  bool split_writes = false;                     ///< writes over the limit become several
+  bool verify_word_order = false;
+  bool allow_reconfigure = false;
+
+  /// The times of this request: slow registers have a longer timeout.
+  [[nodiscard]] DeviceTiming timing_of(const modbus::Request& request) const;
+  /// The boot time that follows a request which is never answered; nothing for others.
+  [[nodiscard]] std::optional<Duration> silent_after(const modbus::Request& request) const;
 };
 
 }  // namespace mbgate::drive

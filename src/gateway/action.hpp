@@ -6,9 +6,9 @@
 #include <string>
 #include <variant>
 
+#include "bus/job.hpp"
 #include "gateway/event.hpp"
 #include "modbus/mbap.hpp"
-#include "modbus/rtu.hpp"
 
 namespace mbgate::gateway {
 
@@ -36,7 +36,12 @@ struct Open {
 /// Transmit this frame in one contiguous write, at once.
 struct Transmit {
   BusId bus;
-  modbus::RtuBytes frame;
+  bus::FrameBytes frame;
+};
+/// Close the line: what comes in there cannot be followed any further. Nothing needs to be reported
+/// back.
+struct Shut {
+  BusId bus;
 };
 struct Report {
   Event event;
@@ -44,7 +49,7 @@ struct Report {
 /// After handle_shutdown(): everything is answered, the process may end.
 struct Finished {};
 
-using Action = std::variant<Send, Pause, Resume, Close, Open, Transmit, Report, Finished>;
+using Action = std::variant<Send, Pause, Resume, Close, Open, Transmit, Shut, Report, Finished>;
 
 /// One line for a trace. The settings give the names.
 std::string to_text(const Action& action, const Settings& settings);

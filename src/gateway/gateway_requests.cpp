@@ -151,7 +151,8 @@ void Gateway::start(std::uint32_t index, const routing::Route& route, Instant ar
     job.owner = index;
     job.source = sources_.at(address).id;
     job.deadline = deadline;
-    job.transactions.push_back({planned.address, planned.request, planned.silence_is_success});
+    job.transactions.push_back(
+        {planned.address, planned.request, planned.silence_is_success, planned.broadcast});
     exchange.parts.push_back({planned.bus, &job});
   }
   const auto parts = exchange.parts;  // a part that ends at once is taken out

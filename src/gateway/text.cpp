@@ -85,6 +85,7 @@ std::string to_text(const Action& action, const Settings& settings) {
                           modbus::describe_rtu({a.frame.data(), a.frame.size()},
                                                modbus::Direction::request);
                  },
+                 [&](const Shut& a) { return bus_text(settings, a.bus) + ": close the line"; },
                  [&](const Report& a) { return to_text(a.event, settings); },
                  [&](const Finished&) { return std::string("finished"); }},
       action);

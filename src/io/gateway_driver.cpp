@@ -215,6 +215,8 @@ void GatewayDriver::carry_out(const gateway::Transmit& action) {
   }
 }
 
+void GatewayDriver::carry_out(const gateway::Shut& action) { line(action.bus).close(); }
+
 void GatewayDriver::carry_out(const gateway::Report& action) { observer_.on_event(action.event); }
 
 void GatewayDriver::carry_out(const gateway::Finished& /*action*/) {

@@ -80,6 +80,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void carry_out(const gateway::Close& action);
   void carry_out(const gateway::Open& action);
   void carry_out(const gateway::Transmit& action);
+  void carry_out(const gateway::Shut& action);
   void carry_out(const gateway::Report& action);
   void carry_out(const gateway::Finished& action);
   void drop(gateway::ClientId client);

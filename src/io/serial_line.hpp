@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "bus/job.hpp"
 #include "bus/settings.hpp"
 #include "io/blocking_calls.hpp"
 #include "io/tty.hpp"
@@ -50,6 +51,8 @@ class SerialLine {
   /// does. Why the line is dead, or nothing; a dead line is closed already and line_lost() is not
   /// called.
   std::optional<std::string> transmit(modbus::Bytes frame);
+  /// Hands the descriptor to a thread that may wait; line_lost() is not called.
+  void close();
 
  private:
   enum class State : std::uint8_t { closed, opening, open };
@@ -59,8 +62,6 @@ class SerialLine {
   boost::asio::awaitable<void> limit_writing(unsigned generation);
   boost::asio::awaitable<void> release_rts(unsigned generation);
   void finish_open(Result<OpenTty, std::string> result);
-  /// Hands the descriptor to a thread that may wait.
-  void close();
   void lose(const std::string& why);
   [[nodiscard]] std::string error_text(const char* action, int error) const;
 
@@ -73,7 +74,7 @@ class SerialLine {
   State state_ = State::closed;
   /// Counts the openings, so that a coroutine of an earlier one notices that its line has gone.
   unsigned generation_ = 0;
-  modbus::RtuBytes rest_;      ///< not taken by the driver yet
+  bus::FrameBytes rest_;       ///< not taken by the driver yet
   bool transmitting_ = false;  ///< a rest is left, or RTS is raised
   std::array<std::uint8_t, 2 * modbus::kMaxRtuSize> buffer_{};
 };

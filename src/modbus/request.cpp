@@ -163,6 +163,24 @@ std::optional<ExceptionCode> Request::parse_fifo() {
   return std::nullopt;
 }
 
+std::optional<std::uint16_t> Request::written(std::uint16_t address) const {
+  if (!writes_ || address < writes_->range.first ||
+      address - writes_->range.first >= writes_->range.count) {
+    return std::nullopt;
+  }
+  const std::size_t at = address - writes_->range.first;
+  const Bytes bytes = pdu_.bytes();
+  switch (function()) {
+    case 0x05:
+    case 0x06: return load_be16(bytes, 3);
+    case 0x0F:
+      return static_cast<std::uint16_t>(((bytes[6 + at / 8] >> (at % 8)) & 1U) != 0 ? 0xFF00 : 0);
+    case 0x10: return load_be16(bytes, 6 + 2 * at);
+    case 0x17: return load_be16(bytes, 10 + 2 * at);
+    default: return std::nullopt;
+  }
+}
+
 Request Request::with_addresses(std::optional<std::uint16_t> read_first,
                                 std::optional<std::uint16_t> write_first) const {
   Request moved = *this;

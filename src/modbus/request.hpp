@@ -44,6 +44,9 @@ class Request {
   [[nodiscard]] const std::optional<AddressField>& reads() const { return reads_; }
   /// What it writes to a table: 05, 06, 15, 16, 22, 23.
   [[nodiscard]] const std::optional<AddressField>& writes() const { return writes_; }
+  /// What a write (05, 06, 15, 16, 23) puts at `address`, a coil as 0000 or FF00. Nothing if it
+  /// does not write there, or only bits of it (22).
+  [[nodiscard]] std::optional<std::uint16_t> written(std::uint16_t address) const;
   /// The same request with another start address: reads()->offset or writes()->offset moved to
   /// `first`. The caller keeps first + count within 65536.
   [[nodiscard]] Request with_addresses(std::optional<std::uint16_t> read_first,

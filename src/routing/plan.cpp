@@ -29,8 +29,8 @@ Result<Plan, ExceptionCode> Plan::make(const Route& route, std::uint8_t unit, Cl
     return request.error();
   }
   modbus::Request device_request = *request;
-  if (route.window) {
-    const auto moved = through_window(*route.window, *request);
+  if (!route.windows.empty()) {
+    const auto moved = through_window(route.windows.front(), *request);
     if (!moved) {
       return ExceptionCode::illegal_data_address;
     }
@@ -40,9 +40,11 @@ Result<Plan, ExceptionCode> Plan::make(const Route& route, std::uint8_t unit, Cl
       route.is_broadcast()
           ? modbus::kBroadcastAddress
           : static_cast<std::uint8_t>(route.first_address + (unit - route.first_unit));
-  Plan plan(*request, route.window.has_value());
+  Plan plan(*request, !route.windows.empty());
   for (const BusId bus : route.buses) {
-    plan.transactions_.push_back({bus, address, device_request, may_be_silent(device_request)});
+    plan.transactions_.push_back(
+        {bus, address, device_request, may_be_silent(device_request),
+         route.is_broadcast() ? drive::BroadcastForm::standard : drive::BroadcastForm::none});
   }
   return plan;
 }

@@ -16,6 +16,7 @@ struct PlannedTransaction {
   std::uint8_t address;
   modbus::Request request;
   bool silence_is_success;  ///< 08/01 and 08/04
+  drive::BroadcastForm broadcast = drive::BroadcastForm::none;
 };
 
 class Plan {

@@ -23,11 +23,13 @@ enum class Access : std::uint8_t { read_only, read_write };
 /// What the client of a broadcast gets once every bus has transmitted it.
 enum class BroadcastReply : std::uint8_t { echo, none };
 
-/// Client addresses `from` .. `from + count - 1` of one table become device addresses from `to` on.
+/// Client addresses `from` .. `from + count - 1` of one table become device addresses from `to` on,
+/// possibly of another table of the same width.
 struct AddressWindow {
   modbus::Table table = modbus::Table::holding_registers;
   std::uint16_t from = 0;
   std::uint32_t count = 0;  ///< 1 to 65536; neither side passes 65536
+  modbus::Table to_table = modbus::Table::holding_registers;
   std::uint16_t to = 0;
 };
 
@@ -51,7 +53,11 @@ struct Route {
   std::vector<BusId> buses;
   /// The bus address of first_unit; the others follow in order. 0 for a broadcast route.
   std::uint8_t first_address = 0;
-  std::optional<AddressWindow> window;
+  /// The place in the settings of the device that a route names; none for a bus and address.
+  std::optional<std::size_t> device;
+  /// What the client wants to see; none: nothing is exchanged.
+  std::optional<drive::WordOrder> word_order;
+  std::vector<AddressWindow> windows;  ///< none: everything passes as it is
   Access access = Access::read_write;
   FunctionRules functions = FunctionRules::all();
   std::optional<Duration> deadline;  ///< default by read and write: see Gateway

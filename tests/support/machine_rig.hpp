@@ -131,6 +131,7 @@ class MachineRig {
   std::set<std::uint64_t> closed;
   std::set<std::uint64_t> paused;
   std::vector<std::string> events;
+  unsigned shut = 0;
   bool finished = false;
 
  private:
@@ -146,6 +147,7 @@ class MachineRig {
       gateway.handle_client_sent(action.client, now);
     }
   }
+  void take(const gateway::Shut& /*action*/) { ++shut; }
   void take(const gateway::Transmit& action) {
     const auto bus = static_cast<std::uint32_t>(action.bus);
     transmitted[bus].push_back(hex({action.frame.data(), action.frame.size()}));

@@ -45,6 +45,9 @@ class Bus : public testing::Test {
   static void add(bus::Job& job, std::string_view request, std::uint8_t address = 1) {
     const auto pdu = modbus::Pdu::from(unhex(request));
     job.transactions.push_back({address, *modbus::Request::parse(*pdu)});
+    if (address == modbus::kBroadcastAddress) {
+      job.transactions.back().broadcast = drive::BroadcastForm::standard;
+    }
   }
   void submit(bus::Job& job) {
     EXPECT_TRUE(bus_->submit(job, now_));

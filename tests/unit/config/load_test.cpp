@@ -176,11 +176,11 @@ TEST(LoadSettings, FillsWindowsAndBroadcasts) {
   const auto loaded = load(kFolder / "valid/every-key.toml");
   ASSERT_TRUE(loaded.settings);
   const auto& windowed = loaded.settings->routes.at(3);
-  ASSERT_TRUE(windowed.window);
-  EXPECT_EQ(windowed.window->table, modbus::Table::input_registers);
-  EXPECT_EQ(windowed.window->from, 0);
-  EXPECT_EQ(windowed.window->count, 65536U);
-  EXPECT_EQ(windowed.window->to, 0);
+  ASSERT_EQ(windowed.windows.size(), 1U);
+  EXPECT_EQ(windowed.windows[0].table, modbus::Table::input_registers);
+  EXPECT_EQ(windowed.windows[0].from, 0);
+  EXPECT_EQ(windowed.windows[0].count, 65536U);
+  EXPECT_EQ(windowed.windows[0].to, 0);
   EXPECT_EQ(windowed.functions.allowed, routing::FunctionRules::rewritable().allowed);
   const auto& broadcast = loaded.settings->routes.at(4);
   EXPECT_TRUE(broadcast.is_broadcast());

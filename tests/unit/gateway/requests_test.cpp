@@ -134,7 +134,8 @@ TEST(Gateway, RewritesAddressesThroughAWindowAndBack) {
   Settings settings = one_bus();
   settings.routes[0].first_unit = settings.routes[0].last_unit = 11;
   settings.routes[0].functions = routing::FunctionRules::rewritable();
-  settings.routes[0].window = {modbus::Table::holding_registers, 1000, 600, 0};
+  settings.routes[0].windows = {
+      {modbus::Table::holding_registers, 1000, 600, modbus::Table::holding_registers, 0}};
   MachineRig rig(settings);
   rig.connect(1);
   rig.receive(1, "0001 0000 0006 0B 06 0464 00E1");  // client register 1124 is device register 124

@@ -15,6 +15,8 @@ using routing::BusId;
 using routing::ListenerId;
 using routing::Route;
 
+constexpr auto kHolding = modbus::Table::holding_registers;
+
 modbus::Pdu pdu(std::string_view text) { return *modbus::Pdu::from(unhex(text)); }
 
 Route window_route() {
@@ -23,7 +25,7 @@ Route window_route() {
   route.first_address = 1;
   route.buses = {BusId{0}};
   route.functions = routing::FunctionRules::rewritable();
-  route.window = {modbus::Table::holding_registers, 1000, 600, 100};
+  route.windows = {{kHolding, 1000, 600, kHolding, 100}};
   return route;
 }
 
@@ -67,7 +69,7 @@ TEST(Plan, GivesTheClientItsOwnAddressesBack) {
 
 TEST(Plan, AWindowMayReachTheLastAddress) {
   Route route = window_route();
-  route.window = {modbus::Table::holding_registers, 0, 65536, 0};
+  route.windows = {{kHolding, 0, 65536, kHolding, 0}};
   EXPECT_EQ(on_the_bus(route, "03 FFFF 0001"), "03 FF FF 00 01");
   EXPECT_EQ(on_the_bus(route, "03 FFFF 0002"), modbus::exception_text(2));
 }

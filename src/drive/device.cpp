@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/device.hpp"
+
+namespace mbgate::drive {
+
+DeviceTiming Device::timing_of(const modbus::Request& request) const {
+  DeviceTiming times = timing;
+  for (const SlowRegisters& slow : profile.slow) {
+    if (request.writes() && overlap(slow.range, request.writes()->range)) {
+      times.response_timeout = std::max(times.response_timeout, slow.response_timeout);
+    }
+  }
+  return times;
+}
+
+std::optional<Duration> Device::silent_after(const modbus::Request& request) const {
+  for (const UnansweredWrite& unanswered : profile.unanswered) {
+    if (writes(request, unanswered.match)) {
+      return unanswered.after;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace mbgate::drive

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the gateway knows of a kind of drive. Pure rules, with protocol addresses; the names and the
+// lines of the manual that they come from stand in the profile's file (conf/profiles) and are kept
+// by config::ProfileFile.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drive/register_range.hpp"
+#include "drive/value_set.hpp"
+#include "drive/word_order.hpp"
+#include "drive/write_match.hpp"
+#include "modbus/rtu.hpp"
+#include "modbus/rtu_timing.hpp"
+
+namespace mbgate::drive {
+
+using modbus::Duration;
+
+/// Most registers, or coils, of one request.
+struct Limits {
+  /// By modbus::Table. Application Protocol V1.1b3, 6.1 to 6.4.
+  std::array<std::uint16_t, 4> read{2000, 2000, 125, 125};
+  std::uint16_t write_coils = 1968;     ///< 6.11
+  std::uint16_t write_registers = 123;  ///< 6.12
+  [[nodiscard]] std::uint16_t read_from(modbus::Table table) const {
+    return read[static_cast<std::size_t>(table)];
+  }
+  [[nodiscard]] std::uint16_t written_to(modbus::Table table) const {
+    return table == modbus::Table::coils ? write_coils : write_registers;
+  }
+};
+
+/// How a drive hears a request that is for all.
+enum class BroadcastForm : std::uint8_t {
+  none,      ///< the manual states none
+  standard,  ///< address 0 (Serial Line V1.02, 2.2)
+  autonics   ///< address 129, function OR 0x80 (Autonics AiC manual, section 2.13)
+};
+
+struct Broadcast {
+  BroadcastForm form = BroadcastForm::standard;
+  std::optional<std::uint16_t> most_registers;  ///< of function 16
+  std::optional<RangeList> allowed;             ///< none: everything
+};
+
+/// Writes that take longer than others.
+struct SlowRegisters {
+  TableRange range;
+  Duration response_timeout;
+};
+
+/// A write that is carried out and never answered.
+struct UnansweredWrite {
+  WriteMatch match;
+  Duration after;  ///< the device hears nothing for so long
+};
+
+/// Where a drive whose word order can be set says which one it has.
+struct WordOrderRegister {
+  std::uint16_t address;
+  std::vector<std::uint16_t> big;
+  std::vector<std::uint16_t> little;
+};
+
+/// Opcodes with a position in two 16-bit parameter registers whose order no manual states.
+struct PositionOpcodes {
+  std::uint16_t address;  ///< of the opcode
+  std::vector<std::uint16_t> opcodes;
+  std::uint16_t position;  ///< the first of the two registers
+};
+
+struct Profile {
+  std::string name = "generic";
+  std::uint8_t first_address = 1;  ///< on a serial line
+  std::uint8_t last_address = modbus::kMaxDeviceAddress;
+  std::bitset<128> functions = std::bitset<128>().set().reset(0);
+  std::optional<WordOrder> word_order;  ///< fixed by the maker
+  bool word_order_settable = false;
+  Limits limits;
+  bool input_as_holding = false;               ///< function 04 reads the registers that 03 reads
+  std::optional<std::uint8_t> write_function;  ///< 6 or 16: the one that the maker prefers
+  Duration response_wait{0};
+  Broadcast broadcast;
+  ValueSet values;
+  RangeList groups;  ///< no request reaches over a border of one
+  RangeList read_only;
+  RangeList write_only;
+  RangeList communication;
+  std::optional<WordOrderRegister> word_order_register;
+  std::optional<PositionOpcodes> position_opcodes;
+  std::vector<SlowRegisters> slow;
+  std::vector<UnansweredWrite> unanswered;
+  std::vector<WriteMatch> stops;
+
+  /// Where a request that begins at `address` must end at the latest: at the end of its
+  /// parameter group, or before the next one. 65536 if there is none.
+  [[nodiscard]] std::uint32_t group_end(modbus::Table table, std::uint32_t address) const;
+};
+
+}  // namespace mbgate::drive
