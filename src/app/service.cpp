@@ -52,7 +52,10 @@ std::string kind_of(const gateway::Event& event) {
   return std::visit(
       [&](const auto& value) {
         std::string kind = std::to_string(event.index());
-        if constexpr (requires { value.bus; }) {
+        if constexpr (requires { value.bus, value.address; }) {
+          return kind + " bus " + std::to_string(static_cast<std::uint32_t>(value.bus)) +
+                 " address " + std::to_string(value.address);
+        } else if constexpr (requires { value.bus; }) {
           return kind + " bus " + std::to_string(static_cast<std::uint32_t>(value.bus));
         } else {
           return kind + " listener " + std::to_string(static_cast<std::uint32_t>(value.listener));

@@ -64,11 +64,16 @@ struct Job {
 
   [[nodiscard]] bool is_waiting() const { return queue_hook.is_linked(); }
   [[nodiscard]] Transaction& transaction() { return transactions[current]; }
-  /// Of a job that ended as answered: the exception that ended it, or the last transaction's
-  /// response.
-  [[nodiscard]] const std::optional<modbus::Pdu>& last_response() const {
-    return current < transactions.size() ? transactions[current].response
-                                         : transactions.back().response;
+  /// Of a job that ended as answered: the responses in order; the last one may be the exception
+  /// that ended it.
+  [[nodiscard]] auto responses() const {
+    boost::container::small_vector<const modbus::Pdu*, 4> all;
+    for (const Transaction& done : transactions) {
+      if (done.response) {
+        all.push_back(&*done.response);
+      }
+    }
+    return all;
   }
 };
 

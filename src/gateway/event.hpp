@@ -56,8 +56,31 @@ struct EchoMismatch {
   BusId bus;
 };
 
+/// Communication registers of a device were written (allow_reconfigure): it may be reached
+/// differently from now on.
+struct Reconfigured {
+  BusId bus;
+  std::uint8_t address;
+  routing::ClientAddress client;
+};
+/// A write of several transactions ended after some of them. Addresses are the device's.
+struct WriteEndedEarly {
+  BusId bus;
+  std::uint8_t address;
+  modbus::Table table;
+  std::uint16_t first;
+  std::uint16_t failed;  ///< the first one that was not written, as far as is known
+  std::uint32_t end;     ///< behind the last one that should have been
+};
+/// verify_word_order: the drive's own setting is another one; values are not written to it.
+struct WordOrderDiffers {
+  BusId bus;
+  std::uint8_t address;
+};
+
 using Event = std::variant<BusOpened, BusLost, ClientRefused, ClientDisplaced, ClientFramingLost,
-                           ClientSpeaksRtu, ClientFrameTimedOut, EchoMismatch>;
+                           ClientSpeaksRtu, ClientFrameTimedOut, EchoMismatch, Reconfigured,
+                           WriteEndedEarly, WordOrderDiffers>;
 
 /// One line for the journal. The settings give the names.
 std::string to_text(const Event& event, const Settings& settings);

@@ -6,7 +6,7 @@ namespace mbgate::gateway {
 void Exchange::note(const bus::Job& job, bus::Ending ending) {
   was_on_wire = was_on_wire || job.was_on_wire;
   switch (ending) {
-    case bus::Ending::answered: response = job.last_response(); break;
+    case bus::Ending::answered: response = plan->answer(job.responses()); break;
     case bus::Ending::transmitted: break;
     case bus::Ending::closed:
       failed = true;
@@ -30,7 +30,7 @@ std::optional<modbus::Pdu> Exchange::result() const {
     return modbus::Pdu::exception(plan->function(), code);
   }
   if (response) {
-    return plan->answer(*response);
+    return response;
   }
   return reply == routing::BroadcastReply::echo ? std::optional(plan->echo()) : std::nullopt;
 }

@@ -20,6 +20,7 @@ struct Exchange {
   };
 
   ClientId client{};
+  routing::ClientAddress address;
   bool client_gone = false;
   ClientSession::AnswerId answer{};
   modbus::MbapHeader header;

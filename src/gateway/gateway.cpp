@@ -22,7 +22,7 @@ std::vector<routing::ListenerKind> kinds_of(const std::vector<ListenerSettings>&
 
 Gateway::Gateway(Settings settings, Instant now)
     : settings_(std::move(settings)),
-      routes_(kinds_of(settings_.listeners), settings_.routes),
+      routes_(kinds_of(settings_.listeners), settings_.routes, settings_.devices),
       listener_clients_(settings_.listeners.size()),
       started_(now) {
   for (std::size_t index = 0; index < settings_.buses.size(); ++index) {

@@ -101,17 +101,21 @@ class Gateway {
               Instant now);
   modbus::Pdu answer_own(const ClientSession& session, const modbus::Pdu& request, Instant now);
   Result<routing::Plan, modbus::ExceptionCode> plan_for(const ClientSession& session,
-                                                        const routing::Route* route,
+                                                        const routing::Way* way,
                                                         const modbus::MbapAdu& adu) const;
-  void start(std::uint32_t index, const routing::Route& route, Instant arrival, Instant now);
   [[nodiscard]] Duration deadline_of(const routing::Route& route, const routing::Plan& plan) const;
-  void end_part(bus::Job& job, bus::Ending ending);
-  void complete(std::uint32_t index);
-  void cancel_waiting(std::uint32_t index, bool writes_only);
   void answer_now(ClientId id, ClientSession& session, const modbus::MbapHeader& header,
                   const modbus::Pdu& pdu);
   void send(ClientId id, ClientSession& session, ClientSession::AnswerId answer,
             const std::optional<modbus::MbapAdu>& adu);
+
+  // gateway_exchanges.cpp: the jobs of a request
+  void start(std::uint32_t index, const routing::Route& route, Instant arrival, Instant now);
+  [[nodiscard]] bus::Job& new_job(std::uint32_t owner, Instant deadline);
+  void end_part(bus::Job& job, bus::Ending ending);
+  void report_effects(const Exchange& exchange, const Exchange::Part& part, bus::Ending ending);
+  void complete(std::uint32_t index);
+  void cancel_waiting(std::uint32_t index, bool writes_only);
 
   Settings settings_;
   routing::RouteTable routes_;

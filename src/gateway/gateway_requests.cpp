@@ -75,8 +75,8 @@ void Gateway::accept(ClientId id, ClientSession& session, const modbus::MbapFram
     answer_now(id, session, adu.header, answer_own(session, adu.pdu, now));
     return;
   }
-  const routing::Route* route = routes_.find(session.info().listener, adu.header.unit);
-  auto plan = plan_for(session, route, adu);
+  const routing::Way* way = routes_.find(session.info().listener, adu.header.unit);
+  auto plan = plan_for(session, way, adu);
   const bool too_late =
       stopping_ || ((before_ready || session.is_half_closed()) && plan && !plan->is_read());
   if (!plan || too_late) {
@@ -89,10 +89,11 @@ void Gateway::accept(ClientId id, ClientSession& session, const modbus::MbapFram
   exchange.client = id;
   exchange.answer = session.open_answer();
   exchange.header = adu.header;
-  exchange.reply = route->broadcast_reply;
+  exchange.address = session.info().address;
+  exchange.reply = way->route.broadcast_reply;
   exchange.plan = std::move(*plan);
   session.exchanges.push_back(index);
-  start(index, *route, arrival, now);
+  start(index, way->route, arrival, now);
 }
 
 modbus::Pdu Gateway::answer_own(const ClientSession& session, const modbus::Pdu& request,
@@ -113,15 +114,15 @@ modbus::Pdu Gateway::answer_own(const ClientSession& session, const modbus::Pdu&
 }
 
 Result<routing::Plan, ExceptionCode> Gateway::plan_for(const ClientSession& session,
-                                                       const routing::Route* route,
+                                                       const routing::Way* way,
                                                        const modbus::MbapAdu& adu) const {
   if (!modbus::is_request_function(adu.pdu.function())) {
     return ExceptionCode::illegal_function;
   }
-  if (route == nullptr) {
+  if (way == nullptr) {
     return ExceptionCode::gateway_path_unavailable;
   }
-  return routing::Plan::make(*route, adu.header.unit, session.rights(), adu.pdu);
+  return routing::Plan::make(*way, adu.header.unit, session.rights(), adu.pdu);
 }
 
 Duration Gateway::deadline_of(const routing::Route& route, const routing::Plan& plan) const {
@@ -137,73 +138,6 @@ Duration Gateway::deadline_of(const routing::Route& route, const routing::Plan& 
     deadline = std::max(deadline, write_deadline(target.longest_response_timeout()));
   }
   return deadline;
-}
-
-void Gateway::start(std::uint32_t index, const routing::Route& route, Instant arrival,
-                    Instant now) {
-  Exchange& exchange = exchanges_[index];
-  const Instant deadline = arrival + deadline_of(route, *exchange.plan);
-  const auto& address = sessions_.at(exchange.client).info().address;
-  for (const routing::PlannedTransaction& planned : exchange.plan->transactions()) {
-    const std::uint32_t number = jobs_.take();
-    bus::Job& job = jobs_[number];
-    job.number = number;
-    job.owner = index;
-    job.source = sources_.at(address).id;
-    job.deadline = deadline;
-    job.transactions.push_back(
-        {planned.address, planned.request, planned.silence_is_success, planned.broadcast});
-    exchange.parts.push_back({planned.bus, &job});
-  }
-  const auto parts = exchange.parts;  // a part that ends at once is taken out
-  for (const Exchange::Part& part : parts) {
-    if (!touch(part.bus).submit(*part.job, now)) {
-      end_part(*part.job, bus::Ending::cancelled);
-    }
-  }
-}
-
-void Gateway::end_part(bus::Job& job, bus::Ending ending) {
-  const std::uint32_t index = job.owner;
-  Exchange& exchange = exchanges_[index];
-  exchange.note(job, ending);
-  exchange.parts.erase(std::ranges::find(exchange.parts, &job, &Exchange::Part::job));
-  jobs_.give_back(job.number);
-  if (exchange.parts.empty()) {
-    complete(index);
-  }
-}
-
-void Gateway::complete(std::uint32_t index) {
-  Exchange& exchange = exchanges_[index];
-  if (!exchange.client_gone) {
-    ClientSession& session = sessions_.at(exchange.client);
-    session.exchanges.erase(std::ranges::find(session.exchanges, index));
-    std::optional<modbus::MbapAdu> adu;
-    if (const auto pdu = exchange.result()) {
-      adu = modbus::MbapAdu{exchange.header, *pdu};
-    }
-    send(exchange.client, session, exchange.answer, adu);
-  }
-  exchanges_.give_back(index);
-}
-
-// Takes back what waits; what is on the wire goes on, but is not repeated for a client that has
-// gone.
-void Gateway::cancel_waiting(std::uint32_t index, bool writes_only) {
-  Exchange& exchange = exchanges_[index];
-  if (writes_only && exchange.plan->is_read()) {
-    return;
-  }
-  const auto parts = exchange.parts;
-  for (const Exchange::Part& part : parts) {
-    if (part.job->is_waiting()) {
-      touch(part.bus).withdraw(*part.job);
-      end_part(*part.job, bus::Ending::cancelled);
-    } else {
-      part.job->abandoned = true;
-    }
-  }
 }
 
 void Gateway::answer_now(ClientId id, ClientSession& session, const modbus::MbapHeader& header,

@@ -17,6 +17,19 @@ std::string bus_text(const Settings& settings, BusId bus) {
   return "bus " + settings.bus(bus).name;
 }
 
+std::string device_text(const Settings& settings, BusId bus, std::uint8_t address) {
+  for (const drive::Device& device : settings.devices) {
+    if (device.bus == bus && device.address == address) {
+      return "device " + device.name;
+    }
+  }
+  return bus_text(settings, bus) + ": address " + std::to_string(address);
+}
+
+std::string what_of(modbus::Table table) {
+  return table == modbus::Table::coils ? "coils " : "holding registers ";
+}
+
 template <typename ClientEvent>
 std::string client_text(const Settings& settings, const ClientEvent& event) {
   return "listener " + settings.listener(event.listener).name + ": client " +
@@ -65,6 +78,19 @@ std::string to_text(const Event& event, const Settings& settings) {
           [&](const EchoMismatch& e) {
             return bus_text(settings, e.bus) +
                    ": the echo differs from what was sent (collision, or echo = true is wrong)";
+          },
+          [&](const Reconfigured& e) {
+            return device_text(settings, e.bus, e.address) + ": client " + e.client.to_text() +
+                   " has written its communication registers";
+          },
+          [&](const WriteEndedEarly& e) {
+            return device_text(settings, e.bus, e.address) + ": a write of " + what_of(e.table) +
+                   std::to_string(e.first) + " to " + std::to_string(e.end - 1) +
+                   " ended early; written up to " + std::to_string(e.failed - 1);
+          },
+          [&](const WordOrderDiffers& e) {
+            return device_text(settings, e.bus, e.address) +
+                   ": its own word order is not the one configured; values are not written to it";
           }},
       event);
 }

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "modbus/pdu.hpp"
-#include "routing/route.hpp"
+#include "routing/way.hpp"
 
 namespace mbgate::routing {
 
@@ -15,6 +15,6 @@ struct ClientRights {
 
 /// Function codes, sub-functions of 08, read-only routes and clients; broadcasts are 05, 06, 15, 16
 /// only.
-[[nodiscard]] bool is_allowed(const Route& route, ClientRights rights, const modbus::Pdu& pdu);
+[[nodiscard]] bool is_allowed(const Way& way, ClientRights rights, const modbus::Pdu& pdu);
 
 }  // namespace mbgate::routing

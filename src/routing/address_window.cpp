@@ -1,47 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "routing/address_window.hpp"
 
+#include <algorithm>
+
+#include "drive/register_range.hpp"
+#include "modbus/make_request.hpp"
+
 namespace mbgate::routing {
 namespace {
 
-bool lies_within(const AddressWindow& window, const modbus::TableRange& range) {
+using modbus::ExceptionCode;
+using modbus::Table;
+using modbus::TableRange;
+
+bool lies_within(const AddressWindow& window, const TableRange& range) {
   return range.table == window.table && range.first >= window.from &&
-         std::uint32_t{range.first} + range.count <= std::uint32_t{window.from} + window.count;
+         drive::end_of(range) <= std::uint32_t{window.from} + window.count;
 }
 
-std::optional<std::uint16_t> moved(const AddressWindow& window,
-                                   const std::optional<modbus::AddressField>& field) {
-  if (!field) {
+std::optional<TableRange> moved(std::span<const AddressWindow> windows, const TableRange& range) {
+  const auto window = std::ranges::find_if(
+      windows, [&](const AddressWindow& it) { return lies_within(it, range); });
+  if (window == windows.end()) {
     return std::nullopt;
   }
-  return static_cast<std::uint16_t>(field->range.first - window.from + window.to);
+  return TableRange{window->to_table,
+                    static_cast<std::uint16_t>(range.first - window->from + window->to),
+                    range.count};
 }
 
-bool repeats_address(std::uint8_t function) {
-  return function == 0x05 || function == 0x06 || function == 0x0F || function == 0x10 ||
-         function == 0x16;
-}
+bool is_writable(Table table) { return table == Table::coils || table == Table::holding_registers; }
 
 }  // namespace
 
-std::optional<modbus::Request> through_window(const AddressWindow& window,
-                                              const modbus::Request& request) {
-  const auto& reads = request.reads();
-  const auto& writes = request.writes();
-  if ((reads && !lies_within(window, reads->range)) ||
-      (writes && !lies_within(window, writes->range))) {
-    return std::nullopt;
+Result<modbus::Request, ExceptionCode> through_windows(std::span<const AddressWindow> windows,
+                                                       const modbus::Request& request) {
+  std::optional<TableRange> reads;
+  std::optional<TableRange> writes;
+  if (request.reads()) {
+    reads = moved(windows, request.reads()->range);
   }
-  return request.with_addresses(moved(window, reads), moved(window, writes));
-}
-
-modbus::Pdu back_through_window(const modbus::Request& client_request,
-                                const modbus::Pdu& response) {
-  modbus::Pdu answer = response;
-  if (repeats_address(answer.function())) {
-    answer.set_be16(1, client_request.writes()->range.first);
+  if (request.writes()) {
+    writes = moved(windows, request.writes()->range);
   }
-  return answer;
+  if (reads.has_value() != request.reads().has_value() ||
+      writes.has_value() != request.writes().has_value()) {
+    return ExceptionCode::illegal_data_address;
+  }
+  if (writes && !is_writable(writes->table)) {
+    return ExceptionCode::illegal_function;
+  }
+  if (reads && reads->table != request.reads()->range.table) {
+    if (request.function() > 0x04) {  // 23 and 24 read holding registers only
+      return ExceptionCode::illegal_function;
+    }
+    return modbus::make_read(*reads);
+  }
+  return request.with_addresses(reads ? std::optional(reads->first) : std::nullopt,
+                                writes ? std::optional(writes->first) : std::nullopt);
 }
 
 }  // namespace mbgate::routing

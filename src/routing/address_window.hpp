@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rewriting of table addresses: what a client sees at `from` lies in the device at `to`.
+// Rewriting of table addresses: what a client sees at `from` lies in the device at `to`, possibly
+// in another table.
 #pragma once
 
-#include <optional>
+#include <span>
 
 #include "modbus/request.hpp"
 #include "routing/route.hpp"
 
 namespace mbgate::routing {
 
-/// The request as the device must see it; nothing if any part of it lies outside the window.
-/// Requests that name no table pass unchanged: whether they may is the business of the route's
-/// functions.
-std::optional<modbus::Request> through_window(const AddressWindow& window,
-                                              const modbus::Request& request);
-
-/// The device's response as the client must see it: the addresses that 05, 06, 15, 16 and 22 repeat
-/// are those of the client's own request.
-modbus::Pdu back_through_window(const modbus::Request& client_request, const modbus::Pdu& response);
+/// The request as the device must see it. Each range that it names must lie wholly in one window
+/// (else 02); what the other table cannot do, such as writing input registers, is 01. Requests
+/// that name no table pass unchanged: whether they may is the business of the route's functions.
+Result<modbus::Request, modbus::ExceptionCode> through_windows(
+    std::span<const AddressWindow> windows, const modbus::Request& request);
 
 }  // namespace mbgate::routing

@@ -8,6 +8,8 @@
 
 #include "modbus/request.hpp"
 #include "routing/access.hpp"
+#include "routing/reply.hpp"
+#include "routing/way.hpp"
 
 namespace mbgate::routing {
 
@@ -15,31 +17,41 @@ struct PlannedTransaction {
   BusId bus;
   std::uint8_t address;
   modbus::Request request;
-  bool silence_is_success;  ///< 08/01 and 08/04
+  bool silence_is_success = false;  ///< 08/01 and 08/04
   drive::BroadcastForm broadcast = drive::BroadcastForm::none;
 };
 
 class Plan {
  public:
-  /// Errors: 01 what the route or the client's rights deny, 02 outside the window, 03 malformed.
-  static Result<Plan, modbus::ExceptionCode> make(const Route& route, std::uint8_t unit,
+  /// Errors: 01 what the route, the client's rights or the drive deny, 02 outside every window, 03
+  /// malformed, over a limit or through a value.
+  static Result<Plan, modbus::ExceptionCode> make(const Way& way, std::uint8_t unit,
                                                   ClientRights rights, const modbus::Pdu& pdu);
 
-  /// One transaction; for a broadcast one on each bus.
+  /// In their order; those of one bus stand together.
   [[nodiscard]] const auto& transactions() const { return transactions_; }
-  /// The client's answer, made of the device's.
-  [[nodiscard]] modbus::Pdu answer(const modbus::Pdu& response) const;
+  /// The client's answer, made of the device's: all of them, or those up to an exception.
+  [[nodiscard]] modbus::Pdu answer(Responses responses) const;
   /// The client's answer where the device gives none: the normal response to its request.
   [[nodiscard]] modbus::Pdu echo() const { return modbus::echo_response(client_request_); }
   [[nodiscard]] bool is_read() const { return client_request_.is_read(); }
   [[nodiscard]] std::uint8_t function() const { return client_request_.function(); }
+  /// Communication registers of a device are written.
+  [[nodiscard]] bool reconfigures() const { return reconfigures_; }
+  /// Values are read or written, in the order that the route asks for.
+  [[nodiscard]] bool orders_words() const { return orders_words_; }
 
  private:
-  Plan(modbus::Request request, bool rewritten)
-      : client_request_(std::move(request)), rewritten_(rewritten) {}
+  explicit Plan(modbus::Request request) : client_request_(std::move(request)) {}
+  std::optional<modbus::ExceptionCode> add_broadcast(const Way& way,
+                                                     const modbus::Request& request);
+  std::optional<modbus::ExceptionCode> add_requests(const Way& way, std::uint8_t address,
+                                                    const modbus::Request& request);
 
   modbus::Request client_request_;
-  bool rewritten_;
+  Reply reply_;
+  bool reconfigures_ = false;
+  bool orders_words_ = false;
   boost::container::small_vector<PlannedTransaction, 1> transactions_;
 };
 

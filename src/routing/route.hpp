@@ -60,6 +60,7 @@ struct Route {
   std::vector<AddressWindow> windows;  ///< none: everything passes as it is
   Access access = Access::read_write;
   FunctionRules functions = FunctionRules::all();
+  bool functions_named = false;      ///< by the user; else the drive's own count too
   std::optional<Duration> deadline;  ///< default by read and write: see Gateway
   BroadcastReply broadcast_reply = BroadcastReply::echo;
 

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "routing/route_table.hpp"
 
+#include <algorithm>
+
 #include "modbus/rtu.hpp"
+#include "routing/broadcast_plan.hpp"
 
 namespace mbgate::routing {
 
-RouteTable::RouteTable(std::span<const ListenerKind> listeners, std::span<const Route> routes) {
+RouteTable::RouteTable(std::span<const ListenerKind> listeners, std::span<const Route> routes,
+                       std::span<const drive::Device> devices)
+    : devices_(devices) {
   for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
     Units units;
     units.fill(kNone);
@@ -23,6 +28,7 @@ RouteTable::RouteTable(std::span<const ListenerKind> listeners, std::span<const 
         }
       }
     }
+    guard_broadcast_address(units);
     listeners_.push_back(units);
   }
 }
@@ -42,16 +48,75 @@ void RouteTable::add_transparent(const ListenerKind& kind, Units& units) {
 }
 
 void RouteTable::add(const Route& route, Units& units) {
-  const auto index = static_cast<Index>(routes_.size());
-  routes_.push_back(route);
+  const auto index = static_cast<Index>(ways_.size());
+  Way& way = ways_.emplace_back();
+  way.route = route;
+  if (route.device) {
+    way.device = &devices_[*route.device];
+  }
+  if (route.is_broadcast()) {
+    std::ranges::transform(route.buses, std::back_inserter(way.audiences),
+                           [this](BusId bus) { return audience_on(bus); });
+  }
   for (std::size_t unit = route.first_unit; unit <= route.last_unit; ++unit) {
     units.at(unit) = index;
   }
 }
 
-const Route* RouteTable::find(ListenerId listener, std::uint8_t unit) const {
+Audience RouteTable::audience_on(BusId bus) const {
+  Audience audience{bus, {}};
+  for (const drive::Device& device : devices_) {
+    if (device.bus == bus) {
+      audience.devices.push_back(&device);
+    }
+  }
+  return audience;
+}
+
+// Where an AiC listens, address 129 is no device: it reaches them all, so that only a client who
+// may broadcast there gets a way.
+void RouteTable::guard_broadcast_address(Units& units) {
+  for (std::size_t unit = 1; unit < units.size(); ++unit) {
+    if (units[unit] == kNone) {
+      continue;
+    }
+    const Way& way = ways_[static_cast<std::size_t>(units[unit])];
+    if (hears_autonics(way, unit)) {
+      units[unit] = way_of_autonics(way, units[0]);
+    }
+  }
+}
+
+bool RouteTable::hears_autonics(const Way& way, std::size_t unit) const {
+  if (way.is_broadcast() ||
+      way.route.first_address + (unit - way.route.first_unit) != kAutonicsBroadcastAddress) {
+    return false;
+  }
+  return std::ranges::any_of(devices_, [&](const drive::Device& device) {
+    return device.bus == way.route.buses.front() &&
+           device.profile.broadcast.form == drive::BroadcastForm::autonics;
+  });
+}
+
+RouteTable::Index RouteTable::way_of_autonics(const Way& way, Index broadcast) {
+  const BusId bus = way.route.buses.front();
+  if (broadcast == kNone ||
+      std::ranges::find(ways_[static_cast<std::size_t>(broadcast)].route.buses, bus) ==
+          ways_[static_cast<std::size_t>(broadcast)].route.buses.end()) {
+    return kNone;
+  }
+  Way only = ways_[static_cast<std::size_t>(broadcast)];
+  only.route.buses = {bus};
+  only.route.access = way.route.access;
+  only.audiences = {audience_on(bus)};
+  only.only_form = drive::BroadcastForm::autonics;
+  ways_.push_back(std::move(only));
+  return static_cast<Index>(ways_.size() - 1);
+}
+
+const Way* RouteTable::find(ListenerId listener, std::uint8_t unit) const {
   const Index index = listeners_[static_cast<std::size_t>(listener)][unit];
-  return index == kNone ? nullptr : &routes_[static_cast<std::size_t>(index)];
+  return index == kNone ? nullptr : &ways_[static_cast<std::size_t>(index)];
 }
 
 }  // namespace mbgate::routing

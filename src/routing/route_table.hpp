@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// From listener and unit identifier to the route, in one look-up.
+// From listener and unit identifier to the way that a request goes, in one look-up.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
-#include "routing/route.hpp"
+#include "routing/way.hpp"
 
 namespace mbgate::routing {
 
@@ -23,10 +24,12 @@ class RouteTable {
   /// Transparent listeners pass units 1-247 to their bus unchanged, 0 if they broadcast, and
   /// nothing else. Routed ones know the routes that name them or no listener; a route that names
   /// the listener goes first.
-  RouteTable(std::span<const ListenerKind> listeners, std::span<const Route> routes);
+  /// `devices` are those of the settings and must outlive the table.
+  RouteTable(std::span<const ListenerKind> listeners, std::span<const Route> routes,
+             std::span<const drive::Device> devices);
 
   /// Nothing: no path (exception 0A).
-  [[nodiscard]] const Route* find(ListenerId listener, std::uint8_t unit) const;
+  [[nodiscard]] const Way* find(ListenerId listener, std::uint8_t unit) const;
 
  private:
   using Index = std::int32_t;
@@ -35,8 +38,13 @@ class RouteTable {
 
   void add_transparent(const ListenerKind& kind, Units& units);
   void add(const Route& route, Units& units);
+  void guard_broadcast_address(Units& units);
+  [[nodiscard]] Audience audience_on(BusId bus) const;
+  [[nodiscard]] bool hears_autonics(const Way& way, std::size_t unit) const;
+  [[nodiscard]] Index way_of_autonics(const Way& way, Index broadcast);
 
-  std::vector<Route> routes_;
+  std::span<const drive::Device> devices_;
+  std::deque<Way> ways_;  // they lie still while the table is built
   std::vector<Units> listeners_;
 };
 

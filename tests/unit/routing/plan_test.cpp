@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "routing/address_window.hpp"
 #include "routing/route_table.hpp"
 #include "support/hex.hpp"
@@ -30,9 +32,15 @@ Route window_route() {
 }
 
 std::string on_the_bus(const Route& route, std::string_view request) {
-  const auto plan = routing::Plan::make(route, 11, {}, pdu(request));
+  const auto plan = routing::Plan::make(routing::Way{route}, 11, {}, pdu(request));
   return plan ? hex(plan->transactions()[0].request.pdu().bytes())
               : modbus::exception_text(static_cast<std::uint8_t>(plan.error()));
+}
+
+std::string answer(const routing::Plan& plan, std::string_view response) {
+  const modbus::Pdu device = pdu(response);
+  const std::array responses{&device};
+  return hex(plan.answer(responses).bytes());
 }
 
 TEST(Plan, MovesTheAddressesOfEveryFunctionThatHasOne) {
@@ -60,10 +68,11 @@ TEST(Plan, RefusesWhatLiesNotWhollyInTheWindow) {
 }
 
 TEST(Plan, GivesTheClientItsOwnAddressesBack) {
-  const auto plan = routing::Plan::make(window_route(), 11, {}, pdu("10 03E8 0001 02 1234"));
+  const auto plan =
+      routing::Plan::make(routing::Way{window_route()}, 11, {}, pdu("10 03E8 0001 02 1234"));
   ASSERT_TRUE(plan);
-  EXPECT_EQ(hex(plan->answer(pdu("10 0064 0001")).bytes()), "10 03 E8 00 01");
-  EXPECT_EQ(hex(plan->answer(pdu("90 03")).bytes()), "90 03");
+  EXPECT_EQ(answer(*plan, "10 0064 0001"), "10 03 E8 00 01");
+  EXPECT_EQ(answer(*plan, "90 03"), "90 03");
   EXPECT_EQ(hex(plan->echo().bytes()), "10 03 E8 00 01");
 }
 
@@ -74,13 +83,47 @@ TEST(Plan, AWindowMayReachTheLastAddress) {
   EXPECT_EQ(on_the_bus(route, "03 FFFF 0002"), modbus::exception_text(2));
 }
 
+TEST(Plan, WindowsLeadToOtherTables) {
+  constexpr auto kInput = modbus::Table::input_registers;
+  constexpr auto kCoils = modbus::Table::coils;
+  Route route = window_route();
+  route.windows = {{kHolding, 0, 10, kHolding, 100},
+                   {kHolding, 1000, 10, kInput, 5},
+                   {kInput, 0, 10, kHolding, 200},
+                   {kCoils, 0, 16, modbus::Table::discrete_inputs, 32}};
+  EXPECT_EQ(on_the_bus(route, "03 0000 0002"), "03 00 64 00 02");
+  EXPECT_EQ(on_the_bus(route, "03 03E8 0002"), "04 00 05 00 02");
+  EXPECT_EQ(on_the_bus(route, "04 0001 0001"), "03 00 C9 00 01");
+  EXPECT_EQ(on_the_bus(route, "01 0003 0008"), "02 00 23 00 08");
+  // What lies in two windows lies in none.
+  EXPECT_EQ(on_the_bus(route, "03 0009 0002"), modbus::exception_text(2));
+  // Nobody writes input registers or discrete inputs.
+  EXPECT_EQ(on_the_bus(route, "06 03E8 0001"), modbus::exception_text(1));
+  EXPECT_EQ(on_the_bus(route, "05 0000 FF00"), modbus::exception_text(1));
+  EXPECT_EQ(on_the_bus(route, "17 03E8 0001 0000 0001 02 00FF"), modbus::exception_text(1));
+  EXPECT_EQ(on_the_bus(route, "17 0000 0001 0001 0001 02 00FF"),
+            "17 00 64 00 01 00 65 00 01 02 00 FF");
+}
+
+TEST(Plan, AnswersWithTheFunctionThatTheClientAskedFor) {
+  Route route = window_route();
+  route.windows = {{kHolding, 1000, 10, modbus::Table::input_registers, 5},
+                   {modbus::Table::coils, 0, 16, modbus::Table::discrete_inputs, 32}};
+  const auto registers = routing::Plan::make(routing::Way{route}, 11, {}, pdu("03 03E8 0002"));
+  EXPECT_EQ(answer(*registers, "04 04 0001 0002"), "03 04 00 01 00 02");
+  EXPECT_EQ(answer(*registers, "84 02"), "83 02");
+  const auto bits = routing::Plan::make(routing::Way{route}, 11, {}, pdu("01 0003 000A"));
+  EXPECT_EQ(answer(*bits, "02 02 CD 01"), "01 02 CD 01");
+}
+
 TEST(Plan, ReadOnlyRoutesAndClientsMayOnlyRead) {
   Route route = window_route();
   route.access = routing::Access::read_only;
   EXPECT_EQ(on_the_bus(route, "06 03E8 0001"), modbus::exception_text(1));
   EXPECT_EQ(on_the_bus(route, "17 03E8 0001 03E8 0001 02 00FF"), modbus::exception_text(1));
   EXPECT_EQ(on_the_bus(route, "03 03E8 0001"), "03 00 64 00 01");
-  const auto plan = routing::Plan::make(window_route(), 11, {true}, pdu("06 03E8 0001"));
+  const auto plan =
+      routing::Plan::make(routing::Way{window_route()}, 11, {true}, pdu("06 03E8 0001"));
   EXPECT_EQ(plan.error(), ExceptionCode::illegal_function);
 }
 
@@ -91,10 +134,10 @@ TEST(RouteTable, MapsRangesOfUnitsToAddresses) {
   range.first_address = 1;
   range.buses = {BusId{0}};
   const std::vector<routing::ListenerKind> listeners(1);
-  const routing::RouteTable table(listeners, std::vector{range});
+  const routing::RouteTable table(listeners, std::vector{range}, {});
   EXPECT_EQ(table.find(ListenerId{0}, 99), nullptr);
   EXPECT_EQ(table.find(ListenerId{0}, 132), nullptr);
-  const Route* found = table.find(ListenerId{0}, 131);
+  const routing::Way* found = table.find(ListenerId{0}, 131);
   ASSERT_NE(found, nullptr);
   const auto plan = routing::Plan::make(*found, 131, {}, pdu("03 0000 0001"));
   EXPECT_EQ(plan->transactions()[0].address, 32);
@@ -108,9 +151,9 @@ TEST(RouteTable, ARouteOfTheListenerGoesBeforeOneOfAll) {
   own.listener = ListenerId{1};
   own.buses = {BusId{1}};
   const std::vector<routing::ListenerKind> listeners(2);
-  const routing::RouteTable table(listeners, std::vector{own, any});
-  EXPECT_EQ(table.find(ListenerId{0}, 5)->buses[0], BusId{0});
-  EXPECT_EQ(table.find(ListenerId{1}, 5)->buses[0], BusId{1});
+  const routing::RouteTable table(listeners, std::vector{own, any}, {});
+  EXPECT_EQ(table.find(ListenerId{0}, 5)->route.buses[0], BusId{0});
+  EXPECT_EQ(table.find(ListenerId{1}, 5)->route.buses[0], BusId{1});
 }
 
 TEST(RouteTable, TransparentListenersHaveRoutesOfTheirOwnOnly) {
@@ -119,10 +162,10 @@ TEST(RouteTable, TransparentListenersHaveRoutesOfTheirOwnOnly) {
   any.first_address = 5;
   any.buses = {BusId{0}};
   const std::vector<routing::ListenerKind> listeners{{BusId{1}, true, {}}};
-  const routing::RouteTable table(listeners, std::vector{any});
+  const routing::RouteTable table(listeners, std::vector{any}, {});
   EXPECT_EQ(table.find(ListenerId{0}, 250), nullptr);
   EXPECT_TRUE(table.find(ListenerId{0}, 0)->is_broadcast());
-  EXPECT_EQ(table.find(ListenerId{0}, 247)->buses[0], BusId{1});
+  EXPECT_EQ(table.find(ListenerId{0}, 247)->route.buses[0], BusId{1});
 }
 
 }  // namespace

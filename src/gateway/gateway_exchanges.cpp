@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// The jobs of a request: from its plan to the buses, and what becomes of them.
+#include <algorithm>
+
+#include "gateway/gateway.hpp"
+
+namespace mbgate::gateway {
+
+void Gateway::start(std::uint32_t index, const routing::Route& route, Instant arrival,
+                    Instant now) {
+  Exchange& exchange = exchanges_[index];
+  const Instant deadline = arrival + deadline_of(route, *exchange.plan);
+  for (const routing::PlannedTransaction& planned : exchange.plan->transactions()) {
+    if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
+      exchange.parts.push_back({planned.bus, &new_job(index, deadline)});
+    }
+    exchange.parts.back().job->transactions.push_back(
+        {planned.address, planned.request, planned.silence_is_success, planned.broadcast});
+  }
+  const auto parts = exchange.parts;  // a part that ends at once is taken out
+  for (const Exchange::Part& part : parts) {
+    if (!touch(part.bus).submit(*part.job, now)) {
+      end_part(*part.job, bus::Ending::cancelled);
+    }
+  }
+}
+
+bus::Job& Gateway::new_job(std::uint32_t owner, Instant deadline) {
+  const std::uint32_t number = jobs_.take();
+  bus::Job& job = jobs_[number];
+  job.number = number;
+  job.owner = owner;
+  job.source = sources_.at(exchanges_[owner].address).id;
+  job.deadline = deadline;
+  return job;
+}
+
+void Gateway::end_part(bus::Job& job, bus::Ending ending) {
+  const std::uint32_t index = job.owner;
+  Exchange& exchange = exchanges_[index];
+  const auto part = std::ranges::find(exchange.parts, &job, &Exchange::Part::job);
+  exchange.note(job, ending);
+  report_effects(exchange, *part, ending);
+  exchange.parts.erase(part);
+  jobs_.give_back(job.number);
+  if (exchange.parts.empty()) {
+    complete(index);
+  }
+}
+
+// What an operator must know of a write: that it ended half-way, or that it changed how the drive
+// can be reached.
+void Gateway::report_effects(const Exchange& exchange, const Exchange::Part& part,
+                             bus::Ending ending) {
+  const bus::Job& job = *part.job;
+  if (exchange.plan->is_read()) {
+    return;
+  }
+  const bool done = ending == bus::Ending::transmitted ||
+                    (ending == bus::Ending::answered && job.current == job.transactions.size());
+  const std::uint8_t address = job.transactions.front().address;
+  if (exchange.plan->reconfigures() && (done || job.was_on_wire)) {
+    report(Reconfigured{part.bus, address, exchange.address});
+  }
+  const auto& last = job.transactions.back().request.writes();
+  if (!done && job.current > 0 && last && !job.transactions.front().is_broadcast()) {
+    const std::uint16_t first = job.transactions.front().request.writes()->range.first;
+    const auto& failed = job.transactions[job.current].request.writes()->range;
+    report(WriteEndedEarly{part.bus, address, failed.table, first, failed.first,
+                           drive::end_of(last->range)});
+  }
+}
+
+void Gateway::complete(std::uint32_t index) {
+  Exchange& exchange = exchanges_[index];
+  if (!exchange.client_gone) {
+    ClientSession& session = sessions_.at(exchange.client);
+    session.exchanges.erase(std::ranges::find(session.exchanges, index));
+    std::optional<modbus::MbapAdu> adu;
+    if (const auto pdu = exchange.result()) {
+      adu = modbus::MbapAdu{exchange.header, *pdu};
+    }
+    send(exchange.client, session, exchange.answer, adu);
+  }
+  exchanges_.give_back(index);
+}
+
+// Takes back what waits; what is on the wire goes on, but is not repeated for a client that has
+// gone.
+void Gateway::cancel_waiting(std::uint32_t index, bool writes_only) {
+  Exchange& exchange = exchanges_[index];
+  if (writes_only && exchange.plan->is_read()) {
+    return;
+  }
+  const auto parts = exchange.parts;
+  for (const Exchange::Part& part : parts) {
+    if (part.job->is_waiting()) {
+      touch(part.bus).withdraw(*part.job);
+      end_part(*part.job, bus::Ending::cancelled);
+    } else {
+      part.job->abandoned = true;
+    }
+  }
+}
+
+}  // namespace mbgate::gateway

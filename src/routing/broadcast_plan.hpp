@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// One write that is for all, in every form that the devices on the buses use: address 0 for the
+// standard ones, address 129 with function OR 0x80 for the Autonics AiC.
+#pragma once
+
+#include <boost/container/small_vector.hpp>
+
+#include "modbus/request.hpp"
+#include "routing/way.hpp"
+
+namespace mbgate::routing {
+
+struct BroadcastFrame {
+  BusId bus;
+  drive::BroadcastForm form;
+  modbus::Request request;
+};
+
+using BroadcastFrames = boost::container::small_vector<BroadcastFrame, 2>;
+
+/// The Autonics AiC's broadcast address (its manual, section 2.13).
+inline constexpr std::uint8_t kAutonicsBroadcastAddress = 129;
+
+/// Errors: 01 where a device's communication registers would be written; 02 where no device takes
+/// such a broadcast; 03 over a device's limit, or for a value that not all receivers have at the
+/// same place and in the same word order.
+Result<BroadcastFrames, modbus::ExceptionCode> plan_broadcast(const Way& way,
+                                                              const modbus::Request& request);
+
+}  // namespace mbgate::routing

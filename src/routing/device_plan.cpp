@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "routing/device_plan.hpp"
+
+#include <vector>
+
+#include "modbus/make_request.hpp"
+#include "routing/pieces.hpp"
+#include "routing/special_writes.hpp"
+
+namespace mbgate::routing {
+namespace {
+
+using drive::Value;
+using drive::WordExchange;
+using modbus::ExceptionCode;
+using modbus::Request;
+using modbus::Table;
+using modbus::TableRange;
+
+std::uint16_t count_between(std::uint32_t begin, std::uint32_t end) {
+  return static_cast<std::uint16_t>(end - begin);
+}
+
+// One request being planned.
+class Planner {
+ public:
+  Planner(const drive::Device& device, std::optional<drive::WordOrder> seen, const Request& request)
+      : device_(device),
+        profile_(device.profile),
+        request_(request),
+        seen_(seen),
+        exchanging_(seen && device.word_order && *seen != *device.word_order) {}
+
+  Result<DevicePlan, ExceptionCode> make();
+
+ private:
+  Result<DevicePlan, ExceptionCode> plan_read();
+  Result<DevicePlan, ExceptionCode> plan_read_write();
+  Result<DevicePlan, ExceptionCode> plan_register_write();
+  Result<DevicePlan, ExceptionCode> plan_multiple_write();
+  Result<DevicePlan, ExceptionCode> plan_coils();
+  void run_of_singles(const TableRange& range, modbus::Bytes data, Requests& requests) const;
+  [[nodiscard]] TableRange widened(const TableRange& range) const;
+  [[nodiscard]] bool cuts_value(const TableRange& range, bool only_motion) const;
+  [[nodiscard]] bool leaves_values_whole(const TableRange& range) const;
+
+  const drive::Device& device_;
+  const drive::Profile& profile_;
+  const Request& request_;
+  std::optional<drive::WordOrder> seen_;
+  bool exchanging_;  // the client's order is not the drive's
+};
+
+Result<DevicePlan, ExceptionCode> Planner::make() {
+  if (reconfigures(device_, request_) && !device_.allow_reconfigure) {
+    return ExceptionCode::illegal_function;
+  }
+  if (seen_ && has_uncertain_position(device_, *seen_, request_)) {
+    return ExceptionCode::illegal_data_value;
+  }
+  switch (request_.function()) {
+    case 0x01:
+    case 0x02:
+    case 0x03:
+    case 0x04: return plan_read();
+    case 0x06:
+    case 0x16: return plan_register_write();
+    case 0x0F: return plan_coils();
+    case 0x10: return plan_multiple_write();
+    case 0x17: return plan_read_write();
+    case 0x05: return DevicePlan{{request_}, {Reply::Form::echo}};
+    default: return DevicePlan{{request_}, {}};
+  }
+}
+
+// Does the range hold a part of a value at one of its ends?
+bool Planner::cuts_value(const TableRange& range, bool only_motion) const {
+  for (const std::uint32_t border : {std::uint32_t{range.first}, drive::end_of(range)}) {
+    const Value* value = profile_.values.at(range.table, border);
+    if (value != nullptr && value->first < border && (value->motion || !only_motion)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// A client that expects no order may write half a value, but never of one that starts motion.
+bool Planner::leaves_values_whole(const TableRange& range) const {
+  return !cuts_value(range, !seen_);
+}
+
+TableRange Planner::widened(const TableRange& range) const {
+  std::uint32_t begin = range.first;
+  std::uint32_t end = drive::end_of(range);
+  if (exchanging_) {
+    if (const Value* first = profile_.values.at(range.table, begin)) {
+      begin = first->first;
+    }
+    if (const Value* last = profile_.values.at(range.table, end - 1)) {
+      end = last->end();
+    }
+  }
+  return {range.table, static_cast<std::uint16_t>(begin), count_between(begin, end)};
+}
+
+Result<DevicePlan, ExceptionCode> Planner::plan_read() {
+  const TableRange& asked = request_.reads()->range;
+  const bool input = asked.table == Table::input_registers && profile_.input_as_holding;
+  // What the profile says of holding registers is then true of input registers too.
+  const TableRange known{input ? Table::holding_registers : asked.table, asked.first, asked.count};
+  const TableRange range = widened(known);
+  Table table = asked.table;
+  if (input && range.count > profile_.limits.read_from(table)) {
+    table = Table::holding_registers;
+  }
+  DevicePlan plan;
+  plan.reply.form = asked.table == Table::coils || asked.table == Table::discrete_inputs
+                        ? Reply::Form::bits
+                        : Reply::Form::registers;
+  for (TableRange piece : cut(range, profile_.limits.read_from(table), profile_)) {
+    piece.table = table;
+    plan.requests.push_back(modbus::make_read(piece));
+  }
+  plan.reply.skip = count_between(range.first, known.first);
+  if (exchanging_) {
+    plan.reply.exchange = WordExchange(profile_.values, range);
+  }
+  if (plan.requests.size() == 1 && range == asked && plan.reply.exchange.is_empty()) {
+    plan.reply.form = Reply::Form::as_it_is;
+  }
+  return plan;
+}
+
+Result<DevicePlan, ExceptionCode> Planner::plan_read_write() {
+  const TableRange& reads = request_.reads()->range;
+  const TableRange& writes = request_.writes()->range;
+  const TableRange range = widened(reads);
+  // It reads and writes in one go, so it cannot be split.
+  const bool fits = leaves_values_whole(writes) &&
+                    writes.count <= profile_.limits.write_registers &&
+                    cut(writes, writes.count, profile_).size() == 1 &&
+                    cut(range, profile_.limits.read_from(range.table), profile_).size() == 1;
+  if (!fits) {
+    return ExceptionCode::illegal_data_value;
+  }
+  DevicePlan plan;
+  plan.requests.push_back(
+      modbus::make_read_write(range, writes, data_in_order(device_, seen_, request_)));
+  plan.reply.form = Reply::Form::registers;
+  plan.reply.skip = count_between(range.first, reads.first);
+  if (exchanging_) {
+    plan.reply.exchange = WordExchange(profile_.values, range);
+  }
+  return plan;
+}
+
+Result<DevicePlan, ExceptionCode> Planner::plan_register_write() {
+  const TableRange& range = request_.writes()->range;
+  const Value* value = profile_.values.at(range.table, range.first);
+  if (value != nullptr && value->motion) {
+    return ExceptionCode::illegal_data_value;
+  }
+  const std::uint16_t address =
+      value != nullptr && exchanging_ ? drive::partner(*value, range.first) : range.first;
+  DevicePlan plan{{request_.with_addresses(std::nullopt, address)}, {Reply::Form::echo}};
+  if (request_.function() == 0x06 && device_.write_function == 0x10) {
+    const modbus::Bytes data = request_.pdu().bytes().subspan(3);
+    plan.requests[0] = modbus::make_multiple_write({range.table, address, 1}, data);
+  }
+  return plan;
+}
+
+Result<DevicePlan, ExceptionCode> Planner::plan_multiple_write() {
+  const TableRange& range = request_.writes()->range;
+  if (!leaves_values_whole(range)) {
+    return ExceptionCode::illegal_data_value;
+  }
+  const auto data = data_in_order(device_, seen_, request_);
+  DevicePlan plan;
+  plan.reply.form = Reply::Form::echo;
+  if (device_.write_function == 0x06) {
+    run_of_singles(range, data, plan.requests);
+    return plan;
+  }
+  const Pieces pieces = cut(range, profile_.limits.write_registers, profile_);
+  if (pieces.size() > 1 && !device_.split_writes) {
+    return ExceptionCode::illegal_data_value;
+  }
+  for (const TableRange& piece : pieces) {
+    plan.requests.push_back(modbus::make_multiple_write(
+        piece, modbus::Bytes(data).subspan(std::size_t{count_between(range.first, piece.first)} * 2,
+                                           std::size_t{piece.count} * 2)));
+  }
+  return plan;
+}
+
+// One 06 a register; the registers of a value stay together in one 16 unless they may be split.
+void Planner::run_of_singles(const TableRange& range, modbus::Bytes data,
+                             Requests& requests) const {
+  for (std::uint32_t at = range.first; at < drive::end_of(range);) {
+    const std::size_t offset = std::size_t{count_between(range.first, at)} * 2;
+    const Value* value = profile_.values.at(range.table, at);
+    const bool whole = value != nullptr && value->first == at &&
+                       value->end() <= drive::end_of(range) &&
+                       (value->motion || !device_.split_values);
+    if (whole) {
+      requests.push_back(modbus::make_multiple_write(
+          value->range(), data.subspan(offset, std::size_t{value->registers} * 2)));
+      at = value->end();
+    } else {
+      requests.push_back(modbus::make_single_write(range.table, static_cast<std::uint16_t>(at),
+                                                   modbus::load_be16(data, offset)));
+      ++at;
+    }
+  }
+}
+
+Result<DevicePlan, ExceptionCode> Planner::plan_coils() {
+  const TableRange& range = request_.writes()->range;
+  const Pieces pieces = cut(range, profile_.limits.write_coils, profile_);
+  if (pieces.size() == 1) {
+    return DevicePlan{{request_}, {Reply::Form::echo}};
+  }
+  if (!device_.split_writes) {
+    return ExceptionCode::illegal_data_value;
+  }
+  DevicePlan plan;
+  plan.reply.form = Reply::Form::echo;
+  for (const TableRange& piece : pieces) {
+    std::vector<std::uint8_t> bits((piece.count + 7U) / 8U);
+    for (std::uint32_t bit = 0; bit < piece.count; ++bit) {
+      if (request_.written(static_cast<std::uint16_t>(piece.first + bit)) != 0) {
+        bits[bit / 8] = static_cast<std::uint8_t>(bits[bit / 8] | (1U << (bit % 8)));
+      }
+    }
+    plan.requests.push_back(modbus::make_multiple_write(piece, bits));
+  }
+  return plan;
+}
+
+}  // namespace
+
+Result<DevicePlan, ExceptionCode> plan_for(const drive::Device& device,
+                                           std::optional<drive::WordOrder> seen,
+                                           const Request& request) {
+  return Planner(device, seen, request).make();
+}
+
+}  // namespace mbgate::routing

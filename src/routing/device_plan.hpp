@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// One request to a device that the gateway knows, as the requests that its drive takes: values
+// whole and in its own word order, nothing over its limits or across its parameter groups, with the
+// functions that it has.
+#pragma once
+
+#include <boost/container/small_vector.hpp>
+#include <optional>
+
+#include "drive/device.hpp"
+#include "modbus/request.hpp"
+#include "routing/reply.hpp"
+
+namespace mbgate::routing {
+
+using Requests = boost::container::small_vector<modbus::Request, 1>;
+
+struct DevicePlan {
+  Requests requests;
+  Reply reply;
+};
+
+/// `seen`: the word order that the client wants to see; none: nothing is exchanged. Errors: 01 for
+/// a communication register, 03 for what cuts a value or is over a limit and may not be split.
+Result<DevicePlan, modbus::ExceptionCode> plan_for(const drive::Device& device,
+                                                   std::optional<drive::WordOrder> seen,
+                                                   const modbus::Request& request);
+
+}  // namespace mbgate::routing

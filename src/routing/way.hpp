@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// A route with what it leads to: the device, or the devices that hear a broadcast.
+#pragma once
+
+#include <vector>
+
+#include "drive/device.hpp"
+#include "routing/route.hpp"
+
+namespace mbgate::routing {
+
+/// The devices of one bus that a broadcast is meant for. None: nothing is known of them, and they
+/// hear the standard form.
+struct Audience {
+  BusId bus;
+  std::vector<const drive::Device*> devices;
+};
+
+struct Way {
+  Route route;
+  const drive::Device* device = nullptr;  ///< set: everything that its profile asks for is done
+  std::vector<Audience> audiences{};      ///< of a broadcast
+  /// Only this form is sent: a client has addressed the AiC's broadcast address 129.
+  std::optional<drive::BroadcastForm> only_form{};
+
+  [[nodiscard]] bool is_broadcast() const { return !audiences.empty(); }
+};
+
+}  // namespace mbgate::routing

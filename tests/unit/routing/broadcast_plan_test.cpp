@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// One unit-0 write in every form that the devices on a bus use.
+#include <algorithm>
+
+#include "device_rig.hpp"
+#include "routing/route_table.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using drive::BroadcastForm;
+using routing::BusId;
+using routing::ListenerId;
+
+drive::Device aic(std::uint8_t address = 17) {
+  drive::Device device;
+  device.name = "turntable";
+  device.address = address;
+  device.word_order = WordOrder::big;
+  device.profile.name = "autonics-aic";
+  device.profile.broadcast = {
+      BroadcastForm::autonics, 2,
+      drive::RangeList{{Table::coils, 10, 17}, {Table::holding_registers, 50, 20}}};
+  device.profile.values.add({Table::holding_registers, 60});
+  return device;
+}
+
+drive::Device moons(std::uint8_t address, std::optional<WordOrder> order) {
+  drive::Device device;
+  device.name = "axis";
+  device.address = address;
+  device.word_order = order;
+  device.profile.name = "moons-st";
+  device.profile.functions = std::bitset<128>().set(3).set(6).set(16);
+  device.profile.values.add({Table::holding_registers, 30});
+  device.profile.communication = {{Table::holding_registers, 5, 1}};
+  return device;
+}
+
+class Broadcasts : public testing::Test {
+ protected:
+  /// Form and PDU of what is sent, or the exception.
+  Texts sent(std::string_view request, std::uint8_t unit = 0) {
+    const routing::RouteTable table(listeners, routes, devices);
+    const routing::Way* way = table.find(ListenerId{0}, unit);
+    if (way == nullptr) {
+      return {"no way"};
+    }
+    const auto plan = routing::Plan::make(*way, unit, {}, pdu(request));
+    if (!plan) {
+      return {modbus::exception_text(static_cast<std::uint8_t>(plan.error()))};
+    }
+    Texts texts;
+    for (const auto& transaction : plan->transactions()) {
+      texts.push_back(std::to_string(transaction.address) +
+                      (transaction.broadcast == BroadcastForm::autonics ? " OR 80: " : ": ") +
+                      hex(transaction.request.pdu().bytes()));
+    }
+    return texts;
+  }
+  static routing::Route broadcast_route(std::optional<WordOrder> order = {}) {
+    routing::Route route;
+    route.buses = {BusId{0}};
+    route.word_order = order;
+    return route;
+  }
+
+  std::vector<routing::ListenerKind> listeners{1};
+  std::vector<drive::Device> devices;
+  std::vector<routing::Route> routes{broadcast_route()};
+};
+
+TEST_F(Broadcasts, UnknownDevicesHearTheStandardForm) {
+  EXPECT_EQ(sent("06 0001 0002"), Texts{"0: 06 00 01 00 02"});
+  EXPECT_EQ(sent("03 0001 0002"), Texts{kNotAllowed});
+}
+
+TEST_F(Broadcasts, GoOutOnceInEveryFormThatIsUsed) {
+  devices = {moons(1, WordOrder::little), moons(2, WordOrder::little), aic()};
+  EXPECT_EQ(sent("06 0034 0002"), (Texts{"0: 06 00 34 00 02", "129 OR 80: 06 00 34 00 02"}));
+  // Coils are none of the MOONS', these registers none of the AiC's.
+  EXPECT_EQ(sent("05 000B FF00"), Texts{"129 OR 80: 05 00 0B FF 00"});
+  EXPECT_EQ(sent("06 0001 0002"), Texts{"0: 06 00 01 00 02"});
+  EXPECT_EQ(sent("10 0033 0003 06 0001 0002 0003"),
+            Texts{"0: 10 00 33 00 03 06 00 01 00 02 00 03"});
+  EXPECT_EQ(sent("05 0001 FF00"), Texts{kIllegalAddress});
+}
+
+TEST_F(Broadcasts, TheAicTakesOnlyWhatItsManualLists) {
+  devices = {aic()};
+  EXPECT_EQ(sent("05 0009 FF00"), Texts{kIllegalAddress});
+  EXPECT_EQ(sent("10 0033 0003 06 0001 0002 0003"), Texts{kIllegalAddress});
+  EXPECT_EQ(sent("10 0033 0002 04 0001 0002"), Texts{"129 OR 80: 10 00 33 00 02 04 00 01 00 02"});
+}
+
+TEST_F(Broadcasts, AValueNeedsOneWordOrderAmongAllReceivers) {
+  devices = {moons(1, WordOrder::little), moons(2, WordOrder::little)};
+  EXPECT_EQ(sent("10 001E 0002 04 0001 0002"), Texts{"0: 10 00 1E 00 02 04 00 01 00 02"});
+  routes = {broadcast_route(WordOrder::big)};
+  EXPECT_EQ(sent("10 001E 0002 04 0001 0002"), Texts{"0: 10 00 1E 00 02 04 00 02 00 01"});
+  EXPECT_EQ(sent("10 001E 0001 02 0001"), Texts{kIllegalValue});
+  EXPECT_EQ(sent("06 001E 0001"), Texts{kIllegalValue});
+  devices[1].word_order = WordOrder::big;
+  EXPECT_EQ(sent("10 001E 0002 04 0001 0002"), Texts{kIllegalValue});
+  EXPECT_EQ(sent("10 001C 0002 04 0001 0002"), Texts{"0: 10 00 1C 00 02 04 00 01 00 02"});
+  devices[0].word_order = devices[1].word_order = std::nullopt;
+  EXPECT_EQ(sent("10 001E 0002 04 0001 0002"), Texts{kIllegalValue});
+}
+
+TEST_F(Broadcasts, AValueMustBeOneToAllWhoHearIt) {
+  devices = {moons(1, WordOrder::big), aic()};
+  devices[1].profile.broadcast.allowed->push_back({Table::holding_registers, 28, 8});
+  EXPECT_EQ(sent("10 001E 0002 04 0001 0002"), Texts{kIllegalValue});
+  devices[1].profile.values.add({Table::holding_registers, 30});
+  EXPECT_EQ(sent("10 001E 0002 04 0001 0002"), (Texts{"0: 10 00 1E 00 02 04 00 01 00 02",
+                                                      "129 OR 80: 10 00 1E 00 02 04 00 01 00 02"}));
+}
+
+TEST_F(Broadcasts, CommunicationRegistersAreRefused) {
+  devices = {moons(1, {}), moons(2, {})};
+  EXPECT_EQ(sent("06 0005 0001"), Texts{kNotAllowed});
+  devices[0].allow_reconfigure = true;
+  EXPECT_EQ(sent("06 0005 0001"), Texts{kNotAllowed});
+  devices[1].allow_reconfigure = true;
+  EXPECT_EQ(sent("06 0005 0001"), Texts{"0: 06 00 05 00 01"});
+}
+
+TEST_F(Broadcasts, TheAicsBroadcastAddressIsNoDevice) {
+  listeners = {{BusId{0}}};
+  devices = {aic(), moons(1, {})};
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no way"});
+  EXPECT_EQ(sent("05 000B FF00", 128), Texts{"128: 05 00 0B FF 00"});
+  listeners[0].broadcast = true;
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"129 OR 80: 05 00 0B FF 00"});
+  EXPECT_EQ(sent("06 0001 0001", 129), Texts{kIllegalAddress});
+  EXPECT_EQ(sent("03 0001 0001", 129), Texts{kNotAllowed});
+  devices = {moons(1, {})};
+  EXPECT_EQ(sent("06 0001 0001", 129), Texts{"129: 06 00 01 00 01"});
+}
+
+TEST_F(Broadcasts, SoIsItOnARouteToTheBus) {
+  routing::Route range;
+  range.first_unit = range.first_address = 100;
+  range.last_unit = 140;
+  range.buses = {BusId{0}};
+  devices = {aic()};
+  routes = {range};
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no way"});
+  routes.push_back(broadcast_route());
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"129 OR 80: 05 00 0B FF 00"});
+  routes[0].access = routing::Access::read_only;
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{kNotAllowed});
+}
+
+TEST_F(Broadcasts, DevicesWhoseManualStatesNoneAreNotMeant) {
+  devices = {moons(1, {})};
+  devices[0].profile.broadcast.form = BroadcastForm::none;
+  EXPECT_EQ(sent("06 0001 0001"), Texts{kIllegalAddress});
+}
+
+}  // namespace
+}  // namespace mbgate::test
