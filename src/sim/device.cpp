@@ -19,8 +19,8 @@ modbus::Pdu with_next_function(const modbus::Pdu& pdu) {
 
 }  // namespace
 
-Device::Device(const DeviceSettings& settings)
-    : settings_(settings), model_(make_model(settings)) {}
+Device::Device(const DeviceSettings& settings, Framing framing)
+    : settings_(settings), framing_(framing), model_(make_model(settings)) {}
 
 Device::Model Device::make_model(const DeviceSettings& settings) {
   switch (settings.model) {
@@ -37,16 +37,28 @@ Device::Model Device::make_model(const DeviceSettings& settings) {
 }
 
 std::optional<Answer> Device::receive(modbus::Bytes frame, Instant end) {
-  const auto adu = modbus::decode_rtu(frame);
-  if (!adu || settings_.faults.silent || end < deaf_until_) {
+  const auto adu = decode_frame(framing_, frame);
+  const auto reply = adu ? receive(*adu, end) : std::nullopt;
+  if (!reply) {
     return std::nullopt;
   }
-  const bool broadcast = adu->address == broadcast_address();
-  if (!broadcast && adu->address != settings_.address) {
+  Answer answer{*reply, encode_frame(framing_, reply->adu.address, reply->adu.pdu)};
+  if (settings_.faults.bad_crc) {
+    spoil_check(framing_, answer.frame);
+  }
+  return answer;
+}
+
+std::optional<Reply> Device::receive(const modbus::RtuAdu& adu, Instant end) {
+  if (settings_.faults.silent || end < deaf_until_) {
+    return std::nullopt;
+  }
+  const bool broadcast = adu.address == broadcast_address();
+  if (!broadcast && adu.address != settings_.address) {
     return std::nullopt;
   }
   ++heard_;
-  const Reaction reaction = broadcast ? hear_broadcast(adu->pdu) : react(*adu);
+  const Reaction reaction = broadcast ? hear_broadcast(adu.pdu) : react(adu);
   if (reaction.deaf_for > Duration{0}) {
     deaf_until_ = end + reaction.deaf_for;
   }
@@ -73,24 +85,20 @@ Reaction Device::react(const modbus::RtuAdu& adu) {
   return std::visit([&](auto& drive) { return drive.answer(adu.pdu); }, model_);
 }
 
-Answer Device::spoil(const modbus::Pdu& response, Duration delay) const {
+Reply Device::spoil(const modbus::Pdu& response, Duration delay) const {
   const Faults& faults = settings_.faults;
   const std::uint8_t address =
       faults.wrong_unit ? next_address(settings_.address) : settings_.address;
-  Answer answer{
-      modbus::encode_rtu(address, faults.wrong_function ? with_next_function(response) : response),
-      delay + settings_.processing.value_or(Duration{0}), false};
+  Reply reply{{delay + settings_.processing.value_or(Duration{0}), false},
+              {address, faults.wrong_function ? with_next_function(response) : response}};
   if (settings_.model != ModelKind::aic) {
-    answer.after += settings_.response_wait.value_or(Duration{0});
+    reply.after += settings_.response_wait.value_or(Duration{0});
   }
   if (faults.answer_after) {
-    answer.after = *faults.answer_after;
-    answer.counts_from_end = true;
+    reply.after = *faults.answer_after;
+    reply.counts_from_end = true;
   }
-  if (faults.bad_crc) {
-    answer.frame.back() = static_cast<std::uint8_t>(~answer.frame.back());
-  }
-  return answer;
+  return reply;
 }
 
 }  // namespace mbgate::sim

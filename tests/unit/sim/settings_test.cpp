@@ -158,5 +158,43 @@ address = 1
 )");
 }
 
+TEST(SimulatorSettings, ReadsAsciiBuses) {
+  const auto loaded = sim::load_settings_text("sim.toml", R"([[bus]]
+name = "a"
+link = "a"
+mode = "ascii"
+[[bus]]
+name = "b"
+link = "b"
+mode = "ascii"
+data_bits = 8
+)");
+  EXPECT_EQ(config::render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->buses[0].wire.framing, sim::Framing::ascii);
+  EXPECT_EQ(loaded.settings->buses[0].wire.format.data_bits, 7U);
+  EXPECT_EQ(loaded.settings->buses[1].wire.format.data_bits, 8U);
+}
+
+TEST(SimulatorSettings, RefusesWhatDoesNotFitTheFraming) {
+  EXPECT_EQ(errors_of(R"([[bus]]
+name = "a"
+link = "a"
+data_bits = 7
+[[bus]]
+name = "b"
+link = "b"
+mode = "ascii"
+gap = "1ms"
+)"),
+            R"(sim.toml:4:13: error: data_bits: an RTU bus has 8
+data_bits = 7
+            ^
+sim.toml:9:7: error: gap: an ASCII bus needs no silence between frames
+gap = "1ms"
+      ^
+)");
+}
+
 }  // namespace
 }  // namespace mbgate::test
