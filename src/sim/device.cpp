@@ -5,6 +5,7 @@ namespace mbgate::sim {
 namespace {
 
 constexpr ExceptionByte kDeviceFailure = 0x04;
+constexpr ExceptionByte kDeviceBusy = 0x06;
 
 std::uint8_t next_address(std::uint8_t address) {
   return address < modbus::kMaxDeviceAddress ? static_cast<std::uint8_t>(address + 1)
@@ -26,6 +27,7 @@ Device::Model Device::make_model(const DeviceSettings& settings) {
   switch (settings.model) {
     case ModelKind::moons: return MoonsDrive(settings.series, settings.word_order);
     case ModelKind::stepper: return StepperDrive();
+    case ModelKind::fda6000: return Fda6000Drive();
     case ModelKind::aic: break;
   }
   AicDrive drive;
@@ -58,9 +60,12 @@ std::optional<Reply> Device::receive(const modbus::RtuAdu& adu, Instant end) {
     return std::nullopt;
   }
   ++heard_;
-  const Reaction reaction = broadcast ? hear_broadcast(adu.pdu) : react(adu);
+  const Reaction reaction = broadcast ? hear_broadcast(adu.pdu) : react(adu, end < busy_until_);
   if (reaction.deaf_for > Duration{0}) {
     deaf_until_ = end + reaction.deaf_for;
+  }
+  if (reaction.busy_for > Duration{0}) {
+    busy_until_ = end + reaction.busy_for;
   }
   if (!reaction.response) {
     return std::nullopt;
@@ -76,11 +81,14 @@ Reaction Device::hear_broadcast(const modbus::Pdu& pdu) {
   return std::visit([&pdu](auto& drive) { return drive.hear_broadcast(pdu); }, model_);
 }
 
-Reaction Device::react(const modbus::RtuAdu& adu) {
+Reaction Device::react(const modbus::RtuAdu& adu, bool busy) {
   ++addressed_;
   const unsigned every = settings_.faults.exception_every;
   if (every != 0 && addressed_ % every == 0) {
     return {exception(adu.pdu.function(), kDeviceFailure)};
+  }
+  if (busy) {
+    return {exception(adu.pdu.function(), kDeviceBusy)};
   }
   return std::visit([&](auto& drive) { return drive.answer(adu.pdu); }, model_);
 }

@@ -11,6 +11,7 @@
 
 #include "bus/instant.hpp"
 #include "sim/aic_drive.hpp"
+#include "sim/fda6000_drive.hpp"
 #include "sim/framing.hpp"
 #include "sim/moons_drive.hpp"
 #include "sim/stepper_drive.hpp"
@@ -19,7 +20,7 @@ namespace mbgate::sim {
 
 using bus::Instant;
 
-enum class ModelKind : std::uint8_t { moons, stepper, aic };
+enum class ModelKind : std::uint8_t { moons, stepper, aic, fda6000 };
 
 /// All of them without chance: the same requests get the same faults.
 struct Faults {
@@ -85,17 +86,18 @@ class Device {
   }
 
  private:
-  using Model = std::variant<MoonsDrive, StepperDrive, AicDrive>;
+  using Model = std::variant<MoonsDrive, StepperDrive, AicDrive, Fda6000Drive>;
   static Model make_model(const DeviceSettings& settings);
   [[nodiscard]] std::uint8_t broadcast_address() const;
   Reaction hear_broadcast(const modbus::Pdu& pdu);
-  Reaction react(const modbus::RtuAdu& adu);
+  Reaction react(const modbus::RtuAdu& adu, bool busy);
   [[nodiscard]] Reply spoil(const modbus::Pdu& response, Duration delay) const;
 
   DeviceSettings settings_;
   Framing framing_;
   Model model_;
   Instant deaf_until_{};
+  Instant busy_until_{};
   std::uint64_t heard_ = 0;
   std::uint64_t addressed_ = 0;
 };

@@ -21,7 +21,8 @@ constexpr std::array kParities = {Word{"none", Parity::none}, Word{"even", Parit
                                   Word{"odd", Parity::odd}};
 constexpr std::array kModes = {Word{"rtu", Framing::rtu}, Word{"ascii", Framing::ascii}};
 constexpr std::array kModels = {Word{"moons", ModelKind::moons},
-                                Word{"stepper", ModelKind::stepper}, Word{"aic", ModelKind::aic}};
+                                Word{"stepper", ModelKind::stepper}, Word{"aic", ModelKind::aic},
+                                Word{"fda6000", ModelKind::fda6000}};
 constexpr std::array kSeries = {Word{"st", MoonsSeries::st}, Word{"m2", MoonsSeries::m2}};
 constexpr std::array kOrders = {Word{"big", drive::WordOrder::big},
                                 Word{"little", drive::WordOrder::little}};

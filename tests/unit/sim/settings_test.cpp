@@ -109,7 +109,7 @@ bus = "b"
 sim.toml:7:11: error: address: expected an integer from 1 to 247, found 248
 address = 248
           ^
-sim.toml:8:9: error: model: expected "moons", "stepper" or "aic", found "steper"; did you mean 'stepper'?
+sim.toml:8:9: error: model: expected "moons", "stepper", "aic" or "fda6000", found "steper"; did you mean 'stepper'?
 model = "steper"
         ^
 sim.toml:10:8: error: name: "x" is taken already
