@@ -23,7 +23,10 @@ constexpr std::array kModes = {Word{"rtu", Framing::rtu}, Word{"ascii", Framing:
 constexpr std::array kModels = {Word{"moons", ModelKind::moons},
                                 Word{"stepper", ModelKind::stepper}, Word{"aic", ModelKind::aic},
                                 Word{"fda6000", ModelKind::fda6000}};
-constexpr std::array kSeries = {Word{"st", MoonsSeries::st}, Word{"m2", MoonsSeries::m2}};
+constexpr std::array kSeries = {Word{"st", MoonsSeries::st},   Word{"stb", MoonsSeries::stb},
+                                Word{"stf", MoonsSeries::stf}, Word{"ssdc", MoonsSeries::ssdc},
+                                Word{"m2", MoonsSeries::m2},   Word{"m3", MoonsSeries::m3},
+                                Word{"mdx", MoonsSeries::mdx}, Word{"bldc", MoonsSeries::bldc}};
 constexpr std::array kOrders = {Word{"big", drive::WordOrder::big},
                                 Word{"little", drive::WordOrder::little}};
 

@@ -55,7 +55,7 @@ bus = "a"
 address = 5
 model = "moons"
 word_order = "little"
-series = "m2"
+series = "m3"
 response_wait = "3ms"
 processing = "2ms"
 faults = { silent = true, answer_after = "400ms", bad_crc = true, wrong_unit = true, wrong_function = true, exception_every = 5 }
@@ -72,7 +72,7 @@ faults = { silent = true, answer_after = "400ms", bad_crc = true, wrong_unit = t
   EXPECT_FALSE(wire.paced);
   EXPECT_EQ(wire.clocking, sim::Clocking::real_time);
   const auto& device = loaded.settings->buses[0].devices[0];
-  EXPECT_EQ(device.series, sim::MoonsSeries::m2);
+  EXPECT_EQ(device.series, sim::MoonsSeries::m3);
   EXPECT_EQ(device.processing, 2ms);
   EXPECT_TRUE(device.faults.silent && device.faults.bad_crc && device.faults.wrong_unit &&
               device.faults.wrong_function);
