@@ -5,6 +5,7 @@ namespace mbgate::sim {
 namespace {
 
 constexpr ExceptionByte kDeviceFailure = 0x04;
+constexpr ExceptionByte kDeviceBusy = 0x06;
 
 std::uint8_t next_address(std::uint8_t address) {
   return address < modbus::kMaxDeviceAddress ? static_cast<std::uint8_t>(address + 1)
@@ -19,13 +20,14 @@ modbus::Pdu with_next_function(const modbus::Pdu& pdu) {
 
 }  // namespace
 
-Device::Device(const DeviceSettings& settings)
-    : settings_(settings), model_(make_model(settings)) {}
+Device::Device(const DeviceSettings& settings, Framing framing)
+    : settings_(settings), framing_(framing), model_(make_model(settings)) {}
 
 Device::Model Device::make_model(const DeviceSettings& settings) {
   switch (settings.model) {
     case ModelKind::moons: return MoonsDrive(settings.series, settings.word_order);
     case ModelKind::stepper: return StepperDrive();
+    case ModelKind::fda6000: return Fda6000Drive();
     case ModelKind::aic: break;
   }
   AicDrive drive;
@@ -37,18 +39,33 @@ Device::Model Device::make_model(const DeviceSettings& settings) {
 }
 
 std::optional<Answer> Device::receive(modbus::Bytes frame, Instant end) {
-  const auto adu = modbus::decode_rtu(frame);
-  if (!adu || settings_.faults.silent || end < deaf_until_) {
+  const auto adu = decode_frame(framing_, frame);
+  const auto reply = adu ? receive(*adu, end) : std::nullopt;
+  if (!reply) {
     return std::nullopt;
   }
-  const bool broadcast = adu->address == broadcast_address();
-  if (!broadcast && adu->address != settings_.address) {
+  Answer answer{*reply, encode_frame(framing_, reply->adu.address, reply->adu.pdu)};
+  if (settings_.faults.bad_crc) {
+    spoil_check(framing_, answer.frame);
+  }
+  return answer;
+}
+
+std::optional<Reply> Device::receive(const modbus::RtuAdu& adu, Instant end) {
+  if (settings_.faults.silent || end < deaf_until_) {
+    return std::nullopt;
+  }
+  const bool broadcast = adu.address == broadcast_address();
+  if (!broadcast && adu.address != settings_.address) {
     return std::nullopt;
   }
   ++heard_;
-  const Reaction reaction = broadcast ? hear_broadcast(adu->pdu) : react(*adu);
+  const Reaction reaction = broadcast ? hear_broadcast(adu.pdu) : react(adu, end < busy_until_);
   if (reaction.deaf_for > Duration{0}) {
     deaf_until_ = end + reaction.deaf_for;
+  }
+  if (reaction.busy_for > Duration{0}) {
+    busy_until_ = end + reaction.busy_for;
   }
   if (!reaction.response) {
     return std::nullopt;
@@ -64,33 +81,32 @@ Reaction Device::hear_broadcast(const modbus::Pdu& pdu) {
   return std::visit([&pdu](auto& drive) { return drive.hear_broadcast(pdu); }, model_);
 }
 
-Reaction Device::react(const modbus::RtuAdu& adu) {
+Reaction Device::react(const modbus::RtuAdu& adu, bool busy) {
   ++addressed_;
   const unsigned every = settings_.faults.exception_every;
   if (every != 0 && addressed_ % every == 0) {
     return {exception(adu.pdu.function(), kDeviceFailure)};
   }
+  if (busy) {
+    return {exception(adu.pdu.function(), kDeviceBusy)};
+  }
   return std::visit([&](auto& drive) { return drive.answer(adu.pdu); }, model_);
 }
 
-Answer Device::spoil(const modbus::Pdu& response, Duration delay) const {
+Reply Device::spoil(const modbus::Pdu& response, Duration delay) const {
   const Faults& faults = settings_.faults;
   const std::uint8_t address =
       faults.wrong_unit ? next_address(settings_.address) : settings_.address;
-  Answer answer{
-      modbus::encode_rtu(address, faults.wrong_function ? with_next_function(response) : response),
-      delay + settings_.processing.value_or(Duration{0}), false};
+  Reply reply{{delay + settings_.processing.value_or(Duration{0}), false},
+              {address, faults.wrong_function ? with_next_function(response) : response}};
   if (settings_.model != ModelKind::aic) {
-    answer.after += settings_.response_wait.value_or(Duration{0});
+    reply.after += settings_.response_wait.value_or(Duration{0});
   }
   if (faults.answer_after) {
-    answer.after = *faults.answer_after;
-    answer.counts_from_end = true;
+    reply.after = *faults.answer_after;
+    reply.counts_from_end = true;
   }
-  if (faults.bad_crc) {
-    answer.frame.back() = static_cast<std::uint8_t>(~answer.frame.back());
-  }
-  return answer;
+  return reply;
 }
 
 }  // namespace mbgate::sim

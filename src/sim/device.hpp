@@ -10,8 +10,9 @@
 #include <variant>
 
 #include "bus/instant.hpp"
-#include "modbus/rtu.hpp"
 #include "sim/aic_drive.hpp"
+#include "sim/fda6000_drive.hpp"
+#include "sim/framing.hpp"
 #include "sim/moons_drive.hpp"
 #include "sim/stepper_drive.hpp"
 
@@ -19,7 +20,7 @@ namespace mbgate::sim {
 
 using bus::Instant;
 
-enum class ModelKind : std::uint8_t { moons, stepper, aic };
+enum class ModelKind : std::uint8_t { moons, stepper, aic, fda6000 };
 
 /// All of them without chance: the same requests get the same faults.
 struct Faults {
@@ -46,19 +47,31 @@ struct DeviceSettings {
   Faults faults{};
 };
 
-struct Answer {
-  modbus::RtuBytes frame;
+/// When an answer begins.
+struct AnswerTime {
   Duration after;  ///< between the end of the request's frame and the first byte
   /// `after` counts from the last byte of the request, the silence that ends the frame included.
   bool counts_from_end;
 };
 
+/// An answer without its framing.
+struct Reply : AnswerTime {
+  modbus::RtuAdu adu;
+};
+
+/// An answer as it goes onto the line.
+struct Answer : AnswerTime {
+  FrameBytes frame;
+};
+
 class Device {
  public:
-  explicit Device(const DeviceSettings& settings);
+  explicit Device(const DeviceSettings& settings, Framing framing = Framing::rtu);
 
   /// A frame that ended at `end`. Nothing if it is not for this device, damaged, or not answered.
   std::optional<Answer> receive(modbus::Bytes frame, Instant end);
+  /// The same without framing.
+  std::optional<Reply> receive(const modbus::RtuAdu& adu, Instant end);
 
   [[nodiscard]] const DeviceSettings& settings() const { return settings_; }
   /// From the next frame on.
@@ -73,16 +86,18 @@ class Device {
   }
 
  private:
-  using Model = std::variant<MoonsDrive, StepperDrive, AicDrive>;
+  using Model = std::variant<MoonsDrive, StepperDrive, AicDrive, Fda6000Drive>;
   static Model make_model(const DeviceSettings& settings);
   [[nodiscard]] std::uint8_t broadcast_address() const;
   Reaction hear_broadcast(const modbus::Pdu& pdu);
-  Reaction react(const modbus::RtuAdu& adu);
-  [[nodiscard]] Answer spoil(const modbus::Pdu& response, Duration delay) const;
+  Reaction react(const modbus::RtuAdu& adu, bool busy);
+  [[nodiscard]] Reply spoil(const modbus::Pdu& response, Duration delay) const;
 
   DeviceSettings settings_;
+  Framing framing_;
   Model model_;
   Instant deaf_until_{};
+  Instant busy_until_{};
   std::uint64_t heard_ = 0;
   std::uint64_t addressed_ = 0;
 };

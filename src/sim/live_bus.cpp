@@ -37,7 +37,13 @@ void LiveBus::disconnect() {
 }
 
 void LiveBus::handle_readable(Instant now) {
-  framer_.feed(pty_->read(), now);
+  const auto bytes = pty_->read();
+  // The end of an ASCII frame is seen on the wire itself.
+  if (wire_.settings().framing == Framing::ascii) {
+    wire_.transmit(bytes, now);
+  } else {
+    framer_.feed(bytes, now);
+  }
   handle_time(now);
 }
 

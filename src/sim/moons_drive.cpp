@@ -41,12 +41,17 @@ constexpr std::uint32_t kInPosition = 0x0008;
 constexpr std::uint32_t kRunning = 0x0010;
 constexpr std::uint32_t kJogging = 0x0020;
 
+// The register may be one of two, where the series has values.
+bool touches_value(const modbus::TableRange& range, std::uint16_t first) {
+  return touches(range, first) || touches(range, static_cast<std::uint16_t>(first + 1));
+}
+
 }  // namespace
 
 MoonsDrive::MoonsDrive(MoonsSeries series, drive::WordOrder order)
-    : series_(series), order_(order), registers_(moons_registers(series), order) {
-  if (series_ == MoonsSeries::m2 && order == drive::WordOrder::little) {
-    registers_.set(kMoonsProtocol, kMoonsProtocolLittle);
+    : places_(moons_places(series)), order_(order), registers_(moons_registers(series), order) {
+  if (places_.protocol && order == drive::WordOrder::little) {
+    registers_.set(*places_.protocol, kMoonsProtocolLittle);
   }
 }
 
@@ -82,7 +87,7 @@ modbus::Pdu MoonsDrive::write(const modbus::Request& request) {
   if (touches(range, kMoonsOpcode)) {
     execute(static_cast<std::uint16_t>(registers_.get(kMoonsOpcode)));
   }
-  if (series_ == MoonsSeries::m2 && touches(range, kMoonsProtocol)) {
+  if (places_.protocol && touches_value(range, *places_.protocol)) {
     take_word_order();
   }
   return response;
@@ -102,27 +107,24 @@ bool MoonsDrive::knows_opcode(const modbus::Request& request) const {
 void MoonsDrive::execute(std::uint16_t opcode) {
   switch (opcode) {
     case kFeedToLength:
-      registers_.set(kMoonsRelativeDistance, registers_.get(kMoonsDistance));
-      move_to(registers_.get(kMoonsPosition) + registers_.get(kMoonsDistance));
+      registers_.set(places_.relative_distance, registers_.get(places_.distance));
+      move_to(registers_.get(places_.position) + registers_.get(places_.distance));
       break;
-    case kFeedToPosition: move_to(registers_.get(kMoonsDistance)); break;
+    case kFeedToPosition: move_to(registers_.get(places_.distance)); break;
     case kSeekHome:
     case kFindHome: move_to(0); break;
     case kStartJogging: start_jogging(); break;
     case kStopJogging:
     case kStopMaximum:
     case kStopNormal: stand_still(); break;
-    case kEncoderPosition: registers_.set(kMoonsEncoderPosition, position_parameter()); break;
-    case kSetPosition:
-      registers_.set(kMoonsPositionCommand, position_parameter());
-      registers_.set(kMoonsPosition, position_parameter());
-      break;
+    case kEncoderPosition: registers_.set(places_.encoder_position, position_parameter()); break;
+    case kSetPosition: set_position(position_parameter()); break;
     case kMotorDisable:
       stand_still();
       change_status(kEnabled, 0);
       break;
     case kMotorEnable: change_status(0, kEnabled); break;
-    case kAlarmReset: registers_.set(kMoonsAlarm, 0); break;
+    case kAlarmReset: registers_.set(places_.alarm, 0); break;
     // Conditions, filters, outputs and queues are accepted and change nothing that a client can
     // see.
     default: break;
@@ -130,27 +132,33 @@ void MoonsDrive::execute(std::uint16_t opcode) {
 }
 
 void MoonsDrive::stand_still() {
-  registers_.set(kMoonsVelocity, 0);
-  registers_.set(kMoonsTargetVelocity, 0);
+  registers_.set(places_.velocity, 0);
+  registers_.set(places_.target_velocity, 0);
   change_status(kRunning | kJogging, kInPosition);
 }
 
 void MoonsDrive::move_to(std::uint32_t position) {
   stand_still();
-  registers_.set(kMoonsPositionCommand, position);
-  registers_.set(kMoonsPosition, position);
-  registers_.set(kMoonsEncoderPosition, position);
+  set_position(position);
+  registers_.set(places_.encoder_position, position);
+}
+
+void MoonsDrive::set_position(std::uint32_t position) {
+  if (places_.position_command) {
+    registers_.set(*places_.position_command, position);
+  }
+  registers_.set(places_.position, position);
 }
 
 void MoonsDrive::start_jogging() {
-  registers_.set(kMoonsVelocity, registers_.get(kMoonsJogVelocity));
-  registers_.set(kMoonsTargetVelocity, registers_.get(kMoonsJogVelocity));
+  registers_.set(places_.velocity, registers_.get(places_.jog_velocity));
+  registers_.set(places_.target_velocity, registers_.get(places_.jog_velocity));
   change_status(kInPosition, kRunning | kJogging);
 }
 
 void MoonsDrive::take_word_order() {
-  const std::uint32_t protocol = registers_.get(kMoonsProtocol);
-  order_ = protocol == kMoonsProtocolLittle ? drive::WordOrder::little : drive::WordOrder::big;
+  const bool little = (registers_.get(*places_.protocol) & kMoonsLittleBit) != 0;
+  order_ = little ? drive::WordOrder::little : drive::WordOrder::big;
   registers_.set_word_order(order_);
 }
 
@@ -162,7 +170,8 @@ std::uint32_t MoonsDrive::position_parameter() const {
 }
 
 void MoonsDrive::change_status(std::uint32_t clear, std::uint32_t set) {
-  registers_.set(kMoonsStatus, (registers_.get(kMoonsStatus) & ~clear) | set);
+  const std::uint32_t status = (registers_.get(places_.status) & ~clear) | set;
+  registers_.set(places_.status, status & places_.status_bits);
 }
 
 }  // namespace mbgate::sim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A MOONS' drive on RS-485 ("Modbus User Manual"): functions 03, 06 and 16, at most 50 registers,
-// exceptions of its own, values in the word order that PR says, motion by opcodes. Moves are done
-// as soon as they are commanded; jogging lasts until it is stopped.
+// A MOONS' drive on RS-485 or Ethernet ("Modbus User Manual"): functions 03, 06 and 16, at most 50
+// registers, exceptions of its own, values in the word order that PR says, motion by opcodes. Moves
+// are done as soon as they are commanded; jogging lasts until it is stopped.
 #pragma once
 
 #include "drive/word_order.hpp"
@@ -30,13 +30,14 @@ class MoonsDrive {
   void execute(std::uint16_t opcode);
   void stand_still();
   void move_to(std::uint32_t position);
+  void set_position(std::uint32_t position);
   void start_jogging();
   void take_word_order();
   /// Parameters 1 and 2 as one position (opcodes EP and SP).
   [[nodiscard]] std::uint32_t position_parameter() const;
   void change_status(std::uint32_t clear, std::uint32_t set);
 
-  MoonsSeries series_;
+  MoonsPlaces places_;
   drive::WordOrder order_;
   RegisterBank registers_;
 };

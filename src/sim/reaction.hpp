@@ -15,6 +15,7 @@ struct Reaction {
   std::optional<modbus::Pdu> response;  ///< nothing: the drive does not answer
   Duration delay{0};                    ///< what the work takes, besides the usual processing time
   Duration deaf_for{0};                 ///< it restarts and hears nothing for so long
+  Duration busy_for{0};  ///< after this answer it refuses everything with exception 06 for so long
 };
 
 }  // namespace mbgate::sim

@@ -8,16 +8,6 @@ namespace {
 
 constexpr std::uint16_t kCoilOn = 0xFF00;
 
-ExceptionByte code_of(Refusal refusal, const RegisterRules& rules) {
-  switch (refusal) {
-    case Refusal::no_such_register: return rules.no_such_register;
-    case Refusal::not_readable: return rules.not_readable;
-    case Refusal::not_writable: return rules.not_writable;
-    case Refusal::out_of_range: return rules.out_of_range;
-  }
-  return rules.no_such_register;
-}
-
 void append_registers(std::vector<std::uint8_t>& bytes, const Registers& words) {
   bytes.push_back(static_cast<std::uint8_t>(words.size() * 2));
   for (const std::uint16_t word : words) {
@@ -37,6 +27,18 @@ void append_bits(std::vector<std::uint8_t>& bytes, const Registers& bits) {
   }
 }
 
+}  // namespace
+
+ExceptionByte code_of(Refusal refusal, const RegisterRules& rules) {
+  switch (refusal) {
+    case Refusal::no_such_register: return rules.no_such_register;
+    case Refusal::not_readable: return rules.not_readable;
+    case Refusal::not_writable: return rules.not_writable;
+    case Refusal::out_of_range: return rules.out_of_range;
+  }
+  return rules.no_such_register;
+}
+
 Registers written_words(const modbus::Request& request) {
   const modbus::Bytes pdu = request.pdu().bytes();
   if (request.function() == 0x05) {
@@ -51,8 +53,6 @@ Registers written_words(const modbus::Request& request) {
   }
   return words;
 }
-
-}  // namespace
 
 modbus::Pdu exception(std::uint8_t function, ExceptionByte code) {
   const std::array<std::uint8_t, 2> bytes{

@@ -23,6 +23,8 @@ struct RegisterRules {
   ExceptionByte too_many = 0x03;
 };
 
+ExceptionByte code_of(Refusal refusal, const RegisterRules& rules);
+
 modbus::Pdu exception(std::uint8_t function, ExceptionByte code);
 
 /// Functions 01 to 04 out of `bank`. The request must have reads().
@@ -33,6 +35,9 @@ modbus::Pdu serve_read(const modbus::Request& request, const RegisterBank& bank,
 /// must have writes().
 modbus::Pdu serve_write(const modbus::Request& request, RegisterBank& bank,
                         const RegisterRules& rules);
+
+/// The registers that functions 05, 06 and 16 write; a coil is 0 or 1.
+Registers written_words(const modbus::Request& request);
 
 /// Does the range hold the register?
 inline bool touches(const modbus::TableRange& range, std::uint16_t address) {

@@ -19,9 +19,14 @@ using namespace std::chrono_literals;
 
 constexpr std::array kParities = {Word{"none", Parity::none}, Word{"even", Parity::even},
                                   Word{"odd", Parity::odd}};
+constexpr std::array kModes = {Word{"rtu", Framing::rtu}, Word{"ascii", Framing::ascii}};
 constexpr std::array kModels = {Word{"moons", ModelKind::moons},
-                                Word{"stepper", ModelKind::stepper}, Word{"aic", ModelKind::aic}};
-constexpr std::array kSeries = {Word{"st", MoonsSeries::st}, Word{"m2", MoonsSeries::m2}};
+                                Word{"stepper", ModelKind::stepper}, Word{"aic", ModelKind::aic},
+                                Word{"fda6000", ModelKind::fda6000}};
+constexpr std::array kSeries = {Word{"st", MoonsSeries::st},   Word{"stb", MoonsSeries::stb},
+                                Word{"stf", MoonsSeries::stf}, Word{"ssdc", MoonsSeries::ssdc},
+                                Word{"m2", MoonsSeries::m2},   Word{"m3", MoonsSeries::m3},
+                                Word{"mdx", MoonsSeries::mdx}, Word{"bldc", MoonsSeries::bldc}};
 constexpr std::array kOrders = {Word{"big", drive::WordOrder::big},
                                 Word{"little", drive::WordOrder::little}};
 
@@ -43,10 +48,25 @@ void check_unique(TomlTable& table, const std::vector<Named>& earlier, const std
   }
 }
 
+// Serial Line V1.02: a character of RTU has 8 data bits (2.5.1), one of ASCII 7 (2.5.2); some
+// devices take 8 for ASCII too.
+void read_framing(TomlTable& table, WireSettings& wire) {
+  config::assign(wire.framing, table.word<Framing>("mode", kModes));
+  const bool ascii = wire.framing == Framing::ascii;
+  wire.format.data_bits = ascii ? 7 : 8;
+  config::assign(wire.format.data_bits, table.integer("data_bits", {7, 8}));
+  if (!ascii && wire.format.data_bits != 8) {
+    table.error("data_bits", "an RTU bus has 8");
+  }
+  if (ascii && table.has("gap")) {
+    table.error("gap", "an ASCII bus needs no silence between frames");
+  }
+}
+
 void read_wire(TomlTable& table, WireSettings& wire) {
   config::assign(wire.baud, table.integer("baud", {1, std::numeric_limits<std::uint32_t>::max()}));
   config::assign(wire.format.parity, table.word<Parity>("parity", kParities));
-  config::assign(wire.format.data_bits, table.integer("data_bits", {8, 8}));
+  read_framing(table, wire);
   config::assign(wire.format.stop_bits, table.integer("stop_bits", {1, 2}));
   config::assign(wire.adapter_latency, table.duration("adapter_latency", {0s, 1s}));
   wire.gap = table.duration("gap", {0s, 1s});

@@ -17,8 +17,9 @@ class StepperDrive {
   static constexpr std::uint8_t kBroadcastAddress = 0;
   /// The manual gives no figure; half a second is usual for such controllers.
   static constexpr Duration kBootTime = std::chrono::milliseconds(500);
-  /// 0x00DC: "about 0.1 seconds" (line 2051).
-  static constexpr Duration kSaveTime = std::chrono::milliseconds(100);
+  /// 0x00DC takes about a tenth of a second (line 2051); a simulated one rather more than less, so
+  /// that a wait of exactly that long is seen to be too short.
+  static constexpr Duration kSaveTime = std::chrono::milliseconds(120);
 
   StepperDrive();
 

@@ -9,15 +9,23 @@ namespace {
 
 constexpr Duration kUsualProcessing = std::chrono::milliseconds(1);
 
-std::vector<Device> make_devices(const std::vector<DeviceSettings>& settings, bool paced) {
+std::vector<Device> make_devices(const std::vector<DeviceSettings>& drives,
+                                 const WireSettings& wire) {
   std::vector<Device> devices;
-  for (DeviceSettings device : settings) {
+  for (DeviceSettings device : drives) {
     if (!device.processing) {
-      device.processing = paced ? kUsualProcessing : Duration{0};
+      device.processing = wire.paced ? kUsualProcessing : Duration{0};
     }
-    devices.emplace_back(device);
+    devices.emplace_back(device, wire.framing);
   }
   return devices;
+}
+
+Duration silence_of(const WireSettings& settings, const modbus::RtuTiming& timing) {
+  if (settings.framing == Framing::ascii) {
+    return Duration{0};
+  }
+  return settings.gap.value_or(settings.paced ? timing.t3_5() : Duration{0});
 }
 
 }  // namespace
@@ -25,8 +33,8 @@ std::vector<Device> make_devices(const std::vector<DeviceSettings>& settings, bo
 Wire::Wire(const WireSettings& settings, const std::vector<DeviceSettings>& devices)
     : settings_(settings),
       timing_(settings.baud, settings.format),
-      silence_(settings.gap.value_or(settings.paced ? timing_.t3_5() : Duration{0})),
-      devices_(make_devices(devices, settings.paced)) {}
+      silence_(silence_of(settings, timing_)),
+      devices_(make_devices(devices, settings)) {}
 
 void Wire::transmit(modbus::Bytes bytes, Instant begin) {
   if (bytes.empty()) {
@@ -67,6 +75,7 @@ std::vector<std::uint8_t> Wire::advance(Instant now) {
 
 void Wire::disconnect() {
   on_wire_.clear();
+  ascii_.clear();
   held_.clear();
   received_.clear();
   last_end_.reset();
@@ -114,6 +123,9 @@ void Wire::check_silence(Instant begin) {
 }
 
 void Wire::put_on_wire(Transmission transmission) {
+  if (settings_.format.data_bits == 7) {
+    std::ranges::for_each(transmission.bytes, [](std::uint8_t& byte) { byte &= 0x7FU; });
+  }
   plan_delivery(transmission);
   for (Transmission& other : on_wire_) {
     collide(transmission, other);
@@ -153,7 +165,7 @@ void Wire::step(Instant at) {
     received_.insert(received_.end(), held_.begin(), held_.end());
     held_.clear();
   }
-  close_frames(at);
+  settings_.framing == Framing::ascii ? close_ascii_frames(at) : close_frames(at);
   forget_what_is_over();
 }
 
@@ -206,17 +218,37 @@ void Wire::close_frames(Instant at) {
   }
 }
 
+// A frame may come in several transmissions, and one transmission may carry several frames.
+void Wire::close_ascii_frames(Instant at) {
+  std::vector<FrameOnWire> closed;
+  for (Transmission& transmission : on_wire_) {
+    if (!transmission.from_gateway || transmission.framed || transmission.end > at) {
+      continue;
+    }
+    transmission.framed = true;
+    for (std::size_t i = 0; i < transmission.bytes.size(); ++i) {
+      const Instant begin = transmission.begin + time_of(i);
+      if (auto frame = ascii_.feed(transmission.bytes[i], begin, begin + time_of(1))) {
+        closed.push_back({.begin = frame->begin, .end = frame->end, .bytes = frame->bytes});
+      }
+    }
+  }
+  for (FrameOnWire& frame : closed) {
+    hand_to_devices(std::move(frame));
+  }
+}
+
 FrameOnWire Wire::join(const std::vector<Transmission*>& parts) {
   FrameOnWire frame{.begin = parts.front()->begin, .end = parts.back()->end};
   for (Transmission* part : parts) {
     frame.bytes.insert(frame.bytes.end(), part->bytes.begin(), part->bytes.end());
     part->framed = true;
   }
-  frame.intact = modbus::has_good_crc(frame.bytes);
   return frame;
 }
 
 void Wire::hand_to_devices(FrameOnWire frame) {
+  frame.intact = decode_frame(settings_.framing, frame.bytes).has_value();
   ++counters_.frames;
   counters_.bad_crc += frame.intact ? 0U : 1U;
   for (Device& device : devices_) {

@@ -8,7 +8,8 @@
 //   }
 //
 // What overlaps on the line is damaged for everybody and counted; so is every transmission of the
-// gateway that begins before the line was quiet for the configured gap.
+// gateway that begins before the line was quiet for the configured gap. ASCII frames have their own
+// end and need no silence.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +20,7 @@
 
 #include "bus/instant.hpp"
 #include "modbus/rtu_timing.hpp"
+#include "sim/ascii_framer.hpp"
 #include "sim/device.hpp"
 
 namespace mbgate::sim {
@@ -35,7 +37,9 @@ enum class Clocking : std::uint8_t {
 struct WireSettings {
   modbus::Baud baud{115200};
   modbus::CharacterFormat format{8, modbus::Parity::none, 1};
-  std::optional<Duration> gap{};  ///< silence between frames; default: t3.5, on unpaced buses none
+  Framing framing = Framing::rtu;
+  /// Silence between frames; default: t3.5, on unpaced buses none. ASCII has none.
+  std::optional<Duration> gap{};
   Duration adapter_latency{
       0};  ///< the adapter hands over what it received so long after the first byte
   Duration chunk =
@@ -60,7 +64,7 @@ struct FrameOnWire {
   Instant begin;
   Instant end;  ///< of its last character
   std::vector<std::uint8_t> bytes{};
-  bool intact = false;                   ///< its CRC is right
+  bool intact = false;                   ///< its CRC or LRC is right
   std::vector<std::uint8_t> heard_by{};  ///< addresses of the devices that took it
 };
 
@@ -109,6 +113,7 @@ class Wire {
   void deliver(Transmission& transmission);
   void plan_delivery(Transmission& transmission) const;
   void close_frames(Instant at);
+  void close_ascii_frames(Instant at);
   static FrameOnWire join(const std::vector<Transmission*>& parts);
   void hand_to_devices(FrameOnWire frame);
   void forget_what_is_over();
@@ -118,6 +123,7 @@ class Wire {
   Duration silence_;
   std::vector<Device> devices_;
   std::deque<Transmission> on_wire_;
+  AsciiFramer ascii_;
   std::optional<Instant> last_end_;  ///< of what has been forgotten
   bool last_was_answer_ = false;
   std::vector<std::uint8_t> held_;  ///< in the adapter

@@ -104,6 +104,24 @@ TEST_F(LivePorts, CarryARequestAndItsAnswer) {
             "bus a: frames 1, answers 1, silence violations 0, collisions 0, bad CRC 0");
 }
 
+TEST_F(LivePorts, CarryAnAsciiRequestInParts) {
+  auto ascii = settings();
+  ascii.wire.framing = sim::Framing::ascii;
+  ascii.wire.paced = false;
+  sim::LiveBus bus(ascii);
+  ASSERT_EQ(bus.connect(), std::nullopt);
+  const sim::FileDescriptor port(::open(link_.c_str(), O_RDWR | O_NOCTTY));
+  for (const std::string_view part : {":0103000", "10001fa\r\n"}) {
+    ASSERT_EQ(::write(port.get(), part.data(), part.size()), static_cast<ssize_t>(part.size()));
+    ASSERT_TRUE(becomes_readable(bus.pty()->descriptor()));
+    bus.handle_readable(Instant(100ms));
+  }
+  ASSERT_TRUE(becomes_readable(port.get()));
+  std::string answer(15, ' ');
+  ASSERT_EQ(::read(port.get(), answer.data(), answer.size()), 15);
+  EXPECT_EQ(answer, ":0103020009F1\r\n");
+}
+
 TEST_F(LivePorts, VanishAndComeBackWithTheSameDrives) {
   sim::LiveBus bus(settings());
   ASSERT_EQ(bus.connect(), std::nullopt);

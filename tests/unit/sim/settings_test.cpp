@@ -55,7 +55,7 @@ bus = "a"
 address = 5
 model = "moons"
 word_order = "little"
-series = "m2"
+series = "m3"
 response_wait = "3ms"
 processing = "2ms"
 faults = { silent = true, answer_after = "400ms", bad_crc = true, wrong_unit = true, wrong_function = true, exception_every = 5 }
@@ -72,7 +72,7 @@ faults = { silent = true, answer_after = "400ms", bad_crc = true, wrong_unit = t
   EXPECT_FALSE(wire.paced);
   EXPECT_EQ(wire.clocking, sim::Clocking::real_time);
   const auto& device = loaded.settings->buses[0].devices[0];
-  EXPECT_EQ(device.series, sim::MoonsSeries::m2);
+  EXPECT_EQ(device.series, sim::MoonsSeries::m3);
   EXPECT_EQ(device.processing, 2ms);
   EXPECT_TRUE(device.faults.silent && device.faults.bad_crc && device.faults.wrong_unit &&
               device.faults.wrong_function);
@@ -109,7 +109,7 @@ bus = "b"
 sim.toml:7:11: error: address: expected an integer from 1 to 247, found 248
 address = 248
           ^
-sim.toml:8:9: error: model: expected "moons", "stepper" or "aic", found "steper"; did you mean 'stepper'?
+sim.toml:8:9: error: model: expected "moons", "stepper", "aic" or "fda6000", found "steper"; did you mean 'stepper'?
 model = "steper"
         ^
 sim.toml:10:8: error: name: "x" is taken already
@@ -155,6 +155,44 @@ link = "l"
 sim.toml:15:11: error: address: 1 is taken already on bus "a"
 address = 1
           ^
+)");
+}
+
+TEST(SimulatorSettings, ReadsAsciiBuses) {
+  const auto loaded = sim::load_settings_text("sim.toml", R"([[bus]]
+name = "a"
+link = "a"
+mode = "ascii"
+[[bus]]
+name = "b"
+link = "b"
+mode = "ascii"
+data_bits = 8
+)");
+  EXPECT_EQ(config::render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->buses[0].wire.framing, sim::Framing::ascii);
+  EXPECT_EQ(loaded.settings->buses[0].wire.format.data_bits, 7U);
+  EXPECT_EQ(loaded.settings->buses[1].wire.format.data_bits, 8U);
+}
+
+TEST(SimulatorSettings, RefusesWhatDoesNotFitTheFraming) {
+  EXPECT_EQ(errors_of(R"([[bus]]
+name = "a"
+link = "a"
+data_bits = 7
+[[bus]]
+name = "b"
+link = "b"
+mode = "ascii"
+gap = "1ms"
+)"),
+            R"(sim.toml:4:13: error: data_bits: an RTU bus has 8
+data_bits = 7
+            ^
+sim.toml:9:7: error: gap: an ASCII bus needs no silence between frames
+gap = "1ms"
+      ^
 )");
 }
 

@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
+#include "manuals/vectors.hpp"
+#include "modbus/rtu.hpp"
 #include "unit/sim/drive_rig.hpp"
 
 namespace mbgate::test {
@@ -81,12 +85,12 @@ TEST_F(StepperModel, AnswersEnableAndRelease) {
   EXPECT_EQ(drive_.answer(pdu_of("06 00 D4 00 01")).deaf_for, 0ms);
 }
 
-TEST_F(StepperModel, TakesATenthOfASecondToSaveOrRestore) {
+TEST_F(StepperModel, TakesMoreThanATenthOfASecondToSaveOrRestore) {
   answer_of(drive_, "06 00 0A 03 E8");
   const auto saved = drive_.answer(pdu_of("06 00 DC 00 01"));
-  EXPECT_EQ(saved.delay, 100ms);
+  EXPECT_EQ(saved.delay, 120ms);
   EXPECT_EQ(answer_of(drive_, "03 00 0A 00 01"), "03 02 03 E8");
-  EXPECT_EQ(drive_.answer(pdu_of("06 00 DC 00 00")).delay, 100ms);
+  EXPECT_EQ(drive_.answer(pdu_of("06 00 DC 00 00")).delay, 120ms);
   EXPECT_EQ(answer_of(drive_, "03 00 0A 00 01"), "03 02 00 FA");
 }
 
@@ -103,6 +107,50 @@ TEST_F(StepperModel, AnswersTheStandardsExceptions) {
   EXPECT_EQ(answer_of(drive_, "06 00 C8 00 02"), "86 03");  // neither run nor stop
   EXPECT_EQ(answer_of(drive_, "06 00 DC 00 02"), "86 03");
   EXPECT_EQ(answer_of(drive_, "10 00 D8 00 02 04 FF FF 7F FF"), "90 03");
+}
+
+TEST_F(StepperModel, TakesTwoHundredBytesOfTableDataAtOnce) {
+  const auto request = [](unsigned registers) {
+    std::vector<std::uint8_t> pdu{0x10,
+                                  0x01,
+                                  0xF4,
+                                  0,
+                                  static_cast<std::uint8_t>(registers),
+                                  static_cast<std::uint8_t>(2 * registers)};
+    pdu.resize(pdu.size() + std::size_t{2} * registers, 0x11);
+    return *modbus::Pdu::from(pdu);
+  };
+  EXPECT_EQ(hex(drive_.answer(request(100)).response->bytes()), "10 01 F4 00 64");
+  EXPECT_EQ(hex(drive_.answer(request(101)).response->bytes()), "90 03");
+  EXPECT_EQ(drive_.registers().get(0x01F4 + 99), 0x1111U);
+}
+
+TEST_F(StepperModel, AnswersEveryPrintedRequest) {
+  std::map<unsigned, modbus::Pdu> answers;
+  unsigned echoes = 0;
+  for (const manuals::Frame& frame : manuals::load_rtu()) {
+    if (frame.manual != "rs485-stepper") {
+      continue;
+    }
+    const modbus::Pdu pdu = modbus::decode_rtu(frame.bytes)->pdu;
+    if (frame.direction == manuals::Direction::request) {
+      if (const auto answer = drive_.answer(pdu).response) {
+        answers.emplace(frame.line, *answer);
+        EXPECT_FALSE(answer->is_exception()) << frame.where();
+      } else {
+        EXPECT_EQ(hex(pdu.bytes()), "06 00 D4 01 00") << frame.where();
+      }
+    } else if (frame.answers && answers.contains(*frame.answers)) {
+      const modbus::Pdu& answer = answers.at(*frame.answers);
+      EXPECT_EQ(answer.function(), pdu.function()) << frame.where();
+      EXPECT_EQ(answer.size(), pdu.size()) << frame.where();
+      if (pdu.function() != 0x03 && pdu.function() != 0x04) {
+        EXPECT_EQ(hex(answer.bytes()), hex(pdu.bytes())) << frame.where();
+        ++echoes;
+      }
+    }
+  }
+  EXPECT_GT(echoes, 50U);
 }
 
 TEST_F(StepperModel, HearsBroadcastWritesOnly) {
