@@ -8,6 +8,8 @@
 #include <variant>
 
 #include "io/clock.hpp"
+#include "io/serial_line.hpp"
+#include "io/tcp_line.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -29,6 +31,13 @@ routing::ClientAddress address_of(const boost::asio::ip::tcp::endpoint& peer) {
   return routing::ClientAddress(v6.to_bytes());
 }
 
+std::unique_ptr<Line> make_line(LineContext context, BusId bus, const bus::LineSettings& line) {
+  if (line.remote) {
+    return std::make_unique<TcpLine>(context, bus, *line.remote);
+  }
+  return std::make_unique<SerialLine>(context, bus, line);
+}
+
 }  // namespace
 
 GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings settings,
@@ -48,8 +57,8 @@ GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings
       flush_timer_(context) {
   for (std::size_t i = 0; i < gateway_.settings().buses.size(); ++i) {
     const auto bus = static_cast<BusId>(i);
-    lines_.push_back(std::make_unique<SerialLine>(LineContext{context, blocking_, *this}, bus,
-                                                  gateway_.settings().bus(bus).line));
+    lines_.push_back(
+        make_line({context, blocking_, *this}, bus, gateway_.settings().bus(bus).line));
   }
 }
 

@@ -17,7 +17,7 @@
 #include "gateway/gateway.hpp"
 #include "io/blocking_calls.hpp"
 #include "io/hangup_watch.hpp"
-#include "io/serial_line.hpp"
+#include "io/line.hpp"
 #include "io/tcp_connection.hpp"
 #include "io/tcp_server.hpp"
 
@@ -87,7 +87,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void close_connection(gateway::ClientId client, bus::Duration limit);
   void finish();
   TcpConnection* connection(gateway::ClientId client);
-  SerialLine& line(gateway::BusId bus) { return *lines_[static_cast<std::size_t>(bus)]; }
+  Line& line(gateway::BusId bus) { return *lines_[static_cast<std::size_t>(bus)]; }
 
   boost::asio::io_context& context_;
   DriverObserver& observer_;
@@ -98,7 +98,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   BlockingCalls blocking_;
   HangupWatch hangups_;
   ConnectionContext connection_context_;
-  std::vector<std::unique_ptr<SerialLine>> lines_;
+  std::vector<std::unique_ptr<Line>> lines_;
   std::vector<std::unique_ptr<TcpServer>> servers_;
   std::unordered_map<gateway::ClientId, std::shared_ptr<TcpConnection>> connections_;
   std::uint64_t next_client_ = 0;

@@ -58,17 +58,27 @@ void SerialLine::open() {
     return;
   }
   state_ = State::opening;
-  const bool started = context_.blocking.run(
-      [settings = settings_] { return open_tty(settings); },
-      [this](Result<OpenTty, std::string> result) { finish_open(std::move(result)); });
+  ++generation_;
+  const bool started =
+      context_.blocking.run([settings = settings_] { return open_tty(settings); },
+                            [this, generation = generation_](Result<OpenTty, std::string> result) {
+                              finish_open(std::move(result), generation);
+                            });
   if (!started) {
-    boost::asio::post(context_.io, [this] {
-      finish_open(std::string("cannot open " + settings_.device + ": no thread to do it on"));
+    boost::asio::post(context_.io, [this, generation = generation_] {
+      finish_open(std::string("cannot open " + settings_.device + ": no thread to do it on"),
+                  generation);
     });
   }
 }
 
-void SerialLine::finish_open(Result<OpenTty, std::string> result) {
+void SerialLine::finish_open(Result<OpenTty, std::string> result, unsigned generation) {
+  if (generation != generation_) {
+    if (result) {
+      close_elsewhere(std::move(result->fd));
+    }
+    return;
+  }
   state_ = State::closed;
   if (!result) {
     context_.events.line_lost(bus_, result.error());
@@ -84,7 +94,6 @@ void SerialLine::finish_open(Result<OpenTty, std::string> result) {
   state_ = State::open;
   transmitting_ = false;
   rest_.clear();
-  ++generation_;
   supervise(context_.io, read_loop(generation_), "line read");
   context_.events.line_opened(bus_, result->warnings);
 }
@@ -203,7 +212,12 @@ void SerialLine::close() {
   state_ = State::closed;
   ++generation_;
   timer_.cancel();
-  UniqueFd fd(descriptor_.release());
+  if (descriptor_.is_open()) {
+    close_elsewhere(UniqueFd(descriptor_.release()));
+  }
+}
+
+void SerialLine::close_elsewhere(UniqueFd fd) {
   // Without a thread the descriptor is closed here, as soon as run() has given up.
   const bool started = context_.blocking.run(
       [fd = std::move(fd), settings = settings_]() mutable {

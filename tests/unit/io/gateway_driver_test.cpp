@@ -49,15 +49,20 @@ class GatewayDriverTest : public testing::Test, public DriverObserver {
   void on_status_changed() override {}
   void on_finished() override { finished_ = true; }
 
-  /// A transparent listener of one bus on the line at `path`.
   void make_driver(const std::string& path) {
+    bus::LineSettings line;
+    line.device = path;
+    line.format = {8, modbus::Parity::none, 1};
+    make_driver(line);
+  }
+  /// A transparent listener of one bus.
+  void make_driver(const bus::LineSettings& attached) {
     gateway::Settings settings;
     settings.listeners.push_back(loopback_listener());
     settings.listeners[0].bus = BusId{0};
     bus::BusSettings line;
     line.name = "line";
-    line.line.device = path;
-    line.line.format = {8, modbus::Parity::none, 1};
+    line.line = attached;
     line.frame_gap = bus::Duration::zero();
     line.listen_first = bus::Duration::zero();
     line.timing.response_timeout = std::chrono::seconds(10);
@@ -108,6 +113,22 @@ TEST_F(GatewayDriverTest, CarriesARequestToTheLineAndItsAnswerBack) {
   EXPECT_EQ(receive(client, kAnswer.size()), kAnswer);
   EXPECT_EQ(driver_->status().clients, 1U);
   EXPECT_EQ(driver_->status().buses_open, 1U);
+}
+
+TEST_F(GatewayDriverTest, CarriesARequestToASerialDeviceServer) {
+  tcp::acceptor server(context_, {boost::asio::ip::address_v4::loopback(), 0});
+  bus::LineSettings line;
+  line.remote = bus::Endpoint{"127.0.0.1", server.local_endpoint().port()};
+  make_driver(line);
+  driver_->start();
+  ASSERT_TRUE(wait_for([&] { return opened_ == 1; }));
+  TestClient adapter(server.accept());
+  TestClient client(context_, address_);
+  ASSERT_TRUE(client.send(kRequest));
+  const std::string expected = frame_of(5, kRequestPdu);
+  EXPECT_EQ(receive(adapter, expected.size()), expected);
+  ASSERT_TRUE(adapter.send(frame_of(5, kAnswerPdu)));
+  EXPECT_EQ(receive(client, kAnswer.size()), kAnswer);
 }
 
 TEST_F(GatewayDriverTest, AnswersAClientThatHalfClosed) {

@@ -168,6 +168,21 @@ TEST_F(SerialLineTest, ThrowsAFrameAwayThatTheDriverDoesNotTakeInTime) {
   EXPECT_EQ(lost_[0], terminal.path() + ": the driver does not take a frame in time");
 }
 
+TEST_F(SerialLineTest, ReportsNothingOnceItWasClosedWhileOpening) {
+  const PseudoTerminal terminal;
+  make_line(terminal.path());
+  line_->open();
+  line_->close();
+  // The first opening may hold the line for a moment still, and the next one fails.
+  ASSERT_TRUE(wait_for([&] {
+    line_->open();
+    return opened_ > 0;
+  }));
+  EXPECT_EQ(opened_, 1);
+  ASSERT_TRUE(terminal.write(kFrame));
+  EXPECT_TRUE(wait_for([&] { return received_ == kFrameText; }));
+}
+
 TEST_F(SerialLineTest, DoesNotTransmitWhileClosed) {
   make_line("/dev/serial/by-id/absent");
   EXPECT_EQ(line_->transmit(kFrame), "/dev/serial/by-id/absent: the line is not open");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loopback sockets for tests: a listener on a port that the kernel chooses, and clients of it.
+// Loopback sockets for tests: a listener on a port that the kernel chooses, and the other ends of
+// connections.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -19,7 +20,7 @@ inline gateway::ListenerSettings loopback_listener() {
   return listener;
 }
 
-/// The client's end of a connection, blocking.
+/// The other end of a connection, blocking.
 class TestClient {
  public:
   TestClient(boost::asio::io_context& context, const boost::asio::ip::tcp::acceptor& server)
@@ -28,6 +29,7 @@ class TestClient {
       : socket_(context) {
     socket_.connect(server);
   }
+  explicit TestClient(boost::asio::ip::tcp::socket accepted) : socket_(std::move(accepted)) {}
 
   boost::asio::ip::tcp::socket& socket() { return socket_; }
   /// False if not all of it was sent.

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bus is attached to: a serial line, or a TCP connection in place of one. A line only tries:
+// when to open again is the machine's decision.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/job.hpp"
+#include "io/blocking_calls.hpp"
+#include "modbus/bytes.hpp"
+
+namespace mbgate::io {
+
+class LineEvents {
+ public:
+  virtual ~LineEvents() = default;
+  virtual void line_opened(drive::BusId bus, const std::vector<std::string>& warnings) = 0;
+  virtual void line_bytes(drive::BusId bus, modbus::Bytes bytes) = 0;
+  /// It could not be opened, or it died. `why` is one line that names the far end.
+  virtual void line_lost(drive::BusId bus, const std::string& why) = 0;
+};
+
+/// What the lines of one io thread share.
+struct LineContext {
+  boost::asio::io_context& io;
+  BlockingCalls& blocking;
+  LineEvents& events;
+};
+
+class Line {
+ public:
+  Line() = default;
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+  virtual ~Line() = default;
+
+  /// Ends in line_opened() or line_lost(), never from within. Ignored while the line is open or
+  /// being opened.
+  virtual void open() = 0;
+  /// One write of the whole frame, at once. What is not taken is written as soon as it is, within a
+  /// limit. Why the line is dead, or nothing; a dead line is closed already and line_lost() is not
+  /// called.
+  [[nodiscard]] virtual std::optional<std::string> transmit(modbus::Bytes frame) = 0;
+  /// Also ends an opening. Nothing is reported until the next open().
+  virtual void close() = 0;
+};
+
+}  // namespace mbgate::io
