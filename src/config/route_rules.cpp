@@ -3,6 +3,7 @@
 #include <array>
 
 #include "config/sections.hpp"
+#include "config/words.hpp"
 
 namespace mbgate::config {
 namespace {
@@ -16,10 +17,6 @@ using namespace std::chrono_literals;
 
 constexpr std::array kAccesses = {Word{"read-only", Access::read_only},
                                   Word{"read-write", Access::read_write}};
-constexpr std::array kTables = {
-    Word{"coils", Table::coils}, Word{"discrete", Table::discrete_inputs},
-    Word{"input", Table::input_registers}, Word{"holding", Table::holding_registers}};
-
 constexpr std::int64_t kTableSize = 65536;
 constexpr std::int64_t kDiagnostics = 8;
 

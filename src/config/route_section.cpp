@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where a route begins and where it leads; what it lets through is in route_rules.cpp.
 #include <array>
-#include <charconv>
 
 #include "config/sections.hpp"
 
@@ -17,49 +16,6 @@ constexpr std::array kBroadcastTargets = {Word{"all", true}};
 constexpr IntegerRange kUnits = {0, 255};
 constexpr IntegerRange kAddresses = {1, 247};  // Serial Line V1.02, 2.2
 
-std::optional<unsigned> parse_number(std::string_view text) {
-  unsigned number = 0;
-  const auto* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc{} && at == end ? std::optional(number) : std::nullopt;
-}
-
-/// "1-32"; `limits` bounds both ends.
-std::optional<UnitRange> parse_range(std::string_view text, IntegerRange limits) {
-  const auto dash = text.find('-');
-  if (dash == std::string_view::npos) {
-    return std::nullopt;
-  }
-  const auto first = parse_number(text.substr(0, dash));
-  const auto last = parse_number(text.substr(dash + 1));
-  if (!first || !last || *first > *last || *first < limits.min || *last > limits.max) {
-    return std::nullopt;
-  }
-  return UnitRange{static_cast<std::uint8_t>(*first), static_cast<std::uint8_t>(*last)};
-}
-
-/// An integer, or a range in a string.
-std::optional<UnitRange> read_range(TomlTable& table, std::string_view key, IntegerRange limits) {
-  const auto* found = table.value(key);
-  if (found == nullptr) {
-    return std::nullopt;
-  }
-  if (const auto* number = std::get_if<std::int64_t>(&found->data)) {
-    if (*number >= limits.min && *number <= limits.max) {
-      const auto unit = static_cast<std::uint8_t>(*number);
-      return UnitRange{unit, unit};
-    }
-  } else if (const auto* text = std::get_if<std::string>(&found->data)) {
-    if (const auto range = parse_range(*text, limits)) {
-      return range;
-    }
-  }
-  table.report_expected(key, *found,
-                        "an integer from " + std::to_string(limits.min) + " to " +
-                            std::to_string(limits.max) + " or a range such as \"1-32\"");
-  return std::nullopt;
-}
-
 void read_listener(Draft& draft, TomlTable& table, Route& route) {
   const auto listener = find_named(table, "listener", draft.settings.listeners);
   if (!listener) {
@@ -72,9 +28,9 @@ void read_listener(Draft& draft, TomlTable& table, Route& route) {
   }
 }
 
-std::optional<UnitRange> read_units(const Draft& draft, TomlTable& table, Route& route) {
+std::optional<UnitRange> read_unit(const Draft& draft, TomlTable& table, Route& route) {
   table.require("unit");
-  const auto units = read_range(table, "unit", kUnits);
+  const auto units = read_units(table, "unit", kUnits);
   if (!units) {
     return std::nullopt;
   }
@@ -119,7 +75,7 @@ void read_bus(Draft& draft, TomlTable& table, const UnitRange& units, Route& rou
     route.first_address = units.first;
     return;
   }
-  const auto addresses = read_range(table, "address", kAddresses);
+  const auto addresses = read_units(table, "address", kAddresses);
   if (!addresses) {
     return;
   }
@@ -187,7 +143,7 @@ void read_routes(Draft& draft) {
   for (auto table : draft.document.root().tables("route")) {
     Route route;
     read_listener(draft, table, route);
-    const auto units = read_units(draft, table, route);
+    const auto units = read_unit(draft, table, route);
     const bool broadcast = units && units->first == 0;
     accept_target_keys(table);
     if (broadcast) {

@@ -13,20 +13,10 @@
 
 #include "config/suggestion.hpp"
 #include "config/toml_reader.hpp"
+#include "config/unit_range.hpp"
 #include "gateway/settings.hpp"
 
 namespace mbgate::config {
-
-/// Units of a client or addresses of a bus, both ends included.
-struct UnitRange {
-  std::uint8_t first = 0;
-  std::uint8_t last = 0;
-  [[nodiscard]] int size() const { return last - first + 1; }
-  [[nodiscard]] bool contains(unsigned unit) const { return unit >= first && unit <= last; }
-  [[nodiscard]] bool overlaps(const UnitRange& other) const {
-    return first <= other.last && other.first <= last;
-  }
-};
 
 /// Settings in the making, and beside each entry the table it was read from.
 struct Draft {
