@@ -8,6 +8,7 @@ sim::WireSettings wire_for(const bus::BusSettings& bus) {
   sim::WireSettings wire;
   wire.baud = bus.line.baud;
   wire.format = bus.line.format;
+  wire.framing = bus.line.framing == bus::Framing::ascii ? sim::Framing::ascii : sim::Framing::rtu;
   wire.gap = bus.frame_gap;
   wire.echo = bus.line.echo;
   wire.frames_kept = 200'000;
@@ -28,23 +29,36 @@ gateway::Settings settings_for(const std::vector<BusPlan>& buses) {
   return settings;
 }
 
+std::vector<std::vector<sim::DeviceSettings>> devices_of(const std::vector<BusPlan>& buses) {
+  std::vector<std::vector<sim::DeviceSettings>> devices;
+  devices.reserve(buses.size());
+  for (const BusPlan& plan : buses) {
+    devices.push_back(plan.devices);
+  }
+  return devices;
+}
+
 }  // namespace
 
 World::World(const std::vector<BusPlan>& buses, OnAnswer on_answer)
-    : on_answer_(std::move(on_answer)), plugged_(buses.size(), true) {
-  for (const BusPlan& plan : buses) {
-    wires_.emplace_back(wire_for(plan.bus), plan.devices);
+    : World(settings_for(buses), devices_of(buses), std::move(on_answer)) {}
+
+World::World(const gateway::Settings& settings,
+             const std::vector<std::vector<sim::DeviceSettings>>& devices, OnAnswer on_answer)
+    : on_answer_(std::move(on_answer)) {
+  for (std::size_t bus = 0; bus < devices.size(); ++bus) {
+    wires_.emplace_back(wire_for(settings.buses[bus]), devices[bus]);
   }
-  gateway_.emplace(settings_for(buses), now_);
+  gateway_.emplace(settings, now_);
   drain();
 }
 
-ClientId World::connect(std::size_t bus, unsigned host) {
+ClientId World::connect(std::size_t listener, unsigned host) {
   const ClientId client{++clients_};
   const auto address = routing::ClientAddress::parse("10.0." + std::to_string(host / 250) + "." +
                                                      std::to_string(host % 250 + 1));
-  gateway_->handle_client_connected(client, {ListenerId{static_cast<std::uint32_t>(bus)}, *address},
-                                    now_);
+  gateway_->handle_client_connected(
+      client, {ListenerId{static_cast<std::uint32_t>(listener)}, *address}, now_);
   drain();
   return client;
 }

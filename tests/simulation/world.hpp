@@ -26,15 +26,18 @@ struct BusPlan {
   std::vector<sim::DeviceSettings> devices;
 };
 
-/// Settings with one transparent listener for each bus; wires that match them.
 class World {
  public:
   /// `on_answer` is called with every ADU that a client receives.
   using OnAnswer = std::function<void(ClientId, modbus::Bytes)>;
 
+  /// One transparent listener for each bus.
   World(const std::vector<BusPlan>& buses, OnAnswer on_answer);
+  /// The same with settings of the test's own; `devices` are those on each bus.
+  World(const gateway::Settings& settings,
+        const std::vector<std::vector<sim::DeviceSettings>>& devices, OnAnswer on_answer);
 
-  ClientId connect(std::size_t bus, unsigned host);
+  ClientId connect(std::size_t listener, unsigned host);
   void send(ClientId client, modbus::Bytes bytes);
   void half_close(ClientId client);
   void disconnect(ClientId client);
@@ -61,7 +64,6 @@ class World {
   OnAnswer on_answer_;
   Instant now_{1s};
   std::deque<sim::Wire> wires_;
-  std::vector<bool> plugged_;
   std::optional<gateway::Gateway> gateway_;
   std::map<ClientId, bool> closed_;
   std::uint64_t clients_ = 0;
