@@ -7,6 +7,8 @@ namespace {
 constexpr ExceptionByte kDeviceFailure = 0x04;
 constexpr ExceptionByte kDeviceBusy = 0x06;
 
+constexpr Duration kUsualProcessing = std::chrono::milliseconds(1);
+
 std::uint8_t next_address(std::uint8_t address) {
   return address < modbus::kMaxDeviceAddress ? static_cast<std::uint8_t>(address + 1)
                                              : std::uint8_t{1};
@@ -19,6 +21,13 @@ modbus::Pdu with_next_function(const modbus::Pdu& pdu) {
 }
 
 }  // namespace
+
+DeviceSettings with_processing(DeviceSettings settings, bool paced) {
+  if (!settings.processing) {
+    settings.processing = paced ? kUsualProcessing : Duration{0};
+  }
+  return settings;
+}
 
 Device::Device(const DeviceSettings& settings, Framing framing)
     : settings_(settings), framing_(framing), model_(make_model(settings)) {}
@@ -55,12 +64,12 @@ std::optional<Reply> Device::receive(const modbus::RtuAdu& adu, Instant end) {
   if (settings_.faults.silent || end < deaf_until_) {
     return std::nullopt;
   }
-  const bool broadcast = adu.address == broadcast_address();
-  if (!broadcast && adu.address != settings_.address) {
+  const bool addressed = adu.address == settings_.address;
+  if (!addressed && adu.address != broadcast_address()) {
     return std::nullopt;
   }
   ++heard_;
-  const Reaction reaction = broadcast ? hear_broadcast(adu.pdu) : react(adu, end < busy_until_);
+  const Reaction reaction = addressed ? react(adu, end < busy_until_) : hear_broadcast(adu.pdu);
   if (reaction.deaf_for > Duration{0}) {
     deaf_until_ = end + reaction.deaf_for;
   }

@@ -37,7 +37,7 @@ struct Faults {
 /// Names and meanings are those of the simulator's configuration.
 struct DeviceSettings {
   std::string name{};
-  std::uint8_t address = 1;  ///< 1 to 247
+  std::uint8_t address = 1;  ///< 1 to 247; on a TCP bus 0 to 255
   ModelKind model = ModelKind::moons;
   drive::WordOrder word_order = drive::WordOrder::big;  ///< MOONS' only
   MoonsSeries series = MoonsSeries::st;                 ///< MOONS' only
@@ -46,6 +46,9 @@ struct DeviceSettings {
   std::optional<Duration> processing{};  ///< default: 1 ms, on unpaced buses none
   Faults faults{};
 };
+
+/// The same with the usual processing time, where the settings state none.
+DeviceSettings with_processing(DeviceSettings settings, bool paced);
 
 /// When an answer begins.
 struct AnswerTime {

@@ -13,15 +13,22 @@ Duration framing_silence(const WireSettings& wire) {
   return std::max(kShortestSilence, modbus::RtuTiming(wire.baud, wire.format).t3_5());
 }
 
+// A serial device server has one client at a time: two would talk into each other's transactions.
+constexpr std::size_t kMostConnections = 1;
+
 }  // namespace
 
 LiveBus::LiveBus(const BusSettings& settings)
     : name_(settings.name),
       link_(settings.link),
+      address_(settings.listen),
       framer_(framing_silence(settings.wire)),
       wire_(settings.wire, settings.devices) {}
 
 std::optional<std::string> LiveBus::connect() {
+  if (address_) {
+    return listen();
+  }
   auto opened = Pty::open(link_);
   if (!opened) {
     return "bus " + name_ + ": " + opened.error();
@@ -30,14 +37,49 @@ std::optional<std::string> LiveBus::connect() {
   return std::nullopt;
 }
 
+std::optional<std::string> LiveBus::listen() {
+  auto opened = TcpPort::open(*address_, kMostConnections);
+  if (!opened) {
+    return "bus " + name_ + ": " + opened.error();
+  }
+  port_.emplace(*std::move(opened));
+  address_ = port_->address();
+  return std::nullopt;
+}
+
 void LiveBus::disconnect() {
   pty_.reset();
+  port_.reset();
   framer_.clear();
   wire_.disconnect();
 }
 
+std::vector<int> LiveBus::descriptors() const {
+  if (port_) {
+    return port_->descriptors();
+  }
+  return pty_ ? std::vector{pty_->descriptor()} : std::vector<int>{};
+}
+
+void LiveBus::release_exclusive() const {
+  if (pty_) {
+    pty_->release_exclusive();
+  }
+}
+
+std::vector<std::uint8_t> LiveBus::receive() {
+  std::vector<std::uint8_t> bytes;
+  if (pty_) {
+    return pty_->read();
+  }
+  for (const TcpPort::Received& received : port_->receive()) {
+    bytes.insert(bytes.end(), received.bytes.begin(), received.bytes.end());
+  }
+  return bytes;
+}
+
 void LiveBus::handle_readable(Instant now) {
-  const auto bytes = pty_->read();
+  const auto bytes = receive();
   // The end of an ASCII frame is seen on the wire itself.
   if (wire_.settings().framing == Framing::ascii) {
     wire_.transmit(bytes, now);
@@ -52,8 +94,13 @@ void LiveBus::handle_time(Instant now) {
     wire_.transmit(frame->bytes, frame->begin);
   }
   const auto bytes = wire_.advance(now);
-  if (pty_ && !bytes.empty()) {
+  if (bytes.empty()) {
+    return;
+  }
+  if (pty_) {
     pty_->write(bytes);
+  } else if (port_) {
+    port_->send(bytes);
   }
 }
 
@@ -62,6 +109,9 @@ std::optional<Instant> LiveBus::next_event() const {
 }
 
 std::string LiveBus::introduction() const {
+  if (address_) {
+    return "bus " + name_ + ' ' + address_->text();
+  }
   return "bus " + name_ + ' ' + link_.string() + " (" + (pty_ ? pty_->path() : "closed") + ')';
 }
 

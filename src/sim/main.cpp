@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mbgate-sim: virtual RS-485 buses with drives on them, each on a pty. Exit status 0 stopped or
-// valid, 1 the system refused something, 64 wrong usage, 78 the configuration is wrong.
+// mbgate-sim: virtual RS-485 buses with drives on them, each on a pty or a TCP port. Exit status 0
+// stopped or valid, 1 the system refused something, 64 wrong usage, 78 the configuration is wrong.
 #include <sysexits.h>
 
 #include <CLI/CLI.hpp>
@@ -12,13 +12,14 @@
 namespace {
 
 constexpr auto kFooter = R"text(
-When the buses are ready, one line each is printed, "bus NAME LINK (/dev/pts/N)", then "ready".
+When the buses are ready, one line each is printed, "bus NAME LINK (/dev/pts/N)" or
+"bus NAME ADDRESS:PORT", then "ready".
 
 Signals:
   SIGTERM, SIGINT  print the counters, remove the links and end
   SIGUSR1          print the counters of each bus
-  SIGUSR2          close all ptys, as if the adapters were pulled out, and make them again after
-                   `reopen_after` (default 1s); the drives keep their state
+  SIGUSR2          close all ptys and sockets, as if adapters and cables were pulled out, and make them
+                   again after `reopen_after` (default 1s); the drives keep their state
 )text";
 
 }  // namespace

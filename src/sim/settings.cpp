@@ -19,7 +19,8 @@ using namespace std::chrono_literals;
 
 constexpr std::array kParities = {Word{"none", Parity::none}, Word{"even", Parity::even},
                                   Word{"odd", Parity::odd}};
-constexpr std::array kModes = {Word{"rtu", Framing::rtu}, Word{"ascii", Framing::ascii}};
+constexpr std::array kModes = {Word{"rtu", BusMode::rtu}, Word{"ascii", BusMode::ascii},
+                               Word{"tcp", BusMode::tcp}};
 constexpr std::array kModels = {Word{"moons", ModelKind::moons},
                                 Word{"stepper", ModelKind::stepper}, Word{"aic", ModelKind::aic},
                                 Word{"fda6000", ModelKind::fda6000}};
@@ -50,9 +51,9 @@ void check_unique(TomlTable& table, const std::vector<Named>& earlier, const std
 
 // Serial Line V1.02: a character of RTU has 8 data bits (2.5.1), one of ASCII 7 (2.5.2); some
 // devices take 8 for ASCII too.
-void read_framing(TomlTable& table, WireSettings& wire) {
-  config::assign(wire.framing, table.word<Framing>("mode", kModes));
-  const bool ascii = wire.framing == Framing::ascii;
+void read_framing(TomlTable& table, BusMode mode, WireSettings& wire) {
+  const bool ascii = mode == BusMode::ascii;
+  wire.framing = ascii ? Framing::ascii : Framing::rtu;
   wire.format.data_bits = ascii ? 7 : 8;
   config::assign(wire.format.data_bits, table.integer("data_bits", {7, 8}));
   if (!ascii && wire.format.data_bits != 8) {
@@ -66,12 +67,10 @@ void read_framing(TomlTable& table, WireSettings& wire) {
 void read_wire(TomlTable& table, WireSettings& wire) {
   config::assign(wire.baud, table.integer("baud", {1, std::numeric_limits<std::uint32_t>::max()}));
   config::assign(wire.format.parity, table.word<Parity>("parity", kParities));
-  read_framing(table, wire);
   config::assign(wire.format.stop_bits, table.integer("stop_bits", {1, 2}));
   config::assign(wire.adapter_latency, table.duration("adapter_latency", {0s, 1s}));
   wire.gap = table.duration("gap", {0s, 1s});
   config::assign(wire.echo, table.boolean("echo"));
-  config::assign(wire.paced, table.boolean("paced"));
   wire.clocking = Clocking::real_time;
 }
 
@@ -115,35 +114,93 @@ void read_times(TomlTable& table, DeviceSettings& device) {
   }
 }
 
-DeviceSettings read_device(TomlTable& table) {
+// On Ethernet a drive is the only one behind its address, so its unit identifier need not be given.
+void read_unit(TomlTable& table, BusMode mode, std::uint8_t& address) {
+  if (mode == BusMode::tcp) {
+    address = 255;
+    config::assign(address, table.integer("address", {0, 255}));
+    return;
+  }
+  table.require("address");
+  config::assign(address, table.integer("address", {1, modbus::kMaxDeviceAddress}));
+}
+
+DeviceSettings read_device(TomlTable& table, BusMode mode) {
   DeviceSettings device;
   device.name = read_name(table);
-  table.require("address");
-  config::assign(device.address, table.integer("address", {1, modbus::kMaxDeviceAddress}));
+  read_unit(table, mode, device.address);
   read_model(table, device);
   read_times(table, device);
   read_faults(table, device.faults);
+  if (mode == BusMode::tcp && device.faults.bad_crc) {
+    table.error("faults", "what a \"tcp\" bus carries has no CRC to be bad");
+  }
   return device;
+}
+
+void read_link(TomlTable& table, const std::vector<BusSettings>& buses, BusSettings& bus) {
+  table.require("link");
+  bus.link = table.string("link").value_or("");
+  if (bus.link.empty() && table.has("link")) {
+    table.error("link", "expected the path of the link to make");
+  }
+  const bool taken = std::ranges::any_of(
+      buses, [&bus](const BusSettings& other) { return other.link == bus.link; });
+  if (taken && !bus.link.empty()) {
+    table.error("link", '"' + bus.link.string() + "\" is taken already");
+  }
+}
+
+void read_listen(TomlTable& table, const std::vector<BusSettings>& buses, BusSettings& bus) {
+  if (table.has("link")) {
+    table.error("link", "a bus that listens has no link");
+  }
+  const auto text = table.string("listen");
+  bus.listen = text ? ListenAddress::parse(*text) : ListenAddress{};
+  if (!bus.listen) {
+    table.report_expected("listen", *table.value("listen"),
+                          R"(an IPv4 address and a port, such as "127.0.0.1:0")");
+    return;
+  }
+  const bool taken = std::ranges::any_of(
+      buses, [&bus](const BusSettings& other) { return other.listen == bus.listen; });
+  if (taken && bus.listen->port != 0) {
+    table.error("listen", '"' + bus.listen->text() + "\" is taken already");
+  }
+}
+
+void refuse_wire(TomlTable& table) {
+  for (const std::string_view key :
+       {"baud", "parity", "data_bits", "stop_bits", "adapter_latency", "gap", "echo"}) {
+    if (table.has(key)) {
+      table.error(key, "a \"tcp\" bus is no serial line");
+    }
+  }
+}
+
+BusSettings read_bus(TomlTable& table, const std::vector<BusSettings>& buses) {
+  BusSettings bus{.name = read_name(table)};
+  check_unique(table, buses, bus.name);
+  config::assign(bus.mode, table.word<BusMode>("mode", kModes));
+  if (bus.mode == BusMode::tcp || table.has("listen")) {
+    read_listen(table, buses, bus);
+  } else {
+    read_link(table, buses, bus);
+  }
+  config::assign(bus.wire.paced, table.boolean("paced"));
+  if (bus.mode == BusMode::tcp) {
+    refuse_wire(table);
+  } else {
+    read_framing(table, bus.mode, bus.wire);
+    read_wire(table, bus.wire);
+  }
+  return bus;
 }
 
 std::vector<BusSettings> read_buses(TomlTable root) {
   std::vector<BusSettings> buses;
   for (TomlTable table : root.tables("bus")) {
-    BusSettings bus;
-    bus.name = read_name(table);
-    check_unique(table, buses, bus.name);
-    table.require("link");
-    bus.link = table.string("link").value_or("");
-    if (bus.link.empty() && table.has("link")) {
-      table.error("link", "expected the path of the link to make");
-    }
-    const bool taken = std::ranges::any_of(
-        buses, [&bus](const BusSettings& other) { return other.link == bus.link; });
-    if (taken && !bus.link.empty()) {
-      table.error("link", '"' + bus.link.string() + "\" is taken already");
-    }
-    read_wire(table, bus.wire);
-    buses.push_back(std::move(bus));
+    buses.push_back(read_bus(table, buses));
   }
   if (buses.empty()) {
     root.document().error({}, "there is no [[bus]]: nothing to simulate");
@@ -151,25 +208,43 @@ std::vector<BusSettings> read_buses(TomlTable root) {
   return buses;
 }
 
-void place_device(TomlTable& table, const DeviceSettings& device, std::vector<BusSettings>& buses) {
+/// The bus that a device is on, nullptr if there is none.
+BusSettings* find_bus(TomlTable& table, std::vector<BusSettings>& buses) {
   table.require("bus");
   const auto name = table.string("bus");
-  const auto bus = std::ranges::find_if(
-      buses, [&name](const BusSettings& candidate) { return name && candidate.name == *name; });
-  if (bus == buses.end()) {
-    if (name) {
-      table.error("bus", "there is no bus \"" + *name + '"');
-    }
-    return;
+  if (!name) {
+    return nullptr;
   }
-  const bool taken = std::ranges::any_of(bus->devices, [&device](const DeviceSettings& other) {
+  const auto bus = std::ranges::find(buses, *name, &BusSettings::name);
+  if (bus == buses.end()) {
+    table.error("bus", "there is no bus \"" + *name + '"');
+    return nullptr;
+  }
+  return &*bus;
+}
+
+void place_device(TomlTable& table, const DeviceSettings& device, BusSettings& bus) {
+  const bool taken = std::ranges::any_of(bus.devices, [&device](const DeviceSettings& other) {
     return other.address == device.address;
   });
-  if (taken && table.has("address")) {
+  if (taken && (table.has("address") || bus.mode == BusMode::tcp)) {
     table.error("address",
-                std::to_string(device.address) + " is taken already on bus \"" + bus->name + '"');
+                std::to_string(device.address) + " is taken already on bus \"" + bus.name + '"');
   }
-  bus->devices.push_back(device);
+  bus.devices.push_back(device);
+}
+
+void read_devices(TomlTable root, std::vector<BusSettings>& buses) {
+  std::vector<DeviceSettings> devices;
+  for (TomlTable table : root.tables("device")) {
+    BusSettings* const bus = find_bus(table, buses);
+    const DeviceSettings device = read_device(table, bus != nullptr ? bus->mode : BusMode::rtu);
+    check_unique(table, devices, device.name);
+    devices.push_back(device);
+    if (bus != nullptr) {
+      place_device(table, device, *bus);
+    }
+  }
 }
 
 Loaded read(TomlDocument document) {
@@ -178,13 +253,7 @@ Loaded read(TomlDocument document) {
     TomlTable root = document.root();
     config::assign(settings.reopen_after, root.duration("reopen_after", {0s, 1h}));
     settings.buses = read_buses(root);
-    std::vector<DeviceSettings> devices;
-    for (TomlTable table : root.tables("device")) {
-      const DeviceSettings device = read_device(table);
-      check_unique(table, devices, device.name);
-      devices.push_back(device);
-      place_device(table, device, settings.buses);
-    }
+    read_devices(root, settings.buses);
   }
   Loaded loaded{std::nullopt, document.finish()};
   if (!config::has_errors(loaded.diagnostics)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the simulator is told: its buses, what they are linked to and which drives are on them.
+// What the simulator is told: its buses, where they are to be found and which drives are on them.
 #pragma once
 
 #include <filesystem>
@@ -8,20 +8,31 @@
 #include <vector>
 
 #include "config/diagnostic.hpp"
+#include "sim/listen_address.hpp"
 #include "sim/wire.hpp"
 
 namespace mbgate::sim {
 
+enum class BusMode : std::uint8_t {
+  rtu,
+  ascii,
+  tcp  ///< drives on Ethernet: no wire
+};
+
 /// Names and meanings are those of conf/demo-sim.toml.
 struct BusSettings {
   std::string name;
-  std::filesystem::path link;  ///< symbolic link to the pty, made and removed by the simulator
-  WireSettings wire;
-  std::vector<DeviceSettings> devices;
+  BusMode mode = BusMode::rtu;
+  /// Symbolic link to the pty, made and removed by the simulator.
+  std::filesystem::path link{};
+  /// Where it listens: a TCP bus always, others instead of the link.
+  std::optional<ListenAddress> listen{};
+  WireSettings wire{};
+  std::vector<DeviceSettings> devices{};
 };
 
 struct Settings {
-  /// How long the ptys stay away after SIGUSR2.
+  /// How long ptys and sockets stay away after SIGUSR2.
   Duration reopen_after = std::chrono::seconds(1);
   std::vector<BusSettings> buses;
 };

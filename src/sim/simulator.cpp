@@ -33,7 +33,11 @@ sigset_t handled_signals() {
 Simulator::Simulator(const Settings& settings, std::ostream& output, std::ostream& errors)
     : reopen_after_(settings.reopen_after), output_(output), errors_(errors) {
   for (const BusSettings& bus : settings.buses) {
-    buses_.emplace_back(bus);
+    if (bus.mode == BusMode::tcp) {
+      buses_.emplace_back(std::in_place_type<LiveTcpBus>, bus);
+    } else {
+      buses_.emplace_back(std::in_place_type<LiveBus>, bus);
+    }
   }
 }
 
@@ -63,13 +67,14 @@ bool Simulator::prepare() {
 }
 
 bool Simulator::connect() {
-  for (LiveBus& bus : buses_) {
-    if (const auto error = bus.connect()) {
+  for (AnyBus& any : buses_) {
+    const auto error = std::visit([](auto& bus) { return bus.connect(); }, any);
+    if (error) {
       errors_ << "mbgate-sim: " << *error << '\n';
       failed_ = true;
       return false;
     }
-    output_ << bus.introduction() << '\n';
+    output_ << std::visit([](const auto& bus) { return bus.introduction(); }, any) << '\n';
   }
   output_ << "ready\n" << std::flush;
   connected_ = true;
@@ -77,8 +82,8 @@ bool Simulator::connect() {
 }
 
 void Simulator::disconnect() {
-  for (LiveBus& bus : buses_) {
-    bus.disconnect();
+  for (AnyBus& any : buses_) {
+    std::visit([](auto& bus) { bus.disconnect(); }, any);
   }
   connected_ = false;
 }
@@ -91,8 +96,8 @@ void Simulator::serve_once() {
     reopen_at_.reset();
     connect();
   }
-  for (LiveBus& bus : buses_) {
-    bus.handle_time(instant);
+  for (AnyBus& any : buses_) {
+    std::visit([instant](auto& bus) { bus.handle_time(instant); }, any);
   }
   if (instant >= release_at_) {
     release_exclusive();
@@ -101,10 +106,8 @@ void Simulator::serve_once() {
 }
 
 void Simulator::release_exclusive() {
-  for (const LiveBus& bus : buses_) {
-    if (bus.pty() != nullptr) {
-      bus.pty()->release_exclusive();
-    }
+  for (const AnyBus& any : buses_) {
+    std::visit([](const auto& bus) { bus.release_exclusive(); }, any);
   }
 }
 
@@ -125,23 +128,31 @@ void Simulator::arm_timer() {
 
 void Simulator::wait() {
   std::vector<pollfd> waiting{{signals_.get(), POLLIN, 0}, {timer_.get(), POLLIN, 0}};
-  for (const LiveBus& bus : buses_) {
-    waiting.push_back({bus.pty() != nullptr ? bus.pty()->descriptor() : -1, POLLIN, 0});
+  std::vector<AnyBus*> owners{nullptr, nullptr};
+  for (AnyBus& any : buses_) {
+    for (const int descriptor : std::visit([](auto& bus) { return bus.descriptors(); }, any)) {
+      waiting.push_back({descriptor, POLLIN, 0});
+      owners.push_back(&any);
+    }
   }
   ::poll(waiting.data(), waiting.size(), kExclusiveCheck.count());
   if ((waiting[1].revents & POLLIN) != 0) {
-    std::uint64_t expirations = 0;
-    if (::read(timer_.get(), &expirations, sizeof expirations) > 0) {
-      armed_for_.reset();
-    }
+    handle_timer();
   }
-  for (std::size_t i = 0; i < buses_.size(); ++i) {
-    if ((waiting[i + 2].revents & POLLIN) != 0) {
-      buses_[i].handle_readable(now());
+  for (std::size_t i = 2; i < waiting.size(); ++i) {
+    if (waiting[i].revents != 0) {
+      std::visit([](auto& bus) { bus.handle_readable(now()); }, *owners[i]);
     }
   }
   if ((waiting[0].revents & POLLIN) != 0) {
     handle_signal();
+  }
+}
+
+void Simulator::handle_timer() {
+  std::uint64_t expirations = 0;
+  if (::read(timer_.get(), &expirations, sizeof expirations) > 0) {
+    armed_for_.reset();
   }
 }
 
@@ -160,16 +171,16 @@ void Simulator::handle_signal() {
 }
 
 void Simulator::print_counters() {
-  for (const LiveBus& bus : buses_) {
-    output_ << bus.counters_text() << '\n';
+  for (const AnyBus& any : buses_) {
+    output_ << std::visit([](const auto& bus) { return bus.counters_text(); }, any) << '\n';
   }
   output_ << std::flush;
 }
 
 std::optional<Instant> Simulator::next_event() const {
   std::optional<Instant> next = reopen_at_;
-  for (const LiveBus& bus : buses_) {
-    next = bus::earlier(next, bus.next_event());
+  for (const AnyBus& any : buses_) {
+    next = bus::earlier(next, std::visit([](const auto& bus) { return bus.next_event(); }, any));
   }
   return next;
 }

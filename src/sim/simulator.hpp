@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The simulator's process: buses on ptys, one thread, one precise timer, signals as input.
+// The simulator's process: buses on ptys and sockets, one thread, one precise timer, signals as
+// input.
 #pragma once
 
 #include <iosfwd>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "sim/file_descriptor.hpp"
 #include "sim/live_bus.hpp"
+#include "sim/live_tcp_bus.hpp"
 #include "sim/settings.hpp"
 
 namespace mbgate::sim {
@@ -17,11 +20,14 @@ class Simulator {
   /// Ready lines and counters go to `output`, errors to `errors`.
   Simulator(const Settings& settings, std::ostream& output, std::ostream& errors);
 
-  /// Serves until SIGTERM or SIGINT; SIGUSR1 prints the counters, SIGUSR2 takes the ptys away for a
-  /// while. The exit status: 0, or 1 if a pty, a link or the system fails.
+  /// Serves until SIGTERM or SIGINT; SIGUSR1 prints the counters, SIGUSR2 takes the ptys and
+  /// sockets away for a while. The exit status: 0, or 1 if a pty, a link, a port or the system
+  /// fails.
   int run();
 
  private:
+  using AnyBus = std::variant<LiveBus, LiveTcpBus>;
+
   bool prepare();
   bool connect();
   void disconnect();
@@ -32,9 +38,10 @@ class Simulator {
   [[nodiscard]] std::optional<Instant> next_event() const;
   void arm_timer();
   void wait();
+  void handle_timer();
 
   Duration reopen_after_;
-  std::vector<LiveBus> buses_;
+  std::vector<AnyBus> buses_;
   std::ostream& output_;
   std::ostream& errors_;
   FileDescriptor signals_;

@@ -7,16 +7,11 @@
 namespace mbgate::sim {
 namespace {
 
-constexpr Duration kUsualProcessing = std::chrono::milliseconds(1);
-
 std::vector<Device> make_devices(const std::vector<DeviceSettings>& drives,
                                  const WireSettings& wire) {
   std::vector<Device> devices;
-  for (DeviceSettings device : drives) {
-    if (!device.processing) {
-      device.processing = wire.paced ? kUsualProcessing : Duration{0};
-    }
-    devices.emplace_back(device, wire.framing);
+  for (const DeviceSettings& device : drives) {
+    devices.emplace_back(with_processing(device, wire.paced), wire.framing);
   }
   return devices;
 }

@@ -171,6 +171,7 @@ data_bits = 8
 )");
   EXPECT_EQ(config::render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->buses[0].mode, sim::BusMode::ascii);
   EXPECT_EQ(loaded.settings->buses[0].wire.framing, sim::Framing::ascii);
   EXPECT_EQ(loaded.settings->buses[0].wire.format.data_bits, 7U);
   EXPECT_EQ(loaded.settings->buses[1].wire.format.data_bits, 8U);
@@ -194,6 +195,84 @@ sim.toml:9:7: error: gap: an ASCII bus needs no silence between frames
 gap = "1ms"
       ^
 )");
+}
+
+TEST(SimulatorSettings, ReadsBusesThatListen) {
+  const auto loaded = sim::load_settings_text("sim.toml", R"([[bus]]
+name = "cell"
+mode = "tcp"
+[[bus]]
+name = "far"
+listen = "0.0.0.0:4001"
+baud = 9600
+[[device]]
+name = "x"
+bus = "cell"
+model = "moons"
+[[device]]
+name = "y"
+bus = "cell"
+address = 0
+model = "moons"
+)");
+  EXPECT_EQ(config::render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  const auto& buses = loaded.settings->buses;
+  EXPECT_EQ(buses[0].mode, sim::BusMode::tcp);
+  EXPECT_EQ(buses[0].listen, (sim::ListenAddress{"127.0.0.1", 0}));
+  EXPECT_EQ(buses[0].devices[0].address, 255);
+  EXPECT_EQ(buses[0].devices[1].address, 0);
+  EXPECT_EQ(buses[1].mode, sim::BusMode::rtu);
+  EXPECT_EQ(buses[1].listen, (sim::ListenAddress{"0.0.0.0", 4001}));
+}
+
+TEST(SimulatorSettings, RefusesWhatABusThatListensCannotHave) {
+  EXPECT_EQ(errors_of(R"([[bus]]
+name = "a"
+mode = "tcp"
+link = "a"
+baud = 9600
+[[bus]]
+name = "b"
+listen = "localhost:1"
+[[device]]
+name = "x"
+bus = "a"
+address = 256
+model = "moons"
+faults = { bad_crc = true }
+[[device]]
+name = "y"
+bus = "a"
+model = "moons"
+)"),
+            R"(sim.toml:4:8: error: link: a bus that listens has no link
+link = "a"
+       ^
+sim.toml:5:8: error: baud: a "tcp" bus is no serial line
+baud = 9600
+       ^
+sim.toml:8:10: error: listen: expected an IPv4 address and a port, such as "127.0.0.1:0", found "localhost:1"
+listen = "localhost:1"
+         ^
+sim.toml:12:11: error: address: expected an integer from 0 to 255, found 256
+address = 256
+          ^
+sim.toml:14:10: error: faults: what a "tcp" bus carries has no CRC to be bad
+faults = { bad_crc = true }
+         ^
+sim.toml:15:1: error: address: 255 is taken already on bus "a"
+[[device]]
+^
+)");
+}
+
+TEST(SimulatorSettings, KnowsWhatIsAnAddressToListenAt) {
+  for (const auto* const wrong : {"", ":", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536",
+                                  "127.0.0.1:1x", "127.0.0:1", "::1:502"}) {
+    EXPECT_FALSE(sim::ListenAddress::parse(wrong)) << wrong;
+  }
+  EXPECT_EQ(sim::ListenAddress::parse("127.0.0.1:65535")->text(), "127.0.0.1:65535");
 }
 
 }  // namespace
