@@ -1,103 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tcp_line.hpp"
 
-#include <gtest/gtest.h>
-#include <poll.h>
-#include <sys/socket.h>
-
 #include <boost/asio/write.hpp>
-#include <list>
 
-#include "run_until.hpp"
+#include "tcp_line_rig.hpp"
 
 namespace mbgate::io {
 namespace {
-
-using boost::asio::ip::tcp;
-
-const std::array<std::uint8_t, 4> kFrame{1, 2, 3, 4};
-const std::string kFrameText{1, 2, 3, 4};
-/// More than the kernel holds for a far end that does not read.
-const std::vector<std::uint8_t> kHugeFrame(1024 * 1024, 0x55);
-
-/// The far end: its connections are taken when the test wants it.
-class FarEnd {
- public:
-  explicit FarEnd(boost::asio::io_context& context, int backlog = 16) : acceptor_(context) {
-    acceptor_.open(tcp::v4());
-    acceptor_.set_option(tcp::acceptor::reuse_address(true));
-    acceptor_.bind({boost::asio::ip::address_v4::loopback(), 0});
-    acceptor_.listen(backlog);
-    port_ = acceptor_.local_endpoint().port();
-  }
-
-  [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// Waits for a connection that the line makes.
-  tcp::socket& accept() { return peers_.emplace_back(acceptor_.accept()); }
-  [[nodiscard]] bool has_waiting() {
-    pollfd watched{acceptor_.native_handle(), POLLIN, 0};
-    return ::poll(&watched, 1, 0) > 0;
-  }
-  void stop_listening() { acceptor_.close(); }
-
- private:
-  tcp::acceptor acceptor_;
-  std::list<tcp::socket> peers_;
-  std::uint16_t port_ = 0;
-};
-
-/// What has come, without waiting.
-std::string receive(tcp::socket& peer) {
-  std::string bytes(65536, '\0');
-  const ssize_t count = ::recv(peer.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-  bytes.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
-  return bytes;
-}
-
-/// Did the far end see a reset? Everything that came before it is thrown away.
-bool was_reset(tcp::socket& peer) {
-  std::array<char, 65536> buffer{};
-  ssize_t count = 0;
-  do {
-    count = ::recv(peer.native_handle(), buffer.data(), buffer.size(), MSG_DONTWAIT);
-  } while (count > 0);
-  return count < 0 && errno == ECONNRESET;
-}
-
-class TcpLineTest : public testing::Test, public LineEvents {
- protected:
-  void line_opened(drive::BusId /*bus*/, const std::vector<std::string>& warnings) override {
-    ++opened_;
-    warnings_ = warnings;
-  }
-  void line_bytes(drive::BusId /*bus*/, modbus::Bytes bytes) override {
-    received_.append(bytes.begin(), bytes.end());
-  }
-  void line_lost(drive::BusId /*bus*/, const std::string& why) override { lost_.push_back(why); }
-
-  void make_line(const std::string& host, std::uint16_t port) {
-    line_.emplace(LineContext{context_, blocking_, *this}, drive::BusId{0},
-                  bus::Endpoint{host, port});
-  }
-  bool wait_for(const std::function<bool()>& happened) { return run_until(context_, happened); }
-  /// The far end of a line that has been opened.
-  tcp::socket* connect(FarEnd& far) {
-    const int before = opened_;
-    line_->open();
-    return wait_for([&] { return opened_ > before; }) ? &far.accept() : nullptr;
-  }
-  static std::string name_of(std::uint16_t port) {
-    return "tcp://127.0.0.1:" + std::to_string(port);
-  }
-
-  boost::asio::io_context context_;
-  BlockingCalls blocking_{context_};
-  std::optional<TcpLine> line_;
-  int opened_ = 0;
-  std::vector<std::string> warnings_;
-  std::vector<std::string> lost_;
-  std::string received_;
-};
 
 TEST_F(TcpLineTest, CarriesBytesBothWays) {
   FarEnd far(context_);
@@ -284,58 +193,6 @@ TEST_F(TcpLineTest, ForgetsANameLookedUpForNobody) {
   EXPECT_EQ(opened_, 1);
   EXPECT_TRUE(lost_.empty());
   EXPECT_FALSE(far.has_waiting());
-}
-
-TEST_F(TcpLineTest, WritesTheRestAsSoonAsTheFarEndReads) {
-  FarEnd far(context_);
-  make_line("127.0.0.1", far.port());
-  tcp::socket* const peer = connect(far);
-  ASSERT_NE(peer, nullptr);
-  ASSERT_EQ(line_->transmit(kHugeFrame), std::nullopt);
-  std::size_t transmitted = 0;
-  ASSERT_TRUE(wait_for([&] {
-    transmitted += receive(*peer).size();
-    return transmitted >= kHugeFrame.size();
-  }));
-  EXPECT_EQ(transmitted, kHugeFrame.size());
-  EXPECT_EQ(line_->transmit(kFrame), std::nullopt);
-  EXPECT_TRUE(wait_for([&] { return receive(*peer) == kFrameText; }));
-  EXPECT_TRUE(lost_.empty());
-}
-
-TEST_F(TcpLineTest, ThrowsAFrameAwayThatIsNotTakenInTime) {
-  FarEnd far(context_);
-  make_line("127.0.0.1", far.port());
-  tcp::socket* const peer = connect(far);
-  ASSERT_NE(peer, nullptr);
-  ASSERT_EQ(line_->transmit(kHugeFrame), std::nullopt);
-  ASSERT_TRUE(wait_for([&] { return !lost_.empty(); }));
-  EXPECT_EQ(lost_, std::vector<std::string>{name_of(far.port()) +
-                                            ": the far end does not take a frame in time"});
-  EXPECT_TRUE(was_reset(*peer));
-}
-
-TEST_F(TcpLineTest, TransmitsNothingBehindAFrameThatIsStuck) {
-  FarEnd far(context_);
-  make_line("127.0.0.1", far.port());
-  tcp::socket* const peer = connect(far);
-  ASSERT_NE(peer, nullptr);
-  ASSERT_EQ(line_->transmit(kHugeFrame), std::nullopt);
-  EXPECT_EQ(line_->transmit(kFrame),
-            name_of(far.port()) + ": the far end has not taken the frame before");
-  context_.poll();
-  EXPECT_TRUE(lost_.empty());
-  EXPECT_TRUE(was_reset(*peer));
-}
-
-TEST_F(TcpLineTest, DoesNotTransmitWhileClosed) {
-  make_line("127.0.0.1", 502);
-  EXPECT_EQ(line_->transmit(kFrame), "tcp://127.0.0.1:502: the connection is not open");
-}
-
-TEST(HostAddresses, AreNamedAsInAUrl) {
-  EXPECT_EQ(to_text(bus::Endpoint{"drive.plant", 502}), "tcp://drive.plant:502");
-  EXPECT_EQ(to_text(bus::Endpoint{"::1", 4001}), "tcp://[::1]:4001");
 }
 
 }  // namespace
