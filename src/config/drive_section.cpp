@@ -60,7 +60,7 @@ void read_writing(Draft& draft, TomlTable& table, drive::Device& device) {
     table.error("write_function",
                 in_quotes(profile.name) + " has no function " + std::to_string(*function));
   }
-  device.write_function = function ? function : profile.write_function;
+  device.write_function = function;  // a maker's preference alone changes no request
   assign(device.split_values, table.boolean("split_values"));
   assign(device.split_writes, table.boolean("split_writes"));
   assign(device.allow_reconfigure, table.boolean("allow_reconfigure"));

@@ -58,6 +58,7 @@ void read_functions(TomlTable& table, Route& route, bool broadcast) {
     table.error("functions", "an empty list lets nothing through");
   }
   route.functions = rules;
+  route.functions_named = true;
 }
 
 /// One side of a window; the last address must exist.

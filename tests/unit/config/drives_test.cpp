@@ -74,7 +74,7 @@ TEST_F(Drives, HaveTheirProfilesAndWhatTheirUserStates) {
 TEST_F(Drives, TakeDefaultsFromTheirProfiles) {
   const auto& feeder = settings.devices.at(1);
   EXPECT_EQ(feeder.word_order, drive::WordOrder::little);
-  EXPECT_EQ(feeder.write_function, 16);
+  EXPECT_EQ(feeder.write_function, std::nullopt);  // the maker prefers 16
   EXPECT_EQ(feeder.timing.response_wait, 1ms);
   EXPECT_FALSE(feeder.split_values || feeder.split_writes || feeder.verify_word_order ||
                feeder.allow_reconfigure);
