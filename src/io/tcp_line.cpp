@@ -213,7 +213,7 @@ std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
   }
   const auto count = try_send(socket_, frame);
   if (!count) {
-    const std::string why = name_ + ": cannot send: " + text_of(errno);
+    std::string why = name_ + ": cannot send: " + text_of(errno);
     close();
     return why;
   }

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+// Buses that are TCP connections: mbgated in front of a Modbus TCP server by libmodbus, and in
+// front of another mbgated.
+#include <gmock/gmock.h>
+
+#include <set>
+#include <thread>
+
+#include "integration/far_server.hpp"
+#include "integration/plant.hpp"
+
+namespace mbgate::test {
+namespace {
+
+constexpr unsigned kUnit = 1;
+/// Register 10 of the far server.
+constexpr auto kRead = "03 000A 0001";
+
+/// The answer without its transaction identifier; "" if there is none.
+std::string pdu_of(const std::optional<ByteString>& answer) {
+  return answer && answer->size() > 7 ? text_of({answer->begin() + 7, answer->end()}) : "";
+}
+
+std::string ask(TcpClient& client, std::string_view pdu, unsigned unit = kUnit) {
+  client.send(request(0x1234, unit, pdu));
+  return pdu_of(client.receive());
+}
+
+// Asks until the answer is no exception any more: the connection is there. Bounded by tries.
+bool serves(TcpClient& client) {
+  for (int attempt = 0; attempt < 400; ++attempt) {
+    const std::string answer = ask(client, kRead);
+    if (answer.empty() || !answer.starts_with('8')) {
+      return !answer.empty();
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(25));
+  }
+  return false;
+}
+
+/// A gateway with one bus: the listener "far" is bound to it, and unit 5 of the listener "routed"
+/// is the one device on it.
+class NearGateway {
+ public:
+  NearGateway(std::uint16_t far_port, const std::string& keys)
+      : gateway_("mbgated", {"--config", config(far_port, keys).string()}, {folder_.path(), {}}),
+        port_(gateway_.port_of("far")),
+        routed_port_(gateway_.port_of("routed")) {
+    TcpClient client(port_);
+    EXPECT_TRUE(serves(client)) << gateway_.output();
+  }
+
+  [[nodiscard]] TcpClient client() const { return TcpClient(port_); }
+  [[nodiscard]] TcpClient routed_client() const { return TcpClient(routed_port_); }
+  Process& process() { return gateway_; }
+
+ private:
+  [[nodiscard]] std::filesystem::path config(std::uint16_t far_port,
+                                             const std::string& keys) const {
+    return folder_.write("mbgate.toml",
+                         "[[listen]]\nname = \"far\"\nport = 0\nbus = \"far\"\n"
+                         "[[listen]]\nname = \"routed\"\nport = 0\n"
+                         "[[bus]]\nname = \"far\"\nmode = \"tcp\"\nhost = \"127.0.0.1\"\nport = " +
+                             std::to_string(far_port) + "\nretries = 0\n" + keys +
+                             "\n[[device]]\nname = \"drive\"\nbus = \"far\"\n"
+                             "[[route]]\nlisten = \"routed\"\nunit = 5\ndevice = \"drive\"\n");
+  }
+
+  TemporaryFolder folder_;
+  Process gateway_;
+  std::uint16_t port_;
+  std::uint16_t routed_port_;
+};
+
+constexpr auto kPatient = "response_timeout = \"10s\"";
+constexpr auto kPatientWithFour = "response_timeout = \"10s\"\noutstanding = 4";
+constexpr auto kImpatient = "response_timeout = \"500ms\"";
+
+TEST(Downstream, CarriesReadsAndWrites) {
+  FarServer far;
+  NearGateway near(far.port(), kPatient);
+  TcpClient client = near.client();
+  EXPECT_EQ(ask(client, "03 000A 0002"), "03 04 03 F2 03 F3");
+  EXPECT_EQ(ask(client, "04 000A 0001"), "04 02 07 DA");
+  EXPECT_EQ(ask(client, "06 0014 1234"), "06 00 14 12 34");
+  EXPECT_EQ(ask(client, "10 0015 0002 04 0007 0008"), "10 00 15 00 02");
+  EXPECT_EQ(ask(client, "03 0014 0003"), "03 06 12 34 00 07 00 08");
+  EXPECT_EQ(ask(client, "05 0007 FF00"), "05 00 07 FF 00");
+  EXPECT_EQ(ask(client, "01 0006 0003"), "01 01 02");
+  EXPECT_EQ(ask(client, "03 0000 007D").size(), 3U * (2 + 2 * 125) - 1);
+}
+
+TEST(Downstream, ReachesADeviceWithoutAnAddressAsUnit255) {
+  FarServer far;
+  NearGateway near(far.port(), kPatient);
+  TcpClient client = near.routed_client();
+  EXPECT_EQ(ask(client, kRead, 5), "03 02 03 F2");
+  EXPECT_EQ(far.arrivals().back().unit, 255U);
+}
+
+TEST(Downstream, HasTransactionIdentifiersOfItsOwn) {
+  FarServer far;
+  NearGateway near(far.port(), kPatientWithFour);
+  const std::size_t before = far.arrivals().size();
+  far.gather(4);
+  std::vector<TcpClient> clients;
+  for (unsigned i = 0; i < 4; ++i) {
+    clients.push_back(near.client());
+    clients[i].send(request(0x0707, kUnit, "03 00" + text_of({std::uint8_t(0x20 + i)}) + " 0001"));
+  }
+  // The far end answers the last one first.
+  for (unsigned i = 0; i < 4; ++i) {
+    const auto answer = clients[i].receive();
+    ASSERT_TRUE(answer);
+    // Register 0x20 holds 1032, which is 0408 in hexadecimal.
+    EXPECT_EQ(text_of(*answer), "07 07 00 00 00 05 01 03 02 04 0" + std::to_string(8 + i));
+  }
+  std::set<unsigned> identifiers;
+  const auto arrivals = far.arrivals();
+  for (std::size_t i = before; i < arrivals.size(); ++i) {
+    identifiers.insert(arrivals[i].transaction);
+  }
+  EXPECT_EQ(identifiers.size(), 4U);
+  EXPECT_EQ(far.most_waiting(), 4U);
+}
+
+TEST(Downstream, HasOneRequestOnItsWayUnlessToldOtherwise) {
+  FarServer far;
+  NearGateway near(far.port(), kPatient);
+  far.gather(4);
+  std::vector<TcpClient> clients;
+  for (unsigned i = 0; i < 3; ++i) {
+    clients.push_back(near.client());
+    clients[i].send(request(i, kUnit, kRead));
+  }
+  for (auto& client : clients) {
+    EXPECT_EQ(pdu_of(client.receive()), "03 02 03 F2");
+  }
+  EXPECT_EQ(far.most_waiting(), 1U);
+}
+
+TEST(Downstream, LeavesADeviceToItsWrite) {
+  FarServer far;
+  NearGateway near(far.port(), kPatientWithFour);
+  far.gather(4);
+  TcpClient writer = near.client();
+  TcpClient reader = near.client();
+  writer.send(request(1, kUnit, "06 0014 0001"));
+  reader.send(request(2, kUnit, kRead));
+  EXPECT_EQ(pdu_of(writer.receive()), "06 00 14 00 01");
+  EXPECT_EQ(pdu_of(reader.receive()), "03 02 03 F2");
+  EXPECT_FALSE(far.had_company());
+}
+
+TEST(Downstream, ServesEightClientsAtOnce) {
+  FarServer far;
+  NearGateway near(far.port(), kPatientWithFour);
+  std::vector<std::thread> threads;
+  std::atomic<int> wrong{0};
+  for (unsigned number = 0; number < 8; ++number) {
+    threads.emplace_back([&near, number, &wrong] {
+      TcpClient client = near.client();
+      for (unsigned round = 0; round < 100; ++round) {
+        const auto address = static_cast<std::uint8_t>((round * 7 + number * 13) % 200);
+        const unsigned value = 1000U + address;
+        const ByteString expected{3, 2, static_cast<std::uint8_t>(value >> 8U),
+                                  static_cast<std::uint8_t>(value & 0xFFU)};
+        wrong += ask(client, "03 00" + text_of({address}) + " 0001") == text_of(expected) ? 0 : 1;
+      }
+    });
+  }
+  for (auto& thread : threads) {
+    thread.join();
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(Downstream, GivesUpWithoutRepeatingAWrite) {
+  FarServer far;
+  NearGateway near(far.port(), kImpatient);
+  TcpClient client = near.client();
+  EXPECT_EQ(ask(client, "06 0118 0001"), "86 0B");
+  EXPECT_EQ(ask(client, kRead), "03 02 03 F2");
+  const auto arrivals = far.arrivals();
+  EXPECT_EQ(std::ranges::count(arrivals, unsigned{FarServer::kSilentRegister}, &Arrival::address),
+            1);
+}
+
+TEST(Downstream, DropsAnAnswerThatComesTooLate) {
+  FarServer far;
+  NearGateway near(far.port(), kImpatient);
+  TcpClient client = near.client();
+  EXPECT_EQ(ask(client, "03 0119 0001"), "83 0B");
+  EXPECT_EQ(ask(client, kRead), "03 02 03 F2");
+  EXPECT_EQ(ask(client, "03 000B 0001"), "03 02 03 F3");
+}
+
+TEST(Downstream, PassesExceptionsUnchanged) {
+  FarServer far;
+  NearGateway near(far.port(), kPatient);
+  TcpClient client = near.client();
+  EXPECT_EQ(ask(client, "03 1000 0001"), "83 02");
+  EXPECT_EQ(ask(client, "03 011A 0001"), "83 11");
+  EXPECT_EQ(ask(client, "06 011B 0001"), "86 0A");
+}
+
+TEST(Downstream, ConnectsAgainWhenTheServerIsBack) {
+  std::optional<FarServer> far(std::in_place);
+  const std::uint16_t port = far->port();
+  NearGateway near(port, kPatient);
+  TcpClient client = near.client();
+  far.reset();
+  near.process().wait_for_line("bus far: cannot connect to tcp://127.0.0.1:" +
+                               std::to_string(port) + ": Connection refused");
+  EXPECT_EQ(ask(client, "06 0014 0001"), "86 0A");
+  far.emplace(port);
+  EXPECT_TRUE(serves(client));
+  EXPECT_EQ(ask(client, "06 0014 0001"), "06 00 14 00 01");
+}
+
+TEST(Downstream, GivesWhatWasOnItsWay0BWhenTheServerGoes) {
+  std::optional<FarServer> far(std::in_place);
+  NearGateway near(far->port(), kPatient);
+  TcpClient client = near.client();
+  const std::size_t before = far->arrivals().size();
+  client.send(request(1, kUnit, "06 0118 0001"));
+  for (int attempt = 0; attempt < 400 && far->arrivals().size() == before; ++attempt) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(25));
+  }
+  far.reset();
+  EXPECT_EQ(pdu_of(client.receive()), "86 0B");
+}
+
+TEST(Chain, CarriesRequestsThroughTwoGateways) {
+  Plant plant;
+  NearGateway near(plant.port(0), kPatient);
+  TcpClient client = near.client();
+  TcpClient direct(plant.port(0));
+  EXPECT_EQ(ask(client, "10 001E 0002 04 0003 0D40"), "10 00 1E 00 02");
+  EXPECT_EQ(ask(direct, "03 001E 0002"), "03 04 00 03 0D 40");
+  EXPECT_EQ(ask(client, "03 001E 0002"), "03 04 00 03 0D 40");
+  EXPECT_EQ(ask(client, "03 001E 0002", 2), ask(direct, "03 001E 0002", 2));
+}
+
+TEST(Chain, PassesWhatTheFarGatewaySaysOfItsDevices) {
+  Plant plant;
+  NearGateway near(plant.port(0), kPatient);
+  TcpClient client = near.client();
+  EXPECT_EQ(ask(client, "06 001E 0001", 9), "86 0B");  // nobody has address 9
+  TcpClient direct(plant.port(0));
+  const std::string refused = ask(direct, "03 7000 0001");
+  EXPECT_TRUE(refused.starts_with("83")) << refused;
+  EXPECT_EQ(ask(client, "03 7000 0001"), refused);
+}
+
+TEST(Chain, KeepsTheAnswersOfManyClientsApart) {
+  Plant plant;
+  NearGateway near(plant.port(0), kPatientWithFour);
+  TcpClient preparing = near.client();
+  ASSERT_EQ(ask(preparing, "10 001E 0002 04 0000 0001", 1), "10 00 1E 00 02");
+  ASSERT_EQ(ask(preparing, "10 001E 0002 04 0000 0002", 2), "10 00 1E 00 02");
+  std::vector<std::thread> threads;
+  std::atomic<int> wrong{0};
+  for (unsigned number = 0; number < 6; ++number) {
+    threads.emplace_back([&near, number, &wrong] {
+      TcpClient client = near.client();
+      const unsigned unit = 1 + number % 2;
+      const std::string expected = "03 04 00 00 00 0" + std::to_string(unit);
+      for (int round = 0; round < 50; ++round) {
+        wrong += ask(client, "03 001E 0002", unit) == expected ? 0 : 1;
+      }
+    });
+  }
+  for (auto& thread : threads) {
+    thread.join();
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+}  // namespace
+}  // namespace mbgate::test
