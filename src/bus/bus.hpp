@@ -4,13 +4,14 @@
 // asks next_deadline().
 #pragma once
 
-#include <array>
 #include <deque>
 #include <span>
 #include <variant>
+#include <vector>
 
 #include "bus/bus_queue.hpp"
-#include "bus/rtu_line.hpp"
+#include "bus/device_table.hpp"
+#include "bus/line.hpp"
 
 namespace mbgate::bus {
 
@@ -24,7 +25,10 @@ struct JobEnded {
 };
 /// An own transmission was heard differently than it was sent.
 struct EchoDiffered {};
-using BusAction = std::variant<OpenLine, TransmitFrame, JobEnded, EchoDiffered>;
+/// What comes in cannot be followed any further. The bus has given the line up already: nothing
+/// needs to be reported back.
+struct CloseLine {};
+using BusAction = std::variant<OpenLine, TransmitFrame, JobEnded, EchoDiffered, CloseLine>;
 
 class Bus {
  public:
@@ -46,24 +50,29 @@ class Bus {
   /// untouched.
   [[nodiscard]] bool submit(Job& job, Instant now);
   /// Takes a waiting job back at once, without a JobEnded.
-  void withdraw(Job& job) { queue_.remove(job); }
-  /// No new transmissions: waiting jobs end as cancelled, the running transaction may finish.
+  void withdraw(Job& job);
+  /// No new transmissions: waiting jobs end as cancelled, running transactions may finish.
   void stop(Instant now);
-  /// After stop(): the running transaction ends unanswered.
+  /// After stop(): running transactions end unanswered.
   void give_up(Instant now);
 
   std::optional<BusAction> poll();
   [[nodiscard]] std::optional<Instant> next_deadline() const;
 
   [[nodiscard]] bool is_open() const { return state_ == State::open; }
-  [[nodiscard]] RtuLine::State line_state(Instant now) const { return line_.state(now); }
+  [[nodiscard]] LineState line_state(Instant now) const { return line_.state(now); }
   [[nodiscard]] std::size_t waiting() const { return queue_.size(); }
   [[nodiscard]] Duration longest_response_timeout() const { return longest_response_timeout_; }
   [[nodiscard]] const BusCounters& counters() const { return counters_; }
   [[nodiscard]] const DeviceCounters& device_counters(std::uint8_t address) const {
-    return device_counters_[address];
+    return devices_[address].counters;
   }
   void clear_counters();
+  /// Another number than before: since then a transmission to the address has stayed unanswered or
+  /// the line was opened anew, so that another device may be there, or the same one set otherwise.
+  [[nodiscard]] std::uint32_t contact(std::uint8_t address) const {
+    return openings_ + devices_[address].unanswered;
+  }
 
  private:
   enum class State : std::uint8_t {
@@ -71,32 +80,51 @@ class Bus {
     closed,    ///< no line; the next attempt is scheduled or runs
     open
   };
+  /// The job that goes next, when, and whom it passes over.
+  struct Choice {
+    Job* job;
+    Instant at;
+    Job* passed_over = nullptr;
+  };
 
-  void pump(Instant now);
-  bool end_if_over(Job& job, Instant now);
-  [[nodiscard]] Job* next_job();
-  void transmit(Job& job, Instant now);
-  void collect();
-  void handle_end(RtuLine::End how);
-  void handle_response(Job& job);
-  void handle_failure(Job& job);
-  void end_job(Job& job, Ending ending);
+  // bus.cpp: the line and the queue
+  void collect(Instant now);
+  void end_running(Ending ending);
   void end_waiting(Ending ending);
+  void end_job(Job& job, Ending ending) { actions_.emplace_back(JobEnded{&job, ending}); }
+
+  // bus_turns.cpp: what is transmitted when
+  void pump(Instant now);
   void expire(Instant now);
-  [[nodiscard]] const drive::DeviceTiming& timing_of(const Job& job) const;
-  [[nodiscard]] DeviceCounters& counters_of(const Job& job);
+  void continue_running(Instant now);
+  bool end_if_over(Job& job, Instant now);
+  std::optional<Choice> choose(Instant now);
+  [[nodiscard]] bool may_join(const Job& job) const;
+  [[nodiscard]] Instant ready_at(const Transaction& transaction) const;
+  void transmit(Job& job, Instant now);
+
+  // bus_ends.cpp: what becomes of a transmission
+  void handle_end(const LineEnd& end, Instant now);
+  void handle_response(Job& job, Instant now);
+  void handle_silence(Job& job, Instant now);
+  void handle_failure(Job& job);
+  void advance(Job& job, Ending ending);
+  void finish(Job& job, Ending ending);
 
   BusSettings settings_;
-  std::array<drive::DeviceTiming, modbus::kMaxDeviceAddress + 1> timings_;
+  DeviceTable devices_;
   Duration longest_response_timeout_;
   BusCounters counters_;
-  std::array<DeviceCounters, modbus::kMaxDeviceAddress + 1> device_counters_{};
-  RtuLine line_;
+  Line line_;
   BusQueue queue_;
   State state_ = State::starting;
   bool stopping_ = false;
-  Job* running_ = nullptr;  // its transaction is on the wire, or must be the next one there
+  std::vector<Job*> running_;  // from their first transmission until they end
+  std::size_t most_running_;
+  Instant pumped_at_;
+  std::optional<Instant> next_start_;  // when a transmission may begin, as seen at pumped_at_
   Instant opened_at_;
+  std::uint32_t openings_ = 0;
   std::optional<Instant> reopen_at_;
   Duration reopen_delay_;
   std::deque<BusAction> actions_;

@@ -20,15 +20,9 @@ bool BusQueue::push(Job& job) {
   return true;
 }
 
-Job* BusQueue::front() { return round_.empty() ? nullptr : &round_.front().waiting.front(); }
-
-const Job* BusQueue::front() const {
-  return round_.empty() ? nullptr : &round_.front().waiting.front();
-}
-
-void BusQueue::pop_front() {
-  Source& source = round_.front();
-  remove(source.waiting.front());
+void BusQueue::take(Job& job) {
+  Source& source = source_of(job);
+  remove(job);
   if (source.round_hook.is_linked()) {
     round_.splice(round_.end(), round_, Round::s_iterator_to(source));
   }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The requests waiting for a bus: client addresses take turns, each address's requests stay in
-// order. Bounded; allocates only when a client address is seen for the first time.
+// The requests waiting for a bus: client addresses take turns, and each address's requests to one
+// device stay in order. Bounded; allocates only when a client address is seen for the first time.
 #pragma once
 
+#include <bitset>
 #include <boost/intrusive/list.hpp>
 #include <boost/intrusive/set.hpp>
 #include <deque>
 
+#include "bus/device_table.hpp"
 #include "bus/job.hpp"
 
 namespace mbgate::bus {
@@ -17,11 +19,14 @@ class BusQueue {
 
   /// False if the queue is full; the job is then untouched.
   bool push(Job& job);
-  /// The job whose turn it is, or nothing. It stays in the queue until it is removed.
-  [[nodiscard]] Job* front();
-  [[nodiscard]] const Job* front() const;
-  /// Takes the job whose turn it is; its client address goes to the back of the round.
-  void pop_front();
+  /// Shows `visit` the jobs that may go next, in the order of their turns: of each client address
+  /// the oldest to each device. A broadcast is for every device: nothing of its client address
+  /// overtakes it, and it overtakes nothing. Ends when `visit` returns true; the queue must not be
+  /// changed before.
+  template <typename Visit>
+  void visit_candidates(Visit visit);
+  /// Takes a job whose turn it is; its client address goes to the back of the round.
+  void take(Job& job);
   /// Takes any waiting job out.
   void remove(Job& job);
   /// The waiting job whose deadline comes first, or nothing.
@@ -48,11 +53,40 @@ class BusQueue {
                                             &Source::round_hook>>;
 
   Source& source_of(const Job& job) { return sources_[static_cast<std::size_t>(job.source)]; }
+  template <typename Visit>
+  static bool visit_source(Source& source, Visit& visit);
 
   std::size_t limit_;
   std::deque<Source> sources_;  // by SourceId; a deque because its elements lie still
   Round round_;                 // sources that have jobs waiting
   DeadlineSet by_deadline_;
 };
+
+template <typename Visit>
+void BusQueue::visit_candidates(Visit visit) {
+  for (Source& source : round_) {
+    if (visit_source(source, visit)) {
+      return;
+    }
+  }
+}
+
+template <typename Visit>
+bool BusQueue::visit_source(Source& source, Visit& visit) {
+  std::bitset<kAddresses> seen;
+  for (Job& job : source.waiting) {
+    const Transaction& first = job.transactions.front();
+    if (first.is_broadcast()) {
+      return seen.none() && visit(job);
+    }
+    if (!seen[first.address]) {
+      seen.set(first.address);
+      if (visit(job)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
 
 }  // namespace mbgate::bus

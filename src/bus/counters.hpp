@@ -13,7 +13,7 @@ struct BusCounters {
   std::uint64_t responses = 0;        ///< valid answers, exceptions included
   std::uint64_t exceptions = 0;       ///< answers that are exceptions of the device
   std::uint64_t timeouts = 0;         ///< transmissions without a valid answer
-  std::uint64_t bad_crcs = 0;         ///< answers of the right shape with a wrong CRC
+  std::uint64_t bad_crcs = 0;         ///< answers of the right shape with a wrong CRC or LRC
   std::uint64_t stray_frames = 0;     ///< good frames that answer nothing that was asked
   std::uint64_t stray_bytes = 0;      ///< bytes that were no frame, or came while nothing was asked
   std::uint64_t noise_bytes = 0;      ///< leading 00 or FF bytes of drivers turning on

@@ -31,8 +31,12 @@ struct Transaction {
   /// Other than none: a broadcast in this form, which nobody answers.
   drive::BroadcastForm broadcast = drive::BroadcastForm::none;
   std::optional<modbus::Pdu> response = std::nullopt;
+  /// Noted by the bus for a write that its device carries out and never answers: how long the
+  /// device hears nothing afterwards.
+  std::optional<Duration> boot_time = std::nullopt;
 
   [[nodiscard]] bool is_broadcast() const { return broadcast != drive::BroadcastForm::none; }
+  [[nodiscard]] bool may_stay_silent() const { return silence_is_success || boot_time; }
 };
 
 /// Whose requests take turns with whose: one number for each client address.
@@ -41,7 +45,7 @@ enum class SourceId : std::uint32_t {};
 /// How a job ended. Whether it may have had an effect is told by Job::was_on_wire.
 enum class Ending : std::uint8_t {
   answered,     ///< every transaction has its response, or the last one's is an exception
-  transmitted,  ///< a broadcast, or a request that is not answered, has left
+  transmitted,  ///< its last transaction, a broadcast or a request that is not answered, has left
   no_answer,    ///< transmitted, but no valid answer came
   expired,      ///< its deadline passed before a (further) transmission
   closed,       ///< the line is not there
@@ -60,9 +64,16 @@ struct Job {
   std::size_t current = 0;   ///< the transaction whose turn it is
   unsigned tries = 0;        ///< transmissions of the current transaction
   bool was_on_wire = false;  ///< something of it was transmitted
+  bool in_flight = false;    ///< its current transaction was transmitted and has not ended
   bool abandoned = false;    ///< its client is gone: no further transmission
+  bool passed_over = false;  ///< another job went while this one waited for its device's gap
 
   [[nodiscard]] bool is_waiting() const { return queue_hook.is_linked(); }
+  /// May others share its device with it? One that may change something may not, nor one that must
+  /// not be interrupted.
+  [[nodiscard]] bool is_single_read() const {
+    return transactions.size() == 1 && transactions.front().request.is_read();
+  }
   [[nodiscard]] Transaction& transaction() { return transactions[current]; }
   /// Of a job that ended as answered: the responses in order; the last one may be the exception
   /// that ended it.

@@ -13,6 +13,9 @@ Duration longest_response_timeout(const BusSettings& settings,
   Duration longest = whole(settings.timing);
   for (const drive::Device& device : devices) {
     longest = std::max(longest, whole(device.timing));
+    for (const drive::SlowRegisters& slow : device.profile.slow) {
+      longest = std::max(longest, slow.response_timeout + device.timing.response_wait);
+    }
   }
   return longest;
 }

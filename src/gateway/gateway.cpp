@@ -148,6 +148,9 @@ void Gateway::collect(BusId id) {
       actions_.emplace_back(Transmit{id, transmit->frame});
     } else if (std::holds_alternative<bus::OpenLine>(*action)) {
       actions_.emplace_back(Open{id});
+    } else if (std::holds_alternative<bus::CloseLine>(*action)) {
+      report(BusLost{id});
+      actions_.emplace_back(Shut{id});
     } else {
       report(EchoMismatch{id});
     }

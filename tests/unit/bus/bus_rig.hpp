@@ -49,6 +49,12 @@ class Bus : public testing::Test {
       job.transactions.back().broadcast = drive::BroadcastForm::standard;
     }
   }
+  /// The same, of another client address.
+  bus::Job& job_of(std::uint32_t source, std::string_view request, std::uint8_t address = 1) {
+    bus::Job& made = job(request, address);
+    made.source = bus::SourceId{source};
+    return made;
+  }
   void submit(bus::Job& job) {
     EXPECT_TRUE(bus_->submit(job, now_));
     drain();
@@ -74,6 +80,8 @@ class Bus : public testing::Test {
       } else if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
         endings_.push_back(ended->ending);
         ended_at_.push_back(now_);
+      } else if (std::holds_alternative<bus::CloseLine>(*action)) {
+        ++closes_;
       }
     }
   }
@@ -92,6 +100,7 @@ class Bus : public testing::Test {
   std::vector<Instant> frame_times_;
   std::vector<Ending> endings_;
   std::vector<Instant> ended_at_;
+  unsigned closes_ = 0;
 };
 
 inline constexpr auto kRead = "03 0000 0001";

@@ -132,7 +132,7 @@ TEST_F(Bus, AnExceptionEndsAJobOfSeveralTransactions) {
   submit(two);
   line("01 83 02 C0 F1");
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-  EXPECT_EQ(hex(two.last_response()->bytes()), "83 02");
+  EXPECT_EQ(hex(two.transactions[0].response->bytes()), "83 02");
   advance(1s);
   EXPECT_THAT(frames_, SizeIs(1));
 }

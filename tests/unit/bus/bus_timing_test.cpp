@@ -118,7 +118,7 @@ TEST_F(Bus, ShowsTheStatesOfTheSpecification) {
   auto listening = settings();
   listening.listen_first = 50ms;
   open(listening);
-  using State = bus::RtuLine::State;
+  using State = bus::LineState;
   EXPECT_EQ(bus_->line_state(now_), State::initial);
   advance(50ms);
   EXPECT_EQ(bus_->line_state(now_), State::idle);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/response_framer.hpp"
+#include "bus/rtu_framer.hpp"
 
 #include <algorithm>
 
@@ -11,16 +11,16 @@ using Kind = modbus::PduLength::Kind;
 
 }  // namespace
 
-ResponseFramer::ResponseFramer(const modbus::RtuTiming& timing, BusCounters& counters)
+RtuFramer::RtuFramer(const modbus::RtuTiming& timing, BusCounters& counters)
     : timing_(timing), silence_(std::max(timing.t3_5(), kAdapterSlack)), counters_(counters) {}
 
-void ResponseFramer::expect(const Transaction& transaction) {
+void RtuFramer::expect(const Transaction& transaction) {
   reset();
   transaction_ = &transaction;
   response_.reset();
 }
 
-void ResponseFramer::reset() {
+void RtuFramer::reset() {
   counters_.stray_bytes += buffer_.size();
   buffer_.clear();
   transaction_ = nullptr;
@@ -29,7 +29,7 @@ void ResponseFramer::reset() {
   discarding_ = bad_crc_ = opaque_ = false;
 }
 
-void ResponseFramer::discard() {
+void RtuFramer::discard() {
   counters_.stray_bytes += buffer_.size();
   buffer_.clear();
   begun_at_.reset();
@@ -37,7 +37,7 @@ void ResponseFramer::discard() {
   bad_crc_ = opaque_ = false;
 }
 
-ResponseFramer::Verdict ResponseFramer::add(modbus::Bytes bytes, Instant now) {
+Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
   const bool silence_before = now - last_byte_ >= timing_.t3_5();
   last_byte_ = now;
   if (silence_before && !begun_at_) {
@@ -62,7 +62,7 @@ ResponseFramer::Verdict ResponseFramer::add(modbus::Bytes bytes, Instant now) {
   }
 }
 
-void ResponseFramer::skip_noise() {
+void RtuFramer::skip_noise() {
   while (!buffer_.empty() && noise_skipped_ < kMaxNoise && buffer_[0] != transaction_->address &&
          (buffer_[0] == 0x00 || buffer_[0] == 0xFF)) {
     buffer_.erase(buffer_.begin());
@@ -71,14 +71,14 @@ void ResponseFramer::skip_noise() {
   }
 }
 
-void ResponseFramer::drop(std::size_t bytes) {
+void RtuFramer::drop(std::size_t bytes) {
   buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(bytes));
   begun_at_.reset();
   noise_skipped_ = 0;
   opaque_ = false;
 }
 
-ResponseFramer::Step ResponseFramer::look(Instant now) {
+RtuFramer::Step RtuFramer::look(Instant now) {
   skip_noise();
   if (buffer_.empty()) {
     return Step::wait;
@@ -102,12 +102,12 @@ ResponseFramer::Step ResponseFramer::look(Instant now) {
   return look_at_candidate();
 }
 
-modbus::PduLength ResponseFramer::candidate_length() const {
+modbus::PduLength RtuFramer::candidate_length() const {
   const modbus::PduLength own = modbus::response_length(buffered().subspan(1));
   return own.kind == Kind::opaque ? modbus::expected_response_length(transaction_->request) : own;
 }
 
-ResponseFramer::Step ResponseFramer::look_at_candidate() {
+RtuFramer::Step RtuFramer::look_at_candidate() {
   const modbus::PduLength length = candidate_length();
   if (length.kind != Kind::known) {
     opaque_ = length.kind == Kind::opaque;
@@ -142,7 +142,7 @@ ResponseFramer::Step ResponseFramer::look_at_candidate() {
   return Step::again;
 }
 
-ResponseFramer::Step ResponseFramer::look_at_stranger() {
+RtuFramer::Step RtuFramer::look_at_stranger() {
   const modbus::PduLength length = modbus::response_length(buffered().subspan(1));
   const std::size_t size = length.bytes + modbus::kRtuOverhead;
   if (length.kind != Kind::known || buffer_.size() < size) {
@@ -157,7 +157,7 @@ ResponseFramer::Step ResponseFramer::look_at_stranger() {
   return Step::again;
 }
 
-std::optional<Instant> ResponseFramer::next_deadline() const {
+std::optional<Instant> RtuFramer::next_deadline() const {
   if (!begun_at_) {
     return std::nullopt;
   }
@@ -172,13 +172,13 @@ std::optional<Instant> ResponseFramer::next_deadline() const {
   return *begun_at_ + timing_.duration_of(size) + kAdapterSlack;
 }
 
-ResponseFramer::Verdict ResponseFramer::handle_deadline(Instant now) {
+Verdict RtuFramer::handle_deadline(Instant now) {
   const auto deadline = next_deadline();
   if (!deadline || now < *deadline) {
     return Verdict::none;
   }
   if (bad_crc_) {
-    return Verdict::bad_crc;
+    return Verdict::damaged;
   }
   if (opaque_) {
     return end_by_silence();
@@ -187,10 +187,10 @@ ResponseFramer::Verdict ResponseFramer::handle_deadline(Instant now) {
   return Verdict::none;
 }
 
-ResponseFramer::Verdict ResponseFramer::end_by_silence() {
+Verdict RtuFramer::end_by_silence() {
   const auto frame = modbus::decode_rtu(buffered());
   if (!frame) {
-    return Verdict::bad_crc;
+    return Verdict::damaged;
   }
   const auto fit = modbus::check_response(transaction_->request, frame->pdu.bytes());
   if (fit != modbus::ResponseFit::normal && fit != modbus::ResponseFit::exception) {

@@ -11,6 +11,7 @@
 #include "bus/counters.hpp"
 #include "bus/instant.hpp"
 #include "bus/job.hpp"
+#include "bus/verdict.hpp"
 #include "modbus/response.hpp"
 
 namespace mbgate::bus {
@@ -21,15 +22,9 @@ inline constexpr Duration kAdapterSlack = std::chrono::milliseconds(20);
 /// A whole frame and what may stand before or behind it in the same piece.
 inline constexpr std::size_t kMostBuffered = 1024;
 
-class ResponseFramer {
+class RtuFramer {
  public:
-  enum class Verdict : std::uint8_t {
-    none,      ///< nothing yet
-    response,  ///< take_response() has it
-    bad_crc    ///< a frame of the right unit, function and length, but damaged
-  };
-
-  ResponseFramer(const modbus::RtuTiming& timing, BusCounters& counters);
+  RtuFramer(const modbus::RtuTiming& timing, BusCounters& counters);
 
   /// From now on the answer to `transaction` is looked for; it must outlive the search.
   void expect(const Transaction& transaction);

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/ascii_framer.hpp"
+
+#include <algorithm>
+
+#include "modbus/response.hpp"
+
+namespace mbgate::bus {
+namespace {
+
+// Capital and small hexadecimal digits mean the same.
+std::uint8_t folded(std::uint8_t character) {
+  constexpr std::uint8_t kSmallLetter = 0x20;
+  return character >= 'a' && character <= 'f' ? static_cast<std::uint8_t>(character - kSmallLetter)
+                                              : character;
+}
+
+}  // namespace
+
+void AsciiFramer::expect(const Transaction& transaction) {
+  reset();
+  transaction_ = &transaction;
+  response_.reset();
+  const auto frame = modbus::encode_ascii(transaction.address, transaction.request.pdu());
+  std::copy_n(frame.begin(), start_.size(), start_.begin());
+}
+
+void AsciiFramer::reset() {
+  discard();
+  transaction_ = nullptr;
+}
+
+void AsciiFramer::discard() {
+  counters_.stray_bytes += buffer_.size();
+  buffer_.clear();
+}
+
+Verdict AsciiFramer::add(modbus::Bytes bytes, Instant now) {
+  if (now - last_character_ >= kLongestCharacterGap) {
+    discard();
+  }
+  last_character_ = now;
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    if (const Verdict verdict = take(bytes[at]); verdict != Verdict::none) {
+      counters_.stray_bytes += bytes.size() - at - 1;
+      return verdict;
+    }
+  }
+  return Verdict::none;
+}
+
+Verdict AsciiFramer::take(std::uint8_t character) {
+  if (character == modbus::kAsciiStart || buffer_.size() == buffer_.capacity()) {
+    discard();
+  }
+  if (buffer_.empty() && character != modbus::kAsciiStart) {
+    ++counters_.stray_bytes;
+    return Verdict::none;
+  }
+  buffer_.push_back(character);
+  return character == modbus::kAsciiEnd ? judge() : Verdict::none;
+}
+
+Verdict AsciiFramer::judge() {
+  const auto content = modbus::ascii_content({buffer_.data(), buffer_.size()});
+  if (!content) {
+    discard();
+    return Verdict::none;
+  }
+  const modbus::Bytes bytes(content->data(), content->size());
+  const modbus::Bytes pdu = bytes.subspan(1, bytes.size() - 2);
+  using modbus::ResponseFit;
+  const ResponseFit fit = bytes[0] == transaction_->address
+                              ? modbus::check_response(transaction_->request, pdu)
+                              : ResponseFit::wrong_function;
+  if (!modbus::has_good_lrc(bytes)) {
+    discard();
+    const bool stranger = fit == ResponseFit::wrong_function || fit == ResponseFit::wrong_length;
+    return stranger ? Verdict::none : Verdict::damaged;
+  }
+  buffer_.clear();
+  if (fit == ResponseFit::normal || fit == ResponseFit::exception) {
+    response_ = modbus::Pdu::from(pdu);
+    return Verdict::response;
+  }
+  ++counters_.stray_frames;
+  return Verdict::none;
+}
+
+bool AsciiFramer::in_progress() const {
+  const std::size_t known = std::min(buffer_.size(), start_.size());
+  return known > 0 &&
+         std::equal(
+             start_.begin(), start_.begin() + static_cast<std::ptrdiff_t>(known), buffer_.begin(),
+             [](std::uint8_t expected, std::uint8_t seen) { return expected == folded(seen); });
+}
+
+std::optional<Instant> AsciiFramer::next_deadline() const {
+  return in_progress() ? std::optional(last_character_ + kLongestCharacterGap) : std::nullopt;
+}
+
+Verdict AsciiFramer::handle_deadline(Instant now) {
+  const auto deadline = next_deadline();
+  if (deadline && now >= *deadline) {
+    discard();
+  }
+  return Verdict::none;
+}
+
+}  // namespace mbgate::bus

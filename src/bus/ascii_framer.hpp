@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds the response to one request in the characters that come from an ASCII line: ':' begins a
+// frame, and begins it anew where one had begun already, CR LF ends it, and its characters are
+// never further apart than 1 s (Serial Line V1.02, 2.5.2.1).
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "bus/counters.hpp"
+#include "bus/job.hpp"
+#include "bus/verdict.hpp"
+#include "modbus/ascii.hpp"
+
+namespace mbgate::bus {
+
+/// From one character of a frame to the next.
+inline constexpr Duration kLongestCharacterGap = std::chrono::seconds(1);
+
+class AsciiFramer {
+ public:
+  explicit AsciiFramer(BusCounters& counters) : counters_(counters) {}
+
+  /// From now on the answer to `transaction` is looked for; it must outlive the search.
+  void expect(const Transaction& transaction);
+  /// Characters as they came in. After a verdict other than none, expect() must be called again.
+  Verdict add(modbus::Bytes bytes, Instant now);
+  /// Time has passed: a frame may prove to stay incomplete.
+  Verdict handle_deadline(Instant now);
+  [[nodiscard]] std::optional<Instant> next_deadline() const;
+  /// Has a frame begun that may be the answer? The response timeout is then over, its rest has its
+  /// own time.
+  [[nodiscard]] bool in_progress() const;
+  /// A frame says itself where it ends.
+  [[nodiscard]] static bool awaits_silence() { return false; }
+  /// Ends the search.
+  void reset();
+  [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
+
+ private:
+  Verdict take(std::uint8_t character);
+  Verdict judge();
+  /// Counts what has been gathered as stray and forgets it.
+  void discard();
+
+  BusCounters& counters_;
+  const Transaction* transaction_ = nullptr;
+  modbus::AsciiBytes buffer_;            // empty, or a frame from its ':' on
+  std::array<std::uint8_t, 3> start_{};  // of an answer: ':' and the address
+  Instant last_character_;
+  std::optional<modbus::Pdu> response_;
+};
+
+}  // namespace mbgate::bus

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/device_table.hpp"
+
+namespace mbgate::bus {
+
+DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Device> devices)
+    : devices_(devices.begin(), devices.end()) {
+  other_.timing = settings.timing;
+  for (DeviceEntry& entry : entries_) {
+    entry.device = &other_;
+  }
+  for (const drive::Device& device : devices_) {
+    entries_.at(device.address).device = &device;
+  }
+}
+
+void DeviceTable::clear_counters() {
+  for (DeviceEntry& entry : entries_) {
+    entry.counters = {};
+  }
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bus knows and remembers of each address on it.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "bus/counters.hpp"
+#include "bus/settings.hpp"
+
+namespace mbgate::bus {
+
+/// A serial line has 1 to 247, a downstream TCP bus 0 to 255.
+inline constexpr std::size_t kAddresses = std::numeric_limits<std::uint8_t>::max() + 1;
+
+struct DeviceEntry {
+  const drive::Device* device = nullptr;  ///< never null
+  DeviceCounters counters;
+  Instant free_at = Instant::min();  ///< nothing is sent to it before: it boots
+  std::uint32_t unanswered = 0;      ///< transmissions that no answer came to; wraps
+};
+
+class DeviceTable {
+ public:
+  /// Addresses that none of `devices` has get a device with the bus's own times.
+  DeviceTable(const BusSettings& settings, std::span<const drive::Device> devices);
+  DeviceTable(const DeviceTable&) = delete;  // its entries point to its devices
+  DeviceTable& operator=(const DeviceTable&) = delete;
+
+  [[nodiscard]] DeviceEntry& operator[](std::uint8_t address) { return entries_.at(address); }
+  [[nodiscard]] const DeviceEntry& operator[](std::uint8_t address) const {
+    return entries_.at(address);
+  }
+  void clear_counters();
+
+ private:
+  drive::Device other_;
+  std::vector<drive::Device> devices_;
+  std::array<DeviceEntry, kAddresses> entries_{};
+};
+
+}  // namespace mbgate::bus

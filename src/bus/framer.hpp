@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The framing of a serial line, RTU or ASCII: makes frames of requests and finds their responses in
+// what comes back. RtuFramer and AsciiFramer say what each function promises.
+#pragma once
+
+#include <variant>
+
+#include "bus/ascii_framer.hpp"
+#include "bus/rtu_framer.hpp"
+#include "bus/settings.hpp"
+
+namespace mbgate::bus {
+
+class Framer {
+ public:
+  Framer(Framing framing, const modbus::RtuTiming& timing, BusCounters& counters)
+      : framer_(make(framing, timing, counters)) {}
+
+  [[nodiscard]] FrameBytes encode(std::uint8_t address, const modbus::Pdu& pdu) const {
+    if (std::holds_alternative<AsciiFramer>(framer_)) {
+      const auto frame = modbus::encode_ascii(address, pdu);
+      return {frame.begin(), frame.end()};
+    }
+    const auto frame = modbus::encode_rtu(address, pdu);
+    return {frame.begin(), frame.end()};
+  }
+  void expect(const Transaction& transaction) {
+    std::visit([&](auto& framer) { framer.expect(transaction); }, framer_);
+  }
+  Verdict add(modbus::Bytes bytes, Instant now) {
+    return std::visit([&](auto& framer) { return framer.add(bytes, now); }, framer_);
+  }
+  Verdict handle_deadline(Instant now) {
+    return std::visit([&](auto& framer) { return framer.handle_deadline(now); }, framer_);
+  }
+  [[nodiscard]] std::optional<Instant> next_deadline() const {
+    return std::visit([](const auto& framer) { return framer.next_deadline(); }, framer_);
+  }
+  [[nodiscard]] bool in_progress() const {
+    return std::visit([](const auto& framer) { return framer.in_progress(); }, framer_);
+  }
+  [[nodiscard]] bool awaits_silence() const {
+    return std::visit([](const auto& framer) { return framer.awaits_silence(); }, framer_);
+  }
+  void reset() {
+    std::visit([](auto& framer) { framer.reset(); }, framer_);
+  }
+  [[nodiscard]] const modbus::Pdu& response() const {
+    return std::visit(
+        [](const auto& framer) -> const auto& { return framer.response(); }, framer_);
+  }
+
+ private:
+  using Variant = std::variant<RtuFramer, AsciiFramer>;
+  static Variant make(Framing framing, const modbus::RtuTiming& timing, BusCounters& counters) {
+    if (framing == Framing::ascii) {
+      return Variant(std::in_place_type<AsciiFramer>, counters);
+    }
+    return Variant(std::in_place_type<RtuFramer>, timing, counters);
+  }
+
+  Variant framer_;
+};
+
+}  // namespace mbgate::bus

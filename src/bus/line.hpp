@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The line of a bus, of whichever discipline. SerialLine and TcpLine say what each function
+// promises.
+#pragma once
+
+#include <utility>
+#include <variant>
+
+#include "bus/serial_line.hpp"
+#include "bus/tcp_line.hpp"
+
+namespace mbgate::bus {
+
+class Line {
+ public:
+  Line(const BusSettings& settings, Duration listen_first, BusCounters& counters)
+      : line_(make(settings, listen_first, counters)) {}
+
+  void open(Instant now) {
+    std::visit([&](auto& line) { line.open(now); }, line_);
+  }
+  [[nodiscard]] Instant ready_at(Duration gap) const {
+    return std::visit([&](const auto& line) { return line.ready_at(gap); }, line_);
+  }
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, Instant now) {
+    return std::visit([&](auto& line) { return line.begin(transaction, timing, now); }, line_);
+  }
+  void abort() {
+    std::visit([](auto& line) { line.abort(); }, line_);
+  }
+  void handle_bytes(modbus::Bytes bytes, Instant now) {
+    std::visit([&](auto& line) { line.handle_bytes(bytes, now); }, line_);
+  }
+  void handle_deadline(Instant now) {
+    std::visit([&](auto& line) { line.handle_deadline(now); }, line_);
+  }
+  [[nodiscard]] std::optional<Instant> next_deadline() const {
+    return std::visit([](const auto& line) { return line.next_deadline(); }, line_);
+  }
+  std::optional<LineEnd> take_end() {
+    return std::visit([](auto& line) { return line.take_end(); }, line_);
+  }
+  std::optional<LineFault> take_fault() {
+    return std::visit([](auto& line) { return line.take_fault(); }, line_);
+  }
+  [[nodiscard]] LineState state(Instant now) const {
+    return std::visit([&](const auto& line) { return line.state(now); }, line_);
+  }
+
+ private:
+  using Variant = std::variant<SerialLine, TcpLine>;
+  static Variant make(const BusSettings& settings, Duration listen_first, BusCounters& counters) {
+    if (settings.line.framing == Framing::tcp) {
+      return Variant(std::in_place_type<TcpLine>, counters);
+    }
+    return Variant(std::in_place_type<SerialLine>, settings, listen_first, counters);
+  }
+
+  Variant line_;
+};
+
+}  // namespace mbgate::bus

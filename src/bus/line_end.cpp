@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/line_end.hpp"
+
+namespace mbgate::bus {
+
+std::string_view to_text(LineState state) {
+  switch (state) {
+    case LineState::initial: return "initial";
+    case LineState::idle: return "idle";
+    case LineState::emission: return "emission";
+    case LineState::waiting_for_reply: return "waiting for reply";
+    case LineState::waiting_turnaround_delay: return "waiting turnaround delay";
+  }
+  return "";
+}
+
+}  // namespace mbgate::bus

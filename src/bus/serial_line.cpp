@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/serial_line.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace mbgate::bus {
+namespace {
+
+// ASCII needs no silence: its frames say where they begin (Serial Line V1.02, 2.5.2.1).
+Duration default_gap(Framing framing, const modbus::RtuTiming& timing) {
+  return framing == Framing::ascii ? Duration{0} : timing.t3_5();
+}
+
+// Autonics' form of a broadcast has a function of its own (AiC manual, section 2.13).
+modbus::Pdu pdu_on_wire(const Transaction& transaction) {
+  const modbus::Pdu& pdu = transaction.request.pdu();
+  if (transaction.broadcast != drive::BroadcastForm::autonics) {
+    return pdu;
+  }
+  std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
+  bytes.front() = static_cast<std::uint8_t>(pdu.function() | modbus::kExceptionBit);
+  return *modbus::Pdu::from(bytes);
+}
+
+}  // namespace
+
+SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters)
+    : timing_(settings.line.baud, settings.line.format),
+      frame_gap_(settings.frame_gap.value_or(default_gap(settings.line.framing, timing_))),
+      turnaround_(settings.turnaround),
+      settle_(settings.settle),
+      listen_first_(listen_first),
+      echo_(settings.line.echo),
+      counters_(counters),
+      framer_(settings.line.framing, timing_, counters) {}
+
+void SerialLine::open(Instant now) {
+  abort();
+  quiet_since_ = now;
+  listening_until_ = not_before_ = now + listen_first_;
+  turnaround_until_ = now;
+}
+
+Instant SerialLine::ready_at(Duration gap) const {
+  return std::max(quiet_since_ + frame_gap_ + gap, not_before_);
+}
+
+FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming& timing,
+                             Instant now) {
+  const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
+  transaction_ = &transaction;
+  end_.reset();
+  emission_ends_ = now + timing_.duration_of(frame.size());
+  quiet_since_ = emission_ends_;
+  response_deadline_ =
+      emission_ends_ +
+      (transaction.boot_time ? turnaround_ : timing.response_timeout + timing.response_wait);
+  echo_seen_ = 0;
+  echo_spoilt_ = false;
+  if (echo_) {
+    echo_expected_ = frame;
+  }
+  if (transaction.is_broadcast()) {
+    framer_.reset();
+  } else {
+    framer_.expect(transaction);
+  }
+  return frame;
+}
+
+void SerialLine::abort() {
+  framer_.reset();
+  transaction_ = nullptr;
+  echo_expected_.clear();
+  end_.reset();
+}
+
+void SerialLine::hold_until(Instant instant) { not_before_ = std::max(not_before_, instant); }
+
+void SerialLine::end(LineEnd::How how) {
+  end_ = LineEnd{how, std::exchange(transaction_, nullptr)};
+  framer_.reset();
+}
+
+modbus::Bytes SerialLine::compare_echo(modbus::Bytes bytes) {
+  const std::size_t count = std::min(bytes.size(), echo_expected_.size() - echo_seen_);
+  const auto expected = echo_expected_.begin() + static_cast<std::ptrdiff_t>(echo_seen_);
+  if (std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count), expected)) {
+    echo_seen_ += count;
+    return bytes.subspan(count);
+  }
+  echo_seen_ = echo_expected_.size();
+  echo_spoilt_ = true;
+  fault_ = LineFault::echo_differed;
+  ++counters_.echo_mismatches;
+  counters_.stray_bytes += bytes.size();
+  return {};
+}
+
+void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
+  if (framer_.awaits_silence()) {
+    handle_deadline(now);  // if silence has ended a frame already, these bytes are no part of it
+  }
+  quiet_since_ = std::max(quiet_since_, now);
+  if (echo_seen_ < echo_expected_.size()) {
+    bytes = compare_echo(bytes);
+  }
+  if (bytes.empty()) {
+    return;
+  }
+  if (transaction_ == nullptr || transaction_->is_broadcast() || echo_spoilt_) {
+    counters_.stray_bytes += bytes.size();
+    return;
+  }
+  judge(framer_.add(bytes, now));
+}
+
+void SerialLine::judge(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::none: return;
+    case Verdict::response:
+      transaction_->response = framer_.response();
+      end(LineEnd::How::response);
+      return;
+    case Verdict::damaged: end(LineEnd::How::damaged); return;
+  }
+}
+
+void SerialLine::handle_deadline(Instant now) {
+  if (transaction_ == nullptr) {
+    return;
+  }
+  if (transaction_->is_broadcast()) {
+    if (now >= emission_ends_) {
+      turnaround_until_ = emission_ends_ + turnaround_;
+      hold_until(turnaround_until_);
+      end(LineEnd::How::sent);
+    }
+    return;
+  }
+  judge(framer_.handle_deadline(now));
+  if (transaction_ != nullptr && now >= response_deadline_ && !framer_.in_progress()) {
+    if (!transaction_->may_stay_silent()) {
+      hold_until(now + settle_);
+    }
+    end(LineEnd::How::no_response);
+  }
+}
+
+std::optional<Instant> SerialLine::next_deadline() const {
+  if (transaction_ == nullptr) {
+    return std::nullopt;
+  }
+  if (transaction_->is_broadcast()) {
+    return emission_ends_;
+  }
+  return framer_.in_progress() ? framer_.next_deadline() : response_deadline_;
+}
+
+std::optional<LineEnd> SerialLine::take_end() { return std::exchange(end_, std::nullopt); }
+
+std::optional<LineFault> SerialLine::take_fault() { return std::exchange(fault_, std::nullopt); }
+
+LineState SerialLine::state(Instant now) const {
+  if (transaction_ != nullptr) {
+    return now < emission_ends_ ? LineState::emission : LineState::waiting_for_reply;
+  }
+  if (now < listening_until_) {
+    return LineState::initial;
+  }
+  return now < turnaround_until_ ? LineState::waiting_turnaround_delay : LineState::idle;
+}
+
+}  // namespace mbgate::bus

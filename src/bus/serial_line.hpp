@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The line discipline of a serial line, RTU or ASCII: one transaction at a time, silence before
+// each transmission, a time limit for each response. It knows nothing of queues and retries; the
+// bus above decides what is sent when. States as in Serial Line V1.02, figures 7 and 14.
+#pragma once
+
+#include <optional>
+
+#include "bus/counters.hpp"
+#include "bus/framer.hpp"
+#include "bus/job.hpp"
+#include "bus/line_end.hpp"
+#include "bus/settings.hpp"
+
+namespace mbgate::bus {
+
+class SerialLine {
+ public:
+  SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters);
+
+  /// The line was opened: listening begins, nothing of before counts any more.
+  void open(Instant now);
+  /// From when on the silence before a transmission suffices; `gap` is asked for on top of it.
+  [[nodiscard]] Instant ready_at(Duration gap) const;
+  /// Starts to transmit now; no other transaction may be running, and `transaction`, which gets the
+  /// response, must outlive its end. Returns the frame.
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, Instant now);
+  /// Gives up the running transaction: nothing of it will be reported.
+  void abort();
+
+  void handle_bytes(modbus::Bytes bytes, Instant now);
+  void handle_deadline(Instant now);
+  [[nodiscard]] std::optional<Instant> next_deadline() const;
+  /// The end of the running transaction, once.
+  std::optional<LineEnd> take_end();
+  /// What was noticed of the line itself since the last call.
+  std::optional<LineFault> take_fault();
+  [[nodiscard]] LineState state(Instant now) const;
+
+ private:
+  modbus::Bytes compare_echo(modbus::Bytes bytes);
+  void judge(Verdict verdict);
+  void end(LineEnd::How how);
+  void hold_until(Instant instant);
+
+  modbus::RtuTiming timing_;
+  Duration frame_gap_;
+  Duration turnaround_;
+  Duration settle_;
+  Duration listen_first_;
+  bool echo_;
+  BusCounters& counters_;
+  Framer framer_;
+
+  Instant quiet_since_;  // the last byte in either direction
+  Instant not_before_;   // listening, settling and turnaround delay end here
+  Instant listening_until_;
+  Instant turnaround_until_;
+  Transaction* transaction_ = nullptr;
+  Instant emission_ends_;
+  Instant response_deadline_;
+  FrameBytes echo_expected_;
+  std::size_t echo_seen_ = 0;
+  bool echo_spoilt_ = false;  // what follows cannot be told from the rest of the echo
+  std::optional<LineFault> fault_;
+  std::optional<LineEnd> end_;
+};
+
+}  // namespace mbgate::bus

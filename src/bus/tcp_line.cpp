@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/tcp_line.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+#include "modbus/response.hpp"
+
+namespace mbgate::bus {
+namespace {
+
+constexpr std::size_t kProtocolFieldEnd = 4;
+
+// A server speaks Modbus and nothing else: another protocol means that this is no header.
+bool is_foreign(modbus::Bytes stream) {
+  return stream.size() >= kProtocolFieldEnd && modbus::load_be16(stream, 2) != 0;
+}
+
+}  // namespace
+
+void TcpLine::open(Instant now) {
+  abort();
+  quiet_since_ = now;
+}
+
+FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& timing,
+                          Instant now) {
+  if (transaction.is_broadcast()) {
+    std::abort();  // routing refuses them
+  }
+  const std::uint16_t identifier = new_identifier();
+  flights_.push_back(
+      {identifier, &transaction, now + timing.response_timeout + timing.response_wait});
+  quiet_since_ = now;
+  const modbus::MbapBytes adu =
+      modbus::encode({{identifier, transaction.address}, transaction.request.pdu()});
+  return {adu.begin(), adu.end()};
+}
+
+void TcpLine::abort() {
+  flights_.clear();
+  stream_.clear();
+  ends_.clear();
+  fault_.reset();
+}
+
+TcpLine::Flights::iterator TcpLine::find(std::uint16_t identifier) {
+  return std::ranges::find(flights_, identifier, &Flight::identifier);
+}
+
+std::uint16_t TcpLine::new_identifier() {
+  do {
+    ++last_identifier_;
+  } while (find(last_identifier_) != flights_.end());
+  return last_identifier_;
+}
+
+void TcpLine::handle_bytes(modbus::Bytes bytes, Instant now) {
+  quiet_since_ = now;
+  if (fault_) {
+    return;
+  }
+  stream_.insert(stream_.end(), bytes.begin(), bytes.end());
+  while (take_answer()) {
+  }
+}
+
+bool TcpLine::take_answer() {
+  const modbus::MbapScan scan = modbus::scan_mbap(stream_);
+  if (is_foreign(stream_) || std::holds_alternative<modbus::MbapLost>(scan)) {
+    counters_.stray_bytes += stream_.size();
+    stream_.clear();
+    fault_ = LineFault::framing_lost;
+    return false;
+  }
+  const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
+  if (frame == nullptr) {
+    return false;
+  }
+  match(frame->adu);
+  stream_.erase(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(frame->size));
+  return true;
+}
+
+void TcpLine::match(const modbus::MbapAdu& answer) {
+  using modbus::ResponseFit;
+  const auto flight = find(answer.header.transaction);
+  if (flight == flights_.end() || answer.header.unit != flight->transaction->address) {
+    ++counters_.stray_frames;
+    return;
+  }
+  Transaction& transaction = *flight->transaction;
+  const ResponseFit fit = modbus::check_response(transaction.request, answer.pdu.bytes());
+  if (fit != ResponseFit::normal && fit != ResponseFit::exception) {
+    ++counters_.stray_frames;
+    return;
+  }
+  transaction.response = answer.pdu;
+  ends_.push_back({LineEnd::How::response, &transaction});
+  flights_.erase(flight);
+}
+
+void TcpLine::handle_deadline(Instant now) {
+  for (const Flight& flight : flights_) {
+    if (now >= flight.response_deadline) {
+      ends_.push_back({LineEnd::How::no_response, flight.transaction});
+    }
+  }
+  std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
+}
+
+std::optional<Instant> TcpLine::next_deadline() const {
+  std::optional<Instant> deadline;
+  for (const Flight& flight : flights_) {
+    deadline = earlier(deadline, flight.response_deadline);
+  }
+  return deadline;
+}
+
+std::optional<LineEnd> TcpLine::take_end() {
+  if (ends_.empty()) {
+    return std::nullopt;
+  }
+  const LineEnd end = ends_.front();
+  ends_.pop_front();
+  return end;
+}
+
+std::optional<LineFault> TcpLine::take_fault() { return std::exchange(fault_, std::nullopt); }
+
+LineState TcpLine::state(Instant /*now*/) const {
+  return flights_.empty() ? LineState::idle : LineState::waiting_for_reply;
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The line discipline of a connection to a Modbus TCP server: several transactions at a time, told
+// apart by transaction identifiers of our own. Nothing is owed by a transaction that timed out: its
+// identifier is forgotten, and a late answer with it is dropped (Messaging on TCP/IP V1.0b, 4.4.1).
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "bus/counters.hpp"
+#include "bus/job.hpp"
+#include "bus/line_end.hpp"
+#include "modbus/mbap.hpp"
+
+namespace mbgate::bus {
+
+class TcpLine {
+ public:
+  explicit TcpLine(BusCounters& counters) : counters_(counters) {}
+
+  /// The connection is there, and new: nothing of before counts any more.
+  void open(Instant now);
+  /// A connection needs no silence but the `gap` that is asked for.
+  [[nodiscard]] Instant ready_at(Duration gap) const { return quiet_since_ + gap; }
+  /// Transmits now; `transaction`, which gets the response, must outlive its end. No broadcasts.
+  /// Returns the ADU.
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, Instant now);
+  /// Gives up all running transactions: nothing of them will be reported.
+  void abort();
+
+  void handle_bytes(modbus::Bytes bytes, Instant now);
+  void handle_deadline(Instant now);
+  [[nodiscard]] std::optional<Instant> next_deadline() const;
+  /// The ends of running transactions, each once.
+  std::optional<LineEnd> take_end();
+  /// Once: the stream cannot be followed any further, the connection is of no use.
+  std::optional<LineFault> take_fault();
+  [[nodiscard]] LineState state(Instant now) const;
+
+ private:
+  /// A transaction whose answer is waited for.
+  struct Flight {
+    std::uint16_t identifier;
+    Transaction* transaction;
+    Instant response_deadline;
+  };
+  using Flights = std::vector<Flight>;
+
+  Flights::iterator find(std::uint16_t identifier);
+  std::uint16_t new_identifier();
+  /// Takes one answer off the stream. False: there is no whole one, or framing is lost.
+  bool take_answer();
+  void match(const modbus::MbapAdu& answer);
+
+  BusCounters& counters_;
+  Flights flights_;
+  std::uint16_t last_identifier_ = 0;
+  std::vector<std::uint8_t> stream_;  // less than an answer, between calls
+  Instant quiet_since_;               // the last byte in either direction
+  std::deque<LineEnd> ends_;
+  std::optional<LineFault> fault_;
+};
+
+}  // namespace mbgate::bus

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a framer makes of the bytes that it was given.
+#pragma once
+
+#include <cstdint>
+
+namespace mbgate::bus {
+
+enum class Verdict : std::uint8_t {
+  none,      ///< nothing yet
+  response,  ///< response() has it
+  damaged    ///< a frame of the right unit, function and length, with a wrong CRC or LRC
+};
+
+}  // namespace mbgate::bus

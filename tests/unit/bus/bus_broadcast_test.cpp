@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Broadcasts in the forms that the devices of a bus hear.
+#include "bus_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+class BusBroadcast : public Bus {
+ protected:
+  /// One write in both forms.
+  bus::Job& both_forms(std::string_view request) {
+    bus::Job& made = job(request, 0);
+    add(made, request, 129);
+    made.transactions[1].broadcast = drive::BroadcastForm::autonics;
+    return made;
+  }
+};
+
+TEST_F(BusBroadcast, KeepsTheTurnaroundDelayAfterEachForm) {
+  open(settings());
+  submit(both_forms("06 0000 0001"));
+  submit(job(kRead));
+  const Instant start = now_;
+  advance(1s);
+  EXPECT_THAT(frames_, ElementsAre("00 06 00 00 00 01 49 DB", "81 86 00 00 00 01 56 14",
+                                   "01 03 00 00 00 01 84 0A"));
+  EXPECT_EQ(frame_times_[1] - start, kEmission + 100ms);
+  EXPECT_EQ(frame_times_[2] - start, 2 * (kEmission + 100ms));
+  EXPECT_EQ(endings_.at(0), Ending::transmitted);
+  EXPECT_EQ(ended_at_[0] - start, 2 * kEmission + 100ms);  // when the last form has left
+  EXPECT_EQ(bus_->counters().broadcasts, 2U);
+}
+
+TEST_F(BusBroadcast, NothingComesBetweenTheForms) {
+  open(settings());
+  submit(both_forms("05 000B FF00"));
+  submit(job_of(1, kRead, 2));
+  advance(kEmission + 100ms);
+  EXPECT_THAT(frames_, ElementsAre("00 05 00 0B FF 00 FC 29", "81 85 00 0B FF 00 E3 E6"));
+}
+
+TEST_F(BusBroadcast, WritesOfSeveralRegistersHaveAFormForAutonicsToo) {
+  open(settings());
+  bus::Job& write = job("10 0000 0001 02 0005", 129);
+  write.transactions[0].broadcast = drive::BroadcastForm::autonics;
+  submit(write);
+  EXPECT_THAT(frames_, ElementsAre("81 90 00 00 00 01 02 00 05 0F F5"));
+}
+
+TEST_F(BusBroadcast, NoFormIsSentAfterTheDeadline) {
+  open(settings());
+  bus::Job& late = both_forms("06 0000 0001");
+  late.deadline = now_ + 50ms;
+  submit(late);
+  const Instant start = now_;
+  advance(1s);
+  EXPECT_THAT(frames_, SizeIs(1));
+  EXPECT_THAT(endings_, ElementsAre(Ending::expired));
+  EXPECT_EQ(ended_at_[0] - start, 50ms);
+  EXPECT_TRUE(late.was_on_wire);
+}
+
+TEST_F(BusBroadcast, SaysNothingOfTheDeviceThatHasTheAddress) {
+  open(settings());
+  bus::Job& write = job("06 0000 0001", 129);
+  write.transactions[0].broadcast = drive::BroadcastForm::autonics;
+  submit(write);
+  advance(1s);
+  EXPECT_EQ(bus_->device_counters(129).transmissions, 0U);
+}
+
+TEST_F(BusBroadcast, AnAnswerToABroadcastIsStray) {
+  open(settings());
+  submit(job("06 0000 0001", 0));
+  line("00 06 00 00 00 01 49 DB");
+  advance(1s);
+  EXPECT_THAT(endings_, ElementsAre(Ending::transmitted));
+  EXPECT_EQ(bus_->counters().stray_bytes, 8U);
+}
+
+}  // namespace
+}  // namespace mbgate::test

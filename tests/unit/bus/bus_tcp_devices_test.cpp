@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Several transactions at a time on a connection: who shares a device, who has it alone.
+#include "bus_tcp_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+TEST_F(BusTcp, AWriteHasItsDeviceForItself) {
+  open(tcp(4));
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, "06 0000 0001", 1));
+  submit(job_of(2, kRead, 1));
+  submit(job_of(3, kRead, 2));
+  EXPECT_THAT(units(), ElementsAre(1, 2));  // the write waits for the read, the next read for it
+  answer(0, "01 03 02 12 34");
+  ASSERT_THAT(frames_, SizeIs(3));
+  EXPECT_EQ(frames_[2], "00 03 00 00 00 06 01 06 00 00 00 01");
+  submit(job_of(4, kRead, 1));
+  EXPECT_THAT(frames_, SizeIs(3));
+  answer(2, "01 06 00 00 00 01");
+  EXPECT_THAT(units(), ElementsAre(1, 2, 1, 1, 1));
+}
+
+TEST_F(BusTcp, AWriteIsNotOutwaitedByReads) {
+  open(tcp(2));
+  submit(job_of(0, kRead, 1));
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, "06 0000 0001", 1));
+  for (int times = 0; times < 3; ++times) {
+    submit(job_of(0, kRead, 1));
+  }
+  answer(0, "01 03 02 12 34");
+  EXPECT_THAT(frames_, SizeIs(2));
+  answer(1, "01 03 02 12 34");
+  ASSERT_THAT(frames_, SizeIs(3));
+  EXPECT_EQ(frames_[2].substr(21, 2), "06");
+}
+
+TEST_F(BusTcp, AJobOfSeveralTransactionsHasItsDeviceForItself) {
+  open(tcp(3));
+  bus::Job& two = job(kRead, 1);
+  add(two, "03 0001 0001", 1);
+  submit(two);
+  submit(job_of(1, kRead, 1));
+  submit(job_of(1, kRead, 2));
+  EXPECT_THAT(units(), ElementsAre(1, 2));
+  answer(0, "01 03 02 11 11");
+  EXPECT_THAT(units(), ElementsAre(1, 2, 1));
+  EXPECT_EQ(frames_[2].substr(21), "03 00 01 00 01");
+  answer(2, "01 03 02 22 22");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_THAT(units(), ElementsAre(1, 2, 1, 1));
+  EXPECT_EQ(hex(two.transactions[0].response->bytes()), "03 02 11 11");
+  EXPECT_EQ(hex(two.transactions[1].response->bytes()), "03 02 22 22");
+}
+
+TEST_F(BusTcp, ABootingDeviceIsHeldBackWhileOthersGoOn) {
+  drive::Device booting{"booting", {}, 1, settings().timing};
+  booting.profile.unanswered = {{{.address = 1, .mask = 0, .value = 0}, 3s}};
+  open(tcp(2), {booting});
+  submit(job("06 0001 0001", 1));
+  submit(job(kRead, 1));
+  submit(job(kRead, 2));
+  EXPECT_THAT(units(), ElementsAre(1, 2));
+  answer(1, "02 03 02 12 34");
+  const Instant start = now_;
+  advance(5s);
+  EXPECT_THAT(units(), ElementsAre(1, 2, 1));
+  EXPECT_EQ(frame_times_[2] - start, 100ms + 3s);  // a connection has no turnaround delay
+  EXPECT_EQ(endings_[1], Ending::transmitted);
+}
+
+TEST_F(BusTcp, AGapHoldsBackItsDevice) {
+  drive::Device gapped{"gapped", {}, 1, settings().timing};
+  gapped.timing.gap = 30ms;
+  open(tcp(2), {gapped});
+  submit(job(kRead, 2));
+  submit(job(kRead, 1));
+  answer(0, "02 03 02 12 34");
+  EXPECT_EQ(until_next_frame(), 30ms);
+}
+
+}  // namespace
+}  // namespace mbgate::test
