@@ -5,6 +5,16 @@
 #include "bus/bus.hpp"
 
 namespace mbgate::bus {
+namespace {
+
+bool holds_one_of(const std::vector<std::uint16_t>& wanted, const Transaction& transaction) {
+  constexpr std::size_t kData = 2;  // after function and byte count (6.3)
+  const modbus::Pdu& response = *transaction.response;
+  return !response.is_exception() &&
+         std::ranges::find(wanted, modbus::load_be16(response.bytes(), kData)) != wanted.end();
+}
+
+}  // namespace
 
 void Bus::handle_end(const LineEnd& end, Instant now) {
   Job& job = **std::ranges::find_if(
@@ -31,6 +41,10 @@ void Bus::handle_response(Job& job, Instant now) {
   counters_.exceptions += exception ? 1U : 0U;
   entry.counters.exceptions += exception ? 1U : 0U;
   entry.counters.unanswered_in_row = 0;
+  if (transaction.must_hold != nullptr && !holds_one_of(*transaction.must_hold, transaction)) {
+    finish(job, Ending::mismatched);
+    return;
+  }
   if (exception) {
     finish(job, Ending::answered);
     return;

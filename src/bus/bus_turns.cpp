@@ -129,7 +129,7 @@ void Bus::transmit(Job& job, Instant now) {
   ++counters_.transmissions;
   counters_.retries += job.tries > 0 ? 1U : 0U;
   ++job.tries;
-  job.was_on_wire = true;
+  job.was_on_wire = job.was_on_wire || transaction.must_hold == nullptr;
   job.in_flight = true;
   actions_.emplace_back(TransmitFrame{line_.begin(transaction, timing, now)});
 }

@@ -9,6 +9,7 @@
 #include <boost/intrusive/set_hook.hpp>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "bus/instant.hpp"
 #include "drive/device.hpp"
@@ -34,6 +35,9 @@ struct Transaction {
   /// Noted by the bus for a write that its device carries out and never answers: how long the
   /// device hears nothing afterwards.
   std::optional<Duration> boot_time = std::nullopt;
+  /// Set for a question of the gateway's own, a read of one register: the job goes on only if it
+  /// holds one of these. Must outlive the job.
+  const std::vector<std::uint16_t>* must_hold = nullptr;
 
   [[nodiscard]] bool is_broadcast() const { return broadcast != drive::BroadcastForm::none; }
   [[nodiscard]] bool may_stay_silent() const { return silence_is_success || boot_time; }
@@ -48,6 +52,7 @@ enum class Ending : std::uint8_t {
   transmitted,  ///< its last transaction, a broadcast or a request that is not answered, has left
   no_answer,    ///< transmitted, but no valid answer came
   expired,      ///< its deadline passed before a (further) transmission
+  mismatched,   ///< a register does not hold what it must; nothing that follows was transmitted
   closed,       ///< the line is not there
   cancelled     ///< taken back, or the gateway is stopping
 };
@@ -63,7 +68,7 @@ struct Job {
   boost::container::small_vector<Transaction, 1> transactions;
   std::size_t current = 0;   ///< the transaction whose turn it is
   unsigned tries = 0;        ///< transmissions of the current transaction
-  bool was_on_wire = false;  ///< something of it was transmitted
+  bool was_on_wire = false;  ///< something that its client asked for was transmitted
   bool in_flight = false;    ///< its current transaction was transmitted and has not ended
   bool abandoned = false;    ///< its client is gone: no further transmission
   bool passed_over = false;  ///< another job went while this one waited for its device's gap
@@ -75,12 +80,12 @@ struct Job {
     return transactions.size() == 1 && transactions.front().request.is_read();
   }
   [[nodiscard]] Transaction& transaction() { return transactions[current]; }
-  /// Of a job that ended as answered: the responses in order; the last one may be the exception
-  /// that ended it.
+  /// Of a job that ended as answered: the responses to what its client asked for, in order; the
+  /// last one may be the exception that ended it.
   [[nodiscard]] auto responses() const {
     boost::container::small_vector<const modbus::Pdu*, 4> all;
     for (const Transaction& done : transactions) {
-      if (done.response) {
+      if (done.response && done.must_hold == nullptr) {
         all.push_back(&*done.response);
       }
     }

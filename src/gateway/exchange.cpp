@@ -8,6 +8,7 @@ void Exchange::note(const bus::Job& job, bus::Ending ending) {
   switch (ending) {
     case bus::Ending::answered: response = plan->answer(job.responses()); break;
     case bus::Ending::transmitted: break;
+    case bus::Ending::mismatched: failed = wrong_word_order = true; break;
     case bus::Ending::closed:
       failed = true;
       had_no_path = had_no_path || !job.was_on_wire;
@@ -22,7 +23,9 @@ std::optional<modbus::Pdu> Exchange::result() const {
   using modbus::ExceptionCode;
   if (failed) {
     ExceptionCode code = ExceptionCode::server_device_busy;
-    if (had_no_path) {
+    if (wrong_word_order) {
+      code = ExceptionCode::server_device_failure;
+    } else if (had_no_path) {
       code = ExceptionCode::gateway_path_unavailable;
     } else if (was_on_wire) {
       code = ExceptionCode::gateway_target_failed_to_respond;

@@ -30,7 +30,8 @@ struct Exchange {
   std::optional<modbus::Pdu> response;
   bool failed = false;
   bool was_on_wire = false;
-  bool had_no_path = false;  ///< a line was not there and nothing of that part was transmitted
+  bool wrong_word_order = false;  ///< the drive's own setting is not the one configured
+  bool had_no_path = false;       ///< a line was not there and nothing of that part was transmitted
 
   /// Takes in what became of a job.
   void note(const bus::Job& job, bus::Ending ending);

@@ -3,16 +3,17 @@
 #include <algorithm>
 
 #include "gateway/gateway.hpp"
+#include "modbus/make_request.hpp"
 
 namespace mbgate::gateway {
 
-void Gateway::start(std::uint32_t index, const routing::Route& route, Instant arrival,
-                    Instant now) {
+void Gateway::start(std::uint32_t index, const routing::Way& way, Instant arrival, Instant now) {
   Exchange& exchange = exchanges_[index];
-  const Instant deadline = arrival + deadline_of(route, *exchange.plan);
+  const Instant deadline = arrival + deadline_of(way.route, *exchange.plan);
   for (const routing::PlannedTransaction& planned : exchange.plan->transactions()) {
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
       exchange.parts.push_back({planned.bus, &new_job(index, deadline)});
+      ask_word_order(way, *exchange.plan, *exchange.parts.back().job);
     }
     exchange.parts.back().job->transactions.push_back(
         {planned.address, planned.request, planned.silence_is_success, planned.broadcast});
@@ -35,11 +36,46 @@ bus::Job& Gateway::new_job(std::uint32_t owner, Instant deadline) {
   return job;
 }
 
+// verify_word_order: before the first write of values since the device was last out of reach, its
+// own setting is read, in the same job, so that what the client sends next stays behind.
+void Gateway::ask_word_order(const routing::Way& way, const routing::Plan& plan, bus::Job& job) {
+  if (way.device == nullptr || !way.device->verify_word_order || plan.is_read() ||
+      !plan.orders_words()) {
+    return;
+  }
+  const drive::Device& device = *way.device;
+  const std::uint32_t contact =
+      buses_[static_cast<std::size_t>(device.bus)].bus.contact(device.address);
+  const auto known = word_order_seen_.find({device.bus, device.address});
+  if (known != word_order_seen_.end() && known->second == contact) {
+    return;
+  }
+  const auto& setting = *device.profile.word_order_register;
+  bus::Transaction question{
+      device.address, modbus::make_read({modbus::Table::holding_registers, setting.address, 1})};
+  question.must_hold = device.word_order == drive::WordOrder::big ? &setting.big : &setting.little;
+  job.transactions.push_back(std::move(question));
+}
+
+void Gateway::note_word_order(BusId bus, const bus::Job& job, bus::Ending ending) {
+  const bus::Transaction& question = job.transactions.front();
+  if (question.must_hold == nullptr) {
+    return;
+  }
+  if (ending == bus::Ending::mismatched) {
+    report(WordOrderDiffers{bus, question.address});
+  } else if (question.response) {
+    word_order_seen_[{bus, question.address}] =
+        buses_[static_cast<std::size_t>(bus)].bus.contact(question.address);
+  }
+}
+
 void Gateway::end_part(bus::Job& job, bus::Ending ending) {
   const std::uint32_t index = job.owner;
   Exchange& exchange = exchanges_[index];
   const auto part = std::ranges::find(exchange.parts, &job, &Exchange::Part::job);
   exchange.note(job, ending);
+  note_word_order(part->bus, job, ending);
   report_effects(exchange, *part, ending);
   exchange.parts.erase(part);
   jobs_.give_back(job.number);
@@ -62,9 +98,10 @@ void Gateway::report_effects(const Exchange& exchange, const Exchange::Part& par
   if (exchange.plan->reconfigures() && (done || job.was_on_wire)) {
     report(Reconfigured{part.bus, address, exchange.address});
   }
+  const std::size_t begin = job.transactions.front().must_hold != nullptr ? 1 : 0;
   const auto& last = job.transactions.back().request.writes();
-  if (!done && job.current > 0 && last && !job.transactions.front().is_broadcast()) {
-    const std::uint16_t first = job.transactions.front().request.writes()->range.first;
+  if (!done && job.current > begin && last && !job.transactions.front().is_broadcast()) {
+    const std::uint16_t first = job.transactions[begin].request.writes()->range.first;
     const auto& failed = job.transactions[job.current].request.writes()->range;
     report(WriteEndedEarly{part.bus, address, failed.table, first, failed.first,
                            drive::end_of(last->range)});

@@ -93,7 +93,7 @@ void Gateway::accept(ClientId id, ClientSession& session, const modbus::MbapFram
   exchange.reply = way->route.broadcast_reply;
   exchange.plan = std::move(*plan);
   session.exchanges.push_back(index);
-  start(index, way->route, arrival, now);
+  start(index, *way, arrival, now);
 }
 
 modbus::Pdu Gateway::answer_own(const ClientSession& session, const modbus::Pdu& request,

@@ -57,15 +57,19 @@ TEST_F(Families, TwoWordOrdersGiveTheSameTraffic) {
   build();
   std::mt19937 random(3);
   const auto& values = settings_.devices[0].profile.values.all();
+  constexpr unsigned kPr = 0x0120;  // 40289: the word order itself, the one value that must differ
   for (int step = 0; step < 400; ++step) {
     const auto& value = values[random() % values.size()];
     char text[64];
     std::snprintf(text, sizeof text, "10 %04X 0002 04 %04X %04X", unsigned{value.first},
                   static_cast<unsigned>(random() & 3U), static_cast<unsigned>(random() & 0xFFFFU));
     EXPECT_EQ(ask(kM3, text), ask(kM3Big, text)) << text;
-    std::snprintf(text, sizeof text, "03 %04X %04X", static_cast<unsigned>(random() % 580),
-                  static_cast<unsigned>(1 + random() % 9));
-    EXPECT_EQ(ask(kM3, text), ask(kM3Big, text)) << text;
+    const auto first = static_cast<unsigned>(random() % 580);
+    const auto count = static_cast<unsigned>(1 + random() % 9);
+    if (first > kPr + 1 || first + count <= kPr) {
+      std::snprintf(text, sizeof text, "03 %04X %04X", first, count);
+      EXPECT_EQ(ask(kM3, text), ask(kM3Big, text)) << text;
+    }
     EXPECT_EQ(device(kM3).drive<sim::MoonsDrive>()->registers().get(value.first),
               device(kM3Big).drive<sim::MoonsDrive>()->registers().get(value.first));
   }
@@ -74,10 +78,12 @@ TEST_F(Families, TwoWordOrdersGiveTheSameTraffic) {
 
 TEST_F(Families, TheAicNeverSeesARequestAcrossItsParameterGroups) {
   build();
-  EXPECT_EQ(ask(kAic, "01 0000 001B").substr(0, 5), "01 04");  // outputs and commands
+  // Outputs, then commands, which cannot be read: what the drive itself says to that, not 03.
+  EXPECT_EQ(ask(kAic, "01 0000 001B"), "81 02");
   EXPECT_EQ(frames(), 2U);
-  EXPECT_EQ(ask(kAic, "03 0002 0050").substr(0, 5), "03 A0");  // settings and the first steps
-  EXPECT_EQ(ask(kAic, "10 13BA 0036 6C" + std::string(0x36 * 5, '0')), "90 03");
+  // A write is not split unasked, and does not go out to be refused.
+  EXPECT_EQ(ask(kAic, "10 142E 0030 60" + std::string(96 * 2, '0')), "90 03");
+  EXPECT_EQ(frames(), 2U);
 }
 
 TEST_F(Families, ARestartIsAnsweredByTheGatewayAndHoldsOnlyThatDriveBack) {
@@ -112,6 +118,7 @@ TEST_F(Families, OneBroadcastReachesEveryKindInItsOwnForm) {
   const auto before = frames();
   const Instant asked = world_->now();
   EXPECT_EQ(ask(0, "05 000B FF00"), "05 00 0B FF 00");  // emergency stop of every AiC
+  world_->run_for(5ms);                                 // the silence that ends the frame
   EXPECT_EQ(frames(), before + 1);
   EXPECT_EQ(hex(world_->wire(0).frames().back().bytes).substr(0, 17), "81 85 00 0B FF 00");
   EXPECT_EQ(world_->wire(0).frames().back().heard_by, std::vector<std::uint8_t>{17});

@@ -165,5 +165,64 @@ TEST(Drives, ABusAndAddressRouteExchangesNothing) {
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("02 03 02 0D 40"));
 }
 
+Settings verified_drive() {
+  Settings settings = one_drive();
+  settings.devices[0].verify_word_order = true;
+  settings.devices[0].profile.word_order_register =
+      drive::WordOrderRegister{50, {5, 261}, {133, 389}};
+  return settings;
+}
+
+constexpr auto* kValueWrite = "0001 0000 000B 01 10 001E 0002 04 0003 0D40";
+
+TEST(Drives, TheirOwnWordOrderIsReadBeforeTheFirstValueIsWritten) {
+  MachineRig rig(verified_drive());
+  rig.connect(1);
+  rig.receive(1, kValueWrite);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));
+  rig.respond("01 03 02 0185");
+  rig.advance(30ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 10 00 1E 00 02 04 0D 40 00 03"));
+  rig.respond("01 10 00 1E 00 02");
+  EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 10 00 1E 00 02"));
+  rig.advance(30ms);
+  rig.receive(1, kValueWrite);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 10 00 1E 00 02 04 0D 40 00 03"));
+  // An answer that did not come: the drive may have been set otherwise meanwhile.
+  rig.advance(200ms);
+  EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 90 0B"));
+  rig.receive(1, kValueWrite);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));
+}
+
+TEST(Drives, ValuesAreNotWrittenToADriveOfAnotherWordOrder) {
+  MachineRig rig(verified_drive());
+  rig.connect(1);
+  rig.receive(1, kValueWrite);
+  rig.receive(1, "0002 0000 0006 01 06 0000 0001");  // no value
+  rig.respond("01 03 02 0005");
+  EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 90 04"));
+  EXPECT_THAT(rig.events, ElementsAre("device axis-x: its own word order is not the one "
+                                      "configured; values are not written to it"));
+  rig.advance(30ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01", "01 06 00 00 00 01"));
+  rig.respond("01 06 00 00 00 01");
+  take_answers(rig, 1);
+  rig.advance(30ms);
+  rig.receive(1, kValueWrite);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));  // it may be right by now
+  rig.respond("01 83 02");
+  EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 90 04"));
+}
+
+TEST(Drives, AWriteBehindAnUnansweredQuestionWasNeverTransmitted) {
+  MachineRig rig(verified_drive());
+  rig.connect(1);
+  rig.receive(1, kValueWrite);
+  rig.advance(200ms);
+  EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 90 06"));
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));
+}
+
 }  // namespace
 }  // namespace mbgate::test
