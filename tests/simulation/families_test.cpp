@@ -60,6 +60,9 @@ TEST_F(Families, TwoWordOrdersGiveTheSameTraffic) {
   constexpr unsigned kPr = 0x0120;  // 40289: the word order itself, the one value that must differ
   for (int step = 0; step < 400; ++step) {
     const auto& value = values[random() % values.size()];
+    if (value.first == kPr) {
+      continue;
+    }
     char text[64];
     std::snprintf(text, sizeof text, "10 %04X 0002 04 %04X %04X", unsigned{value.first},
                   static_cast<unsigned>(random() & 3U), static_cast<unsigned>(random() & 0xFFFFU));
@@ -82,7 +85,7 @@ TEST_F(Families, TheAicNeverSeesARequestAcrossItsParameterGroups) {
   EXPECT_EQ(ask(kAic, "01 0000 001B"), "81 02");
   EXPECT_EQ(frames(), 2U);
   // A write is not split unasked, and does not go out to be refused.
-  EXPECT_EQ(ask(kAic, "10 142E 0030 60" + std::string(96 * 2, '0')), "90 03");
+  EXPECT_EQ(ask(kAic, "10 000A 002A 54" + std::string(84 * 2, '0')), "90 03");
   EXPECT_EQ(frames(), 2U);
 }
 
