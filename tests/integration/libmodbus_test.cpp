@@ -2,85 +2,16 @@
 // libmodbus is the client over TCP, another libmodbus is the server on a pty, and mbgated stands
 // between: two witnesses that know nothing of this project's own encoder and decoder.
 #include <gtest/gtest.h>
-#include <modbus.h>
-#include <pty.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
-#include <memory>
-#include <numeric>
 #include <thread>
 
 #include "integration/process.hpp"
+#include "integration/rtu_server.hpp"
 
 namespace mbgate::test {
 namespace {
-
-struct Free {
-  void operator()(modbus_t* context) const { modbus_free(context); }
-  void operator()(modbus_mapping_t* mapping) const { modbus_mapping_free(mapping); }
-};
-using Context = std::unique_ptr<modbus_t, Free>;
-
-constexpr int kRegisters = 300;
-
-// A libmodbus server on the far end of a pty. Register n holds unit * 1000 + n, until it is
-// written.
-class RtuServer {
- public:
-  explicit RtuServer(int unit) {
-    char name[64];
-    if (openpty(&far_, &near_, name, nullptr, nullptr) != 0) {
-      throw std::runtime_error("no pty");
-    }
-    termios raw{};
-    tcgetattr(near_, &raw);
-    cfmakeraw(&raw);
-    tcsetattr(near_, TCSANOW, &raw);
-    path_ = name;
-    mapping_.reset(modbus_mapping_new(kRegisters, kRegisters, kRegisters, kRegisters));
-    std::iota(mapping_->tab_registers, mapping_->tab_registers + kRegisters, unit * 1000);
-    std::iota(mapping_->tab_input_registers, mapping_->tab_input_registers + kRegisters,
-              unit * 2000);
-    for (int bit = 0; bit < kRegisters; ++bit) {
-      mapping_->tab_input_bits[bit] = bit % 3 == 0 ? 1 : 0;
-    }
-    context_.reset(modbus_new_rtu(name, 115200, 'N', 8, 1));
-    modbus_set_slave(context_.get(), unit);
-    modbus_set_socket(context_.get(), far_);
-    modbus_set_indication_timeout(context_.get(), 0, 50'000);
-    thread_ = std::thread([this] { serve(); });
-  }
-  ~RtuServer() {
-    stop_ = true;
-    thread_.join();
-    close(far_);
-    close(near_);
-  }
-  RtuServer(const RtuServer&) = delete;
-  RtuServer& operator=(const RtuServer&) = delete;
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  void serve() {
-    std::uint8_t query[MODBUS_RTU_MAX_ADU_LENGTH];
-    while (!stop_) {
-      const int size = modbus_receive(context_.get(), query);
-      if (size > 0) {
-        modbus_reply(context_.get(), query, size, mapping_.get());
-      }
-    }
-  }
-
-  int far_ = -1;
-  int near_ = -1;
-  std::string path_;
-  std::unique_ptr<modbus_mapping_t, Free> mapping_;
-  Context context_;
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
-};
 
 class Libmodbus : public testing::Test {
  protected:
@@ -163,7 +94,7 @@ TEST_F(Libmodbus, RewritesAddressesThroughAWindow) {
 TEST_F(Libmodbus, GetsTheDevicesExceptionsAndTheGateways) {
   const Context context = client(1);
   std::uint16_t registers[2];
-  EXPECT_EQ(modbus_read_registers(context.get(), kRegisters, 1, registers), -1);
+  EXPECT_EQ(modbus_read_registers(context.get(), RtuServer::kRegisters, 1, registers), -1);
   EXPECT_EQ(errno, EMBXILADD);
   const Context nowhere = client(9);
   EXPECT_EQ(modbus_read_registers(nowhere.get(), 0, 1, registers), -1);
