@@ -63,7 +63,7 @@ class NearGateway {
                          "[[bus]]\nname = \"far\"\nmode = \"tcp\"\nhost = \"127.0.0.1\"\nport = " +
                              std::to_string(far_port) + "\nretries = 0\n" + keys +
                              "\n[[device]]\nname = \"drive\"\nbus = \"far\"\n"
-                             "[[route]]\nlisten = \"routed\"\nunit = 5\ndevice = \"drive\"\n");
+                             "[[route]]\nlistener = \"routed\"\nunit = 5\ndevice = \"drive\"\n");
   }
 
   TemporaryFolder folder_;
