@@ -22,7 +22,10 @@ void Bus::handle_end(const LineEnd& end, Instant now) {
   job.in_flight = false;
   switch (end.how) {
     case LineEnd::How::response: handle_response(job, now); return;
-    case LineEnd::How::sent: advance(job, Ending::transmitted); return;
+    case LineEnd::How::sent:
+      devices_.hold_booting(*end.transaction, now);
+      advance(job, Ending::transmitted);
+      return;
     case LineEnd::How::no_response: handle_silence(job, now); return;
     case LineEnd::How::damaged:
       ++counters_.bad_crcs;

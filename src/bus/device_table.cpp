@@ -14,6 +14,15 @@ DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Dev
   }
 }
 
+void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {
+  for (const drive::Device& device : devices_) {
+    const auto boot_time = device.silent_after(broadcast.request);
+    if (boot_time && device.profile.broadcast.form == broadcast.broadcast) {
+      entries_.at(device.address).free_at = now + *boot_time;
+    }
+  }
+}
+
 void DeviceTable::clear_counters() {
   for (DeviceEntry& entry : entries_) {
     entry.counters = {};

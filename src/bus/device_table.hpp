@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bus/counters.hpp"
+#include "bus/job.hpp"
 #include "bus/settings.hpp"
 
 namespace mbgate::bus {
@@ -33,6 +34,8 @@ class DeviceTable {
   [[nodiscard]] const DeviceEntry& operator[](std::uint8_t address) const {
     return entries_.at(address);
   }
+  /// A broadcast has left: those that it makes boot hear nothing for a while.
+  void hold_booting(const Transaction& broadcast, Instant now);
   void clear_counters();
 
  private:

@@ -107,6 +107,18 @@ TEST_F(Families, ARestartIsAnsweredByTheGatewayAndHoldsOnlyThatDriveBack) {
   EXPECT_LT(world_->now() - released, 20ms);
 }
 
+TEST_F(Families, ABroadcastRestartHoldsBackWhoBoots) {
+  build();
+  EXPECT_EQ(ask(0, "06 00D4 0100"), "06 00 D4 01 00");
+  const Instant restarted = world_->now();
+  send(kStepper, "03 00D8 0002");
+  EXPECT_EQ(ask(kAic, "03 0002 0001").substr(0, 5), "03 02");
+  EXPECT_LT(world_->now() - restarted, 300ms);
+  world_->run(restarted + 10s, [this] { return !answers_.empty(); });
+  EXPECT_GE(world_->now() - restarted, 2800ms);
+  EXPECT_EQ(std::exchange(answers_, {}).at(0).substr(0, 5), "03 04");
+}
+
 TEST_F(Families, ASaveTakesItsTime) {
   build();
   const Instant asked = world_->now();
