@@ -53,7 +53,8 @@ std::optional<Answer> Device::receive(modbus::Bytes frame, Instant end) {
   if (!reply) {
     return std::nullopt;
   }
-  Answer answer{*reply, encode_frame(framing_, reply->adu.address, reply->adu.pdu)};
+  Answer answer{static_cast<const AnswerTime&>(*reply),
+                encode_frame(framing_, reply->adu.address, reply->adu.pdu)};
   if (settings_.faults.bad_crc) {
     spoil_check(framing_, answer.frame);
   }

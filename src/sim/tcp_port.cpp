@@ -29,15 +29,14 @@ sockaddr_in socket_address(const ListenAddress& address) {
 bool listen_at(int socket, const ListenAddress& address) {
   const sockaddr_in raw = socket_address(address);
   return socket >= 0 && ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &kOn, sizeof kOn) == 0 &&
-         ::bind(socket, static_cast<const sockaddr*>(static_cast<const void*>(&raw)), sizeof raw) ==
-             0 &&
+         ::bind(socket, reinterpret_cast<const sockaddr*>(&raw), sizeof raw) == 0 &&
          ::listen(socket, kBacklog) == 0;
 }
 
 std::uint16_t port_of(int socket) {
   sockaddr_in raw{};
   socklen_t size = sizeof raw;
-  ::getsockname(socket, static_cast<sockaddr*>(static_cast<void*>(&raw)), &size);
+  ::getsockname(socket, reinterpret_cast<sockaddr*>(&raw), &size);
   return ntohs(raw.sin_port);
 }
 

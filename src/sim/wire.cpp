@@ -10,6 +10,7 @@ namespace {
 std::vector<Device> make_devices(const std::vector<DeviceSettings>& drives,
                                  const WireSettings& wire) {
   std::vector<Device> devices;
+  devices.reserve(drives.size());
   for (const DeviceSettings& device : drives) {
     devices.emplace_back(with_processing(device, wire.paced), wire.framing);
   }

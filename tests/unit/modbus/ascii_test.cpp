@@ -103,8 +103,8 @@ TEST(Ascii, RefusesContentBelow3BytesAndAbove255) {
   EXPECT_FALSE(is_good(":02FE\r\n"));
   EXPECT_TRUE(is_good(":0207F7\r\n"));
   EXPECT_FALSE(has_good_lrc(bytes_of("02 FE")));
-  const std::string zeros(2 * 254, '0');
-  EXPECT_TRUE(is_good(":01" + zeros.substr(2 * 1) + "FF\r\n"));
+  const std::string zeros(508, '0');  // 254 bytes
+  EXPECT_TRUE(is_good(":01" + zeros.substr(2) + "FF\r\n"));
   EXPECT_FALSE(is_good(":01" + zeros + "FF\r\n"));
 }
 
