@@ -113,7 +113,7 @@ TEST(Downstream, HasTransactionIdentifiersOfItsOwn) {
     const auto answer = clients[i].receive();
     ASSERT_TRUE(answer);
     // Register 0x20 holds 1032, which is 0408 in hexadecimal.
-    EXPECT_EQ(text_of(*answer), "07 07 00 00 00 05 01 03 02 04 0" + std::to_string(8 + i));
+    EXPECT_EQ(text_of(*answer), std::string("07 07 00 00 00 05 01 03 02 04 0") + "89AB"[i]);
   }
   std::set<unsigned> identifiers;
   const auto arrivals = far.arrivals();
