@@ -149,6 +149,15 @@ TEST(MoonsProfiles, SayWhereADriveShowsItsWordOrder) {
   }
 }
 
+TEST(MoonsProfiles, SayWhereThePositionOfEpAndSpStands) {
+  for (const Series& series : kSeries) {
+    const auto& stated = shipped_profile(series.profile).profile.position_opcodes.value();
+    EXPECT_EQ(stated.address, sim::kMoonsOpcode);
+    EXPECT_EQ(stated.position, sim::kMoonsParameters);
+    EXPECT_THAT(stated.opcodes, testing::ElementsAre(0x98, 0xA5));
+  }
+}
+
 /// How a drive gives the value that it holds at `address`.
 template <typename Drive>
 WordOrder order_of(Drive& drive, sim::RegisterBank& bank, std::uint16_t address) {

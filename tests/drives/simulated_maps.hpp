@@ -35,7 +35,7 @@ struct Place {
 
 inline Place place_of(sim::RegisterMap map, std::uint32_t address) {
   for (const sim::RegisterRun& run : map) {
-    const unsigned width = static_cast<unsigned>(run.width);
+    const auto width = static_cast<unsigned>(run.width);
     if (address >= run.first && address < run.first + run.entries * width) {
       const bool second = (address - run.first) % width == 1;
       const Part half = second ? Part::second_half : Part::first_half;
