@@ -22,7 +22,7 @@ constexpr Limits kPercent{20, 100};
 
 constexpr std::array kCoils{RegisterRun{0x0000, 10, word, read_write, 0, kSwitch},
                             RegisterRun{0x000A, 17, word, write_only, 0, kSwitch},
-                            RegisterRun{0x001E, 37, word, read_write, 0, kSwitch}};
+                            RegisterRun{0x001E, 36, word, read_write, 0, kSwitch}};
 
 constexpr std::array kDiscreteInputs{RegisterRun{0x0000, 28, word, read_only},
                                      RegisterRun{0x001C, 1, word, read_only, 1},  // servo on
@@ -96,20 +96,21 @@ struct Group {
   std::uint16_t last;
 };
 
-// One for each of the sections 2.1 to 2.12, reserved places at the end left out.
+// One for each of the sections 2.1 to 2.12, with the places that it lists as reserved: 2.13 forbids
+// to leave a group, and these are in it. A request for them gets 02, as for any that is not there.
 constexpr std::array kGroups{
     Group{Table::coils, 0x0000, 0x0009},
-    Group{Table::coils, kAicFirstCommand, kAicLastCommand},
-    Group{Table::coils, kAicFirstSetting, kAicLastSetting},
-    Group{Table::discrete_inputs, 0x0000, 0x0020},
-    Group{Table::input_registers, 0x0064, 0x007C},
-    Group{Table::input_registers, 0x03E7, 0x03F6},
-    Group{Table::holding_registers, 0x0002, 0x000B},
+    Group{Table::coils, kAicFirstCommand, 0x001D},
+    Group{Table::coils, kAicFirstSetting, 0x0063},
+    Group{Table::discrete_inputs, 0x0000, 0x0063},
+    Group{Table::input_registers, 0x0000, 0x03E6},
+    Group{Table::input_registers, 0x03E7, 0x0419},
+    Group{Table::holding_registers, 0x0000, 0x0031},
     Group{Table::holding_registers, kAicFirstStep, kAicFirstStep + kAicStepRegisters - 1},
-    Group{Table::holding_registers, kAicSettingBits, kAicSettingBits + 2},
-    Group{Table::holding_registers, 0x13BA, 0x13C6},
-    Group{Table::holding_registers, 0x13EE, 0x142D},
-    Group{Table::holding_registers, kAicFirstCommunication, kAicLastCommunication}};
+    Group{Table::holding_registers, kAicSettingBits, 0x13B9},
+    Group{Table::holding_registers, 0x13BA, 0x13EB},
+    Group{Table::holding_registers, 0x13EC, 0x144F},
+    Group{Table::holding_registers, kAicFirstCommunication, 0x1481}};
 
 }  // namespace
 

@@ -38,9 +38,9 @@ inline constexpr std::uint16_t kAicEndProgram = 0x0019;
 inline constexpr std::uint16_t kAicDeleteProgram = 0x001A;
 inline constexpr std::uint16_t kAicLastCommand = 0x001A;
 
-/// Setting coils 0x001E to 0x0042 (2.3) are the bits of these registers (2.9).
+/// Setting coils 0x001E to 0x0041 (2.3) are the bits of these registers (2.9).
 inline constexpr std::uint16_t kAicFirstSetting = 0x001E;
-inline constexpr std::uint16_t kAicLastSetting = 0x0042;
+inline constexpr std::uint16_t kAicLastSetting = 0x0041;
 inline constexpr std::uint16_t kAicSettingBits = 0x1388;
 
 /// Discrete inputs (2.4).

@@ -86,10 +86,18 @@ TEST_F(AicModel, ShowsItsSettingsAsCoilsAndAsRegisters) {
 
 TEST_F(AicModel, RefusesToLeaveAParameterGroup) {
   EXPECT_EQ(answer("03 00 0B 00 01"), "03 02 00 00");
-  EXPECT_EQ(answer("03 00 0B 00 02"), "83 03");
-  EXPECT_EQ(answer("04 00 7C 00 02"), "84 03");
   EXPECT_EQ(answer("01 00 09 00 02"), "81 03");
-  EXPECT_EQ(answer("10 14 53 00 02 04 00 14 00 00"), "90 03");
+  EXPECT_EQ(answer("03 00 31 00 02"), "83 03");
+  EXPECT_EQ(answer("04 03 E6 00 02"), "84 03");
+  EXPECT_EQ(answer("10 14 4F 00 02 04 00 00 00 00"), "90 03");
+}
+
+TEST_F(AicModel, HasNothingAtTheReservedPlacesOfItsGroups) {
+  EXPECT_EQ(answer("03 00 0B 00 02"), "83 02");
+  EXPECT_EQ(answer("04 00 7C 00 02"), "84 02");
+  EXPECT_EQ(answer("01 00 41 00 01"), "01 01 00");
+  EXPECT_EQ(answer("01 00 42 00 01"), "81 02");
+  EXPECT_EQ(answer("10 14 53 00 02 04 00 14 00 00"), "90 02");
 }
 
 TEST_F(AicModel, AnswersAtMost123Registers) {
