@@ -81,8 +81,7 @@ void check_broadcast_address(Draft& draft) {
       return other.bus == devices[i].bus &&
              other.profile.broadcast.form == drive::BroadcastForm::autonics;
     });
-    if (devices[i].address == kAutonicsBroadcast && !is_tcp(draft, devices[i].bus) &&
-        hearer != devices.end()) {
+    if (devices[i].address == kAutonicsBroadcast && hearer != devices.end()) {
       draft.devices[i].error("address", "129 is the address of broadcasts on this bus (" +
                                             in_quotes(hearer->name) + " hears them there)");
     }

@@ -60,8 +60,17 @@ void read_writing(Draft& draft, TomlTable& table, drive::Device& device) {
     table.error("write_function",
                 in_quotes(profile.name) + " has no function " + std::to_string(*function));
   }
+  if (function == 6 && profile.position_opcodes) {
+    table.error("write_function",
+                in_quotes(profile.name) +
+                    " carries an opcode out as soon as it is written: a run of 06 would write its "
+                    "parameters too late");
+  }
   device.write_function = function;  // a maker's preference alone changes no request
   assign(device.split_values, table.boolean("split_values"));
+  if (device.split_values && device.write_function != 6) {
+    table.warning("split_values", "does nothing without write_function = 6");
+  }
   assign(device.split_writes, table.boolean("split_writes"));
   assign(device.allow_reconfigure, table.boolean("allow_reconfigure"));
 }

@@ -90,7 +90,7 @@ void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener
     table.error("broadcast", in_quotes(draft.settings.bus(*listener.bus).name) +
                                  " is a Modbus TCP server: there are no broadcasts to it");
   } else if (!mixed) {
-    check_broadcast_mixed(draft, table, "broadcast", *listener.bus);
+    check_broadcast_mixed(draft, table, "broadcast", {*listener.bus});
   }
 }
 

@@ -43,6 +43,16 @@ std::string refusal(const Value& value, const ProfileFile* file, const drive::De
   if (profile.group_end(value.table, value.first) < value.end()) {
     return registers + " reach over the end of a parameter group of " + in_quotes(profile.name);
   }
+  if (profile.is_special(range)) {
+    return registers +
+           " hold a stop, an opcode or its parameters, or a write that is never "
+           "answered, of " +
+           in_quotes(profile.name);
+  }
+  if (value.table == Table::holding_registers && profile.limits.write_registers < value.registers) {
+    return registers + " cannot be written at once: " + in_quotes(profile.name) +
+           " takes at most " + std::to_string(profile.limits.write_registers);
+  }
   if (profile.limits.read_from(value.table) < value.registers) {
     return registers + " cannot be read at once: " + in_quotes(profile.name) + " reads at most " +
            std::to_string(profile.limits.read_from(value.table));

@@ -54,6 +54,12 @@ void check_value(ProfileDraft& draft, std::size_t at) {
   if (overlaps_another(draft, at)) {
     return;
   }
+  if (profile.is_special(range)) {
+    entry.error("register", numbers(draft.file, range) +
+                                " hold a stop, an opcode or its "
+                                "parameters, or a write that is never answered");
+    return;
+  }
   if (!map.empty() && !covers(map, range)) {
     entry.error("register", numbers(draft.file, range) + " are not all in 'map'");
   }

@@ -64,6 +64,9 @@ void read_functions(ProfileDraft& draft) {
   }
   auto& functions = draft.file.profile.functions;
   functions.reset();
+  if (elements->empty()) {
+    draft.root.error("functions", "an empty list lets nothing through");
+  }
   for (const auto& element : *elements) {
     const auto* code = std::get_if<std::int64_t>(&element.data);
     if (code == nullptr || *code < 1 || *code > 127) {

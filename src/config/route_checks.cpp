@@ -27,6 +27,16 @@ void check_order_known(Draft& draft, std::size_t route, std::size_t at) {
                                 place(draft.document, draft.devices[at].value_position("name")));
 }
 
+/// A forgotten profile would leave every value in the drive's own order without a word.
+void check_order_matters(Draft& draft, std::size_t route, std::size_t at) {
+  const auto& device = draft.settings.devices[at];
+  if (!draft.devices[at].has("profile") && !has_values(device)) {
+    draft.routes[route].warning("word_order", "changes nothing: no values of " +
+                                                  in_quotes(device.name) +
+                                                  " are known; give it a 'profile' or 'values32'");
+  }
+}
+
 void check_word_order(Draft& draft, std::size_t at) {
   const auto& route = draft.settings.routes[at];
   if (!route.word_order) {
@@ -34,6 +44,7 @@ void check_word_order(Draft& draft, std::size_t at) {
   }
   if (route.device) {
     check_order_known(draft, at, *route.device);
+    check_order_matters(draft, at, *route.device);
     return;
   }
   for (std::size_t i = 0; route.is_broadcast() && i < draft.settings.devices.size(); ++i) {
@@ -69,12 +80,24 @@ void check_window(const Device& device, const AddressWindow& window, TomlTable& 
 void check_windows(Draft& draft, std::size_t at) {
   const auto& route = draft.settings.routes[at];
   auto entries = draft.routes[at].tables("registers");
-  if (!route.device || entries.size() != route.windows.size()) {
+  if (entries.size() != route.windows.size()) {
     return;
   }
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    check_window(draft.settings.devices[*route.device], route.windows[i], entries[i]);
+  for (std::size_t i = 0; i < draft.settings.devices.size(); ++i) {
+    const auto& device = draft.settings.devices[i];
+    const bool reached = route.is_broadcast()
+                             ? std::ranges::find(route.buses, device.bus) != route.buses.end()
+                             : route.device == i;
+    for (std::size_t entry = 0; reached && entry < entries.size(); ++entry) {
+      check_window(device, route.windows[entry], entries[entry]);
+    }
   }
+}
+
+/// Where the manual states no broadcasts, the drive may well listen to the standard's.
+BroadcastForm heard_form(const Device& device) {
+  const auto form = device.profile.broadcast.form;
+  return form == BroadcastForm::none ? BroadcastForm::standard : form;
 }
 
 }  // namespace
@@ -86,12 +109,14 @@ void check_routes(Draft& draft) {
   }
 }
 
-void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key, drive::BusId bus) {
+void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key,
+                           const std::vector<drive::BusId>& buses) {
   for (const auto form : {BroadcastForm::standard, BroadcastForm::autonics}) {
     const Device* first = nullptr;
     for (std::size_t i = 0; i < draft.settings.devices.size(); ++i) {
       const auto& device = draft.settings.devices[i];
-      if (device.bus != bus || device.profile.broadcast.form != form || !draft.profile_known[i]) {
+      if (std::ranges::find(buses, device.bus) == buses.end() || !draft.profile_known[i] ||
+          heard_form(device) != form) {
         continue;
       }
       if (first == nullptr) {

@@ -152,9 +152,7 @@ void read_broadcast_target(Draft& draft, TomlTable& table, Route& route) {
   assign(route.broadcast_reply, table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
   read_broadcast_buses(draft, table, route);
   if (!table.boolean("broadcast_mixed").value_or(false)) {
-    for (const auto bus : route.buses) {
-      check_broadcast_mixed(draft, table, table.has("bus") ? "bus" : "broadcast", bus);
-    }
+    check_broadcast_mixed(draft, table, table.has("bus") ? "bus" : "broadcast", route.buses);
   }
 }
 

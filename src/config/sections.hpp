@@ -58,7 +58,8 @@ void read_drive(Draft& draft, TomlTable& table, drive::Device& device);
 void read_own_values(TomlTable& table, const ProfileFile* file, drive::Device& device);
 
 /// A broadcast to `bus`, set up at `key`: do devices of different profiles hear it?
-void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key, drive::BusId bus);
+void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key,
+                           const std::vector<drive::BusId>& buses);
 
 /// Windows, word orders and broadcasts of routes against the devices that they reach.
 void check_routes(Draft& draft);

@@ -16,4 +16,17 @@ std::uint32_t Profile::group_end(modbus::Table table, std::uint32_t address) con
   return end;
 }
 
+bool Profile::is_special(const TableRange& range) const {
+  const auto hits = [&](const WriteMatch& match) {
+    return contains(range, match.table, match.address);
+  };
+  if (std::ranges::any_of(stops, hits) ||
+      std::ranges::any_of(unanswered, hits, &UnansweredWrite::match)) {
+    return true;
+  }
+  constexpr auto kHolding = modbus::Table::holding_registers;
+  return position_opcodes && (contains(range, kHolding, position_opcodes->address) ||
+                              overlap(range, {kHolding, position_opcodes->position, 2}));
+}
+
 }  // namespace mbgate::drive

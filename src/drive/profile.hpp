@@ -101,6 +101,9 @@ struct Profile {
   /// Where a request that begins at `address` must end at the latest: at the end of its
   /// parameter group, or before the next one. 65536 if there is none.
   [[nodiscard]] std::uint32_t group_end(modbus::Table table, std::uint32_t address) const;
+  /// Does a stop, a write that is never answered, an opcode or its position parameter lie in the
+  /// range? None of these may be moved or exchanged as part of a value.
+  [[nodiscard]] bool is_special(const TableRange& range) const;
 };
 
 }  // namespace mbgate::drive

@@ -115,6 +115,7 @@ class Gateway {
   void note_word_order(BusId bus, const bus::Job& job, bus::Ending ending);
   [[nodiscard]] bus::Job& new_job(std::uint32_t owner, Instant deadline);
   void end_part(bus::Job& job, bus::Ending ending);
+  void note_reconfigured(const Exchange& exchange, const Exchange::Part& part);
   void report_effects(const Exchange& exchange, const Exchange::Part& part, bus::Ending ending);
   void complete(std::uint32_t index);
   void cancel_waiting(std::uint32_t index, bool writes_only);

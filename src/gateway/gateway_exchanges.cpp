@@ -4,6 +4,7 @@
 
 #include "gateway/gateway.hpp"
 #include "modbus/make_request.hpp"
+#include "routing/special_writes.hpp"
 
 namespace mbgate::gateway {
 
@@ -70,6 +71,23 @@ void Gateway::note_word_order(BusId bus, const bus::Job& job, bus::Ending ending
   }
 }
 
+// Whatever way it came: a drive that was set otherwise may be out of reach, or speak another order.
+void Gateway::note_reconfigured(const Exchange& exchange, const Exchange::Part& part) {
+  for (const drive::Device& device : settings_.devices) {
+    const bool hit = device.bus == part.bus &&
+                     std::ranges::any_of(part.job->transactions, [&](const bus::Transaction& it) {
+                       const bool heard = it.is_broadcast()
+                                              ? it.broadcast == device.profile.broadcast.form
+                                              : it.address == device.address;
+                       return heard && routing::reconfigures(device, it.request);
+                     });
+    if (hit) {
+      word_order_seen_.erase({device.bus, device.address});
+      report(Reconfigured{device.bus, device.address, exchange.address});
+    }
+  }
+}
+
 void Gateway::end_part(bus::Job& job, bus::Ending ending) {
   const std::uint32_t index = job.owner;
   Exchange& exchange = exchanges_[index];
@@ -95,8 +113,8 @@ void Gateway::report_effects(const Exchange& exchange, const Exchange::Part& par
   const bool done = ending == bus::Ending::transmitted ||
                     (ending == bus::Ending::answered && job.current == job.transactions.size());
   const std::uint8_t address = job.transactions.front().address;
-  if (exchange.plan->reconfigures() && (done || job.was_on_wire)) {
-    report(Reconfigured{part.bus, address, exchange.address});
+  if (job.was_on_wire) {
+    note_reconfigured(exchange, part);
   }
   const std::size_t begin = job.transactions.front().must_hold != nullptr ? 1 : 0;
   const auto& last = job.transactions.back().request.writes();

@@ -183,7 +183,10 @@ Result<DevicePlan, ExceptionCode> Planner::plan_multiple_write() {
     return plan;
   }
   const Pieces pieces = cut(range, profile_.limits.write_registers, profile_);
-  if (pieces.size() > 1 && !device_.split_writes) {
+  // An opcode is carried out when it is written: nothing of its parameters may come later.
+  const bool opcode = profile_.position_opcodes &&
+                      drive::contains(range, range.table, profile_.position_opcodes->address);
+  if (pieces.size() > 1 && (!device_.split_writes || opcode)) {
     return ExceptionCode::illegal_data_value;
   }
   for (const TableRange& piece : pieces) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "routing/plan.hpp"
 
-#include <algorithm>
-
 #include "modbus/rtu.hpp"
 #include "routing/address_window.hpp"
 #include "routing/broadcast_plan.hpp"
@@ -75,11 +73,6 @@ std::optional<ExceptionCode> Plan::add_broadcast(const Way& way, const Request& 
                                                                       : modbus::kBroadcastAddress;
     transactions_.push_back({frame.bus, address, frame.request, false, frame.form});
   }
-  for (const Audience& audience : way.audiences) {
-    reconfigures_ = reconfigures_ || std::ranges::any_of(audience.devices, [&](const auto* it) {
-                      return routing::reconfigures(*it, request);
-                    });
-  }
   return std::nullopt;
 }
 
@@ -94,7 +87,6 @@ std::optional<ExceptionCode> Plan::add_requests(const Way& way, std::uint8_t add
       return made.error();
     }
     planned = *std::move(made);
-    reconfigures_ = routing::reconfigures(*way.device, request);
     orders_words_ = way.route.word_order && touches_value(*way.device, request);
   }
   reply_ = planned.reply;

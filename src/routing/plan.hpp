@@ -36,8 +36,6 @@ class Plan {
   [[nodiscard]] modbus::Pdu echo() const { return modbus::echo_response(client_request_); }
   [[nodiscard]] bool is_read() const { return client_request_.is_read(); }
   [[nodiscard]] std::uint8_t function() const { return client_request_.function(); }
-  /// Communication registers of a device are written.
-  [[nodiscard]] bool reconfigures() const { return reconfigures_; }
   /// Values are read or written, in the order that the route asks for.
   [[nodiscard]] bool orders_words() const { return orders_words_; }
 
@@ -50,7 +48,6 @@ class Plan {
 
   modbus::Request client_request_;
   Reply reply_;
-  bool reconfigures_ = false;
   bool orders_words_ = false;
   boost::container::small_vector<PlannedTransaction, 1> transactions_;
 };

@@ -122,7 +122,7 @@ class Plant:
         return "".join(
             f'[[listen]]\nname = "{name}"\nport = 0\nbus = "{name}"\n'
             f'[[bus]]\nname = "{name}"\ndevice = "tcp://127.0.0.1:{self._ports[name]}"\n{line}'
-            'listen_first = "0ms"\nresponse_timeout = "500ms"\n'
+            'listen_first = "0ms"\nresponse_timeout = "2s"\n'
             for name, (line, _) in BUSES.items()
         )
 

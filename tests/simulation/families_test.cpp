@@ -108,11 +108,14 @@ TEST_F(Families, ARestartIsAnsweredByTheGatewayAndHoldsOnlyThatDriveBack) {
 }
 
 TEST_F(Families, ABroadcastRestartHoldsBackWhoBoots) {
+  // An M3 has half a value where the stepper has its restart: no such broadcast would go out.
+  settings_.devices[kM3 - 1].profile.values = {};
+  settings_.devices[kM3Big - 1].profile.values = {};
   build();
   EXPECT_EQ(ask(0, "06 00D4 0100"), "06 00 D4 01 00");
   const Instant restarted = world_->now();
   send(kStepper, "03 00D8 0002");
-  EXPECT_EQ(ask(kAic, "03 0002 0001").substr(0, 5), "03 02");
+  EXPECT_EQ(ask(kAic, "03 0006 0001").substr(0, 5), "03 02");
   EXPECT_LT(world_->now() - restarted, 300ms);
   world_->run(restarted + 10s, [this] { return !answers_.empty(); });
   EXPECT_GE(world_->now() - restarted, 2800ms);

@@ -154,6 +154,17 @@ TEST(Drives, AWriteOfCommunicationRegistersIsRefusedOrJournaled) {
                                       "communication registers"));
 }
 
+TEST(Drives, AWriteOfCommunicationRegistersThroughTheBusIsJournaledToo) {
+  Settings settings = one_drive();
+  settings.routes[1].first_address = 1;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 02 06 0032 0085");
+  rig.respond("01 06 00 32 00 85");
+  EXPECT_THAT(take_answers(rig, 1), ElementsAre("02 06 00 32 00 85"));
+  EXPECT_EQ(rig.events.size(), 1U);
+}
+
 TEST(Drives, ABusAndAddressRouteExchangesNothing) {
   Settings settings = one_drive();
   settings.routes[1].first_address = 1;
@@ -193,6 +204,26 @@ TEST(Drives, TheirOwnWordOrderIsReadBeforeTheFirstValueIsWritten) {
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 90 0B"));
   rig.receive(1, kValueWrite);
   EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));
+}
+
+TEST(Drives, TheirWordOrderIsReadAgainAfterItWasWritten) {
+  Settings settings = verified_drive();
+  settings.devices[0].allow_reconfigure = true;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, kValueWrite);
+  rig.respond("01 03 02 0085");
+  rig.advance(30ms);
+  rig.respond("01 10 00 1E 00 02");
+  rig.advance(30ms);
+  rig.receive(1, "0002 0000 0006 01 06 0032 0005");
+  rig.respond("01 06 00 32 00 05");
+  rig.advance(30ms);
+  take_requests(rig);
+  rig.receive(1, kValueWrite);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));
+  rig.respond("01 03 02 0005");
+  EXPECT_EQ(take_answers(rig, 1).back(), "01 90 04");
 }
 
 TEST(Drives, ValuesAreNotWrittenToADriveOfAnotherWordOrder) {
