@@ -27,6 +27,10 @@ std::string refusal(const Value& value, const ProfileFile* file, const drive::De
   const auto& profile = device.profile;
   const auto range = value.range();
   const auto registers = numbers(value.first, value.end());
+  if (profile.input_as_holding && value.table == Table::input_registers) {
+    return "function 04 reads the holding registers of " + in_quotes(profile.name) +
+           ": name them there";
+  }
   if (const auto* other = profile.values.from(value.table, value.first);
       other != nullptr && other->first < value.end()) {
     return registers + " overlap the value " + numbers(other->first, other->end());

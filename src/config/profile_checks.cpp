@@ -60,6 +60,10 @@ void check_value(ProfileDraft& draft, std::size_t at) {
                                 "parameters, or a write that is never answered");
     return;
   }
+  if (profile.input_as_holding && range.table == Table::input_registers) {
+    entry.error("table",
+                "with input_as_holding, function 04 reads the holding registers: name it there");
+  }
   if (!map.empty() && !covers(map, range)) {
     entry.error("register", numbers(draft.file, range) + " are not all in 'map'");
   }

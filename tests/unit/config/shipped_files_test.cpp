@@ -46,11 +46,13 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
     commented += is_commented_setting(line) ? 1 : 0;
     text += (is_commented_setting(line) ? line.substr(2) : line) + "\n";
   }
-  EXPECT_EQ(commented, 11);
-  const auto loaded = load_settings_text("mbgate.toml", text);
+  EXPECT_EQ(commented, 30);
+  const auto loaded = load_settings_text(kFolder + "mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
-  EXPECT_EQ(loaded.settings->routes.size(), 5U);
+  EXPECT_EQ(loaded.settings->routes.size(), 7U);
+  EXPECT_EQ(loaded.settings->devices.back().address, 255);
+  EXPECT_EQ(loaded.settings->buses.back().line.framing, bus::Framing::tcp);
   EXPECT_EQ(loaded.settings->buses[0].frame_gap, 3ms);
   EXPECT_EQ(loaded.settings->listeners[0].allow.size(), 1U);
 }
@@ -94,6 +96,12 @@ TEST(CompleteFile, ShowsTheDefaults) {
   EXPECT_EQ(line.reopen_max, bus.reopen_max);
   EXPECT_EQ(shown.devices[0].timing.response_wait, bus.timing.response_wait);
   EXPECT_EQ(shown.devices[0].timing.gap, bus.timing.gap);
+  const drive::Device device;
+  EXPECT_EQ(shown.devices[0].verify_word_order, device.verify_word_order);
+  EXPECT_EQ(shown.devices[0].split_values, device.split_values);
+  EXPECT_EQ(shown.devices[0].split_writes, device.split_writes);
+  EXPECT_EQ(shown.devices[0].allow_reconfigure, device.allow_reconfigure);
+  EXPECT_EQ(shown.devices[0].profile.values.all().size(), 246U);
   EXPECT_EQ(shown.devices[0].timing.retry_writes, bus.timing.retry_writes);
 }
 
@@ -113,6 +121,14 @@ TEST(DemoFile, IsWhatTheDemoPromises) {
   EXPECT_EQ(settings.devices[2].name, "turntable");
   EXPECT_EQ(settings.devices[2].timing.response_wait, 20ms);
   EXPECT_EQ(settings.devices[2].timing.response_timeout, 300ms);
+  std::vector<std::string> profiles;
+  for (const auto& device : settings.devices) {
+    profiles.push_back(device.profile.name);
+  }
+  EXPECT_EQ(profiles,
+            (std::vector<std::string>{"moons-st", "rs485-stepper", "autonics-aic", "moons-st"}));
+  EXPECT_EQ(settings.devices[1].word_order, drive::WordOrder::little);
+  EXPECT_EQ(settings.devices[3].word_order, drive::WordOrder::little);
   ASSERT_EQ(settings.routes.size(), 6U);
   EXPECT_TRUE(settings.routes[5].is_broadcast());
 }

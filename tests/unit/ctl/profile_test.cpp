@@ -136,7 +136,8 @@ TEST(ProfileList, NamesEveryGoodProfileAndReportsTheOthers) {
             "  aic       A third drive for tests\n"
             "  fixed     Another drive for tests\n"
             "  generic   Any Modbus device\n"
-            "  settable  A drive for tests\n");
+            "  settable  A drive for tests\n"
+            "  short     A fourth drive for tests\n");
   EXPECT_THAT(list.errors, StartsWith(kFolder + "/wrong.toml:6:14: error: word_order: "));
 }
 
