@@ -15,6 +15,11 @@ std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
   app.add_option("--config", options.config, "The configuration file")
       ->type_name("FILE")
       ->capture_default_str();
+  app.add_option("--profiles", options.profiles,
+                 "Look for drive profiles in this folder only (instead of [gateway] profiles, or "
+                 "/etc/mbgate/profiles and the installed ones)")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
   app.add_flag("--check", options.check,
                "Validate the configuration without touching a port, then exit");
   app.set_version_flag("--version", "mbgated " + version);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -10,6 +11,8 @@ namespace mbgate::app {
 
 struct Options {
   std::filesystem::path config = "/etc/mbgate/mbgate.toml";
+  /// The only folder to look for profiles in, whatever the configuration says.
+  std::optional<std::filesystem::path> profiles;
   bool check = false;  ///< validate the configuration and exit
 };
 

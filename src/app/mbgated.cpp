@@ -46,7 +46,7 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
     return *status;
   }
   const auto& options = std::get<Options>(parsed);
-  config::Loaded loaded = config::load_settings(options.config);
+  config::Loaded loaded = config::load_settings(options.config, {.folder = options.profiles});
   std::cerr << config::render(loaded.diagnostics) << std::flush;
   if (!loaded.settings) {
     return EX_CONFIG;

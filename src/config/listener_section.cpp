@@ -77,10 +77,20 @@ void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener
   assign(listener.broadcast, table.boolean("broadcast"));
   assign(listener.broadcast_reply,
          table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
-  for (const auto* key : {"broadcast", "broadcast_reply"}) {
+  const bool mixed = table.boolean("broadcast_mixed").value_or(false);
+  for (const auto* key : {"broadcast", "broadcast_mixed", "broadcast_reply"}) {
     if (!transparent && table.has(key)) {
       table.error(key, "belongs to a listener with 'bus'; here, a [[route]] with unit = 0 does it");
     }
+  }
+  if (!listener.broadcast || !listener.bus) {
+    return;
+  }
+  if (is_tcp(draft, *listener.bus)) {
+    table.error("broadcast", in_quotes(draft.settings.bus(*listener.bus).name) +
+                                 " is a Modbus TCP server: there are no broadcasts to it");
+  } else if (!mixed) {
+    check_broadcast_mixed(draft, table, "broadcast", *listener.bus);
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/load.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "config/sections.hpp"
@@ -8,20 +10,23 @@
 namespace mbgate::config {
 namespace {
 
-Loaded read(TomlDocument document) {
+Loaded read(TomlDocument document, ProfileSearch search) {
   Loaded loaded;
+  std::vector<Diagnostic> of_profiles;
   if (document.parsed()) {
-    Draft draft(document);
+    Draft draft(document, std::move(search.otherwise));
     // Names must be known before something refers to them.
-    read_gateway(draft);
+    read_gateway(draft, search.folder);
     read_buses(draft);
     read_devices(draft);
     read_listeners(draft);
     read_routes(draft);
     check_whole(draft);
     loaded.settings = std::move(draft.settings);
+    of_profiles = draft.library.diagnostics();
   }
   loaded.diagnostics = document.finish();
+  std::ranges::move(of_profiles, std::back_inserter(loaded.diagnostics));
   if (has_errors(loaded.diagnostics)) {
     loaded.settings.reset();
   }
@@ -30,10 +35,12 @@ Loaded read(TomlDocument document) {
 
 }  // namespace
 
-Loaded load_settings(const std::filesystem::path& path) { return read(TomlDocument::load(path)); }
+Loaded load_settings(const std::filesystem::path& path, ProfileSearch search) {
+  return read(TomlDocument::load(path), std::move(search));
+}
 
-Loaded load_settings_text(std::string name, std::string_view text) {
-  return read(TomlDocument::parse(std::move(name), text));
+Loaded load_settings_text(std::string name, std::string_view text, ProfileSearch search) {
+  return read(TomlDocument::parse(std::move(name), text), std::move(search));
 }
 
 }  // namespace mbgate::config

@@ -11,19 +11,28 @@
 #include <vector>
 
 #include "config/diagnostic.hpp"
+#include "config/profile_library.hpp"
 #include "gateway/settings.hpp"
 
 namespace mbgate::config {
 
 struct Loaded {
   std::optional<gateway::Settings> settings;  ///< none if there is an error among the diagnostics
-  std::vector<Diagnostic> diagnostics;        ///< errors and warnings, in the order of the text
+  /// Errors and warnings, in the order of the text; then those of the profiles that it names.
+  std::vector<Diagnostic> diagnostics;
+};
+
+/// Where the profiles are that a configuration names.
+struct ProfileSearch {
+  std::optional<std::filesystem::path> folder{};  ///< only here, whatever `[gateway] profiles` says
+  ProfileFolders otherwise = default_profile_folders();  ///< where neither says anything
 };
 
 /// Reads a file; one that cannot be read is a diagnostic too. No port is touched.
-Loaded load_settings(const std::filesystem::path& path);
+Loaded load_settings(const std::filesystem::path& path, ProfileSearch search = {});
 
-/// The same for a text; `name` stands in the diagnostics.
-Loaded load_settings_text(std::string name, std::string_view text);
+/// The same for a text; `name` stands in the diagnostics, and `[gateway] profiles` is relative to
+/// its folder.
+Loaded load_settings_text(std::string name, std::string_view text, ProfileSearch search = {});
 
 }  // namespace mbgate::config

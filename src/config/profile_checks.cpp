@@ -25,7 +25,7 @@ bool overlaps_another(ProfileDraft& draft, std::size_t at) {
   const auto range = file.values[at].value.range();
   const auto clash = [&](std::string_view what, TomlTable& other) {
     draft.value_tables[at].error(
-        "register", numbers(file, range) + " overlaps the " + std::string(what) + " at " +
+        "register", numbers(file, range) + " overlap the " + std::string(what) + " at " +
                         place(draft.document, other.value_position("register")));
     return true;
   };
@@ -60,7 +60,7 @@ void check_value(ProfileDraft& draft, std::size_t at) {
   for (const auto& group : profile.groups) {
     if (overlap(group, range) && !(contains(group, range.table, range.first) &&
                                    contains(group, range.table, drive::end_of(range) - 1))) {
-      entry.error("register", numbers(draft.file, range) + " crosses a border of the group " +
+      entry.error("register", numbers(draft.file, range) + " cross a border of the group " +
                                   numbers(draft.file, group));
       return;
     }
@@ -74,7 +74,7 @@ void check_groups(ProfileDraft& draft) {
       if (overlap(groups[earlier].fact, groups[later].fact)) {
         draft.group_tables[later].error(
             "register",
-            numbers(draft.file, groups[later].fact) + " overlaps the group at " +
+            numbers(draft.file, groups[later].fact) + " overlap the group at " +
                 place(draft.document, draft.group_tables[earlier].value_position("register")));
       }
     }

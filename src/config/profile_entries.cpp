@@ -23,7 +23,7 @@ constexpr std::array kAccesses = {Word{"r", ValueAccess::read}, Word{"w", ValueA
 Source read_source(TomlTable& entry) {
   Source source;
   assign(source.name, entry.string("name"));
-  source.line = read_line(entry);
+  source.line = read_manual_line(entry);
   assign(source.note, entry.string("note"));
   return source;
 }
@@ -42,9 +42,11 @@ std::optional<drive::TableRange> read_range(const ProfileFile& file, TomlTable& 
                                             std::optional<std::int64_t> count) {
   entry.require("register");
   const auto table = read_table(entry, tables);
-  const auto first =
-      read_register(file, entry, "register", table.value_or(Table::holding_registers));
-  if (!table || !first || !count) {
+  if (!table) {
+    return std::nullopt;  // nobody knows how it is counted
+  }
+  const auto first = read_register(file, entry, "register", *table);
+  if (!first || !count) {
     return std::nullopt;
   }
   if (*first + *count - 1 > kLastAddress) {
@@ -128,7 +130,7 @@ std::optional<drive::WriteMatch> read_match(const ProfileFile& file, TomlTable& 
 
 }  // namespace
 
-std::optional<std::uint32_t> read_line(TomlTable& entry) {
+std::optional<std::uint32_t> read_manual_line(TomlTable& entry) {
   const auto line = entry.integer("line", {1, kMaxNumber});
   return line ? std::optional(static_cast<std::uint32_t>(*line)) : std::nullopt;
 }

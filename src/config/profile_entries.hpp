@@ -44,7 +44,7 @@ void read_unanswered(ProfileDraft& draft);
 void read_stops(ProfileDraft& draft);
 
 /// `line` of the manual.
-std::optional<std::uint32_t> read_line(TomlTable& entry);
+std::optional<std::uint32_t> read_manual_line(TomlTable& entry);
 
 /// `write_function`: 6 or 16.
 std::optional<std::uint8_t> read_write_function(TomlTable& table);

@@ -164,7 +164,7 @@ void read_word_order_register(ProfileDraft& draft) {
   const auto address = read_register(draft.file, *table, "register", Table::holding_registers);
   auto big = read_codes(*table, "big");
   auto little = read_codes(*table, "little");
-  draft.file.word_order_line = read_line(*table);
+  draft.file.word_order_line = read_manual_line(*table);
   for (const auto code : little) {
     if (std::ranges::find(big, code) != big.end()) {
       table->error("little", std::to_string(code) + " stands for both orders");
@@ -186,7 +186,7 @@ void read_position_opcodes(ProfileDraft& draft) {
   const auto address = read_register(draft.file, *table, "register", Table::holding_registers);
   const auto position = read_register(draft.file, *table, "position", Table::holding_registers);
   auto opcodes = read_codes(*table, "opcodes");
-  draft.file.position_opcodes_line = read_line(*table);
+  draft.file.position_opcodes_line = read_manual_line(*table);
   if (position == 0xFFFF) {
     table->error("position", "its second register would lie beyond the table");
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a route lets through: access, functions, the register window, the deadline.
+// What a route lets through: access, functions, word order, register windows, the deadline.
 #include <array>
 
 #include "config/sections.hpp"
@@ -68,42 +68,77 @@ void check_end(TomlTable& window, std::string_view key, std::int64_t first, std:
   }
 }
 
-void read_window(TomlTable& window, Route& route, bool broadcast) {
-  AddressWindow read;
+bool holds_bits(Table table) { return table == Table::coils || table == Table::discrete_inputs; }
+
+/// A broadcast is a write: neither side may be a table that can only be read.
+std::optional<Table> read_table(TomlTable& window, std::string_view key, bool broadcast) {
+  const auto table = window.word<Table>(key, kTables);
+  if (broadcast && table && *table != Table::coils && *table != Table::holding_registers) {
+    window.report_expected(key, *window.value(key),
+                           R"(a table that a broadcast can write, "coils" or "holding")");
+  }
+  return table;
+}
+
+/// Bits and registers cannot become each other.
+Table read_to_table(TomlTable& window, std::optional<Table> table, bool broadcast) {
+  const auto to_table = read_table(window, "to_table", broadcast);
+  if (table && to_table && holds_bits(*table) != holds_bits(*to_table)) {
+    window.report_expected("to_table", *window.value("to_table"),
+                           holds_bits(*table)
+                               ? R"(another table of bits, "coils" or "discrete")"
+                               : R"(another table of registers, "input" or "holding")");
+  }
+  return to_table.value_or(table.value_or(Table::holding_registers));
+}
+
+/// Nothing if a number is missing or wrong.
+std::optional<AddressWindow> read_window(TomlTable& window, bool broadcast) {
   for (const auto* key : {"table", "from", "count", "to"}) {
     window.require(key);
   }
-  const auto table = window.word<Table>("table", kTables);
-  assign(read.table, table);
-  if (broadcast && table && *table != Table::coils && *table != Table::holding_registers) {
-    window.report_expected("table", *window.value("table"),
-                           R"(a table that a broadcast can write, "coils" or "holding")");
-  }
+  const auto table = read_table(window, "table", broadcast);
+  const auto to_table = read_to_table(window, table, broadcast);
   const auto from = window.integer("from", {0, kTableSize - 1});
   const auto count = window.integer("count", {1, kTableSize});
   const auto to = window.integer("to", {0, kTableSize - 1});
-  assign(read.from, from);
-  assign(read.count, count);
-  assign(read.to, to);
   if (from && count) {
     check_end(window, "from", *from, *count);
   }
   if (to && count) {
     check_end(window, "to", *to, *count);
   }
-  read.to_table = read.table;
-  route.windows.push_back(read);
-  route.functions = FunctionRules::rewritable();
+  if (!table || !from || !count || !to) {
+    return std::nullopt;
+  }
+  return AddressWindow{*table, static_cast<std::uint16_t>(*from),
+                       static_cast<std::uint32_t>(*count), to_table,
+                       static_cast<std::uint16_t>(*to)};
+}
+
+bool same_client_addresses(const AddressWindow& a, const AddressWindow& b) {
+  return a.table == b.table && a.from < b.from + b.count && b.from < a.from + a.count;
 }
 
 void read_windows(TomlTable& table, Route& route, bool broadcast) {
-  auto windows = table.tables("registers");
-  if (windows.size() > 1) {
-    table.document().error(windows[1].position(),
-                           "[[route.registers]]: this version knows one window a route");
-  }
-  for (auto& window : windows) {
-    read_window(window, route, broadcast);
+  std::vector<TomlTable> places;
+  for (auto& entry : table.tables("registers")) {
+    route.functions = FunctionRules::rewritable();
+    const auto window = read_window(entry, broadcast);
+    if (!window) {
+      continue;
+    }
+    const auto same = std::ranges::find_if(
+        route.windows, [&](const auto& other) { return same_client_addresses(other, *window); });
+    if (same != route.windows.end()) {
+      const auto& first = places[static_cast<std::size_t>(same - route.windows.begin())];
+      entry.error("from", std::to_string(window->from) + " to " +
+                              std::to_string(window->from + window->count - 1) +
+                              " overlap the window at " +
+                              place(entry.document(), first.value_position("from")));
+    }
+    route.windows.push_back(*window);
+    places.push_back(entry);
   }
 }
 
@@ -113,6 +148,11 @@ void read_route_rules(TomlTable& table, Route& route, bool broadcast) {
   assign(route.access, table.word<Access>("access", kAccesses));
   if (broadcast && route.access == Access::read_only) {
     table.error("access", "a broadcast is a write: \"read-only\" would let nothing through");
+  }
+  assign(route.word_order, table.word<drive::WordOrder>("word_order", kWordOrders));
+  if (route.word_order && !broadcast && !table.has("device")) {
+    table.error("word_order",
+                "belongs to a route with 'device': nobody knows the values of an address");
   }
   read_windows(table, route, broadcast);
   read_functions(table, route, broadcast);

@@ -64,18 +64,20 @@ void read_device(Draft& draft, TomlTable& table, const UnitRange& units, Route& 
 }
 
 void read_bus(Draft& draft, TomlTable& table, const UnitRange& units, Route& route) {
+  bool tcp = false;
   if (const auto bus = find_named(table, "bus", draft.settings.buses)) {
     route.buses = {drive::BusId{static_cast<std::uint32_t>(*bus)}};
+    tcp = is_tcp(draft, route.buses.front());
   }
   if (!table.has("address")) {
-    if (units.last > kAddresses.max) {
+    if (!tcp && units.last > kAddresses.max) {
       table.error("unit", "no bus has an address " + std::to_string(units.last) +
                               " (1 to 247): give 'address'");
     }
     route.first_address = units.first;
     return;
   }
-  const auto addresses = read_units(table, "address", kAddresses);
+  const auto addresses = read_units(table, "address", tcp ? kUnits : kAddresses);
   if (!addresses) {
     return;
   }
@@ -87,7 +89,7 @@ void read_bus(Draft& draft, TomlTable& table, const UnitRange& units, Route& rou
 }
 
 void read_unicast_target(Draft& draft, TomlTable& table, const UnitRange& units, Route& route) {
-  for (const auto* key : {"broadcast", "broadcast_reply"}) {
+  for (const auto* key : {"broadcast", "broadcast_mixed", "broadcast_reply"}) {
     if (table.has(key)) {
       table.error(key, "belongs to a route with unit = 0");
     }
@@ -106,6 +108,40 @@ void read_unicast_target(Draft& draft, TomlTable& table, const UnitRange& units,
   }
 }
 
+/// Every serial line; a Modbus TCP server has no broadcasts.
+std::vector<drive::BusId> serial_buses(const Draft& draft) {
+  std::vector<drive::BusId> buses;
+  for (std::size_t i = 0; i < draft.settings.buses.size(); ++i) {
+    const drive::BusId id{static_cast<std::uint32_t>(i)};
+    if (!is_tcp(draft, id)) {
+      buses.push_back(id);
+    }
+  }
+  return buses;
+}
+
+void read_broadcast_buses(Draft& draft, TomlTable& table, Route& route) {
+  const auto bus = find_named(table, "bus", draft.settings.buses);
+  const auto all = table.word<bool>("broadcast", kBroadcastTargets);
+  if (table.has("bus") && table.has("broadcast")) {
+    table.error("broadcast", "a broadcast goes to one bus or to all, not to both");
+  } else if (bus) {
+    route.buses = {drive::BusId{static_cast<std::uint32_t>(*bus)}};
+    if (is_tcp(draft, route.buses.front())) {
+      table.error("bus", in_quotes(draft.settings.buses[*bus].name) +
+                             " is a Modbus TCP server: there are no broadcasts to it");
+    }
+  } else if (all) {
+    route.buses = serial_buses(draft);
+    if (route.buses.empty() && !draft.settings.buses.empty()) {
+      table.error("broadcast", "every [[bus]] is a Modbus TCP server: there are no broadcasts");
+    }
+  } else if (!table.has("bus") && !table.has("broadcast")) {
+    draft.document.error(table.position(),
+                         "[[route]]: it leads nowhere: give 'bus' or broadcast = \"all\"");
+  }
+}
+
 void read_broadcast_target(Draft& draft, TomlTable& table, Route& route) {
   for (const auto* key : {"device", "address"}) {
     if (table.has(key)) {
@@ -114,25 +150,18 @@ void read_broadcast_target(Draft& draft, TomlTable& table, Route& route) {
     }
   }
   assign(route.broadcast_reply, table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
-  const auto bus = find_named(table, "bus", draft.settings.buses);
-  const auto all = table.word<bool>("broadcast", kBroadcastTargets);
-  if (table.has("bus") && table.has("broadcast")) {
-    table.error("broadcast", "a broadcast goes to one bus or to all, not to both");
-  } else if (bus) {
-    route.buses = {drive::BusId{static_cast<std::uint32_t>(*bus)}};
-  } else if (all) {
-    for (std::size_t id = 0; id < draft.settings.buses.size(); ++id) {
-      route.buses.push_back(drive::BusId{static_cast<std::uint32_t>(id)});
+  read_broadcast_buses(draft, table, route);
+  if (!table.boolean("broadcast_mixed").value_or(false)) {
+    for (const auto bus : route.buses) {
+      check_broadcast_mixed(draft, table, table.has("bus") ? "bus" : "broadcast", bus);
     }
-  } else if (!table.has("bus") && !table.has("broadcast")) {
-    draft.document.error(table.position(),
-                         "[[route]]: it leads nowhere: give 'bus' or broadcast = \"all\"");
   }
 }
 
 /// Without a usable unit nobody can say which of these keys are right; none of them is unknown.
 void accept_target_keys(TomlTable& table) {
-  for (const auto* key : {"device", "bus", "address", "broadcast", "broadcast_reply"}) {
+  for (const auto* key :
+       {"device", "bus", "address", "broadcast", "broadcast_mixed", "broadcast_reply"}) {
     table.has(key);
   }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/sections.hpp"
 
+#include <system_error>
+
 namespace mbgate::config {
 namespace {
 
@@ -11,26 +13,55 @@ bool is_name_letter(char c) {
          c == '_' || c == '.';
 }
 
-}  // namespace
-
-void read_gateway(Draft& draft) {
-  auto table = draft.document.root().table("gateway");
-  if (!table) {
-    return;
-  }
-  const auto* unit = table->value("unit");
+void read_own_unit(TomlTable& table, gateway::Settings& settings) {
+  const auto* unit = table.value("unit");
   if (unit == nullptr) {
     return;
   }
   const auto* number = std::get_if<std::int64_t>(&unit->data);
   const auto* truth = std::get_if<bool>(&unit->data);
   if (number != nullptr && *number >= 1 && *number <= 255) {
-    draft.settings.own_unit = static_cast<std::uint8_t>(*number);
+    settings.own_unit = static_cast<std::uint8_t>(*number);
   } else if (truth != nullptr && !*truth) {
-    draft.settings.own_unit.reset();
+    settings.own_unit.reset();
   } else {
-    table->report_expected("unit", *unit, "an integer from 1 to 255 or false");
+    table.report_expected("unit", *unit, "an integer from 1 to 255 or false");
   }
+}
+
+/// The folder that `profiles` names, relative to the folder of the file.
+std::optional<std::filesystem::path> read_profiles(TomlTable& table) {
+  const auto named = table.string("profiles");
+  if (!named) {
+    return std::nullopt;
+  }
+  auto folder = std::filesystem::path(table.document().name()).parent_path() / *named;
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    table.error("profiles", "there is no folder " + in_quotes(folder.string()));
+  }
+  return folder;
+}
+
+}  // namespace
+
+void read_gateway(Draft& draft, const std::optional<std::filesystem::path>& profile_folder) {
+  std::optional<std::filesystem::path> folder;
+  if (auto table = draft.document.root().table("gateway")) {
+    read_own_unit(*table, draft.settings);
+    folder = read_profiles(*table);
+  }
+  if (profile_folder) {
+    folder = profile_folder;
+  }
+  if (folder) {
+    draft.library = ProfileLibrary({*folder});
+  }
+}
+
+bool is_tcp(const Draft& draft, drive::BusId bus) {
+  return index(bus) < draft.settings.buses.size() &&
+         draft.settings.bus(bus).line.framing == bus::Framing::tcp;
 }
 
 std::string read_name(TomlTable& table) {

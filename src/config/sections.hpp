@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/profile_library.hpp"
 #include "config/suggestion.hpp"
 #include "config/toml_reader.hpp"
 #include "config/unit_range.hpp"
@@ -20,18 +21,22 @@ namespace mbgate::config {
 
 /// Settings in the making, and beside each entry the table it was read from.
 struct Draft {
-  explicit Draft(TomlDocument& source) : document(source) {}
+  Draft(TomlDocument& source, ProfileFolders folders)
+      : document(source), library(std::move(folders)) {}
 
   TomlDocument& document;
+  ProfileLibrary library;
   gateway::Settings settings;
   std::vector<TomlTable> listeners;
   std::vector<TomlTable> buses;
   std::vector<TomlTable> devices;
+  std::vector<bool> profile_known;  ///< beside settings.devices; false where `profile` is wrong
   std::vector<TomlTable> routes;
   std::vector<std::optional<UnitRange>> route_units;  ///< none where `unit` is wrong
 };
 
-void read_gateway(Draft& draft);
+/// `profile_folder`: the one of the command line, which goes before that of the file.
+void read_gateway(Draft& draft, const std::optional<std::filesystem::path>& profile_folder);
 void read_buses(Draft& draft);
 void read_devices(Draft& draft);
 void read_listeners(Draft& draft);
@@ -41,6 +46,25 @@ void check_whole(Draft& draft);
 
 /// `name` of a table: required, and fit to be printed in a log line and a list of labels.
 std::string read_name(TomlTable& table);
+
+/// `mode` and what a line of that mode has: `device`, `baud`, ...; or `host`, `port`.
+void read_line(TomlTable& table, bus::BusSettings& settings);
+
+/// What kind of drive a device is: `profile`, `word_order`, `values32`, ... Its bus is known.
+void read_drive(Draft& draft, TomlTable& table, drive::Device& device);
+
+/// Values of the device's own, added to those of its profile. `file` is nullptr where the profile
+/// has none.
+void read_own_values(TomlTable& table, const ProfileFile* file, drive::Device& device);
+
+/// A broadcast to `bus`, set up at `key`: do devices of different profiles hear it?
+void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key, drive::BusId bus);
+
+/// Windows, word orders and broadcasts of routes against the devices that they reach.
+void check_routes(Draft& draft);
+
+/// Is it a connection to a Modbus TCP server? False for an unknown bus.
+bool is_tcp(const Draft& draft, drive::BusId bus);
 
 /// What a route lets through: `access`, `functions`, `[[route.registers]]`, `deadline`.
 void read_route_rules(TomlTable& table, routing::Route& route, bool broadcast);

@@ -111,6 +111,7 @@ void check_ways(Draft& draft) {
 void check_whole(Draft& draft) {
   check_present(draft);
   check_overlaps(draft);
+  check_routes(draft);
   check_deadlines(draft);
   // After an error a way may be missing only because the entry that leads there is wrong.
   if (!draft.document.failed()) {

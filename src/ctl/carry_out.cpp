@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "ctl/modbus_client.hpp"
+#include "ctl/show_profile.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -73,6 +74,10 @@ int carry_out_one(const AnyCommand& command, std::ostream& out, std::ostream& er
   }
   print(command, *response, out);
   return kExitDone;
+}
+
+int carry_out_one(const ProfileCommand& command, std::ostream& out, std::ostream& errors) {
+  return show_profile(command, out, errors);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -47,7 +49,14 @@ struct WriteCommand {
   bool quiet = false;     ///< print nothing on success
 };
 
-using Command = std::variant<ReadCommand, WriteCommand>;
+/// Shows what is known of a kind of drive; nobody is asked.
+struct ProfileCommand {
+  std::string which;  ///< a name, or a file (with a '/' or ".toml"); empty: the list of all
+  std::optional<std::filesystem::path> folder;  ///< the only one to look in
+  bool json = false;
+};
+
+using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand>;
 
 /// The request that the command stands for: 01-04; 05 and 06 for one coil or register; else 15 and
 /// 16, so that the registers of a 32-bit value are never written one by one. The error is a whole

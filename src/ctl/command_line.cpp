@@ -36,6 +36,7 @@ struct Words {
   std::size_t count = 1;
   bool multiple = false;
   bool quiet = false;
+  ProfileCommand profile;
 };
 
 template <typename Value>
@@ -98,6 +99,20 @@ CLI::App* add_write(CLI::App& app, Words& words) {
   return write;
 }
 
+CLI::App* add_profile(CLI::App& app, Words& words) {
+  CLI::App* profile =
+      app.add_subcommand("profile", "Show what is known of a kind of drive, or list all kinds.");
+  profile->add_option("name", words.profile.which, "of a profile, or a file; none: list all");
+  profile
+      ->add_option(
+          "--profiles", words.profile.folder,
+          "look in this folder only, instead of /etc/mbgate/profiles and the installed ones")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
+  profile->add_flag("--json", words.profile.json, "for programs");
+  return profile;
+}
+
 Result<Place, std::string> understand_place(const Words& words) {
   Place place;
   place.table = kTables.at(words.table);
@@ -149,14 +164,17 @@ Result<Command, std::string> understand(const Words& words, bool is_write) {
 
 std::variant<Command, Notice> parse_command_line(const std::string& version, int count,
                                                  const char* const* arguments) {
-  CLI::App app("Reads and writes Modbus devices through a gateway, or any Modbus TCP server.",
-               "mbgatectl");
+  CLI::App app(
+      "Reads and writes Modbus devices through a gateway, or any Modbus TCP server, and shows "
+      "drive profiles.",
+      "mbgatectl");
   app.set_version_flag("--version", "mbgatectl " + version);
   app.require_subcommand(1);
   app.get_formatter()->column_width(22);
   Words words;
   add_read(app, words);
   const CLI::App* write = add_write(app, words);
+  const CLI::App* profile = add_profile(app, words);
   try {
     app.parse(count, arguments);
   } catch (const CLI::ParseError& error) {
@@ -164,6 +182,9 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
     const int status = app.exit(error, text, text);
     return Notice{status == 0 ? kExitDone : kExitUsage,
                   status == 0 ? text.str() : "mbgatectl: " + text.str()};
+  }
+  if (profile->parsed()) {
+    return words.profile;
   }
   const auto command = understand(words, write->parsed());
   if (!command) {

@@ -18,6 +18,7 @@ TEST(CommandLine, HasTheInstalledConfigurationAsDefault) {
   ASSERT_TRUE(std::holds_alternative<Options>(parsed));
   EXPECT_EQ(std::get<Options>(parsed).config, "/etc/mbgate/mbgate.toml");
   EXPECT_FALSE(std::get<Options>(parsed).check);
+  EXPECT_FALSE(std::get<Options>(parsed).profiles);
 }
 
 TEST(CommandLine, TakesAFileAndTheCheck) {
@@ -25,6 +26,18 @@ TEST(CommandLine, TakesAFileAndTheCheck) {
   ASSERT_TRUE(std::holds_alternative<Options>(parsed));
   EXPECT_EQ(std::get<Options>(parsed).config, "x.toml");
   EXPECT_TRUE(std::get<Options>(parsed).check);
+}
+
+TEST(CommandLine, TakesAFolderOfProfilesThatIsThere) {
+  const auto parsed = parse({"--profiles", MBGATE_SOURCE_DIR "/tests/config/profiles"});
+  ASSERT_TRUE(std::holds_alternative<Options>(parsed));
+  EXPECT_EQ(std::get<Options>(parsed).profiles, MBGATE_SOURCE_DIR "/tests/config/profiles");
+  testing::internal::CaptureStderr();
+  const auto missing = parse({"--profiles", "no-such-folder"});
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "--profiles: Directory does not exist: no-such-folder\n"
+            "Run with --help for more information.\n");
+  EXPECT_EQ(std::get<int>(missing), 64);
 }
 
 TEST(CommandLine, PrintsTheVersion) {

@@ -44,7 +44,8 @@ std::string case_name(const testing::TestParamInfo<fs::path>& info) {
 /// The diagnostics name the file without its folder, so that the expected texts hold in every
 /// checkout.
 Loaded load(const fs::path& path) {
-  return load_settings_text(path.filename().string(), text_of(path));
+  return load_settings_text(path.filename().string(), text_of(path),
+                            {.otherwise = {kFolder / "profiles"}});
 }
 
 fs::path expected_of(fs::path path) { return path.replace_extension(".expected"); }

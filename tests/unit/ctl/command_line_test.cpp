@@ -120,8 +120,19 @@ TEST(CommandLine, WrongWordsAreNamed) {
   EXPECT_THAT(complaint("read holding 0 --colour red"), HasSubstr("--colour"));
 }
 
+TEST(CommandLine, ProfileTakesANameAFolderAndJson) {
+  EXPECT_EQ(command<ProfileCommand>("profile").which, "");
+  const auto profile =
+      command<ProfileCommand>("profile moons-m3 --json --profiles " MBGATE_SOURCE_DIR "/tests");
+  EXPECT_EQ(profile.which, "moons-m3");
+  EXPECT_EQ(profile.folder, MBGATE_SOURCE_DIR "/tests");
+  EXPECT_TRUE(profile.json);
+  EXPECT_EQ(complaint("profile --profiles no-such-folder"),
+            "mbgatectl: --profiles: Directory does not exist: no-such-folder");
+}
+
 TEST(CommandLine, HelpAndVersionAreNoErrors) {
-  for (const auto* line : {"--help", "read --help", "write --help"}) {
+  for (const auto* line : {"--help", "read --help", "write --help", "profile --help"}) {
     const auto parsed = parse(line);
     ASSERT_TRUE(std::holds_alternative<Notice>(parsed)) << line;
     EXPECT_EQ(std::get<Notice>(parsed).status, 0) << line;

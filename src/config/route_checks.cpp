@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// Routes against the drives that they reach.
+#include <algorithm>
+
+#include "config/sections.hpp"
+#include "config/words.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using drive::BroadcastForm;
+using drive::Device;
+using modbus::Table;
+using routing::AddressWindow;
+
+bool has_values(const Device& device) { return !device.profile.values.all().empty(); }
+
+/// Whoever wants values in an order must know in which one they are.
+void check_order_known(Draft& draft, std::size_t route, std::size_t at) {
+  const auto& device = draft.settings.devices[at];
+  if (!draft.profile_known[at] || !has_values(device) || device.word_order) {
+    return;
+  }
+  draft.routes[route].error("word_order",
+                            "nobody says what " + in_quotes(device.name) +
+                                " speaks: add word_order = \"big\" or \"little\" to it at " +
+                                place(draft.document, draft.devices[at].value_position("name")));
+}
+
+void check_word_order(Draft& draft, std::size_t at) {
+  const auto& route = draft.settings.routes[at];
+  if (!route.word_order) {
+    return;
+  }
+  if (route.device) {
+    check_order_known(draft, at, *route.device);
+    return;
+  }
+  for (std::size_t i = 0; route.is_broadcast() && i < draft.settings.devices.size(); ++i) {
+    if (std::ranges::find(route.buses, draft.settings.devices[i].bus) != route.buses.end()) {
+      check_order_known(draft, at, i);
+    }
+  }
+}
+
+/// The value that has registers on both sides of the border before `address`; nullptr if none has.
+const drive::Value* value_across(const Device& device, Table table, std::uint32_t address) {
+  if (device.profile.input_as_holding && table == Table::input_registers) {
+    table = Table::holding_registers;
+  }
+  const auto* value = device.profile.values.at(table, address);
+  return value != nullptr && value->first < address ? value : nullptr;
+}
+
+void check_window(const Device& device, const AddressWindow& window, TomlTable& entry) {
+  const auto text = [&](const drive::Value& value) {
+    return " within the value " + std::to_string(value.first) + " to " +
+           std::to_string(value.end() - 1) + " of " + in_quotes(device.name);
+  };
+  if (const auto* value = value_across(device, window.to_table, window.to)) {
+    entry.error("to", "the window begins" + text(*value));
+  }
+  if (const auto* value = value_across(device, window.to_table, window.to + window.count)) {
+    entry.error("count", "the window ends" + text(*value));
+  }
+}
+
+/// Its entries and its windows are the same as long as no window is wrong.
+void check_windows(Draft& draft, std::size_t at) {
+  const auto& route = draft.settings.routes[at];
+  auto entries = draft.routes[at].tables("registers");
+  if (!route.device || entries.size() != route.windows.size()) {
+    return;
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    check_window(draft.settings.devices[*route.device], route.windows[i], entries[i]);
+  }
+}
+
+}  // namespace
+
+void check_routes(Draft& draft) {
+  for (std::size_t at = 0; at < draft.settings.routes.size(); ++at) {
+    check_word_order(draft, at);
+    check_windows(draft, at);
+  }
+}
+
+void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key, drive::BusId bus) {
+  for (const auto form : {BroadcastForm::standard, BroadcastForm::autonics}) {
+    const Device* first = nullptr;
+    for (std::size_t i = 0; i < draft.settings.devices.size(); ++i) {
+      const auto& device = draft.settings.devices[i];
+      if (device.bus != bus || device.profile.broadcast.form != form || !draft.profile_known[i]) {
+        continue;
+      }
+      if (first == nullptr) {
+        first = &device;
+      } else if (first->profile.name != device.profile.name) {
+        table.error(key, in_quotes(first->name) + " (" + first->profile.name + ") and " +
+                             in_quotes(device.name) + " (" + device.profile.name +
+                             ") hear the same broadcast, and a register means different things "
+                             "to them; if that is wanted, say broadcast_mixed = true");
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace mbgate::config

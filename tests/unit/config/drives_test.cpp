@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// What tests/config/valid/drives.toml becomes: profiles, lines of every mode, windows.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "config/load.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using namespace std::chrono_literals;
+using modbus::Table;
+using testing::ElementsAre;
+
+const std::filesystem::path kFolder = std::filesystem::path(MBGATE_SOURCE_DIR) / "tests/config";
+
+class Drives : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto loaded =
+        load_settings(kFolder / "valid/drives.toml", {.otherwise = {kFolder / "profiles"}});
+    ASSERT_EQ(render(loaded.diagnostics), "");
+    ASSERT_TRUE(loaded.settings);
+    settings = *loaded.settings;
+  }
+  gateway::Settings settings;
+};
+
+TEST_F(Drives, HaveLinesOfEveryMode) {
+  const auto& ascii = settings.buses.at(0).line;
+  EXPECT_EQ(ascii.framing, bus::Framing::ascii);
+  EXPECT_EQ(ascii.format, (modbus::CharacterFormat{7, modbus::Parity::even, 1}));
+  EXPECT_FALSE(ascii.remote);
+  const auto& remote = settings.buses.at(1);
+  EXPECT_EQ(remote.line.framing, bus::Framing::ascii);
+  EXPECT_EQ(remote.line.remote, (bus::Endpoint{"fe80::1", 4001}));
+  EXPECT_EQ(remote.line.device, "tcp://[fe80::1]:4001");
+  EXPECT_EQ(remote.line.format.data_bits, 8U);
+  EXPECT_EQ(remote.line.baud, modbus::Baud{9600});
+  EXPECT_EQ(remote.frame_gap, 100us);
+  const auto& server = settings.buses.at(2);
+  EXPECT_EQ(server.line.framing, bus::Framing::tcp);
+  EXPECT_EQ(server.line.remote, (bus::Endpoint{"192.168.10.20", 1502}));
+  EXPECT_EQ(server.line.device, "");
+  EXPECT_EQ(server.outstanding, 16U);
+  EXPECT_EQ(settings.buses.at(3).outstanding, 1U);
+  EXPECT_EQ(settings.buses.at(4).line.framing, bus::Framing::rtu);
+  EXPECT_EQ(settings.buses.at(4).line.remote, (bus::Endpoint{"servers.plant.example", 4002}));
+  EXPECT_EQ(settings.buses.at(4).line.format.data_bits, 8U);
+}
+
+TEST_F(Drives, HaveTheirProfilesAndWhatTheirUserStates) {
+  const auto& axis = settings.devices.at(0);
+  EXPECT_EQ(axis.profile.name, "settable");
+  EXPECT_EQ(axis.timing.response_wait, 4ms);
+  EXPECT_EQ(axis.word_order, drive::WordOrder::little);
+  EXPECT_EQ(axis.opcode_order, drive::WordOrder::big);
+  EXPECT_EQ(axis.write_function, 6);
+  EXPECT_TRUE(axis.split_values);
+  EXPECT_TRUE(axis.split_writes);
+  EXPECT_TRUE(axis.verify_word_order);
+  EXPECT_TRUE(axis.allow_reconfigure);
+  std::vector<std::pair<int, int>> own;
+  for (const auto& value : axis.profile.values.all()) {
+    if (value.table == Table::holding_registers && value.first >= 100) {
+      own.emplace_back(value.first, value.registers);
+    }
+  }
+  EXPECT_THAT(own, ElementsAre(std::pair(120, 2), std::pair(130, 2), std::pair(132, 2),
+                               std::pair(140, 4), std::pair(144, 4)));
+  EXPECT_NE(axis.profile.values.at(Table::input_registers, 41), nullptr);
+}
+
+TEST_F(Drives, TakeDefaultsFromTheirProfiles) {
+  const auto& feeder = settings.devices.at(1);
+  EXPECT_EQ(feeder.word_order, drive::WordOrder::little);
+  EXPECT_EQ(feeder.write_function, 16);
+  EXPECT_EQ(feeder.timing.response_wait, 1ms);
+  EXPECT_FALSE(feeder.split_values || feeder.split_writes || feeder.verify_word_order ||
+               feeder.allow_reconfigure);
+  const auto& valve = settings.devices.at(2);
+  EXPECT_EQ(valve.profile.name, "generic");
+  EXPECT_EQ(valve.address, 255);
+  EXPECT_FALSE(valve.word_order);
+  EXPECT_EQ(settings.devices.at(3).address, 0);
+  EXPECT_NE(settings.devices.at(3).profile.values.at(Table::holding_registers, 121), nullptr);
+}
+
+TEST_F(Drives, AreReachedThroughWindowsBetweenTables) {
+  const auto& route = settings.routes.at(0);
+  EXPECT_EQ(route.word_order, drive::WordOrder::big);
+  ASSERT_EQ(route.windows.size(), 3U);
+  EXPECT_EQ(route.windows[0].to_table, Table::holding_registers);
+  EXPECT_EQ(route.windows[1].table, Table::holding_registers);
+  EXPECT_EQ(route.windows[1].from, 1100);
+  EXPECT_EQ(route.windows[1].to_table, Table::input_registers);
+  EXPECT_EQ(route.windows[2].table, Table::discrete_inputs);
+  EXPECT_EQ(route.windows[2].to_table, Table::coils);
+  EXPECT_EQ(route.functions.allowed, routing::FunctionRules::rewritable().allowed);
+}
+
+TEST_F(Drives, AreReachedOverTcpAtEveryUnit) {
+  EXPECT_FALSE(settings.routes.at(1).word_order);
+  EXPECT_EQ(settings.routes.at(1).first_address, 0);
+  EXPECT_EQ(settings.routes.at(2).first_address, 240);
+  EXPECT_EQ(settings.routes.at(3).first_address, 0);
+  EXPECT_FALSE(settings.routes.at(3).is_broadcast());
+}
+
+TEST_F(Drives, HearBroadcastsOnSerialLinesOnly) {
+  const auto& broadcast = settings.routes.at(5);
+  EXPECT_TRUE(broadcast.is_broadcast());
+  EXPECT_THAT(broadcast.buses, ElementsAre(drive::BusId{0}, drive::BusId{1}, drive::BusId{4}));
+  EXPECT_EQ(broadcast.word_order, drive::WordOrder::big);
+}
+
+}  // namespace
+}  // namespace mbgate::config
