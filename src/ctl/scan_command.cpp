@@ -7,6 +7,7 @@
 #include <ostream>
 #include <system_error>
 
+#include "config/profile_library.hpp"
 #include "ctl/carry_out.hpp"
 #include "ctl/modbus_client.hpp"
 #include "ctl/scan_report.hpp"
@@ -151,11 +152,12 @@ int carry_out_scan(const ScanCommand& command, std::ostream& out, std::ostream& 
     errors << "mbgatectl: " << command.config->string() << " is there already\n";
     return kExitUsage;
   }
-  config::ProfileLibrary library(command.profiles);
+  config::ProfileLibrary library(command.folder ? config::ProfileFolders{*command.folder}
+                                                : config::default_profile_folders());
   const Catalogue catalogue(load_all(library, errors));
   if (catalogue.candidates().empty()) {
-    errors << "mbgatectl: there is no profile to compare with in " << folders_text(command.profiles)
-           << '\n';
+    errors << "mbgatectl: there is no profile to compare with in "
+           << folders_text(library.folders()) << '\n';
     return kExitUsage;
   }
   UnitAsker asker(command.target);

@@ -2,18 +2,16 @@
 #include "ctl/scan_report.hpp"
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
 #include "config/duration_text.hpp"
 #include "config/profile_library.hpp"
 #include "config/words.hpp"
+#include "ctl/profile_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
 
-constexpr std::size_t kColumns = 7;
-using Row = std::array<std::string, kColumns>;
+using Row = std::vector<std::string>;
 
 std::string functions_text(const Identification& identification) {
   std::string text;
@@ -56,25 +54,8 @@ Row row_of(const FoundUnit& unit) {
   const auto& found = unit.identification;
   const auto took = std::chrono::ceil<std::chrono::milliseconds>(unit.slowest);
   return {
-      std::to_string(unit.unit), functions_text(found), config::to_text(took), profile_text(found),
+      std::to_string(unit.unit), functions_text(found), config::to_text(took), likely_text(found),
       sureness_text(unit),       order_text(found),     texts_of(found)};
-}
-
-std::string lay_out(const std::vector<Row>& rows) {
-  std::array<std::size_t, kColumns> widths{};
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < kColumns; ++i) {
-      widths[i] = std::max(widths[i], row[i].size());
-    }
-  }
-  std::string text;
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < kColumns; ++i) {
-      const bool last = i + 1 == kColumns;
-      text += row[i] + (last ? "\n" : std::string(widths[i] - row[i].size() + 2, ' '));
-    }
-  }
-  return text;
 }
 
 }  // namespace
@@ -89,7 +70,7 @@ std::string scan_table(const ScanResult& result) {
     several = several || unit.identification.likely.size() > 1;
     none = none || unit.identification.likely.empty();
   }
-  std::string text = lay_out(rows);
+  std::string text = columns(rows);
   if (several) {
     text += "Profiles joined by \"or\" cannot be told apart by reading.\n";
   }
@@ -99,7 +80,7 @@ std::string scan_table(const ScanResult& result) {
   return text;
 }
 
-std::string profile_text(const Identification& identification) {
+std::string likely_text(const Identification& identification) {
   if (identification.likely.empty()) {
     return std::string(config::kGenericProfile);
   }

@@ -12,7 +12,7 @@ namespace mbgate::ctl {
 std::string scan_table(const ScanResult& result);
 
 /// "moons-m3", or "moons-ssdc or moons-stb"; "generic" if no profile fits.
-std::string profile_text(const Identification& identification);
+std::string likely_text(const Identification& identification);
 
 /// Must be stated by the user: the drive can be set either way, and does not say how it is.
 bool word_order_unknown(const Identification& identification);

@@ -14,7 +14,7 @@ import unittest
 from demo_plant import CONFIGURATION, PATIENCE, Process, program
 
 PROFILES = CONFIGURATION / "profiles"
-# Address, model and further keys of the simulator; what must be found: profiles, functions that gave data, word order.
+# By address: keys of the simulated drive; profiles that must be found, functions that gave data, word order.
 DRIVES = {
     1: ('model = "moons"\nseries = "st"\nword_order = "little"', ["moons-st"], "03", "unknown"),
     2: ('model = "moons"\nseries = "stb"', ["moons-ssdc", "moons-stb"], "03", "big"),
@@ -33,7 +33,10 @@ TEXTS = {
     12: 'hardware version "170", software version "105"',
     14: 'model name "AiC-D-56LA"',
 }
-ROW = re.compile(r"(?m)^(\d+)  +(\S+(?: \S+)*)  +(\S+)  +(\S+(?: or \S+)*)  +(\d+) of (\d+)  +(\S+)  +(\S.*)$")
+# Answers that fit no profile: the FDA6000's manual writes to 0x0001 in its examples, but its address map, and so the
+# profile, begins at 0x000A.
+MISFITS = {15: 1}
+ROW = re.compile(r"(?m)^  (\d+)  +(\S+(?: \S+)*)  +(\S+)  +(\S+(?: or \S+)*)  +(\d+) of (\d+)  +(\S+)  +(\S.*)$")
 
 
 def simulator_configuration():
@@ -54,8 +57,7 @@ device = "line"
 baud = 115200
 parity = "none"
 listen_first = "0ms"
-response_timeout = "200ms"
-retries = 0
+response_timeout = "500ms"
 """
 
 
@@ -89,7 +91,7 @@ class ScanOfABusOfAllFamilies(unittest.TestCase):
             found_functions, _, found, fitting, judged, found_order, texts = rows[address]
             self.assertEqual(found.split(" or "), profiles, done.stdout)
             self.assertEqual(found_functions, functions, done.stdout)
-            self.assertEqual(fitting, judged, done.stdout)
+            self.assertEqual(int(judged) - int(fitting), MISFITS.get(address, 0), done.stdout)
             self.assertEqual(found_order, order, done.stdout)
             self.assertEqual(texts, TEXTS.get(address, "-"))
         self.check_configuration()

@@ -42,27 +42,22 @@ ScanResult plant() {
 }
 
 TEST(ScanTable, HasALineForEachUnitAndExplainsItself) {
-  EXPECT_EQ(scan_table(plant()),
-            "unit  functions  slowest  profile                  answers that fit               "
-            "word order  "
-            "texts\n"
-            "1     03         4ms      moons-st                 9 of 9                         "
-            "unknown     "
-            "-\n"
-            "3     03         4ms      moons-m3                 9 of 9                         "
-            "little      "
-            "-\n"
-            "4     03         4ms      moons-ssdc or moons-stb  9 of 9                         big "
-            "        "
-            "-\n"
-            "17    03         4ms      autonics-aic             9 of 9                         big "
-            "        "
-            "model name \"AiC-D-56LA\"\n"
-            "32    03         120ms    generic                  4 of 9 for moons-m2, then silent  "
-            "-          "
-            " -\n"
-            "Profiles joined by \"or\" cannot be told apart by reading.\n"
-            "Where the profile is generic, none fits; the nearest one is named.\n");
+  EXPECT_EQ(
+      scan_table(plant()),
+      "  unit  functions  slowest  profile                  answers that fit                  "
+      "word order  texts\n"
+      "  1     03         4ms      moons-st                 9 of 9                            "
+      "unknown     -\n"
+      "  3     03         4ms      moons-m3                 9 of 9                            "
+      "little      -\n"
+      "  4     03         4ms      moons-ssdc or moons-stb  9 of 9                            "
+      "big         -\n"
+      "  17    03         4ms      autonics-aic             9 of 9                            "
+      "big         model name \"AiC-D-56LA\"\n"
+      "  32    03         120ms    generic                  4 of 9 for moons-m2, then silent  "
+      "-           -\n"
+      "Profiles joined by \"or\" cannot be told apart by reading.\n"
+      "Where the profile is generic, none fits; the nearest one is named.\n");
 }
 
 TEST(StartingConfig, LeavesTheChoiceWhereReadingCannotTell) {
@@ -87,7 +82,7 @@ stop_bits = 1
 name = "unit-1"
 bus = "line-b"
 address = 1
-profile = "moons-st"  # MOONS' steppers ST, STAC, STM, SWM; 9 of 9 answers fit
+profile = "moons-st"  # MOONS' step drives ST, STAC, STM and SWM; 9 of 9 answers fit
 # CHOOSE as the drive is set: it does not say.
 # word_order = "big"  # or "little"
 response_timeout = "100ms"  # it took up to 4ms, seen from here
@@ -115,8 +110,8 @@ name = "unit-4"
 bus = "line-b"
 address = 4
 # CHOOSE one: reading cannot tell them apart, and their values differ.
-# profile = "moons-ssdc"  # MOONS' step servos
-# profile = "moons-stb"  # MOONS' steppers STB
+# profile = "moons-ssdc"  # MOONS' step drives SSDC, SS, RS, SSM, TSM and TXM
+# profile = "moons-stb"  # MOONS' step drives STB
 # word_order = "big"  # as read
 response_timeout = "100ms"  # it took up to 4ms, seen from here
 
