@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "ctl/modbus_client.hpp"
+#include "ctl/scan_command.hpp"
 #include "ctl/show_profile.hpp"
 
 namespace mbgate::ctl {
@@ -78,6 +79,10 @@ int carry_out_one(const AnyCommand& command, std::ostream& out, std::ostream& er
 
 int carry_out_one(const ProfileCommand& command, std::ostream& out, std::ostream& errors) {
   return show_profile(command, out, errors);
+}
+
+int carry_out_one(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
+  return carry_out_scan(command, out, errors);
 }
 
 }  // namespace

@@ -56,7 +56,17 @@ struct ProfileCommand {
   bool json = false;
 };
 
-using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand>;
+/// Asks the units of a bus what they are.
+struct ScanCommand {
+  Target target;  ///< its unit means nothing here
+  std::vector<std::uint8_t> units;
+  std::optional<std::filesystem::path> folder;  ///< the only one to look for profiles in
+  std::string bus = "line-a";                   ///< its name in the configuration
+  std::optional<std::filesystem::path> config;  ///< standard output if there is none
+  bool show_progress = false;                   ///< on the stream of errors
+};
+
+using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand>;
 
 /// The request that the command stands for: 01-04; 05 and 06 for one coil or register; else 15 and
 /// 16, so that the registers of a 32-bit value are never written one by one. The error is a whole

@@ -7,6 +7,7 @@
 
 #include "config/duration_text.hpp"
 #include "ctl/carry_out.hpp"
+#include "ctl/scan.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -36,8 +37,19 @@ struct Words {
   std::size_t count = 1;
   bool multiple = false;
   bool quiet = false;
+  std::string units = "1-32";
   ProfileCommand profile;
+  ScanCommand scan;
 };
+
+/// What a configuration takes for a name.
+bool is_bus_name(const std::string& name) {
+  constexpr std::size_t kLongest = 64;
+  return !name.empty() && name.size() <= kLongest &&
+         name.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+             "-_.") == std::string::npos;
+}
 
 template <typename Value>
 CLI::IsMember one_of(const std::map<std::string, Value>& names) {
@@ -47,6 +59,25 @@ CLI::IsMember one_of(const std::map<std::string, Value>& names) {
     keys.push_back(name);
   }
   return CLI::IsMember(keys);
+}
+
+void add_server(CLI::App& command, Words& words) {
+  command.add_option("--host", words.target.host, "name or address of the gateway")
+      ->capture_default_str();
+  command.add_option("--port", words.target.port, "TCP port")
+      ->check(CLI::Range(1, 65535))
+      ->capture_default_str();
+  command.add_option("--timeout", words.timeout, "for the connection and for the answer")
+      ->capture_default_str();
+}
+
+void add_profiles(CLI::App& command, std::optional<std::filesystem::path>& folder) {
+  command
+      .add_option("--profiles", folder,
+                  "look in this folder only, instead of /etc/mbgate/profiles and the installed "
+                  "ones")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
 }
 
 void add_common(CLI::App& command, Words& words) {
@@ -62,13 +93,7 @@ void add_common(CLI::App& command, Words& words) {
   command.add_option("--unit", words.unit, "unit identifier")
       ->check(CLI::Range(0, 255))
       ->capture_default_str();
-  command.add_option("--host", words.target.host, "name or address of the gateway")
-      ->capture_default_str();
-  command.add_option("--port", words.target.port, "TCP port")
-      ->check(CLI::Range(1, 65535))
-      ->capture_default_str();
-  command.add_option("--timeout", words.timeout, "for the connection and for the answer")
-      ->capture_default_str();
+  add_server(command, words);
 }
 
 CLI::App* add_read(CLI::App& app, Words& words) {
@@ -103,14 +128,30 @@ CLI::App* add_profile(CLI::App& app, Words& words) {
   CLI::App* profile =
       app.add_subcommand("profile", "Show what is known of a kind of drive, or list all kinds.");
   profile->add_option("name", words.profile.which, "of a profile, or a file; none: list all");
-  profile
-      ->add_option(
-          "--profiles", words.profile.folder,
-          "look in this folder only, instead of /etc/mbgate/profiles and the installed ones")
-      ->type_name("DIR")
-      ->check(CLI::ExistingDirectory);
+  add_profiles(*profile, words.profile.folder);
   profile->add_flag("--json", words.profile.json, "for programs");
   return profile;
+}
+
+CLI::App* add_scan(CLI::App& app, Words& words) {
+  CLI::App* scan = app.add_subcommand(
+      "scan",
+      "Ask every unit of a bus what it is, through a transparent listener, and print a "
+      "configuration to start from. Only reads (functions 01 to 04) are sent, one at a time. "
+      "Each unit that is absent costs the bus's response timeout, once more for each retry: "
+      "about 2 s with the defaults, a minute for 32 units.");
+  scan->add_option("--units", words.units, "whom to ask: 5 or 1-32 or 1-8,17")
+      ->capture_default_str();
+  add_server(*scan, words);
+  add_profiles(*scan, words.scan.folder);
+  scan->add_option("--bus", words.scan.bus, "its name in the configuration")
+      ->check([](const std::string& name) {
+        return is_bus_name(name) ? std::string() : "expected 1 to 64 letters, digits, - _ .";
+      })
+      ->capture_default_str();
+  scan->add_option("--config", words.scan.config, "write the configuration to this new file")
+      ->type_name("FILE");
+  return scan;
 }
 
 Result<Place, std::string> understand_place(const Words& words) {
@@ -134,12 +175,36 @@ Result<Place, std::string> understand_place(const Words& words) {
   return place;
 }
 
-Result<Command, std::string> understand(const Words& words, bool is_write) {
-  Target target = words.target;
+Result<std::chrono::nanoseconds, std::string> understand_timeout(const Words& words) {
   const auto timeout = config::parse_duration(words.timeout);
   if (!timeout || *timeout < std::chrono::milliseconds(1)) {
     return "\"" + words.timeout + "\" is not a time of at least 1ms, like 500ms or 5s";
   }
+  return *timeout;
+}
+
+Result<Command, std::string> understand_scan(const Words& words) {
+  const auto timeout = understand_timeout(words);
+  if (!timeout) {
+    return timeout.error();
+  }
+  auto units = parse_units(words.units);
+  if (!units) {
+    return units.error();
+  }
+  ScanCommand scan = words.scan;
+  scan.target = words.target;
+  scan.target.timeout = *timeout;
+  scan.units = *std::move(units);
+  return Command(scan);
+}
+
+Result<Command, std::string> understand(const Words& words, bool is_write) {
+  const auto timeout = understand_timeout(words);
+  if (!timeout) {
+    return timeout.error();
+  }
+  Target target = words.target;
   target.timeout = *timeout;
   target.unit = static_cast<std::uint8_t>(words.unit);
   const auto place = understand_place(words);
@@ -165,8 +230,8 @@ Result<Command, std::string> understand(const Words& words, bool is_write) {
 std::variant<Command, Notice> parse_command_line(const std::string& version, int count,
                                                  const char* const* arguments) {
   CLI::App app(
-      "Reads and writes Modbus devices through a gateway, or any Modbus TCP server, and shows "
-      "drive profiles.",
+      "Reads and writes Modbus devices through a gateway, or any Modbus TCP server, finds out what "
+      "is on a bus, and shows drive profiles.",
       "mbgatectl");
   app.set_version_flag("--version", "mbgatectl " + version);
   app.require_subcommand(1);
@@ -175,6 +240,7 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
   add_read(app, words);
   const CLI::App* write = add_write(app, words);
   const CLI::App* profile = add_profile(app, words);
+  const CLI::App* scan = add_scan(app, words);
   try {
     app.parse(count, arguments);
   } catch (const CLI::ParseError& error) {
@@ -186,7 +252,7 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
   if (profile->parsed()) {
     return words.profile;
   }
-  const auto command = understand(words, write->parsed());
+  const auto command = scan->parsed() ? understand_scan(words) : understand(words, write->parsed());
   if (!command) {
     return Notice{kExitUsage, "mbgatectl: " + command.error() + "\n"};
   }

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // mbgatectl: the operator's hand. Exit status 0 done, 1 an exception or no answer, 2 wrong usage.
+#include <unistd.h>
+
 #include <iostream>
 
 #include "ctl/carry_out.hpp"
 #include "ctl/command_line.hpp"
 
 int main(int argc, char** argv) {
-  const auto parsed = mbgate::ctl::parse_command_line(MBGATE_VERSION, argc, argv);
+  auto parsed = mbgate::ctl::parse_command_line(MBGATE_VERSION, argc, argv);
   if (const auto* notice = std::get_if<mbgate::ctl::Notice>(&parsed)) {
     (notice->status == 0 ? std::cout : std::cerr) << notice->text;
     return notice->status;
   }
-  return mbgate::ctl::carry_out(std::get<mbgate::ctl::Command>(parsed), std::cout, std::cerr);
+  auto& command = std::get<mbgate::ctl::Command>(parsed);
+  if (auto* scan = std::get_if<mbgate::ctl::ScanCommand>(&command)) {
+    scan->show_progress = isatty(STDERR_FILENO) == 1;
+  }
+  return mbgate::ctl::carry_out(command, std::cout, std::cerr);
 }

@@ -38,13 +38,14 @@ class MbpollReadsAndWrites(unittest.TestCase):
         self.assertEqual(self.read(1, "-r", "30", "-t", "4:int", "-B", "-c", "1"), ["-200000"])
         self.assertEqual(self.read(1, "-r", "30", "-t", "4:hex", "-c", "2"), ["0xFFFC", "0xF2C0"])
 
-    def test_the_other_moons_drive_has_the_low_word_first(self):
-        self.write(3, "-r", "30", "-t", "4:int", values=["200000"])
-        self.assertEqual(self.read(3, "-r", "30", "-t", "4:hex", "-c", "2"), ["0x0D40", "0x0003"])
+    def test_the_other_moons_drive_shows_it_first_too(self):
+        self.write(3, "-r", "30", "-t", "4:int", "-B", values=["200000"])
+        self.assertEqual(self.read(3, "-r", "30", "-t", "4:hex", "-c", "2"), ["0x0003", "0x0D40"])
 
-    def test_the_stepper_has_the_low_word_first(self):
-        self.write(2, "-r", "216", "-t", "4:int", values=["30001"])
-        self.assertEqual(self.read(2, "-r", "216", "-t", "4:int", "-c", "1"), ["30001"])
+    def test_the_stepper_has_the_low_word_first_and_does_not_show_it(self):
+        self.write(2, "-r", "216", "-t", "4:int", "-B", values=["30001"])
+        self.assertEqual(self.read(2, "-r", "216", "-t", "4:int", "-B", "-c", "1"), ["30001"])
+        self.assertEqual(self.read(102, "-r", "216", "-t", "4:int", "-c", "1"), ["30001"])
 
     def test_the_aic_takes_coils_and_shows_inputs(self):
         self.write(17, "-r", "5", "-t", "0", values=["1"])

@@ -11,6 +11,7 @@ from pymodbus.mei_message import ReadDeviceInformationRequest
 from demo_plant import DemoPlant
 
 MOONS_BIG, STEPPER, MOONS_LITTLE, AIC = 1, 2, 3, 17
+STEPPER_AS_IT_IS = 102  # through the bus, without exchange
 BROADCAST, NOBODY, GATEWAY = 0, 99, 255
 DISTANCE = 0x1E  # of the MOONS' drives, 32 bits
 ACCELERATION = 0x1B  # of the MOONS' drives; the stepper has an input delay there
@@ -40,15 +41,16 @@ class PymodbusReadsAndWrites(unittest.TestCase):
         self.assertFalse(answer.isError(), answer)
         self.assertEqual(self.holding(MOONS_BIG, ACCELERATION, 1), [77])
 
-    def test_the_other_moons_drive_has_the_low_word_first(self):
-        answer = self.client.write_registers(DISTANCE, [0x3CB0, 0xFFFF], slave=MOONS_LITTLE)
+    def test_the_other_moons_drive_shows_it_first_too(self):
+        answer = self.client.write_registers(DISTANCE, [0xFFFF, 0x3CB0], slave=MOONS_LITTLE)
         self.assertFalse(answer.isError(), answer)
-        self.assertEqual(self.holding(MOONS_LITTLE, DISTANCE, 2), [0x3CB0, 0xFFFF])
+        self.assertEqual(self.holding(MOONS_LITTLE, DISTANCE, 2), [0xFFFF, 0x3CB0])
 
-    def test_the_stepper_has_the_low_word_first(self):
-        answer = self.client.write_registers(SPEED, [12345, 0], slave=STEPPER)
+    def test_the_stepper_has_the_low_word_first_and_does_not_show_it(self):
+        answer = self.client.write_registers(SPEED, [0, 12345], slave=STEPPER)
         self.assertFalse(answer.isError(), answer)
-        self.assertEqual(self.holding(STEPPER, SPEED, 2), [12345, 0])
+        self.assertEqual(self.holding(STEPPER, SPEED, 2), [0, 12345])
+        self.assertEqual(self.holding(STEPPER_AS_IT_IS, SPEED, 2), [12345, 0])
 
     def test_the_aic_takes_coils_and_shows_inputs(self):
         answer = self.client.write_coil(4, True, slave=AIC)

@@ -131,8 +131,37 @@ TEST(CommandLine, ProfileTakesANameAFolderAndJson) {
             "mbgatectl: --profiles: Directory does not exist: no-such-folder");
 }
 
+TEST(CommandLine, ScanAsksTheUnitsOfMostDrivesUnlessToldOtherwise) {
+  const auto plain = command<ScanCommand>("scan");
+  EXPECT_EQ(plain.target.port, 502);
+  EXPECT_EQ(plain.units.size(), 32U);
+  EXPECT_EQ(plain.bus, "line-a");
+  EXPECT_EQ(plain.folder, std::nullopt);
+  EXPECT_EQ(plain.config, std::nullopt);
+  const auto scan = command<ScanCommand>(
+      "scan --host plant --port 1502 --timeout 8s --units 3,7-8 --bus hall-3 --config new.toml "
+      "--profiles " MBGATE_SOURCE_DIR "/tests");
+  EXPECT_EQ(scan.target.host, "plant");
+  EXPECT_EQ(scan.target.port, 1502);
+  EXPECT_EQ(scan.target.timeout, std::chrono::seconds(8));
+  EXPECT_EQ(scan.units, (std::vector<std::uint8_t>{3, 7, 8}));
+  EXPECT_EQ(scan.bus, "hall-3");
+  EXPECT_EQ(scan.config, "new.toml");
+  EXPECT_EQ(scan.folder, MBGATE_SOURCE_DIR "/tests");
+}
+
+TEST(CommandLine, ScanTakesNoUnitsThatABusCannotHaveAndNoOtherNames) {
+  EXPECT_EQ(complaint("scan --units 0-3"),
+            "mbgatectl: \"0-3\" are no units: 1 to 247, like 5 or 1-32 or 1-8,17");
+  EXPECT_EQ(complaint("scan --timeout 5"),
+            "mbgatectl: \"5\" is not a time of at least 1ms, like 500ms or 5s");
+  EXPECT_EQ(complaint("scan --bus a/b"),
+            "mbgatectl: --bus: expected 1 to 64 letters, digits, - _ .");
+}
+
 TEST(CommandLine, HelpAndVersionAreNoErrors) {
-  for (const auto* line : {"--help", "read --help", "write --help", "profile --help"}) {
+  for (const auto* line :
+       {"--help", "read --help", "write --help", "profile --help", "scan --help"}) {
     const auto parsed = parse(line);
     ASSERT_TRUE(std::holds_alternative<Notice>(parsed)) << line;
     EXPECT_EQ(std::get<Notice>(parsed).status, 0) << line;
