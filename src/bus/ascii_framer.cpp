@@ -20,6 +20,7 @@ std::uint8_t folded(std::uint8_t character) {
 void AsciiFramer::expect(const Transaction& transaction) {
   reset();
   transaction_ = &transaction;
+  begun_at_.reset();
   response_.reset();
   const auto frame = modbus::encode_ascii(transaction.address, transaction.request.pdu());
   std::copy_n(frame.begin(), start_.size(), start_.begin());
@@ -45,6 +46,9 @@ Verdict AsciiFramer::add(modbus::Bytes bytes, Instant now) {
       counters_.stray_bytes += bytes.size() - at - 1;
       return verdict;
     }
+  }
+  if (!begun_at_ && in_progress()) {
+    begun_at_ = now;
   }
   return Verdict::none;
 }
@@ -89,14 +93,19 @@ Verdict AsciiFramer::judge() {
 
 bool AsciiFramer::in_progress() const {
   const std::size_t known = std::min(buffer_.size(), start_.size());
-  return known > 0 &&
+  const bool too_long = begun_at_ && last_character_ - *begun_at_ >= kLongestAnswer;
+  return known > 0 && !too_long &&
          std::equal(
              start_.begin(), start_.begin() + static_cast<std::ptrdiff_t>(known), buffer_.begin(),
              [](std::uint8_t expected, std::uint8_t seen) { return expected == folded(seen); });
 }
 
 std::optional<Instant> AsciiFramer::next_deadline() const {
-  return in_progress() ? std::optional(last_character_ + kLongestCharacterGap) : std::nullopt;
+  if (!in_progress()) {
+    return std::nullopt;
+  }
+  const Instant gap_ends = last_character_ + kLongestCharacterGap;
+  return begun_at_ ? std::min(gap_ends, *begun_at_ + kLongestAnswer) : gap_ends;
 }
 
 Verdict AsciiFramer::handle_deadline(Instant now) {

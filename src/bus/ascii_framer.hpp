@@ -17,6 +17,10 @@ namespace mbgate::bus {
 /// From one character of a frame to the next.
 inline constexpr Duration kLongestCharacterGap = std::chrono::seconds(1);
 
+/// From the first ':' of what may be the answer to its end, however often it begins anew: a line
+/// that babbles must not stand still for ever. At 9600 baud the longest frame takes half a second.
+inline constexpr Duration kLongestAnswer = std::chrono::seconds(5);
+
 class AsciiFramer {
  public:
   explicit AsciiFramer(BusCounters& counters) : counters_(counters) {}
@@ -48,6 +52,7 @@ class AsciiFramer {
   modbus::AsciiBytes buffer_;            // empty, or a frame from its ':' on
   std::array<std::uint8_t, 3> start_{};  // of an answer: ':' and the address
   Instant last_character_;
+  std::optional<Instant> begun_at_;  // the first time that an answer seemed to begin
   std::optional<modbus::Pdu> response_;
 };
 

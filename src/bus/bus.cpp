@@ -29,7 +29,7 @@ void Bus::start() { actions_.emplace_back(OpenLine{}); }
 void Bus::handle_opened(Instant now) {
   state_ = State::open;
   opened_at_ = now;
-  ++openings_;
+  devices_.forget_settings();
   reopen_at_.reset();
   line_.open(now);
   pump(now);

@@ -68,11 +68,6 @@ class Bus {
     return devices_[address].counters;
   }
   void clear_counters();
-  /// Another number than before: since then a transmission to the address has stayed unanswered or
-  /// the line was opened anew, so that another device may be there, or the same one set otherwise.
-  [[nodiscard]] std::uint32_t contact(std::uint8_t address) const {
-    return openings_ + devices_[address].unanswered;
-  }
 
  private:
   enum class State : std::uint8_t {
@@ -101,6 +96,7 @@ class Bus {
   std::optional<Choice> choose(Instant now);
   [[nodiscard]] bool may_join(const Job& job) const;
   [[nodiscard]] Instant ready_at(const Transaction& transaction) const;
+  void skip_known_settings(Job& job);
   void transmit(Job& job, Instant now);
 
   // bus_ends.cpp: what becomes of a transmission
@@ -124,7 +120,6 @@ class Bus {
   Instant pumped_at_;
   std::optional<Instant> next_start_;  // when a transmission may begin, as seen at pumped_at_
   Instant opened_at_;
-  std::uint32_t openings_ = 0;
   std::optional<Instant> reopen_at_;
   Duration reopen_delay_;
   std::deque<BusAction> actions_;

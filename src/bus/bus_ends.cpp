@@ -44,9 +44,12 @@ void Bus::handle_response(Job& job, Instant now) {
   counters_.exceptions += exception ? 1U : 0U;
   entry.counters.exceptions += exception ? 1U : 0U;
   entry.counters.unanswered_in_row = 0;
-  if (transaction.must_hold != nullptr && !holds_one_of(*transaction.must_hold, transaction)) {
-    finish(job, Ending::mismatched);
-    return;
+  if (transaction.must_hold != nullptr) {
+    entry.setting_known = holds_one_of(*transaction.must_hold, transaction);
+    if (!entry.setting_known) {
+      finish(job, Ending::mismatched);
+      return;
+    }
   }
   if (exception) {
     finish(job, Ending::answered);
@@ -61,7 +64,7 @@ void Bus::handle_response(Job& job, Instant now) {
 void Bus::handle_silence(Job& job, Instant now) {
   const Transaction& transaction = job.transaction();
   DeviceEntry& entry = devices_[transaction.address];
-  ++entry.unanswered;
+  entry.setting_known = false;
   if (transaction.may_stay_silent()) {
     if (transaction.boot_time) {
       entry.free_at = now + *transaction.boot_time;

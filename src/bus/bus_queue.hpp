@@ -76,7 +76,7 @@ bool BusQueue::visit_source(Source& source, Visit& visit) {
   std::bitset<kAddresses> seen;
   for (Job& job : source.waiting) {
     const Transaction& first = job.transactions.front();
-    if (first.is_broadcast()) {
+    if (job.is_broadcast()) {
       return seen.none() && visit(job);
     }
     if (!seen[first.address]) {

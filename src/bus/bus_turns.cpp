@@ -99,11 +99,13 @@ std::optional<Bus::Choice> Bus::choose(Instant now) {
   return best;
 }
 
-// Reads share a device; a write, and a job of several transactions, has it for itself.
+// Reads share a device; a write, and a job of several transactions, has it for itself. Nor does
+// anybody overtake a read that is being repeated.
 bool Bus::may_join(const Job& job) const {
   return std::ranges::none_of(running_, [&](const Job* other) {
-    return other->transactions.front().address == job.transactions.front().address &&
-           !(other->is_single_read() && job.is_single_read());
+    const bool shares =
+        other->is_single_read() && job.is_single_read() && other->in_flight && other->tries == 1;
+    return other->transactions.front().address == job.transactions.front().address && !shares;
   });
 }
 
@@ -115,7 +117,18 @@ Instant Bus::ready_at(const Transaction& transaction) const {
   return std::max(entry.free_at, line_.ready_at(entry.device->timing.gap));
 }
 
+// Whether a question of the gateway's own is needed is known only when its turn has come. It is
+// never the last transaction of a job.
+void Bus::skip_known_settings(Job& job) {
+  while (job.transaction().must_hold != nullptr &&
+         devices_[job.transaction().address].setting_known) {
+    ++job.current;
+    job.tries = 0;
+  }
+}
+
 void Bus::transmit(Job& job, Instant now) {
+  skip_known_settings(job);
   Transaction& transaction = job.transaction();
   DeviceEntry& entry = devices_[transaction.address];
   drive::DeviceTiming timing = settings_.timing;
@@ -126,6 +139,7 @@ void Bus::transmit(Job& job, Instant now) {
     timing = entry.device->timing_of(transaction.request);
     transaction.boot_time = entry.device->silent_after(transaction.request);
   }
+  devices_.note_reconfiguring(transaction);
   ++counters_.transmissions;
   counters_.retries += job.tries > 0 ? 1U : 0U;
   ++job.tries;

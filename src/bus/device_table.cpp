@@ -23,6 +23,21 @@ void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {
   }
 }
 
+void DeviceTable::note_reconfiguring(const Transaction& transaction) {
+  for (const drive::Device& device : devices_) {
+    const bool heard = transaction.is_broadcast() || device.address == transaction.address;
+    if (heard && device.is_reconfigured_by(transaction.request)) {
+      entries_.at(device.address).setting_known = false;
+    }
+  }
+}
+
+void DeviceTable::forget_settings() {
+  for (DeviceEntry& entry : entries_) {
+    entry.setting_known = false;
+  }
+}
+
 void DeviceTable::clear_counters() {
   for (DeviceEntry& entry : entries_) {
     entry.counters = {};

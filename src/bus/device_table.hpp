@@ -20,7 +20,9 @@ struct DeviceEntry {
   const drive::Device* device = nullptr;  ///< never null
   DeviceCounters counters;
   Instant free_at = Instant::min();  ///< nothing is sent to it before: it boots
-  std::uint32_t unanswered = 0;      ///< transmissions that no answer came to; wraps
+  /// A setting of the device's own was found right (Transaction::must_hold), and since then nothing
+  /// was unanswered, the line was not opened anew, and no communication register was written.
+  bool setting_known = false;
 };
 
 class DeviceTable {
@@ -36,6 +38,10 @@ class DeviceTable {
   }
   /// A broadcast has left: those that it makes boot hear nothing for a while.
   void hold_booting(const Transaction& broadcast, Instant now);
+  /// A write is on its way that may change how a device is set.
+  void note_reconfiguring(const Transaction& transaction);
+  /// The line was opened anew: others may be there, or the same ones set otherwise.
+  void forget_settings();
   void clear_counters();
 
  private:

@@ -79,6 +79,8 @@ struct Job {
   [[nodiscard]] bool is_single_read() const {
     return transactions.size() == 1 && transactions.front().request.is_read();
   }
+  /// Broadcasts may have questions to single devices before them.
+  [[nodiscard]] bool is_broadcast() const { return transactions.back().is_broadcast(); }
   [[nodiscard]] Transaction& transaction() { return transactions[current]; }
   /// Of a job that ended as answered: the responses to what its client asked for, in order; the
   /// last one may be the exception that ended it.

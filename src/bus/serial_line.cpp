@@ -8,11 +8,6 @@
 namespace mbgate::bus {
 namespace {
 
-// ASCII needs no silence: its frames say where they begin (Serial Line V1.02, 2.5.2.1).
-Duration default_gap(Framing framing, const modbus::RtuTiming& timing) {
-  return framing == Framing::ascii ? Duration{0} : timing.t3_5();
-}
-
 // Autonics' form of a broadcast has a function of its own (AiC manual, section 2.13).
 modbus::Pdu pdu_on_wire(const Transaction& transaction) {
   const modbus::Pdu& pdu = transaction.request.pdu();
@@ -28,7 +23,7 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
 
 SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters)
     : timing_(settings.line.baud, settings.line.format),
-      frame_gap_(settings.frame_gap.value_or(default_gap(settings.line.framing, timing_))),
+      frame_gap_(settings.frame_gap.value_or(timing_.t3_5())),
       turnaround_(settings.turnaround),
       settle_(settings.settle),
       listen_first_(listen_first),

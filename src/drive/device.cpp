@@ -13,6 +13,10 @@ DeviceTiming Device::timing_of(const modbus::Request& request) const {
   return times;
 }
 
+bool Device::is_reconfigured_by(const modbus::Request& request) const {
+  return request.writes() && touches(profile.communication, request.writes()->range);
+}
+
 std::optional<Duration> Device::silent_after(const modbus::Request& request) const {
   for (const UnansweredWrite& unanswered : profile.unanswered) {
     if (writes(request, unanswered.match)) {

@@ -47,6 +47,8 @@ struct Device {
 
   /// The times of this request: slow registers have a longer timeout.
   [[nodiscard]] DeviceTiming timing_of(const modbus::Request& request) const;
+  /// Does the request write a communication register of the drive?
+  [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request) const;
   /// The boot time that follows a request which is never answered; nothing for others.
   [[nodiscard]] std::optional<Duration> silent_after(const modbus::Request& request) const;
 };

@@ -111,8 +111,6 @@ class Gateway {
 
   // gateway_exchanges.cpp: the jobs of a request
   void start(std::uint32_t index, const routing::Way& way, Instant arrival, Instant now);
-  void ask_word_order(const routing::Way& way, const routing::Plan& plan, bus::Job& job);
-  void note_word_order(BusId bus, const bus::Job& job, bus::Ending ending);
   [[nodiscard]] bus::Job& new_job(std::uint32_t owner, Instant deadline);
   void end_part(bus::Job& job, bus::Ending ending);
   void note_reconfigured(const Exchange& exchange, const Exchange::Part& part);
@@ -132,8 +130,6 @@ class Gateway {
   std::map<routing::ClientAddress, Source> sources_;
   std::vector<bus::SourceId> free_sources_;
   ClientTimers timers_;
-  /// verify_word_order: the contact (see bus::Bus) in which a device's setting was found right.
-  std::map<std::pair<BusId, std::uint8_t>, std::uint32_t> word_order_seen_;
   std::vector<BusId> dirty_buses_;
   std::vector<ClientId> ready_clients_;
   std::deque<Action> actions_;

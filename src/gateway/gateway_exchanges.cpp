@@ -3,10 +3,19 @@
 #include <algorithm>
 
 #include "gateway/gateway.hpp"
-#include "modbus/make_request.hpp"
-#include "routing/special_writes.hpp"
 
 namespace mbgate::gateway {
+namespace {
+
+// Was the transaction carried out, as far as anybody knows?
+bool may_have_worked(const bus::Job& job, std::size_t at) {
+  const bus::Transaction& transaction = job.transactions[at];
+  return at < job.current ||
+         (at == job.current && transaction.must_hold == nullptr && job.was_on_wire &&
+          !(transaction.response && transaction.response->is_exception()));
+}
+
+}  // namespace
 
 void Gateway::start(std::uint32_t index, const routing::Way& way, Instant arrival, Instant now) {
   Exchange& exchange = exchanges_[index];
@@ -14,10 +23,11 @@ void Gateway::start(std::uint32_t index, const routing::Way& way, Instant arriva
   for (const routing::PlannedTransaction& planned : exchange.plan->transactions()) {
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
       exchange.parts.push_back({planned.bus, &new_job(index, deadline)});
-      ask_word_order(way, *exchange.plan, *exchange.parts.back().job);
     }
-    exchange.parts.back().job->transactions.push_back(
+    auto& transactions = exchange.parts.back().job->transactions;
+    transactions.push_back(
         {planned.address, planned.request, planned.silence_is_success, planned.broadcast});
+    transactions.back().must_hold = planned.must_hold;
   }
   const auto parts = exchange.parts;  // a part that ends at once is taken out
   for (const Exchange::Part& part : parts) {
@@ -37,52 +47,18 @@ bus::Job& Gateway::new_job(std::uint32_t owner, Instant deadline) {
   return job;
 }
 
-// verify_word_order: before the first write of values since the device was last out of reach, its
-// own setting is read, in the same job, so that what the client sends next stays behind.
-void Gateway::ask_word_order(const routing::Way& way, const routing::Plan& plan, bus::Job& job) {
-  if (way.device == nullptr || !way.device->verify_word_order || plan.is_read() ||
-      !plan.orders_words()) {
-    return;
-  }
-  const drive::Device& device = *way.device;
-  const std::uint32_t contact =
-      buses_[static_cast<std::size_t>(device.bus)].bus.contact(device.address);
-  const auto known = word_order_seen_.find({device.bus, device.address});
-  if (known != word_order_seen_.end() && known->second == contact) {
-    return;
-  }
-  const auto& setting = *device.profile.word_order_register;
-  bus::Transaction question{
-      device.address, modbus::make_read({modbus::Table::holding_registers, setting.address, 1})};
-  question.must_hold = device.word_order == drive::WordOrder::big ? &setting.big : &setting.little;
-  job.transactions.push_back(std::move(question));
-}
-
-void Gateway::note_word_order(BusId bus, const bus::Job& job, bus::Ending ending) {
-  const bus::Transaction& question = job.transactions.front();
-  if (question.must_hold == nullptr) {
-    return;
-  }
-  if (ending == bus::Ending::mismatched) {
-    report(WordOrderDiffers{bus, question.address});
-  } else if (question.response) {
-    word_order_seen_[{bus, question.address}] =
-        buses_[static_cast<std::size_t>(bus)].bus.contact(question.address);
-  }
-}
-
 // Whatever way it came: a drive that was set otherwise may be out of reach, or speak another order.
 void Gateway::note_reconfigured(const Exchange& exchange, const Exchange::Part& part) {
   for (const drive::Device& device : settings_.devices) {
-    const bool hit = device.bus == part.bus &&
-                     std::ranges::any_of(part.job->transactions, [&](const bus::Transaction& it) {
-                       const bool heard = it.is_broadcast()
-                                              ? it.broadcast == device.profile.broadcast.form
-                                              : it.address == device.address;
-                       return heard && routing::reconfigures(device, it.request);
-                     });
+    bool hit = false;
+    for (std::size_t at = 0; device.bus == part.bus && at < part.job->transactions.size(); ++at) {
+      const bus::Transaction& it = part.job->transactions[at];
+      const bool heard = it.is_broadcast() ? it.broadcast == device.profile.broadcast.form
+                                           : it.address == device.address;
+      hit =
+          hit || (heard && device.is_reconfigured_by(it.request) && may_have_worked(*part.job, at));
+    }
     if (hit) {
-      word_order_seen_.erase({device.bus, device.address});
       report(Reconfigured{device.bus, device.address, exchange.address});
     }
   }
@@ -93,7 +69,6 @@ void Gateway::end_part(bus::Job& job, bus::Ending ending) {
   Exchange& exchange = exchanges_[index];
   const auto part = std::ranges::find(exchange.parts, &job, &Exchange::Part::job);
   exchange.note(job, ending);
-  note_word_order(part->bus, job, ending);
   report_effects(exchange, *part, ending);
   exchange.parts.erase(part);
   jobs_.give_back(job.number);
@@ -107,6 +82,9 @@ void Gateway::end_part(bus::Job& job, bus::Ending ending) {
 void Gateway::report_effects(const Exchange& exchange, const Exchange::Part& part,
                              bus::Ending ending) {
   const bus::Job& job = *part.job;
+  if (ending == bus::Ending::mismatched) {
+    report(WordOrderDiffers{part.bus, job.transactions[job.current].address});
+  }
   if (exchange.plan->is_read()) {
     return;
   }
@@ -118,7 +96,7 @@ void Gateway::report_effects(const Exchange& exchange, const Exchange::Part& par
   }
   const std::size_t begin = job.transactions.front().must_hold != nullptr ? 1 : 0;
   const auto& last = job.transactions.back().request.writes();
-  if (!done && job.current > begin && last && !job.transactions.front().is_broadcast()) {
+  if (!done && job.current > begin && last && !job.is_broadcast()) {
     const std::uint16_t first = job.transactions[begin].request.writes()->range.first;
     const auto& failed = job.transactions[job.current].request.writes()->range;
     report(WriteEndedEarly{part.bus, address, failed.table, first, failed.first,

@@ -29,13 +29,25 @@ bool takes(const Device& device, const Request& request) {
           range.count <= *rules.most_registers);
 }
 
-// Those that hear the form and are meant by it.
+// Those that may carry the request out if it goes out in this form. At address 0 nobody can be kept
+// from listening, not even a drive whose manual states no broadcasts; the AiC's form is known to be
+// heard for what its manual lists, and only for that.
 Receivers receivers_of(const Audience& audience, BroadcastForm form, const Request& request) {
   Receivers receivers;
   std::ranges::copy_if(audience.devices, std::back_inserter(receivers), [&](const Device* device) {
-    return device->profile.broadcast.form == form && takes(*device, request);
+    if (form == BroadcastForm::autonics) {
+      return device->profile.broadcast.form == form && takes(*device, request);
+    }
+    return device->profile.broadcast.form != BroadcastForm::autonics &&
+           device->profile.functions.test(request.function());
   });
   return receivers;
+}
+
+// Is one of them there for whom the manual states this form?
+bool is_meant(const Receivers& receivers, BroadcastForm form) {
+  return std::ranges::any_of(receivers,
+                             [&](const Device* it) { return it->profile.broadcast.form == form; });
 }
 
 bool same_values(const Device& a, const Device& b, const TableRange& range) {
@@ -80,7 +92,7 @@ bool cuts_value(const Device& device, const TableRange& range) {
 
 std::optional<ExceptionCode> objection(const Device& device, const Request& request) {
   const TableRange& range = request.writes()->range;
-  if (reconfigures(device, request) && !device.allow_reconfigure) {
+  if (device.is_reconfigured_by(request) && !device.allow_reconfigure) {
     return ExceptionCode::illegal_function;
   }
   const bool fits =
@@ -110,7 +122,7 @@ Result<BroadcastFrames, ExceptionCode> plan_broadcast(const Way& way, const Requ
       const Receivers receivers = receivers_of(audience, form, request);
       const bool unknown_devices = audience.devices.empty() && form == BroadcastForm::standard;
       const bool wanted = !way.only_form || *way.only_form == form;
-      if (wanted && (unknown_devices || !receivers.empty())) {
+      if (wanted && (unknown_devices || is_meant(receivers, form))) {
         frames.push_back({audience.bus, form, request});
         all.insert(all.end(), receivers.begin(), receivers.end());
       }

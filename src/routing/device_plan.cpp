@@ -52,7 +52,7 @@ class Planner {
 };
 
 Result<DevicePlan, ExceptionCode> Planner::make() {
-  if (reconfigures(device_, request_) && !device_.allow_reconfigure) {
+  if (device_.is_reconfigured_by(request_) && !device_.allow_reconfigure) {
     return ExceptionCode::illegal_function;
   }
   if (seen_ && has_uncertain_position(device_, *seen_, request_)) {
@@ -114,9 +114,7 @@ Result<DevicePlan, ExceptionCode> Planner::plan_read() {
     table = Table::holding_registers;
   }
   DevicePlan plan;
-  plan.reply.form = asked.table == Table::coils || asked.table == Table::discrete_inputs
-                        ? Reply::Form::bits
-                        : Reply::Form::registers;
+  plan.reply.form = data_form(asked.table);
   for (TableRange piece : cut(range, profile_.limits.read_from(table), profile_)) {
     piece.table = table;
     plan.requests.push_back(modbus::make_read(piece));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "routing/plan.hpp"
 
+#include "modbus/make_request.hpp"
 #include "modbus/rtu.hpp"
 #include "routing/address_window.hpp"
 #include "routing/broadcast_plan.hpp"
@@ -22,17 +23,21 @@ bool may_be_silent(const Request& request) {
 }
 
 // What a request to a device that nothing is known of becomes: itself.
-DevicePlan as_it_is(const Request& client_request, const Request& request) {
+DevicePlan as_it_is(const Request& request) {
   DevicePlan plan{{request}, {}};
   if (request.writes() && !request.reads()) {
     plan.reply.form = Reply::Form::echo;
-  } else if (request.function() != client_request.function()) {
-    plan.reply.form = request.reads()->range.table == modbus::Table::holding_registers ||
-                              request.reads()->range.table == modbus::Table::input_registers
-                          ? Reply::Form::registers
-                          : Reply::Form::bits;
   }
   return plan;
+}
+
+// Has the drive the function, or another one that the gateway uses for it?
+bool has_function(const drive::Device& device, std::uint8_t function) {
+  const auto& functions = device.profile.functions;
+  return functions.test(function) ||
+         (function == 0x04 && device.profile.input_as_holding && functions.test(0x03)) ||
+         (function == 0x06 && device.write_function == 0x10) ||
+         (function == 0x10 && device.write_function == 0x06);
 }
 
 }  // namespace
@@ -69,6 +74,9 @@ std::optional<ExceptionCode> Plan::add_broadcast(const Way& way, const Request& 
   }
   reply_.form = Reply::Form::echo;
   for (const BroadcastFrame& frame : *frames) {
+    if (transactions_.empty() || transactions_.back().bus != frame.bus) {
+      add_questions(way, frame.bus, request);
+    }
     const auto address = frame.form == drive::BroadcastForm::autonics ? kAutonicsBroadcastAddress
                                                                       : modbus::kBroadcastAddress;
     transactions_.push_back({frame.bus, address, frame.request, false, frame.form});
@@ -76,20 +84,51 @@ std::optional<ExceptionCode> Plan::add_broadcast(const Way& way, const Request& 
   return std::nullopt;
 }
 
+// verify_word_order: before values are written the drive's own setting is read, in the same job, so
+// that what the client sends next stays behind it.
+void Plan::add_question(const drive::Device& device) {
+  const auto& setting = *device.profile.word_order_register;
+  PlannedTransaction question{
+      device.bus, device.address,
+      modbus::make_read({modbus::Table::holding_registers, setting.address, 1})};
+  question.must_hold = device.word_order == drive::WordOrder::big ? &setting.big : &setting.little;
+  transactions_.push_back(std::move(question));
+}
+
+void Plan::add_questions(const Way& way, BusId bus, const Request& request) {
+  for (const Audience& audience : way.audiences) {
+    for (const drive::Device* device : audience.devices) {
+      if (audience.bus == bus && device->verify_word_order && way.route.word_order &&
+          touches_value(*device, request)) {
+        add_question(*device);
+      }
+    }
+  }
+}
+
 std::optional<ExceptionCode> Plan::add_requests(const Way& way, std::uint8_t address,
                                                 const Request& request) {
   DevicePlan planned;
   if (way.device == nullptr) {
-    planned = as_it_is(client_request_, request);
+    planned = as_it_is(request);
   } else {
+    if (!way.route.functions_named && !has_function(*way.device, request.function())) {
+      return ExceptionCode::illegal_function;
+    }
     auto made = plan_for(*way.device, way.route.word_order, request);
     if (!made) {
       return made.error();
     }
     planned = *std::move(made);
-    orders_words_ = way.route.word_order && touches_value(*way.device, request);
+    if (way.device->verify_word_order && way.route.word_order && !request.is_read() &&
+        touches_value(*way.device, request)) {
+      add_question(*way.device);
+    }
   }
   reply_ = planned.reply;
+  if (reply_.form == Reply::Form::as_it_is && request.function() != client_request_.function()) {
+    reply_.form = data_form(request.reads()->range.table);
+  }
   for (const Request& asked : planned.requests) {
     const bool known = way.device == nullptr || way.route.functions_named ||
                        way.device->profile.functions.test(asked.function());
@@ -104,6 +143,9 @@ std::optional<ExceptionCode> Plan::add_requests(const Way& way, std::uint8_t add
 modbus::Pdu Plan::answer(Responses responses) const {
   boost::container::small_vector<std::uint16_t, 4> counts;
   for (const PlannedTransaction& transaction : transactions_) {
+    if (transaction.must_hold != nullptr) {
+      continue;
+    }
     const auto& reads = transaction.request.reads();
     counts.push_back(reads ? reads->range.count : std::uint16_t{0});
   }

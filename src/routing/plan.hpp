@@ -19,6 +19,9 @@ struct PlannedTransaction {
   modbus::Request request;
   bool silence_is_success = false;  ///< 08/01 and 08/04
   drive::BroadcastForm broadcast = drive::BroadcastForm::none;
+  /// Set for a question of the gateway's own: what follows is sent only if the register that it
+  /// reads holds one of these.
+  const std::vector<std::uint16_t>* must_hold = nullptr;
 };
 
 class Plan {
@@ -36,19 +39,18 @@ class Plan {
   [[nodiscard]] modbus::Pdu echo() const { return modbus::echo_response(client_request_); }
   [[nodiscard]] bool is_read() const { return client_request_.is_read(); }
   [[nodiscard]] std::uint8_t function() const { return client_request_.function(); }
-  /// Values are read or written, in the order that the route asks for.
-  [[nodiscard]] bool orders_words() const { return orders_words_; }
 
  private:
   explicit Plan(modbus::Request request) : client_request_(std::move(request)) {}
   std::optional<modbus::ExceptionCode> add_broadcast(const Way& way,
                                                      const modbus::Request& request);
+  void add_question(const drive::Device& device);
+  void add_questions(const Way& way, BusId bus, const modbus::Request& request);
   std::optional<modbus::ExceptionCode> add_requests(const Way& way, std::uint8_t address,
                                                     const modbus::Request& request);
 
   modbus::Request client_request_;
   Reply reply_;
-  bool orders_words_ = false;
   boost::container::small_vector<PlannedTransaction, 1> transactions_;
 };
 

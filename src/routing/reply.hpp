@@ -21,9 +21,16 @@ struct Reply {
     bits
   };
   Form form = Form::as_it_is;
-  std::uint16_t skip = 0;        ///< registers that were read before the first one asked for
+  std::uint16_t skip = 0;          ///< registers that were read before the first one asked for
   drive::WordExchange exchange{};  ///< over all registers that were read
 };
+
+/// How data of this table are put together.
+constexpr Reply::Form data_form(modbus::Table table) {
+  return table == modbus::Table::coils || table == modbus::Table::discrete_inputs
+             ? Reply::Form::bits
+             : Reply::Form::registers;
+}
 
 /// The answer to `request`. `counts`: how many registers or bits each transaction has read.
 modbus::Pdu assemble(const Reply& reply, const modbus::Request& request, Responses responses,

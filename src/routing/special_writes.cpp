@@ -28,10 +28,6 @@ bool writes_position(const drive::Device& device, const Request& request) {
 
 }  // namespace
 
-bool reconfigures(const drive::Device& device, const Request& request) {
-  return request.writes() && drive::touches(device.profile.communication, request.writes()->range);
-}
-
 bool touches_value(const drive::Device& device, const Request& request) {
   const auto holds = [&](const std::optional<modbus::AddressField>& field) {
     return field && device.profile.values.any_in(field->range);

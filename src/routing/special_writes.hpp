@@ -10,9 +10,6 @@
 
 namespace mbgate::routing {
 
-/// Is a communication register among what the request writes?
-bool reconfigures(const drive::Device& device, const modbus::Request& request);
-
 /// Are values among what the request reads or writes?
 bool touches_value(const drive::Device& device, const modbus::Request& request);
 

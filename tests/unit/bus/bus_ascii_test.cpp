@@ -43,13 +43,26 @@ TEST_F(BusAscii, AsksAndIsAnswered) {
   EXPECT_EQ(hex(read.transactions[0].response->bytes()), "03 02 12 34");
 }
 
-TEST_F(BusAscii, NeedsNoSilenceBetweenFrames) {
+// The specification asks ASCII for none; a drive may still hold the line after its line feed.
+TEST_F(BusAscii, KeepsTheSilenceOfRtu) {
   open(ascii());
   submit(job(kRead));
   submit(job(kRead));
   advance(20ms);
   text(kAsciiAnswer);
-  EXPECT_THAT(frames_, SizeIs(2));
+  EXPECT_EQ(until_next_frame(), 1822917ns);  // 35 bits, rounded up
+}
+
+TEST_F(BusAscii, ABabblingLineDoesNotHoldTheBusForEver) {
+  open(ascii());
+  submit(job(kRead));
+  const Instant start = now_;
+  for (int step = 0; step < 100 && endings_.empty(); ++step) {
+    advance(100ms);
+    text(":01");
+  }
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_LE(now_ - start, 5300ms);
 }
 
 TEST_F(BusAscii, KeepsAFrameGapThatIsAskedFor) {

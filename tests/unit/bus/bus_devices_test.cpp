@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus knows of its devices: slow registers, writes that are never answered, contact.
+// What a bus knows of its devices: slow registers, writes that are never answered, settings
+// of their own.
 #include "bus_rig.hpp"
 
 namespace mbgate::test {
@@ -132,32 +133,81 @@ TEST_F(Bus, AJobGoesOnAfterAWriteThatIsNotAnswered) {
   EXPECT_EQ(frame_times_[1] - start, kEmission + 40ms + 3s);
 }
 
-TEST_F(Bus, ContactChangesWithSilenceAndWithTheLine) {
+const std::vector<std::uint16_t> kSetting{0x1234};
+
+class BusSettings : public Bus {
+ protected:
+  /// A write with a question before it: register 0 must hold 1234.
+  bus::Job& asking() {
+    bus::Job& write = job(kRead);
+    write.transactions.front().must_hold = &kSetting;
+    add(write, "06 0001 0001");
+    return write;
+  }
+  void answer_write() {
+    advance(30ms);
+    line("01 06 00 01 00 01 19 CA");
+    advance(30ms);
+  }
+  /// Is the question put again? The device then answers it.
+  bool is_asked() {
+    frames_.clear();
+    submit(asking());
+    const bool asked = frames_.size() == 1 && frames_[0].substr(0, 5) == "01 03";
+    if (asked) {
+      line(kAnswer);
+    }
+    answer_write();
+    return asked;
+  }
+};
+
+TEST_F(BusSettings, AreAskedForOnceAndAgainAfterSilenceOrAnotherLine) {
   open(settings(), {stepper(settings())});
-  const auto first = bus_->contact(1);
-  submit(job(kRead));
-  line(kAnswer);
-  advance(10ms);
-  submit(job(kRead));
-  line("01 83 02 C0 F1");
-  EXPECT_EQ(bus_->contact(1), first);
-  advance(10ms);
-  const auto other = bus_->contact(2);
-  submit(job(kRead));
+  EXPECT_TRUE(is_asked());
+  EXPECT_FALSE(is_asked());
+  submit(job("06 0001 0001"));
   advance(1s);
-  const auto silent = bus_->contact(1);
-  EXPECT_NE(silent, first);
-  EXPECT_EQ(bus_->contact(2), other);
-  submit(job(kRestart));
-  advance(1s);
-  const auto restarted = bus_->contact(1);
-  EXPECT_NE(restarted, silent);
-  bus_->clear_counters();
-  EXPECT_EQ(bus_->contact(1), restarted);
+  EXPECT_TRUE(is_asked());
+  EXPECT_FALSE(is_asked());
   bus_->handle_lost(now_);
   bus_->handle_opened(now_);
-  EXPECT_NE(bus_->contact(1), restarted);
-  EXPECT_NE(bus_->contact(2), other);
+  drain();
+  advance(30ms);
+  EXPECT_TRUE(is_asked());
+}
+
+TEST_F(BusSettings, AnUnansweredWriteBehindItsQuestionMakesItUncertain) {
+  open(settings(), {stepper(settings())});
+  submit(asking());
+  line(kAnswer);
+  advance(1s);  // the write itself is not answered
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_TRUE(is_asked());
+}
+
+TEST_F(BusSettings, AWriteThatWaitsBehindAChangeOfTheSettingAsksAgain) {
+  auto device = stepper(settings());
+  device.profile.communication = {{modbus::Table::holding_registers, 1, 1}};
+  open(settings(), {device});
+  EXPECT_TRUE(is_asked());
+  submit(job("06 0001 0001"));
+  frames_.clear();
+  submit(asking());
+  answer_write();
+  ASSERT_THAT(frames_, SizeIs(1));
+  EXPECT_EQ(frames_[0].substr(0, 5), "01 03");
+}
+
+TEST_F(BusSettings, AnotherAnswerEndsTheJobBeforeItsWrite) {
+  open(settings(), {stepper(settings())});
+  bus::Job& write = asking();
+  submit(write);
+  line("01 03 02 00 05 78 47");
+  EXPECT_THAT(endings_, ElementsAre(Ending::mismatched));
+  EXPECT_FALSE(write.was_on_wire);
+  advance(1s);
+  EXPECT_THAT(frames_, SizeIs(1));
 }
 
 }  // namespace

@@ -226,6 +226,23 @@ TEST(Drives, TheirWordOrderIsReadAgainAfterItWasWritten) {
   EXPECT_EQ(take_answers(rig, 1).back(), "01 90 04");
 }
 
+TEST(Drives, AWriteThatWaitsBehindAChangeOfTheWordOrderAsksAgain) {
+  Settings settings = verified_drive();
+  settings.devices[0].allow_reconfigure = true;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, kValueWrite);
+  rig.respond("01 03 02 0085");
+  rig.advance(30ms);
+  rig.respond("01 10 00 1E 00 02");
+  rig.advance(30ms);
+  take_requests(rig);
+  rig.receive(1, std::string("0002 0000 0006 01 06 0032 0005") + kValueWrite);
+  rig.respond("01 06 00 32 00 05");
+  rig.advance(30ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 06 00 32 00 05", "01 03 00 32 00 01"));
+}
+
 TEST(Drives, ValuesAreNotWrittenToADriveOfAnotherWordOrder) {
   MachineRig rig(verified_drive());
   rig.connect(1);

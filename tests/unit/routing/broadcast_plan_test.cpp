@@ -152,6 +152,30 @@ TEST_F(Broadcasts, SoIsItOnARouteToTheBus) {
   EXPECT_EQ(sent("05 000B FF00", 129), Texts{kNotAllowed});
 }
 
+TEST_F(Broadcasts, WhoeverMayListenIsAsked) {
+  // At address 0 a drive without a stated form may hear what is meant for another.
+  devices = {moons(1, {}), moons(2, {})};
+  devices[1].profile.broadcast.form = BroadcastForm::none;
+  EXPECT_EQ(sent("06 0001 0002"), Texts{"0: 06 00 01 00 02"});
+  devices[0].allow_reconfigure = true;
+  EXPECT_EQ(sent("06 0005 0001"), Texts{kNotAllowed});
+  devices[1].allow_reconfigure = true;
+  EXPECT_EQ(sent("06 0005 0001"), Texts{"0: 06 00 05 00 01"});
+  // A list of what may be broadcast protects a drive from what another takes.
+  devices[1].profile.broadcast = {BroadcastForm::standard, {}, drive::RangeList{}};
+  EXPECT_EQ(sent("06 0001 0002"), Texts{kIllegalAddress});
+}
+
+TEST_F(Broadcasts, VerifiedReceiversAreAskedForTheirWordOrderFirst) {
+  devices = {moons(1, WordOrder::little), moons(2, WordOrder::little)};
+  devices[1].verify_word_order = true;
+  devices[1].profile.word_order_register = drive::WordOrderRegister{5, {5}, {133}};
+  routes = {broadcast_route(WordOrder::big)};
+  EXPECT_EQ(sent("10 001E 0002 04 0001 0002"),
+            (Texts{"2: 03 00 05 00 01", "0: 10 00 1E 00 02 04 00 02 00 01"}));
+  EXPECT_EQ(sent("06 0001 0002"), Texts{"0: 06 00 01 00 02"});
+}
+
 TEST_F(Broadcasts, DevicesWhoseManualStatesNoneAreNotMeant) {
   devices = {moons(1, {})};
   devices[0].profile.broadcast.form = BroadcastForm::none;

@@ -75,6 +75,24 @@ TEST(LimitsPlan, SplitsWritesOnlyWhereTheUserAllowsIt) {
             (Texts{"0F 00 01 00 03 01 05", "0F 00 04 00 02 01 02"}));
 }
 
+TEST(LimitsPlan, AnswersThroughAWindowToAnotherTableWithTheClientsFunction) {
+  const drive::Device device;
+  routing::Way way;
+  way.device = &device;
+  way.route.first_unit = way.route.last_unit = way.route.first_address = 1;
+  way.route.buses = {device.bus};
+  way.route.windows = {{Table::holding_registers, 0, 16, Table::input_registers, 1000},
+                       {Table::coils, 0, 16, Table::discrete_inputs, 32}};
+  const auto answer_to = [&](std::string_view request, std::string_view response) {
+    const auto plan = routing::Plan::make(way, 1, {}, pdu(request));
+    const modbus::Pdu from_device = pdu(response);
+    const modbus::Pdu* const responses[] = {&from_device};
+    return hex(plan->answer(responses).bytes());
+  };
+  EXPECT_EQ(answer_to("03 0000 0002", "04 04 0001 0002"), "03 04 00 01 00 02");
+  EXPECT_EQ(answer_to("01 0000 000A", "02 02 CD 01"), "01 02 CD 01");
+}
+
 TEST(LimitsPlan, NeverSplitsAWriteOfAnOpcode) {
   auto device = limited_drive();
   device.split_writes = true;
@@ -119,6 +137,8 @@ TEST(LimitsPlan, FunctionsThatTheDriveDoesNotHaveAreNotAllowed) {
   EXPECT_EQ(Planned(device, "04 0000 0001").requests(), Texts{kNotAllowed});
   EXPECT_EQ(Planned(device, "2B 0E 01 00").requests(), Texts{kNotAllowed});
   EXPECT_EQ(Planned(device, "46 0001").requests(), Texts{kNotAllowed});
+  EXPECT_EQ(Planned(device, "16 0014 0001 0001").requests(),
+            Texts{kNotAllowed});  // and cuts a value
   EXPECT_EQ(Planned(device, "03 0000 0001").requests(), Texts{"03 00 00 00 01"});
   device.write_function = 0x10;
   EXPECT_EQ(Planned(device, "06 0000 0001").requests(), Texts{"10 00 00 00 01 02 00 01"});
