@@ -63,7 +63,7 @@ class NearGateway {
                          "[[bus]]\nname = \"far\"\nmode = \"tcp\"\nhost = \"127.0.0.1\"\nport = " +
                              std::to_string(far_port) + "\nretries = 0\n" + keys +
                              "\n[[device]]\nname = \"drive\"\nbus = \"far\"\n"
-                             "[[route]]\nlisten = \"routed\"\nunit = 5\ndevice = \"drive\"\n");
+                             "[[route]]\nlistener = \"routed\"\nunit = 5\ndevice = \"drive\"\n");
   }
 
   TemporaryFolder folder_;
@@ -113,7 +113,7 @@ TEST(Downstream, HasTransactionIdentifiersOfItsOwn) {
     const auto answer = clients[i].receive();
     ASSERT_TRUE(answer);
     // Register 0x20 holds 1032, which is 0408 in hexadecimal.
-    EXPECT_EQ(text_of(*answer), "07 07 00 00 00 05 01 03 02 04 0" + std::to_string(8 + i));
+    EXPECT_EQ(text_of(*answer), std::string("07 07 00 00 00 05 01 03 02 04 0") + "89AB"[i]);
   }
   std::set<unsigned> identifiers;
   const auto arrivals = far.arrivals();
@@ -156,6 +156,7 @@ TEST(Downstream, ServesEightClientsAtOnce) {
   FarServer far;
   NearGateway near(far.port(), kPatientWithFour);
   std::vector<std::thread> threads;
+  threads.reserve(8);
   std::atomic<int> wrong{0};
   for (unsigned number = 0; number < 8; ++number) {
     threads.emplace_back([&near, number, &wrong] {
@@ -260,6 +261,7 @@ TEST(Chain, KeepsTheAnswersOfManyClientsApart) {
   ASSERT_EQ(ask(preparing, "10 001E 0002 04 0000 0001", 1), "10 00 1E 00 02");
   ASSERT_EQ(ask(preparing, "10 001E 0002 04 0000 0002", 2), "10 00 1E 00 02");
   std::vector<std::thread> threads;
+  threads.reserve(6);
   std::atomic<int> wrong{0};
   for (unsigned number = 0; number < 6; ++number) {
     threads.emplace_back([&near, number, &wrong] {
