@@ -156,6 +156,7 @@ TEST(Downstream, ServesEightClientsAtOnce) {
   FarServer far;
   NearGateway near(far.port(), kPatientWithFour);
   std::vector<std::thread> threads;
+  threads.reserve(8);
   std::atomic<int> wrong{0};
   for (unsigned number = 0; number < 8; ++number) {
     threads.emplace_back([&near, number, &wrong] {
@@ -260,6 +261,7 @@ TEST(Chain, KeepsTheAnswersOfManyClientsApart) {
   ASSERT_EQ(ask(preparing, "10 001E 0002 04 0000 0001", 1), "10 00 1E 00 02");
   ASSERT_EQ(ask(preparing, "10 001E 0002 04 0000 0002", 2), "10 00 1E 00 02");
   std::vector<std::thread> threads;
+  threads.reserve(6);
   std::atomic<int> wrong{0};
   for (unsigned number = 0; number < 6; ++number) {
     threads.emplace_back([&near, number, &wrong] {
