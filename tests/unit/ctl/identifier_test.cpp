@@ -43,6 +43,7 @@ Device of(const std::string& profile) {
 
 std::vector<std::string> names(const Identification& found) {
   std::vector<std::string> names;
+  names.reserve(found.likely.size());
   for (const auto* file : found.likely) {
     names.push_back(file->profile.name);
   }

@@ -25,8 +25,8 @@ inline std::vector<const config::ProfileFile*> shipped_files() {
 }
 
 inline const Catalogue& shipped_catalogue() {
-  static const Catalogue catalogue(shipped_files());
-  return catalogue;
+  static const Catalogue kCatalogue(shipped_files());
+  return kCatalogue;
 }
 
 /// Registers hold 0; its word order, if it can be read, is little.
