@@ -39,6 +39,7 @@ EXTRA_HEADERS = {
 # The rooms that tests of several rooms see. Integration tests know only the built programs.
 TEST_FOLDERS = {
     "simulation": GATEWAY | CONFIG | {"sim"},
+    "drives": GATEWAY | CONFIG | {"sim"},
     "integration": set(),
     "support": GATEWAY | CONFIG | {"sim"},
     "manuals": MODBUS,
