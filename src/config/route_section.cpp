@@ -59,7 +59,7 @@ void read_device(Draft& draft, TomlTable& table, const UnitRange& units, Route& 
     const auto& device = draft.settings.devices[*found];
     route.buses = {device.bus};
     route.first_address = device.address;
-    route.device = *found;
+    route.device = found;
   }
 }
 

@@ -15,7 +15,7 @@ using testing::ElementsAre;
 const std::filesystem::path kFolder = std::filesystem::path(MBGATE_SOURCE_DIR) / "tests/config";
 
 class Drives : public testing::Test {
- protected:
+ public:
   void SetUp() override {
     const auto loaded =
         load_settings(kFolder / "valid/drives.toml", {.otherwise = {kFolder / "profiles"}});

@@ -32,7 +32,7 @@ TEST(Profiles, AreAllThere) {
 }
 
 class Profile : public testing::TestWithParam<std::string> {
- protected:
+ public:
   void SetUp() override {
     const auto loaded = load_profile(kFolder / (GetParam() + ".toml"));
     ASSERT_EQ(render(loaded.diagnostics), "");

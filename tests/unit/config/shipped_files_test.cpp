@@ -122,6 +122,7 @@ TEST(DemoFile, IsWhatTheDemoPromises) {
   EXPECT_EQ(settings.devices[2].timing.response_wait, 20ms);
   EXPECT_EQ(settings.devices[2].timing.response_timeout, 300ms);
   std::vector<std::string> profiles;
+  profiles.reserve(settings.devices.size());
   for (const auto& device : settings.devices) {
     profiles.push_back(device.profile.name);
   }
