@@ -20,7 +20,7 @@ std::uint8_t folded(std::uint8_t character) {
 void AsciiFramer::expect(const Transaction& transaction) {
   reset();
   transaction_ = &transaction;
-  begun_at_.reset();
+  restarts_ = 0;
   response_.reset();
   const auto frame = modbus::encode_ascii(transaction.address, transaction.request.pdu());
   std::copy_n(frame.begin(), start_.size(), start_.begin());
@@ -47,14 +47,12 @@ Verdict AsciiFramer::add(modbus::Bytes bytes, Instant now) {
       return verdict;
     }
   }
-  if (!begun_at_ && in_progress()) {
-    begun_at_ = now;
-  }
   return Verdict::none;
 }
 
 Verdict AsciiFramer::take(std::uint8_t character) {
   if (character == modbus::kAsciiStart || buffer_.size() == buffer_.capacity()) {
+    restarts_ += in_progress() ? 1U : 0U;
     discard();
   }
   if (buffer_.empty() && character != modbus::kAsciiStart) {
@@ -93,19 +91,14 @@ Verdict AsciiFramer::judge() {
 
 bool AsciiFramer::in_progress() const {
   const std::size_t known = std::min(buffer_.size(), start_.size());
-  const bool too_long = begun_at_ && last_character_ - *begun_at_ >= kLongestAnswer;
-  return known > 0 && !too_long &&
+  return known > 0 && restarts_ <= kMostRestarts &&
          std::equal(
              start_.begin(), start_.begin() + static_cast<std::ptrdiff_t>(known), buffer_.begin(),
              [](std::uint8_t expected, std::uint8_t seen) { return expected == folded(seen); });
 }
 
 std::optional<Instant> AsciiFramer::next_deadline() const {
-  if (!in_progress()) {
-    return std::nullopt;
-  }
-  const Instant gap_ends = last_character_ + kLongestCharacterGap;
-  return begun_at_ ? std::min(gap_ends, *begun_at_ + kLongestAnswer) : gap_ends;
+  return in_progress() ? std::optional(last_character_ + kLongestCharacterGap) : std::nullopt;
 }
 
 Verdict AsciiFramer::handle_deadline(Instant now) {

@@ -17,9 +17,9 @@ namespace mbgate::bus {
 /// From one character of a frame to the next.
 inline constexpr Duration kLongestCharacterGap = std::chrono::seconds(1);
 
-/// From the first ':' of what may be the answer to its end, however often it begins anew: a line
-/// that babbles must not stand still for ever. At 9600 baud the longest frame takes half a second.
-inline constexpr Duration kLongestAnswer = std::chrono::seconds(5);
+/// How often an answer may begin anew before it is none: a line that babbles must not stand still
+/// for ever.
+inline constexpr unsigned kMostRestarts = 8;
 
 class AsciiFramer {
  public:
@@ -52,7 +52,7 @@ class AsciiFramer {
   modbus::AsciiBytes buffer_;            // empty, or a frame from its ':' on
   std::array<std::uint8_t, 3> start_{};  // of an answer: ':' and the address
   Instant last_character_;
-  std::optional<Instant> begun_at_;  // the first time that an answer seemed to begin
+  unsigned restarts_ = 0;  // of what seemed to be the answer
   std::optional<modbus::Pdu> response_;
 };
 

@@ -95,6 +95,9 @@ std::optional<ExceptionCode> objection(const Device& device, const Request& requ
   if (device.is_reconfigured_by(request) && !device.allow_reconfigure) {
     return ExceptionCode::illegal_function;
   }
+  if (device.profile.broadcast.form != BroadcastForm::none && !takes(device, request)) {
+    return ExceptionCode::illegal_data_address;
+  }
   const bool fits =
       range.count <= device.profile.limits.written_to(range.table) && !cuts_value(device, range);
   return fits ? std::nullopt : std::optional(ExceptionCode::illegal_data_value);

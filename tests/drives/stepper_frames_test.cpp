@@ -16,6 +16,7 @@ constexpr auto* kProfile = "rs485-stepper";
 constexpr std::array kCommunication{371U, 1078U};
 /// The restart has no answer (line 2020).
 constexpr unsigned kRestart = 2018;
+constexpr unsigned kSave = 2060;
 
 std::string at(unsigned line) { return "rs485-stepper:" + std::to_string(line); }
 
@@ -125,12 +126,28 @@ TEST(StepperFrames, ThatChangeTheCommunicationAreRefusedUnlessAllowed) {
   }
 }
 
-TEST(StepperFrames, OfTheRestartLeavesAsPrinted) {
+// No answer comes (line 2020): the gateway gives it after the turnaround delay.
+TEST(StepperFrames, OfTheRestartIsAnsweredByTheGateway) {
   MachineRig rig(route_to(stepper(), WordOrder::big));
   rig.connect(1);
   const Example restart = example_at(printed_frames(), at(kRestart));
   rig.receive(1, restart.tcp_request);
   EXPECT_EQ(next_frame(rig), restart.rtu_request);
+  EXPECT_EQ(next_adu(rig, 1, 150ms), restart.tcp_request);
+  EXPECT_EQ(next_frame(rig, 1s), "");
+}
+
+// Saving takes longer than other writes (line 2053).
+TEST(StepperFrames, OfTheSaveMayTakeLongToBeAnswered) {
+  MachineRig rig(route_to(stepper(), WordOrder::big));
+  rig.connect(1);
+  const Example save = example_at(printed(), at(kSave));
+  rig.receive(1, save.tcp_request);
+  EXPECT_EQ(next_frame(rig), save.rtu_request);
+  rig.advance(1500ms);
+  EXPECT_TRUE(rig.sent[1].empty());
+  rig.line(save.rtu_response);
+  EXPECT_EQ(next_adu(rig, 1), save.tcp_response);
 }
 
 }  // namespace

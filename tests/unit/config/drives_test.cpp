@@ -55,8 +55,9 @@ TEST_F(Drives, HaveTheirProfilesAndWhatTheirUserStates) {
   EXPECT_EQ(axis.timing.response_wait, 4ms);
   EXPECT_EQ(axis.word_order, drive::WordOrder::little);
   EXPECT_EQ(axis.opcode_order, drive::WordOrder::big);
-  EXPECT_EQ(axis.write_function, 6);
-  EXPECT_TRUE(axis.split_values);
+  EXPECT_EQ(axis.write_function, 16);
+  EXPECT_EQ(settings.devices.at(2).write_function, 6);
+  EXPECT_TRUE(settings.devices.at(2).split_values);
   EXPECT_TRUE(axis.split_writes);
   EXPECT_TRUE(axis.verify_word_order);
   EXPECT_TRUE(axis.allow_reconfigure);
