@@ -2,12 +2,12 @@
 #include "ctl/command.hpp"
 
 #include <optional>
-#include <string_view>
+#include <vector>
+
+#include "modbus/make_request.hpp"
 
 namespace mbgate::ctl {
 namespace {
-
-using modbus::FunctionCode;
 
 // Application Protocol V1.1b3: 6.1, 6.3, 6.11 and 6.12.
 constexpr std::size_t kMostReadBits = 2000;
@@ -18,16 +18,6 @@ constexpr std::size_t kAddresses = 65536;
 constexpr std::uint16_t kCoilOn = 0xFF00;
 
 bool holds_bits(Table table) { return table == Table::coils || table == Table::discrete_inputs; }
-
-FunctionCode read_function(Table table) {
-  switch (table) {
-    case Table::coils: return FunctionCode::read_coils;
-    case Table::discrete_inputs: return FunctionCode::read_discrete_inputs;
-    case Table::holding_registers: return FunctionCode::read_holding_registers;
-    case Table::input_registers: return FunctionCode::read_input_registers;
-  }
-  return FunctionCode::read_holding_registers;
-}
 
 /// Nothing if `count` values fit into one request and into the table, else what is wrong.
 std::optional<std::string> find_misfit(const Place& place, std::size_t count,
@@ -43,71 +33,36 @@ std::optional<std::string> find_misfit(const Place& place, std::size_t count,
   return std::nullopt;
 }
 
-class PduWriter {
- public:
-  explicit PduWriter(FunctionCode function) : bytes_{static_cast<std::uint8_t>(function)} {}
-  void add(std::uint8_t byte) { bytes_.push_back(byte); }
-  void add16(std::size_t field) {
-    bytes_.push_back(static_cast<std::uint8_t>(field >> 8U));
-    bytes_.push_back(static_cast<std::uint8_t>(field & 0xFFU));
-  }
-  [[nodiscard]] Result<modbus::Request, std::string> request() const {
-    const auto pdu = modbus::Pdu::from(bytes_);
-    if (!pdu) {
-      return std::string("the request is too long");
-    }
-    const auto request = modbus::Request::parse(*pdu);
-    if (!request) {
-      return "the request is refused: " +
-             modbus::exception_text(static_cast<std::uint8_t>(request.error()));
-    }
-    return *request;
-  }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-};
-
-Result<modbus::Request, std::string> write_coils(const WriteCommand& command) {
+modbus::Request write_coils(const WriteCommand& command) {
   const std::size_t count = command.values.size();
   if (count == 1 && !command.multiple) {
-    PduWriter pdu(FunctionCode::write_single_coil);
-    pdu.add16(command.place.address);
-    pdu.add16(command.values.front() != 0 ? kCoilOn : 0);
-    return pdu.request();
+    return modbus::make_single_write(Table::coils, command.place.address,
+                                     command.values.front() != 0 ? kCoilOn : std::uint16_t{0});
   }
-  PduWriter pdu(FunctionCode::write_multiple_coils);
-  pdu.add16(command.place.address);
-  pdu.add16(count);
   std::vector<std::uint8_t> bytes((count + 7) / 8);
   for (std::size_t at = 0; at < count; ++at) {
     if (command.values[at] != 0) {
       bytes[at / 8] = static_cast<std::uint8_t>(bytes[at / 8] | (1U << (at % 8)));
     }
   }
-  pdu.add(static_cast<std::uint8_t>(bytes.size()));
-  for (const auto byte : bytes) {
-    pdu.add(byte);
-  }
-  return pdu.request();
+  return modbus::make_multiple_write(
+      {Table::coils, command.place.address, static_cast<std::uint16_t>(count)}, bytes);
 }
 
-Result<modbus::Request, std::string> write_registers(const WriteCommand& command) {
+modbus::Request write_registers(const WriteCommand& command) {
   const auto registers = to_registers(command.place.type, command.place.order, command.values);
   if (registers.size() == 1 && !command.multiple) {
-    PduWriter pdu(FunctionCode::write_single_register);
-    pdu.add16(command.place.address);
-    pdu.add16(registers.front());
-    return pdu.request();
+    return modbus::make_single_write(Table::holding_registers, command.place.address,
+                                     registers.front());
   }
-  PduWriter pdu(FunctionCode::write_multiple_registers);
-  pdu.add16(command.place.address);
-  pdu.add16(registers.size());
-  pdu.add(static_cast<std::uint8_t>(2 * registers.size()));
+  std::vector<std::uint8_t> bytes;
   for (const auto value : registers) {
-    pdu.add16(value);
+    bytes.push_back(static_cast<std::uint8_t>(value >> 8U));
+    bytes.push_back(static_cast<std::uint8_t>(value & 0xFFU));
   }
-  return pdu.request();
+  return modbus::make_multiple_write({Table::holding_registers, command.place.address,
+                                      static_cast<std::uint16_t>(registers.size())},
+                                     bytes);
 }
 
 }  // namespace
@@ -118,10 +73,8 @@ Result<modbus::Request, std::string> make_request(const ReadCommand& command) {
           find_misfit(command.place, command.count, bits ? kMostReadBits : kMostReadRegisters)) {
     return *misfit;
   }
-  PduWriter pdu(read_function(command.place.table));
-  pdu.add16(command.place.address);
-  pdu.add16(command.count * width(command.place.type));
-  return pdu.request();
+  return modbus::make_read({command.place.table, command.place.address,
+                            static_cast<std::uint16_t>(command.count * width(command.place.type))});
 }
 
 Result<modbus::Request, std::string> make_request(const WriteCommand& command) {

@@ -16,7 +16,7 @@ constexpr std::size_t kHeader = 2;
 modbus::Pdu with_data(std::uint8_t function, modbus::Bytes data) {
   Data pdu{function, static_cast<std::uint8_t>(data.size())};
   pdu.insert(pdu.end(), data.begin(), data.end());
-  return modbus::Pdu::from({pdu.data(), pdu.size()}).value();
+  return *modbus::Pdu::from({pdu.data(), pdu.size()});
 }
 
 Data joined_registers(Responses responses) {
