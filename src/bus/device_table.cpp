@@ -24,6 +24,9 @@ void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {
 }
 
 void DeviceTable::note_reconfiguring(const Transaction& transaction) {
+  if (!transaction.request.writes()) {
+    return;
+  }
   for (const drive::Device& device : devices_) {
     const bool heard = transaction.is_broadcast() || device.address == transaction.address;
     if (heard && device.is_reconfigured_by(transaction.request)) {
