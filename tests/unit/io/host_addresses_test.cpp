@@ -20,7 +20,9 @@ TEST(HostAddresses, AreKnownAtOnceWhenTheyAreNumbers) {
 }
 
 TEST(HostAddresses, AreFoundByName) {
-  const auto addresses = resolve({"localhost", 4001});
+  // A form of 127.0.0.1 that is no number to numeric_endpoint(), but one to every resolver.
+  const auto addresses = resolve({"127.1", 4001});
+  EXPECT_FALSE(numeric_endpoint({"127.1", 4001}));
   ASSERT_TRUE(addresses) << addresses.error();
   ASSERT_FALSE(addresses->empty());
   EXPECT_TRUE(addresses->front().address().is_loopback());

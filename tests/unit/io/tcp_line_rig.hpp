@@ -24,6 +24,9 @@ using boost::asio::ip::tcp;
 
 inline const std::array<std::uint8_t, 4> kFrame{1, 2, 3, 4};
 inline const std::string kFrameText{1, 2, 3, 4};
+/// 127.0.0.1 in a form that only the system's resolver understands: to the line it is a name, and
+/// no machine needs to know it.
+inline const std::string kName = "127.1";
 /// The far end: its connections are taken when the test wants it.
 class FarEnd {
  public:

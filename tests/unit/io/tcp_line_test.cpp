@@ -151,7 +151,7 @@ TEST_F(TcpLineTest, GivesUpOnAFarEndThatDoesNotAnswer) {
 
 TEST_F(TcpLineTest, LooksUpANameAndTriesItsAddresses) {
   FarEnd far(context_);
-  make_line("localhost", far.port());
+  make_line(kName, far.port());
   tcp::socket* const peer = connect(far);
   ASSERT_NE(peer, nullptr);
   ASSERT_EQ(line_->transmit(kFrame), std::nullopt);
@@ -161,7 +161,7 @@ TEST_F(TcpLineTest, LooksUpANameAndTriesItsAddresses) {
 TEST_F(TcpLineTest, NamesEachAddressOfANameThatWasTried) {
   FarEnd far(context_);
   far.stop_listening();
-  const bus::Endpoint remote{"localhost", far.port()};
+  const bus::Endpoint remote{kName, far.port()};
   make_line(remote.host, remote.port);
   line_->open();
   ASSERT_TRUE(wait_for([&] { return !lost_.empty(); }));
@@ -186,7 +186,7 @@ TEST_F(TcpLineTest, SaysThatANameDoesNotExist) {
 
 TEST_F(TcpLineTest, ForgetsANameLookedUpForNobody) {
   FarEnd far(context_);
-  make_line("localhost", far.port());
+  make_line(kName, far.port());
   line_->open();
   line_->close();
   ASSERT_NE(connect(far), nullptr);
