@@ -7,7 +7,7 @@ namespace mbgate::routing {
 namespace {
 
 // The most registers of an answer, and what widening adds at both ends.
-constexpr std::size_t kMostData = 2 * (125 + 2 * 3);
+constexpr std::size_t kMostData = std::size_t{2} * (125 + 2 * 3);
 using Data = boost::container::static_vector<std::uint8_t, kMostData>;
 
 // Function and byte count precede the data (Application Protocol V1.1b3, 6.1 to 6.4, 6.17).
