@@ -14,8 +14,4 @@ bool writes(const modbus::Request& request, const WriteMatch& match) {
   return written && match.fits(*written);
 }
 
-bool writes_only(const modbus::Request& request, const WriteMatch& match) {
-  return writes(request, match) && request.writes()->range.count == 1 && !request.reads();
-}
-
 }  // namespace mbgate::drive

@@ -24,7 +24,4 @@ struct WriteMatch {
 /// Does the request (05, 06, 15, 16, 23) write this, alone or among others?
 bool writes(const modbus::Request& request, const WriteMatch& match);
 
-/// Does it write this and nothing else?
-bool writes_only(const modbus::Request& request, const WriteMatch& match);
-
 }  // namespace mbgate::drive

@@ -40,6 +40,7 @@ class Planner {
   Result<DevicePlan, ExceptionCode> plan_multiple_write();
   Result<DevicePlan, ExceptionCode> plan_coils();
   void run_of_singles(const TableRange& range, modbus::Bytes data, Requests& requests) const;
+  [[nodiscard]] Reply data_of(const TableRange& range, const TableRange& asked) const;
   [[nodiscard]] TableRange widened(const TableRange& range) const;
   [[nodiscard]] bool cuts_value(const TableRange& range, bool only_motion) const;
   [[nodiscard]] bool leaves_values_whole(const TableRange& range) const;
@@ -103,6 +104,12 @@ TableRange Planner::widened(const TableRange& range) const {
   return {range.table, static_cast<std::uint16_t>(begin), count_between(begin, end)};
 }
 
+// The answer to a read of `asked` out of all that was read of `range`.
+Reply Planner::data_of(const TableRange& range, const TableRange& asked) const {
+  return {data_form(asked.table), count_between(range.first, asked.first),
+          exchanging_ ? WordExchange(profile_.values, range) : WordExchange()};
+}
+
 Result<DevicePlan, ExceptionCode> Planner::plan_read() {
   const TableRange& asked = request_.reads()->range;
   const bool input = asked.table == Table::input_registers && profile_.input_as_holding;
@@ -114,14 +121,10 @@ Result<DevicePlan, ExceptionCode> Planner::plan_read() {
     table = Table::holding_registers;
   }
   DevicePlan plan;
-  plan.reply.form = data_form(asked.table);
+  plan.reply = data_of(range, asked);
   for (TableRange piece : cut(range, profile_.limits.read_from(table), profile_)) {
     piece.table = table;
     plan.requests.push_back(modbus::make_read(piece));
-  }
-  plan.reply.skip = count_between(range.first, known.first);
-  if (exchanging_) {
-    plan.reply.exchange = WordExchange(profile_.values, range);
   }
   if (plan.requests.size() == 1 && range == asked && plan.reply.exchange.is_empty()) {
     plan.reply.form = Reply::Form::as_it_is;
@@ -144,11 +147,7 @@ Result<DevicePlan, ExceptionCode> Planner::plan_read_write() {
   DevicePlan plan;
   plan.requests.push_back(
       modbus::make_read_write(range, writes, data_in_order(device_, seen_, request_)));
-  plan.reply.form = Reply::Form::registers;
-  plan.reply.skip = count_between(range.first, reads.first);
-  if (exchanging_) {
-    plan.reply.exchange = WordExchange(profile_.values, range);
-  }
+  plan.reply = data_of(range, reads);
   return plan;
 }
 
