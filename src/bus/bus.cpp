@@ -88,6 +88,11 @@ void Bus::collect(Instant now) {
   }
 }
 
+bool Bus::is_stop(std::uint8_t address, const modbus::Request& request,
+                  drive::BroadcastForm broadcast) const {
+  return devices_.is_stop(address, request, broadcast);
+}
+
 bool Bus::submit(Job& job, Instant now) {
   if (state_ == State::closed || stopping_) {
     end_job(job, stopping_ ? Ending::cancelled : Ending::closed);

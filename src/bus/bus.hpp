@@ -28,7 +28,23 @@ struct EchoDiffered {};
 /// What comes in cannot be followed any further. The bus has given the line up already: nothing
 /// needs to be reported back.
 struct CloseLine {};
-using BusAction = std::variant<OpenLine, TransmitFrame, JobEnded, EchoDiffered, CloseLine>;
+/// What was learned of the device at an address.
+struct DeviceNotice {
+  enum class Kind : std::uint8_t {
+    lost,            ///< it does not answer: offline
+    back,            ///< it answers again
+    late,            ///< an answer came after its time, and the quarantine grew
+    early,           ///< an answer began before its time: response_wait is set too long
+    foreign,         ///< a frame that nobody asked for: another client is on this line
+    stop_unanswered  ///< a stop was repeated as often as allowed, without a fitting echo
+  };
+  Kind kind;
+  std::uint8_t address;
+  Duration lateness{0};    ///< late: after the response timeout
+  Duration quarantine{0};  ///< late: in force from now on
+};
+using BusAction =
+    std::variant<OpenLine, TransmitFrame, JobEnded, EchoDiffered, CloseLine, DeviceNotice>;
 
 class Bus {
  public:
@@ -46,12 +62,19 @@ class Bus {
   void handle_bytes(modbus::Bytes bytes, Instant now);
   void handle_deadline(Instant now);
 
-  /// Queues a job; it lies still until its JobEnded. False: the queue is full, the job is
-  /// untouched.
+  /// Is this a stop of the device at the address, or of one that hears the broadcast?
+  [[nodiscard]] bool is_stop(std::uint8_t address, const modbus::Request& request,
+                             drive::BroadcastForm broadcast) const;
+  /// Queues a job, or answers it at once; it lies still until its JobEnded, which may be among the
+  /// actions already. False: the queue is full, the job is untouched.
   [[nodiscard]] bool submit(Job& job, Instant now);
   /// Takes a waiting job back at once, without a JobEnded.
   void withdraw(Job& job);
-  /// No new transmissions: waiting jobs end as cancelled, running transactions may finish.
+  /// The same line with other rules, or other devices: what is known of addresses is kept. Jobs
+  /// that wait for devices that are no longer what they were must have been withdrawn.
+  void update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now);
+  /// No new transmissions but stops: other waiting jobs end as cancelled, running transactions may
+  /// finish.
   void stop(Instant now);
   /// After stop(): running transactions end unanswered.
   void give_up(Instant now);

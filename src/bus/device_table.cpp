@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/device_table.hpp"
 
+#include <algorithm>
+
 namespace mbgate::bus {
 
 DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Device> devices)
@@ -12,6 +14,16 @@ DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Dev
   for (const drive::Device& device : devices_) {
     entries_.at(device.address).device = &device;
   }
+}
+
+bool DeviceTable::is_stop(std::uint8_t address, const modbus::Request& request,
+                          drive::BroadcastForm broadcast) const {
+  if (broadcast == drive::BroadcastForm::none) {
+    return entries_.at(address).device->is_stop(request);
+  }
+  return std::ranges::any_of(devices_, [&](const drive::Device& device) {
+    return device.profile.broadcast.form == broadcast && device.is_stop(request);
+  });
 }
 
 void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {

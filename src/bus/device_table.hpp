@@ -36,6 +36,9 @@ class DeviceTable {
   [[nodiscard]] const DeviceEntry& operator[](std::uint8_t address) const {
     return entries_.at(address);
   }
+  /// Does a device at the address, or one that hears the broadcast, take this for a stop?
+  [[nodiscard]] bool is_stop(std::uint8_t address, const modbus::Request& request,
+                             drive::BroadcastForm broadcast) const;
   /// A broadcast has left: those that it makes boot hear nothing for a while.
   void hold_booting(const Transaction& broadcast, Instant now);
   /// A write is on its way that may change how a device is set.

@@ -46,6 +46,9 @@ struct Transaction {
 /// Whose requests take turns with whose: one number for each client address.
 enum class SourceId : std::uint32_t {};
 
+/// Who goes first. What is no read is a write in every rule.
+enum class JobClass : std::uint8_t { stop, write, read };
+
 /// How a job ended. Whether it may have had an effect is told by Job::was_on_wire.
 enum class Ending : std::uint8_t {
   answered,     ///< every transaction has its response, or the last one's is an exception
@@ -54,7 +57,8 @@ enum class Ending : std::uint8_t {
   expired,      ///< its deadline passed before a (further) transmission
   mismatched,   ///< a register does not hold what it must; nothing that follows was transmitted
   closed,       ///< the line is not there
-  cancelled     ///< taken back, or the gateway is stopping
+  offline,      ///< the device does not answer, and this is not the one that is let through
+  cancelled     ///< taken back, evicted, or the gateway is stopping
 };
 
 struct Job {
@@ -64,7 +68,10 @@ struct Job {
   std::uint32_t number = 0;  ///< the gateway's number for the job
   std::uint32_t owner = 0;   ///< and for the request it belongs to
   SourceId source{};
-  Instant deadline;
+  unsigned weight = 1;                  ///< turns of its source where others have one
+  JobClass job_class = JobClass::read;  ///< set by Bus::submit()
+  std::uint64_t sequence = 0;           ///< the order of acceptance, set by Bus::submit()
+  Instant deadline;                     ///< of no meaning for stops
   boost::container::small_vector<Transaction, 1> transactions;
   std::size_t current = 0;   ///< the transaction whose turn it is
   unsigned tries = 0;        ///< transmissions of the current transaction

@@ -48,7 +48,14 @@ struct BusSettings {
   std::optional<Duration> listen_first;  ///< default: the longest response timeout, at most 1 s
   Duration turnaround = std::chrono::milliseconds(100);
   Duration settle{0};
-  std::size_t queue = 2048;     ///< requests waiting at most
+  std::size_t queue = 2048;  ///< requests waiting at most, stops not counted
+  bool coalesce = true;      ///< identical waiting reads are transmitted once
+  bool merge = false;        ///< adjacent and overlapping waiting reads are transmitted as one
+  unsigned burst = 8;        ///< transactions of a class before one of a lower class goes
+  /// A stop waits for the first byte of a running transaction's response at most so long.
+  Duration stop_wait = std::chrono::milliseconds(100);
+  /// Percent of the bus's time that the probes of all its offline devices may take together.
+  unsigned probe_share = 2;
   std::size_t outstanding = 1;  ///< framing tcp: requests on their way at a time
   Duration reopen_min = std::chrono::milliseconds(100);
   Duration reopen_max = std::chrono::seconds(5);

@@ -17,6 +17,11 @@ bool Device::is_reconfigured_by(const modbus::Request& request) const {
   return request.writes() && touches(profile.communication, request.writes()->range);
 }
 
+bool Device::is_stop(const modbus::Request& request) const {
+  return std::ranges::any_of(profile.stops,
+                             [&](const WriteMatch& stop) { return writes_only(request, stop); });
+}
+
 std::optional<Duration> Device::silent_after(const modbus::Request& request) const {
   for (const UnansweredWrite& unanswered : profile.unanswered) {
     if (writes(request, unanswered.match)) {

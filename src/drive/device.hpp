@@ -2,6 +2,7 @@
 // A device: one server on a bus, what kind of drive it is, and what its user states for it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,6 +27,27 @@ struct DeviceTiming {
   unsigned retries = 1;
   /// Repeats writes too. A relative move that is repeated moves the axis twice.
   bool retry_writes = false;
+  /// How often a stop is repeated that got no fitting echo.
+  unsigned stop_retries = 3;
+  /// For so long after the response timeout of its last unanswered transmission the device is sent
+  /// nothing, because the answer may still come. Default: one more response timeout.
+  std::optional<Duration> quarantine{};
+  /// How long a quarantine can become by what was learned from late responses.
+  Duration quarantine_max = std::chrono::seconds(10);
+  /// After so many unanswered transmissions in a row the device is offline; 0: never.
+  unsigned offline_after = 3;
+  /// One request is let through to an offline device at most so often.
+  Duration probe_interval = std::chrono::seconds(2);
+  /// The response timeout of such a request. Default: the usual one, at most 100 ms.
+  std::optional<Duration> probe_timeout{};
+
+  [[nodiscard]] Duration quarantine_or_default() const {
+    return quarantine.value_or(response_timeout);
+  }
+  [[nodiscard]] Duration probe_timeout_or_default() const {
+    return probe_timeout.value_or(
+        std::min<Duration>(response_timeout, std::chrono::milliseconds(100)));
+  }
 };
 
 struct Device {
@@ -44,11 +66,17 @@ struct Device {
   bool split_writes = false;                     ///< writes over the limit become several
   bool verify_word_order = false;
   bool allow_reconfigure = false;
+  /// A stop takes back the writes that wait for the device; otherwise they are sent before it.
+  bool stop_cancels = true;
+  /// Reads are answered with what was read up to so long ago; 0: never.
+  Duration cache{0};
 
   /// The times of this request: slow registers have a longer timeout.
   [[nodiscard]] DeviceTiming timing_of(const modbus::Request& request) const;
   /// Does the request write a communication register of the drive?
   [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request) const;
+  /// Is the request a write of one of the profile's stops and of nothing else?
+  [[nodiscard]] bool is_stop(const modbus::Request& request) const;
   /// The boot time that follows a request which is never answered; nothing for others.
   [[nodiscard]] std::optional<Duration> silent_after(const modbus::Request& request) const;
 };

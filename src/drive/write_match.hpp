@@ -14,6 +14,8 @@ struct WriteMatch {
   std::uint16_t mask = 0xFFFF;
   std::uint16_t value = 0;  ///< of the masked bits; of a coil 0000 or FF00
   bool other = false;       ///< any masked bits but `value`
+  /// Registers right behind it that a write may touch along with it: parameters of an opcode.
+  std::uint16_t parameters = 0;
 
   [[nodiscard]] bool fits(std::uint16_t written) const {
     return ((written & mask) == value) != other;
@@ -23,5 +25,8 @@ struct WriteMatch {
 
 /// Does the request (05, 06, 15, 16, 23) write this, alone or among others?
 bool writes(const modbus::Request& request, const WriteMatch& match);
+
+/// Does the request (05, 06, 15, 16) write this, and nothing else but its parameters?
+bool writes_only(const modbus::Request& request, const WriteMatch& match);
 
 }  // namespace mbgate::drive

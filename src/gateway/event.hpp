@@ -6,6 +6,7 @@
 #include <string>
 #include <variant>
 
+#include "bus/bus.hpp"
 #include "gateway/settings.hpp"
 
 namespace mbgate::gateway {
@@ -78,9 +79,22 @@ struct WordOrderDiffers {
   std::uint8_t address;
 };
 
+/// The bus has learned something of the device at an address.
+struct DeviceNews {
+  BusId bus;
+  bus::DeviceNotice notice;
+};
+/// The last client that might write to the device has gone, or all were silent: its failsafe writes
+/// are on their way.
+struct FailsafeSent {
+  BusId bus;
+  std::uint8_t address;
+  bool silence;  ///< they are connected, but silent
+};
+
 using Event = std::variant<BusOpened, BusLost, ClientRefused, ClientDisplaced, ClientFramingLost,
                            ClientSpeaksRtu, ClientFrameTimedOut, EchoMismatch, Reconfigured,
-                           WriteEndedEarly, WordOrderDiffers>;
+                           WriteEndedEarly, WordOrderDiffers, DeviceNews, FailsafeSent>;
 
 /// One line for the journal. The settings give the names.
 std::string to_text(const Event& event, const Settings& settings);

@@ -13,6 +13,13 @@ void Exchange::note(const bus::Job& job, bus::Ending ending) {
       failed = true;
       had_no_path = had_no_path || !job.was_on_wire;
       break;
+    case bus::Ending::offline:
+      failed = true;
+      // A read that is refused gets the answer that it would have got; a write says that it was
+      // never transmitted.
+      was_on_wire = was_on_wire || plan->is_read();
+      had_no_path = had_no_path || (!plan->is_read() && !job.was_on_wire);
+      break;
     case bus::Ending::no_answer:
     case bus::Ending::expired:
     case bus::Ending::cancelled: failed = true; break;

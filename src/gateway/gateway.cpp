@@ -151,6 +151,8 @@ void Gateway::collect(BusId id) {
     } else if (std::holds_alternative<bus::CloseLine>(*action)) {
       report(BusLost{id});
       actions_.emplace_back(Shut{id});
+    } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&*action)) {
+      report(DeviceNews{id, *notice});
     } else {
       report(EchoMismatch{id});
     }

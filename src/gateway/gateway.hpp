@@ -47,7 +47,13 @@ class Gateway {
   /// The line could not be opened, or died. The machine asks again by itself.
   void handle_bus_lost(BusId bus, Instant now);
   void handle_deadline(Instant now);
-  /// Nothing new is begun; Finished follows at most 1.5 s later.
+  /// Other settings from now on, consistent as in the constructor. Listeners, buses and devices are
+  /// the same if their names are; the numbers in actions and inputs are those of the new settings
+  /// at once. Lines that did not change go on without losing a transaction; Shut is asked for those
+  /// that changed, and Open for these and new ones. The driver drops the lines of buses that are no
+  /// more. Clients of listeners that are no more are closed.
+  void handle_settings(Settings settings, Instant now);
+  /// Nothing new is begun but stops; Finished follows at most 1.5 s later.
   void handle_shutdown(Instant now);
 
   std::optional<Action> poll_action();

@@ -9,6 +9,7 @@
 
 #include "bus/settings.hpp"
 #include "drive/device.hpp"
+#include "gateway/device_guard.hpp"
 #include "routing/client_address.hpp"
 #include "routing/route.hpp"
 
@@ -54,7 +55,10 @@ struct Settings {
   std::vector<ListenerSettings> listeners;
   std::vector<BusSettings> buses;
   std::vector<drive::Device> devices;
+  /// By the place of the device; those that are missing have no rules of their own.
+  std::vector<DeviceGuard> guards;
   std::vector<routing::Route> routes;
+  std::vector<ClientWeight> weights;  ///< the first that fits counts; others have weight 1
 
   [[nodiscard]] const ListenerSettings& listener(ListenerId id) const {
     return listeners[static_cast<std::size_t>(id)];

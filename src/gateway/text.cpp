@@ -49,6 +49,28 @@ std::string client_number(ClientId client) {
   return "client " + std::to_string(static_cast<std::uint64_t>(client));
 }
 
+std::string milliseconds(Duration duration) {
+  return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(duration).count()) + " ms";
+}
+
+std::string notice_text(const bus::DeviceNotice& notice) {
+  using Kind = bus::DeviceNotice::Kind;
+  switch (notice.kind) {
+    case Kind::lost: return "does not answer any more";
+    case Kind::back: return "answers again";
+    case Kind::late:
+      return "an answer came " + milliseconds(notice.lateness) +
+             " after its response timeout, which is too short; after an unanswered request it is "
+             "now left alone for " +
+             milliseconds(notice.quarantine);
+    case Kind::early: return "answers before its response_wait, which is set too long";
+    case Kind::foreign:
+      return "a frame of it was heard that nobody here asked for; another client is on this line";
+    case Kind::stop_unanswered: return "a stop command was not acknowledged, after all repetitions";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string to_text(const Event& event, const Settings& settings) {
@@ -91,6 +113,15 @@ std::string to_text(const Event& event, const Settings& settings) {
           [&](const WordOrderDiffers& e) {
             return device_text(settings, e.bus, e.address) +
                    ": its own word order is not the one configured; values are not written to it";
+          },
+          [&](const DeviceNews& e) {
+            return device_text(settings, e.bus, e.notice.address) + ": " + notice_text(e.notice);
+          },
+          [&](const FailsafeSent& e) {
+            return device_text(settings, e.bus, e.address) + ": " +
+                   (e.silence ? "the clients that may write are silent"
+                              : "the last client that may write has gone") +
+                   "; its failsafe writes are sent";
           }},
       event);
 }

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who may write to a device, and what is written to it when nobody is left who might.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bus/instant.hpp"
+#include "modbus/request.hpp"
+#include "routing/client_address.hpp"
+
+namespace mbgate::gateway {
+
+enum class WriterRule : std::uint8_t {
+  any,
+  first,  ///< the client address that wrote last owns writing for `writer_hold`
+  listed  ///< the addresses in `writers` and no others
+};
+
+struct DeviceGuard {
+  WriterRule writer = WriterRule::any;
+  routing::NetworkList writers;
+  bus::Duration writer_hold = std::chrono::seconds(5);
+  /// Writes as the device takes them, sent once, in order and as stops, when the last client that
+  /// may write to it has gone, or all of them were silent for `quiet`.
+  std::vector<modbus::Request> failsafe;
+  bus::Duration quiet{0};  ///< 0: silence alone is no reason
+};
+
+/// Clients in the network get so many turns where others get one.
+struct ClientWeight {
+  routing::Network network;
+  unsigned weight = 1;
+};
+
+}  // namespace mbgate::gateway
