@@ -2,6 +2,7 @@
 #include "bus/ascii_framer.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "modbus/response.hpp"
 
@@ -18,7 +19,7 @@ std::uint8_t folded(std::uint8_t character) {
 }  // namespace
 
 void AsciiFramer::expect(const Transaction& transaction) {
-  reset();
+  listen();
   transaction_ = &transaction;
   restarts_ = 0;
   response_.reset();
@@ -26,8 +27,10 @@ void AsciiFramer::expect(const Transaction& transaction) {
   std::copy_n(frame.begin(), start_.size(), start_.begin());
 }
 
-void AsciiFramer::reset() {
+void AsciiFramer::listen() {
   discard();
+  counters_.stray_bytes += rest_.size();
+  rest_.clear();
   transaction_ = nullptr;
 }
 
@@ -42,15 +45,33 @@ Verdict AsciiFramer::add(modbus::Bytes bytes, Instant now) {
   }
   last_character_ = now;
   for (std::size_t at = 0; at < bytes.size(); ++at) {
-    if (const Verdict verdict = take(bytes[at]); verdict != Verdict::none) {
-      counters_.stray_bytes += bytes.size() - at - 1;
+    if (const Verdict verdict = take(bytes[at], now); verdict != Verdict::none) {
+      const modbus::Bytes rest = bytes.subspan(at + 1);
+      const std::size_t kept = std::min(rest.size(), rest_.capacity());
+      rest_.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(kept));
+      counters_.stray_bytes += rest.size() - kept;
       return verdict;
     }
   }
   return Verdict::none;
 }
 
-Verdict AsciiFramer::take(std::uint8_t character) {
+Verdict AsciiFramer::again(Instant now) {
+  response_.reset();
+  const modbus::AsciiBytes rest = std::exchange(rest_, {});
+  return add({rest.data(), rest.size()}, now);
+}
+
+std::optional<std::uint8_t> AsciiFramer::take_stray() {
+  if (strays_.empty()) {
+    return std::nullopt;
+  }
+  const std::uint8_t address = strays_.front();
+  strays_.erase(strays_.begin());
+  return address;
+}
+
+Verdict AsciiFramer::take(std::uint8_t character, Instant now) {
   if (character == modbus::kAsciiStart || buffer_.size() == buffer_.capacity()) {
     restarts_ += in_progress() ? 1U : 0U;
     discard();
@@ -58,6 +79,9 @@ Verdict AsciiFramer::take(std::uint8_t character) {
   if (buffer_.empty() && character != modbus::kAsciiStart) {
     ++counters_.stray_bytes;
     return Verdict::none;
+  }
+  if (buffer_.empty()) {
+    began_ = now;
   }
   buffer_.push_back(character);
   return character == modbus::kAsciiEnd ? judge() : Verdict::none;
@@ -72,7 +96,7 @@ Verdict AsciiFramer::judge() {
   const modbus::Bytes bytes(content->data(), content->size());
   const modbus::Bytes pdu = bytes.subspan(1, bytes.size() - 2);
   using modbus::ResponseFit;
-  const ResponseFit fit = bytes[0] == transaction_->address
+  const ResponseFit fit = transaction_ != nullptr && bytes[0] == transaction_->address
                               ? modbus::check_response(transaction_->request, pdu)
                               : ResponseFit::wrong_function;
   if (!modbus::has_good_lrc(bytes)) {
@@ -86,12 +110,15 @@ Verdict AsciiFramer::judge() {
     return Verdict::response;
   }
   ++counters_.stray_frames;
+  if (strays_.size() < strays_.capacity()) {
+    strays_.push_back(bytes[0]);
+  }
   return Verdict::none;
 }
 
 bool AsciiFramer::in_progress() const {
   const std::size_t known = std::min(buffer_.size(), start_.size());
-  return known > 0 && restarts_ <= kMostRestarts &&
+  return transaction_ != nullptr && known > 0 && restarts_ <= kMostRestarts &&
          std::equal(
              start_.begin(), start_.begin() + static_cast<std::ptrdiff_t>(known), buffer_.begin(),
              [](std::uint8_t expected, std::uint8_t seen) { return expected == folded(seen); });

@@ -27,8 +27,13 @@ class AsciiFramer {
 
   /// From now on the answer to `transaction` is looked for; it must outlive the search.
   void expect(const Transaction& transaction);
-  /// Characters as they came in. After a verdict other than none, expect() must be called again.
+  /// Nothing is asked any more. What is left of the characters is stray.
+  void listen();
+  /// Characters as they came in. After a verdict other than none comes expect(), again() or
+  /// listen().
   Verdict add(modbus::Bytes bytes, Instant now);
+  /// The response was none: the search goes on in what came behind it.
+  Verdict again(Instant now);
   /// Time has passed: a frame may prove to stay incomplete.
   Verdict handle_deadline(Instant now);
   [[nodiscard]] std::optional<Instant> next_deadline() const;
@@ -37,12 +42,14 @@ class AsciiFramer {
   [[nodiscard]] bool in_progress() const;
   /// A frame says itself where it ends.
   [[nodiscard]] static bool awaits_silence() { return false; }
-  /// Ends the search.
-  void reset();
   [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
+  /// When the first character of the response came.
+  [[nodiscard]] Instant response_began() const { return began_; }
+  /// The address of a frame that answers nothing that was asked, each once.
+  std::optional<std::uint8_t> take_stray();
 
  private:
-  Verdict take(std::uint8_t character);
+  Verdict take(std::uint8_t character, Instant now);
   Verdict judge();
   /// Counts what has been gathered as stray and forgets it.
   void discard();
@@ -54,6 +61,9 @@ class AsciiFramer {
   Instant last_character_;
   unsigned restarts_ = 0;  // of what seemed to be the answer
   std::optional<modbus::Pdu> response_;
+  Instant began_;            // the frame in the buffer, or the last one
+  modbus::AsciiBytes rest_;  // what came behind the response
+  boost::container::static_vector<std::uint8_t, kMostStrays> strays_;
 };
 
 }  // namespace mbgate::bus

@@ -22,14 +22,26 @@ Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
             counters_),
       queue_(settings.queue),
       most_running_(settings.line.framing == Framing::tcp ? settings.outstanding : 1),
+      quarantines_(settings.line.framing != Framing::tcp),
       reopen_delay_(settings.reopen_min) {}
+
+void Bus::update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now) {
+  settings_ = settings;
+  devices_.update(settings, devices);
+  longest_response_timeout_ = bus::longest_response_timeout(settings, devices);
+  line_.update(settings_);
+  queue_.set_limit(settings.queue);
+  most_running_ = settings.line.framing == Framing::tcp ? settings.outstanding : 1;
+  pump(now);
+}
 
 void Bus::start() { actions_.emplace_back(OpenLine{}); }
 
 void Bus::handle_opened(Instant now) {
   state_ = State::open;
   opened_at_ = now;
-  devices_.forget_settings();
+  devices_.forget_what_was_read();
+  foreign_reported_ = false;
   reopen_at_.reset();
   line_.open(now);
   pump(now);
@@ -44,13 +56,18 @@ void Bus::handle_lost(Instant now) {
     }
   }
   state_ = State::closed;
+  for (Job* job : running_) {
+    if (job->in_flight && !job->on_wire().is_broadcast() && !job->on_wire().may_stay_silent()) {
+      devices_[job->address()].health.note_cut_off(line_.response_due());
+    }
+  }
   line_.abort();
   if (!stopping_) {
     reopen_at_ = now + reopen_delay_;
     reopen_delay_ = std::min(reopen_delay_ * kBackoffFactor, settings_.reopen_max);
   }
   end_running(Ending::closed);
-  end_waiting(Ending::closed);
+  end_waiting(Ending::closed, true);
   pump(now);
 }
 
@@ -76,6 +93,9 @@ void Bus::handle_deadline(Instant now) {
 }
 
 void Bus::collect(Instant now) {
+  while (const auto address = line_.take_stray()) {
+    handle_stray(*address, now);
+  }
   while (const auto end = line_.take_end()) {
     handle_end(*end, now);
   }
@@ -88,39 +108,23 @@ void Bus::collect(Instant now) {
   }
 }
 
-bool Bus::is_stop(std::uint8_t address, const modbus::Request& request,
-                  drive::BroadcastForm broadcast) const {
-  return devices_.is_stop(address, request, broadcast);
-}
-
-bool Bus::submit(Job& job, Instant now) {
-  if (state_ == State::closed || stopping_) {
-    end_job(job, stopping_ ? Ending::cancelled : Ending::closed);
-    return true;
-  }
-  if (!queue_.push(job)) {
-    ++counters_.refused_full;
-    return false;
-  }
-  pump(now);
-  return true;
-}
-
 void Bus::withdraw(Job& job) {
   queue_.remove(job);
+  release(job);
   next_start_ = pumped_at_;  // what waited behind it may go now
 }
 
 void Bus::stop(Instant now) {
   stopping_ = true;
   reopen_at_.reset();
-  end_waiting(Ending::cancelled);
+  end_waiting(Ending::cancelled, false);
   pump(now);
 }
 
 void Bus::give_up(Instant now) {
   line_.abort();
   end_running(Ending::no_answer);
+  end_waiting(Ending::cancelled, true);
   pump(now);
 }
 
@@ -143,17 +147,56 @@ void Bus::clear_counters() {
   devices_.clear_counters();
 }
 
+Duration Bus::held_back(std::uint8_t address, Instant now) const {
+  const DeviceEntry& entry = devices_[address];
+  const Instant until = entry.health.held_until(entry.timing());
+  return quarantines_ && until > now ? until - now : Duration{0};
+}
+
 void Bus::end_running(Ending ending) {
   for (Job* job : std::exchange(running_, {})) {
+    for (Job* follower : job->followers) {
+      end_job(*follower, ending);
+    }
     end_job(*job, ending);
   }
 }
 
-void Bus::end_waiting(Ending ending) {
+void Bus::end_waiting(Ending ending, bool stops_too) {
   while (Job* job = queue_.first_to_expire()) {
     queue_.remove(*job);
     end_job(*job, ending);
   }
+  while (Job* stop = stops_too ? queue_.first_stop() : nullptr) {
+    queue_.remove(*stop);
+    for (Job* follower : stop->followers) {
+      end_job(*follower, ending);
+    }
+    end_job(*stop, ending);
+  }
+}
+
+void Bus::end_job(Job& job, Ending ending) {
+  release(job);
+  actions_.emplace_back(JobEnded{&job, ending});
+}
+
+// The bus has it no more.
+void Bus::release(Job& job) {
+  if (!std::exchange(job.accepted, false)) {
+    return;
+  }
+  if (job.job_class != JobClass::read) {
+    devices_.end_write(job);
+  }
+  DeviceEntry& entry = devices_[job.address()];
+  if (entry.probe == &job) {
+    entry.probe = nullptr;
+  }
+}
+
+void Bus::notify(DeviceNotice::Kind kind, std::uint8_t address) {
+  actions_.emplace_back(DeviceNotice{kind, address});
 }
 
 }  // namespace mbgate::bus

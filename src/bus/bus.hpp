@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bus: a scheduler over a line discipline. It takes jobs, decides which goes next, repeats reads,
-// keeps deadlines, and reopens a lost line. Pure: after every call the owner empties poll() and
-// asks next_deadline().
+// A bus: a scheduler over a line discipline. It takes jobs, decides which goes next, repeats reads
+// and stops, keeps deadlines, leaves devices alone that owe an answer or are offline, answers what
+// can be answered together or from memory, and reopens a lost line. Pure: after every call the
+// owner empties poll() and asks next_deadline().
 #pragma once
 
 #include <deque>
@@ -66,7 +67,7 @@ class Bus {
   [[nodiscard]] bool is_stop(std::uint8_t address, const modbus::Request& request,
                              drive::BroadcastForm broadcast) const;
   /// Queues a job, or answers it at once; it lies still until its JobEnded, which may be among the
-  /// actions already. False: the queue is full, the job is untouched.
+  /// actions already. False: the queue is full, and the bus does not have the job.
   [[nodiscard]] bool submit(Job& job, Instant now);
   /// Takes a waiting job back at once, without a JobEnded.
   void withdraw(Job& job);
@@ -90,6 +91,14 @@ class Bus {
   [[nodiscard]] const DeviceCounters& device_counters(std::uint8_t address) const {
     return devices_[address].counters;
   }
+  [[nodiscard]] unsigned unanswered_in_row(std::uint8_t address) const {
+    return devices_[address].health.unanswered_in_row();
+  }
+  [[nodiscard]] bool is_offline(std::uint8_t address) const {
+    return devices_[address].health.is_offline();
+  }
+  /// How long the device at the address is still left alone because it owes an answer.
+  [[nodiscard]] Duration held_back(std::uint8_t address, Instant now) const;
   void clear_counters();
 
  private:
@@ -104,31 +113,66 @@ class Bus {
     Instant at;
     Job* passed_over = nullptr;
   };
+  struct Search;
 
   // bus.cpp: the line and the queue
   void collect(Instant now);
   void end_running(Ending ending);
-  void end_waiting(Ending ending);
-  void end_job(Job& job, Ending ending) { actions_.emplace_back(JobEnded{&job, ending}); }
+  void end_waiting(Ending ending, bool stops_too);
+  void end_job(Job& job, Ending ending);
+  void release(Job& job);
+  void notify(DeviceNotice::Kind kind, std::uint8_t address);
+
+  // bus_accept.cpp: what becomes of a request before it waits
+  void classify(Job& job) const;
+  std::optional<Ending> end_at_once(Job& job, Instant now);
+  bool take_cached(Job& job, Instant now);
+  [[nodiscard]] bool may_probe(const DeviceEntry& entry, Instant now) const;
+  bool push(Job& job);
 
   // bus_turns.cpp: what is transmitted when
   void pump(Instant now);
   void expire(Instant now);
   void continue_running(Instant now);
-  bool end_if_over(Job& job, Instant now);
   std::optional<Choice> choose(Instant now);
+  void look_for(JobClass job_class, Search& search, Instant now);
   [[nodiscard]] bool may_join(const Job& job) const;
-  [[nodiscard]] Instant ready_at(const Transaction& transaction) const;
+  [[nodiscard]] std::size_t in_flight() const;
+  [[nodiscard]] std::size_t occupied(Instant now) const;
+  [[nodiscard]] bool is_held_back(const Job& job, Instant now) const;
+  [[nodiscard]] Instant held_until(const Job& job) const;
+  [[nodiscard]] Instant ready_at(const Job& job) const;
   void skip_known_settings(Job& job);
   void transmit(Job& job, Instant now);
+  drive::DeviceTiming note_transmission(Job& job, Transaction& transaction, Instant now);
+
+  // bus_stops.cpp: stops
+  void overtake_writes(const Job& stop);
+  [[nodiscard]] bool is_stopped_by(const Job& stop, const Job& write) const;
+  [[nodiscard]] bool must_let_writes_go(const Job& stop) const;
+  [[nodiscard]] bool can_transmit_stop(const Job& stop) const;
+  bool serve_stops(Instant now);
+  void repeat_stop(Job& stop, Instant now);
 
   // bus_ends.cpp: what becomes of a transmission
   void handle_end(const LineEnd& end, Instant now);
-  void handle_response(Job& job, Instant now);
-  void handle_silence(Job& job, Instant now);
-  void handle_failure(Job& job);
+  void handle_response(Job& job, const LineEnd& end, Instant now);
+  void handle_silence(Job& job, const LineEnd& end, Instant now);
+  void handle_failure(Job& job, Instant now);
+  void handle_stray(std::uint8_t address, Instant now);
+  void note_probe(Job& job, Instant now);
+  void go_offline(DeviceEntry& entry, std::uint8_t address, Instant now);
   void advance(Job& job, Ending ending);
   void finish(Job& job, Ending ending);
+
+  // bus_groups.cpp: reads that share a transmission
+  void share_response(Job& leader);
+  void remember(const Job& job);
+  void split_up(Job& leader);
+  void end_over(Instant now);
+  void drop_followers(Job& leader, Instant now);
+  [[nodiscard]] std::optional<Ending> over(const Job& job, Instant now) const;
+  void hand_over(Job& leader, Ending ending);
 
   BusSettings settings_;
   DeviceTable devices_;
@@ -140,6 +184,11 @@ class Bus {
   bool stopping_ = false;
   std::vector<Job*> running_;  // from their first transmission until they end
   std::size_t most_running_;
+  bool quarantines_;                     // late answers cannot be told apart
+  std::uint64_t sequence_ = 0;           // of the job that was accepted last
+  unsigned writes_in_row_ = 0;           // transmitted since the last read
+  Instant next_probe_ = Instant::min();  // of all devices
+  bool foreign_reported_ = false;
   Instant pumped_at_;
   std::optional<Instant> next_start_;  // when a transmission may begin, as seen at pumped_at_
   Instant opened_at_;

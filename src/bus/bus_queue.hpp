@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The requests waiting for a bus: client addresses take turns, and each address's requests to one
-// device stay in order. Bounded; allocates only when a client address is seen for the first time.
+// The requests waiting for a bus: client addresses take turns by their weight, each address's
+// requests to one device stay in order, and stops stand in a line of their own. Bounded; allocates
+// only when a client address is seen for the first time.
 #pragma once
 
 #include <bitset>
@@ -13,26 +14,62 @@
 
 namespace mbgate::bus {
 
+/// Stops that may wait beyond the limit of a queue: more than all the stop commands of all drives
+/// of a bus, and identical ones share a place.
+inline constexpr std::size_t kRoomForStops = 256;
+
 class BusQueue {
  public:
   explicit BusQueue(std::size_t limit) : limit_(limit) {}
+  void set_limit(std::size_t limit) { limit_ = limit; }
 
-  /// False if the queue is full; the job is then untouched.
+  /// Queues a job behind those of its client address; a stop behind the other stops. False if there
+  /// is no room; the job is then untouched.
   bool push(Job& job);
-  /// Shows `visit` the jobs that may go next, in the order of their turns: of each client address
-  /// the oldest to each device. A broadcast is for every device: nothing of its client address
-  /// overtakes it, and it overtakes nothing. Ends when `visit` returns true; the queue must not be
-  /// changed before.
+  /// Queues a job that was there before, in front of those of its client address.
+  void push_front(Job& job);
+  /// Queues a stop that was there before, behind the other stops.
+  void push_again(Job& stop) { stops_.push_back(stop); }
+  /// The waiting read that has to make room in a full queue: the newest of the client address with
+  /// the most waiting requests. Nothing if that one has no read that waits.
+  [[nodiscard]] Job* read_to_evict();
+
+  [[nodiscard]] Job* first_stop() { return stops_.empty() ? nullptr : &stops_.front(); }
+  /// A waiting stop for which `is_it` says yes.
+  template <typename Predicate>
+  [[nodiscard]] Job* find_stop(Predicate is_it);
+
+  /// Shows `visit` the jobs of the class that may go next, in the order of their turns: of each
+  /// client address the oldest to each device, if it is of that class. A broadcast is for every
+  /// device: nothing of its client address overtakes it, and it overtakes nothing. Ends when
+  /// `visit` returns true; the queue must not be changed before.
   template <typename Visit>
-  void visit_candidates(Visit visit);
-  /// Takes a job whose turn it is; its client address goes to the back of the round.
+  void visit_candidates(JobClass job_class, Visit visit);
+  /// Shows `visit` of each client address the waiting jobs to the device, in order, for as long as
+  /// it returns true; behind a broadcast there are none.
+  template <typename Visit>
+  void visit_fronts(std::uint8_t address, Visit visit);
+  /// Shows `visit` every waiting job that is no stop.
+  template <typename Visit>
+  void visit_all(Visit visit);
+  /// Does a write to the device wait that was accepted between these two?
+  [[nodiscard]] bool write_waits_between(std::uint8_t address, std::uint64_t from,
+                                         std::uint64_t to) const;
+  /// Does a write to the device wait that was accepted before this?
+  [[nodiscard]] bool write_waits_before(std::uint8_t address, std::uint64_t sequence) const {
+    return write_waits_between(address, 0, sequence);
+  }
+
+  /// Takes a job whose turn it is, which costs its client address a turn.
   void take(Job& job);
   /// Takes any waiting job out.
   void remove(Job& job);
-  /// The waiting job whose deadline comes first, or nothing.
+  /// The waiting job whose deadline comes first, or nothing. Stops have none.
   [[nodiscard]] Job* first_to_expire();
   [[nodiscard]] std::optional<Instant> first_deadline() const;
-  [[nodiscard]] std::size_t size() const { return by_deadline_.size(); }
+  [[nodiscard]] bool empty() const { return by_deadline_.empty() && stops_.empty(); }
+  /// Stops included.
+  [[nodiscard]] std::size_t size() const { return by_deadline_.size() + stops_.size(); }
 
  private:
   using JobList = boost::intrusive::list<
@@ -44,49 +81,97 @@ class BusQueue {
   using DeadlineSet = boost::intrusive::multiset<
       Job, boost::intrusive::compare<ByDeadline>,
       boost::intrusive::member_hook<Job, boost::intrusive::set_member_hook<>, &Job::deadline_hook>>;
+  /// Broadcasts stand together, as writes to an address that no device has.
+  struct WritePlace {
+    unsigned address;
+    std::uint64_t sequence;
+    auto operator<=>(const WritePlace&) const = default;
+  };
+  static constexpr unsigned kEveryAddress = kAddresses;
+  static WritePlace place_of(const Job& job) {
+    return {job.is_broadcast() ? kEveryAddress : job.address(), job.sequence};
+  }
+  struct ByPlace {
+    bool operator()(const Job& a, const Job& b) const { return place_of(a) < place_of(b); }
+    bool operator()(const Job& a, const WritePlace& b) const { return place_of(a) < b; }
+    bool operator()(const WritePlace& a, const Job& b) const { return a < place_of(b); }
+  };
+  using WriteSet = boost::intrusive::multiset<
+      Job, boost::intrusive::compare<ByPlace>,
+      boost::intrusive::member_hook<Job, boost::intrusive::set_member_hook<>, &Job::write_hook>>;
   struct Source {
     boost::intrusive::list_member_hook<> round_hook;
     JobList waiting;
+    unsigned weight = 1;
+    unsigned turns = 1;  // left before it goes to the back of the round
   };
   using Round = boost::intrusive::list<
       Source, boost::intrusive::member_hook<Source, boost::intrusive::list_member_hook<>,
                                             &Source::round_hook>>;
 
-  Source& source_of(const Job& job) { return sources_[static_cast<std::size_t>(job.source)]; }
+  Source& source_of(const Job& job);
+  void link(Job& job, Source& source);
   template <typename Visit>
-  static bool visit_source(Source& source, Visit& visit);
+  static bool visit_source(Source& source, JobClass job_class, Visit& visit);
 
   std::size_t limit_;
   std::deque<Source> sources_;  // by SourceId; a deque because its elements lie still
   Round round_;                 // sources that have jobs waiting
+  JobList stops_;
   DeadlineSet by_deadline_;
+  WriteSet writes_;
 };
 
+template <typename Predicate>
+Job* BusQueue::find_stop(Predicate is_it) {
+  const auto found = std::ranges::find_if(stops_, is_it);
+  return found == stops_.end() ? nullptr : &*found;
+}
+
 template <typename Visit>
-void BusQueue::visit_candidates(Visit visit) {
+void BusQueue::visit_candidates(JobClass job_class, Visit visit) {
   for (Source& source : round_) {
-    if (visit_source(source, visit)) {
+    if (visit_source(source, job_class, visit)) {
       return;
     }
   }
 }
 
 template <typename Visit>
-bool BusQueue::visit_source(Source& source, Visit& visit) {
+bool BusQueue::visit_source(Source& source, JobClass job_class, Visit& visit) {
   std::bitset<kAddresses> seen;
   for (Job& job : source.waiting) {
-    const Transaction& first = job.transactions.front();
     if (job.is_broadcast()) {
-      return seen.none() && visit(job);
+      return seen.none() && job.job_class == job_class && visit(job);
     }
-    if (!seen[first.address]) {
-      seen.set(first.address);
-      if (visit(job)) {
+    if (!seen[job.address()]) {
+      seen.set(job.address());
+      if (job.job_class == job_class && visit(job)) {
         return true;
       }
     }
   }
   return false;
+}
+
+template <typename Visit>
+void BusQueue::visit_fronts(std::uint8_t address, Visit visit) {
+  for (Source& source : round_) {
+    for (Job& job : source.waiting) {
+      if (job.is_broadcast() || (job.address() == address && !visit(job))) {
+        break;
+      }
+    }
+  }
+}
+
+template <typename Visit>
+void BusQueue::visit_all(Visit visit) {
+  for (Source& source : round_) {
+    for (Job& job : source.waiting) {
+      visit(job);
+    }
+  }
 }
 
 }  // namespace mbgate::bus

@@ -1,10 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whose turn it is on a bus, and when.
 #include <algorithm>
+#include <bitset>
 
 #include "bus/bus.hpp"
+#include "bus/shared_read.hpp"
 
 namespace mbgate::bus {
+
+/// What was found while the waiting jobs are looked at.
+struct Bus::Search {
+  Instant soonest;  ///< anything may go
+  std::optional<Choice> best;
+  Job* waits_for_gap = nullptr;
+  std::bitset<kAddresses> claimed;   ///< by jobs that wait for what is in flight to their device
+  std::optional<std::uint8_t> only;  ///< jobs to this address alone
+  bool decided = false;
+};
 
 void Bus::pump(Instant now) {
   pumped_at_ = now;
@@ -13,8 +25,12 @@ void Bus::pump(Instant now) {
   if (state_ != State::open) {
     return;
   }
+  end_over(now);
+  if (serve_stops(now)) {
+    return;
+  }
   continue_running(now);
-  while (running_.size() < most_running_) {
+  while (occupied(now) < most_running_ && in_flight() < most_running_) {
     const auto choice = choose(now);
     if (!choice) {
       return;
@@ -43,60 +59,80 @@ void Bus::expire(Instant now) {
 
 // Repeats what failed, and goes on with jobs of several transactions.
 void Bus::continue_running(Instant now) {
-  for (std::size_t at = 0; at < running_.size();) {
-    Job& job = *running_[at];
-    if (!job.in_flight && end_if_over(job, now)) {
-      continue;  // it is no longer among the running ones
-    }
-    ++at;
-    if (job.in_flight) {
+  for (Job* job : running_) {
+    if (job->in_flight) {
       continue;
     }
-    const Instant ready = ready_at(job.transaction());
-    if (now >= ready) {
-      transmit(job, now);
+    const Instant ready = ready_at(*job);
+    if (now >= ready && in_flight() < most_running_) {
+      transmit(*job, now);
     } else {
-      next_start_ = earlier(next_start_, std::min(ready, job.deadline));
+      next_start_ = earlier(next_start_, std::min(std::max(ready, now), job->deadline));
     }
   }
 }
 
-// May the job not be transmitted any further?
-bool Bus::end_if_over(Job& job, Instant now) {
-  const bool withdrawn = job.abandoned || stopping_;
-  if (!withdrawn && now < job.deadline) {
-    return false;
+std::size_t Bus::in_flight() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(running_, [](const Job* job) { return job->in_flight; }));
+}
+
+// Nothing comes between the transactions of a job, unless its device must be left alone meanwhile.
+std::size_t Bus::occupied(Instant now) const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      running_, [&](const Job* job) { return job->in_flight || !is_held_back(*job, now); }));
+}
+
+bool Bus::is_held_back(const Job& job, Instant now) const {
+  return !job.transaction().is_broadcast() && held_until(job) > now;
+}
+
+std::optional<Bus::Choice> Bus::choose(Instant now) {
+  Search search{std::max(now, line_.ready_at(Duration{0})), {}, nullptr, {}, {}, false};
+  const JobClass first = writes_in_row_ >= settings_.burst ? JobClass::read : JobClass::write;
+  const JobClass second = first == JobClass::write ? JobClass::read : JobClass::write;
+  if (const Job* stop = queue_.first_stop()) {
+    // It lets the writes to its device go first, and so nothing goes before these.
+    search.only = stop->address();
+    look_for(JobClass::write, search, now);
+    look_for(JobClass::read, search, now);
+    if (search.best && search.best->at <= search.soonest) {
+      return search.best;
+    }
+    search = Search{search.soonest, {}, nullptr, {}, {}, false};
   }
-  counters_.expired += withdrawn ? 0U : 1U;
-  finish(job, withdrawn ? Ending::cancelled : Ending::expired);
-  return true;
+  look_for(first, search, now);
+  if (!search.decided) {
+    look_for(second, search, now);
+  }
+  return search.best;
 }
 
 // Jobs are looked at in the order of their turns. One that cannot go yet lets those to other
 // devices pass: for as long as its device is held back or busy, but only once for its device's gap,
 // because on a line that is never silent for so long its turn would never come.
-std::optional<Bus::Choice> Bus::choose(Instant now) {
-  const Instant soonest = std::max(now, line_.ready_at(Duration{0}));
-  std::optional<Choice> best;
-  Job* waits_for_gap = nullptr;
-  std::bitset<kAddresses> claimed;  // by jobs that wait for what is in flight to their device
-  queue_.visit_candidates([&](Job& job) {
-    const Transaction& transaction = job.transaction();
-    if (claimed[transaction.address] || !may_join(job)) {
-      claimed.set(transaction.address);
+void Bus::look_for(JobClass job_class, Search& search, Instant now) {
+  queue_.visit_candidates(job_class, [&](Job& job) {
+    const std::uint8_t address = job.transaction().address;
+    if (search.only && address != *search.only) {
       return false;
     }
-    const Instant ready = std::max(now, ready_at(transaction));
-    if (!best || ready < best->at) {
-      best = Choice{&job, ready, waits_for_gap};
+    if (search.claimed[address] || !may_join(job)) {
+      search.claimed.set(address);
+      return false;
     }
-    if (ready > soonest && devices_[transaction.address].free_at < ready) {
-      waits_for_gap = waits_for_gap != nullptr ? waits_for_gap : &job;
-      return job.passed_over;
+    const Instant ready = std::max(now, ready_at(job));
+    if (!search.best || ready < search.best->at) {
+      search.best = Choice{&job, ready, search.waits_for_gap};
     }
-    return ready == soonest;
+    if (ready > search.soonest && held_until(job) < ready) {
+      search.waits_for_gap = search.waits_for_gap != nullptr ? search.waits_for_gap : &job;
+      search.decided = job.passed_over;
+      return search.decided;
+    }
+    search.decided = ready == search.soonest;
+    return search.decided;
   });
-  return best;
 }
 
 // Reads share a device; a write, and a job of several transactions, has it for itself. Nor does
@@ -105,16 +141,25 @@ bool Bus::may_join(const Job& job) const {
   return std::ranges::none_of(running_, [&](const Job* other) {
     const bool shares =
         other->is_single_read() && job.is_single_read() && other->in_flight && other->tries == 1;
-    return other->transactions.front().address == job.transactions.front().address && !shares;
+    return other->address() == job.address() && !shares;
   });
 }
 
-Instant Bus::ready_at(const Transaction& transaction) const {
-  if (transaction.is_broadcast()) {
+// The device boots, or owes an answer that could be taken for that to another request.
+Instant Bus::held_until(const Job& job) const {
+  const DeviceEntry& entry = devices_[job.transaction().address];
+  const bool repeats_read = job.tries > 0 && job.transaction().request.is_read();
+  return quarantines_ && !repeats_read
+             ? std::max(entry.free_at, entry.health.held_until(entry.timing()))
+             : entry.free_at;
+}
+
+Instant Bus::ready_at(const Job& job) const {
+  if (job.transaction().is_broadcast()) {
     return line_.ready_at(settings_.timing.gap);
   }
-  const DeviceEntry& entry = devices_[transaction.address];
-  return std::max(entry.free_at, line_.ready_at(entry.device->timing.gap));
+  const DeviceEntry& entry = devices_[job.transaction().address];
+  return std::max(held_until(job), line_.ready_at(entry.timing().gap));
 }
 
 // Whether a question of the gateway's own is needed is known only when its turn has come. It is
@@ -129,7 +174,19 @@ void Bus::skip_known_settings(Job& job) {
 
 void Bus::transmit(Job& job, Instant now) {
   skip_known_settings(job);
-  Transaction& transaction = job.transaction();
+  if (job.tries == 0) {
+    job.transmitted_at = now;
+    gather_followers(queue_, job, *devices_[job.address()].device,
+                     {settings_.coalesce, settings_.merge});
+  }
+  Transaction& transaction = job.on_wire();
+  const drive::DeviceTiming timing = note_transmission(job, transaction, now);
+  const unsigned owed = quarantines_ ? devices_[transaction.address].health.owed(now, timing) : 0U;
+  actions_.emplace_back(TransmitFrame{line_.begin(transaction, timing, owed, now)});
+}
+
+// Keeps the books of it; returns the times that hold for it.
+drive::DeviceTiming Bus::note_transmission(Job& job, Transaction& transaction, Instant now) {
   DeviceEntry& entry = devices_[transaction.address];
   drive::DeviceTiming timing = settings_.timing;
   if (transaction.is_broadcast()) {
@@ -138,14 +195,27 @@ void Bus::transmit(Job& job, Instant now) {
     ++entry.counters.transmissions;
     timing = entry.device->timing_of(transaction.request);
     transaction.boot_time = entry.device->silent_after(transaction.request);
+    if (entry.health.is_offline()) {
+      timing.response_timeout = timing.probe_timeout_or_default();
+      job.is_probe = job.job_class != JobClass::stop;
+      counters_.probes += job.is_probe ? 1U : 0U;
+    }
+    if (now >= entry.health.held_until(entry.timing())) {
+      entry.health.note_asked();
+    }
   }
   devices_.note_reconfiguring(transaction);
   ++counters_.transmissions;
+  counters_.stops += job.job_class == JobClass::stop ? 1U : 0U;
   counters_.retries += job.tries > 0 ? 1U : 0U;
+  writes_in_row_ = job.job_class == JobClass::read ? 0 : writes_in_row_ + 1;
   ++job.tries;
   job.was_on_wire = job.was_on_wire || transaction.must_hold == nullptr;
   job.in_flight = true;
-  actions_.emplace_back(TransmitFrame{line_.begin(transaction, timing, now)});
+  for (Job* follower : job.followers) {
+    follower->was_on_wire = true;
+  }
+  return timing;
 }
 
 }  // namespace mbgate::bus

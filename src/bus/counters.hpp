@@ -43,7 +43,6 @@ struct DeviceCounters {
   std::uint64_t bad_crcs = 0;
   std::uint64_t late_responses = 0;
   std::uint64_t early_responses = 0;
-  std::uint32_t unanswered_in_row = 0;
 };
 
 }  // namespace mbgate::bus

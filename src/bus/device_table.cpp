@@ -5,15 +5,21 @@
 
 namespace mbgate::bus {
 
-DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Device> devices)
-    : devices_(devices.begin(), devices.end()) {
+DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Device> devices) {
+  update(settings, devices);
+}
+
+void DeviceTable::update(const BusSettings& settings, std::span<const drive::Device> devices) {
+  devices_.assign(devices.begin(), devices.end());
   other_.timing = settings.timing;
   for (DeviceEntry& entry : entries_) {
     entry.device = &other_;
+    entry.early_reported = false;
   }
   for (const drive::Device& device : devices_) {
     entries_.at(device.address).device = &device;
   }
+  forget_what_was_read();
 }
 
 bool DeviceTable::is_stop(std::uint8_t address, const modbus::Request& request,
@@ -47,10 +53,27 @@ void DeviceTable::note_reconfiguring(const Transaction& transaction) {
   }
 }
 
-void DeviceTable::forget_settings() {
+void DeviceTable::forget_what_was_read() {
   for (DeviceEntry& entry : entries_) {
     entry.setting_known = false;
+    entry.cache.clear();
   }
+}
+
+void DeviceTable::begin_write(const Job& write) {
+  if (!write.is_broadcast()) {
+    entries_.at(write.address()).cache.begin_write();
+    return;
+  }
+  std::ranges::for_each(entries_, [](DeviceEntry& entry) { entry.cache.begin_write(); });
+}
+
+void DeviceTable::end_write(const Job& write) {
+  if (!write.is_broadcast()) {
+    entries_.at(write.address()).cache.end_write();
+    return;
+  }
+  std::ranges::for_each(entries_, [](DeviceEntry& entry) { entry.cache.end_write(); });
 }
 
 void DeviceTable::clear_counters() {

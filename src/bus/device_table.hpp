@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "bus/counters.hpp"
+#include "bus/device_health.hpp"
 #include "bus/job.hpp"
+#include "bus/read_cache.hpp"
 #include "bus/settings.hpp"
 
 namespace mbgate::bus {
@@ -19,10 +21,16 @@ inline constexpr std::size_t kAddresses = std::numeric_limits<std::uint8_t>::max
 struct DeviceEntry {
   const drive::Device* device = nullptr;  ///< never null
   DeviceCounters counters;
+  DeviceHealth health;
+  ReadCache cache;
   Instant free_at = Instant::min();  ///< nothing is sent to it before: it boots
+  Job* probe = nullptr;              ///< the request that an offline device is asked with
   /// A setting of the device's own was found right (Transaction::must_hold), and since then nothing
   /// was unanswered, the line was not opened anew, and no communication register was written.
   bool setting_known = false;
+  bool early_reported = false;
+
+  [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
 };
 
 class DeviceTable {
@@ -32,10 +40,14 @@ class DeviceTable {
   DeviceTable(const DeviceTable&) = delete;  // its entries point to its devices
   DeviceTable& operator=(const DeviceTable&) = delete;
 
+  /// Other devices, or other settings of them; what is known of their addresses stays.
+  void update(const BusSettings& settings, std::span<const drive::Device> devices);
   [[nodiscard]] DeviceEntry& operator[](std::uint8_t address) { return entries_.at(address); }
   [[nodiscard]] const DeviceEntry& operator[](std::uint8_t address) const {
     return entries_.at(address);
   }
+  [[nodiscard]] std::span<const drive::Device> devices() const { return devices_; }
+  [[nodiscard]] std::span<const DeviceEntry> entries() const { return entries_; }
   /// Does a device at the address, or one that hears the broadcast, take this for a stop?
   [[nodiscard]] bool is_stop(std::uint8_t address, const modbus::Request& request,
                              drive::BroadcastForm broadcast) const;
@@ -44,7 +56,11 @@ class DeviceTable {
   /// A write is on its way that may change how a device is set.
   void note_reconfiguring(const Transaction& transaction);
   /// The line was opened anew: others may be there, or the same ones set otherwise.
-  void forget_settings();
+  void forget_what_was_read();
+  /// A write was accepted, or has ended: what was read from its device before is no answer to what
+  /// is asked now.
+  void begin_write(const Job& write);
+  void end_write(const Job& write);
   void clear_counters();
 
  private:

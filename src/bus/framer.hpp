@@ -42,8 +42,17 @@ class Framer {
   [[nodiscard]] bool awaits_silence() const {
     return std::visit([](const auto& framer) { return framer.awaits_silence(); }, framer_);
   }
-  void reset() {
-    std::visit([](auto& framer) { framer.reset(); }, framer_);
+  void listen() {
+    std::visit([](auto& framer) { framer.listen(); }, framer_);
+  }
+  Verdict again(Instant now) {
+    return std::visit([&](auto& framer) { return framer.again(now); }, framer_);
+  }
+  [[nodiscard]] Instant response_began() const {
+    return std::visit([](const auto& framer) { return framer.response_began(); }, framer_);
+  }
+  std::optional<std::uint8_t> take_stray() {
+    return std::visit([](auto& framer) { return framer.take_stray(); }, framer_);
   }
   [[nodiscard]] const modbus::Pdu& response() const {
     return std::visit(

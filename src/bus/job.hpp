@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // A job: the ordered transactions of one client request on one bus. Nothing comes between them.
-// Jobs are owned by the gateway and lie still in memory; the bus links them into its queue.
+// Jobs are owned by the gateway and lie still in memory; the bus links them into its queue. Jobs
+// that ask for the same at the same time share a transmission: one leads, the others follow.
 #pragma once
 
+#include <algorithm>
 #include <boost/container/small_vector.hpp>
 #include <boost/container/static_vector.hpp>
 #include <boost/intrusive/list_hook.hpp>
 #include <boost/intrusive/set_hook.hpp>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -38,6 +41,10 @@ struct Transaction {
   /// Set for a question of the gateway's own, a read of one register: the job goes on only if it
   /// holds one of these. Must outlive the job.
   const std::vector<std::uint16_t>* must_hold = nullptr;
+  /// Of a read that came through an address window: the addresses of the device that it leads to,
+  /// beyond which the read is not merged with others.
+  std::uint32_t window_begin = 0;
+  std::uint32_t window_end = 0x10000;
 
   [[nodiscard]] bool is_broadcast() const { return broadcast != drive::BroadcastForm::none; }
   [[nodiscard]] bool may_stay_silent() const { return silence_is_success || boot_time; }
@@ -64,6 +71,7 @@ enum class Ending : std::uint8_t {
 struct Job {
   boost::intrusive::list_member_hook<> queue_hook;
   boost::intrusive::set_member_hook<> deadline_hook;
+  boost::intrusive::set_member_hook<> write_hook;
 
   std::uint32_t number = 0;  ///< the gateway's number for the job
   std::uint32_t owner = 0;   ///< and for the request it belongs to
@@ -79,6 +87,14 @@ struct Job {
   bool in_flight = false;    ///< its current transaction was transmitted and has not ended
   bool abandoned = false;    ///< its client is gone: no further transmission
   bool passed_over = false;  ///< another job went while this one waited for its device's gap
+  bool overtaken = false;    ///< a stop of its device came: no further transmission
+  bool is_probe = false;     ///< lets the bus know whether an offline device answers again
+  bool accepted = false;     ///< the bus has it
+  bool unmerged = false;     ///< it was part of a longer read that failed, and goes alone now
+  Instant waits_since;       ///< accepted then, or repeated
+  Instant transmitted_at;    ///< of the last transmission
+  boost::container::small_vector<Job*, 1> followers;
+  std::unique_ptr<Transaction> merged;  ///< what is transmitted instead, for all of them
 
   [[nodiscard]] bool is_waiting() const { return queue_hook.is_linked(); }
   /// May others share its device with it? One that may change something may not, nor one that must
@@ -88,7 +104,15 @@ struct Job {
   }
   /// Broadcasts may have questions to single devices before them.
   [[nodiscard]] bool is_broadcast() const { return transactions.back().is_broadcast(); }
+  [[nodiscard]] bool is_read() const {
+    return std::ranges::all_of(transactions,
+                               [](const Transaction& it) { return it.request.is_read(); });
+  }
+  [[nodiscard]] std::uint8_t address() const { return transactions.front().address; }
   [[nodiscard]] Transaction& transaction() { return transactions[current]; }
+  [[nodiscard]] const Transaction& transaction() const { return transactions[current]; }
+  /// What is transmitted for it and its followers.
+  [[nodiscard]] Transaction& on_wire() { return merged ? *merged : transaction(); }
   /// Of a job that ended as answered: the responses to what its client asked for, in order; the
   /// last one may be the exception that ended it.
   [[nodiscard]] auto responses() const {

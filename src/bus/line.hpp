@@ -22,8 +22,25 @@ class Line {
   [[nodiscard]] Instant ready_at(Duration gap) const {
     return std::visit([&](const auto& line) { return line.ready_at(gap); }, line_);
   }
-  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, Instant now) {
-    return std::visit([&](auto& line) { return line.begin(transaction, timing, now); }, line_);
+  [[nodiscard]] Instant ready_for_stop_at() const {
+    return std::visit([](const auto& line) { return line.ready_for_stop_at(); }, line_);
+  }
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, unsigned owed,
+                   Instant now) {
+    return std::visit([&](auto& line) { return line.begin(transaction, timing, owed, now); },
+                      line_);
+  }
+  void limit_wait(Instant instant) {
+    std::visit([&](auto& line) { line.limit_wait(instant); }, line_);
+  }
+  [[nodiscard]] Instant response_due() const {
+    return std::visit([](const auto& line) { return line.response_due(); }, line_);
+  }
+  void update(const BusSettings& settings) {
+    std::visit([&](auto& line) { line.update(settings); }, line_);
+  }
+  std::optional<std::uint8_t> take_stray() {
+    return std::visit([](auto& line) { return line.take_stray(); }, line_);
   }
   void abort() {
     std::visit([](auto& line) { line.abort(); }, line_);

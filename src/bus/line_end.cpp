@@ -10,6 +10,7 @@ std::string_view to_text(LineState state) {
     case LineState::emission: return "emission";
     case LineState::waiting_for_reply: return "waiting for reply";
     case LineState::waiting_turnaround_delay: return "waiting turnaround delay";
+    case LineState::draining: return "draining";
   }
   return "";
 }

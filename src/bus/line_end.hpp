@@ -16,7 +16,8 @@ enum class LineState : std::uint8_t {
   idle,
   emission,
   waiting_for_reply,
-  waiting_turnaround_delay
+  waiting_turnaround_delay,
+  draining  ///< something else was heard than a response, and the line is not silent yet
 };
 
 /// The state's name for status displays.
@@ -32,6 +33,8 @@ struct LineEnd {
   };
   How how;
   Transaction* transaction;
+  Instant due{};       ///< when its response timeout ends, whether or not it was waited for
+  bool early = false;  ///< a response that began clearly before the device's response wait was over
 };
 
 enum class LineFault : std::uint8_t {

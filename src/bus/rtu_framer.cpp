@@ -15,23 +15,48 @@ RtuFramer::RtuFramer(const modbus::RtuTiming& timing, BusCounters& counters)
     : timing_(timing), silence_(std::max(timing.t3_5(), kAdapterSlack)), counters_(counters) {}
 
 void RtuFramer::expect(const Transaction& transaction) {
-  reset();
+  listen();
   transaction_ = &transaction;
   response_.reset();
 }
 
-void RtuFramer::reset() {
-  counters_.stray_bytes += buffer_.size();
-  buffer_.clear();
+void RtuFramer::listen() {
+  give_up_buffer();
   transaction_ = nullptr;
   begun_at_.reset();
   noise_skipped_ = 0;
   discarding_ = bad_crc_ = opaque_ = false;
 }
 
-void RtuFramer::discard() {
-  counters_.stray_bytes += buffer_.size();
+// Silence, or a new question, has ended what stands here. It may have been a frame whose length
+// cannot be known, such as another client's request.
+void RtuFramer::give_up_buffer() {
+  if (const auto frame = modbus::decode_rtu(buffered())) {
+    note_stray(frame->address);
+  } else {
+    counters_.stray_bytes += buffer_.size();
+  }
   buffer_.clear();
+}
+
+void RtuFramer::note_stray(std::uint8_t address) {
+  ++counters_.stray_frames;
+  if (strays_.size() < strays_.capacity()) {
+    strays_.push_back(address);
+  }
+}
+
+std::optional<std::uint8_t> RtuFramer::take_stray() {
+  if (strays_.empty()) {
+    return std::nullopt;
+  }
+  const std::uint8_t address = strays_.front();
+  strays_.erase(strays_.begin());
+  return address;
+}
+
+// What stands here is not the answer. It is kept until silence tells what it was.
+void RtuFramer::discard() {
   begun_at_.reset();
   discarding_ = true;
   bad_crc_ = opaque_ = false;
@@ -42,17 +67,30 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
   last_byte_ = now;
   if (silence_before && !begun_at_) {
     // What stands here was not the answer, and a new frame begins.
-    counters_.stray_bytes += buffer_.size();
-    buffer_.clear();
+    give_up_buffer();
     noise_skipped_ = 0;
     discarding_ = false;
   }
-  if (bad_crc_ || discarding_ || buffer_.size() + bytes.size() > buffer_.capacity()) {
+  if (buffer_.size() + bytes.size() > buffer_.capacity()) {
+    counters_.stray_bytes += buffer_.size() + bytes.size();
+    buffer_.clear();
     discard();
-    counters_.stray_bytes += bytes.size();
     return Verdict::none;
   }
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+  if (bad_crc_ || discarding_) {
+    discard();
+    return Verdict::none;
+  }
+  return search(now);
+}
+
+Verdict RtuFramer::again(Instant now) {
+  response_.reset();
+  return search(now);
+}
+
+Verdict RtuFramer::search(Instant now) {
   for (;;) {
     switch (look(now)) {
       case Step::wait: return Verdict::none;
@@ -63,7 +101,8 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
 }
 
 void RtuFramer::skip_noise() {
-  while (!buffer_.empty() && noise_skipped_ < kMaxNoise && buffer_[0] != transaction_->address &&
+  while (!buffer_.empty() && noise_skipped_ < kMaxNoise &&
+         (transaction_ == nullptr || buffer_[0] != transaction_->address) &&
          (buffer_[0] == 0x00 || buffer_[0] == 0xFF)) {
     buffer_.erase(buffer_.begin());
     ++noise_skipped_;
@@ -83,7 +122,7 @@ RtuFramer::Step RtuFramer::look(Instant now) {
   if (buffer_.empty()) {
     return Step::wait;
   }
-  const bool right_unit = buffer_[0] == transaction_->address;
+  const bool right_unit = transaction_ != nullptr && buffer_[0] == transaction_->address;
   if (buffer_.size() == 1) {
     if (right_unit && !begun_at_) {
       begun_at_ = now;
@@ -91,8 +130,8 @@ RtuFramer::Step RtuFramer::look(Instant now) {
     return Step::wait;
   }
   const bool right_function =
-      (buffer_[1] & ~modbus::kExceptionBit) == transaction_->request.function();
-  if (!right_unit || !right_function) {
+      right_unit && (buffer_[1] & ~modbus::kExceptionBit) == transaction_->request.function();
+  if (!right_function) {
     begun_at_.reset();
     return look_at_stranger();
   }
@@ -133,13 +172,18 @@ RtuFramer::Step RtuFramer::look_at_candidate() {
     return Step::wait;
   }
   if (fit == modbus::ResponseFit::normal || fit == modbus::ResponseFit::exception) {
-    response_ = modbus::Pdu::from(pdu);
+    accept(pdu);
     drop(size);
     return Step::response;
   }
-  ++counters_.stray_frames;
+  note_stray(buffer_[0]);
   drop(size);
   return Step::again;
+}
+
+void RtuFramer::accept(modbus::Bytes pdu) {
+  response_ = modbus::Pdu::from(pdu);
+  response_began_ = *begun_at_;
 }
 
 RtuFramer::Step RtuFramer::look_at_stranger() {
@@ -152,7 +196,7 @@ RtuFramer::Step RtuFramer::look_at_stranger() {
     discard();
     return Step::wait;
   }
-  ++counters_.stray_frames;
+  note_stray(buffer_[0]);
   drop(size);
   return Step::again;
 }
@@ -194,11 +238,11 @@ Verdict RtuFramer::end_by_silence() {
   }
   const auto fit = modbus::check_response(transaction_->request, frame->pdu.bytes());
   if (fit != modbus::ResponseFit::normal && fit != modbus::ResponseFit::exception) {
-    ++counters_.stray_frames;
+    note_stray(frame->address);
     drop(buffer_.size());
     return Verdict::none;
   }
-  response_ = frame->pdu;
+  accept(frame->pdu.bytes());
   drop(buffer_.size());
   return Verdict::response;
 }

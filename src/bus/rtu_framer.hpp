@@ -2,7 +2,7 @@
 // Finds the response to one request in the bytes that come from an RTU line. Known functions end by
 // their predicted length and CRC, at once; unknown ones by silence with a good CRC. Gaps between
 // bytes mean nothing by themselves, because a USB adapter's gaps are not the wire's; t1.5 is never
-// enforced.
+// enforced. Good frames that are no response to it are told, and while nothing was asked all are.
 #pragma once
 
 #include <boost/container/static_vector.hpp>
@@ -28,8 +28,12 @@ class RtuFramer {
 
   /// From now on the answer to `transaction` is looked for; it must outlive the search.
   void expect(const Transaction& transaction);
-  /// Bytes as they came in. After a verdict other than none, expect() must be called again.
+  /// Nothing is asked any more. What is left of the bytes is stray.
+  void listen();
+  /// Bytes as they came in. After a verdict other than none comes expect(), again() or listen().
   Verdict add(modbus::Bytes bytes, Instant now);
+  /// The response was none: the search goes on in what came behind it.
+  Verdict again(Instant now);
   /// Time has passed: silence may end a frame or show that one stays incomplete.
   Verdict handle_deadline(Instant now);
   [[nodiscard]] std::optional<Instant> next_deadline() const;
@@ -38,9 +42,11 @@ class RtuFramer {
   [[nodiscard]] bool in_progress() const { return begun_at_.has_value(); }
   /// Is a frame complete as far as can be seen, and only silence can tell?
   [[nodiscard]] bool awaits_silence() const { return bad_crc_ || opaque_; }
-  /// Ends the search.
-  void reset();
   [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
+  /// When the first byte of the response came.
+  [[nodiscard]] Instant response_began() const { return response_began_; }
+  /// The address of a frame that answers nothing that was asked, each once.
+  std::optional<std::uint8_t> take_stray();
 
  private:
   enum class Step : std::uint8_t { wait, again, response };
@@ -55,6 +61,10 @@ class RtuFramer {
   [[nodiscard]] modbus::PduLength candidate_length() const;
   [[nodiscard]] modbus::Bytes buffered() const { return {buffer_.data(), buffer_.size()}; }
   Verdict end_by_silence();
+  Verdict search(Instant now);
+  void note_stray(std::uint8_t address);
+  void give_up_buffer();
+  void accept(modbus::Bytes pdu);
 
   modbus::RtuTiming timing_;
   Duration silence_;  // ends frames of unknown length
@@ -69,6 +79,8 @@ class RtuFramer {
       false;  // a complete candidate with a wrong CRC; silence must confirm that it is complete
   bool opaque_ = false;  // a candidate that only silence ends
   std::optional<modbus::Pdu> response_;
+  Instant response_began_;
+  boost::container::static_vector<std::uint8_t, kMostStrays> strays_;
 };
 
 }  // namespace mbgate::bus

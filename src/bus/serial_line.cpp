@@ -19,6 +19,9 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
   return *modbus::Pdu::from(bytes);
 }
 
+// Less than this is no proof: clocks differ, and so does what a drive counts its wait from.
+constexpr int kEarlyPart = 8;  // of the response wait
+
 }  // namespace
 
 SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters)
@@ -34,49 +37,72 @@ SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCo
 void SerialLine::open(Instant now) {
   abort();
   quiet_since_ = now;
-  listening_until_ = not_before_ = now + listen_first_;
-  turnaround_until_ = now;
+  listening_until_ = now + listen_first_;
+  settling_until_ = turnaround_until_ = now;
+}
+
+void SerialLine::update(const BusSettings& settings) {
+  frame_gap_ = settings.frame_gap.value_or(timing_.t3_5());
+  turnaround_ = settings.turnaround;
+  settle_ = settings.settle;
 }
 
 Instant SerialLine::ready_at(Duration gap) const {
-  return std::max(quiet_since_ + frame_gap_ + gap, not_before_);
+  return std::max(
+      {quiet_since_ + frame_gap_ + gap, settling_until_, listening_until_, turnaround_until_});
+}
+
+Instant SerialLine::ready_for_stop_at() const {
+  return std::max(quiet_since_ + frame_gap_, turnaround_until_);
 }
 
 FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming& timing,
-                             Instant now) {
+                             unsigned owed, Instant now) {
   const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
   transaction_ = &transaction;
   end_.reset();
   emission_ends_ = now + timing_.duration_of(frame.size());
   quiet_since_ = emission_ends_;
-  response_deadline_ =
+  response_wait_ = timing.response_wait;
+  owed_ = owed;
+  asked_ = transaction.address;
+  draining_ = false;
+  response_due_ =
       emission_ends_ +
       (transaction.boot_time ? turnaround_ : timing.response_timeout + timing.response_wait);
+  response_deadline_ = response_due_;
   echo_seen_ = 0;
   echo_spoilt_ = false;
   if (echo_) {
     echo_expected_ = frame;
   }
   if (transaction.is_broadcast()) {
-    framer_.reset();
+    framer_.listen();
   } else {
     framer_.expect(transaction);
   }
   return frame;
 }
 
+void SerialLine::limit_wait(Instant instant) {
+  response_deadline_ = std::min(response_deadline_, std::max(instant, emission_ends_));
+}
+
 void SerialLine::abort() {
-  framer_.reset();
+  framer_.listen();
   transaction_ = nullptr;
   echo_expected_.clear();
   end_.reset();
 }
 
-void SerialLine::hold_until(Instant instant) { not_before_ = std::max(not_before_, instant); }
-
 void SerialLine::end(LineEnd::How how) {
-  end_ = LineEnd{how, std::exchange(transaction_, nullptr)};
-  framer_.reset();
+  const bool early = how == LineEnd::How::response && response_wait_ > Duration{0} && is_early();
+  end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_, early};
+  framer_.listen();
+}
+
+bool SerialLine::is_early() const {
+  return framer_.response_began() < emission_ends_ + response_wait_ - response_wait_ / kEarlyPart;
 }
 
 modbus::Bytes SerialLine::compare_echo(modbus::Bytes bytes) {
@@ -105,21 +131,31 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
   if (bytes.empty()) {
     return;
   }
-  if (transaction_ == nullptr || transaction_->is_broadcast() || echo_spoilt_) {
+  draining_ = draining_ || transaction_ == nullptr;
+  if (echo_spoilt_) {
     counters_.stray_bytes += bytes.size();
     return;
   }
-  judge(framer_.add(bytes, now));
+  judge(framer_.add(bytes, now), now);
 }
 
-void SerialLine::judge(Verdict verdict) {
+void SerialLine::judge(Verdict verdict, Instant now) {
+  while (verdict == Verdict::response && owed_ > 0 && is_early()) {
+    // It began before the device can have answered this request: it is one of those that it owes.
+    --owed_;
+    ++refused_;
+    verdict = framer_.again(now);
+  }
   switch (verdict) {
     case Verdict::none: return;
     case Verdict::response:
       transaction_->response = framer_.response();
       end(LineEnd::How::response);
       return;
-    case Verdict::damaged: end(LineEnd::How::damaged); return;
+    case Verdict::damaged:
+      draining_ = true;
+      end(LineEnd::How::damaged);
+      return;
   }
 }
 
@@ -130,15 +166,14 @@ void SerialLine::handle_deadline(Instant now) {
   if (transaction_->is_broadcast()) {
     if (now >= emission_ends_) {
       turnaround_until_ = emission_ends_ + turnaround_;
-      hold_until(turnaround_until_);
       end(LineEnd::How::sent);
     }
     return;
   }
-  judge(framer_.handle_deadline(now));
+  judge(framer_.handle_deadline(now), now);
   if (transaction_ != nullptr && now >= response_deadline_ && !framer_.in_progress()) {
     if (!transaction_->may_stay_silent()) {
-      hold_until(now + settle_);
+      settling_until_ = std::max(settling_until_, now + settle_);
     }
     end(LineEnd::How::no_response);
   }
@@ -158,6 +193,14 @@ std::optional<LineEnd> SerialLine::take_end() { return std::exchange(end_, std::
 
 std::optional<LineFault> SerialLine::take_fault() { return std::exchange(fault_, std::nullopt); }
 
+std::optional<std::uint8_t> SerialLine::take_stray() {
+  if (refused_ > 0) {
+    --refused_;
+    return asked_;
+  }
+  return framer_.take_stray();
+}
+
 LineState SerialLine::state(Instant now) const {
   if (transaction_ != nullptr) {
     return now < emission_ends_ ? LineState::emission : LineState::waiting_for_reply;
@@ -165,7 +208,10 @@ LineState SerialLine::state(Instant now) const {
   if (now < listening_until_) {
     return LineState::initial;
   }
-  return now < turnaround_until_ ? LineState::waiting_turnaround_delay : LineState::idle;
+  if (now < turnaround_until_) {
+    return LineState::waiting_turnaround_delay;
+  }
+  return draining_ && now < quiet_since_ + frame_gap_ ? LineState::draining : LineState::idle;
 }
 
 }  // namespace mbgate::bus

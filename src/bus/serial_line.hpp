@@ -20,11 +20,22 @@ class SerialLine {
 
   /// The line was opened: listening begins, nothing of before counts any more.
   void open(Instant now);
+  /// Other times on the same line.
+  void update(const BusSettings& settings);
   /// From when on the silence before a transmission suffices; `gap` is asked for on top of it.
   [[nodiscard]] Instant ready_at(Duration gap) const;
+  /// The same for a stop, which waits for nothing but silence and a turnaround delay.
+  [[nodiscard]] Instant ready_for_stop_at() const;
   /// Starts to transmit now; no other transaction may be running, and `transaction`, which gets the
-  /// response, must outlive its end. Returns the frame.
-  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, Instant now);
+  /// response, must outlive its end. The device owes `owed` answers: so many that begin before
+  /// their time are refused. Returns the frame.
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, unsigned owed,
+                   Instant now);
+  /// The running transaction counts as timed out at `instant`, but not before it has left, unless
+  /// its response has begun by then.
+  void limit_wait(Instant instant);
+  /// When the response timeout of the last transmission ends.
+  [[nodiscard]] Instant response_due() const { return response_due_; }
   /// Gives up the running transaction: nothing of it will be reported.
   void abort();
 
@@ -35,13 +46,15 @@ class SerialLine {
   std::optional<LineEnd> take_end();
   /// What was noticed of the line itself since the last call.
   std::optional<LineFault> take_fault();
+  /// The address of a good frame that answers nothing that was asked, each once.
+  std::optional<std::uint8_t> take_stray();
   [[nodiscard]] LineState state(Instant now) const;
 
  private:
   modbus::Bytes compare_echo(modbus::Bytes bytes);
-  void judge(Verdict verdict);
+  void judge(Verdict verdict, Instant now);
+  [[nodiscard]] bool is_early() const;
   void end(LineEnd::How how);
-  void hold_until(Instant instant);
 
   modbus::RtuTiming timing_;
   Duration frame_gap_;
@@ -53,12 +66,18 @@ class SerialLine {
   Framer framer_;
 
   Instant quiet_since_;  // the last byte in either direction
-  Instant not_before_;   // listening, settling and turnaround delay end here
+  Instant settling_until_;
   Instant listening_until_;
   Instant turnaround_until_;
   Transaction* transaction_ = nullptr;
   Instant emission_ends_;
-  Instant response_deadline_;
+  Instant response_due_;       // the end of the response timeout
+  Instant response_deadline_;  // the same, or earlier because a stop waits
+  Duration response_wait_{0};  // the device holds its answer back for so long
+  unsigned owed_ = 0;          // answers to earlier requests that may still come
+  std::uint8_t asked_ = 0;     // the address of the last request
+  unsigned refused_ = 0;       // of these, those that came, and were not told yet
+  bool draining_ = false;      // what came last was no response: it must end first
   FrameBytes echo_expected_;
   std::size_t echo_seen_ = 0;
   bool echo_spoilt_ = false;  // what follows cannot be told from the rest of the echo

@@ -24,8 +24,14 @@ void TcpLine::open(Instant now) {
   quiet_since_ = now;
 }
 
+void TcpLine::limit_wait(Instant instant) {
+  for (Flight& flight : flights_) {
+    flight.response_deadline = std::min(flight.response_deadline, instant);
+  }
+}
+
 FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& timing,
-                          Instant now) {
+                          unsigned /*owed*/, Instant now) {
   if (transaction.is_broadcast()) {
     std::abort();  // routing refuses them
   }

@@ -11,6 +11,7 @@
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
+#include "bus/settings.hpp"
 #include "modbus/mbap.hpp"
 
 namespace mbgate::bus {
@@ -25,7 +26,19 @@ class TcpLine {
   [[nodiscard]] Instant ready_at(Duration gap) const { return quiet_since_ + gap; }
   /// Transmits now; `transaction`, which gets the response, must outlive its end. No broadcasts.
   /// Returns the ADU.
-  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, Instant now);
+  /// Answers that a device owes are told apart by their identifiers.
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, unsigned owed,
+                   Instant now);
+  /// The same as ready_at() without a gap.
+  [[nodiscard]] Instant ready_for_stop_at() const { return quiet_since_; }
+  /// All running transactions count as timed out at `instant` at the latest.
+  void limit_wait(Instant instant);
+  /// A late answer does no harm here.
+  [[nodiscard]] static Instant response_due() { return Instant::min(); }
+  /// Nothing of what a bus may be told anew concerns a connection.
+  void update(const BusSettings& /*settings*/) {}
+  /// Nobody else is heard on a connection.
+  static std::optional<std::uint8_t> take_stray() { return std::nullopt; }
   /// Gives up all running transactions: nothing of them will be reported.
   void abort();
 

@@ -2,9 +2,13 @@
 // What a framer makes of the bytes that it was given.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace mbgate::bus {
+
+/// Stray frames of one piece of bytes whose addresses a framer keeps.
+inline constexpr std::size_t kMostStrays = 16;
 
 enum class Verdict : std::uint8_t {
   none,      ///< nothing yet

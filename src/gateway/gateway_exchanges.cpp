@@ -28,6 +28,8 @@ void Gateway::start(std::uint32_t index, const routing::Way& way, Instant arriva
     transactions.push_back(
         {planned.address, planned.request, planned.silence_is_success, planned.broadcast});
     transactions.back().must_hold = planned.must_hold;
+    transactions.back().window_begin = planned.window_begin;
+    transactions.back().window_end = planned.window_end;
   }
   const auto parts = exchange.parts;  // a part that ends at once is taken out
   for (const Exchange::Part& part : parts) {

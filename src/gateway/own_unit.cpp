@@ -60,13 +60,13 @@ Block bus_block(const bus::Bus& bus) {
 Block device_block(const drive::Device& device, const bus::Bus& bus) {
   const bus::DeviceCounters& counters = bus.device_counters(device.address);
   std::uint16_t state = 0;
-  if (counters.unanswered_in_row > 0) {
+  if (bus.unanswered_in_row(device.address) > 0) {
     state = 2;
   } else if (counters.responses > 0) {
     state = 1;
   }
   Block block{static_cast<std::uint16_t>(static_cast<std::uint32_t>(device.bus) + 1),
-              device.address, state, saturated(counters.unanswered_in_row)};
+              device.address, state, saturated(bus.unanswered_in_row(device.address))};
   for (const std::uint64_t count : {counters.transmissions, counters.responses, counters.exceptions,
                                     counters.timeouts, counters.bad_crcs}) {
     put32(block, count);

@@ -18,10 +18,15 @@ bool lies_within(const AddressWindow& window, const TableRange& range) {
          drive::end_of(range) <= std::uint32_t{window.from} + window.count;
 }
 
-std::optional<TableRange> moved(std::span<const AddressWindow> windows, const TableRange& range) {
+const AddressWindow* find(std::span<const AddressWindow> windows, const TableRange& range) {
   const auto window = std::ranges::find_if(
       windows, [&](const AddressWindow& it) { return lies_within(it, range); });
-  if (window == windows.end()) {
+  return window == windows.end() ? nullptr : &*window;
+}
+
+std::optional<TableRange> moved(std::span<const AddressWindow> windows, const TableRange& range) {
+  const AddressWindow* window = find(windows, range);
+  if (window == nullptr) {
     return std::nullopt;
   }
   return TableRange{window->to_table,
@@ -58,6 +63,11 @@ Result<modbus::Request, ExceptionCode> through_windows(std::span<const AddressWi
   }
   return request.with_addresses(reads ? std::optional(reads->first) : std::nullopt,
                                 writes ? std::optional(writes->first) : std::nullopt);
+}
+
+const AddressWindow* window_of(std::span<const AddressWindow> windows,
+                               const modbus::Request& request) {
+  return request.reads() ? find(windows, request.reads()->range) : nullptr;
 }
 
 }  // namespace mbgate::routing

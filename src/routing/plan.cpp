@@ -64,6 +64,12 @@ Result<Plan, ExceptionCode> Plan::make(const Way& way, std::uint8_t unit, Client
   if (error) {
     return *error;
   }
+  if (const auto* window = window_of(route.windows, *client_request)) {
+    for (PlannedTransaction& transaction : plan.transactions_) {
+      transaction.window_begin = window->to;
+      transaction.window_end = window->to + window->count;
+    }
+  }
   return plan;
 }
 

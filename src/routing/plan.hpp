@@ -22,6 +22,9 @@ struct PlannedTransaction {
   /// Set for a question of the gateway's own: what follows is sent only if the register that it
   /// reads holds one of these.
   const std::vector<std::uint16_t>* must_hold = nullptr;
+  /// Of a read through an address window: the addresses of the device that the window leads to.
+  std::uint32_t window_begin = 0;
+  std::uint32_t window_end = 0x10000;
 };
 
 class Plan {

@@ -53,7 +53,7 @@ TEST_F(Bus, AWriteThatIsNeverAnsweredIsDoneAfterTheTurnaroundDelay) {
   EXPECT_EQ(ended_at_[0] - start, kEmission + 40ms);
   EXPECT_EQ(bus_->counters().timeouts, 0U);
   EXPECT_EQ(bus_->device_counters(1).timeouts, 0U);
-  EXPECT_EQ(bus_->device_counters(1).unanswered_in_row, 0U);
+  EXPECT_EQ(bus_->unanswered_in_row(1), 0U);
 }
 
 TEST_F(Bus, ABootingDeviceIsHeldBackWhileOthersGoOn) {

@@ -90,7 +90,7 @@ TEST_F(Bus, ABadCrcIsNoSilence) {
   line("01 03 02 12 35 B5 33");
   advance(30ms);
   EXPECT_EQ(bus_->device_counters(1).bad_crcs, 1U);
-  EXPECT_EQ(bus_->device_counters(1).unanswered_in_row, 0U);
+  EXPECT_EQ(bus_->unanswered_in_row(1), 0U);
 }
 
 TEST_F(Bus, ALineThatDiesAtOnceIsReopenedLessAndLessOften) {
@@ -174,7 +174,7 @@ TEST_F(Bus, CountsWhatADeviceDid) {
   EXPECT_EQ(counters.timeouts, 1U);
   EXPECT_EQ(counters.responses, 1U);
   EXPECT_EQ(counters.exceptions, 1U);
-  EXPECT_EQ(counters.unanswered_in_row, 0U);
+  EXPECT_EQ(bus_->unanswered_in_row(1), 0U);
 }
 
 }  // namespace

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// What becomes of a request before it waits: refused, answered at once, or given a place.
+#include <algorithm>
+
+#include "bus/bus.hpp"
+
+namespace mbgate::bus {
+
+bool Bus::is_stop(std::uint8_t address, const modbus::Request& request,
+                  drive::BroadcastForm broadcast) const {
+  return devices_.is_stop(address, request, broadcast);
+}
+
+bool Bus::submit(Job& job, Instant now) {
+  classify(job);
+  if (const auto ending = end_at_once(job, now)) {
+    end_job(job, *ending);
+    return true;
+  }
+  job.sequence = ++sequence_;
+  job.waits_since = now;
+  if (job.job_class == JobClass::stop) {
+    overtake_writes(job);
+  }
+  if (!push(job)) {
+    ++counters_.refused_full;
+    pump(now);
+    return false;
+  }
+  job.accepted = true;
+  if (job.job_class != JobClass::read) {
+    devices_.begin_write(job);
+  }
+  pump(now);
+  return true;
+}
+
+void Bus::classify(Job& job) const {
+  const auto is_part_of_stop = [&](const Transaction& transaction) {
+    return is_stop(transaction.address, transaction.request, transaction.broadcast);
+  };
+  if (job.job_class == JobClass::stop) {
+    return;  // its owner knows better
+  }
+  // The forms of a broadcast are one command: it is a stop if any device takes it for one.
+  const bool stops = job.is_broadcast() ? std::ranges::any_of(job.transactions, is_part_of_stop)
+                                        : std::ranges::all_of(job.transactions, is_part_of_stop);
+  if (stops) {
+    job.job_class = JobClass::stop;
+  } else {
+    job.job_class = job.is_read() ? JobClass::read : JobClass::write;
+  }
+}
+
+std::optional<Ending> Bus::end_at_once(Job& job, Instant now) {
+  const bool is_stop = job.job_class == JobClass::stop;
+  if (stopping_ && (!is_stop || state_ != State::open)) {
+    return Ending::cancelled;
+  }
+  if (state_ == State::closed) {
+    return Ending::closed;
+  }
+  if (is_stop || job.is_broadcast()) {
+    return std::nullopt;
+  }
+  DeviceEntry& entry = devices_[job.address()];
+  if (entry.health.is_offline()) {
+    if (!may_probe(entry, now)) {
+      entry.health.set_wanted_at(now);
+      ++counters_.refused_offline;
+      return Ending::offline;
+    }
+    entry.probe = &job;
+  }
+  return take_cached(job, now) ? std::optional(Ending::answered) : std::nullopt;
+}
+
+bool Bus::take_cached(Job& job, Instant now) {
+  const DeviceEntry& entry = devices_[job.address()];
+  if (entry.device->cache == Duration{0} || !job.is_single_read()) {
+    return false;
+  }
+  const modbus::Pdu* known = entry.cache.find(job.transaction().request, now - entry.device->cache);
+  if (known == nullptr) {
+    return false;
+  }
+  job.transaction().response = *known;
+  job.current = job.transactions.size();
+  ++counters_.cached_reads;
+  return true;
+}
+
+// Offline devices take turns: the one that was asked longest ago goes first, if anybody still asks
+// for it.
+bool Bus::may_probe(const DeviceEntry& entry, Instant now) const {
+  const DeviceHealth& health = entry.health;
+  if (now < next_probe_ || now < health.probe_at() ||
+      (quarantines_ && now < health.held_until(entry.timing()))) {
+    return false;
+  }
+  return std::ranges::none_of(devices_.entries(), [&](const DeviceEntry& other) {
+    const bool goes_first = other.health.is_offline() &&
+                            other.health.probe_at() < health.probe_at() &&
+                            now < other.health.wanted_at() + other.timing().probe_interval;
+    return other.probe != nullptr || goes_first;
+  });
+}
+
+// Identical stops that wait are sent once. A full queue loses the newest read of the client address
+// that has the most waiting.
+bool Bus::push(Job& job) {
+  if (job.job_class == JobClass::stop) {
+    Job* same = queue_.find_stop([&](const Job& stop) {
+      return std::ranges::equal(stop.transactions, job.transactions,
+                                [](const Transaction& a, const Transaction& b) {
+                                  return a.address == b.address && a.broadcast == b.broadcast &&
+                                         a.request.pdu() == b.request.pdu();
+                                });
+    });
+    if (same != nullptr) {
+      same->followers.push_back(&job);
+      return true;
+    }
+    return queue_.push(job);
+  }
+  if (queue_.push(job)) {
+    return true;
+  }
+  Job* evicted = queue_.read_to_evict();
+  if (evicted == nullptr) {
+    return false;
+  }
+  queue_.remove(*evicted);
+  ++counters_.evicted;
+  end_job(*evicted, Ending::cancelled);
+  return queue_.push(job);
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// What was read from one device a short while ago (functions 01 to 04), for clients that ask for
+// the very same again. Emptied whenever a write to the device is accepted and again when it ends,
+// and not filled in between: nobody is answered with what was there before a write.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "bus/instant.hpp"
+#include "modbus/request.hpp"
+
+namespace mbgate::bus {
+
+/// Different reads of one device that are remembered: more than a screen asks for.
+inline constexpr std::size_t kMostCachedReads = 64;
+
+class ReadCache {
+ public:
+  /// 01 to 04: what they return depends on nothing but the device.
+  [[nodiscard]] static bool can_hold(const modbus::Request& request) {
+    return request.function() >= 0x01 && request.function() <= 0x04;
+  }
+  /// The response to the same request, if it was asked for at `oldest` or later.
+  [[nodiscard]] const modbus::Pdu* find(const modbus::Request& request, Instant oldest) const;
+  /// `asked_at`: when the request was transmitted; the data are no older than that.
+  void put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at);
+  void clear() { reads_.clear(); }
+  void begin_write();
+  void end_write();
+
+ private:
+  struct Read {
+    modbus::Pdu request;
+    modbus::Pdu response;
+    Instant asked_at;
+  };
+  std::vector<Read> reads_;
+  unsigned writes_ = 0;  // accepted, and not ended
+};
+
+}  // namespace mbgate::bus
