@@ -85,6 +85,7 @@ TEST_F(AsciiFramer, AColonBeginsTheFrameAnew) {
 TEST_F(AsciiFramer, WhatStandsBeforeTheColonOrBehindTheLineFeedIsStray) {
   expect(kRead);
   EXPECT_EQ(add(std::string("0103\r\n") + std::string(kAnswer) + "xyz"), Verdict::response);
+  framer_.listen();
   EXPECT_EQ(counters_.stray_bytes, 9U);
 }
 

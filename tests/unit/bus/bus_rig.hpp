@@ -34,6 +34,8 @@ class Bus : public testing::Test {
     settings.listen_first = 0ms;
     settings.timing.response_timeout = 100ms;
     settings.timing.retries = 0;
+    settings.timing.offline_after = 0;
+    settings.coalesce = false;
     return settings;
   }
   bus::Job& job(std::string_view request, std::uint8_t address = 1) {
