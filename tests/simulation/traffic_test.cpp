@@ -112,7 +112,7 @@ TEST_F(Traffic, AnUnpluggedAdapterFailsAtOnceAndServiceResumes) {
   fill_registers();
   const ClientId client = world_->connect(0, 1);
   for (std::uint16_t transaction = 0; transaction < 10; ++transaction) {
-    read(client, transaction, {1, kFirst, 5}, true);
+    read(client, transaction, {1, kFirst, static_cast<std::uint16_t>(transaction + 1)}, true);
   }
   world_->run_for(3ms);  // the first one is on the wire
   world_->unplug(0);

@@ -31,6 +31,8 @@ inline Settings one_bus() {
   line.line.device = "/dev/ttyS0";
   line.listen_first = 0ms;
   line.timing.response_timeout = 100ms;
+  line.timing.offline_after = 0;
+  line.coalesce = false;
   auto& route = settings.routes.emplace_back();
   route.first_unit = route.first_address = 1;
   route.last_unit = 247;

@@ -98,11 +98,13 @@ TEST(Gateway, ADeadlineThatPassedMeans06AndNoTransmission) {
   for (unsigned transaction = 0; transaction < 6; ++transaction) {
     rig.receive(2, read_request(transaction, 9));  // silent: 2 x 107 ms each
   }
-  rig.receive(1, write_request(7) + write_request(8) + write_request(9));
+  rig.receive(1, write_request(5) + write_request(6) + write_request(7) + write_request(8) +
+                     write_request(9));
   rig.advance(1s);
-  // Turns alternate between the two addresses: the third write comes after its second has passed.
+  // The first goes after the read on the wire, and each is unanswered for 100 ms and leaves its
+  // device alone for as long again: the fifth comes after its second has passed.
   const auto sent = rig.take_sent(1);
-  ASSERT_THAT(sent, SizeIs(3));
+  ASSERT_THAT(sent, SizeIs(5));
   EXPECT_EQ(sent.back(), "00 09 00 00 00 03 01 86 06");
 }
 

@@ -168,13 +168,13 @@ TEST(Gateway, ServesClientAddressesInTurnWhateverTheNumberOfTheirConnections) {
   EXPECT_THAT(units, ElementsAre("0B", "0C", "1F", "0D", "20", "15"));
 }
 
-TEST(Gateway, AFullQueueMeans06) {
+TEST(Gateway, AFullQueueMeans06ForTheNewestReadOfWhoHasTheMostWaiting) {
   Settings settings = one_bus();
   settings.buses[0].queue = 2;
   MachineRig rig(settings);
   rig.connect(1);
   rig.receive(1, read_request(1) + read_request(2) + read_request(3) + read_request(4));
-  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 04 00 00 00 03 01 83 06"));
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 03 01 83 06"));
 }
 
 }  // namespace

@@ -200,7 +200,7 @@ TEST(Drives, TheirOwnWordOrderIsReadBeforeTheFirstValueIsWritten) {
   rig.receive(1, kValueWrite);
   EXPECT_THAT(take_requests(rig), ElementsAre("01 10 00 1E 00 02 04 0D 40 00 03"));
   // An answer that did not come: the drive may have been set otherwise meanwhile.
-  rig.advance(200ms);
+  rig.advance(300ms);
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 90 0B"));
   rig.receive(1, kValueWrite);
   EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));
