@@ -59,6 +59,7 @@ void Bus::handle_response(Job& job, const LineEnd& end, Instant now) {
   if (entry.health.note_answered(end.due, now)) {
     notify(DeviceNotice::Kind::back, asked.address);
   }
+  job.is_probe = false;
   if (exception && job.merged) {
     split_up(job);
     return;

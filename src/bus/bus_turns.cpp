@@ -138,13 +138,15 @@ void Bus::look_for(JobClass job_class, Search& search, Instant now) {
   });
 }
 
-// Reads share a device; a write, and a job of several transactions, has it for itself. Nor does
-// anybody overtake a read that is being repeated.
+// Reads share a device; a write, and a job of several transactions, has it for itself; a broadcast
+// has all of them. Nor does anybody overtake a read that is being repeated.
 bool Bus::may_join(const Job& job) const {
   return std::ranges::none_of(running_, [&](const Job* other) {
+    const bool meets =
+        other->address() == job.address() || job.is_broadcast() || other->is_broadcast();
     const bool shares =
         other->is_single_read() && job.is_single_read() && other->in_flight && other->tries == 1;
-    return other->address() == job.address() && !shares;
+    return meets && !shares;
   });
 }
 

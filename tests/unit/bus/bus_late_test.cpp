@@ -193,6 +193,23 @@ TEST_F(BusLate, ARepeatedWriteWaitsForTheQuarantine) {
   EXPECT_EQ(frames_[2], frames_[0]);
 }
 
+TEST_F(BusLate, NoBroadcastComesBetweenThePartsOfAJobThatIsHeldBack) {
+  auto retrying = settings();
+  retrying.timing.retries = 1;
+  open(retrying);
+  bus::Job& parts = job(kRead);
+  add(parts, kOther);
+  submit(parts);
+  submit(job_of(1, "06 0000 0001", 0));
+  submit(job_of(2, kRead, 2));
+  time_out();
+  advance(20ms);
+  line(kAnswer);  // of the second transmission: the first may still be answered
+  advance(20ms);
+  ASSERT_THAT(frames_, SizeIs(3));
+  EXPECT_EQ(frames_[2], kOtherDevice);
+}
+
 TEST_F(BusLate, WhatWasOnTheWireWhenTheLineWasLostIsStillOwed) {
   open(settings());
   submit(job(kRead));
