@@ -180,6 +180,19 @@ TEST_F(BusSharing, AdjacentAndOverlappingReadsAreMerged) {
   EXPECT_EQ(bus_->counters().merged_reads, 2U);
 }
 
+TEST_F(BusSharing, AReadWithinTheOneThatLeadsGetsItsPart) {
+  open(sharing(true));
+  occupy();
+  submit(job_of(0, "03 0000 0002"));
+  submit(job_of(1, "03 0001 0001"));
+  free_line();
+  advance(10ms);
+  line("01 03 04 00 07 12 34 46 85");
+  ASSERT_THAT(endings_, SizeIs(2));
+  EXPECT_EQ(response_of(jobs_[1]), "03 04 00 07 12 34");
+  EXPECT_EQ(response_of(jobs_[2]), "03 02 12 34");
+}
+
 TEST_F(BusSharing, MergingKeepsToLimitsGroupsWindowsValuesAndWhatMayBeRead) {
   drive::Device device{"axis", {}, 1, settings().timing};
   device.profile.limits.read[2] = 4;
