@@ -95,17 +95,11 @@ TEST_F(Health, ItGrowsNoFurtherThanAllowed) {
   EXPECT_FALSE(health_.note_unexpected(at(1301ms), timing_));  // too late to be believed
 }
 
-TEST_F(Health, ADamagedAnswerIsTheOneThatWasAskedFor) {
-  health_.note_damaged(at(100ms), at(10ms));
-  EXPECT_FALSE(may_be_asked(109ms));
-  EXPECT_TRUE(may_be_asked(110ms));
+TEST_F(Health, ADamagedAnswerLeavesItHeldBackAndSaysNothingAboutWhetherItIsThere) {
+  health_.note_spoilt(at(100ms));
+  EXPECT_FALSE(may_be_asked(199ms));
+  EXPECT_TRUE(may_be_asked(200ms));
   EXPECT_EQ(health_.unanswered_in_row(), 0U);
-}
-
-TEST_F(Health, ADamagedAnswerMayBeAnOlderOne) {
-  health_.note_unanswered(at(100ms), timing_);
-  health_.note_damaged(at(210ms), at(120ms));
-  EXPECT_FALSE(may_be_asked(309ms));
 }
 
 TEST_F(Health, ADeviceGoesOfflineAndComesBack) {
