@@ -18,9 +18,11 @@ void append_number(std::string& out, Number number) {
 
 void append_hex(std::string& out, modbus::Bytes bytes) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::size_t at = out.size();
+  out.resize(at + 2 * bytes.size());
   for (const std::uint8_t byte : bytes) {
-    out += kDigits[byte >> 4U];
-    out += kDigits[byte & 0xFU];
+    out[at++] = kDigits[byte >> 4U];
+    out[at++] = kDigits[byte & 0xFU];
   }
 }
 

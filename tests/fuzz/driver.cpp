@@ -13,7 +13,7 @@ constexpr int kMostActions = 20'000;
 /// Everything that can wait at one instant: each line, each client.
 constexpr int kMostTurns = 200;
 /// Longer than the longest deadline, with all that may stand before it on a line.
-constexpr bus::Duration kPatience = 300s;
+constexpr bus::Duration kPatience = 60s;
 
 }  // namespace
 
