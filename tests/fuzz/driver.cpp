@@ -172,21 +172,30 @@ void Driver::drain() {
       require(++actions <= kMostActions, "one input does not set off actions without end");
       std::visit([this](const auto& wanted) { take(wanted); }, *action);
     }
-    serve_lines();
-  } while (!resumed_.empty());
+  } while (serve_lines() || serve_clients());
+  const auto next = gateway_.next_deadline();
+  require(!next || *next < now_ + 1h, "no deadline is further away than any timeout");
 }
 
-/// What the driver does when it gets to it: opens lines, reads what lies in the sockets.
-void Driver::serve_lines() {
+/// Opens the lines that are asked for; true if there were any.
+bool Driver::serve_lines() {
+  bool any = false;
   for (std::size_t index = 0; index < lines_.size(); ++index) {
     Line& line = lines_[index];
     if (std::exchange(line.asked, false) && !line.open) {
       const BusId bus{static_cast<std::uint32_t>(index)};
+      any = true;
       line.open = line.present;
       line.present ? gateway_.handle_bus_opened(bus, now_) : gateway_.handle_bus_lost(bus, now_);
     }
   }
-  for (const ClientId id : std::exchange(resumed_, {})) {
+  return any;
+}
+
+/// Reads what lies in the sockets of those who may be read again; true if there were any.
+bool Driver::serve_clients() {
+  const auto resumed = std::exchange(resumed_, {});
+  for (const ClientId id : resumed) {
     Client* const client = client_at(static_cast<std::size_t>(id));
     if (client == nullptr || client->paused) {
       continue;
@@ -201,6 +210,7 @@ void Driver::serve_lines() {
     resumed_.push_back(id);
     read(id, *client, bytes);
   }
+  return !resumed.empty();
 }
 
 void Driver::take(const gateway::Send& action) {

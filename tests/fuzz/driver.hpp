@@ -68,7 +68,8 @@ class Driver {
   void read(ClientId id, Client& client, modbus::Bytes bytes);
   void expect_answers(Client& client);
   void drain();
-  void serve_lines();
+  bool serve_lines();
+  bool serve_clients();
   void handle_due();
   void take(const gateway::Send& action);
   void take(const gateway::Pause& action);

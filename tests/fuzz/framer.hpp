@@ -38,18 +38,33 @@ class FramerScript {
 
   void expect() {
     framer_.expect(*transaction_);
+    begin(true);
+  }
+  void listen() {
+    framer_.listen();
+    begin(false);
+  }
+  void begin(bool asked) {
+    asked_ = asked;
+    asked_at_ = now_;
     heard_.clear();
     require(!framer_.in_progress(), "nothing has begun yet");
+    take_strays();
   }
   void step() {
-    switch (script_.byte() % 4) {
-      case 0: receive(script_.piece()); return;
-      case 1: wait(std::chrono::microseconds(100) * script_.word()); return;
-      case 2: receive_frame(); return;
+    switch (script_.byte() % 6) {
+      case 0:
+      case 1: receive(script_.piece()); return;
+      case 2: wait(std::chrono::microseconds(100) * script_.word()); return;
+      case 3: receive_frame(); return;
+      case 4: listen(); return;
       default: expect();
     }
   }
   void receive(modbus::Bytes bytes) {
+    if (bytes.empty()) {
+      return;
+    }
     received_ += bytes.size();
     heard_.insert(heard_.end(), bytes.begin(), bytes.end());
     judge(framer_.add(bytes, now_));
@@ -73,16 +88,35 @@ class FramerScript {
     judge(framer_.handle_deadline(now_));
   }
   void judge(bus::Verdict verdict) {
-    if (verdict == bus::Verdict::response) {
-      const auto& response = framer_.response();
-      const auto fit = modbus::check_response(transaction_->request, response.bytes());
-      require(fit == modbus::ResponseFit::normal || fit == modbus::ResponseFit::exception,
-              "a response fits its request");
-      require(was_heard(framer_.encode(transaction_->address, response)),
-              "a response came from the line, with its unit and checksum");
+    take_strays();
+    for (; verdict == bus::Verdict::response; verdict = framer_.again(now_)) {
+      check_response();
+      const std::uint8_t next = script_.byte() % 4;
+      if (next < 2) {
+        next == 0 ? expect() : listen();
+        return;
+      }
     }
-    if (verdict != bus::Verdict::none) {
+    if (verdict == bus::Verdict::damaged) {
+      require(asked_, "a frame that nobody asked for is not damaged");
       expect();
+    }
+  }
+  void check_response() {
+    require(asked_, "nothing answers what was not asked");
+    const auto& response = framer_.response();
+    const auto fit = modbus::check_response(transaction_->request, response.bytes());
+    require(fit == modbus::ResponseFit::normal || fit == modbus::ResponseFit::exception,
+            "a response fits its request");
+    require(was_heard(framer_.encode(transaction_->address, response)),
+            "a response came from the line, with its unit and checksum");
+    require(framer_.response_began() >= asked_at_ && framer_.response_began() <= now_,
+            "a response began after its request");
+  }
+  void take_strays() {
+    std::size_t strays = 0;
+    while (framer_.take_stray()) {
+      require(++strays <= bus::kMostStrays, "strays are bounded");
     }
   }
   /// Hexadecimal characters may be small.
@@ -110,6 +144,8 @@ class FramerScript {
   std::optional<bus::Transaction> transaction_;
   std::vector<std::uint8_t> heard_;  // since the request
   std::size_t received_ = 0;
+  bool asked_ = false;
+  bus::Instant asked_at_;
   bus::Instant now_{std::chrono::seconds(10)};
 };
 

@@ -40,8 +40,8 @@ def piece(data):
 def framer_script(request, frame):
     """An address, a request, and its answer in two pieces, then silence."""
     cut = len(frame) // 2
-    return (request[:1] + piece(request[1:]) + b"\0" + piece(frame[:cut]) + b"\1\0\x14" + b"\0" + piece(frame[cut:]) +
-            b"\1\x30\0")
+    return (request[:1] + piece(request[1:]) + b"\0" + piece(frame[:cut]) + b"\2\0\x14" + b"\0" + piece(frame[cut:]) +
+            b"\2\x30\0")
 
 
 def mbap_stream():
