@@ -20,6 +20,11 @@ std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
                  "/etc/mbgate/profiles and the installed ones)")
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory);
+  app.add_option(
+         "--record", options.record,
+         "Record everything that clients and lines say to this file, in the service's state "
+         "directory if it has one; it grows as long as mbgated runs")
+      ->type_name("FILE");
   app.add_flag("--check", options.check,
                "Validate the configuration without touching a port, then exit");
   app.set_version_flag("--version", "mbgated " + version);

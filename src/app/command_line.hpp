@@ -13,6 +13,8 @@ struct Options {
   std::filesystem::path config = "/etc/mbgate/mbgate.toml";
   /// The only folder to look for profiles in, whatever the configuration says.
   std::optional<std::filesystem::path> profiles;
+  /// Record the machine's inputs and actions to this file.
+  std::optional<std::filesystem::path> record;
   bool check = false;  ///< validate the configuration and exit
 };
 

@@ -7,11 +7,14 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <optional>
+#include <string>
 #include <utility>
 #include <variant>
 
 #include "app/command_line.hpp"
 #include "app/log.hpp"
+#include "app/recording.hpp"
 #include "app/service.hpp"
 #include "app/text.hpp"
 #include "config/load.hpp"
@@ -23,12 +26,30 @@ namespace {
 /// the process.
 constexpr std::chrono::milliseconds kLogFlush{150};
 
-int serve(gateway::Settings settings) {
+/// The same for the recording.
+constexpr std::chrono::milliseconds kRecordingFlush{100};
+
+/// The file that a recording goes to, and its head.
+struct RecordingBegun {
+  io::UniqueFd file;
+  std::string head;
+};
+
+int serve(gateway::Settings settings, std::optional<RecordingBegun> recording) {
   Log log(is_standard_error_the_journal());
   int status = EXIT_FAILURE;
   try {
-    Service service(std::move(settings), log);
+    std::optional<io::Recorder> recorder;
+    if (recording) {
+      recorder.emplace(std::move(recording->file), recording->head, [&](const std::string& why) {
+        log.write(Level::warning, "the recording has ended: " + why);
+      });
+    }
+    Service service(std::move(settings), log, recorder ? &*recorder : nullptr);
     status = service.run();
+    if (recorder && !recorder->close(kRecordingFlush)) {
+      log.write(Level::warning, "the recording is not complete");
+    }
   } catch (const std::exception& exception) {
     log.write(Level::error, std::string("fatal: ") + exception.what());
   }
@@ -36,6 +57,30 @@ int serve(gateway::Settings settings) {
     std::_Exit(status);
   }
   return status;
+}
+
+/// The settings out of one reading of the file, so that what is recorded is what is run.
+config::Loaded load(const Options& options, std::string& text) {
+  const config::ProfileSearch search{.folder = options.profiles};
+  if (options.record) {
+    text = read_text(options.config);
+  }
+  return text.empty() ? config::load_settings(options.config, search)
+                      : config::load_settings_text(options.config.string(), text, search);
+}
+
+Result<RecordingBegun, std::string> begin_recording(const Options& options, std::string text,
+                                                    const std::string& version) {
+  auto file = create_recording(recording_path(*options.record, std::getenv("STATE_DIRECTORY")));
+  if (!file) {
+    return file.error();
+  }
+  gateway::RecordingHead head;
+  head.version = version;
+  head.config = std::filesystem::absolute(options.config).string();
+  head.profiles = options.profiles ? std::filesystem::absolute(*options.profiles).string() : "";
+  head.text = std::move(text);
+  return RecordingBegun{*std::move(file), gateway::head_lines(head)};
 }
 
 }  // namespace
@@ -46,7 +91,8 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
     return *status;
   }
   const auto& options = std::get<Options>(parsed);
-  config::Loaded loaded = config::load_settings(options.config, {.folder = options.profiles});
+  std::string text;
+  config::Loaded loaded = load(options, text);
   std::cerr << config::render(loaded.diagnostics) << std::flush;
   if (!loaded.settings) {
     return EX_CONFIG;
@@ -55,7 +101,16 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
     std::cout << check_summary(*loaded.settings) << '\n';
     return EXIT_SUCCESS;
   }
-  return serve(*std::move(loaded.settings));
+  std::optional<RecordingBegun> recording;
+  if (options.record) {
+    auto begun = begin_recording(options, std::move(text), version);
+    if (!begun) {
+      std::cerr << "mbgated: " << begun.error() << '\n';
+      return EX_CANTCREAT;
+    }
+    recording = *std::move(begun);
+  }
+  return serve(*std::move(loaded.settings), std::move(recording));
 }
 
 }  // namespace mbgate::app

@@ -6,8 +6,8 @@
 
 namespace mbgate::app {
 
-/// 0, 1 (it could not start or a fault of its own ended it), 64 (bad arguments) or 78 (bad
-/// configuration).
+/// 0, 1 (it could not start or a fault of its own ended it), 64 (bad arguments), 73 (the recording
+/// cannot be created) or 78 (bad configuration).
 int run_mbgated(int argc, const char* const* argv, const std::string& version);
 
 }  // namespace mbgate::app

@@ -66,12 +66,12 @@ std::string kind_of(const gateway::Event& event) {
 
 }  // namespace
 
-Service::Service(gateway::Settings settings, Log& log)
+Service::Service(gateway::Settings settings, Log& log, io::Recorder* recorder)
     : log_(log),
       signals_(context_, SIGTERM, SIGINT),
       status_timer_(context_),
       failures_(settings.buses.size()),
-      driver_(context_, std::move(settings), *this) {
+      driver_(context_, std::move(settings), *this, recorder) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGHUP, SIG_IGN);
 }

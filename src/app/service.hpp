@@ -20,7 +20,7 @@ namespace mbgate::app {
 
 class Service final : public io::DriverObserver {
  public:
-  Service(gateway::Settings settings, Log& log);
+  Service(gateway::Settings settings, Log& log, io::Recorder* recorder);
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
   ~Service() override = default;
@@ -56,7 +56,8 @@ class Service final : public io::DriverObserver {
   /// Written already: a line that stays away is tried again every few seconds, for the same reason.
   std::vector<std::set<std::string>> failures_;
   std::set<std::string> warnings_;
-  std::vector<std::string> listening_;  ///< a line for each socket, to be printed once all are served
+  std::vector<std::string>
+      listening_;  ///< a line for each socket, to be printed once all are served
   io::GatewayDriver driver_;
 };
 

@@ -14,6 +14,14 @@
 
 namespace mbgate::io {
 
+/// For threads beside the io thread: signals belong to that one, and here they would cut open() or
+/// write() short.
+inline void block_signals() {
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);
+}
+
 class BlockingCalls {
  public:
   explicit BlockingCalls(boost::asio::io_context& context)
@@ -56,13 +64,6 @@ class BlockingCalls {
     std::mutex mutex;
     boost::asio::io_context* context;
   };
-
-  /// Signals belong to the io thread: here they would cut open() short.
-  static void block_signals() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, nullptr);
-  }
 
   std::shared_ptr<Home> home_;
 };

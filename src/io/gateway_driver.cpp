@@ -41,10 +41,12 @@ std::unique_ptr<Line> make_line(LineContext context, BusId bus, const bus::LineS
 }  // namespace
 
 GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings settings,
-                             DriverObserver& observer)
+                             DriverObserver& observer, Recorder* recorder)
     : context_(context),
       observer_(observer),
-      gateway_(std::move(settings), now()),
+      recorder_(recorder),
+      started_(now()),
+      gateway_(std::move(settings), started_),
       timer_(context),
       blocking_(context),
       hangups_(context,
@@ -55,6 +57,9 @@ GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings
                }),
       connection_context_{context, hangups_, *this, {}},
       flush_timer_(context) {
+  if (recorder_ != nullptr) {
+    recorder_->begin(started_);
+  }
   for (std::size_t i = 0; i < gateway_.settings().buses.size(); ++i) {
     const auto bus = static_cast<BusId>(i);
     lines_.push_back(
@@ -80,7 +85,7 @@ void GatewayDriver::shutdown() {
   for (const auto& server : servers_) {
     server->stop();
   }
-  gateway_.handle_shutdown(now());
+  feed(gateway::ShutdownAsked{});
   carry_out_actions();
 }
 
@@ -89,8 +94,7 @@ void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) 
   const auto added =
       std::make_shared<TcpConnection>(connection_context_, id, std::move(client.socket));
   connections_.emplace(id, added);
-  gateway_.handle_client_connected(id, {listener, address_of(client.peer), client.bytes_waiting},
-                                   now());
+  feed(gateway::ClientConnected{id, {listener, address_of(client.peer), client.bytes_waiting}});
   carry_out_actions();
   if (connection(id) != nullptr) {
     added->start();
@@ -103,23 +107,23 @@ void GatewayDriver::accept_failed(ListenerId listener, const boost::system::erro
 }
 
 void GatewayDriver::client_bytes(ClientId client, modbus::Bytes bytes, std::size_t unread) {
-  gateway_.handle_client_bytes(client, bytes, now(), unread);
+  feed(gateway::ClientBytes{client, bytes, unread});
   carry_out_actions();
 }
 
 void GatewayDriver::client_sent(ClientId client) {
-  gateway_.handle_client_sent(client, now());
+  feed(gateway::ClientSent{client});
   carry_out_actions();
 }
 
 void GatewayDriver::client_half_closed(ClientId client) {
-  gateway_.handle_client_half_closed(client, now());
+  feed(gateway::ClientHalfClosed{client});
   carry_out_actions();
 }
 
 void GatewayDriver::client_disconnected(ClientId client) {
   connections_.erase(client);
-  gateway_.handle_client_disconnected(client, now());
+  feed(gateway::ClientDisconnected{client});
   carry_out_actions();
   observer_.on_status_changed();
 }
@@ -135,21 +139,29 @@ void GatewayDriver::line_opened(BusId bus, const std::vector<std::string>& warni
   for (const auto& warning : warnings) {
     observer_.on_line_warning(bus, warning);
   }
-  gateway_.handle_bus_opened(bus, now());
+  feed(gateway::LineOpened{bus});
   carry_out_actions();
   observer_.on_status_changed();
 }
 
 void GatewayDriver::line_bytes(BusId bus, modbus::Bytes bytes) {
-  gateway_.handle_bus_bytes(bus, bytes, now());
+  feed(gateway::LineBytes{bus, bytes});
   carry_out_actions();
 }
 
 void GatewayDriver::line_lost(BusId bus, const std::string& why) {
   observer_.on_line_failure(bus, why);
-  gateway_.handle_bus_lost(bus, now());
+  feed(gateway::LineLost{bus});
   carry_out_actions();
   observer_.on_status_changed();
+}
+
+void GatewayDriver::feed(const gateway::Input& input) {
+  const gateway::Instant at = now();
+  if (recorder_ != nullptr) {
+    recorder_->note(input, at);
+  }
+  gateway::apply(gateway_, input, at);
 }
 
 void GatewayDriver::carry_out_actions() {
@@ -158,9 +170,15 @@ void GatewayDriver::carry_out_actions() {
   }
   carrying_out_ = true;
   while (const auto action = gateway_.poll_action()) {
+    if (recorder_ != nullptr) {
+      recorder_->note(*action, gateway_.settings());
+    }
     std::visit([this](const auto& wanted) { carry_out(wanted); }, *action);
   }
   carrying_out_ = false;
+  if (recorder_ != nullptr) {
+    recorder_->hand_over();
+  }
   set_timer();
 }
 
@@ -176,7 +194,7 @@ void GatewayDriver::set_timer() {
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (!error) {
       timer_set_to_.reset();
-      gateway_.handle_deadline(now());
+      feed(gateway::DeadlineReached{});
       carry_out_actions();
     }
   });
@@ -188,9 +206,7 @@ void GatewayDriver::carry_out(const gateway::Send& action) {
     return;
   }
   switch (client->send(action.adu)) {
-    case TcpConnection::SendOutcome::sent:
-      gateway_.handle_client_sent(action.client, now());
-      return;
+    case TcpConnection::SendOutcome::sent: feed(gateway::ClientSent{action.client}); return;
     case TcpConnection::SendOutcome::queued: return;
     case TcpConnection::SendOutcome::failed: drop(action.client); return;
   }
@@ -219,7 +235,7 @@ void GatewayDriver::carry_out(const gateway::Open& action) { line(action.bus).op
 void GatewayDriver::carry_out(const gateway::Transmit& action) {
   if (const auto why = line(action.bus).transmit(action.frame)) {
     observer_.on_line_failure(action.bus, *why);
-    gateway_.handle_bus_lost(action.bus, now());
+    feed(gateway::LineLost{action.bus});
     observer_.on_status_changed();
   }
 }
@@ -247,7 +263,7 @@ void GatewayDriver::carry_out(const gateway::Finished& /*action*/) {
 void GatewayDriver::drop(ClientId client) {
   if (const auto entry = connections_.extract(client)) {
     entry.mapped()->abort();
-    gateway_.handle_client_disconnected(client, now());
+    feed(gateway::ClientDisconnected{client});
     observer_.on_status_changed();
   }
 }

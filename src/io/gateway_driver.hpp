@@ -15,9 +15,11 @@
 
 #include "gateway/action.hpp"
 #include "gateway/gateway.hpp"
+#include "gateway/input.hpp"
 #include "io/blocking_calls.hpp"
 #include "io/hangup_watch.hpp"
 #include "io/line.hpp"
+#include "io/recorder.hpp"
 #include "io/tcp_connection.hpp"
 #include "io/tcp_server.hpp"
 
@@ -40,8 +42,10 @@ class DriverObserver {
 
 class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public LineEvents {
  public:
+  /// Everything that goes into the machine and comes out of it is noted in the recorder, if there
+  /// is one.
   GatewayDriver(boost::asio::io_context& context, gateway::Settings settings,
-                DriverObserver& observer);
+                DriverObserver& observer, Recorder* recorder = nullptr);
   GatewayDriver(const GatewayDriver&) = delete;
   GatewayDriver& operator=(const GatewayDriver&) = delete;
   ~GatewayDriver() override = default;
@@ -69,6 +73,8 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void line_bytes(gateway::BusId bus, modbus::Bytes bytes) override;
   void line_lost(gateway::BusId bus, const std::string& why) override;
 
+  /// The one way into the machine: what passes here, and nothing else, is what a recording has.
+  void feed(const gateway::Input& input);
   /// Carries out what the machine wants until it wants nothing more, then sets the timer. A call
   /// from within, by an action that has an input as its consequence, leaves the work to the outer
   /// one.
@@ -91,6 +97,8 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
 
   boost::asio::io_context& context_;
   DriverObserver& observer_;
+  Recorder* recorder_;
+  gateway::Instant started_;
   gateway::Gateway gateway_;
   bool carrying_out_ = false;
   boost::asio::steady_timer timer_;

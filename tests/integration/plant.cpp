@@ -36,12 +36,19 @@ std::filesystem::path gateway_config(const TemporaryFolder& folder, const PlantO
   return folder.write("mbgate.toml", text);
 }
 
+std::vector<std::string> gateway_arguments(const TemporaryFolder& folder,
+                                           const PlantOptions& options) {
+  std::vector<std::string> arguments{"--config", gateway_config(folder, options).string()};
+  arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
+  return arguments;
+}
+
 }  // namespace
 
 Plant::Plant(const PlantOptions& options)
     : simulator("mbgate-sim", {simulator_config(folder, options).string()}, {folder.path(), {}}),
-      gateway((simulator.wait_for_line("ready"), "mbgated"),
-              {"--config", gateway_config(folder, options).string()}, {folder.path(), {}}) {}
+      gateway((simulator.wait_for_line("ready"), "mbgated"), gateway_arguments(folder, options),
+              {folder.path(), {}}) {}
 
 ByteString request(unsigned transaction, unsigned unit, std::string_view pdu) {
   const ByteString body = bytes_of(pdu);

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "integration/process.hpp"
 #include "integration/tcp_client.hpp"
@@ -11,11 +12,12 @@
 namespace mbgate::test {
 
 struct PlantOptions {
-  bool paced = false;     ///< false: no wire time, no frame gap
-  std::string listener;   ///< further keys of every [[listen]]
-  std::string bus;        ///< further keys of every [[bus]]
-  std::string device;     ///< further keys of every simulated [[device]]
-  std::string simulator;  ///< further top-level keys of the simulator
+  bool paced = false;                    ///< false: no wire time, no frame gap
+  std::string listener;                  ///< further keys of every [[listen]]
+  std::string bus;                       ///< further keys of every [[bus]]
+  std::string device;                    ///< further keys of every simulated [[device]]
+  std::string simulator;                 ///< further top-level keys of the simulator
+  std::vector<std::string> arguments{};  ///< further arguments of mbgated
 };
 
 /// Buses line-0 and line-1 with MOONS' drives at addresses 1 and 2 each; listeners of the same

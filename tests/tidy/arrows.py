@@ -40,6 +40,8 @@ EXTRA_HEADERS = {
 TEST_FOLDERS = {
     "simulation": GATEWAY | CONFIG | {"sim"},
     "drives": GATEWAY | CONFIG | {"sim"},
+    "soak": GATEWAY | CONFIG | {"sim"},
+    "fuzz": GATEWAY | CONFIG,
     "integration": set(),
     "support": GATEWAY | CONFIG | {"sim"},
     "manuals": MODBUS,

@@ -19,6 +19,7 @@ TEST(CommandLine, HasTheInstalledConfigurationAsDefault) {
   EXPECT_EQ(std::get<Options>(parsed).config, "/etc/mbgate/mbgate.toml");
   EXPECT_FALSE(std::get<Options>(parsed).check);
   EXPECT_FALSE(std::get<Options>(parsed).profiles);
+  EXPECT_FALSE(std::get<Options>(parsed).record);
 }
 
 TEST(CommandLine, TakesAFileAndTheCheck) {
@@ -38,6 +39,12 @@ TEST(CommandLine, TakesAFolderOfProfilesThatIsThere) {
             "--profiles: Directory does not exist: no-such-folder\n"
             "Run with --help for more information.\n");
   EXPECT_EQ(std::get<int>(missing), 64);
+}
+
+TEST(CommandLine, TakesAFileToRecordTo) {
+  const auto parsed = parse({"--record", "plant.rec"});
+  ASSERT_TRUE(std::holds_alternative<Options>(parsed));
+  EXPECT_EQ(std::get<Options>(parsed).record, "plant.rec");
 }
 
 TEST(CommandLine, PrintsTheVersion) {

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/recording.hpp"
+
+#include <fcntl.h>
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <system_error>
+
+namespace mbgate::app {
+
+namespace fs = std::filesystem;
+
+fs::path recording_path(const fs::path& file, const char* state_directory) {
+  const std::string_view all = state_directory == nullptr ? "" : state_directory;
+  return fs::path(all.substr(0, all.find(':'))) / file;
+}
+
+Result<io::UniqueFd, std::string> create_recording(const fs::path& file) {
+  std::error_code ignored;
+  if (fs::is_regular_file(file, ignored)) {
+    fs::rename(file, file.string() + ".1", ignored);
+  }
+  constexpr mode_t kOwnerOnly = 0600;
+  io::UniqueFd created(
+      ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOCTTY, kOwnerOnly));
+  if (!created.is_open()) {
+    return "cannot create the recording " + file.string() + ": " +
+           std::generic_category().message(errno);
+  }
+  return created;
+}
+
+std::string read_text(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+}  // namespace mbgate::app

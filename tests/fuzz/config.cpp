@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any text as a configuration: settings that a gateway can be made of, or diagnostics.
+#include <string_view>
+
+#include "config/load.hpp"
+#include "fuzz/fuzz.hpp"
+#include "gateway/gateway.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mbgate;
+  using fuzz::require;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  config::ProfileSearch search;
+  search.folder = MBGATE_SOURCE_DIR "/tests/config/profiles";
+  auto loaded = config::load_settings_text("fuzz.toml", text, search);
+  require(loaded.settings.has_value() != config::has_errors(loaded.diagnostics),
+          "settings, or errors that say why not");
+  require(config::render(loaded.diagnostics).empty() == loaded.diagnostics.empty(),
+          "every diagnostic says something");
+  if (loaded.settings && loaded.settings->buses.size() < 100) {
+    gateway::Gateway gateway(*std::move(loaded.settings), gateway::Instant{});
+    std::size_t lines = 0;
+    while (const auto action = gateway.poll_action()) {
+      lines += std::holds_alternative<gateway::Open>(*action) ? 1U : 0U;
+    }
+    require(lines == gateway.settings().buses.size(), "a gateway asks for every line");
+  }
+  return 0;
+}

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every input of the corpora again, without a fuzzer: what was found once stays found.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#define MBGATE_TARGET(name) extern "C" int fuzz_##name(const std::uint8_t* data, std::size_t size)
+MBGATE_TARGET(mbap);
+MBGATE_TARGET(rtu_framer);
+MBGATE_TARGET(ascii_framer);
+MBGATE_TARGET(plan);
+MBGATE_TARGET(config);
+MBGATE_TARGET(profile);
+MBGATE_TARGET(machine);
+
+namespace mbgate::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+using Target = int (*)(const std::uint8_t*, std::size_t);
+
+const std::map<std::string, Target> kTargets{
+    {"mbap", fuzz_mbap},      {"rtu_framer", fuzz_rtu_framer}, {"ascii_framer", fuzz_ascii_framer},
+    {"plan", fuzz_plan},      {"config", fuzz_config},         {"profile", fuzz_profile},
+    {"machine", fuzz_machine}};
+
+fs::path corpora() { return fs::path(MBGATE_SOURCE_DIR) / "tests/fuzz/corpus"; }
+
+class FuzzCorpus : public testing::TestWithParam<std::pair<const std::string, Target>> {};
+
+TEST_P(FuzzCorpus, HoldsWhatItHeldBefore) {
+  const auto& [name, target] = GetParam();
+  target(nullptr, 0);
+  std::size_t inputs = 0;
+  for (const auto& entry : fs::directory_iterator(corpora() / name)) {
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::vector<char> bytes(std::istreambuf_iterator<char>(file), {});
+    SCOPED_TRACE(entry.path());
+    target(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    ++inputs;
+  }
+  EXPECT_GT(inputs, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(, FuzzCorpus, testing::ValuesIn(kTargets),
+                         [](const auto& target) { return target.param.first; });
+
+TEST(FuzzCorpora, HaveATargetEach) {
+  for (const auto& entry : fs::directory_iterator(corpora())) {
+    EXPECT_TRUE(kTargets.contains(entry.path().filename())) << entry.path();
+  }
+}
+
+}  // namespace
+}  // namespace mbgate::fuzz

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fuzz/driver.hpp"
+
+#include "gateway/limits.hpp"
+
+namespace mbgate::fuzz {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Far above what one input may set off: the end of everything that waits.
+constexpr int kMostActions = 20'000;
+/// Everything that can wait at one instant: each line, each client.
+constexpr int kMostTurns = 200;
+/// Longer than the longest deadline, with all that may stand before it on a line.
+constexpr bus::Duration kPatience = 60s;
+
+}  // namespace
+
+Driver::Driver(gateway::Settings settings)
+    : gateway_(std::move(settings), now_), lines_(gateway_.settings().buses.size()) {
+  drain();
+}
+
+void Driver::connect(std::uint32_t listener, std::uint8_t host, std::size_t bytes_before_ready) {
+  routing::ClientAddress::Octets octets{};
+  octets[10] = octets[11] = 0xFF;
+  octets[15] = host;
+  const ClientId id{next_client_++};
+  clients_.try_emplace(id);
+  gateway_.handle_client_connected(
+      id, {gateway::ListenerId{listener}, routing::ClientAddress(octets), bytes_before_ready},
+      now_);
+  drain();
+}
+
+void Driver::client_bytes(std::size_t index, modbus::Bytes bytes) {
+  Client* const client = client_at(index);
+  if (client == nullptr || client->ended || bytes.empty()) {
+    return;
+  }
+  if (client->paused || !client->held.empty()) {
+    client->held.emplace_back(bytes.begin(), bytes.end());
+    return;
+  }
+  read(ClientId{index}, *client, bytes);
+  drain();
+}
+
+void Driver::read(ClientId id, Client& client, modbus::Bytes bytes) {
+  require(bytes.size() <= gateway::kClientReadSize, "pieces are as the machine wants them");
+  client.stream.insert(client.stream.end(), bytes.begin(), bytes.end());
+  expect_answers(client);
+  std::size_t unread = 0;
+  for (const auto& piece : client.held) {
+    unread += piece.size();
+  }
+  gateway_.handle_client_bytes(id, bytes, now_, unread);
+}
+
+/// Every whole request of the stream is due one answer.
+void Driver::expect_answers(Client& client) {
+  for (;;) {
+    const modbus::MbapScan scan = modbus::scan_mbap(client.stream);
+    std::size_t size = 0;
+    if (const auto* frame = std::get_if<modbus::MbapFrame>(&scan)) {
+      ++client.due[frame->adu.header.transaction];
+      size = frame->size;
+    } else if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
+      size = foreign->size;
+    } else {
+      return;
+    }
+    client.stream.erase(client.stream.begin(),
+                        client.stream.begin() + static_cast<std::ptrdiff_t>(size));
+  }
+}
+
+void Driver::half_close(std::size_t index) {
+  Client* const client = client_at(index);
+  if (client != nullptr && !client->ended) {
+    client->ended = true;  // noticed at once; reading may come to it later
+    gateway_.handle_client_half_closed(ClientId{index}, now_);
+    drain();
+  }
+}
+
+void Driver::disconnect(std::size_t index) {
+  if (Client* const client = client_at(index)) {
+    client->open = false;
+    gateway_.handle_client_disconnected(ClientId{index}, now_);
+    drain();
+  }
+}
+
+void Driver::confirm(std::size_t index) {
+  Client* const client = client_at(index);
+  if (client != nullptr && client->unconfirmed > 0) {
+    --client->unconfirmed;
+    gateway_.handle_client_sent(ClientId{index}, now_);
+    drain();
+  }
+}
+
+void Driver::line_bytes(std::size_t bus, modbus::Bytes bytes) {
+  if (lines_[bus].open && !bytes.empty()) {
+    gateway_.handle_bus_bytes(BusId{static_cast<std::uint32_t>(bus)}, bytes, now_);
+    drain();
+  }
+}
+
+void Driver::lose(std::size_t bus) {
+  if (lines_[bus].open) {
+    lines_[bus].open = false;
+    gateway_.handle_bus_lost(BusId{static_cast<std::uint32_t>(bus)}, now_);
+    drain();
+  }
+}
+
+void Driver::shutdown() {
+  stopping_ = true;
+  gateway_.handle_shutdown(now_);
+  drain();
+}
+
+void Driver::advance(bus::Duration duration) {
+  const bus::Instant end = now_ + duration;
+  for (auto next = gateway_.next_deadline(); next && *next <= end;
+       next = gateway_.next_deadline()) {
+    now_ = std::max(now_, *next);
+    handle_due();
+  }
+  now_ = end;
+}
+
+/// Time stands still until nothing is due any more.
+void Driver::handle_due() {
+  int turns = 0;
+  for (auto next = gateway_.next_deadline(); next && *next <= now_;
+       next = gateway_.next_deadline()) {
+    require(++turns <= kMostTurns, "handling a deadline gets on");
+    gateway_.handle_deadline(now_);
+    drain();
+  }
+}
+
+void Driver::finish() {
+  const bus::Instant end = now_ + kPatience;
+  while (now_ < end) {
+    for (auto& [id, client] : clients_) {
+      while (client.open && client.unconfirmed > 0) {
+        confirm(static_cast<std::size_t>(id));
+      }
+    }
+    advance(1s);
+  }
+  for (const auto& [id, client] : clients_) {
+    if (client.open) {
+      require(!client.paused && client.held.empty(), "a client that is answered is read again");
+      for (const auto& [transaction, due] : client.due) {
+        require(due == 0, "every request is answered");
+      }
+    }
+  }
+  require(finished_ == stopping_, "a gateway that stops has finished");
+}
+
+void Driver::drain() {
+  int actions = 0;
+  do {
+    while (const auto action = gateway_.poll_action()) {
+      require(++actions <= kMostActions, "one input does not set off actions without end");
+      std::visit([this](const auto& wanted) { take(wanted); }, *action);
+    }
+  } while (serve_lines() || serve_clients());
+  const auto next = gateway_.next_deadline();
+  require(!next || *next < now_ + 1h, "no deadline is further away than any timeout");
+}
+
+/// Opens the lines that are asked for; true if there were any.
+bool Driver::serve_lines() {
+  bool any = false;
+  for (std::size_t index = 0; index < lines_.size(); ++index) {
+    Line& line = lines_[index];
+    if (std::exchange(line.asked, false) && !line.open) {
+      const BusId bus{static_cast<std::uint32_t>(index)};
+      any = true;
+      line.open = line.present;
+      line.present ? gateway_.handle_bus_opened(bus, now_) : gateway_.handle_bus_lost(bus, now_);
+    }
+  }
+  return any;
+}
+
+/// Reads what lies in the sockets of those who may be read again; true if there were any.
+bool Driver::serve_clients() {
+  const auto resumed = std::exchange(resumed_, {});
+  for (const ClientId id : resumed) {
+    Client* const client = client_at(static_cast<std::size_t>(id));
+    if (client == nullptr || client->paused) {
+      continue;
+    }
+    if (client->held.empty()) {
+      client->ended ? gateway_.handle_client_half_closed(id, now_)
+                    : gateway_.handle_client_bytes(id, {}, now_, 0);
+      continue;
+    }
+    const auto bytes = std::move(client->held.front());
+    client->held.pop_front();
+    resumed_.push_back(id);
+    read(id, *client, bytes);
+  }
+  return !resumed.empty();
+}
+
+void Driver::take(const gateway::Send& action) {
+  Client* const client = client_at(static_cast<std::size_t>(action.client));
+  require(client != nullptr, "answers go to clients that are there");
+  const auto scan = modbus::scan_mbap({action.adu.data(), action.adu.size()});
+  const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
+  require(frame != nullptr && frame->size == action.adu.size(), "an answer is one ADU");
+  require(--client->due[frame->adu.header.transaction] >= 0, "an answer was asked for, once");
+  ++client->unconfirmed;
+}
+
+void Driver::take(const gateway::Pause& action) {
+  Client* const client = client_at(static_cast<std::size_t>(action.client));
+  require(client != nullptr && !client->paused, "a client that is read can be paused");
+  client->paused = true;
+}
+
+void Driver::take(const gateway::Resume& action) {
+  Client* const client = client_at(static_cast<std::size_t>(action.client));
+  require(client != nullptr && client->paused, "a client that is paused can be resumed");
+  client->paused = false;
+  resumed_.push_back(action.client);
+}
+
+void Driver::take(const gateway::Close& action) {
+  Client* const client = client_at(static_cast<std::size_t>(action.client));
+  require(client != nullptr, "a client is closed once");
+  client->open = false;
+}
+
+void Driver::take(const gateway::Open& action) {
+  Line& line = lines_[static_cast<std::size_t>(action.bus)];
+  require(!line.open, "a line is opened when it is closed");
+  line.asked = true;
+}
+
+void Driver::take(const gateway::Transmit& action) {
+  Line& line = lines_[static_cast<std::size_t>(action.bus)];
+  require(line.open, "nothing is transmitted on a closed line");
+  require(!action.frame.empty(), "a frame has bytes");
+  line.heard = action.frame;
+}
+
+void Driver::take(const gateway::Shut& action) {
+  Line& line = lines_[static_cast<std::size_t>(action.bus)];
+  require(line.open, "a line is closed when it is open");
+  line.open = false;
+}
+
+void Driver::take(const gateway::Report& action) {
+  require(!gateway::to_text(action.event, gateway_.settings()).empty(), "an event has a text");
+}
+
+void Driver::take(const gateway::Finished& /*action*/) {
+  require(stopping_ && !finished_, "a gateway that was asked to stop finishes once");
+  finished_ = true;
+}
+
+}  // namespace mbgate::fuzz

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stands where the driver stands: keeps to what the machine is promised, and checks what it
+// promises, whatever the script does with clients, lines and time.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <vector>
+
+#include "fuzz/fuzz.hpp"
+#include "fuzz/plant.hpp"
+#include "gateway/gateway.hpp"
+#include "modbus/ascii.hpp"
+
+namespace mbgate::fuzz {
+
+using gateway::BusId;
+using gateway::ClientId;
+
+class Driver {
+ public:
+  explicit Driver(gateway::Settings settings);
+
+  void connect(std::uint32_t listener, std::uint8_t host, std::size_t bytes_before_ready);
+  void client_bytes(std::size_t client, modbus::Bytes bytes);
+  void half_close(std::size_t client);
+  void disconnect(std::size_t client);
+  /// One answer has been written whole.
+  void confirm(std::size_t client);
+  void line_bytes(std::size_t bus, modbus::Bytes bytes);
+  void lose(std::size_t bus);
+  /// Is a line that is asked for there?
+  void set_present(std::size_t bus, bool present) { lines_[bus].present = present; }
+  void shutdown();
+  void advance(bus::Duration duration);
+  /// Lets everything come to its end, with nobody but the clock at work: every request of a client
+  /// that is still there must then have its answer.
+  void finish();
+
+  [[nodiscard]] std::size_t buses() const { return lines_.size(); }
+  [[nodiscard]] bus::Framing framing(std::size_t bus) const {
+    return gateway_.settings().buses[bus].line.framing;
+  }
+  /// What the line has last heard from the machine.
+  [[nodiscard]] const bus::FrameBytes& heard(std::size_t bus) const { return lines_[bus].heard; }
+
+ private:
+  struct Client {
+    bool open = true;
+    bool ended = false;  ///< it has sent its FIN
+    bool paused = false;
+    std::size_t unconfirmed = 0;
+    std::vector<std::uint8_t> stream;            ///< sent by it, and not yet a whole request
+    std::map<std::uint16_t, int> due;            ///< requests without answer, by transaction
+    std::deque<std::vector<std::uint8_t>> held;  ///< in the socket while reading is paused
+  };
+  struct Line {
+    bool open = false;
+    bool present = true;
+    bool asked = false;
+    bus::FrameBytes heard;
+  };
+
+  Client* client_at(std::size_t index) {
+    const auto entry = clients_.find(ClientId{index});
+    return entry == clients_.end() || !entry->second.open ? nullptr : &entry->second;
+  }
+  void read(ClientId id, Client& client, modbus::Bytes bytes);
+  void expect_answers(Client& client);
+  void drain();
+  bool serve_lines();
+  bool serve_clients();
+  void handle_due();
+  void take(const gateway::Send& action);
+  void take(const gateway::Pause& action);
+  void take(const gateway::Resume& action);
+  void take(const gateway::Close& action);
+  void take(const gateway::Open& action);
+  void take(const gateway::Transmit& action);
+  void take(const gateway::Shut& action);
+  void take(const gateway::Report& action);
+  void take(const gateway::Finished& action);
+
+  bus::Instant now_{std::chrono::seconds(1)};
+  gateway::Gateway gateway_;
+  std::vector<Line> lines_;
+  std::map<ClientId, Client> clients_;
+  std::vector<ClientId> resumed_;
+  std::uint64_t next_client_ = 0;
+  bool stopping_ = false;
+  bool finished_ = false;
+};
+
+}  // namespace mbgate::fuzz
