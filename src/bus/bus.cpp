@@ -110,14 +110,6 @@ void Bus::collect(Instant now) {
 
 void Bus::withdraw(Job& job) {
   queue_.remove(job);
-  if (!job.followers.empty()) {  // a stop: the next of those that wait for the same goes on
-    Job& heir = *job.followers.front();
-    heir.followers.assign(job.followers.begin() + 1, job.followers.end());
-    job.followers.clear();
-    heir.tries = job.tries;
-    heir.waits_since = job.waits_since;
-    queue_.push_again(heir);
-  }
   release(job);
   next_start_ = pumped_at_;  // what waited behind it may go now
 }

@@ -69,7 +69,7 @@ class Bus {
   /// Queues a job, or answers it at once; it lies still until its JobEnded, which may be among the
   /// actions already. False: the queue is full, and the bus does not have the job.
   [[nodiscard]] bool submit(Job& job, Instant now);
-  /// Takes a waiting job back at once, without a JobEnded.
+  /// Takes a waiting job that is no stop back at once, without a JobEnded.
   void withdraw(Job& job);
   /// The same line with other rules, or other devices: what is known of addresses is kept. Jobs
   /// that wait for devices that are no longer what they were must have been withdrawn.
