@@ -40,6 +40,7 @@ EXTRA_HEADERS = {
 TEST_FOLDERS = {
     "simulation": GATEWAY | CONFIG | {"sim"},
     "drives": GATEWAY | CONFIG | {"sim"},
+    "soak": GATEWAY,
     "integration": set(),
     "support": GATEWAY | CONFIG | {"sim"},
     "manuals": MODBUS,
