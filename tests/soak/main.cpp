@@ -14,6 +14,7 @@ struct Options {
   std::uint64_t seeds = 1;
   std::uint64_t transactions = 2000;
   bool verbose = false;
+  bool trace = false;
 };
 
 bool parse(int count, char** arguments, Options& options) {
@@ -21,6 +22,10 @@ bool parse(int count, char** arguments, Options& options) {
     const std::string_view name = arguments[at];
     if (name == "--verbose") {
       options.verbose = true;
+      continue;
+    }
+    if (name == "--trace") {
+      options.trace = true;
       continue;
     }
     std::uint64_t* number = name == "--seed"           ? &options.seed
@@ -45,7 +50,7 @@ int main(int count, char** arguments) {
   Options options;
   if (!parse(count, arguments, options)) {
     std::fputs(
-        "usage: gateway_soak [--seed N] [--seeds K] [--transactions M] [--verbose]\n"
+        "usage: gateway_soak [--seed N] [--seeds K] [--transactions M] [--verbose] [--trace]\n"
         "Runs seeds N to N+K-1, each until M transactions were seen on its wires.\n",
         stderr);
     return 2;
@@ -54,7 +59,8 @@ int main(int count, char** arguments) {
   std::uint64_t failed = 0;
   const auto begun = std::chrono::steady_clock::now();
   for (std::uint64_t seed = options.seed; seed < options.seed + options.seeds; ++seed) {
-    const mbgate::soak::Report report = mbgate::soak::World(seed).run(options.transactions);
+    const mbgate::soak::Report report =
+        mbgate::soak::World(seed, options.trace).run(options.transactions);
     total.add(report);
     if (options.verbose) {
       std::printf("seed %llu: %s", static_cast<unsigned long long>(seed), report.summary().c_str());

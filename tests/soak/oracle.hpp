@@ -75,6 +75,9 @@ class Oracle {
   /// Bytes were handed to the gateway.
   void bytes_came(std::size_t bus) { books_[bus].last_byte = schedule_.now(); }
   /// A whole good frame of the address was handed to it.
+  /// The device's answer came in no shape to be read: nothing is owed any more, but the gateway
+  /// cannot know.
+  void damage_came(std::size_t bus, std::uint8_t address);
   void frame_came(std::size_t bus, std::uint8_t address);
   /// The TCP answer with the identifier was handed to it.
   void tcp_answer_came(std::uint64_t number);
@@ -87,6 +90,7 @@ class Oracle {
   void check_overdue();
   /// Everything must be over.
   void check_finished();
+  static std::string hex(Bytes bytes);
   void violation(const std::string& kind, const std::string& text) const;
 
   struct BusCount {
@@ -112,8 +116,9 @@ class Oracle {
   struct Lane {
     std::optional<std::size_t> device;
     std::vector<Asked*> open;
-    std::deque<std::uint64_t> owed;  ///< transmissions that no good frame has answered
-    unsigned unanswered = 0;         ///< transmissions since the last good answer, at most
+    std::deque<std::uint64_t> owed;         ///< transmissions that no good frame has answered
+    Instant last_offline = Instant::min();  ///< it may have been offline then
+    unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
     Instant last_write_event = Instant::min();
     Instant last_stop = Instant::min();
   };
@@ -148,9 +153,13 @@ class Oracle {
   void end_without_reply(Asked& asked);
   void note_write_event(const Asked& asked);
   void leave_queue(Piece& piece);
+  /// Answers of ordered listeners are held back: only the oldest request is known to be open.
+  [[nodiscard]] bool is_surely_open(const Asked& asked) const;
 
   // oracle_answers.cpp
   void judge(Asked& asked, Bytes pdu);
+  void device_answered(const Asked& asked);
+  [[nodiscard]] bool is_past_offline(const Asked& asked, const Lane& lane) const;
   void judge_exception(const Asked& asked, std::uint8_t code);
   void judge_busy(const Asked& asked);
   void judge_no_path(const Asked& asked);
@@ -173,6 +182,7 @@ class Oracle {
   void unknown_transmission(const Flight& flight);
   void note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone);
   void check_order(const Asked& asked, const Flight& flight);
+  [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
   void check_stops_first(const Flight& flight);
   void check_tcp(const Flight& flight);
   void set_times(Flight& flight);

@@ -45,8 +45,8 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
       judge_write(asked, pdu);
     }
     judge_place(asked);
-    if (asked.kind != Kind::broadcast && !asked.silent) {
-      books_[asked.pieces.front().bus].lanes[asked.pieces.front().address].unanswered = 0;
+    if (asked.kind != Kind::broadcast && !asked.silent && asked.maybe_on_wire) {
+      device_answered(asked);
     }
     well_ = asked.id;
   }
@@ -74,16 +74,29 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     violation("misdelivered_exception", code_text(code) + " for " + name(asked));
     return;
   }
-  books_[asked.pieces.front().bus].lanes[asked.pieces.front().address].unanswered = 0;
+  device_answered(asked);
+}
+
+void Oracle::device_answered(const Asked& asked) {
+  Book& book = books_[asked.pieces.front().bus];
+  Lane& lane = book.lanes[asked.pieces.front().address];
+  if (is_past_offline(asked, lane)) {
+    lane.last_offline = schedule_.now();
+  }
+  lane.unanswered = static_cast<unsigned>(book.flying.size());
 }
 
 bool Oracle::may_be_offline(const Asked& asked) const {
   if (!asked.door->device) {
     return false;
   }
+  const Lane& lane = books_[asked.pieces.front().bus].lanes[asked.pieces.front().address];
+  return lane.last_offline >= asked.accepted || is_past_offline(asked, lane);
+}
+
+bool Oracle::is_past_offline(const Asked& asked, const Lane& lane) const {
   const unsigned after = devices_[*asked.door->device].settings().timing.offline_after;
-  const Piece& piece = asked.pieces.front();
-  return after > 0 && books_[piece.bus].lanes[piece.address].unanswered >= after;
+  return after > 0 && lane.unanswered >= after;
 }
 
 void Oracle::judge_busy(const Asked& asked) {
@@ -214,7 +227,7 @@ void Oracle::judge_place(const Asked& asked) {
   for (const Asked* other : books_[piece.bus].lanes[piece.address].open) {
     if (other->kind == Kind::write && other->client == asked.client &&
         other->sequence < asked.sequence && !other->maybe_on_wire && !other->doomed &&
-        !other->dropped) {
+        !other->dropped && is_surely_open(*other)) {
       violation("before_own_write", name(asked) + " was answered before " + name(*other));
     }
   }

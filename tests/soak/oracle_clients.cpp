@@ -55,6 +55,7 @@ void Oracle::accept_backlog(Session& session) {
     ++session.outstanding;
     session.order.push_back(asked.id);
     asked.dropped = session.half_closed && asked.changes();
+    asked.ordered = plan_.settings.listeners[session.listener].ordered;
     accept(asked);
   }
 }
@@ -83,7 +84,7 @@ void Oracle::accept(Asked& asked) {
         book.last_full = schedule_.now();
       }
       ++book.present;
-      if (asked.kind != Kind::stop && !asked.dropped) {
+      if (asked.kind != Kind::stop && !asked.dropped && !asked.ordered) {
         piece.counted = true;
         ++book.waiting;
       }
@@ -95,6 +96,11 @@ void Oracle::accept(Asked& asked) {
     if (asked.kind == Kind::stop && book.open) {
       asked.waits_from = schedule_.now();
       book.stops.push_back(&asked);
+      for (const std::uint64_t number : book.flying) {
+        Flight* running = flight(number);
+        running->deadline =
+            std::min(running->deadline, schedule_.now() + bus_settings(piece.bus).stop_wait);
+      }
     }
   }
   note_write_event(asked);
@@ -128,6 +134,15 @@ void Oracle::note_write_event(const Asked& asked) {
       lane.last_write_event = schedule_.now();
     }
   }
+}
+
+bool Oracle::is_surely_open(const Asked& asked) const {
+  if (!asked.ordered) {
+    return true;
+  }
+  const auto entry = sessions_.find(asked.client);
+  return entry != sessions_.end() && !entry->second.order.empty() &&
+         entry->second.order.front() == asked.id;
 }
 
 void Oracle::leave_queue(Piece& piece) {

@@ -13,7 +13,11 @@ namespace {
 using namespace std::chrono_literals;
 constexpr std::size_t kFlightsKept = 2000;
 
-std::string hex(Bytes bytes) {
+bool is_read_function(std::uint8_t function) { return function >= 1 && function <= 4; }
+
+}  // namespace
+
+std::string Oracle::hex(Bytes bytes) {
   constexpr char kDigits[] = "0123456789ABCDEF";
   std::string text;
   for (const std::uint8_t byte : bytes) {
@@ -21,10 +25,6 @@ std::string hex(Bytes bytes) {
   }
   return text;
 }
-
-bool is_read_function(std::uint8_t function) { return function >= 1 && function <= 4; }
-
-}  // namespace
 
 std::string Oracle::name(const Flight& flight) const {
   return bus_settings(flight.bus).name + " address " + std::to_string(flight.address) + " pdu " +
@@ -228,7 +228,8 @@ void Oracle::check_order(const Asked& asked, const Flight& flight) {
         return piece.bus == flight.bus && piece.sent == 0;
       });
       if (other->client == asked.client && other->sequence < asked.sequence && waits &&
-          other->kind != Kind::stop && !other->doomed && !other->dropped) {
+          other->kind != Kind::stop && !other->doomed && !other->dropped &&
+          is_surely_open(*other)) {
         violation("order", name(asked) + " before " + name(*other));
       }
     }
@@ -239,12 +240,17 @@ void Oracle::check_order(const Asked& asked, const Flight& flight) {
   }
 }
 
+// With `stop_cancels = false` the writes that were accepted before it go first.
+bool Oracle::lets_writes_go(const Asked& stop) const {
+  return !devices_[*stop.door->device].settings().stop_cancels;
+}
+
 void Oracle::check_stops_first(const Flight& flight) {
   if (flight.is_stop || is_tcp(flight.bus)) {
     return;
   }
   for (const Asked* stop : books_[flight.bus].stops) {
-    if (stop->accepted < schedule_.now()) {
+    if (stop->accepted < schedule_.now() && !lets_writes_go(*stop)) {
       violation("stop_overtaken", name(*stop) + " by " + name(flight));
       return;
     }
@@ -362,6 +368,15 @@ void Oracle::frame_came(std::size_t bus, std::uint8_t address) {
   }
 }
 
+void Oracle::damage_came(std::size_t bus, std::uint8_t address) {
+  for (const std::uint64_t number : books_[bus].lanes[address].owed) {
+    if (Flight* owed = flight(number)) {
+      const Duration quarantine = owed->quarantine_until - owed->deadline;
+      owed->quarantine_until = std::min(owed->quarantine_until, schedule_.now() + quarantine);
+    }
+  }
+}
+
 void Oracle::tcp_answer_came(std::uint64_t number) {
   if (const Flight* answered = flight(number)) {
     std::erase(books_[answered->bus].flying, number);
@@ -386,7 +401,7 @@ void Oracle::check_waiting() {
     for (Asked* stop : book.stops) {
       const Instant limit = std::max(held, *stop->waits_from) + settings.stop_wait +
                             settings.frame_gap.value_or(timing.t3_5()) + 1us;
-      if (now > limit && !stop->overdue_reported && !is_tcp(bus)) {
+      if (now > limit && !stop->overdue_reported && !is_tcp(bus) && !lets_writes_go(*stop)) {
         stop->overdue_reported = true;
         violation("stop_late", name(*stop));
       }

@@ -172,7 +172,7 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
     say(std::move(frame), begin, Chunks::fine, address);
     return;
   } else if (spoil(frame, pdu, address)) {
-    say(std::move(frame), begin, Chunks::fine, std::nullopt);
+    say(std::move(frame), begin, Chunks::fine, std::nullopt, address);
     return;
   }
   const bool paused = !excess && happens(rates_.pieces, "pieces");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How bytes travel over a serial line to the gateway, and who else is on it.
 #include <algorithm>
+#include <utility>
 
 #include "soak/serial_wire.hpp"
 
@@ -11,7 +12,8 @@ using modbus::Pdu;
 
 // Adapters hand bytes over in chunks, up to some milliseconds apart. Where something follows that
 // the gateway cannot foresee, they must come without a gap that looks like silence.
-void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole) {
+void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole,
+                     std::optional<std::uint8_t> spoilt) {
   Random& random = around_.random;
   const std::uint64_t id = ++ids_;
   const Duration character = timing_.duration_of(1);
@@ -30,7 +32,7 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<st
     const Instant due = last + (chunks == Chunks::usual ? random.duration(0us, 300us) : 0us);
     deliveries.emplace_back(deliveries.empty() ? due : std::max(due, deliveries.back().first), at);
   }
-  messages_.emplace(id, Message{std::move(bytes), begin, last, character, whole});
+  messages_.emplace(id, Message{std::move(bytes), begin, last, character, whole, spoilt});
   around_.schedule.at(begin, [this, epoch = epoch_, id] {
     if (epoch == epoch_) {
       begin_message(id);
@@ -64,7 +66,9 @@ void SerialWire::begin_message(std::uint64_t id) {
 
 // From now on nobody can read it.
 void SerialWire::garble(Message& message) {
-  message.whole.reset();
+  if (message.whole) {
+    message.spoilt = std::exchange(message.whole, std::nullopt);
+  }
   const Duration past = around_.schedule.now() - message.begin;
   const auto from =
       static_cast<std::size_t>(std::max<Duration>(past, Duration{0}) / message.character);
@@ -82,6 +86,8 @@ void SerialWire::deliver(std::uint64_t id, std::size_t until) {
   if (until == message.bytes.size()) {
     if (message.whole) {
       around_.oracle.frame_came(bus_, *message.whole);
+    } else if (message.spoilt) {
+      around_.oracle.damage_came(bus_, *message.spoilt);
     }
     messages_.erase(id);
   }

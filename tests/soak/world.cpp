@@ -2,6 +2,7 @@
 #include "soak/world.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace mbgate::soak {
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr Duration kLongestRun = std::chrono::hours(20);
 constexpr Duration kQuiet = 60s;
+constexpr unsigned kMostStepsInPlace = 100'000;
 
 }  // namespace
 
@@ -22,7 +24,7 @@ Oracle::Devices World::make_devices(const SoakPlan& plan, Random& random) {
   return devices;
 }
 
-World::World(std::uint64_t seed)
+World::World(std::uint64_t seed, bool trace)
     : random_(seed),
       plan_(draw_plan(random_)),
       devices_(make_devices(plan_, random_)),
@@ -38,7 +40,8 @@ World::World(std::uint64_t seed)
       buses_(plan_.settings.buses.size()),
       gateway_(plan_.settings, schedule_.now()),
       tools_{gateway_, oracle_, schedule_,           random_,
-             report_,  asking_, [this] { drain(); }, [this] { return ClientId{++last_number_}; }} {
+             report_,  asking_, [this] { drain(); }, [this] { return ClientId{++last_number_}; }},
+      trace_(trace) {
   for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
     if (plan_.settings.buses[bus].line.framing == bus::Framing::tcp) {
       wires_.emplace_back(std::in_place_type<FarServer>, bus, around_);
@@ -83,6 +86,11 @@ bool World::step() {
   if (!next) {
     return false;
   }
+  steps_in_place_ = *next > schedule_.now() ? 0 : steps_in_place_ + 1;
+  if (steps_in_place_ > kMostStepsInPlace) {
+    oracle_.violation("no_progress", "the gateway's deadline stays in the past");
+    return false;
+  }
   schedule_.advance(*next);
   const auto deadline = gateway_.next_deadline();
   if (deadline && *deadline <= schedule_.now()) {
@@ -96,10 +104,9 @@ bool World::step() {
 void World::run_until(Instant limit) {
   while (true) {
     const auto next = bus::earlier(schedule_.next(), gateway_.next_deadline());
-    if (!next || *next > limit) {
+    if (!next || *next > limit || !step()) {
       return;
     }
-    step();
   }
 }
 
@@ -117,7 +124,18 @@ void World::drain() {
   oracle_.check_waiting();
 }
 
+void World::trace(const std::string& text) const {
+  if (trace_) {
+    std::fprintf(stderr, "%lld %s\n",
+                 static_cast<long long>(schedule_.now().time_since_epoch().count() / 1000),
+                 text.c_str());
+  }
+}
+
 void World::carry_out(const gateway::Action& action) {
+  if (trace_) {
+    trace(gateway::to_text(action, plan_.settings));
+  }
   if (const auto* send = std::get_if<gateway::Send>(&action)) {
     if (Client* client = find(send->client)) {
       client->take({send->adu.data(), send->adu.size()});
@@ -164,6 +182,9 @@ void World::transmit(std::size_t bus, Bytes frame) {
 
 void World::deliver(std::size_t bus, Bytes bytes) {
   if (buses_[bus].open) {
+    if (trace_) {
+      trace(plan_.settings.buses[bus].name + " < " + Oracle::hex(bytes));
+    }
     gateway_.handle_bus_bytes(gateway::BusId{static_cast<std::uint32_t>(bus)}, bytes,
                               schedule_.now());
     drain();

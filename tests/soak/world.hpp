@@ -14,7 +14,7 @@ namespace mbgate::soak {
 
 class World {
  public:
-  explicit World(std::uint64_t seed);
+  explicit World(std::uint64_t seed, bool trace = false);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
@@ -29,6 +29,7 @@ class World {
     std::uint64_t epoch = 0;
   };
 
+  void trace(const std::string& text) const;
   static Oracle::Devices make_devices(const SoakPlan& plan, Random& random);
   bool step();
   void run_until(Instant limit);
@@ -62,6 +63,8 @@ class World {
   std::uint64_t last_number_ = 0;
   bool trouble_ = true;
   bool draining_ = false;
+  bool trace_;
+  unsigned steps_in_place_ = 0;  ///< since time last went on
 };
 
 }  // namespace mbgate::soak
