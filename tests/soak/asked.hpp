@@ -52,6 +52,7 @@ struct Asked {
   bool silent = false;  ///< the device never answers it; the gateway does
 
   Instant written;   ///< its first byte was put into the socket
+  Instant earliest;  ///< as old as the gateway may take it to be
   Instant accepted;  ///< as early as can be
   Instant deadline = Instant::max();
   std::uint64_t sequence = 0;  ///< of acceptance

@@ -168,6 +168,7 @@ void Client::resume() {
     if (life != life_ || !connected_ || paused_) {
       return;
     }
+    tools_.oracle.paused(number_, false);
     if (socket_.empty()) {
       tools_.gateway.handle_client_bytes(number_, {}, tools_.schedule.now(), 0);
       tools_.drain();

@@ -38,7 +38,10 @@ class Client {
 
   // What the gateway asks for.
   void take(Bytes adu);
-  void pause() { paused_ = true; }
+  void pause() {
+    paused_ = true;
+    tools_.oracle.paused(number_, true);
+  }
   void resume();
   void closed_by_gateway();
 

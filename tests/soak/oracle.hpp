@@ -52,6 +52,8 @@ class Oracle {
   /// The gateway has its last byte.
   void delivered(ClientId client, std::uint64_t id);
   void answer_sent(ClientId client);
+  /// What it writes meanwhile counts as old as the pause.
+  void paused(ClientId client, bool is_paused);
   void half_closed(ClientId client);
   void gone(ClientId client);
   /// The gateway has closed a half-closed connection: nothing of it may be open.
@@ -105,6 +107,7 @@ class Oracle {
   struct Session {
     std::size_t listener = 0;
     bool half_closed = false;
+    std::optional<Instant> paused_since;
     std::size_t outstanding = 0;
     std::deque<std::uint64_t> backlog;  ///< delivered, not accepted
     std::deque<std::uint64_t> order;    ///< accepted, not answered

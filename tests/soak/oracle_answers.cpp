@@ -80,6 +80,9 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
 void Oracle::device_answered(const Asked& asked) {
   Book& book = books_[asked.pieces.front().bus];
   Lane& lane = book.lanes[asked.pieces.front().address];
+  if (asked.ordered) {
+    return;  // it may have been held back, and much may have happened since
+  }
   if (is_past_offline(asked, lane)) {
     lane.last_offline = schedule_.now();
   }
@@ -104,7 +107,9 @@ void Oracle::judge_busy(const Asked& asked) {
     violation("busy_after_wire", name(asked));
     return;
   }
-  const bool reason = schedule_.now() >= asked.deadline || asked.dropped || asked.doomed ||
+  const bool expired = asked.deadline != Instant::max() &&
+                       schedule_.now() >= asked.deadline - (asked.written - asked.earliest);
+  const bool reason = expired || asked.dropped || asked.doomed ||
                       std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
                         return books_[piece.bus].last_full >= asked.accepted;
                       });

@@ -35,6 +35,8 @@ std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   asked.id = ++ids_;
   asked.client = client;
   asked.written = schedule_.now();
+  const auto& pause = sessions_.at(client).paused_since;
+  asked.earliest = pause.value_or(asked.written);
   sessions_.at(client).by_transaction[asked.transaction] = asked.id;
   open_.emplace(asked.id, std::make_unique<Asked>(std::move(asked)));
   ++report_.requests;
@@ -74,7 +76,7 @@ void Oracle::accept(Asked& asked) {
   if (asked.refused) {
     return;
   }
-  if (asked.kind == Kind::stop) {
+  if (asked.kind == Kind::stop && !asked.dropped) {
     cancel_for_stop(asked);
   }
   for (Piece& piece : asked.pieces) {
@@ -93,7 +95,7 @@ void Oracle::accept(Asked& asked) {
     if (lane.empty() || lane.back() != &asked) {
       lane.push_back(&asked);
     }
-    if (asked.kind == Kind::stop && book.open) {
+    if (asked.kind == Kind::stop && book.open && !asked.dropped) {
       asked.waits_from = schedule_.now();
       book.stops.push_back(&asked);
       for (const std::uint64_t number : book.flying) {
@@ -103,7 +105,6 @@ void Oracle::accept(Asked& asked) {
       }
     }
   }
-  note_write_event(asked);
 }
 
 // Writes to the same device that wait will never be sent.
@@ -121,8 +122,9 @@ void Oracle::cancel_for_stop(const Asked& stop) {
   }
 }
 
+// Only what was on the wire was surely accepted, and ended.
 void Oracle::note_write_event(const Asked& asked) {
-  if (!asked.changes() || asked.refused) {
+  if (!asked.changes() || asked.refused || !asked.surely_on_wire || asked.ordered) {
     return;
   }
   for (const Piece& piece : asked.pieces) {
@@ -157,6 +159,12 @@ void Oracle::answer_sent(ClientId client) {
   if (entry != sessions_.end()) {
     --entry->second.outstanding;
     accept_backlog(entry->second);
+  }
+}
+
+void Oracle::paused(ClientId client, bool is_paused) {
+  if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
+    entry->second.paused_since = is_paused ? std::optional(schedule_.now()) : std::nullopt;
   }
 }
 

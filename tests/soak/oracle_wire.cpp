@@ -86,6 +86,9 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   check_stops_first(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
   set_times(flight);
+  if (flight.expects_answer) {
+    ++book.lanes[flight.address].unanswered;
+  }
   if (!is_tcp(bus)) {
     check_quarantine(flight);
     book.own_end = flight.end;
@@ -137,7 +140,9 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
   const drive::DeviceTiming timing =
       asked.door->device ? devices_[*asked.door->device].settings().timing : drive::DeviceTiming{};
   if (asked.kind == Kind::stop) {
-    return asked.surely_on_wire && piece.sent > timing.stop_retries ? "stop_too_often" : "";
+    const bool is_shared = (modbus::load_be16(piece.pdu, 3) & 0xFFFU) == 0xFFFU;
+    return asked.surely_on_wire && !is_shared && piece.sent > timing.stop_retries ? "stop_too_often"
+                                                                                  : "";
   }
   if (!asked.is_accepted) {
     return "pipeline";
@@ -212,6 +217,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
                                                                         : asked.pieces.front());
   asked.maybe_on_wire = true;
   asked.surely_on_wire = asked.surely_on_wire || alone;
+  note_write_event(asked);
   std::erase(books_[flight.bus].stops, &asked);
   if (!asked.replies &&
       std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {
@@ -250,7 +256,7 @@ void Oracle::check_stops_first(const Flight& flight) {
     return;
   }
   for (const Asked* stop : books_[flight.bus].stops) {
-    if (stop->accepted < schedule_.now() && !lets_writes_go(*stop)) {
+    if (stop->accepted < schedule_.now() && !lets_writes_go(*stop) && is_surely_open(*stop)) {
       violation("stop_overtaken", name(*stop) + " by " + name(flight));
       return;
     }
@@ -295,7 +301,6 @@ void Oracle::check_quarantine(const Flight& flight) {
     }
   }
   if (flight.expects_answer) {
-    ++lane.unanswered;
     lane.owed.push_back(flight.number);
   }
 }
@@ -401,7 +406,8 @@ void Oracle::check_waiting() {
     for (Asked* stop : book.stops) {
       const Instant limit = std::max(held, *stop->waits_from) + settings.stop_wait +
                             settings.frame_gap.value_or(timing.t3_5()) + 1us;
-      if (now > limit && !stop->overdue_reported && !is_tcp(bus) && !lets_writes_go(*stop)) {
+      if (now > limit && !stop->overdue_reported && !is_tcp(bus) && !lets_writes_go(*stop) &&
+          is_surely_open(*stop)) {
         stop->overdue_reported = true;
         violation("stop_late", name(*stop));
       }

@@ -260,7 +260,10 @@ void SerialWire::damage(Frame& frame) {
       }
       return;
     case 1: frame.erase(frame.begin() + place); return;
-    default: frame.insert(frame.begin() + place, frame[static_cast<std::size_t>(place)]); return;
+    default:
+      // Not the last one: the frame itself would still be whole.
+      frame.insert(frame.begin() + place / 2, frame[static_cast<std::size_t>(place / 2)]);
+      return;
   }
 }
 
