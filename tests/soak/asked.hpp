@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// A request as the oracle knows it: what must go over the wire for it, and what its answer may be.
+// Nothing here comes from the product but the bytes of the client's own request.
+#pragma once
+
+#include <bitset>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "gateway/event.hpp"
+#include "modbus/request.hpp"
+#include "soak/plan.hpp"
+
+namespace mbgate::soak {
+
+using gateway::ClientId;
+using PduBytes = std::vector<std::uint8_t>;
+
+/// One transaction of a request as it must look on the wire.
+struct Piece {
+  std::size_t bus = 0;
+  std::uint8_t address = 0;
+  PduBytes pdu;
+  unsigned sent = 0;      ///< transmissions that were surely or perhaps for this piece
+  bool executed = false;  ///< the device has carried it out
+  bool counted = false;   ///< among those that wait for their bus
+};
+
+/// What an answer must show.
+struct ReadCheck {
+  modbus::Table table = modbus::Table::holding_registers;
+  std::uint16_t first = 0;  ///< of the device
+  std::uint16_t count = 0;
+  bool swapped = false;
+};
+
+enum class Kind : std::uint8_t { read, write, stop, broadcast, own };
+
+struct Asked {
+  std::uint64_t id = 0;
+  ClientId client{};
+  std::uint16_t transaction = 0;
+  Kind kind = Kind::read;
+  const Door* door = nullptr;
+  std::uint8_t unit = 0;
+  PduBytes pdu;  ///< of the client
+  std::vector<Piece> pieces;
+  std::optional<std::uint8_t> refused;  ///< the gateway itself must answer this exception
+  std::optional<ReadCheck> check;
+  bool replies = true;
+  bool silent = false;  ///< the device never answers it; the gateway does
+
+  Instant written;   ///< its first byte was put into the socket
+  Instant earliest;  ///< as old as the gateway may take it to be
+  Instant accepted;  ///< as early as can be
+  Instant deadline = Instant::max();
+  std::uint64_t sequence = 0;  ///< of acceptance
+  bool is_accepted = false;
+  bool ordered = false;  ///< its answer may be held back for those before it
+  bool client_gone = false;
+  bool dropped = false;               ///< a waiting write of a half-closed connection
+  std::optional<Instant> doomed;      ///< a stop has taken it back
+  std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
+  bool maybe_on_wire = false;
+  bool surely_on_wire = false;
+  std::bitset<256> device_exceptions;  ///< given to transmissions that may be its own
+  bool overdue_reported = false;
+
+  [[nodiscard]] bool is_read() const { return kind == Kind::read; }
+  [[nodiscard]] bool changes() const { return kind != Kind::read && kind != Kind::own; }
+};
+
+}  // namespace mbgate::soak

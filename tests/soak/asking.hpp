@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Makes requests: what a client writes, and, worked out by rules of its own, what must go over the
+// wire for it. Every write carries values that no other write to its register has.
+#pragma once
+
+#include <array>
+
+#include "soak/asked.hpp"
+#include "soak/registers.hpp"
+
+namespace mbgate::soak {
+
+class Asking {
+ public:
+  Asking(const SoakPlan& plan, Random& random);
+
+  /// A request that fits the client's manners, through a door of its listener.
+  Asked make(const Manners& manners);
+  /// A read that shows that a device is back.
+  Asked fresh_read(const Door& door);
+  /// Input registers of the gateway's own unit.
+  static Asked own_read(std::uint16_t first, std::uint16_t count);
+
+ private:
+  const Door* door_of(std::size_t listener, bool broadcast);
+  Asked read(const Door& door, bool popular);
+  Asked write(const Door& door);
+  Asked stop(const Door& door);
+  Asked broadcast(const Door& door);
+  Asked malformed(const Door& door);
+  void single(Asked& asked, unsigned address, std::uint16_t value) const;
+  void multiple(Asked& asked, unsigned first, unsigned count);
+  void plan_read(Asked& asked, modbus::Table table, unsigned first, unsigned count) const;
+  void add_piece(Asked& asked, PduBytes pdu) const;
+  [[nodiscard]] const drive::Device& device_of(const Asked& asked) const {
+    return plan_.settings.devices[*asked.door->device];
+  }
+  std::uint16_t next_value(const Asked& asked, unsigned address);
+
+  const SoakPlan& plan_;
+  Random& random_;
+  std::vector<std::array<std::uint16_t, kRegisters>> counters_;
+  std::vector<std::vector<const Door*>> device_doors_;  // by listener
+  std::vector<std::vector<const Door*>> broadcast_doors_;
+  std::uint16_t broadcasts_ = 0;
+};
+
+}  // namespace mbgate::soak

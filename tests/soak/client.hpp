@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// A client as a person with bad manners would write one: bursts, pieces, stalls, sudden ends. It
+// keeps what it has written but the gateway does not read at present, as a socket does.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "gateway/gateway.hpp"
+#include "soak/asking.hpp"
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+class Client {
+ public:
+  struct Tools {
+    gateway::Gateway& gateway;
+    Oracle& oracle;
+    Schedule& schedule;
+    Random& random;
+    Report& report;
+    Asking& asking;
+    std::function<void()> drain;  ///< does what the gateway has asked for
+    std::function<ClientId()> new_number;
+  };
+  Client(const Manners& manners, Tools& tools) : manners_(manners), tools_(tools) {}
+
+  /// Connects some time, and behaves as it is used to until it is told to stop.
+  void begin();
+  void end_asking() { asking_ = false; }
+  /// Takes all answers from now on.
+  void end_stall();
+
+  [[nodiscard]] ClientId number() const { return number_; }
+  [[nodiscard]] bool is_connected() const { return connected_; }
+
+  // What the gateway asks for.
+  void take(Bytes adu);
+  void pause() {
+    paused_ = true;
+    tools_.oracle.paused(number_, true);
+  }
+  void resume();
+  void closed_by_gateway();
+
+  /// Connects for good if it is not connected; puts a request into the socket.
+  void connect();
+  std::uint64_t write(Asked asked);
+
+ private:
+  void act();
+  void ask_some();
+  void put_foreign();
+  void push(std::size_t bytes);
+  void feed();
+  void vanish();
+  void half_close();
+  void reconnect_later();
+  void plan_next();
+  void confirm();
+
+  Manners manners_;
+  Tools& tools_;
+  ClientId number_{};
+  bool asking_ = true;
+  bool connected_ = false;
+  bool paused_ = false;
+  bool stalled_ = false;
+  bool half_closed_ = false;
+  bool fin_read_ = false;
+  std::uint64_t life_ = 0;  ///< of the connection; events of an earlier one are void
+  std::uint16_t transactions_ = 0;
+  std::size_t unconfirmed_ = 0;
+  std::deque<std::uint8_t> unwritten_;  ///< the client still has it
+  std::deque<std::uint8_t> socket_;     ///< written, not read
+  struct Mark {
+    std::uint64_t end;  ///< of the request, in bytes since the connection began
+    std::uint64_t id;
+  };
+  std::deque<Mark> marks_;
+  std::uint64_t made_ = 0;
+  std::uint64_t read_ = 0;
+};
+
+}  // namespace mbgate::soak

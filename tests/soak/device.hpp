@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// A device of the soak: carries requests out on its registers at one instant. How and when its
+// answer goes out is the line's business.
+#pragma once
+
+#include <optional>
+
+#include "drive/device.hpp"
+#include "modbus/pdu.hpp"
+#include "soak/registers.hpp"
+
+namespace mbgate::soak {
+
+class SoakDevice {
+ public:
+  SoakDevice(const drive::Device& settings, std::uint64_t salt)
+      : settings_(settings), registers_(salt) {}
+
+  [[nodiscard]] const drive::Device& settings() const { return settings_; }
+  [[nodiscard]] const Registers& registers() const { return registers_; }
+  [[nodiscard]] bool is_dead(Instant now) const { return now < dead_until_; }
+  void die_until(Instant until) { dead_until_ = std::max(dead_until_, until); }
+  void revive() { dead_until_ = Instant::min(); }
+
+  /// What became of a request.
+  struct Outcome {
+    std::optional<modbus::Pdu> answer;  ///< none: it is never answered
+    bool slow = false;
+  };
+  Outcome carry_out(const modbus::Pdu& request, Instant now);
+
+ private:
+  [[nodiscard]] modbus::Pdu read(const modbus::Request& request, Instant now) const;
+  void write(const modbus::Request& request, Instant now);
+
+  drive::Device settings_;
+  Registers registers_;
+  Instant dead_until_ = Instant::min();
+};
+
+}  // namespace mbgate::soak

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The far end of a downstream TCP bus: answers come late, in another order, in pieces of any size,
+// with identifiers that nobody used; connections break. Nothing is damaged on the way.
+#pragma once
+
+#include "soak/surroundings.hpp"
+
+namespace mbgate::soak {
+
+class FarServer {
+ public:
+  FarServer(std::size_t bus, Surroundings& around);
+
+  void reset();
+  void transmit(const Flight& flight);
+  void calm_down() { rates_ = FaultRates{}; }
+  void begin_trouble();
+
+ private:
+  void heard(std::uint64_t number);
+  void answer(std::uint64_t number, std::uint16_t identifier, std::uint8_t unit,
+              const modbus::Pdu& pdu);
+  void flush(std::size_t bytes);
+  void kill_a_device();
+  [[nodiscard]] bool happens(unsigned permille, const char* kind);
+
+  std::size_t bus_;
+  Surroundings& around_;
+  FaultRates rates_;
+  std::vector<SoakDevice*> devices_;
+  std::vector<std::uint8_t> stream_;
+  std::deque<std::pair<std::size_t, std::uint64_t>> ends_;  ///< of answers in the stream
+  std::uint64_t epoch_ = 0;
+};
+
+}  // namespace mbgate::soak

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// Knows what is right. It sees what clients write and get, and what goes over the wires, and
+// nothing of the product's inside; which request a transmission is for it works out from the frame.
+// Where several requests may be meant (shared reads), it takes the one that makes the product
+// right.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <unordered_map>
+
+#include "bus/job.hpp"
+#include "soak/asked.hpp"
+#include "soak/device.hpp"
+#include "soak/report.hpp"
+#include "soak/schedule.hpp"
+
+namespace mbgate::soak {
+
+using gateway::ClientId;
+using modbus::Bytes;
+
+/// A transmission of the gateway.
+struct Flight {
+  std::uint64_t number = 0;
+  std::size_t bus = 0;
+  std::uint8_t address = 0;
+  std::uint16_t identifier = 0;  ///< on TCP buses
+  PduBytes pdu;
+  std::vector<std::uint64_t> asked;  ///< requests that it may be for
+  bool is_stop = false;
+  bool is_write = false;
+  bool is_broadcast = false;
+  bool expects_answer = true;
+  Instant begin;
+  Instant end;
+  Instant deadline;          ///< the first byte of its answer must be there
+  Instant quarantine_until;  ///< a later answer is still kept from others
+};
+
+class Oracle {
+ public:
+  using Devices = std::deque<SoakDevice>;  // as in the settings
+  Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& schedule, Report& report);
+
+  // oracle_clients.cpp
+  void connect(ClientId client, std::size_t listener);
+  /// The request's first byte was put into the socket at `written`. Returns its number.
+  std::uint64_t ask(ClientId client, Asked asked);
+  /// The gateway has its last byte.
+  void delivered(ClientId client, std::uint64_t id);
+  void answer_sent(ClientId client);
+  /// What it writes meanwhile counts as old as the pause.
+  void paused(ClientId client, bool is_paused);
+  void half_closed(ClientId client);
+  void gone(ClientId client);
+  /// The gateway has closed a half-closed connection: nothing of it may be open.
+  void closed(ClientId client);
+  void answered(ClientId client, Bytes adu);
+  [[nodiscard]] std::size_t open_of(ClientId client) const;
+  [[nodiscard]] std::size_t open() const { return open_.size(); }
+  /// Requests with a good answer so far: a glance for the quiet phase.
+  [[nodiscard]] bool was_answered_well(std::uint64_t id) const { return well_ && *well_ == id; }
+  /// The data of the last answer of the gateway's own unit.
+  [[nodiscard]] const PduBytes& own_answer() const { return own_answer_; }
+
+  // oracle_wire.cpp
+  void bus_opened(std::size_t bus);
+  void bus_lost(std::size_t bus);
+  /// The gateway begins to transmit.
+  Flight& transmitted(std::size_t bus, Bytes frame);
+  [[nodiscard]] Flight* flight(std::uint64_t number);
+  void executed(const Flight& flight);
+  void excepted(const Flight& flight, std::uint8_t code);
+  /// Bytes were handed to the gateway.
+  void bytes_came(std::size_t bus) { books_[bus].last_byte = schedule_.now(); }
+  /// A whole good frame of the address was handed to it.
+  /// The device's answer came in no shape to be read: nothing is owed any more, but the gateway
+  /// cannot know.
+  void damage_came(std::size_t bus, std::uint8_t address);
+  void frame_came(std::size_t bus, std::uint8_t address);
+  /// The TCP answer with the identifier was handed to it.
+  void tcp_answer_came(std::uint64_t number);
+  [[nodiscard]] bool owes(std::size_t bus, std::uint8_t address) const {
+    return !books_[bus].lanes[address].owed.empty();
+  }
+
+  /// To be called after every input of the gateway: what has waited too long, what is too much.
+  void check_waiting();
+  void check_overdue();
+  /// Everything must be over.
+  void check_finished();
+  static std::string hex(Bytes bytes);
+  void violation(const std::string& kind, const std::string& text) const;
+
+  struct BusCount {
+    std::uint64_t transmissions = 0;
+    std::uint64_t broadcasts = 0;
+    std::uint64_t losses = 0;
+  };
+  [[nodiscard]] const BusCount& count(std::size_t bus) const { return books_[bus].count; }
+  [[nodiscard]] std::uint64_t least_requests() const { return sequence_; }
+
+ private:
+  struct Session {
+    std::size_t listener = 0;
+    bool half_closed = false;
+    std::optional<Instant> paused_since;
+    std::size_t outstanding = 0;
+    std::deque<std::uint64_t> backlog;  ///< delivered, not accepted
+    std::deque<std::uint64_t> order;    ///< accepted, not answered
+    std::unordered_map<std::uint16_t, std::uint64_t> by_transaction;
+    std::deque<std::uint16_t> answered;  ///< the last transactions that are done
+    std::deque<std::uint16_t> silent;    ///< done without a reply; a failure may still be told
+  };
+  /// An address on a bus.
+  struct Lane {
+    std::optional<std::size_t> device;
+    std::vector<Asked*> open;
+    std::deque<std::uint64_t> owed;         ///< transmissions that no good frame has answered
+    Instant last_offline = Instant::min();  ///< it may have been offline then
+    unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
+    Instant last_write_event = Instant::min();
+    Instant last_stop = Instant::min();
+  };
+  struct Book {
+    std::array<Lane, 256> lanes;
+    bool open = false;
+    Instant last_down = Instant::min();
+    Instant last_full = Instant::min();
+    Instant own_end = Instant::min();
+    Instant last_byte = Instant::min();
+    Instant turnaround_end = Instant::min();
+    std::size_t waiting = 0;            ///< requests that are surely in its queue
+    std::size_t present = 0;            ///< requests that may be
+    std::vector<Asked*> stops;          ///< that wait
+    std::vector<std::uint64_t> flying;  ///< on TCP buses
+    BusCount count;
+  };
+  struct Done {
+    std::uint64_t id;
+    std::size_t bus;
+    std::uint8_t address;
+    PduBytes pdu;
+    std::string how;
+  };
+
+  // oracle_clients.cpp
+  void accept_backlog(Session& session);
+  void forget_gone_stops();
+  void accept(Asked& asked);
+  void cancel_for_stop(const Asked& stop);
+  void close(Asked& asked, const std::string& how);
+  void end_without_reply(Asked& asked);
+  void note_write_event(const Asked& asked);
+  void leave_queue(Piece& piece);
+  /// Answers of ordered listeners are held back: only the oldest request is known to be open.
+  [[nodiscard]] bool is_surely_open(const Asked& asked) const;
+
+  // oracle_answers.cpp
+  void judge(Asked& asked, Bytes pdu);
+  void device_answered(const Asked& asked);
+  [[nodiscard]] bool is_past_offline(const Asked& asked, const Lane& lane) const;
+  void judge_exception(const Asked& asked, std::uint8_t code);
+  void judge_busy(const Asked& asked);
+  void judge_no_path(const Asked& asked);
+  void judge_no_response(const Asked& asked);
+  void judge_data(const Asked& asked, Bytes pdu);
+  void judge_bits(const Asked& asked, Bytes pdu);
+  void judge_write(const Asked& asked, Bytes pdu);
+  [[nodiscard]] Span span_of(const Asked& asked) const;
+  void judge_place(const Asked& asked);
+  void wrong_data(const Asked& asked, const std::string& text);
+  [[nodiscard]] bool may_be_offline(const Asked& asked) const;
+
+  // oracle_wire.cpp
+  bool take_apart(Bytes frame, Flight& flight);
+  void check_silence(const Flight& flight);
+  void check_quarantine(const Flight& flight);
+  void attribute(Flight& flight);
+  bool fits(const Asked& asked, const Piece& piece, const Flight& flight) const;
+  [[nodiscard]] std::string objection(const Asked& asked, const Piece& piece) const;
+  void unknown_transmission(const Flight& flight);
+  void note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone);
+  void check_order(const Asked& asked, const Flight& flight);
+  [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
+  void check_stops_first(const Flight& flight);
+  void check_tcp(const Flight& flight);
+  void set_times(Flight& flight);
+
+  [[nodiscard]] std::string name(const Asked& asked) const;
+  [[nodiscard]] std::string name(const Flight& flight) const;
+  [[nodiscard]] const gateway::BusSettings& bus_settings(std::size_t bus) const {
+    return plan_.settings.buses[bus];
+  }
+  [[nodiscard]] bool is_tcp(std::size_t bus) const {
+    return bus_settings(bus).line.framing == bus::Framing::tcp;
+  }
+
+  const SoakPlan& plan_;
+  const Devices& devices_;
+  const Schedule& schedule_;
+  Report& report_;
+  std::map<ClientId, Session> sessions_;
+  std::unordered_map<std::uint64_t, std::unique_ptr<Asked>> open_;
+  std::vector<Book> books_;
+  std::deque<Flight> flights_;
+  std::deque<Done> done_;
+  std::uint64_t ids_ = 0;
+  std::uint64_t sequence_ = 0;
+  std::uint64_t flight_count_ = 0;
+  std::optional<std::uint64_t> well_;
+  PduBytes own_answer_;
+};
+
+}  // namespace mbgate::soak

@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: Apache-2.0
+// The oracle's book of clients: what they asked, and when the gateway can first have taken it.
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+namespace {
+
+constexpr std::size_t kAnsweredKept = 256;
+constexpr std::size_t kDoneKept = 400;
+constexpr Duration kStopLife = std::chrono::seconds(20);
+constexpr Duration kOverdue = std::chrono::seconds(30);
+
+}  // namespace
+
+Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& schedule,
+               Report& report)
+    : plan_(plan),
+      devices_(devices),
+      schedule_(schedule),
+      report_(report),
+      books_(plan.settings.buses.size()) {
+  for (std::size_t index = 0; index < plan.settings.devices.size(); ++index) {
+    const drive::Device& device = plan.settings.devices[index];
+    books_[static_cast<std::size_t>(device.bus)].lanes[device.address].device = index;
+  }
+}
+
+void Oracle::connect(ClientId client, std::size_t listener) {
+  sessions_[client].listener = listener;
+}
+
+std::uint64_t Oracle::ask(ClientId client, Asked asked) {
+  asked.id = ++ids_;
+  asked.client = client;
+  asked.written = schedule_.now();
+  const auto& pause = sessions_.at(client).paused_since;
+  asked.earliest = pause.value_or(asked.written);
+  sessions_.at(client).by_transaction[asked.transaction] = asked.id;
+  open_.emplace(asked.id, std::make_unique<Asked>(std::move(asked)));
+  ++report_.requests;
+  return ids_;
+}
+
+void Oracle::delivered(ClientId client, std::uint64_t id) {
+  Session& session = sessions_.at(client);
+  session.backlog.push_back(id);
+  accept_backlog(session);
+}
+
+void Oracle::accept_backlog(Session& session) {
+  const std::size_t pipeline = plan_.settings.listeners[session.listener].pipeline;
+  while (!session.backlog.empty() && session.outstanding < pipeline) {
+    Asked& asked = *open_.at(session.backlog.front());
+    session.backlog.pop_front();
+    ++session.outstanding;
+    session.order.push_back(asked.id);
+    asked.dropped = session.half_closed && asked.changes();
+    asked.ordered = plan_.settings.listeners[session.listener].ordered;
+    accept(asked);
+  }
+}
+
+void Oracle::accept(Asked& asked) {
+  asked.is_accepted = true;
+  asked.accepted = schedule_.now();
+  asked.sequence = ++sequence_;
+  if (asked.door == nullptr) {
+    return;
+  }
+  if (asked.kind != Kind::stop) {
+    asked.deadline =
+        asked.written + (asked.is_read() ? asked.door->read_deadline : asked.door->write_deadline);
+  }
+  if (asked.refused) {
+    return;
+  }
+  if (asked.kind == Kind::stop && !asked.dropped) {
+    cancel_for_stop(asked);
+  }
+  for (Piece& piece : asked.pieces) {
+    Book& book = books_[piece.bus];
+    if (&piece == &asked.pieces.front() || piece.bus != asked.pieces.front().bus) {
+      if (book.present >= bus_settings(piece.bus).queue) {
+        book.last_full = schedule_.now();
+      }
+      ++book.present;
+      if (asked.kind != Kind::stop && !asked.dropped && !asked.ordered) {
+        piece.counted = true;
+        ++book.waiting;
+      }
+    }
+    auto& lane = book.lanes[piece.address].open;
+    if (lane.empty() || lane.back() != &asked) {
+      lane.push_back(&asked);
+    }
+    if (asked.kind == Kind::stop && book.open && !asked.dropped) {
+      asked.waits_from = schedule_.now();
+      book.stops.push_back(&asked);
+      for (const std::uint64_t number : book.flying) {
+        Flight* running = flight(number);
+        running->deadline =
+            std::min(running->deadline, schedule_.now() + bus_settings(piece.bus).stop_wait);
+      }
+    }
+  }
+}
+
+// Writes to the same device that wait will never be sent.
+void Oracle::cancel_for_stop(const Asked& stop) {
+  const Piece& piece = stop.pieces.front();
+  Lane& lane = books_[piece.bus].lanes[piece.address];
+  lane.last_stop = schedule_.now();
+  if (!devices_[*stop.door->device].settings().stop_cancels) {
+    return;
+  }
+  for (Asked* asked : lane.open) {
+    if (asked->kind == Kind::write && !asked->doomed) {
+      asked->doomed = schedule_.now();
+    }
+  }
+}
+
+// Only what was on the wire was surely accepted, and ended.
+void Oracle::note_write_event(const Asked& asked) {
+  if (!asked.changes() || asked.refused || !asked.surely_on_wire || asked.ordered) {
+    return;
+  }
+  for (const Piece& piece : asked.pieces) {
+    if (asked.kind != Kind::broadcast) {
+      books_[piece.bus].lanes[piece.address].last_write_event = schedule_.now();
+      continue;
+    }
+    for (Lane& lane : books_[piece.bus].lanes) {
+      lane.last_write_event = schedule_.now();
+    }
+  }
+}
+
+bool Oracle::is_surely_open(const Asked& asked) const {
+  if (!asked.ordered) {
+    return true;
+  }
+  const auto entry = sessions_.find(asked.client);
+  return entry != sessions_.end() && !entry->second.order.empty() &&
+         entry->second.order.front() == asked.id;
+}
+
+void Oracle::leave_queue(Piece& piece) {
+  if (piece.counted) {
+    piece.counted = false;
+    --books_[piece.bus].waiting;
+  }
+}
+
+void Oracle::answer_sent(ClientId client) {
+  const auto entry = sessions_.find(client);
+  if (entry != sessions_.end()) {
+    --entry->second.outstanding;
+    accept_backlog(entry->second);
+  }
+}
+
+void Oracle::paused(ClientId client, bool is_paused) {
+  if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
+    entry->second.paused_since = is_paused ? std::optional(schedule_.now()) : std::nullopt;
+  }
+}
+
+void Oracle::half_closed(ClientId client) {
+  Session& session = sessions_.at(client);
+  session.half_closed = true;
+  for (const std::uint64_t id : session.order) {
+    Asked& asked = *open_.at(id);
+    if (asked.kind == Kind::write || asked.kind == Kind::broadcast) {
+      asked.dropped = true;
+    }
+  }
+}
+
+void Oracle::gone(ClientId client) {
+  const auto entry = sessions_.find(client);
+  if (entry == sessions_.end()) {
+    return;
+  }
+  std::vector<std::uint64_t> ids;
+  for (const auto& [transaction, id] : entry->second.by_transaction) {
+    ids.push_back(id);
+  }
+  std::ranges::sort(ids);
+  for (const std::uint64_t id : ids) {
+    Asked& asked = *open_.at(id);
+    if (asked.kind == Kind::stop && asked.waits_from) {
+      asked.client_gone = true;  // it goes all the same
+      continue;
+    }
+    close(asked, "for_gone_client");
+  }
+  sessions_.erase(entry);
+}
+
+// It frees its place at the end of its transmission; taken a little earlier here, which only errs
+// to the permissive side.
+void Oracle::end_without_reply(Asked& asked) {
+  const auto entry = sessions_.find(asked.client);
+  if (entry != sessions_.end()) {
+    Session& session = entry->second;
+    session.by_transaction.erase(asked.transaction);
+    session.silent.push_back(asked.transaction);
+    std::erase(session.order, asked.id);
+    --session.outstanding;
+    close(asked, "after_answer");
+    accept_backlog(session);
+  }
+}
+
+void Oracle::closed(ClientId client) {
+  const auto entry = sessions_.find(client);
+  if (entry == sessions_.end()) {
+    return;
+  }
+  for (const auto& [transaction, id] : entry->second.by_transaction) {
+    const Asked& asked = *open_.at(id);
+    if (asked.replies) {
+      violation("closed_with_request", name(asked));
+    }
+  }
+  gone(client);
+}
+
+void Oracle::close(Asked& asked, const std::string& how) {
+  bool present = asked.is_accepted && !asked.refused;
+  for (Piece& piece : asked.pieces) {
+    Book& book = books_[piece.bus];
+    leave_queue(piece);
+    if (present) {
+      --book.present;
+      present = asked.kind == Kind::broadcast;
+    }
+    std::erase(book.lanes[piece.address].open, &asked);
+    std::erase(book.stops, &asked);
+    done_.push_back({asked.id, piece.bus, piece.address, std::move(piece.pdu), how});
+  }
+  while (done_.size() > kDoneKept) {
+    done_.pop_front();
+  }
+  open_.erase(asked.id);
+}
+
+std::size_t Oracle::open_of(ClientId client) const {
+  const auto entry = sessions_.find(client);
+  return entry == sessions_.end() ? 0 : entry->second.by_transaction.size();
+}
+
+void Oracle::answered(ClientId client, Bytes adu) {
+  const auto entry = sessions_.find(client);
+  if (entry == sessions_.end()) {
+    violation("answer_to_nobody", "an answer for a client that has gone");
+    return;
+  }
+  Session& session = entry->second;
+  const std::uint16_t transaction = modbus::load_be16(adu, 0);
+  if (adu.size() < 9 || modbus::load_be16(adu, 2) != 0 ||
+      modbus::load_be16(adu, 4) != adu.size() - 6) {
+    violation("malformed_answer", "an answer of " + std::to_string(adu.size()) + " bytes");
+    return;
+  }
+  const auto place = session.by_transaction.find(transaction);
+  if (place == session.by_transaction.end()) {
+    if (std::erase(session.silent, transaction) > 0) {
+      ++session.outstanding;
+      return;
+    }
+    const bool again = std::ranges::find(session.answered, transaction) != session.answered.end();
+    violation(again ? "second_answer" : "unknown_answer",
+              "transaction " + std::to_string(transaction));
+    return;
+  }
+  Asked& asked = *open_.at(place->second);
+  if (!asked.is_accepted) {
+    violation("pipeline", "answered before its place was free: " + name(asked));
+    std::erase(session.backlog, asked.id);
+    ++session.outstanding;
+  }
+  if (adu[6] != asked.unit) {
+    violation("identifier", "unit " + std::to_string(adu[6]) + " for " + name(asked));
+  }
+  if (plan_.settings.listeners[session.listener].ordered && !session.order.empty()) {
+    const Asked& oldest = *open_.at(session.order.front());
+    if (oldest.id != asked.id && oldest.replies) {
+      violation("answer_order", name(asked) + " before " + name(oldest));
+    }
+  }
+  session.by_transaction.erase(place);
+  session.answered.push_back(transaction);
+  if (session.answered.size() > kAnsweredKept) {
+    session.answered.pop_front();
+  }
+  std::erase(session.order, asked.id);
+  judge(asked, adu.subspan(7));
+}
+
+void Oracle::check_overdue() {
+  const Instant now = schedule_.now();
+  forget_gone_stops();
+  std::vector<Asked*> late;
+  for (const auto& [id, asked] : open_) {
+    const Instant since = asked->deadline == Instant::max() ? asked->accepted : asked->deadline;
+    if (asked->is_accepted && !asked->client_gone && !asked->overdue_reported &&
+        now > since + kOverdue) {
+      late.push_back(asked.get());
+    }
+  }
+  std::ranges::sort(late, {}, &Asked::id);
+  for (Asked* asked : late) {
+    asked->overdue_reported = true;
+    violation("stuck", name(*asked) + " has no answer 30 s after its deadline");
+  }
+}
+
+// Stops are sent though their client has gone, and nobody is told of their end.
+void Oracle::forget_gone_stops() {
+  std::vector<Asked*> over;
+  for (const auto& [id, asked] : open_) {
+    if (asked->client_gone && schedule_.now() > asked->accepted + kStopLife) {
+      over.push_back(asked.get());
+    }
+  }
+  for (Asked* asked : over) {
+    close(*asked, "stop_too_late");
+  }
+}
+
+void Oracle::check_finished() {
+  for (const auto& [client, session] : sessions_) {
+    for (const auto& [transaction, id] : session.by_transaction) {
+      violation("unanswered", name(*open_.at(id)));
+      break;
+    }
+  }
+  for (std::size_t bus = 0; bus < books_.size(); ++bus) {
+    if (books_[bus].waiting > 0) {
+      violation("queue_not_empty", bus_settings(bus).name + ": " +
+                                       std::to_string(books_[bus].waiting) + " requests wait");
+    }
+  }
+}
+
+void Oracle::violation(const std::string& kind, const std::string& text) const {
+  const auto at =
+      std::chrono::duration_cast<std::chrono::microseconds>(schedule_.now().time_since_epoch());
+  report_.violation(kind, "at " + std::to_string(at.count()) + " us: " + text);
+}
+
+std::string Oracle::name(const Asked& asked) const {
+  constexpr char kDigits[] = "0123456789ABCDEF";
+  std::string text = "client " + std::to_string(static_cast<std::uint64_t>(asked.client)) +
+                     " transaction " + std::to_string(asked.transaction) + " unit " +
+                     std::to_string(asked.unit) + " pdu ";
+  for (const std::uint8_t byte : asked.pdu) {
+    text += {kDigits[byte >> 4U], kDigits[byte & 15U]};
+  }
+  if (!asked.pieces.empty()) {
+    text += " (" + bus_settings(asked.pieces.front().bus).name + " address " +
+            std::to_string(asked.pieces.front().address) + ")";
+  }
+  return text;
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: Apache-2.0
+// The oracle's view of the wires: which request a transmission is for, and whether it may begin
+// now.
+#include <algorithm>
+
+#include "modbus/ascii.hpp"
+#include "modbus/rtu.hpp"
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr std::size_t kFlightsKept = 2000;
+
+bool is_read_function(std::uint8_t function) { return function >= 1 && function <= 4; }
+
+}  // namespace
+
+std::string Oracle::hex(Bytes bytes) {
+  constexpr char kDigits[] = "0123456789ABCDEF";
+  std::string text;
+  for (const std::uint8_t byte : bytes) {
+    text += {kDigits[byte >> 4U], kDigits[byte & 15U]};
+  }
+  return text;
+}
+
+std::string Oracle::name(const Flight& flight) const {
+  return bus_settings(flight.bus).name + " address " + std::to_string(flight.address) + " pdu " +
+         hex(flight.pdu);
+}
+
+void Oracle::bus_opened(std::size_t bus) {
+  Book& book = books_[bus];
+  book.open = true;
+  book.last_byte = schedule_.now();
+  for (Lane& lane : book.lanes) {
+    lane.owed.clear();
+  }
+}
+
+void Oracle::bus_lost(std::size_t bus) {
+  Book& book = books_[bus];
+  book.count.losses += book.open ? 1U : 0U;
+  book.open = false;
+  book.last_down = schedule_.now();
+  book.stops.clear();
+  book.flying.clear();
+}
+
+Flight* Oracle::flight(std::uint64_t number) {
+  if (flights_.empty() || number < flights_.front().number) {
+    return nullptr;
+  }
+  return &flights_[number - flights_.front().number];
+}
+
+Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
+  ++report_.transmissions;
+  Flight& flight = flights_.emplace_back();
+  flight.number = ++flight_count_;
+  flight.bus = bus;
+  flight.begin = schedule_.now();
+  if (flights_.size() > kFlightsKept) {
+    flights_.pop_front();
+  }
+  Book& book = books_[bus];
+  ++book.count.transmissions;
+  if (!book.open) {
+    violation("closed_line", "transmission on " + bus_settings(bus).name);
+  }
+  if (!take_apart(frame, flight)) {
+    violation("malformed_frame", hex(frame));
+    return flight;
+  }
+  flight.end = flight.begin;
+  if (!is_tcp(bus)) {
+    const auto& line = bus_settings(bus).line;
+    flight.end += modbus::RtuTiming(line.baud, line.format).duration_of(frame.size());
+  }
+  flight.is_write = !is_read_function(flight.pdu.front());
+  flight.is_broadcast = flight.address == 0 && !is_tcp(bus);
+  book.count.broadcasts += flight.is_broadcast ? 1U : 0U;
+  attribute(flight);
+  check_stops_first(flight);
+  is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
+  set_times(flight);
+  if (flight.expects_answer) {
+    ++book.lanes[flight.address].unanswered;
+  }
+  if (!is_tcp(bus)) {
+    check_quarantine(flight);
+    book.own_end = flight.end;
+    if (flight.is_broadcast) {
+      book.turnaround_end = flight.end + bus_settings(bus).turnaround;
+    }
+  }
+  return flight;
+}
+
+bool Oracle::take_apart(Bytes frame, Flight& flight) {
+  if (is_tcp(flight.bus)) {
+    if (frame.size() < 8 || modbus::load_be16(frame, 2) != 0 ||
+        modbus::load_be16(frame, 4) != frame.size() - 6) {
+      return false;
+    }
+    flight.identifier = modbus::load_be16(frame, 0);
+    flight.address = frame[6];
+    flight.pdu.assign(frame.begin() + 7, frame.end());
+    return true;
+  }
+  const auto adu = bus_settings(flight.bus).line.framing == bus::Framing::ascii
+                       ? modbus::decode_ascii(frame)
+                       : modbus::decode_rtu(frame);
+  if (adu) {
+    flight.address = adu->address;
+    flight.pdu.assign(adu->pdu.bytes().begin(), adu->pdu.bytes().end());
+  }
+  return adu.has_value();
+}
+
+bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) const {
+  if (piece.pdu == flight.pdu) {
+    return true;
+  }
+  if (!bus_settings(flight.bus).merge || !asked.is_read() || asked.pieces.size() > 1 ||
+      piece.pdu.front() != flight.pdu.front() || flight.pdu.size() != 5) {
+    return false;
+  }
+  const unsigned first = modbus::load_be16(piece.pdu, 1);
+  const unsigned merged = modbus::load_be16(flight.pdu, 1);
+  return first >= merged &&
+         first + modbus::load_be16(piece.pdu, 3) <= merged + modbus::load_be16(flight.pdu, 3);
+}
+
+// Why the piece may not be transmitted now; nothing if it may.
+std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
+  const Instant now = schedule_.now();
+  const drive::DeviceTiming timing =
+      asked.door->device ? devices_[*asked.door->device].settings().timing : drive::DeviceTiming{};
+  if (asked.kind == Kind::stop) {
+    const bool is_shared = (modbus::load_be16(piece.pdu, 3) & 0xFFFU) == 0xFFFU;
+    return asked.surely_on_wire && !is_shared && piece.sent > timing.stop_retries ? "stop_too_often"
+                                                                                  : "";
+  }
+  if (!asked.is_accepted) {
+    return "pipeline";
+  }
+  if (asked.dropped && piece.sent == 0) {
+    return "for_half_closed_client";
+  }
+  if (now >= asked.deadline) {
+    return "late_command";
+  }
+  if (asked.doomed && now > *asked.doomed && piece.sent == 0) {
+    return "cancelled_write";
+  }
+  const bool once = asked.changes() && !timing.retry_writes;
+  if (asked.changes() && piece.sent > (once ? 0 : timing.retries)) {
+    return "write_twice";
+  }
+  return "";
+}
+
+// Takes the requests that the frame may be for and speaks against none of them.
+void Oracle::attribute(Flight& flight) {
+  const Lane& lane = books_[flight.bus].lanes[flight.address];
+  std::vector<std::pair<Asked*, Piece*>> meant;
+  std::string against;
+  for (Asked* asked : lane.open) {
+    for (Piece& piece : asked->pieces) {
+      if (piece.bus != flight.bus || !fits(*asked, piece, flight)) {
+        continue;
+      }
+      const std::string reason = objection(*asked, piece);
+      if (reason.empty()) {
+        meant.emplace_back(asked, &piece);
+        break;
+      }
+      if (against.empty()) {
+        against = reason + "|" + name(*asked);
+      }
+    }
+  }
+  if (meant.empty() && !against.empty()) {
+    const auto border = against.find('|');
+    violation(against.substr(0, border), name(flight) + " for " + against.substr(border + 1));
+  } else if (meant.empty()) {
+    unknown_transmission(flight);
+  }
+  for (const auto& [asked, piece] : meant) {
+    flight.asked.push_back(asked->id);
+    note_sent(*asked, *piece, flight, meant.size() == 1);
+  }
+}
+
+void Oracle::unknown_transmission(const Flight& flight) {
+  for (auto done = done_.rbegin(); done != done_.rend(); ++done) {
+    if (done->bus == flight.bus && done->address == flight.address && done->pdu == flight.pdu) {
+      violation(done->how, name(flight));
+      return;
+    }
+  }
+  violation("unknown_transmission", name(flight));
+}
+
+void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone) {
+  Flight& mine = const_cast<Flight&>(flight);
+  mine.is_stop = mine.is_stop || asked.kind == Kind::stop;
+  mine.expects_answer = mine.expects_answer && !asked.silent && asked.kind != Kind::broadcast;
+  if (alone && !asked.maybe_on_wire && asked.kind != Kind::stop) {
+    check_order(asked, flight);
+  }
+  ++piece.sent;
+  leave_queue(asked.pieces.size() == 1 || asked.kind == Kind::broadcast ? piece
+                                                                        : asked.pieces.front());
+  asked.maybe_on_wire = true;
+  asked.surely_on_wire = asked.surely_on_wire || alone;
+  note_write_event(asked);
+  std::erase(books_[flight.bus].stops, &asked);
+  if (!asked.replies &&
+      std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {
+    end_without_reply(asked);
+  }
+}
+
+// Of one connection and one device, always in order.
+void Oracle::check_order(const Asked& asked, const Flight& flight) {
+  Book& book = books_[flight.bus];
+  const auto check = [&](const Lane& lane) {
+    for (const Asked* other : lane.open) {
+      const bool waits = std::ranges::any_of(other->pieces, [&](const Piece& piece) {
+        return piece.bus == flight.bus && piece.sent == 0;
+      });
+      if (other->client == asked.client && other->sequence < asked.sequence && waits &&
+          other->kind != Kind::stop && !other->doomed && !other->dropped &&
+          is_surely_open(*other)) {
+        violation("order", name(asked) + " before " + name(*other));
+      }
+    }
+  };
+  check(book.lanes[flight.address]);
+  if (asked.kind != Kind::broadcast && !is_tcp(flight.bus)) {
+    check(book.lanes[0]);
+  }
+}
+
+// With `stop_cancels = false` the writes that were accepted before it go first.
+bool Oracle::lets_writes_go(const Asked& stop) const {
+  return !devices_[*stop.door->device].settings().stop_cancels;
+}
+
+void Oracle::check_stops_first(const Flight& flight) {
+  if (flight.is_stop || is_tcp(flight.bus)) {
+    return;
+  }
+  for (const Asked* stop : books_[flight.bus].stops) {
+    if (stop->accepted < schedule_.now() && !lets_writes_go(*stop) && is_surely_open(*stop)) {
+      violation("stop_overtaken", name(*stop) + " by " + name(flight));
+      return;
+    }
+  }
+}
+
+void Oracle::check_silence(const Flight& flight) {
+  const Book& book = books_[flight.bus];
+  const auto& settings = bus_settings(flight.bus);
+  const modbus::RtuTiming timing(settings.line.baud, settings.line.format);
+  Duration silence = settings.frame_gap.value_or(timing.t3_5());
+  const auto& device = book.lanes[flight.address].device;
+  if (device && !flight.is_stop) {
+    silence += devices_[*device].settings().timing.gap;
+  }
+  if (flight.begin < book.own_end) {
+    violation("overlap", name(flight));
+  } else if (flight.begin < book.own_end + silence || flight.begin < book.last_byte + silence) {
+    violation("silence", name(flight));
+  }
+  if (flight.begin < book.turnaround_end) {
+    violation("turnaround", name(flight));
+  }
+}
+
+void Oracle::check_quarantine(const Flight& flight) {
+  Lane& lane = books_[flight.bus].lanes[flight.address];
+  while (!lane.owed.empty()) {
+    const Flight* owed = this->flight(lane.owed.front());
+    if (owed != nullptr && schedule_.now() < owed->quarantine_until) {
+      break;
+    }
+    lane.owed.pop_front();
+  }
+  if (!lane.owed.empty() && !flight.is_stop) {
+    const Flight& owed = *this->flight(lane.owed.back());
+    const bool again = owed.pdu == flight.pdu && std::ranges::any_of(flight.asked, [&](auto id) {
+                         return std::ranges::find(owed.asked, id) != owed.asked.end();
+                       });
+    if (!again && schedule_.now() < owed.quarantine_until) {
+      violation("quarantine", name(flight) + " while " + name(owed) + " is owed");
+    }
+  }
+  if (flight.expects_answer) {
+    lane.owed.push_back(flight.number);
+  }
+}
+
+void Oracle::check_tcp(const Flight& flight) {
+  auto& flying = books_[flight.bus].flying;
+  std::erase_if(flying, [&](std::uint64_t number) {
+    const Flight* other = this->flight(number);
+    return other == nullptr || schedule_.now() >= other->deadline;
+  });
+  for (const std::uint64_t number : flying) {
+    const Flight& other = *this->flight(number);
+    if (other.identifier == flight.identifier) {
+      violation("tcp_identifier", name(flight));
+    }
+    if (other.address == flight.address && (other.is_write || flight.is_write) && !flight.is_stop &&
+        !other.is_stop) {
+      violation("tcp_beside_write", name(flight) + " while " + name(other));
+    }
+  }
+  if (flying.size() >= bus_settings(flight.bus).outstanding && !flight.is_stop) {
+    violation("tcp_outstanding", name(flight));
+  }
+  flying.push_back(flight.number);
+}
+
+void Oracle::set_times(Flight& flight) {
+  Lane& lane = books_[flight.bus].lanes[flight.address];
+  drive::DeviceTiming timing = bus_settings(flight.bus).timing;
+  if (lane.device) {
+    const drive::Device& device = devices_[*lane.device].settings();
+    timing = device.timing;
+    timing.quarantine = device.timing.quarantine_or_default();
+    const bool slow = flight.is_write && modbus::load_be16(flight.pdu, 1) >= kSlowFrom;
+    if (slow) {
+      timing.response_timeout =
+          std::max(timing.response_timeout, device.profile.slow.front().response_timeout);
+    }
+    if (timing.offline_after > 0 && lane.unanswered >= timing.offline_after) {
+      timing.response_timeout =
+          std::min(timing.response_timeout, timing.probe_timeout_or_default());
+    }
+  }
+  flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
+  flight.quarantine_until = flight.deadline + timing.quarantine_or_default();
+}
+
+void Oracle::executed(const Flight& flight) {
+  for (const std::uint64_t id : flight.asked) {
+    if (const auto entry = open_.find(id); entry != open_.end()) {
+      for (Piece& piece : entry->second->pieces) {
+        piece.executed = piece.executed || piece.pdu == flight.pdu;
+      }
+    }
+  }
+}
+
+void Oracle::excepted(const Flight& flight, std::uint8_t code) {
+  for (const std::uint64_t id : flight.asked) {
+    if (const auto entry = open_.find(id); entry != open_.end()) {
+      entry->second->device_exceptions.set(code);
+    }
+  }
+}
+
+void Oracle::frame_came(std::size_t bus, std::uint8_t address) {
+  auto& owed = books_[bus].lanes[address].owed;
+  if (!owed.empty()) {
+    owed.pop_back();
+  }
+}
+
+void Oracle::damage_came(std::size_t bus, std::uint8_t address) {
+  for (const std::uint64_t number : books_[bus].lanes[address].owed) {
+    if (Flight* owed = flight(number)) {
+      const Duration quarantine = owed->quarantine_until - owed->deadline;
+      owed->quarantine_until = std::min(owed->quarantine_until, schedule_.now() + quarantine);
+    }
+  }
+}
+
+void Oracle::tcp_answer_came(std::uint64_t number) {
+  if (const Flight* answered = flight(number)) {
+    std::erase(books_[answered->bus].flying, number);
+  }
+}
+
+void Oracle::check_waiting() {
+  const Instant now = schedule_.now();
+  for (std::size_t bus = 0; bus < books_.size(); ++bus) {
+    Book& book = books_[bus];
+    if (book.waiting > bus_settings(bus).queue) {
+      violation("queue_limit", bus_settings(bus).name + ": " + std::to_string(book.waiting));
+    }
+    if (book.stops.empty()) {
+      continue;
+    }
+    const auto& settings = bus_settings(bus);
+    const modbus::RtuTiming timing(settings.line.baud, settings.line.format);
+    // What may hold a stop back: an own frame, a response that has begun, the turnaround delay.
+    const Duration rest = settings.line.framing == bus::Framing::ascii ? 1s : 20ms;
+    const Instant held = std::max({book.own_end, book.last_byte + rest, book.turnaround_end});
+    for (Asked* stop : book.stops) {
+      const Instant limit = std::max(held, *stop->waits_from) + settings.stop_wait +
+                            settings.frame_gap.value_or(timing.t3_5()) + 1us;
+      if (now > limit && !stop->overdue_reported && !is_tcp(bus) && !lets_writes_go(*stop) &&
+          is_surely_open(*stop)) {
+        stop->overdue_reported = true;
+        violation("stop_late", name(*stop));
+      }
+    }
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/plan.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "soak/registers.hpp"
+
+namespace mbgate::soak {
+namespace {
+
+using namespace std::chrono_literals;
+using bus::Framing;
+using drive::WordOrder;
+
+constexpr std::uint8_t kLastAddress = 40;  // those above are nobody's
+
+class Draw {
+ public:
+  explicit Draw(Random& random) : random_(random) {}
+
+  SoakPlan make() {
+    const auto buses = static_cast<std::size_t>(random_.one_of({1, 1, 2, 2, 3, 4}));
+    for (std::size_t bus = 0; bus < buses; ++bus) {
+      add_bus(bus);
+    }
+    add_listeners();
+    add_doors();
+    plan_.beyond = random_.chance(100);
+    add_clients();
+    return std::move(plan_);
+  }
+
+ private:
+  void add_bus(std::size_t index);
+  void draw_line(bus::BusSettings& bus);
+  void draw_rates(const bus::BusSettings& bus);
+  void add_device(std::size_t bus, std::uint8_t address);
+  drive::DeviceTiming draw_timing();
+  drive::Profile draw_profile();
+  void add_listeners();
+  void add_doors();
+  void add_routes(std::size_t device);
+  void add_broadcasts();
+  void add_clients();
+  void set_deadlines(Door& door, std::optional<Duration> set) const;
+  unsigned some(unsigned most) {
+    return random_.chance(300) ? 0 : static_cast<unsigned>(random_.below(most + 1));
+  }
+  [[nodiscard]] bool is_tcp(std::size_t bus) const {
+    return plan_.settings.buses[bus].line.framing == Framing::tcp;
+  }
+
+  Random& random_;
+  SoakPlan plan_;
+  std::uint8_t next_unit_ = 1;
+};
+
+void Draw::draw_line(bus::BusSettings& bus) {
+  bus.line.baud = modbus::Baud{random_.one_of<std::uint32_t>(
+      {9600, 19200, 38400, 57600, 115200, 115200, 230400, 460800, 921600})};
+  bus.line.framing = random_.one_of(
+      {Framing::rtu, Framing::rtu, Framing::rtu, Framing::rtu, Framing::ascii, Framing::tcp});
+  bus.line.echo = bus.line.framing != Framing::tcp && random_.chance(200);
+  if (bus.line.framing == Framing::tcp) {
+    bus.line.remote = bus::Endpoint{"far", 502};
+    bus.outstanding = random_.between(1, 4);
+  } else if (random_.chance(150)) {
+    bus.frame_gap = random_.duration(500us, 5ms);
+  }
+}
+
+void Draw::add_bus(std::size_t index) {
+  auto& bus = plan_.settings.buses.emplace_back();
+  bus.name = "line-" + std::to_string(index);
+  draw_line(bus);
+  bus.listen_first = random_.duration(0ms, 50ms);
+  bus.turnaround = random_.duration(10ms, 100ms);
+  bus.settle = random_.chance(200) ? random_.duration(1ms, 20ms) : 0ms;
+  bus.queue = random_.one_of<std::size_t>({4, 16, 64, 256, 2048});
+  bus.coalesce = random_.chance(600);
+  bus.merge = random_.chance(250);
+  bus.burst = random_.between(1U, 8U);
+  bus.stop_wait = random_.duration(5ms, 100ms);
+  bus.probe_share = random_.between(2U, 20U);
+  bus.reopen_min = 20ms;
+  bus.reopen_max = 500ms;
+  bus.timing.response_timeout = 50ms;
+  draw_rates(bus);
+  std::uint8_t address = 0;
+  for (unsigned count = random_.between(1U, 8U); count > 0; --count) {
+    address = static_cast<std::uint8_t>(address + random_.between(1, kLastAddress / 8));
+    add_device(index, address);
+  }
+}
+
+void Draw::draw_rates(const bus::BusSettings& bus) {
+  FaultRates rates;
+  if (!random_.chance(100)) {
+    const unsigned most = random_.one_of({3U, 10U, 30U, 60U});
+    for (unsigned* rate : {&rates.late, &rates.twice, &rates.never, &rates.garbage,
+                           &rates.wrong_unit, &rates.wrong_function, &rates.bad_crc, &rates.damaged,
+                           &rates.pieces, &rates.too_long, &rates.babble, &rates.exception,
+                           &rates.early, &rates.request_damaged, &rates.unknown_identifier}) {
+      *rate = some(most);
+    }
+    rates.wrong_echo = bus.line.echo ? some(most) : 0;
+    const auto every = [&](Duration least, Duration longest) {
+      return random_.chance(500) ? random_.duration(least, longest) : Duration{0};
+    };
+    rates.noise_every = every(50ms, 2s);
+    rates.foreign_every = every(50ms, 2s);
+    rates.lost_every = every(2s, 60s);
+    rates.dead_every = every(1s, 20s);
+  }
+  plan_.rates.push_back(rates);
+}
+
+drive::DeviceTiming Draw::draw_timing() {
+  drive::DeviceTiming timing;
+  timing.response_timeout = random_.duration(15ms, 120ms);
+  timing.response_wait = random_.chance(200) ? random_.duration(2ms, 30ms) : 0ms;
+  timing.gap = random_.chance(200) ? random_.duration(1ms, 10ms) : 0ms;
+  timing.retries = random_.between(0U, 2U);
+  timing.retry_writes = random_.chance(100);
+  timing.stop_retries = random_.between(0U, 3U);
+  if (random_.chance(600)) {
+    timing.quarantine = random_.chance(100) ? 0ms : random_.duration(10ms, 400ms);
+  }
+  timing.quarantine_max = 2s;
+  timing.offline_after = random_.between(0U, 4U);
+  timing.probe_interval = random_.duration(100ms, 2s);
+  if (random_.chance(300)) {
+    timing.probe_timeout = random_.duration(10ms, 100ms);
+  }
+  return timing;
+}
+
+drive::Profile Draw::draw_profile() {
+  drive::Profile profile;
+  for (unsigned first = kPairsFrom; first < kPairsEnd; first += 2) {
+    profile.values.add({Table::holding_registers, static_cast<std::uint16_t>(first), 2, false});
+  }
+  profile.stops.push_back({Table::holding_registers, kStopRegister, 0xF000, 0x5000});
+  profile.unanswered.push_back(
+      {{Table::holding_registers, kSilentRegister, 0xF000, 0x7000}, random_.duration(10ms, 200ms)});
+  profile.slow.push_back(
+      {{Table::holding_registers, kSlowFrom, 4}, random_.duration(100ms, 400ms)});
+  if (random_.chance(500)) {
+    const auto most = random_.between<std::uint16_t>(4, 64);
+    profile.limits.read = {2000, 2000, most, most};
+    profile.limits.write_registers = random_.between<std::uint16_t>(2, 8);
+  }
+  return profile;
+}
+
+void Draw::add_device(std::size_t bus, std::uint8_t address) {
+  auto& device = plan_.settings.devices.emplace_back();
+  device.name = "device-" + std::to_string(plan_.settings.devices.size());
+  device.bus = drive::BusId{static_cast<std::uint32_t>(bus)};
+  device.address = address;
+  device.timing = draw_timing();
+  device.profile = draw_profile();
+  device.word_order = random_.one_of({WordOrder::big, WordOrder::little});
+  device.split_writes = random_.chance(500);
+  device.stop_cancels = random_.chance(800);
+  device.cache = random_.chance(250) ? random_.duration(5ms, 200ms) : 0ms;
+}
+
+void Draw::add_listeners() {
+  auto& listeners = plan_.settings.listeners;
+  for (unsigned count = random_.between(1U, 2U); count > 0; --count) {
+    listeners.emplace_back().name = "plant-" + std::to_string(count);
+  }
+  for (std::size_t bus = 0; bus < plan_.settings.buses.size(); ++bus) {
+    auto& listener = listeners.emplace_back();
+    listener.name = "straight-" + std::to_string(bus);
+    listener.bus = drive::BusId{static_cast<std::uint32_t>(bus)};
+    listener.broadcast = true;
+    listener.broadcast_reply =
+        random_.chance(700) ? routing::BroadcastReply::echo : routing::BroadcastReply::none;
+  }
+  for (auto& listener : listeners) {
+    listener.pipeline = random_.one_of<std::size_t>({1, 4, 16, 64});
+    listener.ordered = random_.chance(250);
+    listener.max_connections = 1000;
+  }
+}
+
+void Draw::set_deadlines(Door& door, std::optional<Duration> set) const {
+  Duration longest{0};
+  for (const std::size_t bus : door.buses) {
+    longest = std::max(longest, plan_.settings.buses[bus].timing.response_timeout);
+    for (const drive::Device& device : plan_.settings.devices) {
+      if (static_cast<std::size_t>(device.bus) == bus) {
+        longest = std::max(longest, device.timing.response_wait +
+                                        std::max(device.timing.response_timeout,
+                                                 device.profile.slow.front().response_timeout));
+      }
+    }
+  }
+  door.read_deadline = set.value_or(5s);
+  door.write_deadline = set.value_or(std::max<Duration>(1s, 2 * longest));
+}
+
+void Draw::add_doors() {
+  auto& settings = plan_.settings;
+  for (std::size_t index = 0; index < settings.devices.size(); ++index) {
+    add_routes(index);
+    const auto bus = static_cast<std::size_t>(settings.devices[index].bus);
+    for (std::size_t listener = 0; listener < settings.listeners.size(); ++listener) {
+      if (settings.listeners[listener].bus == settings.devices[index].bus) {
+        Door door{listener, settings.devices[index].address, index, {bus}};
+        set_deadlines(door, std::nullopt);
+        plan_.doors.push_back(door);
+      }
+    }
+  }
+  add_broadcasts();
+}
+
+void Draw::add_routes(std::size_t index) {
+  const drive::Device& device = plan_.settings.devices[index];
+  for (unsigned count = random_.between(1U, 2U); count > 0; --count) {
+    auto& route = plan_.settings.routes.emplace_back();
+    route.first_unit = route.last_unit = next_unit_++;
+    route.buses = {device.bus};
+    route.first_address = device.address;
+    route.device = index;
+    if (random_.chance(600)) {
+      route.word_order = random_.one_of({WordOrder::big, WordOrder::little});
+    }
+    if (random_.chance(300)) {
+      route.windows = {
+          {Table::holding_registers, kHoldingWindow, kRegisters, Table::holding_registers, 0},
+          {Table::holding_registers, kInputWindow, kInputs, Table::input_registers, 0}};
+      route.functions = routing::FunctionRules::rewritable();
+    }
+    route.access = random_.chance(100) ? routing::Access::read_only : routing::Access::read_write;
+    if (random_.chance(500)) {
+      route.deadline = random_.duration(50ms, 3s);
+    }
+    Door door{0, route.first_unit, index, {static_cast<std::size_t>(device.bus)}};
+    door.routed = true;
+    door.windowed = !route.windows.empty();
+    door.swapped = route.word_order && *route.word_order != *device.word_order;
+    door.read_only = route.access == routing::Access::read_only;
+    set_deadlines(door, route.deadline);
+    for (; !plan_.settings.listeners[door.listener].bus; ++door.listener) {
+      plan_.doors.push_back(door);
+    }
+  }
+}
+
+void Draw::add_broadcasts() {
+  auto& settings = plan_.settings;
+  Door all;
+  auto& route = settings.routes.emplace_back();
+  for (std::size_t bus = 0; bus < settings.buses.size(); ++bus) {
+    if (!is_tcp(bus)) {
+      all.buses.push_back(bus);
+      route.buses.push_back(drive::BusId{static_cast<std::uint32_t>(bus)});
+    }
+  }
+  route.broadcast_reply =
+      random_.chance(700) ? routing::BroadcastReply::echo : routing::BroadcastReply::none;
+  all.replies = route.broadcast_reply == routing::BroadcastReply::echo;
+  set_deadlines(all, std::nullopt);
+  if (all.buses.empty()) {
+    settings.routes.pop_back();
+    return;
+  }
+  for (; !settings.listeners[all.listener].bus; ++all.listener) {
+    plan_.doors.push_back(all);
+  }
+  for (std::size_t at = 0; at < settings.listeners.size(); ++at) {
+    const auto& listener = settings.listeners[at];
+    if (listener.bus && !is_tcp(static_cast<std::size_t>(*listener.bus))) {
+      Door door{at, 0, std::nullopt, {static_cast<std::size_t>(*listener.bus)}};
+      door.replies = listener.broadcast_reply == routing::BroadcastReply::echo;
+      set_deadlines(door, std::nullopt);
+      plan_.doors.push_back(door);
+    }
+  }
+}
+
+void Draw::add_clients() {
+  const unsigned hosts = random_.between(1U, 12U);
+  for (unsigned count = random_.one_of({2U, 6U, 12U, 30U}); count > 0; --count) {
+    Manners manners;
+    manners.listener = random_.below(plan_.settings.listeners.size());
+    manners.host = static_cast<unsigned>(random_.below(hosts));
+    manners.burst = random_.one_of({1U, 1U, 4U, 20U});
+    manners.outstanding = random_.one_of({1U, 4U, 40U, 100U});
+    manners.pause = random_.one_of<Duration>({1ms, 20ms, 200ms, 1s});
+    manners.writes = random_.one_of({0U, 100U, 300U, 800U});
+    manners.stops = random_.one_of({0U, 0U, 10U, 60U});
+    manners.broadcasts = random_.one_of({0U, 0U, 10U});
+    manners.malformed = some(20);
+    manners.foreign = some(20);
+    manners.splits = some(300);
+    manners.stalls = some(20);
+    manners.vanishes = some(20);
+    manners.half_closes = some(10);
+    manners.same_reads = random_.one_of<std::uint16_t>({0, 0, 300, 900});
+    plan_.clients.push_back(manners);
+  }
+}
+
+}  // namespace
+
+SoakPlan draw_plan(Random& random) { return Draw(random).make(); }
+
+}  // namespace mbgate::soak

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/registers.hpp"
+
+namespace mbgate::soak {
+namespace {
+
+// Finalizer of the SplitMix64 generator: every bit of the input moves every bit of the output.
+std::uint64_t mixed(std::uint64_t value) {
+  value = (value ^ (value >> 30U)) * 0xBF58476D1CE4E5B9U;
+  value = (value ^ (value >> 27U)) * 0x94D049BB133111EBU;
+  return value ^ (value >> 31U);
+}
+
+std::uint64_t ticks(Instant at) {
+  return static_cast<std::uint64_t>(at.time_since_epoch() / std::chrono::milliseconds(1));
+}
+
+std::uint16_t word(std::uint64_t value) { return static_cast<std::uint16_t>(value & 0xFFFFU); }
+
+std::uint16_t half(std::uint32_t words, unsigned address) {
+  return word((address & 1U) == 0 ? words >> 16U : words);
+}
+
+}  // namespace
+
+Registers::Registers(std::uint64_t salt) : salt_(salt) {
+  for (unsigned address = 0; address < kRegisters; ++address) {
+    const std::uint32_t first = this->salt(Table::holding_registers, address);
+    const std::uint32_t second = this->salt(Table::holding_registers, address + 1000);
+    histories_.at(address).push_back({Instant::min(), (first << 16U) | second});
+    if (!is_in_pair(Table::holding_registers, address)) {
+      histories_.at(address).back().words = first;
+    }
+  }
+}
+
+std::uint16_t Registers::salt(Table table, unsigned address) const {
+  return word(mixed(salt_ + (static_cast<std::uint64_t>(table) << 32U) + address));
+}
+
+std::uint16_t Registers::read(Table table, unsigned address, Instant at) const {
+  if (table == Table::coils || table == Table::discrete_inputs) {
+    return salt(table, address) & 1U;
+  }
+  if (is_live(table, address)) {
+    return word(salt(table, address) + ticks(at));
+  }
+  const std::uint32_t words = history(address).back().words;
+  return is_in_pair(table, address) ? half(words, address) : word(words);
+}
+
+void Registers::write(unsigned address, std::uint16_t value, Instant at) {
+  std::uint32_t words = value;
+  if (is_in_pair(Table::holding_registers, address)) {
+    const std::uint32_t before = history(address).back().words;
+    words =
+        (address & 1U) == 0 ? (before & 0xFFFFU) | (words << 16U) : (before & 0xFFFF0000U) | words;
+    address = pair_of(address);
+  }
+  histories_.at(address).push_back({at, words});
+}
+
+void Registers::write_pair(unsigned first, std::uint32_t words, Instant at) {
+  histories_.at(first).push_back({at, words});
+}
+
+template <typename Fits>
+bool Registers::any(const History& history, Span span, Fits fits) {
+  for (auto version = history.rbegin(); version != history.rend(); ++version) {
+    if (version->since <= span.last && fits(version->words)) {
+      return true;
+    }
+    if (version->since <= span.first) {
+      return false;
+    }
+  }
+  return false;
+}
+
+bool Registers::held(Table table, unsigned address, std::uint16_t value, Span span) const {
+  if (table == Table::coils || table == Table::discrete_inputs) {
+    return value == (salt(table, address) & 1U);
+  }
+  if (is_live(table, address)) {
+    const std::uint64_t first = ticks(span.first);
+    return word(value - salt(table, address) - first) <= ticks(span.last) - first;
+  }
+  return any(history(address), span, [&](std::uint32_t words) {
+    return value == (is_in_pair(table, address) ? half(words, address) : word(words));
+  });
+}
+
+bool Registers::pair_held(unsigned first, std::uint32_t words, Span span) const {
+  return any(histories_.at(first), span, [&](std::uint32_t held) { return held == words; });
+}
+
+}  // namespace mbgate::soak

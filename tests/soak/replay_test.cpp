@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// A seed is a run: whatever it showed once, it shows again.
+#include <gtest/gtest.h>
+
+#include "soak/world.hpp"
+
+namespace mbgate::soak {
+namespace {
+
+TEST(Soak, ASeedGivesTheSameSummaryTwice) {
+  constexpr std::uint64_t kTransactions = 300;
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const std::string once = World(seed).run(kTransactions).summary();
+    EXPECT_EQ(World(seed).run(kTransactions).summary(), once) << "seed " << seed;
+  }
+}
+
+TEST(Soak, SeedsDiffer) { EXPECT_NE(World(1).run(100).summary(), World(2).run(100).summary()); }
+
+TEST(Random, IsTheSameEverywhere) {
+  Random random(1);
+  EXPECT_EQ(random.below(1000), 553U);
+  EXPECT_EQ(random.between(-5, 5), 0);
+}
+
+}  // namespace
+}  // namespace mbgate::soak

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+// What devices hear and how their answers go wrong.
+#include "soak/serial_wire.hpp"
+
+#include <algorithm>
+
+#include "modbus/ascii.hpp"
+#include "modbus/rtu.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+using modbus::Pdu;
+
+namespace {
+
+constexpr std::uint8_t kNobodyFrom = 60;
+constexpr std::uint8_t kNobodyTo = 240;
+
+}  // namespace
+
+SerialWire::SerialWire(std::size_t bus, Surroundings& around)
+    : bus_(bus),
+      around_(around),
+      settings_(around.plan.settings.buses[bus]),
+      rates_(around.plan.rates[bus]),
+      timing_(settings_.line.baud, settings_.line.format),
+      silence_(settings_.frame_gap.value_or(timing_.t3_5())),
+      ascii_(settings_.line.framing == bus::Framing::ascii) {
+  for (SoakDevice& device : around.devices) {
+    if (static_cast<std::size_t>(device.settings().bus) == bus) {
+      devices_.push_back(&device);
+    }
+  }
+}
+
+void SerialWire::reset() {
+  ++epoch_;
+  messages_.clear();
+  talks_until_.clear();
+  own_end_ = Instant::min();
+}
+
+bool SerialWire::happens(unsigned permille, const char* kind) {
+  if (permille == 0 || !around_.random.chance(permille)) {
+    return false;
+  }
+  around_.report.fault(kind);
+  return true;
+}
+
+SerialWire::Frame SerialWire::encode(std::uint8_t address, const Pdu& pdu) const {
+  if (ascii_) {
+    const auto bytes = modbus::encode_ascii(address, pdu);
+    return {bytes.begin(), bytes.end()};
+  }
+  const auto bytes = modbus::encode_rtu(address, pdu);
+  return {bytes.begin(), bytes.end()};
+}
+
+SoakDevice* SerialWire::device_at(std::uint8_t address) {
+  const auto found = std::ranges::find(devices_, address,
+                                       [](const SoakDevice* it) { return it->settings().address; });
+  return found == devices_.end() ? nullptr : *found;
+}
+
+void SerialWire::transmit(const Flight& flight, Bytes frame) {
+  own_damaged_ = false;
+  own_end_ = flight.end;
+  for (auto& [id, message] : messages_) {
+    if (message.begin <= around_.schedule.now() && message.end > around_.schedule.now()) {
+      own_damaged_ = true;
+      garble(message);
+      around_.report.fault("collision");
+    }
+  }
+  around_.schedule.at(flight.end, [this, epoch = epoch_, number = flight.number,
+                                   bytes = Frame(frame.begin(), frame.end())] {
+    if (epoch == epoch_) {
+      heard(number, bytes);
+    }
+  });
+}
+
+void SerialWire::heard(std::uint64_t number, const Frame& frame) {
+  if (settings_.line.echo) {
+    echo(frame);
+  }
+  Flight* flight = around_.oracle.flight(number);
+  if (own_damaged_ || flight == nullptr || flight->pdu.empty() ||
+      happens(rates_.request_damaged, "request_damaged")) {
+    return;
+  }
+  const auto request = Pdu::from(flight->pdu);
+  if (flight->is_broadcast) {
+    for (SoakDevice* device : devices_) {
+      if (!device->is_dead(around_.schedule.now())) {
+        device->carry_out(*request, around_.schedule.now());
+      }
+    }
+    around_.oracle.executed(*flight);
+    return;
+  }
+  SoakDevice* device = device_at(flight->address);
+  if (device == nullptr) {
+    return;
+  }
+  if (device->is_dead(around_.schedule.now())) {
+    around_.report.fault("dead");
+    return;
+  }
+  answer(*device, *flight, *request);
+}
+
+void SerialWire::echo(const Frame& frame) {
+  Frame bytes = frame;
+  if (own_damaged_ || happens(rates_.wrong_echo, "wrong_echo")) {
+    bytes[around_.random.below(bytes.size())] ^= 0x10U;
+  }
+  around_.oracle.bytes_came(bus_);
+  around_.deliver(bus_, bytes);
+}
+
+void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& request) {
+  Random& random = around_.random;
+  const drive::DeviceTiming& timing = device.settings().timing;
+  const Instant now = around_.schedule.now();
+  std::optional<Pdu> pdu;
+  bool slow = false;
+  if (flight.expects_answer && !flight.is_stop && happens(rates_.exception, "exception")) {
+    const auto code = random.one_of<std::uint8_t>({0x04, 0x05, 0x07, 0x11, 0x12});
+    pdu = Pdu::exception(request.function(), modbus::ExceptionCode{code});
+    around_.oracle.excepted(flight, code);
+  } else {
+    const SoakDevice::Outcome outcome = device.carry_out(request, now);
+    pdu = outcome.answer;
+    slow = outcome.slow;
+    around_.oracle.executed(flight);
+    if (pdu && pdu->is_exception()) {
+      around_.oracle.excepted(flight, pdu->bytes()[1]);
+    }
+  }
+  if (!pdu || happens(rates_.never, "never")) {
+    return;
+  }
+  Duration wait = timing.response_wait + 300us + random.duration(0us, timing.response_timeout / 2);
+  if (slow) {
+    wait += random.duration(0us, timing.response_timeout);
+    wait = std::min<Duration>(wait, (flight.deadline - flight.end) / 2);
+  }
+  if (timing.response_wait > Duration{0} && happens(rates_.early, "early")) {
+    wait = 300us;
+  }
+  answer_with_fault(device, flight, *pdu, now + wait);
+}
+
+void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, const Pdu& pdu,
+                                   Instant begin) {
+  const std::uint8_t address = device.settings().address;
+  Frame frame = encode(address, pdu);
+  auto& busy = talks_until_[address];
+  begin = std::max(begin, busy + silence_);
+  if (happens(rates_.late, "late")) {
+    answer_late(device, flight, frame, begin);
+    return;
+  }
+  const bool excess = happens(rates_.twice, "twice");
+  if (excess) {
+    frame.insert(frame.end(), frame.begin(), frame.end());
+  } else if (happens(rates_.babble, "babble")) {
+    append_excess(frame);
+    say(std::move(frame), begin, Chunks::fine, address);
+    return;
+  } else if (spoil(frame, pdu, address)) {
+    say(std::move(frame), begin, Chunks::fine, std::nullopt, address);
+    return;
+  }
+  const bool paused = !excess && happens(rates_.pieces, "pieces");
+  const Instant over = begin + timing_.duration_of(frame.size()) + 40ms;
+  if (over > flight.quarantine_until && busy > around_.schedule.now() && !around_.plan.beyond) {
+    return;  // it still had to say something else, and would come too late by now
+  }
+  busy = begin + timing_.duration_of(frame.size());
+  say(std::move(frame), begin,
+      excess   ? Chunks::fine
+      : paused ? Chunks::paused
+               : Chunks::usual,
+      address);
+}
+
+// The whole answer is there before the quarantine ends; or, in plans of that kind, later.
+void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Frame& frame,
+                             Instant begin) {
+  const Duration length = timing_.duration_of(frame.size()) + 1ms;
+  Instant last = flight.quarantine_until - length;
+  if (around_.plan.beyond) {
+    last += 2 * (flight.quarantine_until - flight.end);
+  }
+  const Instant first = std::max(begin, flight.deadline - length);
+  if (first >= last) {
+    return;
+  }
+  const Instant at = first + around_.random.duration(0us, last - first);
+  auto& busy = talks_until_[device.settings().address];
+  busy = std::max(busy, at + length);
+  say(frame, at, Chunks::usual, device.settings().address);
+}
+
+// Makes something else of the answer. False: nothing happened to it.
+bool SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t address) {
+  Random& random = around_.random;
+  if (happens(rates_.garbage, "garbage")) {
+    frame.assign(random.between(1U, 40U), 0);
+    for (auto& byte : frame) {
+      byte = static_cast<std::uint8_t>(random.below(256));
+    }
+    return true;
+  }
+  if (happens(rates_.wrong_unit, "wrong_unit")) {
+    frame =
+        encode(static_cast<std::uint8_t>(random.between<unsigned>(kNobodyFrom, kNobodyTo)), pdu);
+    return true;
+  }
+  if (happens(rates_.wrong_function, "wrong_function")) {
+    std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
+    bytes[0] = static_cast<std::uint8_t>(bytes[0] ^ 0x05U);
+    frame = encode(address, *Pdu::from(bytes));
+    return true;
+  }
+  if (happens(rates_.bad_crc, "bad_crc")) {
+    // Before CR LF in ASCII: a digit of the LRC becomes another one.
+    std::uint8_t& check = frame[frame.size() - (ascii_ ? 3 : 1)];
+    check = ascii_ ? (check == '0' ? '1' : '0') : static_cast<std::uint8_t>(check ^ 0x40U);
+    return true;
+  }
+  if (happens(rates_.damaged, "damaged")) {
+    damage(frame);
+    return true;
+  }
+  if (!pdu.is_exception() && pdu.function() <= 4 && pdu.size() < 240 &&
+      happens(rates_.too_long, "too_long")) {
+    std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
+    bytes.insert(bytes.end(), {0xAA, 0xBB});
+    bytes[1] = static_cast<std::uint8_t>(bytes[1] + 2);
+    frame = encode(address, *Pdu::from(bytes));
+    return true;
+  }
+  return false;
+}
+
+void SerialWire::damage(Frame& frame) {
+  Random& random = around_.random;
+  const auto place = static_cast<std::ptrdiff_t>(random.below(frame.size()));
+  switch (random.between(0U, 2U)) {
+    case 0:
+      for (unsigned bits = ascii_ ? 1 : random.between(1U, 3U); bits > 0; --bits) {
+        // Each in a byte of its own: the same bit twice would be no damage.
+        auto& byte = frame[(static_cast<std::size_t>(place) + bits) % frame.size()];
+        byte = static_cast<std::uint8_t>(byte ^ (1U << random.below(8)));
+      }
+      return;
+    case 1: frame.erase(frame.begin() + place); return;
+    default:
+      // Not the last one: the frame itself would still be whole.
+      frame.insert(frame.begin() + place / 2, frame[static_cast<std::size_t>(place / 2)]);
+      return;
+  }
+}
+
+void SerialWire::append_excess(Frame& frame) {
+  for (unsigned count = around_.random.between(1U, 100U); count > 0; --count) {
+    frame.push_back(static_cast<std::uint8_t>(around_.random.below(256)));
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// A serial line with its devices and everything that goes wrong on it. One event is a chunk of
+// bytes, not a byte. What overlaps on the line is garbled for everybody.
+//
+// Nothing here goes beyond what the contract lets the gateway tell apart:
+// - damage is what the CRC (up to 3 bits) or the LRC (1 bit) detects for certain, one kind a frame;
+// - the second copy of an answer, and whatever a device babbles behind one, follows the first
+//   without a silence, because a device that has answered owes nothing and a later copy cannot be
+//   told from the answer to a like request;
+// - an answer of the wrong unit has an address that nobody uses;
+// - a stranger on the line asks no device that owes the gateway an answer, and has its own answer
+//   before the line was silent.
+#pragma once
+
+#include <map>
+
+#include "soak/surroundings.hpp"
+
+namespace mbgate::soak {
+
+class SerialWire {
+ public:
+  SerialWire(std::size_t bus, Surroundings& around);
+
+  /// The adapter was opened, or pulled out: what is on the line is lost.
+  void reset();
+  void transmit(const Flight& flight, Bytes frame);
+  /// From now on nothing goes wrong any more.
+  void calm_down() { rates_ = FaultRates{}; }
+  void begin_trouble();
+
+ private:
+  using Frame = std::vector<std::uint8_t>;
+  enum class Chunks : std::uint8_t { usual, fine, paused };
+  struct Message {
+    Frame bytes;
+    Instant begin;
+    Instant end;
+    Duration character;
+    std::optional<std::uint8_t> whole;   ///< a good frame of this address
+    std::optional<std::uint8_t> spoilt;  ///< an answer of this address, not to be read
+    std::size_t delivered = 0;
+  };
+
+  void heard(std::uint64_t number, const Frame& frame);
+  void echo(const Frame& frame);
+  void answer(SoakDevice& device, const Flight& flight, const modbus::Pdu& request);
+  void answer_with_fault(SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu,
+                         Instant begin);
+  void answer_late(SoakDevice& device, const Flight& flight, const Frame& frame, Instant begin);
+  bool spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
+  void damage(Frame& frame);
+  void append_excess(Frame& frame);
+  void say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole,
+           std::optional<std::uint8_t> spoilt = std::nullopt);
+  void begin_message(std::uint64_t id);
+  void deliver(std::uint64_t id, std::size_t until);
+  void garble(Message& message);
+  [[nodiscard]] Frame encode(std::uint8_t address, const modbus::Pdu& pdu) const;
+  [[nodiscard]] SoakDevice* device_at(std::uint8_t address);
+  [[nodiscard]] bool is_busy() const;
+  void make_noise();
+  void ask_as_stranger();
+  void kill_a_device();
+  void later(Duration every, void (SerialWire::*what)());
+  [[nodiscard]] bool happens(unsigned permille, const char* kind);
+
+  std::size_t bus_;
+  Surroundings& around_;
+  const gateway::BusSettings& settings_;
+  FaultRates rates_;
+  modbus::RtuTiming timing_;
+  Duration silence_;
+  bool ascii_;
+  std::vector<SoakDevice*> devices_;
+  std::map<std::uint8_t, Instant> talks_until_;
+  std::map<std::uint64_t, Message> messages_;
+  std::uint64_t ids_ = 0;
+  std::uint64_t epoch_ = 0;  ///< grows when the adapter is pulled out
+  Instant own_end_ = Instant::min();
+  bool own_damaged_ = false;
+};
+
+}  // namespace mbgate::soak

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// How bytes travel over a serial line to the gateway, and who else is on it.
+#include <algorithm>
+#include <utility>
+
+#include "soak/serial_wire.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+using modbus::Pdu;
+
+// Adapters hand bytes over in chunks, up to some milliseconds apart. Where something follows that
+// the gateway cannot foresee, they must come without a gap that looks like silence.
+void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole,
+                     std::optional<std::uint8_t> spoilt) {
+  Random& random = around_.random;
+  const std::uint64_t id = ++ids_;
+  const Duration character = timing_.duration_of(1);
+  Duration paused{0};
+  const Duration step =
+      chunks == Chunks::fine ? std::max(silence_ / 3, character) : random.duration(500us, 4ms);
+  const auto most = std::max<std::size_t>(1, static_cast<std::size_t>(step / character));
+  Instant last = begin;
+  std::vector<std::pair<Instant, std::size_t>> deliveries;
+  for (std::size_t at = 0; at < bytes.size();) {
+    at = std::min(bytes.size(), at + most);
+    if (chunks == Chunks::paused && at < bytes.size()) {
+      paused += random.duration(1ms, 8ms);
+    }
+    last = begin + timing_.duration_of(at) + paused;
+    const Instant due = last + (chunks == Chunks::usual ? random.duration(0us, 300us) : 0us);
+    deliveries.emplace_back(deliveries.empty() ? due : std::max(due, deliveries.back().first), at);
+  }
+  messages_.emplace(id, Message{std::move(bytes), begin, last, character, whole, spoilt});
+  around_.schedule.at(begin, [this, epoch = epoch_, id] {
+    if (epoch == epoch_) {
+      begin_message(id);
+    }
+  });
+  for (const auto& [at, until] : deliveries) {
+    around_.schedule.at(at, [this, epoch = epoch_, id, until = until] {
+      if (epoch == epoch_) {
+        deliver(id, until);
+      }
+    });
+  }
+}
+
+void SerialWire::begin_message(std::uint64_t id) {
+  const Instant now = around_.schedule.now();
+  Message& message = messages_.at(id);
+  bool collides = own_end_ > now;
+  own_damaged_ = own_damaged_ || collides;
+  for (auto& [other_id, other] : messages_) {
+    if (other_id != id && other.begin <= now && other.end > now) {
+      collides = true;
+      garble(other);
+    }
+  }
+  if (collides) {
+    garble(message);
+    around_.report.fault("collision");
+  }
+}
+
+// From now on nobody can read it.
+void SerialWire::garble(Message& message) {
+  if (message.whole) {
+    message.spoilt = std::exchange(message.whole, std::nullopt);
+  }
+  const Duration past = around_.schedule.now() - message.begin;
+  const auto from =
+      static_cast<std::size_t>(std::max<Duration>(past, Duration{0}) / message.character);
+  for (std::size_t at = std::max(from, message.delivered); at < message.bytes.size(); ++at) {
+    message.bytes[at] = static_cast<std::uint8_t>(around_.random.below(256));
+  }
+}
+
+void SerialWire::deliver(std::uint64_t id, std::size_t until) {
+  Message& message = messages_.at(id);
+  const Frame bytes(message.bytes.begin() + static_cast<std::ptrdiff_t>(message.delivered),
+                    message.bytes.begin() + static_cast<std::ptrdiff_t>(until));
+  message.delivered = until;
+  around_.oracle.bytes_came(bus_);
+  if (until == message.bytes.size()) {
+    if (message.whole) {
+      around_.oracle.frame_came(bus_, *message.whole);
+    } else if (message.spoilt) {
+      around_.oracle.damage_came(bus_, *message.spoilt);
+    }
+    messages_.erase(id);
+  }
+  around_.deliver(bus_, bytes);
+}
+
+bool SerialWire::is_busy() const {
+  const Instant now = around_.schedule.now();
+  return own_end_ > now || std::ranges::any_of(messages_, [&](const auto& entry) {
+           return entry.second.begin <= now;
+         });
+}
+
+void SerialWire::later(Duration every, void (SerialWire::*what)()) {
+  if (every > Duration{0}) {
+    around_.schedule.after(around_.random.duration(every / 4, 2 * every),
+                           [this, what] { (this->*what)(); });
+  }
+}
+
+void SerialWire::begin_trouble() {
+  later(rates_.noise_every, &SerialWire::make_noise);
+  later(rates_.foreign_every, &SerialWire::ask_as_stranger);
+  later(rates_.dead_every, &SerialWire::kill_a_device);
+}
+
+void SerialWire::make_noise() {
+  if (rates_.noise_every == Duration{0}) {
+    return;
+  }
+  around_.report.fault("noise");
+  Frame noise(around_.random.between(1U, 6U));
+  for (auto& byte : noise) {
+    byte = around_.random.one_of<std::uint8_t>(
+        {0x00, 0xFF, static_cast<std::uint8_t>(around_.random.below(256))});
+  }
+  say(std::move(noise), around_.schedule.now(), Chunks::fine, std::nullopt);
+  later(rates_.noise_every, &SerialWire::make_noise);
+}
+
+void SerialWire::ask_as_stranger() {
+  if (rates_.foreign_every == Duration{0}) {
+    return;
+  }
+  later(rates_.foreign_every, &SerialWire::ask_as_stranger);
+  SoakDevice& device = *devices_[around_.random.below(devices_.size())];
+  const std::uint8_t address = device.settings().address;
+  if (is_busy() || device.is_dead(around_.schedule.now()) || around_.oracle.owes(bus_, address) ||
+      talks_until_[address] >= around_.schedule.now()) {
+    return;
+  }
+  around_.report.fault("foreign");
+  const std::vector<std::uint8_t> pdu{3, 0, static_cast<std::uint8_t>(around_.random.below(60)), 0,
+                                      static_cast<std::uint8_t>(around_.random.between(1U, 10U))};
+  const Pdu request = *Pdu::from(pdu);
+  Frame both = encode(address, request);
+  const Frame reply = encode(address, *device.carry_out(request, around_.schedule.now()).answer);
+  both.insert(both.end(), reply.begin(), reply.end());
+  talks_until_[address] = around_.schedule.now() + timing_.duration_of(both.size());
+  say(std::move(both), around_.schedule.now(), Chunks::fine, std::nullopt);
+}
+
+void SerialWire::kill_a_device() {
+  if (rates_.dead_every == Duration{0}) {
+    return;
+  }
+  later(rates_.dead_every, &SerialWire::kill_a_device);
+  around_.report.fault("death");
+  devices_[around_.random.below(devices_.size())]->die_until(around_.schedule.now() +
+                                                             around_.random.duration(50ms, 5s));
+}
+
+}  // namespace mbgate::soak

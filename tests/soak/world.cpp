@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/world.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr Duration kLongestRun = std::chrono::hours(20);
+constexpr Duration kQuiet = 60s;
+constexpr unsigned kMostStepsInPlace = 100'000;
+
+}  // namespace
+
+Oracle::Devices World::make_devices(const SoakPlan& plan, Random& random) {
+  Oracle::Devices devices;
+  for (const drive::Device& device : plan.settings.devices) {
+    devices.emplace_back(device, random.below(~std::uint64_t{0}));
+  }
+  return devices;
+}
+
+World::World(std::uint64_t seed, bool trace)
+    : random_(seed),
+      plan_(draw_plan(random_)),
+      devices_(make_devices(plan_, random_)),
+      oracle_(plan_, devices_, schedule_, report_),
+      asking_(plan_, random_),
+      around_{plan_,
+              schedule_,
+              random_,
+              report_,
+              oracle_,
+              devices_,
+              [this](std::size_t bus, Bytes bytes) { deliver(bus, bytes); }},
+      buses_(plan_.settings.buses.size()),
+      gateway_(plan_.settings, schedule_.now()),
+      tools_{gateway_, oracle_, schedule_,           random_,
+             report_,  asking_, [this] { drain(); }, [this] { return ClientId{++last_number_}; }},
+      trace_(trace) {
+  for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+    if (plan_.settings.buses[bus].line.framing == bus::Framing::tcp) {
+      wires_.emplace_back(std::in_place_type<FarServer>, bus, around_);
+    } else {
+      wires_.emplace_back(std::in_place_type<SerialWire>, bus, around_);
+    }
+    std::visit([](auto& wire) { wire.begin_trouble(); }, wires_.back());
+    begin_losses(bus);
+  }
+  for (const Manners& manners : plan_.clients) {
+    clients_.emplace_back(manners, tools_).begin();
+  }
+  check_overdue_often();
+  drain();
+}
+
+Report World::run(std::uint64_t transmissions) {
+  const Instant begun = schedule_.now();
+  while (report_.transmissions < transmissions && schedule_.now() < begun + kLongestRun) {
+    if (!step()) {
+      break;
+    }
+  }
+  calm_down();
+  run_until(schedule_.now() + kQuiet);
+  oracle_.check_finished();
+  check_back();
+  check_counters();
+  report_.virtual_time = schedule_.now() - begun;
+  return report_;
+}
+
+void World::check_overdue_often() {
+  schedule_.after(1s, [this] {
+    oracle_.check_overdue();
+    check_overdue_often();
+  });
+}
+
+bool World::step() {
+  const auto next = bus::earlier(schedule_.next(), gateway_.next_deadline());
+  if (!next) {
+    return false;
+  }
+  steps_in_place_ = *next > schedule_.now() ? 0 : steps_in_place_ + 1;
+  if (steps_in_place_ > kMostStepsInPlace) {
+    oracle_.violation("no_progress", "the gateway's deadline stays in the past");
+    return false;
+  }
+  schedule_.advance(*next);
+  const auto deadline = gateway_.next_deadline();
+  if (deadline && *deadline <= schedule_.now()) {
+    gateway_.handle_deadline(schedule_.now());
+    drain();
+  }
+  schedule_.run_one();
+  return true;
+}
+
+void World::run_until(Instant limit) {
+  while (true) {
+    const auto next = bus::earlier(schedule_.next(), gateway_.next_deadline());
+    if (!next || *next > limit || !step()) {
+      return;
+    }
+  }
+}
+
+// Actions that set off others (a client that is resumed writes on) come back here; the outer call
+// goes on with them.
+void World::drain() {
+  if (draining_) {
+    return;
+  }
+  draining_ = true;
+  while (const auto action = gateway_.poll_action()) {
+    carry_out(*action);
+  }
+  draining_ = false;
+  oracle_.check_waiting();
+}
+
+void World::trace(const std::string& text) const {
+  if (trace_) {
+    std::fprintf(stderr, "%lld %s\n",
+                 static_cast<long long>(schedule_.now().time_since_epoch().count() / 1000),
+                 text.c_str());
+  }
+}
+
+void World::carry_out(const gateway::Action& action) {
+  if (trace_) {
+    trace(gateway::to_text(action, plan_.settings));
+  }
+  if (const auto* send = std::get_if<gateway::Send>(&action)) {
+    if (Client* client = find(send->client)) {
+      client->take({send->adu.data(), send->adu.size()});
+    } else {
+      oracle_.violation("answer_to_nobody", "an answer for a client that has gone");
+    }
+  } else if (const auto* transmit_frame = std::get_if<gateway::Transmit>(&action)) {
+    transmit(static_cast<std::size_t>(transmit_frame->bus),
+             {transmit_frame->frame.data(), transmit_frame->frame.size()});
+  } else if (const auto* open_line = std::get_if<gateway::Open>(&action)) {
+    open(static_cast<std::size_t>(open_line->bus));
+  } else if (const auto* shut = std::get_if<gateway::Shut>(&action)) {
+    oracle_.violation("shut", "line " + std::to_string(static_cast<unsigned>(shut->bus)));
+  } else if (const auto* pause = std::get_if<gateway::Pause>(&action)) {
+    if (Client* client = find(pause->client)) {
+      client->pause();
+    }
+  } else if (const auto* resume = std::get_if<gateway::Resume>(&action)) {
+    if (Client* client = find(resume->client)) {
+      client->resume();
+    }
+  } else if (const auto* close = std::get_if<gateway::Close>(&action)) {
+    if (Client* client = find(close->client)) {
+      client->closed_by_gateway();
+    }
+  }
+}
+
+Client* World::find(ClientId number) {
+  const auto found = std::ranges::find_if(clients_, [&](const Client& client) {
+    return client.is_connected() && client.number() == number;
+  });
+  return found == clients_.end() ? nullptr : &*found;
+}
+
+void World::transmit(std::size_t bus, Bytes frame) {
+  const Flight& flight = oracle_.transmitted(bus, frame);
+  if (auto* serial = std::get_if<SerialWire>(&wires_[bus])) {
+    serial->transmit(flight, frame);
+  } else {
+    std::get<FarServer>(wires_[bus]).transmit(flight);
+  }
+}
+
+void World::deliver(std::size_t bus, Bytes bytes) {
+  if (buses_[bus].open) {
+    if (trace_) {
+      trace(plan_.settings.buses[bus].name + " < " + Oracle::hex(bytes));
+    }
+    gateway_.handle_bus_bytes(gateway::BusId{static_cast<std::uint32_t>(bus)}, bytes,
+                              schedule_.now());
+    drain();
+  }
+}
+
+void World::open(std::size_t bus) {
+  schedule_.after(random_.duration(10us, 5ms), [this, bus] {
+    BusState& state = buses_[bus];
+    const gateway::BusId id{static_cast<std::uint32_t>(bus)};
+    if (schedule_.now() < state.away_until) {
+      report_.fault("open_refused");
+      oracle_.bus_lost(bus);
+      gateway_.handle_bus_lost(id, schedule_.now());
+    } else {
+      state.open = true;
+      std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+      oracle_.bus_opened(bus);
+      gateway_.handle_bus_opened(id, schedule_.now());
+    }
+    drain();
+  });
+}
+
+void World::begin_losses(std::size_t bus) {
+  const Duration every = plan_.rates[bus].lost_every;
+  if (every == Duration{0}) {
+    return;
+  }
+  schedule_.after(random_.duration(every / 4, 2 * every), [this, bus] {
+    if (trouble_) {
+      lose(bus);
+      begin_losses(bus);
+    }
+  });
+}
+
+void World::lose(std::size_t bus) {
+  BusState& state = buses_[bus];
+  if (!state.open) {
+    return;
+  }
+  report_.fault("line_lost");
+  state.open = false;
+  state.away_until = schedule_.now() + random_.duration(0ms, 1s);
+  std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+  oracle_.bus_lost(bus);
+  gateway_.handle_bus_lost(gateway::BusId{static_cast<std::uint32_t>(bus)}, schedule_.now());
+  drain();
+}
+
+// Nothing goes wrong any more, and nobody asks for anything new.
+void World::calm_down() {
+  trouble_ = false;
+  for (Wire& wire : wires_) {
+    std::visit([](auto& it) { it.calm_down(); }, wire);
+  }
+  for (SoakDevice& device : devices_) {
+    device.revive();
+  }
+  for (Client& client : clients_) {
+    client.end_asking();
+    client.end_stall();
+  }
+}
+
+// Every device answers within its probe interval, and rightly.
+void World::check_back() {
+  constexpr int kTries = 20;
+  for (const Door& door : plan_.doors) {
+    if (!door.device || !plan_.settings.listeners[door.listener].bus) {
+      continue;
+    }
+    Manners manners;
+    manners.listener = door.listener;
+    Client& client = clients_.emplace_back(manners, tools_);
+    client.connect();
+    bool well = false;
+    for (int tries = 0; tries < kTries && !well; ++tries) {
+      const std::uint64_t id = client.write(asking_.fresh_read(door));
+      run_until(schedule_.now() + 500ms);
+      well = oracle_.was_answered_well(id);
+    }
+    if (!well) {
+      oracle_.violation("not_back", plan_.settings.devices[*door.device].name);
+    }
+  }
+}
+
+// What the gateway's own unit says of each bus must be what was seen here.
+void World::check_counters() {
+  Client& client = clients_.emplace_back(Manners{}, tools_);
+  client.connect();
+  const auto long_at = [&](std::size_t place) {
+    const PduBytes& pdu = oracle_.own_answer();
+    return pdu.size() < 2 + 2 * place + 4
+               ? std::uint64_t{0}
+               : (std::uint64_t{modbus::load_be16(pdu, 2 + 2 * place)} << 16U) |
+                     modbus::load_be16(pdu, 4 + 2 * place);
+  };
+  for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+    constexpr std::size_t kTransmissions = 2;
+    constexpr std::size_t kLosses = 24;
+    constexpr std::size_t kBroadcasts = 28;
+    client.write(Asking::own_read(static_cast<std::uint16_t>(1000 + 32 * bus), 32));
+    run_until(schedule_.now() + 10ms);
+    const auto& count = oracle_.count(bus);
+    const auto compare = [&](const char* what, std::size_t place, std::uint64_t seen) {
+      if (long_at(place) != seen) {
+        oracle_.violation("counter", plan_.settings.buses[bus].name + ": " + what + " " +
+                                         std::to_string(long_at(place)) + ", seen " +
+                                         std::to_string(seen));
+      }
+    };
+    compare("transmissions", kTransmissions, count.transmissions);
+    compare("losses", kLosses, count.losses);
+    compare("broadcasts", kBroadcasts, count.broadcasts);
+  }
+}
+
+}  // namespace mbgate::soak
