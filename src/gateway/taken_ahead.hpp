@@ -4,9 +4,9 @@
 // connection's stream.
 #pragma once
 
-#include <boost/container/small_vector.hpp>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "gateway/device_index.hpp"
 #include "gateway/limits.hpp"
@@ -44,13 +44,13 @@ class TakenAhead {
     std::size_t device;
     std::uint64_t before;
   };
-  boost::container::small_vector<Stop, 0> stops_;  // in the order of their positions
-  boost::container::small_vector<Forbidden, 0> forbidden_;
+  std::vector<Stop> stops_;  // in the order of their positions
+  std::vector<Forbidden> forbidden_;
 };
 
 template <typename NewPlace>
 void TakenAhead::renumber(NewPlace new_place) {
-  boost::container::small_vector<Forbidden, 0> kept;
+  std::vector<Forbidden> kept;
   for (const Forbidden& it : forbidden_) {
     if (const std::optional<std::size_t> device = new_place(it.device)) {
       kept.push_back({*device, it.before});
