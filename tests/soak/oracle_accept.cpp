@@ -15,7 +15,9 @@ void Oracle::accept_backlog(Session& session) {
     session.order.push_back(asked.id);
     asked.dropped = session.half_closed && asked.changes();
     asked.ordered = plan_.settings.listeners[session.listener].ordered;
-    accept(asked);
+    if (!asked.is_accepted) {
+      accept(asked);
+    }
   }
 }
 

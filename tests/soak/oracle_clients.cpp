@@ -47,6 +47,21 @@ void Oracle::delivered(ClientId client, std::uint64_t id) {
   Session& session = sessions_.at(client);
   session.backlog.push_back(id);
   accept_backlog(session);
+  Asked& asked = *open_.at(id);
+  // Stops are taken out of what waits behind a full pipeline, unless they let the writes before go;
+  // on an ordered listener the answer keeps its place.
+  const bool ahead = asked.kind == Kind::stop && !asked.is_accepted && !session.half_closed &&
+                     !lets_writes_go(asked);
+  if (!ahead) {
+    return;
+  }
+  asked.ordered = plan_.settings.listeners[session.listener].ordered;
+  accept(asked);
+  if (!asked.ordered) {
+    session.backlog.pop_back();
+    ++session.outstanding;
+    session.order.push_back(id);
+  }
 }
 
 void Oracle::answer_sent(ClientId client) {
@@ -86,6 +101,11 @@ void Oracle::gone(ClientId client) {
   std::ranges::sort(ids);
   for (const std::uint64_t id : ids) {
     Asked& asked = *open_.at(id);
+    const auto& backlog = entry->second.backlog;
+    if (asked.kind == Kind::stop && !asked.is_accepted &&
+        std::ranges::find(backlog, id) != backlog.end()) {
+      accept(asked);  // received whole
+    }
     if (asked.kind == Kind::stop && asked.waits_from) {
       asked.client_gone = true;  // it goes all the same
       continue;
