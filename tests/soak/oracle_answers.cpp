@@ -109,7 +109,11 @@ void Oracle::judge_busy(const Asked& asked) {
   }
   const bool expired = asked.deadline != Instant::max() &&
                        schedule_.now() >= asked.deadline - (asked.written - asked.earliest);
-  const bool reason = expired || asked.dropped || asked.doomed ||
+  // A stop also forbids writes that were read ahead when it came.
+  const bool stopped = asked.changes() && std::ranges::any_of(asked.pieces, [&](const Piece& it) {
+                         return books_[it.bus].lanes[it.address].last_stop >= asked.earliest;
+                       });
+  const bool reason = expired || stopped || asked.dropped || asked.doomed ||
                       std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
                         return books_[piece.bus].last_full >= asked.accepted;
                       });

@@ -47,110 +47,20 @@ void Oracle::delivered(ClientId client, std::uint64_t id) {
   Session& session = sessions_.at(client);
   session.backlog.push_back(id);
   accept_backlog(session);
-}
-
-void Oracle::accept_backlog(Session& session) {
-  const std::size_t pipeline = plan_.settings.listeners[session.listener].pipeline;
-  while (!session.backlog.empty() && session.outstanding < pipeline) {
-    Asked& asked = *open_.at(session.backlog.front());
-    session.backlog.pop_front();
-    ++session.outstanding;
-    session.order.push_back(asked.id);
-    asked.dropped = session.half_closed && asked.changes();
-    asked.ordered = plan_.settings.listeners[session.listener].ordered;
-    accept(asked);
-  }
-}
-
-void Oracle::accept(Asked& asked) {
-  asked.is_accepted = true;
-  asked.accepted = schedule_.now();
-  asked.sequence = ++sequence_;
-  if (asked.door == nullptr) {
+  Asked& asked = *open_.at(id);
+  // Stops are taken out of what waits behind a full pipeline, unless they let the writes before go;
+  // on an ordered listener the answer keeps its place.
+  const bool ahead = asked.kind == Kind::stop && !asked.is_accepted && !session.half_closed &&
+                     !lets_writes_go(asked);
+  if (!ahead) {
     return;
   }
-  if (asked.kind != Kind::stop) {
-    asked.deadline =
-        asked.written + (asked.is_read() ? asked.door->read_deadline : asked.door->write_deadline);
-  }
-  if (asked.refused) {
-    return;
-  }
-  if (asked.kind == Kind::stop && !asked.dropped) {
-    cancel_for_stop(asked);
-  }
-  for (Piece& piece : asked.pieces) {
-    Book& book = books_[piece.bus];
-    if (&piece == &asked.pieces.front() || piece.bus != asked.pieces.front().bus) {
-      if (book.present >= bus_settings(piece.bus).queue) {
-        book.last_full = schedule_.now();
-      }
-      ++book.present;
-      if (asked.kind != Kind::stop && !asked.dropped && !asked.ordered) {
-        piece.counted = true;
-        ++book.waiting;
-      }
-    }
-    auto& lane = book.lanes[piece.address].open;
-    if (lane.empty() || lane.back() != &asked) {
-      lane.push_back(&asked);
-    }
-    if (asked.kind == Kind::stop && book.open && !asked.dropped) {
-      asked.waits_from = schedule_.now();
-      book.stops.push_back(&asked);
-      for (const std::uint64_t number : book.flying) {
-        Flight* running = flight(number);
-        running->deadline =
-            std::min(running->deadline, schedule_.now() + bus_settings(piece.bus).stop_wait);
-      }
-    }
-  }
-}
-
-// Writes to the same device that wait will never be sent.
-void Oracle::cancel_for_stop(const Asked& stop) {
-  const Piece& piece = stop.pieces.front();
-  Lane& lane = books_[piece.bus].lanes[piece.address];
-  lane.last_stop = schedule_.now();
-  if (!devices_[*stop.door->device].settings().stop_cancels) {
-    return;
-  }
-  for (Asked* asked : lane.open) {
-    if (asked->kind == Kind::write && !asked->doomed) {
-      asked->doomed = schedule_.now();
-    }
-  }
-}
-
-// Only what was on the wire was surely accepted, and ended.
-void Oracle::note_write_event(const Asked& asked) {
-  if (!asked.changes() || asked.refused || !asked.surely_on_wire || asked.ordered) {
-    return;
-  }
-  for (const Piece& piece : asked.pieces) {
-    if (asked.kind != Kind::broadcast) {
-      books_[piece.bus].lanes[piece.address].last_write_event = schedule_.now();
-      continue;
-    }
-    for (Lane& lane : books_[piece.bus].lanes) {
-      lane.last_write_event = schedule_.now();
-    }
-  }
-}
-
-bool Oracle::is_surely_open(const Asked& asked) const {
+  asked.ordered = plan_.settings.listeners[session.listener].ordered;
+  accept(asked);
   if (!asked.ordered) {
-    return true;
-  }
-  const auto entry = sessions_.find(asked.client);
-  return entry != sessions_.end() && !entry->second.order.empty() &&
-         entry->second.order.front() == asked.id;
-}
-
-void Oracle::leave_queue(Piece& piece) {
-  if (piece.counted) {
-    piece.counted = false;
-    --books_[piece.bus].waiting;
+    session.backlog.pop_back();
+    ++session.outstanding;
+    session.order.push_back(id);
   }
 }
 
@@ -191,6 +101,11 @@ void Oracle::gone(ClientId client) {
   std::ranges::sort(ids);
   for (const std::uint64_t id : ids) {
     Asked& asked = *open_.at(id);
+    const auto& backlog = entry->second.backlog;
+    if (asked.kind == Kind::stop && !asked.is_accepted &&
+        std::ranges::find(backlog, id) != backlog.end()) {
+      accept(asked);  // received whole
+    }
     if (asked.kind == Kind::stop && asked.waits_from) {
       asked.client_gone = true;  // it goes all the same
       continue;

@@ -27,7 +27,7 @@ class Draw {
     add_listeners();
     add_doors();
     plan_.beyond = random_.chance(100);
-    add_clients();
+    draw_clients(plan_, random_);
     return std::move(plan_);
   }
 
@@ -42,7 +42,6 @@ class Draw {
   void add_doors();
   void add_routes(std::size_t device);
   void add_broadcasts();
-  void add_clients();
   void set_deadlines(Door& door, std::optional<Duration> set) const;
   unsigned some(unsigned most) {
     return random_.chance(300) ? 0 : static_cast<unsigned>(random_.below(most + 1));
@@ -281,29 +280,6 @@ void Draw::add_broadcasts() {
       set_deadlines(door, std::nullopt);
       plan_.doors.push_back(door);
     }
-  }
-}
-
-void Draw::add_clients() {
-  const unsigned hosts = random_.between(1U, 12U);
-  for (unsigned count = random_.one_of({2U, 6U, 12U, 30U}); count > 0; --count) {
-    Manners manners;
-    manners.listener = random_.below(plan_.settings.listeners.size());
-    manners.host = static_cast<unsigned>(random_.below(hosts));
-    manners.burst = random_.one_of({1U, 1U, 4U, 20U});
-    manners.outstanding = random_.one_of({1U, 4U, 40U, 100U});
-    manners.pause = random_.one_of<Duration>({1ms, 20ms, 200ms, 1s});
-    manners.writes = random_.one_of({0U, 100U, 300U, 800U});
-    manners.stops = random_.one_of({0U, 0U, 10U, 60U});
-    manners.broadcasts = random_.one_of({0U, 0U, 10U});
-    manners.malformed = some(20);
-    manners.foreign = some(20);
-    manners.splits = some(300);
-    manners.stalls = some(20);
-    manners.vanishes = some(20);
-    manners.half_closes = some(10);
-    manners.same_reads = random_.one_of<std::uint16_t>({0, 0, 300, 900});
-    plan_.clients.push_back(manners);
   }
 }
 

@@ -83,5 +83,7 @@ struct SoakPlan {
 };
 
 SoakPlan draw_plan(Random& random);
+/// Its last step: who asks, and how.
+void draw_clients(SoakPlan& plan, Random& random);
 
 }  // namespace mbgate::soak

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the oracle asks of a line: silence, the turnaround delay, quarantine, stops before all else.
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+// With `stop_cancels = false` the writes that were accepted before it go first.
+bool Oracle::lets_writes_go(const Asked& stop) const {
+  return !devices_[*stop.door->device].settings().stop_cancels;
+}
+
+void Oracle::check_stops_first(const Flight& flight) {
+  if (flight.is_stop || is_tcp(flight.bus)) {
+    return;
+  }
+  for (const Asked* stop : books_[flight.bus].stops) {
+    if (stop->accepted < schedule_.now() && !lets_writes_go(*stop) && is_surely_open(*stop)) {
+      violation("stop_overtaken", name(*stop) + " by " + name(flight));
+      return;
+    }
+  }
+}
+
+void Oracle::check_silence(const Flight& flight) {
+  const Book& book = books_[flight.bus];
+  const auto& settings = bus_settings(flight.bus);
+  const modbus::RtuTiming timing(settings.line.baud, settings.line.format);
+  Duration silence = settings.frame_gap.value_or(timing.t3_5());
+  const auto& device = book.lanes[flight.address].device;
+  if (device && !flight.is_stop) {
+    silence += devices_[*device].settings().timing.gap;
+  }
+  if (flight.begin < book.own_end) {
+    violation("overlap", name(flight));
+  } else if (flight.begin < book.own_end + silence || flight.begin < book.last_byte + silence) {
+    violation("silence", name(flight));
+  }
+  if (flight.begin < book.turnaround_end) {
+    violation("turnaround", name(flight));
+  }
+}
+
+void Oracle::check_quarantine(const Flight& flight) {
+  Lane& lane = books_[flight.bus].lanes[flight.address];
+  while (!lane.owed.empty()) {
+    const Flight* owed = this->flight(lane.owed.front());
+    if (owed != nullptr && schedule_.now() < owed->quarantine_until) {
+      break;
+    }
+    lane.owed.pop_front();
+  }
+  if (!lane.owed.empty() && !flight.is_stop) {
+    const Flight& owed = *this->flight(lane.owed.back());
+    const bool again = owed.pdu == flight.pdu && std::ranges::any_of(flight.asked, [&](auto id) {
+                         return std::ranges::find(owed.asked, id) != owed.asked.end();
+                       });
+    if (!again && schedule_.now() < owed.quarantine_until) {
+      violation("quarantine", name(flight) + " while " + name(owed) + " is owed");
+    }
+  }
+  if (flight.expects_answer) {
+    lane.owed.push_back(flight.number);
+  }
+}
+
+void Oracle::check_tcp(const Flight& flight) {
+  auto& flying = books_[flight.bus].flying;
+  std::erase_if(flying, [&](std::uint64_t number) {
+    const Flight* other = this->flight(number);
+    return other == nullptr || schedule_.now() >= other->deadline;
+  });
+  for (const std::uint64_t number : flying) {
+    const Flight& other = *this->flight(number);
+    if (other.identifier == flight.identifier) {
+      violation("tcp_identifier", name(flight));
+    }
+    if (other.address == flight.address && (other.is_write || flight.is_write) && !flight.is_stop &&
+        !other.is_stop) {
+      violation("tcp_beside_write", name(flight) + " while " + name(other));
+    }
+  }
+  if (flying.size() >= bus_settings(flight.bus).outstanding && !flight.is_stop) {
+    violation("tcp_outstanding", name(flight));
+  }
+  flying.push_back(flight.number);
+}
+
+void Oracle::set_times(Flight& flight) {
+  Lane& lane = books_[flight.bus].lanes[flight.address];
+  drive::DeviceTiming timing = bus_settings(flight.bus).timing;
+  if (lane.device) {
+    const drive::Device& device = devices_[*lane.device].settings();
+    timing = device.timing;
+    timing.quarantine = device.timing.quarantine_or_default();
+    const bool slow = flight.is_write && modbus::load_be16(flight.pdu, 1) >= kSlowFrom;
+    if (slow) {
+      timing.response_timeout =
+          std::max(timing.response_timeout, device.profile.slow.front().response_timeout);
+    }
+    if (timing.offline_after > 0 && lane.unanswered >= timing.offline_after) {
+      timing.response_timeout =
+          std::min(timing.response_timeout, timing.probe_timeout_or_default());
+    }
+  }
+  flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
+  flight.quarantine_until = flight.deadline + timing.quarantine_or_default();
+}
+
+void Oracle::frame_came(std::size_t bus, std::uint8_t address) {
+  auto& owed = books_[bus].lanes[address].owed;
+  if (!owed.empty()) {
+    owed.pop_back();
+  }
+}
+
+void Oracle::damage_came(std::size_t bus, std::uint8_t address) {
+  for (const std::uint64_t number : books_[bus].lanes[address].owed) {
+    if (Flight* owed = flight(number)) {
+      const Duration quarantine = owed->quarantine_until - owed->deadline;
+      owed->quarantine_until = std::min(owed->quarantine_until, schedule_.now() + quarantine);
+    }
+  }
+}
+
+void Oracle::tcp_answer_came(std::uint64_t number) {
+  if (const Flight* answered = flight(number)) {
+    std::erase(books_[answered->bus].flying, number);
+  }
+}
+
+void Oracle::check_waiting() {
+  const Instant now = schedule_.now();
+  for (std::size_t bus = 0; bus < books_.size(); ++bus) {
+    Book& book = books_[bus];
+    if (book.waiting > bus_settings(bus).queue) {
+      violation("queue_limit", bus_settings(bus).name + ": " + std::to_string(book.waiting));
+    }
+    if (book.stops.empty()) {
+      continue;
+    }
+    const auto& settings = bus_settings(bus);
+    const modbus::RtuTiming timing(settings.line.baud, settings.line.format);
+    // What may hold a stop back: an own frame, a response that has begun, the turnaround delay.
+    const Duration rest = settings.line.framing == bus::Framing::ascii ? 1s : 20ms;
+    const Instant held = std::max({book.own_end, book.last_byte + rest, book.turnaround_end});
+    for (Asked* stop : book.stops) {
+      const Instant limit = std::max(held, *stop->waits_from) + settings.stop_wait +
+                            settings.frame_gap.value_or(timing.t3_5()) + 1us;
+      if (now > limit && !stop->overdue_reported && !is_tcp(bus) && !lets_writes_go(*stop) &&
+          is_surely_open(*stop)) {
+        stop->overdue_reported = true;
+        violation("stop_late", name(*stop));
+      }
+    }
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The manners of one seed's clients.
+#include "soak/plan.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+unsigned some(Random& random, unsigned most) {
+  return random.chance(300) ? 0 : static_cast<unsigned>(random.below(most + 1));
+}
+
+}  // namespace
+
+void draw_clients(SoakPlan& plan, Random& random) {
+  const unsigned hosts = random.between(1U, 12U);
+  for (unsigned count = random.one_of({2U, 6U, 12U, 30U}); count > 0; --count) {
+    Manners manners;
+    manners.listener = random.below(plan.settings.listeners.size());
+    manners.host = static_cast<unsigned>(random.below(hosts));
+    manners.burst = random.one_of({1U, 1U, 4U, 20U});
+    manners.outstanding = random.one_of({1U, 4U, 40U, 100U});
+    manners.pause = random.one_of<Duration>({1ms, 20ms, 200ms, 1s});
+    manners.writes = random.one_of({0U, 100U, 300U, 800U});
+    manners.stops = random.one_of({0U, 0U, 10U, 60U});
+    manners.broadcasts = random.one_of({0U, 0U, 10U});
+    manners.malformed = some(random, 20);
+    manners.foreign = some(random, 20);
+    manners.splits = some(random, 300);
+    manners.stalls = some(random, 20);
+    manners.vanishes = some(random, 20);
+    manners.half_closes = some(random, 10);
+    manners.same_reads = random.one_of<std::uint16_t>({0, 0, 300, 900});
+    plan.clients.push_back(manners);
+  }
+}
+
+}  // namespace mbgate::soak
