@@ -10,8 +10,7 @@ using namespace std::chrono_literals;
 constexpr DurationRange kReopen = {10ms, 1h};
 
 void read_times(TomlTable& table, bus::BusSettings& settings) {
-  assign(settings.timing.response_timeout, table.duration("response_timeout", {1ms, 1h}));
-  assign(settings.timing.retries, table.integer("retries", {0, 100}));
+  read_shared_timing(table, {.tcp = settings.line.framing == bus::Framing::tcp}, settings.timing);
   assign(settings.turnaround, table.duration("turnaround", {0s, 1min}));
   assign(settings.frame_gap, table.duration("frame_gap", {0s, 1s}));
   assign(settings.listen_first, table.duration("listen_first", {0s, 1min}));
@@ -22,6 +21,25 @@ void read_times(TomlTable& table, bus::BusSettings& settings) {
     table.error(table.has("reopen_max") ? "reopen_max" : "reopen_min",
                 "reopen_max (" + to_text(settings.reopen_max) + ") is shorter than reopen_min (" +
                     to_text(settings.reopen_min) + ")");
+  }
+}
+
+void read_queueing(TomlTable& table, bus::BusSettings& settings) {
+  assign(settings.queue, table.integer("queue", {1, 1'000'000}));
+  assign(settings.coalesce, table.boolean("coalesce"));
+  assign(settings.merge, table.boolean("merge"));
+  assign(settings.burst, table.integer("burst", {1, 1000}));
+  assign(settings.stop_wait, table.duration("stop_wait", {0s, 10s}));
+  const auto* share = table.value("probe_share");
+  if (share == nullptr) {
+    return;
+  }
+  const auto* percent = std::get_if<std::int64_t>(&share->data);
+  if (percent != nullptr && *percent >= 1 && *percent <= 100) {
+    settings.probe_share = static_cast<unsigned>(*percent);
+  } else {
+    table.report_expected("probe_share", *share,
+                          "percent of the bus's time, an integer from 1 to 100");
   }
 }
 
@@ -67,7 +85,7 @@ void read_buses(Draft& draft) {
     check_line(draft, settings);
     read_times(table, settings);
     check_frame_gap(table, settings);
-    assign(settings.queue, table.integer("queue", {1, 1'000'000}));
+    read_queueing(table, settings);
     draft.settings.buses.push_back(std::move(settings));
   }
 }

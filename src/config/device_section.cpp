@@ -23,12 +23,18 @@ void read_bus(Draft& draft, TomlTable& table, drive::Device& device) {
   }
 }
 
-void read_timing(TomlTable& table, drive::DeviceTiming& timing) {
-  assign(timing.response_timeout, table.duration("response_timeout", {1ms, 1h}));
+void read_timing(Draft& draft, TomlTable& table, drive::Device& device) {
+  const bool on_bus = index(device.bus) < draft.buses.size();
+  auto& timing = device.timing;
+  read_shared_timing(
+      table,
+      {is_tcp(draft, device.bus), on_bus && draft.buses[index(device.bus)].has("quarantine_max")},
+      timing);
   assign(timing.response_wait, table.duration("response_wait", {0s, 1min}));
   assign(timing.gap, table.duration("gap", {0s, 1min}));
-  assign(timing.retries, table.integer("retries", {0, 100}));
   assign(timing.retry_writes, table.boolean("retry_writes"));
+  assign(device.stop_cancels, table.boolean("stop_cancels"));
+  assign(device.cache, table.duration("cache", {0s, 1h}));
 }
 
 /// Two devices of one address would answer at the same time.
@@ -99,8 +105,9 @@ void read_devices(Draft& draft) {
     read_bus(draft, table, device);
     read_address(draft, table, device);
     read_drive(draft, table, device);
-    read_timing(table, device.timing);
+    read_timing(draft, table, device);
     check_address_of_profile(draft, table, device);
+    draft.settings.guards.push_back(read_guard(table, device));
     draft.settings.devices.push_back(std::move(device));
   }
   check_broadcast_address(draft);

@@ -82,6 +82,7 @@ void read_drive(Draft& draft, TomlTable& table, drive::Device& device) {
   read_orders(draft, table, device);
   read_writing(draft, table, device);
   read_own_values(table, file, device);
+  read_own_stops(table, device);
 }
 
 }  // namespace mbgate::config

@@ -39,24 +39,6 @@ void read_limits(TomlTable& table, ListenerSettings& listener) {
   assign(listener.frame_timeout, table.duration("frame_timeout", {10ms, 1h}));
 }
 
-routing::NetworkList read_networks(TomlTable& table, std::string_view key) {
-  routing::NetworkList networks;
-  const auto texts = table.strings(key);
-  if (!texts) {
-    return networks;
-  }
-  for (const auto& [text, position] : *texts) {
-    if (const auto network = routing::Network::parse(text)) {
-      networks.push_back(*network);
-    } else {
-      table.report_expected(key, {position, text},
-                            "an address or a block without bits beyond its prefix, such as "
-                            "\"192.168.10.0/24\"");
-    }
-  }
-  return networks;
-}
-
 void read_access(TomlTable& table, ListenerSettings& listener) {
   listener.allow = read_networks(table, "allow");
   listener.read_only = read_networks(table, "read_only");

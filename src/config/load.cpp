@@ -21,6 +21,7 @@ Loaded read(TomlDocument document, ProfileSearch search) {
     read_devices(draft);
     read_listeners(draft);
     read_routes(draft);
+    read_clients(draft);
     check_whole(draft);
     loaded.settings = std::move(draft.settings);
     of_profiles = draft.library.diagnostics();

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "config/match_entry.hpp"
 #include "config/words.hpp"
 
 namespace mbgate::config {
@@ -14,8 +15,6 @@ using namespace std::chrono_literals;
 
 constexpr std::int64_t kMaxNumber = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kLastAddress = 0xFFFF;
-constexpr IntegerRange kRegisterValues = {0, 0xFFFF};
-constexpr std::uint16_t kCoilOn = 0xFF00;
 
 constexpr std::array kAccesses = {Word{"r", ValueAccess::read}, Word{"w", ValueAccess::write},
                                   Word{"rw", ValueAccess::read_write}};
@@ -82,50 +81,16 @@ void read_values_of(ProfileDraft& draft, std::string_view key, std::uint8_t regi
   }
 }
 
-void check_match(TomlTable& entry, std::string_view key, const drive::WriteMatch& match) {
-  if (match.table == Table::coils) {
-    if (match.value != 0 && match.value != kCoilOn) {
-      entry.error(key, "a coil is written as 0 or 0xFF00, found " + std::to_string(match.value));
-    }
-    if (entry.has("mask")) {
-      entry.error("mask", "a coil has no bits to choose from");
-    }
-  } else if ((match.value & match.mask) != match.value) {
-    entry.error(key, std::to_string(match.value) + " has bits outside of the mask, " +
-                         std::to_string(match.mask));
-  }
-}
-
-/// `value`, or `not` where `or_not` allows it; exactly one of them.
-std::string_view read_condition(TomlTable& entry, bool or_not, drive::WriteMatch& match) {
-  const bool not_key = or_not && entry.has("not");
-  if (or_not && !not_key && !entry.has("value")) {
-    entry.document().error(entry.position(),
-                           entry.title() + ": the key 'value' or 'not' is missing");
-  } else if (not_key && entry.has("value")) {
-    entry.error("not", "either 'value' or 'not' says which writes are meant, not both");
-  } else if (!or_not) {
-    entry.require("value");
-  }
-  const std::string_view key = not_key ? "not" : "value";
-  match.other = not_key;
-  assign(match.value, entry.integer(key, kRegisterValues));
-  return key;
-}
-
 std::optional<drive::WriteMatch> read_match(const ProfileFile& file, TomlTable& entry,
                                             bool or_not) {
   drive::WriteMatch match;
   const auto range = read_range(file, entry, kWritableTables, 1);
-  assign(match.mask, entry.integer("mask", {1, 0xFFFF}));
-  const auto key = read_condition(entry, or_not, match);
-  if (!range) {
-    return std::nullopt;
+  if (range) {
+    match.table = range->table;
+    match.address = range->first;
   }
-  match.table = range->table;
-  match.address = range->first;
-  check_match(entry, key, match);
-  return match;
+  read_written(entry, or_not, match);
+  return range ? std::optional(match) : std::nullopt;
 }
 
 }  // namespace
@@ -216,7 +181,9 @@ void read_unanswered(ProfileDraft& draft) {
 
 void read_stops(ProfileDraft& draft) {
   for (auto& entry : draft.root.tables("stops")) {
-    const auto match = read_match(draft.file, entry, false);
+    auto match = read_match(draft.file, entry, false);
+    drive::WriteMatch placeless;
+    read_parameters(entry, match ? *match : placeless);
     auto source = read_source(entry);
     if (match) {
       draft.file.stops.push_back({*match, std::move(source)});

@@ -77,6 +77,28 @@ std::string read_name(TomlTable& table) {
   return *std::move(name);
 }
 
+std::optional<routing::Network> read_network(TomlTable& table, std::string_view key,
+                                             const TomlValue& found) {
+  const auto* text = std::get_if<std::string>(&found.data);
+  const auto network = text == nullptr ? std::nullopt : routing::Network::parse(*text);
+  if (!network) {
+    table.report_expected(key, found,
+                          "an address or a block without bits beyond its prefix, such as "
+                          "\"192.168.10.0/24\"");
+  }
+  return network;
+}
+
+routing::NetworkList read_networks(TomlTable& table, std::string_view key) {
+  routing::NetworkList networks;
+  for (const auto& [text, position] : table.strings(key).value_or(std::vector<TomlText>())) {
+    if (const auto network = read_network(table, key, {position, text})) {
+      networks.push_back(*network);
+    }
+  }
+  return networks;
+}
+
 std::string place(const TomlDocument& document, Position position) {
   return document.name() + ":" + std::to_string(position.line) + ":" +
          std::to_string(position.column);

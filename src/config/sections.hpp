@@ -44,6 +44,9 @@ void read_routes(Draft& draft);
 /// What no section can see alone: clashes between routes, ways that lead nowhere, deadlines.
 void check_whole(Draft& draft);
 
+/// [[client]]: whose turn comes more often.
+void read_clients(Draft& draft);
+
 /// `name` of a table: required, and fit to be printed in a log line and a list of labels.
 std::string read_name(TomlTable& table);
 
@@ -52,6 +55,32 @@ void read_line(TomlTable& table, bus::BusSettings& settings);
 
 /// What kind of drive a device is: `profile`, `word_order`, `values32`, ... Its bus is known.
 void read_drive(Draft& draft, TomlTable& table, drive::Device& device);
+
+/// Where a table with times stands.
+struct TimingOrigin {
+  bool tcp = false;                 ///< at a Modbus TCP server
+  bool longest_quarantine = false;  ///< the bus of the device states `quarantine_max`
+};
+
+/// What buses state for their devices, and devices for themselves: `response_timeout`, `retries`,
+/// `quarantine`, `offline_after`, ...
+void read_shared_timing(TomlTable& table, TimingOrigin origin, drive::DeviceTiming& timing);
+
+/// Stops of the device's own, added to those of its profile. Its values are known.
+void read_own_stops(TomlTable& table, drive::Device& device);
+
+/// `failsafe`: writes in the function that the device takes. Everything else of it is known.
+std::vector<modbus::Request> read_failsafe(TomlTable& table, const drive::Device& device);
+
+/// `writer`, `failsafe`, ... of a device.
+gateway::DeviceGuard read_guard(TomlTable& table, const drive::Device& device);
+
+/// An address or a block in CIDR form, read from `found` at `key`; nothing if it is neither.
+std::optional<routing::Network> read_network(TomlTable& table, std::string_view key,
+                                             const TomlValue& found);
+
+/// A list of addresses and blocks.
+routing::NetworkList read_networks(TomlTable& table, std::string_view key);
 
 /// Values of the device's own, added to those of its profile. `file` is nullptr where the profile
 /// has none.

@@ -19,6 +19,16 @@ std::string range_text(const DurationRange& range) {
          to_text(range.min) + " to " + to_text(range.max);
 }
 
+/// What stands in the header of a table at `key`: "device.stops" within "[[device]]".
+std::string path_of(std::string_view title, std::string_view key) {
+  const auto first = title.find_first_not_of('[');
+  if (first == std::string_view::npos) {
+    return std::string(key);
+  }
+  const auto end = title.find(']');
+  return std::string(title.substr(first, end - first)) + "." + std::string(key);
+}
+
 bool is_number(const TomlValue& value) {
   return std::holds_alternative<std::int64_t>(value.data) ||
          std::holds_alternative<double>(value.data);
@@ -215,7 +225,7 @@ std::optional<TomlTable> TomlTable::table(std::string_view key) {
   if (auto* inner = std::get_if<TomlTableValue>(&entry->value.data)) {
     return TomlTable(*document_, *inner);
   }
-  report_expected(key, entry->value, "the table [" + std::string(key) + "]");
+  report_expected(key, entry->value, "the table [" + path_of(title(), key) + "]");
   return std::nullopt;
 }
 
@@ -226,7 +236,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) {
   if (entry == nullptr) {
     return tables;
   }
-  const std::string expected = "tables headed [[" + std::string(key) + "]]";
+  const std::string expected = "tables headed [[" + path_of(title(), key) + "]]";
   auto* elements = std::get_if<std::vector<TomlValue>>(&entry->value.data);
   if (elements == nullptr) {
     report_expected(key, entry->value, expected);

@@ -141,6 +141,7 @@ json::object broadcast_json(const ProfileFile& file) {
 void add_writes(json::object& object, const ProfileFile& file) {
   object["stops"] = array_of(file.stops, [](const auto& stop) {
     auto match = match_json(stop.fact);
+    match["parameters"] = stop.fact.parameters;
     add_source(match, stop.source);
     return match;
   });

@@ -52,7 +52,10 @@ std::string condition(const WriteMatch& match) {
     return match.value == 0 ? "off" : "on";
   }
   const std::string masked = match.mask == 0xFFFF ? "" : "& " + hex(match.mask) + " ";
-  return masked + (match.other ? "other than " : "= ") + hex(match.value);
+  const std::string parameters =
+      match.parameters == 0 ? ""
+                            : ", with up to " + std::to_string(match.parameters) + " parameters";
+  return masked + (match.other ? "other than " : "= ") + hex(match.value) + parameters;
 }
 
 std::vector<std::string> match_cells(const ProfileFile& file, const WriteMatch& match) {

@@ -97,6 +97,10 @@ bool Network::contains(const ClientAddress& address) const {
   return same_prefix(address_.octets(), address.octets(), prefix_);
 }
 
+bool Network::contains(const Network& other) const {
+  return prefix_ <= other.prefix_ && contains(other.address_);
+}
+
 bool contains(const NetworkList& list, const ClientAddress& address) {
   return std::ranges::any_of(list,
                              [&](const Network& network) { return network.contains(address); });

@@ -38,6 +38,8 @@ class Network {
   /// prefix.
   static std::optional<Network> parse(std::string_view text);
   [[nodiscard]] bool contains(const ClientAddress& address) const;
+  /// Is every address of the other one in it?
+  [[nodiscard]] bool contains(const Network& other) const;
 
  private:
   Network(const ClientAddress& address, unsigned prefix) : address_(address), prefix_(prefix) {}

@@ -125,6 +125,11 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(bus.listen_first, 0s);
   EXPECT_EQ(bus.settle, 1ms);
   EXPECT_EQ(bus.queue, 10U);
+  EXPECT_EQ(bus.burst, 3U);
+  EXPECT_EQ(bus.stop_wait, 50ms);
+  EXPECT_FALSE(bus.coalesce);
+  EXPECT_TRUE(bus.merge);
+  EXPECT_EQ(bus.probe_share, 5U);
   EXPECT_EQ(bus.reopen_min, 200ms);
   EXPECT_EQ(bus.reopen_max, 2s);
 }

@@ -92,7 +92,7 @@ TEST(ProfileFile, BecomesRulesWithProtocolAddresses) {
 TEST(ProfileFile, KnowsSpecialWrites) {
   const auto profile = file_of("settable").profile;
   EXPECT_THAT(profile.stops,
-              ElementsAre(drive::WriteMatch{Table::holding_registers, 70, 0xFFFF, 0xE1, false},
+              ElementsAre(drive::WriteMatch{Table::holding_registers, 70, 0xFFFF, 0xE1, false, 3},
                           drive::WriteMatch{Table::holding_registers, 71, 1, 0, false}));
   ASSERT_EQ(profile.slow.size(), 1U);
   EXPECT_EQ(profile.slow[0].range, (drive::TableRange{Table::holding_registers, 90, 1}));

@@ -56,7 +56,8 @@ TEST(ProfileLibrary, TakesTheFirstFolderThatHasAProfile) {
   ASSERT_NE(mine, nullptr);
   EXPECT_EQ(mine->description, "mine");
   ASSERT_NE(shipped, nullptr);
-  EXPECT_THAT(library.names(), ElementsAre("aic", "fixed", "generic", "settable", "short", "wrong"));
+  EXPECT_THAT(library.names(),
+              ElementsAre("aic", "bits", "fixed", "generic", "settable", "short", "wrong"));
 }
 
 TEST(ProfileLibrary, KnowsNoPaths) {

@@ -46,7 +46,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
     commented += is_commented_setting(line) ? 1 : 0;
     text += (is_commented_setting(line) ? line.substr(2) : line) + "\n";
   }
-  EXPECT_EQ(commented, 30);
+  EXPECT_EQ(commented, 40);
   const auto loaded = load_settings_text(kFolder + "mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
@@ -55,6 +55,17 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
   EXPECT_EQ(loaded.settings->buses.back().line.framing, bus::Framing::tcp);
   EXPECT_EQ(loaded.settings->buses[0].frame_gap, 3ms);
   EXPECT_EQ(loaded.settings->listeners[0].allow.size(), 1U);
+  EXPECT_EQ(loaded.settings->guards.at(0).failsafe.size(), 1U);
+  EXPECT_EQ(loaded.settings->guards[0].writer, gateway::WriterRule::first);
+  EXPECT_EQ(loaded.settings->weights.size(), 1U);
+  // What stands there is the default all the same.
+  const bus::BusSettings bus;
+  const gateway::DeviceGuard guard;
+  const auto& times = loaded.settings->buses[0].timing;
+  EXPECT_EQ(times.quarantine, bus.timing.quarantine_or_default());
+  EXPECT_EQ(times.probe_timeout, bus.timing.probe_timeout_or_default());
+  EXPECT_EQ(loaded.settings->guards[0].writer_hold, guard.writer_hold);
+  EXPECT_EQ(loaded.settings->guards[0].quiet, guard.quiet);
 }
 
 /// What the file says is a default is one.
@@ -94,6 +105,15 @@ TEST(CompleteFile, ShowsTheDefaults) {
   EXPECT_EQ(line.queue, bus.queue);
   EXPECT_EQ(line.reopen_min, bus.reopen_min);
   EXPECT_EQ(line.reopen_max, bus.reopen_max);
+  EXPECT_EQ(line.coalesce, bus.coalesce);
+  EXPECT_EQ(line.merge, bus.merge);
+  EXPECT_EQ(line.burst, bus.burst);
+  EXPECT_EQ(line.stop_wait, bus.stop_wait);
+  EXPECT_EQ(line.probe_share, bus.probe_share);
+  EXPECT_EQ(line.timing.stop_retries, bus.timing.stop_retries);
+  EXPECT_EQ(line.timing.quarantine_max, bus.timing.quarantine_max);
+  EXPECT_EQ(line.timing.offline_after, bus.timing.offline_after);
+  EXPECT_EQ(line.timing.probe_interval, bus.timing.probe_interval);
   EXPECT_EQ(shown.devices[0].timing.response_wait, bus.timing.response_wait);
   EXPECT_EQ(shown.devices[0].timing.gap, bus.timing.gap);
   const drive::Device device;
@@ -101,6 +121,9 @@ TEST(CompleteFile, ShowsTheDefaults) {
   EXPECT_EQ(shown.devices[0].split_values, device.split_values);
   EXPECT_EQ(shown.devices[0].split_writes, device.split_writes);
   EXPECT_EQ(shown.devices[0].allow_reconfigure, device.allow_reconfigure);
+  EXPECT_EQ(shown.devices[0].cache, device.cache);
+  EXPECT_EQ(shown.devices[0].stop_cancels, device.stop_cancels);
+  EXPECT_EQ(shown.guards.at(0).writer, gateway::WriterRule::any);
   EXPECT_EQ(shown.devices[0].profile.values.all().size(), 246U);
   EXPECT_EQ(shown.devices[0].timing.retry_writes, bus.timing.retry_writes);
 }

@@ -43,9 +43,9 @@ constexpr std::string_view kSettable = R"(
   broadcasts      at address 0
 
 Stop commands
-  address  manual  written            line  name
-  70       40071   = 0x00E1           72    Stop
-  71       40072   & 0x0001 = 0x0000  73    End jogging
+  address  manual  written                            line  name
+  70       40071   = 0x00E1, with up to 3 parameters  72    Stop
+  71       40072   & 0x0001 = 0x0000                  73    End jogging
 
 Writes that are never answered
   address  manual  written                     deaf for  line  name
@@ -134,6 +134,7 @@ TEST(ProfileList, NamesEveryGoodProfileAndReportsTheOthers) {
   EXPECT_EQ(list.status, 1);
   EXPECT_EQ(list.out,
             "  aic       A third drive for tests\n"
+            "  bits      A fifth drive for tests\n"
             "  fixed     Another drive for tests\n"
             "  generic   Any Modbus device\n"
             "  settable  A drive for tests\n"
@@ -167,8 +168,8 @@ TEST(ProfileJson, HasWritesAndBroadcasts) {
   const auto settable = boost::json::parse(show("settable", true).out);
   EXPECT_EQ(
       member(settable, "stops"),
-      R"([{"table":"holding","address":70,"mask":65535,"value":225,"name":"Stop","line":72},)"
-      R"({"table":"holding","address":71,"mask":1,"value":0,"name":"End jogging","line":73}])");
+      R"([{"table":"holding","address":70,"mask":65535,"value":225,"parameters":3,"name":"Stop","line":72},)"
+      R"({"table":"holding","address":71,"mask":1,"value":0,"parameters":0,"name":"End jogging","line":73}])");
   EXPECT_EQ(member(settable, "no_answer"),
             R"([{"table":"holding","address":91,"mask":65280,"not":0,"after":"2s",)"
             R"("name":"Restart","line":92}])");

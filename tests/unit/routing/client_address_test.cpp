@@ -84,6 +84,15 @@ TEST(Network, WithoutPrefixIsOneAddress) {
   EXPECT_FALSE(network("::1/128").contains(address("::2")));
 }
 
+TEST(Network, ContainsNarrowerOnesAndItself) {
+  EXPECT_TRUE(network("10.0.0.0/8").contains(network("10.1.0.0/16")));
+  EXPECT_TRUE(network("10.0.0.0/8").contains(network("10.0.0.0/8")));
+  EXPECT_TRUE(network("10.0.0.7").contains(network("10.0.0.7/32")));
+  EXPECT_FALSE(network("10.1.0.0/16").contains(network("10.0.0.0/8")));
+  EXPECT_FALSE(network("10.0.0.0/8").contains(network("11.0.0.0/16")));
+  EXPECT_TRUE(network("::/0").contains(network("10.0.0.0/8")));
+}
+
 TEST(Network, AllOfV4IsNotAllOfV6) {
   EXPECT_TRUE(network("0.0.0.0/0").contains(address("203.0.113.9")));
   EXPECT_FALSE(network("0.0.0.0/0").contains(address("2001:db8::1")));
