@@ -206,13 +206,18 @@ TEST_P(StopLatency, BehindTwoHundredAndFiftySixReadsIsTheRestOfTheRunningTransac
               GetParam(), tries, milliseconds(worst));
 }
 
-// The stop comes in each millisecond from the beginning of the request to the end of the timeout of
-// 1 s, for the dead drive itself or for another one.
+/// Every millisecond where something begins or ends, and now and then between.
+Duration next_offset(Duration offset) {
+  return offset + (offset < 30ms || offset >= 980ms ? 1ms : 25ms);
+}
+
+// The stop comes between the beginning of the request and the end of the timeout of 1 s, for the
+// dead drive itself or for another one.
 TEST_P(StopLatency, BehindADeadDriveIsStopWait) {
   Duration worst{0};
   unsigned tries = 0;
   for (const std::uint8_t unit : {std::uint8_t{1}, kDead}) {
-    for (Duration offset = 1ms; offset < 1010ms; offset += 1ms) {
+    for (Duration offset = 1ms; offset < 1010ms; offset = next_offset(offset)) {
       Stopping plant(GetParam(), 5);
       plant.read_dead();
       const Instant begun = plant.world().now();
