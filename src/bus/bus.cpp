@@ -58,7 +58,7 @@ void Bus::handle_lost(Instant now) {
   state_ = State::closed;
   for (Job* job : running_) {
     if (job->in_flight && !job->on_wire().is_broadcast() && !job->on_wire().may_stay_silent()) {
-      devices_[job->address()].health.note_cut_off(line_.response_due());
+      devices_[job->address()].health.note_spoilt(line_.response_due());
     }
   }
   line_.abort();

@@ -33,7 +33,7 @@ void Bus::handle_end(const LineEnd& end, Instant now) {
       DeviceEntry& entry = devices_[end.transaction->address];
       ++counters_.bad_crcs;
       ++entry.counters.bad_crcs;
-      entry.health.note_damaged(end.due, now);
+      entry.health.note_spoilt(end.due);
       note_probe(job, now);
       handle_failure(job, now);
       return;
@@ -59,6 +59,7 @@ void Bus::handle_response(Job& job, const LineEnd& end, Instant now) {
   if (entry.health.note_answered(end.due, now)) {
     notify(DeviceNotice::Kind::back, asked.address);
   }
+  job.is_probe = false;
   if (exception && job.merged) {
     split_up(job);
     return;

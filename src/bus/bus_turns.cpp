@@ -13,8 +13,8 @@ struct Bus::Search {
   Instant soonest;  ///< anything may go
   std::optional<Choice> best;
   Job* waits_for_gap = nullptr;
-  std::bitset<kAddresses> claimed;   ///< by jobs that wait for what is in flight to their device
-  std::optional<std::uint8_t> only;  ///< jobs to this address alone
+  std::bitset<kAddresses> claimed;  ///< by jobs that wait for what is in flight to their device
+  const Job* before = nullptr;      ///< set: only jobs to its address that were accepted before it
   bool decided = false;
 };
 
@@ -64,10 +64,12 @@ void Bus::continue_running(Instant now) {
       continue;
     }
     const Instant ready = ready_at(*job);
-    if (now >= ready && in_flight() < most_running_) {
-      transmit(*job, now);
+    if (in_flight() >= most_running_) {
+      next_start_ = earlier(next_start_, job->deadline);
+    } else if (now < ready) {
+      next_start_ = earlier(next_start_, std::min(ready, job->deadline));
     } else {
-      next_start_ = earlier(next_start_, std::min(std::max(ready, now), job->deadline));
+      transmit(*job, now);
     }
   }
 }
@@ -88,18 +90,18 @@ bool Bus::is_held_back(const Job& job, Instant now) const {
 }
 
 std::optional<Bus::Choice> Bus::choose(Instant now) {
-  Search search{std::max(now, line_.ready_at(Duration{0})), {}, nullptr, {}, {}, false};
+  Search search{std::max(now, line_.ready_at(Duration{0})), {}, nullptr, {}, nullptr, false};
   const JobClass first = writes_in_row_ >= settings_.burst ? JobClass::read : JobClass::write;
   const JobClass second = first == JobClass::write ? JobClass::read : JobClass::write;
   if (const Job* stop = queue_.first_stop()) {
     // It lets the writes to its device go first, and so nothing goes before these.
-    search.only = stop->address();
+    search.before = stop;
     look_for(JobClass::write, search, now);
     look_for(JobClass::read, search, now);
     if (search.best && search.best->at <= search.soonest) {
       return search.best;
     }
-    search = Search{search.soonest, {}, nullptr, {}, {}, false};
+    search = Search{search.soonest, {}, nullptr, {}, nullptr, false};
   }
   look_for(first, search, now);
   if (!search.decided) {
@@ -114,7 +116,8 @@ std::optional<Bus::Choice> Bus::choose(Instant now) {
 void Bus::look_for(JobClass job_class, Search& search, Instant now) {
   queue_.visit_candidates(job_class, [&](Job& job) {
     const std::uint8_t address = job.transaction().address;
-    if (search.only && address != *search.only) {
+    if (search.before != nullptr &&
+        (address != search.before->address() || job.sequence > search.before->sequence)) {
       return false;
     }
     if (search.claimed[address] || !may_join(job)) {
@@ -135,13 +138,15 @@ void Bus::look_for(JobClass job_class, Search& search, Instant now) {
   });
 }
 
-// Reads share a device; a write, and a job of several transactions, has it for itself. Nor does
-// anybody overtake a read that is being repeated.
+// Reads share a device; a write, and a job of several transactions, has it for itself; a broadcast
+// has all of them. Nor does anybody overtake a read that is being repeated.
 bool Bus::may_join(const Job& job) const {
   return std::ranges::none_of(running_, [&](const Job* other) {
+    const bool meets =
+        other->address() == job.address() || job.is_broadcast() || other->is_broadcast();
     const bool shares =
         other->is_single_read() && job.is_single_read() && other->in_flight && other->tries == 1;
-    return other->address() == job.address() && !shares;
+    return meets && !shares;
   });
 }
 

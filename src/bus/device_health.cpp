@@ -14,7 +14,7 @@ constexpr int kMarginPart = 4;       // a quarter more than what was seen
 }  // namespace
 
 bool DeviceHealth::note_unanswered(Instant due, const Timing& timing) {
-  owe({due, false});
+  owe(due);
   ++unanswered_in_row_;
   if (offline_ || timing.offline_after == 0 || unanswered_in_row_ < timing.offline_after) {
     return false;
@@ -23,26 +23,19 @@ bool DeviceHealth::note_unanswered(Instant due, const Timing& timing) {
   return true;
 }
 
-void DeviceHealth::note_damaged(Instant due, Instant now) {
-  // Where no other answer is outstanding it was this one.
-  const bool alone = owed_.empty();
-  owe({alone ? now : due, alone});
-}
-
-void DeviceHealth::owe(Owed owed) {
+void DeviceHealth::owe(Instant due) {
   if (owed_.size() == owed_.capacity()) {
     owed_.erase(owed_.begin());
   }
-  owed_.push_back(owed);
-  last_due_ = std::max(last_due_, owed.due);
+  owed_.push_back(due);
+  last_due_ = std::max(last_due_, due);
 }
 
 bool DeviceHealth::note_answered(Instant due, Instant now) {
   if (!owed_.empty()) {
-    const Owed oldest = owed_.front();
+    suspected_ = std::max(suspected_, now - owed_.front());
     owed_.erase(owed_.begin());
-    suspected_ = std::max(suspected_, now - oldest.due);
-    owe({oldest.damaged ? now : due, oldest.damaged});
+    owe(due);
   }
   return answer_seen();
 }
@@ -54,14 +47,14 @@ bool DeviceHealth::answer_seen() {
 
 void DeviceHealth::note_asked() {
   if (!owed_.empty()) {
-    given_up_ = owed_.front().due;
+    given_up_ = owed_.front();
     owed_.clear();
     suspected_ = Duration{0};
   }
 }
 
 std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(Instant now, const Timing& timing) {
-  const auto due = owed_.empty() ? given_up_ : std::optional(owed_.front().due);
+  const auto due = owed_.empty() ? given_up_ : std::optional(owed_.front());
   const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
   if (!due || now > *due + longest) {
     return std::nullopt;

@@ -30,11 +30,9 @@ class DeviceHealth {
   /// A transmission got no answer; `due` is when its response timeout ended, or would have.
   /// Returns true if the device has just gone offline by that.
   bool note_unanswered(Instant due, const Timing& timing);
-  /// A frame of the right shape with a wrong CRC came at `now`: the answer is lost, or was another
-  /// one's. Says nothing about whether the device is there.
-  void note_damaged(Instant due, Instant now);
-  /// The line was lost before an answer came.
-  void note_cut_off(Instant due) { owe({due, false}); }
+  /// The same, but it says nothing about whether the device is there: a frame of the right shape
+  /// came with a wrong CRC, or the line was lost before an answer came.
+  void note_spoilt(Instant due) { owe(due); }
   /// A transmission was answered. If an earlier one was not, nobody can tell whose answer this is,
   /// and the other one may come until after `due`, the end of this one's response timeout. Returns
   /// true if the device is back by that.
@@ -67,15 +65,11 @@ class DeviceHealth {
   void set_wanted_at(Instant instant) { wanted_at_ = instant; }
 
  private:
-  struct Owed {
-    Instant due;
-    bool damaged;
-  };
-  void owe(Owed owed);
+  void owe(Instant due);
   bool answer_seen();
   [[nodiscard]] Duration learned(Instant now) const;
 
-  boost::container::static_vector<Owed, kMostOwed> owed_;  // oldest first
+  boost::container::static_vector<Instant, kMostOwed> owed_;  // when they were due, oldest first
   Instant last_due_ = Instant::min();
   std::optional<Instant> given_up_;  // when the oldest answer that was given up was due
   /// An answer came late if the one that is still owed comes too.

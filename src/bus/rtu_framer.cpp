@@ -102,8 +102,7 @@ Verdict RtuFramer::search(Instant now) {
 
 void RtuFramer::skip_noise() {
   while (transaction_ != nullptr && !buffer_.empty() && noise_skipped_ < kMaxNoise &&
-         buffer_[0] != transaction_->address &&
-         (buffer_[0] == 0x00 || buffer_[0] == 0xFF)) {
+         buffer_[0] != transaction_->address && (buffer_[0] == 0x00 || buffer_[0] == 0xFF)) {
     buffer_.erase(buffer_.begin());
     ++noise_skipped_;
     ++counters_.noise_bytes;

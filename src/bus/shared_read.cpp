@@ -47,7 +47,9 @@ class Gathering {
       queue_.remove(*job);
       leader_.followers.push_back(job);
     }
-    if (merges_ && range_ != leader_.transaction().request.reads()->range) {
+    const bool differ =
+        std::ranges::any_of(joined_, [this](const Job* job) { return !is_identical(*job); });
+    if (differ) {
       leader_.merged =
           std::make_unique<Transaction>(Transaction{leader_.address(), modbus::make_read(range_)});
     }

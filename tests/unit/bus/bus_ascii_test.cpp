@@ -139,7 +139,7 @@ TEST_F(BusAscii, ABadLrcIsRetriedForReadsOnly) {
   advance(20ms);
   text(kAsciiAnswer);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-  advance(100ms);  // its quarantine
+  advance(200ms);  // its quarantine
   submit(job("06 0000 0001"));
   advance(20ms);
   text(":010600000001F7\r\n");

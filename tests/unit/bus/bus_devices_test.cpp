@@ -130,9 +130,8 @@ TEST_F(Bus, AJobGoesOnAfterAWriteThatIsNotAnsweredAndOnlyOtherDevicesPassIt) {
   submit(same);
   const Instant start = now_;
   advance(6s);
-  EXPECT_THAT(frames_,
-              ElementsAre("01 06 00 D4 01 00 C8 62", "02 03 00 00 00 01 84 39",
-                          "01 06 00 00 00 01 48 0A", "01 03 00 00 00 01 84 0A"));
+  EXPECT_THAT(frames_, ElementsAre("01 06 00 D4 01 00 C8 62", "02 03 00 00 00 01 84 39",
+                                   "01 06 00 00 00 01 48 0A", "01 03 00 00 00 01 84 0A"));
   EXPECT_EQ(frame_times_[2] - start, kEmission + 40ms + 3s);
 }
 

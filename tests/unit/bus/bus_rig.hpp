@@ -84,6 +84,8 @@ class Bus : public testing::Test {
         ended_at_.push_back(now_);
       } else if (std::holds_alternative<bus::CloseLine>(*action)) {
         ++closes_;
+      } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&*action)) {
+        notices_.push_back(notice->kind);
       }
     }
   }
@@ -103,6 +105,7 @@ class Bus : public testing::Test {
   std::vector<Ending> endings_;
   std::vector<Instant> ended_at_;
   unsigned closes_ = 0;
+  std::vector<bus::DeviceNotice::Kind> notices_;
 };
 
 inline constexpr auto kRead = "03 0000 0001";

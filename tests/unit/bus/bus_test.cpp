@@ -16,7 +16,7 @@ TEST_F(Bus, ABadCrcIsRetriedForReadsOnly) {
   EXPECT_THAT(frames_, SizeIs(2));
   line(kAnswer);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-  advance(100ms);  // its quarantine
+  advance(200ms);  // its quarantine
   submit(job("06 0000 0001"));
   advance(10ms);
   line("01 06 00 00 00 02 48 0A");

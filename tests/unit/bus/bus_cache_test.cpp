@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads that are answered from memory, and what empties it.
+#include "bus_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+class BusCache : public Bus {
+ protected:
+  void open_with_cache() {
+    drive::Device device{"axis", {}, 1, settings().timing};
+    device.cache = 50ms;
+    open(settings(), {device});
+  }
+  void read() {
+    submit(job(kRead));
+    advance(10ms);
+    line(kAnswer);
+    advance(10ms);
+  }
+};
+
+TEST_F(BusCache, ARepeatedReadIsAnsweredWithinItsAge) {
+  open_with_cache();
+  read();
+  submit(job(kRead));
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+  EXPECT_EQ(jobs_[1].transactions[0].response, modbus::Pdu::from(unhex("03 02 12 34")));
+  EXPECT_EQ(bus_->counters().cached_reads, 1U);
+  submit(job("03 0000 0002"));
+  EXPECT_THAT(frames_, SizeIs(2));
+  advance(50ms);
+  submit(job(kRead));
+  EXPECT_THAT(endings_, SizeIs(2));
+}
+
+TEST_F(BusCache, AWriteEmptiesItWhenAcceptedAndWhenEnded) {
+  open_with_cache();
+  read();
+  submit(job("06 0000 0001"));
+  bus::Job& meanwhile = job_of(1, kRead);
+  submit(meanwhile);
+  EXPECT_TRUE(meanwhile.is_waiting());
+  advance(10ms);
+  line("01 06 00 00 00 01 48 0A");
+  advance(5ms);
+  EXPECT_TRUE(meanwhile.in_flight);
+}
+
+TEST_F(BusCache, ABroadcastEmptiesItToo) {
+  open_with_cache();
+  read();
+  submit(job("06 0000 0001", 0));
+  bus::Job& meanwhile = job_of(1, kRead);
+  submit(meanwhile);
+  EXPECT_TRUE(meanwhile.is_waiting());
+}
+
+TEST_F(BusCache, ATimeoutEmptiesIt) {
+  open_with_cache();
+  read();
+  submit(job("03 0010 0001"));
+  bus_->handle_deadline(now_ + 1s);
+  drain();
+  submit(job(kRead));
+  EXPECT_EQ(bus_->counters().cached_reads, 0U);
+}
+
+TEST_F(BusCache, ReopeningEmptiesIt) {
+  open_with_cache();
+  read();
+  bus_->handle_lost(now_);
+  bus_->handle_opened(now_);
+  drain();
+  submit(job(kRead));
+  EXPECT_EQ(bus_->counters().cached_reads, 0U);
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// Devices that do not answer: nobody waits for them, and one request now and then looks whether
+// they are back.
+#include "bus_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using Kind = bus::DeviceNotice::Kind;
+
+constexpr std::array<std::uint8_t, 3> kAddresses{1, 2, 3};
+
+class BusOffline : public Bus {
+ protected:
+  static bus::BusSettings breaking() {
+    auto breaking = settings();
+    breaking.timing.offline_after = 3;
+    breaking.timing.probe_timeout = 50ms;
+    return breaking;
+  }
+  /// Device 1 goes offline.
+  void lose_device() {
+    for (int times = 0; times < 3; ++times) {
+      submit(job(kRead));
+      advance(300ms);
+    }
+    EXPECT_TRUE(bus_->is_offline(1));
+    frames_.clear();
+    frame_times_.clear();
+    endings_.clear();
+    ended_at_.clear();
+  }
+};
+
+TEST_F(BusOffline, RetriesCountAndTheOthersWaitingAreAnsweredAtOnce) {
+  auto retrying = breaking();
+  retrying.timing.retries = 5;
+  open(retrying);
+  submit(job(kRead));
+  submit(job_of(1, kRead));
+  submit(job_of(2, "06 0000 0001"));
+  submit(job_of(3, kRead, 2));
+  advance(330ms);
+  EXPECT_THAT(notices_, ElementsAre(Kind::lost));
+  EXPECT_THAT(endings_, ElementsAre(Ending::offline, Ending::offline, Ending::no_answer));
+  EXPECT_FALSE(jobs_[2].was_on_wire);
+  ASSERT_THAT(frames_, SizeIs(4));
+  EXPECT_EQ(frames_[3], "02 03 00 00 00 01 84 39");
+}
+
+TEST_F(BusOffline, RequestsAreRefusedAtOnceButOneNowAndThenIsTheProbe) {
+  open(breaking());
+  lose_device();
+  submit(job(kRead));
+  EXPECT_THAT(endings_, ElementsAre(Ending::offline));
+  EXPECT_THAT(frames_, IsEmpty());
+  advance(2s);
+  submit(job("06 0000 0001"));  // a write may be it too
+  submit(job_of(1, kRead));
+  EXPECT_THAT(endings_, ElementsAre(Ending::offline, Ending::offline));
+  ASSERT_THAT(frames_, SizeIs(1));
+  advance(kEmission + 50ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::offline, Ending::offline, Ending::no_answer));
+  EXPECT_EQ(ended_at_.back() - frame_times_[0], kEmission + 50ms);
+  EXPECT_EQ(bus_->counters().probes, 1U);
+}
+
+TEST_F(BusOffline, OneResponseBringsItBack) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job(kRead));
+  advance(20ms);
+  line(kAnswer);
+  EXPECT_THAT(notices_, ElementsAre(Kind::lost, Kind::back));
+  EXPECT_FALSE(bus_->is_offline(1));
+  advance(200ms);
+  submit(job(kRead));
+  submit(job_of(1, kRead));
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusOffline, AnAnswerThatComesAfterTheProbesTimeBringsItBackToo) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job(kRead));
+  advance(70ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  line(kAnswer);
+  EXPECT_FALSE(bus_->is_offline(1));
+}
+
+TEST_F(BusOffline, ProbesTakeTheirShareOfTheTimeAndNoMore) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  const Instant start = now_;
+  for (int request = 0; request < 6000; ++request) {
+    submit(job(kRead));
+    advance(10ms);
+  }
+  // 55 ms each and 2 percent: one in 2.7 s.
+  EXPECT_EQ(now_ - start, 60s);
+  EXPECT_THAT(frames_, SizeIs(22));
+}
+
+TEST_F(BusOffline, OfflineDevicesTakeTurns) {
+  auto one = breaking();
+  one.timing.offline_after = 1;
+  open(one);
+  for (const std::uint8_t address : kAddresses) {
+    submit(job(kRead, address));
+    advance(300ms);
+  }
+  frames_.clear();
+  for (int request = 0; request < 2000; ++request) {
+    for (const std::uint8_t address : kAddresses) {
+      submit(job(kRead, address));
+    }
+    advance(10ms);
+  }
+  ASSERT_GE(frames_.size(), 6U);
+  for (std::size_t at = 0; at < 6; ++at) {
+    EXPECT_EQ(unhex(frames_[at])[0], 1 + at % 3) << at;
+  }
+}
+
+TEST_F(BusOffline, AProbeThatWasTakenBackLeavesItsPlace) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job_of(1, kRead, 2));  // occupies the line
+  bus::Job& probe = job(kRead);
+  submit(probe);
+  bus_->withdraw(probe);
+  bus::Job& next = job(kRead);
+  submit(next);
+  EXPECT_TRUE(next.is_waiting());
+}
+
+TEST_F(BusOffline, BadCrcsSayNothingAboutIt) {
+  open(breaking());
+  for (int times = 0; times < 5; ++times) {
+    submit(job(kRead));
+    advance(10ms);
+    line("01 03 02 12 35 B5 33");
+    advance(200ms);
+  }
+  EXPECT_EQ(bus_->counters().bad_crcs, 5U);
+  EXPECT_FALSE(bus_->is_offline(1));
+}
+
+}  // namespace
+}  // namespace mbgate::test
