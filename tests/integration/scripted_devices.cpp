@@ -147,7 +147,11 @@ void ScriptedDevices::take_request(Line& line) {
   const unsigned check = crc_of(frame, frame.size());
   frame.push_back(static_cast<unsigned char>(check & 0xFFU));
   frame.push_back(static_cast<unsigned char>(check >> 8U));
-  line.pending.push_back({Clock::now() + kEmission + *delay, std::move(frame)});
+  auto due = Clock::now() + kEmission + *delay;
+  if (!line.pending.empty()) {
+    due = std::max(due, line.pending.back().due);
+  }
+  line.pending.push_back({due, std::move(frame)});
 }
 
 void ScriptedDevices::answer_due(Line& line) {

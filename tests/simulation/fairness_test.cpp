@@ -79,6 +79,21 @@ TEST_P(Fairness, AClientWithTwoHundredRequestsGetsNoMoreThanOneWithOne) {
   }
 }
 
+// Client 0 gets four turns where the others get one, because it always has as many waiting.
+TEST_P(Fairness, AClientOfWeightFourGetsFourTimesAsMuch) {
+  OneBus bus = plant(GetParam());
+  bus.settings.weights.push_back({*routing::Network::parse("10.0.0.1/32"), 4});
+  const auto got = measure(bus);
+  const double turn = sum(got) / (kClients + 3);
+  const auto [least, most] = std::minmax_element(got.begin() + 1, got.end());
+  std::printf("of weight 4: %.2f turns; of weight 1: %.2f to %.2f\n",
+              static_cast<double>(got[0]) / turn, static_cast<double>(*least) / turn,
+              static_cast<double>(*most) / turn);
+  EXPECT_NEAR(static_cast<double>(got[0]) / turn, 4.0, 0.1);
+  EXPECT_GE(static_cast<double>(*least), 0.98 * turn);
+  EXPECT_LE(static_cast<double>(*most), 1.02 * turn);
+}
+
 INSTANTIATE_TEST_SUITE_P(SharedAndNot, Fairness, testing::Bool(), [](const auto& tested) {
   return std::string(tested.param ? "Coalescing" : "OneTransmissionEach");
 });
