@@ -37,6 +37,7 @@ struct LineSettings {
   Rs485 rs485 = Rs485::off;
   bool echo = false;  ///< the transceiver hears itself: the echo is read and compared
   bool low_latency = true;
+  friend bool operator==(const LineSettings&, const LineSettings&) = default;
 };
 
 struct BusSettings {

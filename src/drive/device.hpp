@@ -77,6 +77,11 @@ struct Device {
   [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request) const;
   /// Is the request a write of one of the profile's stops and of nothing else?
   [[nodiscard]] bool is_stop(const modbus::Request& request) const;
+  /// Does a request that was made for the other one mean the same to this one?
+  [[nodiscard]] bool understands_as(const Device& other) const {
+    return word_order == other.word_order && opcode_order == other.opcode_order &&
+           profile == other.profile;
+  }
   /// The boot time that follows a request which is never answered; nothing for others.
   [[nodiscard]] std::optional<Duration> silent_after(const modbus::Request& request) const;
 };

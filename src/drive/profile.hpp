@@ -34,6 +34,7 @@ struct Limits {
   [[nodiscard]] std::uint16_t written_to(modbus::Table table) const {
     return table == modbus::Table::coils ? write_coils : write_registers;
   }
+  friend bool operator==(const Limits&, const Limits&) = default;
 };
 
 /// How a drive hears a request that is for all.
@@ -47,18 +48,21 @@ struct Broadcast {
   BroadcastForm form = BroadcastForm::standard;
   std::optional<std::uint16_t> most_registers;  ///< of function 16
   std::optional<RangeList> allowed;             ///< none: everything
+  friend bool operator==(const Broadcast&, const Broadcast&) = default;
 };
 
 /// Writes that take longer than others.
 struct SlowRegisters {
   TableRange range;
   Duration response_timeout;
+  friend bool operator==(const SlowRegisters&, const SlowRegisters&) = default;
 };
 
 /// A write that is carried out and never answered.
 struct UnansweredWrite {
   WriteMatch match;
   Duration after;  ///< the device hears nothing for so long
+  friend bool operator==(const UnansweredWrite&, const UnansweredWrite&) = default;
 };
 
 /// Where a drive whose word order can be set says which one it has.
@@ -66,6 +70,7 @@ struct WordOrderRegister {
   std::uint16_t address;
   std::vector<std::uint16_t> big;
   std::vector<std::uint16_t> little;
+  friend bool operator==(const WordOrderRegister&, const WordOrderRegister&) = default;
 };
 
 /// Opcodes with a position in two 16-bit parameter registers whose order no manual states.
@@ -73,6 +78,7 @@ struct PositionOpcodes {
   std::uint16_t address;  ///< of the opcode
   std::vector<std::uint16_t> opcodes;
   std::uint16_t position;  ///< the first of the two registers
+  friend bool operator==(const PositionOpcodes&, const PositionOpcodes&) = default;
 };
 
 struct Profile {
@@ -104,6 +110,7 @@ struct Profile {
   /// Does a stop, a write that is never answered, an opcode or its position parameter lie in the
   /// range? None of these may be moved or exchanged as part of a value.
   [[nodiscard]] bool is_special(const TableRange& range) const;
+  friend bool operator==(const Profile&, const Profile&) = default;
 };
 
 }  // namespace mbgate::drive

@@ -30,6 +30,7 @@ class ValueSet {
   [[nodiscard]] const Value* from(modbus::Table table, std::uint32_t address) const;
   [[nodiscard]] bool any_in(const TableRange& range) const;
   [[nodiscard]] const std::vector<Value>& all() const { return values_; }
+  friend bool operator==(const ValueSet&, const ValueSet&) = default;
 
  private:
   std::vector<Value> values_;  // by table and address

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/client_session.hpp"
 
-#include <algorithm>
-
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
@@ -11,11 +9,17 @@ ClientSession::ClientSession(const ClientInfo& info, const ListenerSettings& lis
     : last_activity(now),
       info_(info),
       listener_(&listener),
-      rights_{routing::contains(listener.read_only, info.address)},
-      before_ready_(info.bytes_before_ready) {}
+      ordered_(listener.ordered),
+      rights_{routing::contains(listener.read_only, info.address)} {}
+
+void ClientSession::adopt(ListenerId id, const ListenerSettings& listener) {
+  info_.listener = id;
+  listener_ = &listener;
+  rights_ = {routing::contains(listener.read_only, info_.address)};
+}
 
 ClientSession::AnswerId ClientSession::open_answer() {
-  if (!listener_->ordered) {
+  if (!ordered_) {
     ++open_;
     return AnswerId{0};
   }
@@ -26,7 +30,7 @@ ClientSession::AnswerId ClientSession::open_answer() {
 ClientSession::Ready ClientSession::close_answer(AnswerId id,
                                                  std::optional<modbus::MbapBytes> adu) {
   Ready ready;
-  if (!listener_->ordered) {
+  if (!ordered_) {
     --open_;
     if (adu) {
       ready.push_back(*adu);
@@ -64,12 +68,6 @@ Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant
     pauses_.clear();
   }
   return arrival;
-}
-
-bool ClientSession::take_before_ready(std::size_t bytes) {
-  const bool before = before_ready_ > 0;
-  before_ready_ -= std::min(before_ready_, bytes);
-  return before;
 }
 
 void ClientSession::half_close() {

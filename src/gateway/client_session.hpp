@@ -9,6 +9,7 @@
 
 #include "gateway/event.hpp"
 #include "gateway/read_ahead.hpp"
+#include "gateway/taken_ahead.hpp"
 #include "modbus/mbap.hpp"
 #include "routing/access.hpp"
 
@@ -34,6 +35,11 @@ class ClientSession {
   [[nodiscard]] const ClientInfo& info() const { return info_; }
   [[nodiscard]] const ListenerSettings& listener() const { return *listener_; }
   [[nodiscard]] routing::ClientRights rights() const { return rights_; }
+  /// Whether answers are given in the order of the requests stays as it was at the beginning:
+  /// answers may be held.
+  [[nodiscard]] bool is_ordered() const { return ordered_; }
+  /// Other settings: the listener has another place, and says other things.
+  void adopt(ListenerId id, const ListenerSettings& listener);
 
   /// Requests without an answer that has been written whole; `pipeline` at most.
   [[nodiscard]] std::size_t outstanding() const { return open_ + held_.size() + unsent_; }
@@ -50,8 +56,14 @@ class ClientSession {
   /// When bytes that were just read must be taken to have arrived: when reading was paused, if they
   /// may have come since then. `unread` bytes still lie in the socket behind them.
   Instant arrival_of(std::size_t bytes, std::size_t unread, Instant now);
-  /// Is the next request older than this process? Called once for each, with its size.
-  bool take_before_ready(std::size_t bytes);
+  /// Where in the client's stream the next request begins.
+  [[nodiscard]] std::uint64_t position() const { return position_; }
+  /// The next request was dealt with.
+  void pass(std::size_t bytes) { position_ += bytes; }
+  /// Is the request that begins there older than this process?
+  [[nodiscard]] bool is_before_ready(std::uint64_t position) const {
+    return position < info_.bytes_before_ready;
+  }
 
   /// To be called after bytes or answers came: reading must stop or may go on. Nothing: as it is.
   enum class Reading : std::uint8_t { pause, resume };
@@ -66,6 +78,7 @@ class ClientSession {
   }
 
   ReadAhead input;
+  TakenAhead ahead;
   bool has_asked = false;  ///< a request was understood
   bool speaks_rtu_reported = false;
   Instant last_activity;
@@ -81,12 +94,13 @@ class ClientSession {
 
   ClientInfo info_;
   const ListenerSettings* listener_;
+  bool ordered_;
   routing::ClientRights rights_;
   std::size_t open_ = 0;    // unordered: answers that are due
   std::size_t unsent_ = 0;  // answers on their way to the socket
   std::deque<Held> held_;   // ordered: answers due or waiting, oldest first
   std::uint64_t first_held_ = 0;
-  std::size_t before_ready_ = 0;
+  std::uint64_t position_ = 0;
   bool paused_ = false;
   bool half_closed_ = false;
   /// From this position of the stream on, bytes came after a pause had begun.

@@ -4,6 +4,9 @@
 namespace mbgate::gateway {
 
 void Exchange::note(const bus::Job& job, bus::Ending ending) {
+  if (!plan) {
+    return;  // nobody is answered
+  }
   was_on_wire = was_on_wire || job.was_on_wire;
   switch (ending) {
     case bus::Ending::answered: response = plan->answer(job.responses()); break;

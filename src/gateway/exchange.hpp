@@ -9,19 +9,25 @@
 
 #include "bus/job.hpp"
 #include "gateway/client_session.hpp"
+#include "gateway/generation.hpp"
 #include "routing/plan.hpp"
 
 namespace mbgate::gateway {
 
+/// Failsafe writes are one too: without a client and without a plan.
 struct Exchange {
   struct Part {
     BusId bus;
     bus::Job* job;
   };
 
+  Generation* generation = nullptr;  ///< that the plan was made with
   ClientId client{};
+  ListenerId listener{};                       ///< as the settings in force count them
+  std::optional<drive::WordOrder> word_order;  ///< that its route asked for
   routing::ClientAddress address;
   bool client_gone = false;
+  bool is_stop = false;  ///< one of its transactions is: it goes on without its client
   ClientSession::AnswerId answer{};
   modbus::MbapHeader header;
   routing::BroadcastReply reply = routing::BroadcastReply::echo;
@@ -58,6 +64,8 @@ class Pool {
     free_.push_back(index);
   }
   Object& operator[](std::uint32_t index) { return objects_[index]; }
+  /// Those that are not in use are as new.
+  [[nodiscard]] std::deque<Object>& all() { return objects_; }
   [[nodiscard]] std::size_t in_use() const { return objects_.size() - free_.size(); }
 
  private:

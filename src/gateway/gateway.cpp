@@ -7,27 +7,16 @@
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
-namespace {
-
-std::vector<routing::ListenerKind> kinds_of(const std::vector<ListenerSettings>& listeners) {
-  std::vector<routing::ListenerKind> kinds;
-  kinds.reserve(listeners.size());
-  for (const auto& listener : listeners) {
-    kinds.push_back({listener.bus, listener.broadcast, listener.broadcast_reply});
-  }
-  return kinds;
-}
-
-}  // namespace
-
 Gateway::Gateway(Settings settings, Instant now)
-    : settings_(std::move(settings)),
-      routes_(kinds_of(settings_.listeners), settings_.routes, settings_.devices),
-      listener_clients_(settings_.listeners.size()),
+    : listener_clients_(settings.listeners.size()),
+      stop_marks_(settings.devices.size()),
+      writers_(settings.devices.size()),
       started_(now) {
-  for (std::size_t index = 0; index < settings_.buses.size(); ++index) {
+  const Settings& given = generations_.emplace_back(std::move(settings)).settings;
+  failsafe_ = current().new_failsafe();
+  for (std::size_t index = 0; index < given.buses.size(); ++index) {
     const BusId id{static_cast<std::uint32_t>(index)};
-    buses_.emplace_back(settings_.buses[index], settings_.devices_on(id));
+    buses_.push_back(std::make_unique<BusSlot>(given.buses[index], given.devices_on(id)));
     touch(id).start();
   }
   settle(now);
@@ -55,7 +44,7 @@ void Gateway::handle_bus_lost(BusId bus, Instant now) {
 
 void Gateway::handle_deadline(Instant now) {
   for (std::size_t index = 0; index < buses_.size(); ++index) {
-    const auto deadline = buses_[index].bus.next_deadline();
+    const auto deadline = buses_[index]->bus.next_deadline();
     if (deadline && *deadline <= now) {
       touch(BusId{static_cast<std::uint32_t>(index)}).handle_deadline(now);
     }
@@ -98,20 +87,23 @@ std::optional<Action> Gateway::poll_action() {
 
 std::optional<Instant> Gateway::next_deadline() const {
   auto deadline = bus::earlier(timers_.next(), stop_deadline_);
-  for (const BusSlot& slot : buses_) {
-    deadline = bus::earlier(deadline, slot.bus.next_deadline());
+  if (!stopping_) {
+    deadline = bus::earlier(deadline, failsafe_.next());
+  }
+  for (const auto& slot : buses_) {
+    deadline = bus::earlier(deadline, slot->bus.next_deadline());
   }
   return deadline;
 }
 
 Status Gateway::status() const {
   const auto open =
-      std::ranges::count_if(buses_, [](const BusSlot& slot) { return slot.bus.is_open(); });
+      std::ranges::count_if(buses_, [](const auto& slot) { return slot->bus.is_open(); });
   return {sessions_.size(), static_cast<std::size_t>(open)};
 }
 
 bus::Bus& Gateway::touch(BusId id) {
-  BusSlot& slot = buses_[static_cast<std::size_t>(id)];
+  BusSlot& slot = *buses_[static_cast<std::size_t>(id)];
   if (!slot.dirty) {
     slot.dirty = true;
     dirty_buses_.push_back(id);
@@ -122,24 +114,32 @@ bus::Bus& Gateway::touch(BusId id) {
 // Everything that one input set off, until nothing is left. A list of work instead of recursion: an
 // answer may free a place, which takes a request, which may be answered at once.
 void Gateway::settle(Instant now) {
-  while (!dirty_buses_.empty() || !ready_clients_.empty()) {
+  for (;;) {
     if (!dirty_buses_.empty()) {
       const BusId bus = dirty_buses_.back();
       dirty_buses_.pop_back();
       collect(bus);
       continue;
     }
-    const ClientId client = ready_clients_.back();
-    ready_clients_.pop_back();
-    if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
-      after_input(client, entry->second, now);
+    if (!ready_clients_.empty()) {
+      const ClientId client = ready_clients_.back();
+      ready_clients_.pop_back();
+      if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
+        after_input(client, entry->second, now);
+      }
+      continue;
     }
+    const auto due = stopping_ ? std::nullopt : failsafe_.take_due(now);
+    if (!due) {
+      break;
+    }
+    send_failsafe(*due, now);
   }
   finish_if_stopped();
 }
 
 void Gateway::collect(BusId id) {
-  BusSlot& slot = buses_[static_cast<std::size_t>(id)];
+  BusSlot& slot = *buses_[static_cast<std::size_t>(id)];
   slot.dirty = false;
   while (auto action = slot.bus.poll()) {
     if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {

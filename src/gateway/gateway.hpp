@@ -6,7 +6,9 @@
 #pragma once
 
 #include <deque>
+#include <list>
 #include <map>
+#include <memory>
 #include <unordered_map>
 
 #include "bus/bus.hpp"
@@ -14,8 +16,12 @@
 #include "gateway/client_session.hpp"
 #include "gateway/client_timers.hpp"
 #include "gateway/exchange.hpp"
+#include "gateway/failsafe.hpp"
+#include "gateway/generation.hpp"
 #include "gateway/own_unit.hpp"
-#include "routing/route_table.hpp"
+#include "gateway/stop_marks.hpp"
+#include "gateway/succession.hpp"
+#include "gateway/writers.hpp"
 
 namespace mbgate::gateway {
 
@@ -51,7 +57,8 @@ class Gateway {
   /// the same if their names are; the numbers in actions and inputs are those of the new settings
   /// at once. Lines that did not change go on without losing a transaction; Shut is asked for those
   /// that changed, and Open for these and new ones. The driver drops the lines of buses that are no
-  /// more. Clients of listeners that are no more are closed.
+  /// more. Clients of listeners that are no more, or do not allow them any more, are closed. To be
+  /// called when poll_action() has nothing left: the numbers in older actions are the older ones.
   void handle_settings(Settings settings, Instant now);
   /// Nothing new is begun but stops; Finished follows at most 1.5 s later.
   void handle_shutdown(Instant now);
@@ -59,7 +66,7 @@ class Gateway {
   std::optional<Action> poll_action();
   [[nodiscard]] std::optional<Instant> next_deadline() const;
 
-  [[nodiscard]] const Settings& settings() const { return settings_; }
+  [[nodiscard]] const Settings& settings() const { return current().settings; }
   [[nodiscard]] Status status() const;
 
  private:
@@ -73,9 +80,18 @@ class Gateway {
   struct Source {
     bus::SourceId id;
     std::size_t connections;
+    unsigned weight;
+  };
+  /// A request as it was read.
+  struct Received {
+    const modbus::MbapAdu& adu;
+    std::uint64_t position;  ///< in the client's stream
+    Instant arrival;
   };
 
   // gateway.cpp: buses, time
+  [[nodiscard]] Generation& current() { return generations_.back(); }
+  [[nodiscard]] const Generation& current() const { return generations_.back(); }
   [[nodiscard]] bus::Bus& touch(BusId id);
   void settle(Instant now);
   void collect(BusId id);
@@ -91,6 +107,7 @@ class Gateway {
   void close(ClientId id);
   void forget(Sessions::iterator client);
   void add_connection(const routing::ClientAddress& address);
+  [[nodiscard]] unsigned weight_of(const routing::ClientAddress& address) const;
 
   // gateway_requests.cpp: from the bytes to the buses and back
   /// When the gateway stops, what was read ahead is answered too.
@@ -103,11 +120,14 @@ class Gateway {
   void lose_framing(ClientId id, ClientSession& session, modbus::Bytes stream,
                     std::uint16_t length);
   void notice_rtu(ClientSession& session, modbus::Bytes stream);
-  void accept(ClientId id, ClientSession& session, const modbus::MbapFrame& frame, Instant arrival,
-              Instant now);
+  void accept(ClientId id, ClientSession& session, const Received& received, Instant now);
+  [[nodiscard]] std::uint32_t open_exchange(ClientId id, ClientSession& session,
+                                            const modbus::MbapHeader& header, routing::Plan plan);
   modbus::Pdu answer_own(const ClientSession& session, const modbus::Pdu& request, Instant now);
+  [[nodiscard]] const routing::Way* way_of(const ClientSession& session, std::uint8_t unit) const {
+    return current().routes.find(session.info().listener, unit);
+  }
   Result<routing::Plan, modbus::ExceptionCode> plan_for(const ClientSession& session,
-                                                        const routing::Way* way,
                                                         const modbus::MbapAdu& adu) const;
   [[nodiscard]] Duration deadline_of(const routing::Route& route, const routing::Plan& plan) const;
   void answer_now(ClientId id, ClientSession& session, const modbus::MbapHeader& header,
@@ -115,27 +135,61 @@ class Gateway {
   void send(ClientId id, ClientSession& session, ClientSession::AnswerId answer,
             const std::optional<modbus::MbapAdu>& adu);
 
+  // gateway_stops.cpp: stops, and who may write
+  [[nodiscard]] bool is_stop(const routing::PlannedTransaction& transaction) const;
+  [[nodiscard]] bool is_stop(const routing::Plan& plan) const;
+  [[nodiscard]] std::optional<modbus::ExceptionCode> objection(ClientId id,
+                                                               const ClientSession& session,
+                                                               const routing::Plan& plan,
+                                                               const Received& received,
+                                                               Instant now) const;
+  void note_accepted(const Exchange& exchange, Instant now);
+  [[nodiscard]] DevicePlaces overtaken_by(const routing::Plan& stop) const;
+  void take_stops_ahead(ClientId id, ClientSession& session, Instant now, bool leaving = false);
+  std::optional<routing::Plan> stop_in(const ClientSession& session,
+                                       const modbus::MbapAdu& adu) const;
+  void accept_ahead(ClientId id, ClientSession& session, const Received& received,
+                    routing::Plan plan, Instant now);
+  void pass_taken(ClientId id, ClientSession& session, const TakenAhead::Stop& stop);
+  void send_failsafe(const Failsafe::Due& due, Instant now);
+
+  // gateway_settings.cpp: from one generation of settings to the next
+  void close_unwanted(const Settings& next, const Succession& succession, Instant now);
+  void end_changed(const Generation& old, const Succession& succession);
+  [[nodiscard]] bool is_changed(const Exchange& exchange, const Exchange::Part& part,
+                                const Generation& old, const Succession& succession) const;
+  void replace_buses(const Settings& old, const Succession& succession, Instant now);
+  void end_dead(bus::Bus& dead, Instant now);
+  void renumber_clients(const Succession& succession, Instant now);
+  void renumber_devices(const Succession& succession, Instant now);
+
   // gateway_exchanges.cpp: the jobs of a request
-  void start(std::uint32_t index, const routing::Way& way, Instant arrival, Instant now);
+  void start(std::uint32_t index, Instant arrival, Instant now);
+  void submit_parts(const Exchange& exchange, Instant now);
   [[nodiscard]] bus::Job& new_job(std::uint32_t owner, Instant deadline);
   void end_part(bus::Job& job, bus::Ending ending);
   void note_reconfigured(const Exchange& exchange, const Exchange::Part& part);
   void report_effects(const Exchange& exchange, const Exchange::Part& part, bus::Ending ending);
   void complete(std::uint32_t index);
+  void forget_generations();
   void cancel_waiting(std::uint32_t index, bool writes_only);
+  /// Takes a job back, or, if it is on the wire, sees to it that nothing more of it follows.
+  void end_unsent(const Exchange::Part& part);
 
-  Settings settings_;
-  routing::RouteTable routes_;
+  std::list<Generation> generations_;  // the last one is in force; others have exchanges left
   OwnUnit own_unit_;
   Pool<Exchange> exchanges_;
   Pool<bus::Job> jobs_;  // outlives the queues that link its jobs
-  std::deque<BusSlot> buses_;
+  std::vector<std::unique_ptr<BusSlot>> buses_;
   Sessions sessions_;
   std::vector<std::size_t> listener_clients_;
   ClientCounters client_counters_;
   std::map<routing::ClientAddress, Source> sources_;
   std::vector<bus::SourceId> free_sources_;
   ClientTimers timers_;
+  StopMarks stop_marks_;
+  Writers writers_;
+  Failsafe failsafe_;
   std::vector<BusId> dirty_buses_;
   std::vector<ClientId> ready_clients_;
   std::deque<Action> actions_;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The doors of the machine for clients: who is let in, when a connection is read, when it ends.
+#include <algorithm>
+
 #include "gateway/gateway.hpp"
 
 namespace mbgate::gateway {
@@ -12,15 +14,16 @@ void Gateway::handle_client_connected(ClientId client, const ClientInfo& info, I
   auto& count = listener_clients_[static_cast<std::size_t>(info.listener)];
   ++count;
   const auto [entry, added] =
-      sessions_.try_emplace(client, info, settings_.listener(info.listener), now);
+      sessions_.try_emplace(client, info, settings().listener(info.listener), now);
   add_connection(info.address);
+  failsafe_.client_came(client, current().watched_for(info, entry->second.rights()), now);
   if (added && entry->second.listener().idle_timeout > Duration{0}) {
     arm(client, entry->second, now + entry->second.listener().idle_timeout);
   }
 }
 
 bool Gateway::admit(const ClientInfo& info) {
-  const ListenerSettings& listener = settings_.listener(info.listener);
+  const ListenerSettings& listener = settings().listener(info.listener);
   if (stopping_) {
     report(ClientRefused{info.listener, info.address, RefusalReason::stopping});
     return false;
@@ -112,6 +115,7 @@ void Gateway::handle_client_half_closed(ClientId client, Instant now) {
 
 void Gateway::handle_client_disconnected(ClientId client, Instant now) {
   if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
+    take_stops_ahead(client, entry->second, now, true);
     forget(entry);
   }
   settle(now);
@@ -123,6 +127,7 @@ void Gateway::after_input(ClientId id, ClientSession& session, Instant now) {
   if (entry == sessions_.end()) {
     return;
   }
+  take_stops_ahead(id, session, now);
   if (session.is_finished()) {
     close(id);
     return;
@@ -184,6 +189,7 @@ void Gateway::forget(Sessions::iterator client) {
     exchanges_[index].client_gone = true;
     cancel_waiting(index, false);
   }
+  failsafe_.client_gone(client->first);
   timers_.cancel(client->first, client->second.timer_armed_at);
   const ClientInfo info = client->second.info();
   --listener_clients_[static_cast<std::size_t>(info.listener)];
@@ -195,19 +201,26 @@ void Gateway::forget(Sessions::iterator client) {
   sessions_.erase(client);
 }
 
-// Connections from one address are one source: they share its turns.
+// Connections from one address are one source: they share its turns. Source 0 is the gateway.
 void Gateway::add_connection(const routing::ClientAddress& address) {
   const auto known = sources_.find(address);
   if (known != sources_.end()) {
     ++known->second.connections;
     return;
   }
-  bus::SourceId id{static_cast<std::uint32_t>(sources_.size())};
+  bus::SourceId id{static_cast<std::uint32_t>(sources_.size() + 1)};
   if (!free_sources_.empty()) {
     id = free_sources_.back();
     free_sources_.pop_back();
   }
-  sources_.emplace(address, Source{id, 1});
+  sources_.emplace(address, Source{id, 1, weight_of(address)});
+}
+
+unsigned Gateway::weight_of(const routing::ClientAddress& address) const {
+  const auto& weights = settings().weights;
+  const auto fitting = std::ranges::find_if(
+      weights, [&](const ClientWeight& it) { return it.network.contains(address); });
+  return fitting == weights.end() ? 1 : fitting->weight;
 }
 
 }  // namespace mbgate::gateway

@@ -17,9 +17,13 @@ bool may_have_worked(const bus::Job& job, std::size_t at) {
 
 }  // namespace
 
-void Gateway::start(std::uint32_t index, const routing::Way& way, Instant arrival, Instant now) {
+void Gateway::start(std::uint32_t index, Instant arrival, Instant now) {
   Exchange& exchange = exchanges_[index];
+  const routing::Way& way = *current().routes.find(exchange.listener, exchange.header.unit);
+  exchange.reply = way.route.broadcast_reply;
+  exchange.word_order = way.route.word_order;
   const Instant deadline = arrival + deadline_of(way.route, *exchange.plan);
+  note_accepted(exchange, now);
   for (const routing::PlannedTransaction& planned : exchange.plan->transactions()) {
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
       exchange.parts.push_back({planned.bus, &new_job(index, deadline)});
@@ -31,6 +35,10 @@ void Gateway::start(std::uint32_t index, const routing::Way& way, Instant arriva
     transactions.back().window_begin = planned.window_begin;
     transactions.back().window_end = planned.window_end;
   }
+  submit_parts(exchange, now);
+}
+
+void Gateway::submit_parts(const Exchange& exchange, Instant now) {
   const auto parts = exchange.parts;  // a part that ends at once is taken out
   for (const Exchange::Part& part : parts) {
     if (!touch(part.bus).submit(*part.job, now)) {
@@ -44,14 +52,18 @@ bus::Job& Gateway::new_job(std::uint32_t owner, Instant deadline) {
   bus::Job& job = jobs_[number];
   job.number = number;
   job.owner = owner;
-  job.source = sources_.at(exchanges_[owner].address).id;
+  if (const auto source = sources_.find(exchanges_[owner].address);
+      exchanges_[owner].plan && source != sources_.end()) {
+    job.source = source->second.id;
+    job.weight = source->second.weight;
+  }
   job.deadline = deadline;
   return job;
 }
 
 // Whatever way it came: a drive that was set otherwise may be out of reach, or speak another order.
 void Gateway::note_reconfigured(const Exchange& exchange, const Exchange::Part& part) {
-  for (const drive::Device& device : settings_.devices) {
+  for (const drive::Device& device : settings().devices) {
     bool hit = false;
     for (std::size_t at = 0; device.bus == part.bus && at < part.job->transactions.size(); ++at) {
       const bus::Transaction& it = part.job->transactions[at];
@@ -71,7 +83,9 @@ void Gateway::end_part(bus::Job& job, bus::Ending ending) {
   Exchange& exchange = exchanges_[index];
   const auto part = std::ranges::find(exchange.parts, &job, &Exchange::Part::job);
   exchange.note(job, ending);
-  report_effects(exchange, *part, ending);
+  if (exchange.plan) {
+    report_effects(exchange, *part, ending);
+  }
   exchange.parts.erase(part);
   jobs_.give_back(job.number);
   if (exchange.parts.empty()) {
@@ -83,6 +97,9 @@ void Gateway::end_part(bus::Job& job, bus::Ending ending) {
 // can be reached.
 void Gateway::report_effects(const Exchange& exchange, const Exchange::Part& part,
                              bus::Ending ending) {
+  if (part.bus == kNoBus) {
+    return;  // nobody knows it any more
+  }
   const bus::Job& job = *part.job;
   if (ending == bus::Ending::mismatched) {
     report(WordOrderDiffers{part.bus, job.transactions[job.current].address});
@@ -115,26 +132,39 @@ void Gateway::complete(std::uint32_t index) {
     if (const auto pdu = exchange.result()) {
       adu = modbus::MbapAdu{exchange.header, *pdu};
     }
-    send(exchange.client, session, exchange.answer, adu);
+    if (!session.ahead.keep_answer(index, adu)) {
+      send(exchange.client, session, exchange.answer, adu);
+    }
   }
+  --exchange.generation->exchanges;
   exchanges_.give_back(index);
+  forget_generations();
+}
+
+void Gateway::forget_generations() {
+  generations_.remove_if(
+      [this](const Generation& it) { return it.exchanges == 0 && &it != &current(); });
 }
 
 // Takes back what waits; what is on the wire goes on, but is not repeated for a client that has
-// gone.
+// gone. Stops are carried out whatever becomes of their client.
 void Gateway::cancel_waiting(std::uint32_t index, bool writes_only) {
-  Exchange& exchange = exchanges_[index];
-  if (writes_only && exchange.plan->is_read()) {
+  const Exchange& exchange = exchanges_[index];
+  if (exchange.is_stop || (writes_only && exchange.plan->is_read())) {
     return;
   }
-  const auto parts = exchange.parts;
+  const auto parts = exchange.parts;  // a part that ends is taken out
   for (const Exchange::Part& part : parts) {
-    if (part.job->is_waiting()) {
-      touch(part.bus).withdraw(*part.job);
-      end_part(*part.job, bus::Ending::cancelled);
-    } else {
-      part.job->abandoned = true;
-    }
+    end_unsent(part);
+  }
+}
+
+void Gateway::end_unsent(const Exchange::Part& part) {
+  if (part.job->is_waiting()) {
+    touch(part.bus).withdraw(*part.job);
+    end_part(*part.job, bus::Ending::cancelled);
+  } else {
+    part.job->abandoned = true;
   }
 }
 

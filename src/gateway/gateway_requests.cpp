@@ -35,10 +35,17 @@ std::size_t Gateway::take_requests(ClientId id, ClientSession& session, modbus::
     if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
       notice_rtu(session, rest);
       ++client_counters_.foreign_adus;
-      session.take_before_ready(foreign->size);
+      session.pass(foreign->size);
       taken += foreign->size;
     } else if (const auto* frame = std::get_if<modbus::MbapFrame>(&scan)) {
-      accept(id, session, *frame, arrival ? *arrival : session.input.arrival_at(taken), now);
+      const std::uint64_t position = session.position();
+      if (const auto stop = session.ahead.take(position)) {
+        pass_taken(id, session, *stop);
+      } else {
+        const Instant since = arrival ? *arrival : session.input.arrival_at(taken);
+        accept(id, session, {frame->adu, position, since}, now);
+      }
+      session.pass(frame->size);
       taken += frame->size;
     } else {
       break;
@@ -65,35 +72,41 @@ void Gateway::notice_rtu(ClientSession& session, modbus::Bytes stream) {
   }
 }
 
-void Gateway::accept(ClientId id, ClientSession& session, const modbus::MbapFrame& frame,
-                     Instant arrival, Instant now) {
-  const modbus::MbapAdu& adu = frame.adu;
-  const bool before_ready = session.take_before_ready(frame.size);
+void Gateway::accept(ClientId id, ClientSession& session, const Received& received, Instant now) {
+  const modbus::MbapAdu& adu = received.adu;
   session.has_asked = true;
   ++client_counters_.requests;
-  if (settings_.own_unit == adu.header.unit) {
+  failsafe_.client_asked(id, now);
+  if (settings().own_unit == adu.header.unit) {
     answer_now(id, session, adu.header, answer_own(session, adu.pdu, now));
     return;
   }
-  const routing::Way* way = routes_.find(session.info().listener, adu.header.unit);
-  auto plan = plan_for(session, way, adu);
-  const bool too_late =
-      stopping_ || ((before_ready || session.is_half_closed()) && plan && !plan->is_read());
-  if (!plan || too_late) {
-    const ExceptionCode code = plan ? ExceptionCode::server_device_busy : plan.error();
-    answer_now(id, session, adu.header, modbus::Pdu::exception(adu.pdu.function(), code));
+  auto plan = plan_for(session, adu);
+  const auto refused =
+      plan ? objection(id, session, *plan, received, now) : std::optional(plan.error());
+  if (refused) {
+    answer_now(id, session, adu.header, modbus::Pdu::exception(adu.pdu.function(), *refused));
     return;
   }
+  const std::uint32_t index = open_exchange(id, session, adu.header, *std::move(plan));
+  exchanges_[index].answer = session.open_answer();
+  start(index, received.arrival, now);
+}
+
+std::uint32_t Gateway::open_exchange(ClientId id, ClientSession& session,
+                                     const modbus::MbapHeader& header, routing::Plan plan) {
   const std::uint32_t index = exchanges_.take();
   Exchange& exchange = exchanges_[index];
+  exchange.generation = &current();
+  ++exchange.generation->exchanges;
   exchange.client = id;
-  exchange.answer = session.open_answer();
-  exchange.header = adu.header;
+  exchange.listener = session.info().listener;
+  exchange.header = header;
   exchange.address = session.info().address;
-  exchange.reply = way->route.broadcast_reply;
-  exchange.plan = std::move(*plan);
+  exchange.is_stop = is_stop(plan);
+  exchange.plan = std::move(plan);
   session.exchanges.push_back(index);
-  start(index, *way, arrival, now);
+  return index;
 }
 
 modbus::Pdu Gateway::answer_own(const ClientSession& session, const modbus::Pdu& request,
@@ -101,24 +114,24 @@ modbus::Pdu Gateway::answer_own(const ClientSession& session, const modbus::Pdu&
   if (session.rights().read_only && !modbus::is_read(request.bytes())) {
     return modbus::Pdu::exception(request.function(), ExceptionCode::illegal_function);
   }
-  OwnView view{{}, settings_.devices, sessions_.size(), client_counters_, now - started_};
-  for (const BusSlot& slot : buses_) {
-    view.buses.push_back(&slot.bus);
+  OwnView view{{}, settings().devices, sessions_.size(), client_counters_, now - started_, now};
+  for (const auto& slot : buses_) {
+    view.buses.push_back(&slot->bus);
   }
   const OwnUnit::Answer answer = own_unit_.answer(request, view);
   if (answer.clear_counters) {
     client_counters_ = {};
-    std::ranges::for_each(buses_, [](BusSlot& slot) { slot.bus.clear_counters(); });
+    std::ranges::for_each(buses_, [](auto& slot) { slot->bus.clear_counters(); });
   }
   return answer.pdu;
 }
 
 Result<routing::Plan, ExceptionCode> Gateway::plan_for(const ClientSession& session,
-                                                       const routing::Way* way,
                                                        const modbus::MbapAdu& adu) const {
   if (!modbus::is_request_function(adu.pdu.function())) {
     return ExceptionCode::illegal_function;
   }
+  const routing::Way* way = way_of(session, adu.header.unit);
   if (way == nullptr) {
     return ExceptionCode::gateway_path_unavailable;
   }
@@ -134,7 +147,7 @@ Duration Gateway::deadline_of(const routing::Route& route, const routing::Plan& 
   }
   Duration deadline{0};
   for (const BusId bus : route.buses) {
-    const bus::Bus& target = buses_[static_cast<std::size_t>(bus)].bus;
+    const bus::Bus& target = buses_[static_cast<std::size_t>(bus)]->bus;
     deadline = std::max(deadline, write_deadline(target.longest_response_timeout()));
   }
   return deadline;

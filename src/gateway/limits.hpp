@@ -23,6 +23,10 @@ inline constexpr std::size_t kClientReadSize = 2048;
 /// piece, which errs to the safe side: a request can only look older than it is.
 inline constexpr std::size_t kArrivalMarks = 32;
 
+/// Stops of a connection that may lie taken behind requests that were not: more than a hand presses
+/// a button while a pipeline is stuck, too few to crowd out other clients' stops.
+inline constexpr std::size_t kStopReserve = 16;
+
 /// Reads wait this long for their turn unless the route says otherwise: longer than any screen
 /// waits.
 inline constexpr bus::Duration kReadDeadline = std::chrono::seconds(5);

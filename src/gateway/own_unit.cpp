@@ -14,11 +14,11 @@ namespace {
 using modbus::ExceptionCode;
 using modbus::Pdu;
 
-constexpr std::uint32_t kLayoutVersion = 1;
+constexpr std::uint32_t kLayoutVersion = 2;
 constexpr std::uint32_t kBusesAt = 1000;
-constexpr std::uint32_t kBusSize = 32;
+constexpr std::uint32_t kBusSize = 64;
 constexpr std::uint32_t kDevicesAt = 10000;
-constexpr std::uint32_t kDeviceSize = 16;
+constexpr std::uint32_t kDeviceSize = 32;
 
 using Block = std::vector<std::uint16_t>;
 
@@ -47,30 +47,46 @@ Block bus_block(const bus::Bus& bus) {
   const bus::BusCounters& counters = bus.counters();
   Block block{static_cast<std::uint16_t>(bus.is_open() ? 1 : 0), saturated(bus.waiting())};
   for (const std::uint64_t count :
-       {counters.transmissions, counters.responses, counters.exceptions, counters.timeouts,
-        counters.bad_crcs, counters.stray_frames, counters.stray_bytes, counters.noise_bytes,
-        counters.echo_mismatches, counters.expired, counters.refused_full, counters.losses,
-        counters.retries, counters.broadcasts}) {
+       {counters.transmissions,    counters.responses,        counters.exceptions,
+        counters.timeouts,         counters.bad_crcs,         counters.stray_frames,
+        counters.stray_bytes,      counters.noise_bytes,      counters.echo_mismatches,
+        counters.expired,          counters.refused_full,     counters.losses,
+        counters.retries,          counters.broadcasts,       counters.late_responses,
+        counters.early_responses,  counters.foreign_frames,   counters.shared_reads,
+        counters.merged_reads,     counters.cached_reads,     counters.stops,
+        counters.stops_unanswered, counters.overtaken_writes, counters.probes,
+        counters.refused_offline,  counters.evicted}) {
     put32(block, count);
   }
   block.resize(kBusSize);
   return block;
 }
 
-Block device_block(const drive::Device& device, const bus::Bus& bus) {
+// Milliseconds begun, so that 0 means that it is over.
+std::uint16_t milliseconds(bus::Duration duration) {
+  return saturated(
+      static_cast<std::uint64_t>(std::chrono::ceil<std::chrono::milliseconds>(duration).count()));
+}
+
+Block device_block(const drive::Device& device, const bus::Bus& bus, bus::Instant now) {
   const bus::DeviceCounters& counters = bus.device_counters(device.address);
   std::uint16_t state = 0;
-  if (bus.unanswered_in_row(device.address) > 0) {
+  if (bus.is_offline(device.address)) {
+    state = 3;
+  } else if (bus.unanswered_in_row(device.address) > 0) {
     state = 2;
   } else if (counters.responses > 0) {
     state = 1;
   }
   Block block{static_cast<std::uint16_t>(static_cast<std::uint32_t>(device.bus) + 1),
               device.address, state, saturated(bus.unanswered_in_row(device.address))};
-  for (const std::uint64_t count : {counters.transmissions, counters.responses, counters.exceptions,
-                                    counters.timeouts, counters.bad_crcs}) {
+  for (const std::uint64_t count :
+       {counters.transmissions, counters.responses, counters.exceptions, counters.timeouts,
+        counters.bad_crcs, counters.late_responses, counters.early_responses}) {
     put32(block, count);
   }
+  block.push_back(bus.is_offline(device.address) ? 1 : 0);
+  block.push_back(milliseconds(bus.held_back(device.address, now)));
   block.resize(kDeviceSize);
   return block;
 }
@@ -84,7 +100,7 @@ std::pair<std::uint32_t, Block> block_at(std::uint32_t address, const OwnView& v
     }
     const drive::Device& device = view.devices[index];
     return {kDevicesAt + index * kDeviceSize,
-            device_block(device, *view.buses[static_cast<std::size_t>(device.bus)])};
+            device_block(device, *view.buses[static_cast<std::size_t>(device.bus)], view.now)};
   }
   if (address >= kBusesAt) {
     const std::uint32_t index = (address - kBusesAt) / kBusSize;

@@ -7,24 +7,30 @@
 // addresses exception 02.
 //
 // At 0, the gateway:
-//   0 layout version (1)
+//   0 layout version (2)
 //   1, 2, 3 number of buses, devices, connected clients
 //   4-5 seconds since the start
 //   6-7 requests, 8-9 ADUs of other protocols (skipped), 10-11 connections closed because framing
 //   was lost
 //
-// At 1000 + 32 * bus:
+// At 1000 + 64 * bus:
 //   0 open (1) or not (0)
 //   1 requests waiting
-//   2-29 counters: transmissions, responses, exceptions, timeouts, bad CRCs, stray frames,
+//   2-53 counters: transmissions, responses, exceptions, timeouts, bad CRCs, stray frames,
 //        stray bytes, noise bytes, echo mismatches, expired, refused because full, losses,
-//        retries, broadcasts
+//        retries, broadcasts, late responses, early responses, foreign frames, shared reads, merged
+//        reads, reads answered from memory, stops sent, stops unanswered, writes taken back because
+//        of a stop, requests let through to offline devices, requests refused because their device
+//        was offline, reads that lost their place in a full queue
 //
-// At 10000 + 16 * device:
+// At 10000 + 32 * device:
 //   0 its bus (1 is the first), 1 its address
-//   2 state: 0 not asked yet, 1 answering, 2 not answering
+//   2 state: 0 not asked yet, 1 answering, 2 not answering, 3 offline
 //   3 unanswered requests in a row
-//   4-13 counters: transmissions, responses, exceptions, timeouts, bad CRCs
+//   4-17 counters: transmissions, responses, exceptions, timeouts, bad CRCs, late responses, early
+//        responses
+//   18 offline (1) or not (0)
+//   19 milliseconds that it is still left alone after an unanswered request, 65535 if longer
 #pragma once
 
 #include <cstdint>
@@ -52,6 +58,7 @@ struct OwnView {
   std::size_t clients = 0;
   ClientCounters counters;
   bus::Duration uptime{0};
+  bus::Instant now{};
 };
 
 class OwnUnit {

@@ -99,6 +99,10 @@ class MachineRig {
     gateway.handle_bus_opened(BusId{bus}, now);
     drain();
   }
+  void reload(Settings settings) {
+    gateway.handle_settings(std::move(settings), now);
+    drain();
+  }
   void shutdown() {
     gateway.handle_shutdown(now);
     drain();

@@ -99,6 +99,15 @@ TEST_P(Profile, NamesTheManualsLineOfEveryValueAndStop) {
   }
 }
 
+/// MOONS' opcode register has five parameters behind it, which no stop uses.
+TEST_P(Profile, LetsOnlyMoonsParametersGoAlongWithAStop) {
+  const bool moons = GetParam().starts_with("moons-");
+  for (const auto& stop : file->profile.stops) {
+    EXPECT_EQ(stop.parameters, moons ? 5 : 0) << file->number(stop.table, stop.address);
+  }
+  EXPECT_TRUE(!moons || file->profile.stops.size() == 3);
+}
+
 std::string case_name(const testing::TestParamInfo<std::string>& info) {
   std::string name = info.param;
   std::ranges::replace(name, '-', '_');

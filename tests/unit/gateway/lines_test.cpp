@@ -161,14 +161,34 @@ TEST(OwnUnit, ShowsTheHealthOfBusesAndDevices) {
   rig.respond("01 83 02");
   rig.take_sent(1);
   rig.receive(1, "0002 0000 0006 FF 04 0000 0004");
-  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 0B FF 04 08 00 01 00 01 00 01 00 01"));
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 0B FF 04 08 00 02 00 01 00 01 00 01"));
   rig.receive(1, "0003 0000 0006 FF 04 03E8 0008");  // bus 0: open, 0 waiting, 1, 1, 1 exception
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 13 FF 04 10 00 01 00 00 00 00 00 01 "
                                             "00 00 00 01 00 00 00 01"));
   rig.receive(1, "0004 0000 0006 FF 04 2710 0004");  // device 0: bus 1, address 1, answering
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 04 00 00 00 0B FF 04 08 00 01 00 01 00 01 00 00"));
-  rig.receive(1, "0005 0000 0006 FF 04 2710 0011");  // there is no second device
+  rig.receive(1, "0005 0000 0006 FF 04 2710 0021");  // there is no second device
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 84 02"));
+}
+
+TEST(OwnUnit, ShowsDevicesThatDoNotAnswer) {
+  Settings settings = one_bus();
+  settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing}};
+  settings.devices[0].timing.offline_after = 1;
+  settings.devices[0].timing.retries = 0;
+  settings.devices[0].timing.quarantine = 500ms;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, kRead);
+  rig.advance(150ms);
+  rig.take_sent(1);
+  rig.receive(1, "0002 0000 0006 FF 04 2712 0002");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 07 FF 04 04 00 03 00 01"));
+  rig.receive(1, "0003 0000 0006 FF 04 2722 0002");
+  // 500 ms behind a timeout 100 ms after 8 characters of 573 us
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 07 FF 04 04 00 01 01 C7"));
+  rig.receive(1, "0004 0000 0006 FF 04 041C 0002");  // bus 0: reads that lost their place
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 04 00 00 00 07 FF 04 04 00 00 00 00"));
 }
 
 TEST(OwnUnit, CountsAndClears) {

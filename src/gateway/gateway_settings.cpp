@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// From one generation of settings to the next, without taking anything away from what goes on.
+#include <algorithm>
+
+#include "gateway/gateway.hpp"
+
+namespace mbgate::gateway {
+namespace {
+
+// Does a request that was made for the old address mean something else there now? A device that
+// appears where none was counts, and one that is gone.
+bool means_otherwise(const drive::Device* old, const drive::Device* next) {
+  if (old == nullptr || next == nullptr) {
+    return old != next;
+  }
+  return old->name != next->name || !next->understands_as(*old);
+}
+
+const drive::Device* device_at(const Generation& generation, BusId bus, std::uint8_t address) {
+  const auto place = generation.devices.at(bus, address);
+  return place ? &generation.settings.devices[*place] : nullptr;
+}
+
+}  // namespace
+
+void Gateway::handle_settings(Settings settings, Instant now) {
+  if (stopping_) {
+    return;
+  }
+  Generation& old = current();
+  ++old.exchanges;  // it must not go before its last request has been looked at
+  const Succession succession(old.settings, settings);
+  close_unwanted(settings, succession, now);
+  generations_.emplace_back(std::move(settings));
+  end_changed(old, succession);
+  replace_buses(old.settings, succession, now);
+  renumber_clients(succession, now);
+  renumber_devices(succession, now);
+  --old.exchanges;
+  forget_generations();
+  settle(now);
+}
+
+void Gateway::close_unwanted(const Settings& next, const Succession& succession, Instant now) {
+  std::vector<ClientId> unwanted;
+  for (const auto& [client, session] : sessions_) {
+    const auto listener = succession.listener(session.info().listener);
+    const auto* allow = listener ? &next.listener(*listener).allow : nullptr;
+    const bool allowed =
+        allow != nullptr && (allow->empty() || routing::contains(*allow, session.info().address));
+    if (!allowed) {
+      unwanted.push_back(client);
+    }
+    if (listener && !allowed) {
+      report(ClientRefused{*listener, session.info().address, RefusalReason::not_allowed});
+    }
+  }
+  for (const ClientId client : unwanted) {
+    take_stops_ahead(client, sessions_.at(client), now, true);
+    close(client);
+  }
+}
+
+// Jobs for devices that are no longer what they were: what waits is taken back, what is on the wire
+// is the last of its job. Stops are sent: settings do not move a drive, and the one that was meant
+// is still where it was. The buses have their old numbers.
+void Gateway::end_changed(const Generation& old, const Succession& succession) {
+  std::vector<Exchange::Part> changed;
+  for (Exchange& exchange : exchanges_.all()) {
+    if (exchange.generation == nullptr || exchange.is_stop) {
+      continue;
+    }
+    for (const Exchange::Part& part : exchange.parts) {
+      if (succession.keeps_line(part.bus) && is_changed(exchange, part, old, succession)) {
+        changed.push_back(part);
+      }
+    }
+  }
+  for (const Exchange::Part& part : changed) {
+    end_unsent(part);
+  }
+}
+
+bool Gateway::is_changed(const Exchange& exchange, const Exchange::Part& part,
+                         const Generation& old, const Succession& succession) const {
+  const BusId bus = *succession.bus(part.bus);
+  const auto is_other = [&](std::uint8_t address) {
+    return means_otherwise(device_at(old, part.bus, address), device_at(current(), bus, address));
+  };
+  if (part.job->is_broadcast()) {
+    for (std::size_t address = 0; address < DeviceIndex::kAddresses; ++address) {
+      if (is_other(static_cast<std::uint8_t>(address))) {
+        return true;
+      }
+    }
+    return false;
+  }
+  const auto listener = succession.listener(exchange.listener);
+  const routing::Way* way =
+      listener ? current().routes.find(*listener, exchange.header.unit) : nullptr;
+  const bool other_order = way != nullptr && way->route.word_order != exchange.word_order;
+  return other_order || is_other(part.job->transactions.front().address);
+}
+
+void Gateway::replace_buses(const Settings& old, const Succession& succession, Instant now) {
+  auto before = std::exchange(buses_, {});
+  buses_.resize(settings().buses.size());
+  for (const BusId id : std::exchange(dirty_buses_, {})) {
+    before[static_cast<std::size_t>(id)]->dirty = false;  // under this number
+  }
+  for (Exchange& exchange : exchanges_.all()) {
+    for (Exchange::Part& part : exchange.parts) {
+      part.bus = succession.bus(part.bus).value_or(kNoBus);
+    }
+  }
+  for (std::size_t place = 0; place < old.buses.size(); ++place) {
+    const BusId old_id{static_cast<std::uint32_t>(place)};
+    const auto id = succession.bus(old_id);
+    if (succession.keeps_line(old_id)) {
+      buses_[static_cast<std::size_t>(*id)] = std::move(before[place]);
+      touch(*id).update(settings().bus(*id), settings().devices_on(*id), now);
+      continue;
+    }
+    end_dead(before[place]->bus, now);
+    if (id) {
+      actions_.emplace_back(Shut{*id});
+    }
+  }
+  for (std::size_t place = 0; place < buses_.size(); ++place) {
+    if (buses_[place] == nullptr) {
+      const BusId id{static_cast<std::uint32_t>(place)};
+      buses_[place] = std::make_unique<BusSlot>(settings().bus(id), settings().devices_on(id));
+      touch(id).start();
+    }
+  }
+}
+
+// Its line is given up: what was on the wire ends, and what waits. Nobody needs its news any more.
+void Gateway::end_dead(bus::Bus& dead, Instant now) {
+  dead.handle_lost(now);
+  while (const auto action = dead.poll()) {
+    if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
+      end_part(*ended->job, ended->ending);
+    }
+  }
+}
+
+void Gateway::renumber_clients(const Succession& succession, Instant now) {
+  for (Exchange& exchange : exchanges_.all()) {
+    if (exchange.generation != nullptr) {
+      // Of a client that has gone nobody asks.
+      exchange.listener = succession.listener(exchange.listener).value_or(ListenerId{});
+    }
+  }
+  listener_clients_.assign(settings().listeners.size(), 0);
+  for (auto& [client, session] : sessions_) {
+    const ListenerId listener = *succession.listener(session.info().listener);
+    session.adopt(listener, settings().listener(listener));
+    session.ahead.renumber([&](std::size_t device) { return succession.device(device); });
+    ++listener_clients_[static_cast<std::size_t>(listener)];
+    if (session.listener().idle_timeout > Duration{0}) {
+      arm(client, session, now + session.listener().idle_timeout);
+    }
+    ready_clients_.push_back(client);
+  }
+  for (auto& [address, source] : sources_) {
+    source.weight = weight_of(address);
+  }
+}
+
+void Gateway::renumber_devices(const Succession& succession, Instant now) {
+  const std::size_t devices = settings().devices.size();
+  const StopMarks marks = std::exchange(stop_marks_, StopMarks(devices));
+  const Writers writers = std::exchange(writers_, Writers(devices));
+  const Failsafe failsafe = std::exchange(failsafe_, current().new_failsafe());
+  for (const auto& [client, session] : sessions_) {
+    failsafe_.client_came(client, current().watched_for(session.info(), session.rights()), now);
+  }
+  for (std::size_t old = 0; old < marks.size(); ++old) {
+    if (const auto place = succession.device(old)) {
+      stop_marks_.carry(*place, marks, old);
+      writers_.carry(*place, writers, old);
+      failsafe_.carry(*place, failsafe, old);
+    }
+  }
+}
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/generation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace mbgate::gateway {
+namespace {
+
+std::vector<routing::ListenerKind> kinds_of(const std::vector<ListenerSettings>& listeners) {
+  std::vector<routing::ListenerKind> kinds;
+  kinds.reserve(listeners.size());
+  for (const auto& listener : listeners) {
+    kinds.push_back({listener.bus, listener.broadcast, listener.broadcast_reply});
+  }
+  return kinds;
+}
+
+// Lets the way any function through that writes to a table?
+bool may_write(const routing::Route& route) {
+  constexpr std::array kWriting{0x05U, 0x06U, 0x0FU, 0x10U, 0x16U, 0x17U};
+  return route.access == routing::Access::read_write &&
+         std::ranges::any_of(
+             kWriting, [&](unsigned function) { return route.functions.allowed.test(function); });
+}
+
+bool reaches(const routing::Way& way, unsigned unit, const drive::Device& device) {
+  if (way.is_broadcast()) {
+    return std::ranges::any_of(way.audiences, [&](const routing::Audience& audience) {
+      return audience.bus == device.bus;
+    });
+  }
+  return way.route.buses.front() == device.bus &&
+         way.route.first_address + (unit - way.route.first_unit) == device.address;
+}
+
+}  // namespace
+
+Generation::Generation(Settings given)
+    : settings(std::move(given)),
+      routes(kinds_of(settings.listeners), settings.routes, settings.devices),
+      devices(settings.devices, settings.buses.size()) {
+  for (std::size_t listener = 0; listener < settings.listeners.size(); ++listener) {
+    DevicePlaces& watched = watched_.emplace_back();
+    for (std::size_t place = 0; place < settings.devices.size(); ++place) {
+      if (guard(place) != nullptr && !guard(place)->failsafe.empty() &&
+          leads_to(ListenerId{static_cast<std::uint32_t>(listener)}, settings.devices[place])) {
+        watched.push_back(place);
+      }
+    }
+  }
+}
+
+const DeviceGuard* Generation::guard(std::size_t device) const {
+  return device < settings.guards.size() ? &settings.guards[device] : nullptr;
+}
+
+Failsafe Generation::new_failsafe() const {
+  Failsafe failsafe;
+  for (std::size_t place = 0; place < settings.devices.size(); ++place) {
+    if (guard(place) != nullptr && !guard(place)->failsafe.empty()) {
+      failsafe.watch(place, guard(place)->quiet);
+    }
+  }
+  return failsafe;
+}
+
+DevicePlaces Generation::watched_for(const ClientInfo& client, routing::ClientRights rights) const {
+  if (rights.read_only) {
+    return {};
+  }
+  DevicePlaces places = watched_[static_cast<std::size_t>(client.listener)];
+  const auto denied = std::ranges::remove_if(places, [&](std::size_t place) {
+    return guard(place)->writer == WriterRule::listed &&
+           !routing::contains(guard(place)->writers, client.address);
+  });
+  places.erase(denied.begin(), denied.end());
+  return places;
+}
+
+bool Generation::leads_to(ListenerId listener, const drive::Device& device) const {
+  for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
+    const routing::Way* way = routes.find(listener, static_cast<std::uint8_t>(unit));
+    if (way != nullptr && settings.own_unit != unit && may_write(way->route) &&
+        reaches(*way, unit, device)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace mbgate::gateway

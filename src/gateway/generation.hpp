@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Settings with what is derived from them. Requests keep the generation that they were planned
+// with, so that a change of settings takes nothing away under them.
+#pragma once
+
+#include <vector>
+
+#include "gateway/client_session.hpp"
+#include "gateway/device_index.hpp"
+#include "gateway/failsafe.hpp"
+#include "routing/route_table.hpp"
+
+namespace mbgate::gateway {
+
+struct Generation {
+  explicit Generation(Settings given);
+  Generation(const Generation&) = delete;  // its parts refer to each other
+  Generation& operator=(const Generation&) = delete;
+
+  /// Nothing: the device has no rules of its own.
+  [[nodiscard]] const DeviceGuard* guard(std::size_t device) const;
+  /// A watch for every device that has failsafe writes.
+  [[nodiscard]] Failsafe new_failsafe() const;
+  /// The devices with failsafe writes that the client may write to, by any way.
+  [[nodiscard]] DevicePlaces watched_for(const ClientInfo& client,
+                                         routing::ClientRights rights) const;
+
+  Settings settings;
+  routing::RouteTable routes;
+  DeviceIndex devices;
+  std::size_t exchanges = 0;  ///< that refer to it
+
+ private:
+  [[nodiscard]] bool leads_to(ListenerId listener, const drive::Device& device) const;
+
+  /// By listener: devices with failsafe writes that a way with write access leads to.
+  std::vector<DevicePlaces> watched_;
+};
+
+}  // namespace mbgate::gateway

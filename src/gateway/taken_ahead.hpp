@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stops of a connection that were taken although requests before them were not: they stay in
+// the read-ahead and are passed by when reading comes to them. Positions count the bytes of the
+// connection's stream.
+#pragma once
+
+#include <boost/container/small_vector.hpp>
+#include <cstdint>
+#include <optional>
+
+#include "gateway/device_index.hpp"
+#include "gateway/limits.hpp"
+#include "modbus/mbap.hpp"
+
+namespace mbgate::gateway {
+
+class TakenAhead {
+ public:
+  struct Stop {
+    std::uint64_t position;
+    /// The client wants its answers in order: this one gets its place when reading comes to it.
+    bool answer_waits = false;
+    std::optional<std::uint32_t> exchange{};  ///< that has not ended
+    std::optional<modbus::MbapAdu> answer{};
+  };
+
+  [[nodiscard]] bool has_room() const { return stops_.size() < kStopReserve; }
+  void add(const Stop& stop) { stops_.push_back(stop); }
+  /// Writes to these devices that lie before the position are overtaken by a stop.
+  void forbid(const DevicePlaces& devices, std::uint64_t before);
+  [[nodiscard]] bool forbids(std::size_t device, std::uint64_t position) const;
+  /// Reading has come to the position: the stop that was taken there, if there was one.
+  std::optional<Stop> take(std::uint64_t position);
+  /// Keeps the answer for later; false if it needs not wait.
+  bool keep_answer(std::uint32_t exchange, const std::optional<modbus::MbapAdu>& answer);
+  /// Other settings: the new place of each device, none if it is gone.
+  template <typename NewPlace>
+  void renumber(NewPlace new_place);
+
+  std::uint64_t looked_at = 0;  ///< whole requests before this position were looked at
+
+ private:
+  struct Forbidden {
+    std::size_t device;
+    std::uint64_t before;
+  };
+  boost::container::small_vector<Stop, 0> stops_;  // in the order of their positions
+  boost::container::small_vector<Forbidden, 0> forbidden_;
+};
+
+template <typename NewPlace>
+void TakenAhead::renumber(NewPlace new_place) {
+  boost::container::small_vector<Forbidden, 0> kept;
+  for (const Forbidden& it : forbidden_) {
+    if (const std::optional<std::size_t> device = new_place(it.device)) {
+      kept.push_back({*device, it.before});
+    }
+  }
+  forbidden_ = std::move(kept);
+}
+
+}  // namespace mbgate::gateway

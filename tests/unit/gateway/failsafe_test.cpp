@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is written to a device when nobody is left who might.
+#include <gmock/gmock.h>
+
+#include "unit/gateway/stop_plant.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using gateway::Failsafe;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// When each device was due, in the order of take_due(); negative for silence.
+std::vector<int> due(Failsafe& failsafe, Instant now) {
+  std::vector<int> devices;
+  while (const auto it = failsafe.take_due(now)) {
+    devices.push_back(it->silence ? -static_cast<int>(it->device) : static_cast<int>(it->device));
+  }
+  return devices;
+}
+
+TEST(Failsafe, IsDueWhenTheLastClientHasGone) {
+  Failsafe failsafe;
+  failsafe.watch(7, 0ms);
+  failsafe.client_came(ClientId{1}, {7}, Instant{});
+  failsafe.client_came(ClientId{2}, {7}, Instant{});
+  failsafe.client_gone(ClientId{1});
+  EXPECT_THAT(due(failsafe, Instant{}), IsEmpty());
+  failsafe.client_gone(ClientId{2});
+  EXPECT_THAT(due(failsafe, Instant{}), ElementsAre(7));
+  EXPECT_THAT(due(failsafe, Instant(1h)), IsEmpty());
+  EXPECT_EQ(failsafe.next(), std::nullopt);
+}
+
+TEST(Failsafe, IsDueOnceWhenAllAreSilentUntilOneAsksAgain) {
+  Failsafe failsafe;
+  failsafe.watch(7, 100ms);
+  failsafe.client_came(ClientId{1}, {7}, Instant{});
+  failsafe.client_came(ClientId{2}, {7}, Instant(50ms));
+  failsafe.client_asked(ClientId{1}, Instant(60ms));
+  EXPECT_THAT(due(failsafe, Instant(159ms)), IsEmpty());
+  EXPECT_EQ(failsafe.next(), Instant(160ms));
+  EXPECT_THAT(due(failsafe, Instant(160ms)), ElementsAre(-7));
+  EXPECT_EQ(failsafe.next(), std::nullopt);
+  failsafe.client_asked(ClientId{2}, Instant(500ms));
+  EXPECT_EQ(failsafe.next(), Instant(600ms));
+  EXPECT_THAT(due(failsafe, Instant(600ms)), ElementsAre(-7));
+}
+
+TEST(Failsafe, IsNotDueAgainWhenThoseWhoWereSilentGo) {
+  Failsafe failsafe;
+  failsafe.watch(7, 100ms);
+  failsafe.client_came(ClientId{1}, {7}, Instant{});
+  EXPECT_THAT(due(failsafe, Instant(100ms)), ElementsAre(-7));
+  failsafe.client_gone(ClientId{1});
+  EXPECT_THAT(due(failsafe, Instant(200ms)), IsEmpty());
+  failsafe.client_came(ClientId{2}, {7}, Instant(300ms));
+  failsafe.client_gone(ClientId{2});
+  EXPECT_THAT(due(failsafe, Instant(300ms)), ElementsAre(7));
+}
+
+TEST(Failsafe, LooksAtEachDeviceAlone) {
+  Failsafe failsafe;
+  failsafe.watch(7, 100ms);
+  failsafe.watch(8, 300ms);
+  failsafe.client_came(ClientId{1}, {7, 8}, Instant{});
+  EXPECT_THAT(due(failsafe, Instant(100ms)), ElementsAre(-7));
+  EXPECT_EQ(failsafe.next(), Instant(300ms));
+  failsafe.client_gone(ClientId{1});
+  EXPECT_THAT(due(failsafe, Instant(100ms)), ElementsAre(8));
+}
+
+modbus::Request write_of(std::string_view pdu) {
+  return *modbus::Request::parse(*modbus::Pdu::from(unhex(pdu)));
+}
+
+/// Device 1: first a stop, then something that is none.
+Settings watched_plant() {
+  Settings settings = stop_plant();
+  settings.guards.resize(1);
+  settings.guards[0].failsafe = {write_of("06 007C 00E1"), write_of("06 0010 0007")};
+  settings.listeners.push_back(settings.listeners[0]);
+  settings.listeners[1].name = "screens";
+  settings.listeners[1].read_only = {*routing::Network::parse("192.0.2.0/24")};
+  return settings;
+}
+
+constexpr auto kSecond = "01 06 00 10 00 07";
+
+class FailsafeWrites : public testing::Test {
+ protected:
+  /// Answers what the gateway writes by itself.
+  Lines answer_all() {
+    Lines requests;
+    for (int turn = 0; turn < 4; ++turn) {
+      for (const auto& request : take_requests(rig_)) {
+        requests.push_back(request);
+        rig_.respond(request);
+      }
+      rig_.advance(10ms);
+    }
+    return requests;
+  }
+  MachineRig rig_{watched_plant()};
+};
+
+TEST_F(FailsafeWrites, AreSentInOrderWhenTheLastWriterHasGone) {
+  rig_.connect(1);
+  rig_.connect(2);
+  rig_.connect(3, "192.0.2.3", 1);  // may not write
+  rig_.disconnect(1);
+  EXPECT_THAT(answer_all(), IsEmpty());
+  rig_.half_close(2);
+  EXPECT_THAT(answer_all(), ElementsAre(kStop1, kSecond));  // it had nothing left, and was closed
+  EXPECT_THAT(rig_.events, ElementsAre("device axis-x: the last client that may write has gone; "
+                                       "its failsafe writes are sent"));
+  rig_.disconnect(3);
+  EXPECT_THAT(answer_all(), IsEmpty());
+}
+
+TEST_F(FailsafeWrites, AreNotSentWhenTheGatewayStops) {
+  rig_.connect(1);
+  rig_.shutdown();
+  rig_.disconnect(1);
+  EXPECT_THAT(answer_all(), IsEmpty());
+  EXPECT_TRUE(rig_.finished);
+}
+
+TEST_F(FailsafeWrites, AreEndedBeforeTheGatewayIs) {
+  rig_.connect(1);
+  rig_.disconnect(1);
+  rig_.shutdown();
+  EXPECT_FALSE(rig_.finished);
+  EXPECT_THAT(answer_all(), ElementsAre(kStop1, kSecond));
+  EXPECT_TRUE(rig_.finished);
+}
+
+TEST(SilentWriters, AreReasonEnoughWhereQuietSaysSo) {
+  Settings settings = watched_plant();
+  settings.guards[0].quiet = 1s;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.advance(900ms);
+  rig.receive(1, read_request(1, 2));  // any request counts
+  rig.respond("02 03 02 00 01");
+  rig.advance(999ms);
+  rig.take_transmitted();
+  rig.advance(1ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+  EXPECT_THAT(rig.events, ElementsAre("device axis-x: the clients that may write are silent; its "
+                                      "failsafe writes are sent"));
+}
+
+TEST(ListedWriter, IsTheOnlyOneThatKeepsFailsafeWritesBack) {
+  Settings settings = watched_plant();
+  settings.guards[0].writer = gateway::WriterRule::listed;
+  settings.guards[0].writers = {*routing::Network::parse("192.0.2.1")};
+  MachineRig rig(settings);
+  rig.connect(1, "192.0.2.1");
+  rig.connect(2, "192.0.2.2");
+  rig.disconnect(1);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+}
+
+}  // namespace
+}  // namespace mbgate::test
