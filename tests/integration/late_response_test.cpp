@@ -185,7 +185,7 @@ TEST_F(LateResponses, AreNeverGivenToAnotherRequest) {
 
 // Without what is tested, the test sees it.
 TEST_F(LateResponses, AreGivenToAnotherRequestWithoutAQuarantine) {
-  start("quarantine = \"0s\"\nquarantine_max = \"0s\"\n");
+  start("quarantine = \"0s\"\nquarantine_max = \"0s\"\noffline_after = 0\n");
   const Tally tally = run(80);
   EXPECT_GT(tally.wrong, 0);
 }
