@@ -19,8 +19,8 @@ std::string text_of(const ByteString& bytes);
 
 class TcpClient {
  public:
-  /// Connects to loopback; throws if it cannot.
-  explicit TcpClient(std::uint16_t port);
+  /// Connects to loopback, from an address of it; throws if it cannot.
+  explicit TcpClient(std::uint16_t port, const char* source = "127.0.0.1");
   ~TcpClient();
   TcpClient(TcpClient&& other) noexcept;
   TcpClient& operator=(TcpClient&&) = delete;

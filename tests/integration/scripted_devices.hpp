@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Modbus RTU servers on ptys whose answers come exactly when the test wants them, or never. One
+// server a line; it answers in the order of the requests, function 03 only.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace mbgate::test {
+
+class ScriptedDevices {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Delay =
+      std::optional<std::chrono::milliseconds>;  ///< from the end of the request; or never
+
+  /// Reads of this register are answered with the number of requests that the server had so far.
+  static constexpr unsigned kRequests = 0xFFFF;
+  /// What every other register holds: its own address.
+  static constexpr unsigned value_of(unsigned address) { return address; }
+
+  explicit ScriptedDevices(int lines);
+  ~ScriptedDevices();
+  ScriptedDevices(const ScriptedDevices&) = delete;
+  ScriptedDevices& operator=(const ScriptedDevices&) = delete;
+
+  /// The path of the near side.
+  [[nodiscard]] std::string path(int line) const;
+  /// How the next requests that begin at the address are answered, in turn; others after 2 ms.
+  void plan(int line, unsigned address, std::deque<Delay> delays);
+  [[nodiscard]] unsigned requests(int line) const;
+  /// Answers that this machine was too slow to give in time; they were not given.
+  [[nodiscard]] unsigned missed() const { return missed_; }
+
+ private:
+  struct Pending {
+    Clock::time_point due;
+    std::vector<unsigned char> frame;
+  };
+  struct Line {
+    int far = -1;
+    int near = -1;
+    std::string path;
+    std::vector<unsigned char> received;
+    std::deque<Pending> pending;
+    std::map<unsigned, std::deque<Delay>> plans;
+    std::atomic<unsigned> requests{0};
+  };
+
+  void serve();
+  void read_requests(Line& line);
+  void take_request(Line& line);
+  void answer_due(Line& line);
+  [[nodiscard]] int wait_ms() const;
+
+  std::deque<Line> lines_;
+  std::mutex mutex_;  // of the plans
+  std::atomic<bool> stop_{false};
+  std::atomic<unsigned> missed_{0};
+  std::thread thread_;
+};
+
+}  // namespace mbgate::test
