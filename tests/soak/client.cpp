@@ -9,6 +9,12 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+constexpr Duration kLongestCut = 5ms;  // from one part of a request to the next
+
+}  // namespace
+
 void Client::begin() {
   tools_.schedule.after(tools_.random.duration(0ms, 200ms), [this] {
     connect();
@@ -96,6 +102,8 @@ void Client::ask_some() {
 
 std::uint64_t Client::write(Asked asked) {
   asked.transaction = ++transactions_;
+  // Behind the rest of a request that was cut it is written a little later.
+  asked.written = tools_.schedule.now() + (unwritten_.empty() ? Duration{0} : kLongestCut);
   const PduBytes pdu = asked.pdu;
   const std::uint8_t unit = asked.unit;
   const std::uint64_t id = tools_.oracle.ask(number_, std::move(asked));
@@ -110,7 +118,7 @@ std::uint64_t Client::write(Asked asked) {
   if (unwritten_.size() == pdu.size() + 7 && tools_.random.chance(manners_.splits)) {
     tools_.report.fault("split");
     push(1 + tools_.random.below(unwritten_.size()));
-    tools_.schedule.after(tools_.random.duration(10us, 5ms), [this, life = life_] {
+    tools_.schedule.after(tools_.random.duration(10us, kLongestCut), [this, life = life_] {
       if (life == life_ && connected_) {
         push(unwritten_.size());
       }

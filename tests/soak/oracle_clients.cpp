@@ -34,9 +34,8 @@ void Oracle::connect(ClientId client, std::size_t listener) {
 std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   asked.id = ++ids_;
   asked.client = client;
-  asked.written = schedule_.now();
   const auto& pause = sessions_.at(client).paused_since;
-  asked.earliest = pause.value_or(asked.written);
+  asked.earliest = pause.value_or(schedule_.now());
   sessions_.at(client).by_transaction[asked.transaction] = asked.id;
   open_.emplace(asked.id, std::make_unique<Asked>(std::move(asked)));
   ++report_.requests;

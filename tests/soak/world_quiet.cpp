@@ -59,7 +59,7 @@ void World::check_counters() {
     constexpr std::size_t kTransmissions = 2;
     constexpr std::size_t kLosses = 24;
     constexpr std::size_t kBroadcasts = 28;
-    client.write(Asking::own_read(static_cast<std::uint16_t>(1000 + 32 * bus), 32));
+    client.write(Asking::own_read(static_cast<std::uint16_t>(1000 + 64 * bus), 64));
     run_until(schedule_.now() + 10ms);
     const auto& count = oracle_.count(bus);
     const auto compare = [&](const char* what, std::size_t place, std::uint64_t seen) {
