@@ -31,6 +31,10 @@ bool Bus::submit(Job& job, Instant now) {
   if (job.job_class != JobClass::read) {
     devices_.begin_write(job);
   }
+  DeviceEntry& entry = devices_[job.address()];
+  if (entry.health.is_offline() && job.job_class != JobClass::stop && !job.is_broadcast()) {
+    entry.probe = &job;
+  }
   pump(now);
   return true;
 }
@@ -64,13 +68,10 @@ std::optional<Ending> Bus::end_at_once(Job& job, Instant now) {
     return std::nullopt;
   }
   DeviceEntry& entry = devices_[job.address()];
-  if (entry.health.is_offline()) {
-    if (!may_probe(entry, now)) {
-      entry.health.set_wanted_at(now);
-      ++counters_.refused_offline;
-      return Ending::offline;
-    }
-    entry.probe = &job;
+  if (entry.health.is_offline() && !may_probe(entry, now)) {
+    entry.health.set_wanted_at(now);
+    ++counters_.refused_offline;
+    return Ending::offline;
   }
   return take_cached(job, now) ? std::optional(Ending::answered) : std::nullopt;
 }

@@ -139,6 +139,20 @@ TEST_F(BusOffline, AProbeThatWasTakenBackLeavesItsPlace) {
   EXPECT_TRUE(next.is_waiting());
 }
 
+TEST_F(BusOffline, AProbeThatFoundNoRoomIsNone) {
+  auto small = breaking();
+  small.queue = 1;
+  open(small);
+  lose_device();
+  advance(2s);
+  submit(job_of(1, kRead, 2));           // occupies the line
+  submit(job_of(1, "06 0000 0001", 2));  // and the queue
+  EXPECT_FALSE(bus_->submit(job(kRead), now_));
+  advance(3s);
+  submit(job(kRead));
+  EXPECT_TRUE(jobs_.back().in_flight);
+}
+
 TEST_F(BusOffline, BadCrcsSayNothingAboutIt) {
   open(breaking());
   for (int times = 0; times < 5; ++times) {
