@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint8_t kDevices = 8;
 constexpr Duration kResponseTimeout = 100ms;
 constexpr Duration kWarmUp = 10s;  // the breakers open, and the first probes are over
-constexpr Duration kMeasured = 60s;
+constexpr Duration kMeasured = 20s;
 constexpr Duration kThinks = 2ms;  // little against a round of the bus
 
 struct Figures {
