@@ -111,7 +111,10 @@ void Bus::handle_silence(Job& job, const LineEnd& end, Instant now) {
 void Bus::handle_failure(Job& job, Instant now) {
   const DeviceEntry& entry = devices_[job.address()];
   if (job.job_class == JobClass::stop) {
-    if (job.tries <= entry.timing().stop_retries) {
+    // What its owner sends as a stop, but is none, may not be harmless if it is done twice.
+    const Transaction& sent = job.transaction();
+    const bool may_repeat_stop = is_stop(sent.address, sent.request, sent.broadcast);
+    if (may_repeat_stop && job.tries <= entry.timing().stop_retries) {
       repeat_stop(job, now);
       return;
     }

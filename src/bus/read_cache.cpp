@@ -29,9 +29,6 @@ void ReadCache::begin_write() {
   clear();
 }
 
-void ReadCache::end_write() {
-  --writes_;
-  clear();
-}
+void ReadCache::end_write() { --writes_; }
 
 }  // namespace mbgate::bus

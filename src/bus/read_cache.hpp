@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What was read from one device a short while ago (functions 01 to 04), for clients that ask for
-// the very same again. Emptied whenever a write to the device is accepted and again when it ends,
-// and not filled in between: nobody is answered with what was there before a write.
+// the very same again. Emptied whenever a write to the device is accepted, and not filled until it
+// ends: nobody is answered with what was there before a write.
 #pragma once
 
 #include <optional>

@@ -206,7 +206,7 @@ TEST_P(StopLatency, BehindTwoHundredAndFiftySixReadsIsTheRestOfTheRunningTransac
               GetParam(), tries, milliseconds(worst));
 }
 
-/// Every millisecond where something begins or ends, and now and then between.
+/// Every third millisecond where something begins or ends, and now and then between.
 Duration next_offset(Duration offset) {
   return offset + (offset < 30ms || offset >= 980ms ? 3ms : 50ms);
 }

@@ -139,6 +139,16 @@ TEST_F(BusStops, AStopIsNotRepeatedOnceAcknowledged) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
+TEST_F(BusStops, AWriteThatIsSentAsAStopButIsNoneIsNotRepeated) {
+  open_with(moons());
+  bus::Job& failsafe = job(kMove);
+  failsafe.job_class = bus::JobClass::stop;
+  submit(failsafe);
+  advance(1s);
+  EXPECT_THAT(frames_, SizeIs(1));
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+}
+
 TEST_F(BusStops, IdenticalWaitingStopsAreSentOnce) {
   open_with(moons());
   submit(job_of(1, kRead, 2));
