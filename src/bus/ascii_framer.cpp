@@ -62,13 +62,13 @@ Verdict AsciiFramer::again(Instant now) {
   return add({rest.data(), rest.size()}, now);
 }
 
-std::optional<std::uint8_t> AsciiFramer::take_stray() {
+std::optional<Stray> AsciiFramer::take_stray() {
   if (strays_.empty()) {
     return std::nullopt;
   }
-  const std::uint8_t address = strays_.front();
+  const Stray stray = strays_.front();
   strays_.erase(strays_.begin());
-  return address;
+  return stray;
 }
 
 Verdict AsciiFramer::take(std::uint8_t character, Instant now) {
@@ -111,7 +111,9 @@ Verdict AsciiFramer::judge() {
   }
   ++counters_.stray_frames;
   if (strays_.size() < strays_.capacity()) {
-    strays_.push_back(bytes[0]);
+    const modbus::PduLength length = modbus::response_length(pdu);
+    strays_.push_back(
+        {bytes[0], length.kind == modbus::PduLength::Kind::known && length.bytes == pdu.size()});
   }
   return Verdict::none;
 }

@@ -45,8 +45,8 @@ class AsciiFramer {
   [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
   /// When the first character of the response came.
   [[nodiscard]] Instant response_began() const { return began_; }
-  /// The address of a frame that answers nothing that was asked, each once.
-  std::optional<std::uint8_t> take_stray();
+  /// A good frame that answers nothing that was asked, each once.
+  std::optional<Stray> take_stray();
 
  private:
   Verdict take(std::uint8_t character, Instant now);
@@ -63,7 +63,7 @@ class AsciiFramer {
   std::optional<modbus::Pdu> response_;
   Instant began_;            // the frame in the buffer, or the last one
   modbus::AsciiBytes rest_;  // what came behind the response
-  boost::container::static_vector<std::uint8_t, kMostStrays> strays_;
+  boost::container::static_vector<Stray, kMostStrays> strays_;
 };
 
 }  // namespace mbgate::bus

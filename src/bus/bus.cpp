@@ -17,9 +17,7 @@ Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
     : settings_(settings),
       devices_(settings, devices),
       longest_response_timeout_(bus::longest_response_timeout(settings, devices)),
-      line_(settings,
-            settings.listen_first.value_or(std::min(longest_response_timeout_, kLongestListening)),
-            counters_),
+      line_(settings, listening_time(), counters_),
       queue_(settings.queue),
       most_running_(settings.line.framing == Framing::tcp ? settings.outstanding : 1),
       quarantines_(settings.line.framing != Framing::tcp),
@@ -29,10 +27,14 @@ void Bus::update(const BusSettings& settings, std::span<const drive::Device> dev
   settings_ = settings;
   devices_.update(settings, devices);
   longest_response_timeout_ = bus::longest_response_timeout(settings, devices);
-  line_.update(settings_);
+  line_.update(settings_, listening_time());
   queue_.set_limit(settings.queue);
   most_running_ = settings.line.framing == Framing::tcp ? settings.outstanding : 1;
   pump(now);
+}
+
+Duration Bus::listening_time() const {
+  return settings_.listen_first.value_or(std::min(longest_response_timeout_, kLongestListening));
 }
 
 void Bus::start() { actions_.emplace_back(OpenLine{}); }
@@ -58,7 +60,7 @@ void Bus::handle_lost(Instant now) {
   state_ = State::closed;
   for (Job* job : running_) {
     if (job->in_flight && !job->on_wire().is_broadcast() && !job->on_wire().may_stay_silent()) {
-      devices_[job->address()].health.note_spoilt(line_.response_due());
+      devices_[job->on_wire().address].health.note_spoilt(line_.response_due());
     }
   }
   line_.abort();
@@ -93,8 +95,8 @@ void Bus::handle_deadline(Instant now) {
 }
 
 void Bus::collect(Instant now) {
-  while (const auto address = line_.take_stray()) {
-    handle_stray(*address, now);
+  while (const auto stray = line_.take_stray()) {
+    handle_stray(*stray, now);
   }
   while (const auto end = line_.take_end()) {
     handle_end(*end, now);

@@ -116,6 +116,7 @@ class Bus {
   struct Search;
 
   // bus.cpp: the line and the queue
+  [[nodiscard]] Duration listening_time() const;
   void collect(Instant now);
   void end_running(Ending ending);
   void end_waiting(Ending ending, bool stops_too);
@@ -150,7 +151,7 @@ class Bus {
   void overtake_writes(const Job& stop);
   [[nodiscard]] bool is_stopped_by(const Job& stop, const Job& write) const;
   [[nodiscard]] bool must_let_writes_go(const Job& stop) const;
-  [[nodiscard]] bool can_transmit_stop(const Job& stop) const;
+  [[nodiscard]] Job* in_the_way_of(const Job& stop) const;
   bool serve_stops(Instant now);
   void repeat_stop(Job& stop, Instant now);
 
@@ -159,7 +160,7 @@ class Bus {
   void handle_response(Job& job, const LineEnd& end, Instant now);
   void handle_silence(Job& job, const LineEnd& end, Instant now);
   void handle_failure(Job& job, Instant now);
-  void handle_stray(std::uint8_t address, Instant now);
+  void handle_stray(const Stray& stray, Instant now);
   void note_probe(Job& job, Instant now);
   void go_offline(DeviceEntry& entry, std::uint8_t address, Instant now);
   void advance(Job& job, Ending ending);

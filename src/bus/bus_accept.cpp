@@ -95,7 +95,7 @@ bool Bus::take_cached(Job& job, Instant now) {
 // for it.
 bool Bus::may_probe(const DeviceEntry& entry, Instant now) const {
   const DeviceHealth& health = entry.health;
-  if (now < next_probe_ || now < health.probe_at() ||
+  if (now < next_probe_ || now < health.probe_at() || now < entry.free_at ||
       (quarantines_ && now < health.held_until(entry.timing()))) {
     return false;
   }
@@ -112,29 +112,35 @@ bool Bus::may_probe(const DeviceEntry& entry, Instant now) const {
 bool Bus::push(Job& job) {
   if (job.job_class == JobClass::stop) {
     Job* same = queue_.find_stop([&](const Job& stop) {
-      return std::ranges::equal(stop.transactions, job.transactions,
-                                [](const Transaction& a, const Transaction& b) {
-                                  return a.address == b.address && a.broadcast == b.broadcast &&
-                                         a.request.pdu() == b.request.pdu();
-                                });
+      // A write between them that is let go first is to be stopped too.
+      const bool crosses = !job.is_broadcast() &&
+                           queue_.write_waits_between(job.address(), stop.sequence, job.sequence);
+      return !crosses && std::ranges::equal(stop.transactions, job.transactions,
+                                            [](const Transaction& a, const Transaction& b) {
+                                              return a.address == b.address &&
+                                                     a.broadcast == b.broadcast &&
+                                                     a.request.pdu() == b.request.pdu();
+                                            });
     });
-    if (same != nullptr) {
-      same->followers.push_back(&job);
-      return true;
+    if (same == nullptr) {
+      return queue_.push(job);
     }
-    return queue_.push(job);
-  }
-  if (queue_.push(job)) {
+    if (same->followers.size() >= kRoomForStops) {
+      return false;
+    }
+    same->followers.push_back(&job);
     return true;
   }
-  Job* evicted = queue_.read_to_evict();
-  if (evicted == nullptr) {
-    return false;
+  while (!queue_.push(job)) {
+    Job* evicted = queue_.read_to_evict();
+    if (evicted == nullptr) {
+      return false;
+    }
+    queue_.remove(*evicted);
+    ++counters_.evicted;
+    end_job(*evicted, Ending::cancelled);
   }
-  queue_.remove(*evicted);
-  ++counters_.evicted;
-  end_job(*evicted, Ending::cancelled);
-  return queue_.push(job);
+  return true;
 }
 
 }  // namespace mbgate::bus

@@ -92,6 +92,7 @@ void Bus::handle_silence(Job& job, const LineEnd& end, Instant now) {
   entry.setting_known = false;
   entry.cache.clear();
   if (transaction.may_stay_silent()) {
+    note_probe(job, now);
     if (transaction.boot_time) {
       entry.free_at = now + *transaction.boot_time;
     }
@@ -109,7 +110,7 @@ void Bus::handle_silence(Job& job, const LineEnd& end, Instant now) {
 }
 
 void Bus::handle_failure(Job& job, Instant now) {
-  const DeviceEntry& entry = devices_[job.address()];
+  const DeviceEntry& entry = devices_[job.on_wire().address];
   if (job.job_class == JobClass::stop) {
     // What its owner sends as a stop, but is none, may not be harmless if it is done twice.
     const Transaction& sent = job.transaction();
@@ -119,7 +120,7 @@ void Bus::handle_failure(Job& job, Instant now) {
       return;
     }
     ++counters_.stops_unanswered;
-    notify(DeviceNotice::Kind::stop_unanswered, job.address());
+    notify(DeviceNotice::Kind::stop_unanswered, job.on_wire().address);
     finish(job, Ending::no_answer);
     return;
   }
@@ -128,7 +129,7 @@ void Bus::handle_failure(Job& job, Instant now) {
   if (may_repeat && job.tries <= entry.timing().retries) {
     return;
   }
-  if (job.merged) {
+  if (job.merged && !entry.health.is_offline()) {
     split_up(job);
   } else {
     finish(job, Ending::no_answer);
@@ -136,13 +137,15 @@ void Bus::handle_failure(Job& job, Instant now) {
 }
 
 // A good frame came that answers nothing that is asked now.
-void Bus::handle_stray(std::uint8_t address, Instant now) {
+void Bus::handle_stray(const Stray& stray, Instant now) {
+  const std::uint8_t address = stray.address;
   DeviceEntry& entry = devices_[address];
-  const auto late = entry.health.note_unexpected(now, entry.timing());
+  const auto late = stray.is_response ? entry.health.note_unexpected(now, entry.timing())
+                                      : std::optional<DeviceHealth::Late>();
   if (!late) {
     const bool is_asked = std::ranges::any_of(
         running_, [&](const Job* job) { return job->in_flight && job->address() == address; });
-    if (!is_asked) {
+    if (!is_asked && entry.health.owed(now, entry.timing()) == 0) {
       ++counters_.foreign_frames;
       if (!std::exchange(foreign_reported_, true)) {
         notify(DeviceNotice::Kind::foreign, address);
@@ -166,7 +169,7 @@ void Bus::note_probe(Job& job, Instant now) {
   if (!job.is_probe) {
     return;
   }
-  DeviceEntry& entry = devices_[job.address()];
+  DeviceEntry& entry = devices_[job.on_wire().address];
   entry.health.set_probe_at(job.transmitted_at + entry.timing().probe_interval);
   next_probe_ = std::max(next_probe_, job.transmitted_at) +
                 (now - job.transmitted_at) * kPercent / settings_.probe_share;

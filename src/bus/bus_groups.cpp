@@ -22,6 +22,7 @@ void Bus::share_response(Job& leader) {
   for (Job* follower : leader.followers) {
     give(*follower);
     follower->transmitted_at = leader.transmitted_at;
+    follower->writes_before = leader.writes_before;
     remember(*follower);
     ++follower->current;
     ++counters_.shared_reads;
@@ -35,7 +36,8 @@ void Bus::remember(const Job& job) {
   DeviceEntry& entry = devices_[transaction.address];
   if (job.is_single_read() && entry.device->cache > Duration{0} &&
       ReadCache::can_hold(transaction.request) && !transaction.response->is_exception()) {
-    entry.cache.put(transaction.request, *transaction.response, job.transmitted_at);
+    entry.cache.put(transaction.request, *transaction.response, job.transmitted_at,
+                    job.writes_before);
   }
 }
 
@@ -63,6 +65,9 @@ std::optional<Ending> Bus::over(const Job& job, Instant now) const {
   }
   if (job.abandoned || job.overtaken || stopping_) {
     return Ending::cancelled;
+  }
+  if (!job.is_broadcast() && devices_[job.address()].health.is_offline()) {
+    return Ending::offline;
   }
   return now >= job.deadline ? std::optional(Ending::expired) : std::nullopt;
 }
@@ -109,6 +114,7 @@ void Bus::hand_over(Job& leader, Ending ending) {
   heir.merged = std::move(leader.merged);
   heir.tries = leader.tries;
   heir.transmitted_at = leader.transmitted_at;
+  heir.writes_before = leader.writes_before;
   std::ranges::replace(running_, &leader, &heir);
   end_job(leader, ending);
 }

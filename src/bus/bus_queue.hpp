@@ -14,8 +14,8 @@
 
 namespace mbgate::bus {
 
-/// Stops that may wait beyond the limit of a queue: more than all the stop commands of all drives
-/// of a bus, and identical ones share a place.
+/// Stops that may wait beyond the limit of a queue; identical ones share a place, and so many may
+/// share one.
 inline constexpr std::size_t kRoomForStops = 256;
 
 class BusQueue {
@@ -67,7 +67,6 @@ class BusQueue {
   /// The waiting job whose deadline comes first, or nothing. Stops have none.
   [[nodiscard]] Job* first_to_expire();
   [[nodiscard]] std::optional<Instant> first_deadline() const;
-  [[nodiscard]] bool empty() const { return by_deadline_.empty() && stops_.empty(); }
   /// Stops included.
   [[nodiscard]] std::size_t size() const { return by_deadline_.size() + stops_.size(); }
 

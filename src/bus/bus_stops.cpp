@@ -35,9 +35,11 @@ bool Bus::is_stopped_by(const Job& stop, const Job& write) const {
                                         : transaction.address == device.address;
     };
     const bool stopped = std::ranges::any_of(stop.transactions, [&](const Transaction& it) {
-      return reaches(it) && device.is_stop(it.request);
+      return reaches(it) && (!it.is_broadcast() || device.is_stop(it.request));
     });
-    return stopped && device.stop_cancels && std::ranges::any_of(write.transactions, reaches);
+    // A broadcast waits for nobody's writes.
+    return stopped && (device.stop_cancels || stop.is_broadcast()) &&
+           std::ranges::any_of(write.transactions, reaches);
   };
   return std::ranges::any_of(devices_.devices(), stops_device);
 }
@@ -54,28 +56,28 @@ bool Bus::must_let_writes_go(const Job& stop) const {
          });
 }
 
-// On a connection others may be on their way, but never to a device that has a write outstanding.
-bool Bus::can_transmit_stop(const Job& stop) const {
-  return in_flight() < most_running_ && std::ranges::none_of(running_, [&](const Job* job) {
-           return job->in_flight && job->address() == stop.address() &&
-                  job->job_class != JobClass::read;
-         });
+// What keeps it from being transmitted. On a connection others may be on their way, but never to a
+// device that has a write outstanding; where all places are taken, the one that has had its place
+// for longest.
+Job* Bus::in_the_way_of(const Job& stop) const {
+  const auto writes_to_it = [&](const Job* job) {
+    return job->in_flight && job->address() == stop.address() && job->job_class != JobClass::read;
+  };
+  const auto write = std::ranges::find_if(running_, writes_to_it);
+  if (write != running_.end()) {
+    return *write;
+  }
+  const auto oldest = std::ranges::find_if(running_, [](const Job* job) { return job->in_flight; });
+  return in_flight() < most_running_ ? nullptr : *oldest;
 }
 
 // True: nothing else may begin now.
 bool Bus::serve_stops(Instant now) {
   const auto may_go = [this](const Job& stop) { return !must_let_writes_go(stop); };
-  while (Job* stop = queue_.find_stop(may_go)) {
-    if (!can_transmit_stop(*stop)) {
-      Instant limit = stop->waits_since + settings_.stop_wait;
-      for (const Job* job : running_) {
-        if (job->in_flight && job->job_class == JobClass::stop) {
-          limit = std::max(limit, job->transmitted_at + settings_.stop_wait);
-        }
-      }
-      line_.limit_wait(limit);
-      return true;
-    }
+  const auto can_go = [&](const Job& stop) {
+    return may_go(stop) && in_the_way_of(stop) == nullptr;
+  };
+  while (Job* stop = queue_.find_stop(can_go)) {
     const Instant ready = line_.ready_for_stop_at();
     if (ready > now) {
       next_start_ = earlier(next_start_, ready);
@@ -85,7 +87,17 @@ bool Bus::serve_stops(Instant now) {
     running_.push_back(stop);
     transmit(*stop, now);
   }
-  return false;
+  Job* stop = queue_.find_stop(may_go);
+  if (stop == nullptr) {
+    return false;
+  }
+  Job& other = *in_the_way_of(*stop);
+  // A stop has as much time for its own acknowledgement.
+  const Instant since = other.job_class == JobClass::stop
+                            ? std::max(stop->waits_since, other.transmitted_at)
+                            : stop->waits_since;
+  line_.limit_wait(other.on_wire(), since + settings_.stop_wait);
+  return true;
 }
 
 // It goes behind other stops that wait, so that a dead device does not keep them waiting.

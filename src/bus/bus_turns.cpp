@@ -63,12 +63,13 @@ void Bus::continue_running(Instant now) {
     if (job->in_flight) {
       continue;
     }
-    const Instant ready = ready_at(*job);
-    if (in_flight() >= most_running_) {
+    if (job->job_class != JobClass::stop) {
       next_start_ = earlier(next_start_, job->deadline);
-    } else if (now < ready) {
-      next_start_ = earlier(next_start_, std::min(ready, job->deadline));
-    } else {
+    }
+    const Instant ready = ready_at(*job);
+    if (now < ready) {
+      next_start_ = earlier(next_start_, ready);
+    } else if (in_flight() < most_running_) {
       transmit(*job, now);
     }
   }
@@ -152,6 +153,9 @@ bool Bus::may_join(const Job& job) const {
 
 // The device boots, or owes an answer that could be taken for that to another request.
 Instant Bus::held_until(const Job& job) const {
+  if (job.job_class == JobClass::stop) {
+    return Instant::min();
+  }
   const DeviceEntry& entry = devices_[job.transaction().address];
   const bool repeats_read = job.tries > 0 && job.transaction().request.is_read();
   return quarantines_ && !repeats_read
@@ -160,6 +164,9 @@ Instant Bus::held_until(const Job& job) const {
 }
 
 Instant Bus::ready_at(const Job& job) const {
+  if (job.job_class == JobClass::stop) {
+    return line_.ready_for_stop_at();
+  }
   if (job.transaction().is_broadcast()) {
     return line_.ready_at(settings_.timing.gap);
   }
@@ -168,10 +175,10 @@ Instant Bus::ready_at(const Job& job) const {
 }
 
 // Whether a question of the gateway's own is needed is known only when its turn has come. It is
-// never the last transaction of a job.
+// never the last transaction of a job. A stop asks nothing.
 void Bus::skip_known_settings(Job& job) {
   while (job.transaction().must_hold != nullptr &&
-         devices_[job.transaction().address].setting_known) {
+         (job.job_class == JobClass::stop || devices_[job.transaction().address].setting_known)) {
     ++job.current;
     job.tries = 0;
   }
@@ -179,8 +186,11 @@ void Bus::skip_known_settings(Job& job) {
 
 void Bus::transmit(Job& job, Instant now) {
   skip_known_settings(job);
-  if (job.tries == 0) {
+  if (job.tries == 0 || job.job_class == JobClass::stop) {
     job.transmitted_at = now;
+  }
+  if (job.tries == 0) {
+    job.writes_before = devices_[job.address()].cache.writes();
     gather_followers(queue_, job, *devices_[job.address()].device,
                      {settings_.coalesce, settings_.merge});
   }

@@ -9,7 +9,7 @@ namespace mbgate::bus {
 struct BusCounters {
   std::uint64_t transmissions = 0;    ///< frames sent, broadcasts and retries included
   std::uint64_t broadcasts = 0;       ///< frames sent to nobody in particular
-  std::uint64_t retries = 0;          ///< reads that were repeated
+  std::uint64_t retries = 0;          ///< transmissions that were repeated
   std::uint64_t responses = 0;        ///< valid answers, exceptions included
   std::uint64_t exceptions = 0;       ///< answers that are exceptions of the device
   std::uint64_t timeouts = 0;         ///< transmissions without a valid answer

@@ -26,6 +26,7 @@ bool DeviceHealth::note_unanswered(Instant due, const Timing& timing) {
 void DeviceHealth::owe(Instant due) {
   if (owed_.size() == owed_.capacity()) {
     owed_.erase(owed_.begin());
+    ++more_owed_;
   }
   owed_.push_back(due);
   last_due_ = std::max(last_due_, due);
@@ -49,6 +50,7 @@ void DeviceHealth::note_asked() {
   if (!owed_.empty()) {
     given_up_ = owed_.front();
     owed_.clear();
+    more_owed_ = 0;
     suspected_ = Duration{0};
   }
 }
@@ -63,6 +65,8 @@ std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(Instant now, con
   late.lateness = std::max({now - *due, suspected_, Duration{0}});
   if (owed_.empty()) {
     given_up_.reset();
+  } else if (more_owed_ > 0) {
+    --more_owed_;
   } else {
     owed_.erase(owed_.begin());
   }
@@ -81,7 +85,7 @@ std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(Instant now, con
 }
 
 unsigned DeviceHealth::owed(Instant now, const Timing& timing) const {
-  return now < held_until(timing) ? static_cast<unsigned>(owed_.size()) : 0U;
+  return now < held_until(timing) ? static_cast<unsigned>(owed_.size()) + more_owed_ : 0U;
 }
 
 Instant DeviceHealth::held_until(const Timing& timing) const {

@@ -19,8 +19,7 @@
 
 namespace mbgate::bus {
 
-/// Unanswered transmissions that are remembered one by one; of more, the oldest are forgotten. The
-/// quarantine, which counts from the last one, is none the shorter.
+/// Unanswered transmissions whose instants are remembered; of more, only how many they were.
 inline constexpr std::size_t kMostOwed = 8;
 
 class DeviceHealth {
@@ -70,6 +69,7 @@ class DeviceHealth {
   [[nodiscard]] Duration learned(Instant now) const;
 
   boost::container::static_vector<Instant, kMostOwed> owed_;  // when they were due, oldest first
+  unsigned more_owed_ = 0;                                    // older ones
   Instant last_due_ = Instant::min();
   std::optional<Instant> given_up_;  // when the oldest answer that was given up was due
   /// An answer came late if the one that is still owed comes too.

@@ -51,7 +51,7 @@ class Framer {
   [[nodiscard]] Instant response_began() const {
     return std::visit([](const auto& framer) { return framer.response_began(); }, framer_);
   }
-  std::optional<std::uint8_t> take_stray() {
+  std::optional<Stray> take_stray() {
     return std::visit([](auto& framer) { return framer.take_stray(); }, framer_);
   }
   [[nodiscard]] const modbus::Pdu& response() const {

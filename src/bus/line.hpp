@@ -30,16 +30,16 @@ class Line {
     return std::visit([&](auto& line) { return line.begin(transaction, timing, owed, now); },
                       line_);
   }
-  void limit_wait(Instant instant) {
-    std::visit([&](auto& line) { line.limit_wait(instant); }, line_);
+  void limit_wait(const Transaction& transaction, Instant instant) {
+    std::visit([&](auto& line) { line.limit_wait(transaction, instant); }, line_);
   }
   [[nodiscard]] Instant response_due() const {
     return std::visit([](const auto& line) { return line.response_due(); }, line_);
   }
-  void update(const BusSettings& settings) {
-    std::visit([&](auto& line) { line.update(settings); }, line_);
+  void update(const BusSettings& settings, Duration listen_first) {
+    std::visit([&](auto& line) { line.update(settings, listen_first); }, line_);
   }
-  std::optional<std::uint8_t> take_stray() {
+  std::optional<Stray> take_stray() {
     return std::visit([](auto& line) { return line.take_stray(); }, line_);
   }
   void abort() {

@@ -10,8 +10,9 @@ const modbus::Pdu* ReadCache::find(const modbus::Request& request, Instant oldes
   return found == reads_.end() || found->asked_at < oldest ? nullptr : &found->response;
 }
 
-void ReadCache::put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at) {
-  if (writes_ > 0) {
+void ReadCache::put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at,
+                    std::uint64_t writes) {
+  if (ended_ < accepted_ || writes < accepted_) {
     return;
   }
   const auto found = std::ranges::find(reads_, request.pdu(), &Read::request);
@@ -25,10 +26,10 @@ void ReadCache::put(const modbus::Request& request, const modbus::Pdu& response,
 }
 
 void ReadCache::begin_write() {
-  ++writes_;
+  ++accepted_;
   clear();
 }
 
-void ReadCache::end_write() { --writes_; }
+void ReadCache::end_write() { ++ended_; }
 
 }  // namespace mbgate::bus

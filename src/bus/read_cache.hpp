@@ -23,8 +23,12 @@ class ReadCache {
   }
   /// The response to the same request, if it was asked for at `oldest` or later.
   [[nodiscard]] const modbus::Pdu* find(const modbus::Request& request, Instant oldest) const;
-  /// `asked_at`: when the request was transmitted; the data are no older than that.
-  void put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at);
+  /// `asked_at`: when the request was transmitted; the data are no older than that. `writes`: as
+  /// many had been accepted by then.
+  void put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at,
+           std::uint64_t writes);
+  /// Writes to the device that were ever accepted.
+  [[nodiscard]] std::uint64_t writes() const { return accepted_; }
   void clear() { reads_.clear(); }
   void begin_write();
   void end_write();
@@ -36,7 +40,8 @@ class ReadCache {
     Instant asked_at;
   };
   std::vector<Read> reads_;
-  unsigned writes_ = 0;  // accepted, and not ended
+  std::uint64_t accepted_ = 0;  // writes
+  std::uint64_t ended_ = 0;     // of these
 };
 
 }  // namespace mbgate::bus

@@ -31,28 +31,30 @@ void RtuFramer::listen() {
 // Silence, or a new question, has ended what stands here. It may have been a frame whose length
 // cannot be known, such as another client's request.
 void RtuFramer::give_up_buffer() {
-  if (const auto frame = modbus::decode_rtu(buffered())) {
-    note_stray(frame->address);
+  if (modbus::decode_rtu(buffered())) {
+    note_stray(buffered());
   } else {
     counters_.stray_bytes += buffer_.size();
   }
   buffer_.clear();
 }
 
-void RtuFramer::note_stray(std::uint8_t address) {
+void RtuFramer::note_stray(modbus::Bytes frame) {
   ++counters_.stray_frames;
   if (strays_.size() < strays_.capacity()) {
-    strays_.push_back(address);
+    const modbus::PduLength length = modbus::response_length(frame.subspan(1));
+    strays_.push_back({frame[0], length.kind == Kind::known &&
+                                     length.bytes + modbus::kRtuOverhead == frame.size()});
   }
 }
 
-std::optional<std::uint8_t> RtuFramer::take_stray() {
+std::optional<Stray> RtuFramer::take_stray() {
   if (strays_.empty()) {
     return std::nullopt;
   }
-  const std::uint8_t address = strays_.front();
+  const Stray stray = strays_.front();
   strays_.erase(strays_.begin());
-  return address;
+  return stray;
 }
 
 // What stands here is not the answer. It is kept until silence tells what it was.
@@ -175,7 +177,7 @@ RtuFramer::Step RtuFramer::look_at_candidate() {
     drop(size);
     return Step::response;
   }
-  note_stray(buffer_[0]);
+  note_stray(buffered().first(size));
   drop(size);
   return Step::again;
 }
@@ -195,7 +197,7 @@ RtuFramer::Step RtuFramer::look_at_stranger() {
     discard();
     return Step::wait;
   }
-  note_stray(buffer_[0]);
+  note_stray(buffered().first(size));
   drop(size);
   return Step::again;
 }
@@ -237,7 +239,7 @@ Verdict RtuFramer::end_by_silence() {
   }
   const auto fit = modbus::check_response(transaction_->request, frame->pdu.bytes());
   if (fit != modbus::ResponseFit::normal && fit != modbus::ResponseFit::exception) {
-    note_stray(frame->address);
+    note_stray(buffered());
     drop(buffer_.size());
     return Verdict::none;
   }

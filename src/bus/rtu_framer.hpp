@@ -45,8 +45,8 @@ class RtuFramer {
   [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
   /// When the first byte of the response came.
   [[nodiscard]] Instant response_began() const { return response_began_; }
-  /// The address of a frame that answers nothing that was asked, each once.
-  std::optional<std::uint8_t> take_stray();
+  /// A good frame that answers nothing that was asked, each once.
+  std::optional<Stray> take_stray();
 
  private:
   enum class Step : std::uint8_t { wait, again, response };
@@ -62,7 +62,7 @@ class RtuFramer {
   [[nodiscard]] modbus::Bytes buffered() const { return {buffer_.data(), buffer_.size()}; }
   Verdict end_by_silence();
   Verdict search(Instant now);
-  void note_stray(std::uint8_t address);
+  void note_stray(modbus::Bytes frame);
   void give_up_buffer();
   void accept(modbus::Bytes pdu);
 
@@ -80,7 +80,7 @@ class RtuFramer {
   bool opaque_ = false;  // a candidate that only silence ends
   std::optional<modbus::Pdu> response_;
   Instant response_began_;
-  boost::container::static_vector<std::uint8_t, kMostStrays> strays_;
+  boost::container::static_vector<Stray, kMostStrays> strays_;
 };
 
 }  // namespace mbgate::bus

@@ -41,7 +41,8 @@ void SerialLine::open(Instant now) {
   settling_until_ = turnaround_until_ = now;
 }
 
-void SerialLine::update(const BusSettings& settings) {
+void SerialLine::update(const BusSettings& settings, Duration listen_first) {
+  listen_first_ = listen_first;
   frame_gap_ = settings.frame_gap.value_or(timing_.t3_5());
   turnaround_ = settings.turnaround;
   settle_ = settings.settle;
@@ -84,7 +85,7 @@ FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming
   return frame;
 }
 
-void SerialLine::limit_wait(Instant instant) {
+void SerialLine::limit_wait(const Transaction& /*transaction*/, Instant instant) {
   response_deadline_ = std::min(response_deadline_, std::max(instant, emission_ends_));
 }
 
@@ -193,10 +194,10 @@ std::optional<LineEnd> SerialLine::take_end() { return std::exchange(end_, std::
 
 std::optional<LineFault> SerialLine::take_fault() { return std::exchange(fault_, std::nullopt); }
 
-std::optional<std::uint8_t> SerialLine::take_stray() {
+std::optional<Stray> SerialLine::take_stray() {
   if (refused_ > 0) {
     --refused_;
-    return asked_;
+    return Stray{asked_, true};
   }
   return framer_.take_stray();
 }

@@ -21,7 +21,7 @@ class SerialLine {
   /// The line was opened: listening begins, nothing of before counts any more.
   void open(Instant now);
   /// Other times on the same line.
-  void update(const BusSettings& settings);
+  void update(const BusSettings& settings, Duration listen_first);
   /// From when on the silence before a transmission suffices; `gap` is asked for on top of it.
   [[nodiscard]] Instant ready_at(Duration gap) const;
   /// The same for a stop, which waits for nothing but silence and a turnaround delay.
@@ -33,7 +33,7 @@ class SerialLine {
                    Instant now);
   /// The running transaction counts as timed out at `instant`, but not before it has left, unless
   /// its response has begun by then.
-  void limit_wait(Instant instant);
+  void limit_wait(const Transaction& transaction, Instant instant);
   /// When the response timeout of the last transmission ends.
   [[nodiscard]] Instant response_due() const { return response_due_; }
   /// Gives up the running transaction: nothing of it will be reported.
@@ -46,8 +46,8 @@ class SerialLine {
   std::optional<LineEnd> take_end();
   /// What was noticed of the line itself since the last call.
   std::optional<LineFault> take_fault();
-  /// The address of a good frame that answers nothing that was asked, each once.
-  std::optional<std::uint8_t> take_stray();
+  /// A good frame that answers nothing that was asked, each once.
+  std::optional<Stray> take_stray();
   [[nodiscard]] LineState state(Instant now) const;
 
  private:

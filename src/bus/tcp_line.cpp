@@ -24,10 +24,18 @@ void TcpLine::open(Instant now) {
   quiet_since_ = now;
 }
 
-void TcpLine::limit_wait(Instant instant) {
-  for (Flight& flight : flights_) {
-    flight.response_deadline = std::min(flight.response_deadline, instant);
+void TcpLine::limit_wait(const Transaction& transaction, Instant instant) {
+  const auto flight = std::ranges::find(flights_, &transaction, &Flight::transaction);
+  flight->response_deadline = std::min(flight->response_deadline, instant);
+}
+
+std::optional<Stray> TcpLine::take_stray() {
+  if (strays_.empty()) {
+    return std::nullopt;
   }
+  const Stray stray = strays_.front();
+  strays_.pop_front();
+  return stray;
 }
 
 FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& timing,
@@ -36,8 +44,8 @@ FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& t
     std::abort();  // routing refuses them
   }
   const std::uint16_t identifier = new_identifier();
-  flights_.push_back(
-      {identifier, &transaction, now + timing.response_timeout + timing.response_wait});
+  const Instant due = now + timing.response_timeout + timing.response_wait;
+  flights_.push_back({identifier, &transaction, due, due});
   quiet_since_ = now;
   const modbus::MbapBytes adu =
       modbus::encode({{identifier, transaction.address}, transaction.request.pdu()});
@@ -48,6 +56,8 @@ void TcpLine::abort() {
   flights_.clear();
   stream_.clear();
   ends_.clear();
+  expired_.clear();
+  strays_.clear();
   fault_.reset();
 }
 
@@ -59,6 +69,7 @@ std::uint16_t TcpLine::new_identifier() {
   do {
     ++last_identifier_;
   } while (find(last_identifier_) != flights_.end());
+  std::erase_if(expired_, [this](const Expired& it) { return it.identifier == last_identifier_; });
   return last_identifier_;
 }
 
@@ -94,6 +105,12 @@ void TcpLine::match(const modbus::MbapAdu& answer) {
   const auto flight = find(answer.header.transaction);
   if (flight == flights_.end() || answer.header.unit != flight->transaction->address) {
     ++counters_.stray_frames;
+    const auto expired =
+        std::ranges::find(expired_, answer.header.transaction, &Expired::identifier);
+    if (expired != expired_.end() && expired->address == answer.header.unit) {
+      strays_.push_back({expired->address, true});
+      expired_.erase(expired);
+    }
     return;
   }
   Transaction& transaction = *flight->transaction;
@@ -103,14 +120,18 @@ void TcpLine::match(const modbus::MbapAdu& answer) {
     return;
   }
   transaction.response = answer.pdu;
-  ends_.push_back({LineEnd::How::response, &transaction});
+  ends_.push_back({LineEnd::How::response, &transaction, flight->due});
   flights_.erase(flight);
 }
 
 void TcpLine::handle_deadline(Instant now) {
   for (const Flight& flight : flights_) {
     if (now >= flight.response_deadline) {
-      ends_.push_back({LineEnd::How::no_response, flight.transaction});
+      ends_.push_back({LineEnd::How::no_response, flight.transaction, flight.due});
+      expired_.push_back({flight.identifier, flight.transaction->address});
+      if (expired_.size() > kMostExpired) {
+        expired_.pop_front();
+      }
     }
   }
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });

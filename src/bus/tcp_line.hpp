@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The line discipline of a connection to a Modbus TCP server: several transactions at a time, told
-// apart by transaction identifiers of our own. Nothing is owed by a transaction that timed out: its
-// identifier is forgotten, and a late answer with it is dropped (Messaging on TCP/IP V1.0b, 4.4.1).
+// apart by transaction identifiers of our own. A late answer is taken for no other (Messaging on
+// TCP/IP V1.0b, 4.4.1): it is dropped, but tells that its device is there.
 #pragma once
 
 #include <deque>
@@ -15,6 +15,9 @@
 #include "modbus/mbap.hpp"
 
 namespace mbgate::bus {
+
+/// Transactions that timed out and whose late answers are still recognised.
+inline constexpr std::size_t kMostExpired = 64;
 
 class TcpLine {
  public:
@@ -31,14 +34,14 @@ class TcpLine {
                    Instant now);
   /// The same as ready_at() without a gap.
   [[nodiscard]] Instant ready_for_stop_at() const { return quiet_since_; }
-  /// All running transactions count as timed out at `instant` at the latest.
-  void limit_wait(Instant instant);
+  /// The running transaction counts as timed out at `instant` at the latest.
+  void limit_wait(const Transaction& transaction, Instant instant);
   /// A late answer does no harm here.
   [[nodiscard]] static Instant response_due() { return Instant::min(); }
   /// Nothing of what a bus may be told anew concerns a connection.
-  void update(const BusSettings& /*settings*/) {}
-  /// Nobody else is heard on a connection.
-  static std::optional<std::uint8_t> take_stray() { return std::nullopt; }
+  void update(const BusSettings& /*settings*/, Duration /*listen_first*/) {}
+  /// A late answer, each once. Nobody else is heard on a connection.
+  std::optional<Stray> take_stray();
   /// Gives up all running transactions: nothing of them will be reported.
   void abort();
 
@@ -56,7 +59,13 @@ class TcpLine {
   struct Flight {
     std::uint16_t identifier;
     Transaction* transaction;
-    Instant response_deadline;
+    Instant due;                ///< the end of the response timeout
+    Instant response_deadline;  ///< the same, or earlier because a stop waits
+  };
+  /// One that timed out.
+  struct Expired {
+    std::uint16_t identifier;
+    std::uint8_t address;
   };
   using Flights = std::vector<Flight>;
 
@@ -72,6 +81,8 @@ class TcpLine {
   std::vector<std::uint8_t> stream_;  // less than an answer, between calls
   Instant quiet_since_;               // the last byte in either direction
   std::deque<LineEnd> ends_;
+  std::deque<Expired> expired_;  // the newest kMostExpired
+  std::deque<Stray> strays_;
   std::optional<LineFault> fault_;
 };
 

@@ -21,8 +21,8 @@ struct DeviceGuard {
   WriterRule writer = WriterRule::any;
   routing::NetworkList writers;
   bus::Duration writer_hold = std::chrono::seconds(5);
-  /// Writes as the device takes them, sent once, in order and as stops, when the last client that
-  /// may write to it has gone, or all of them were silent for `quiet`.
+  /// Writes as the device takes them, sent once, begun in order, as stops, when the last client
+  /// that may write to it has gone, or all of them were silent for `quiet`.
   std::vector<modbus::Request> failsafe;
   bus::Duration quiet{0};  ///< 0: silence alone is no reason
 };

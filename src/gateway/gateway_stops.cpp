@@ -81,7 +81,8 @@ DevicePlaces Gateway::overtaken_by(const routing::Plan& stop) const {
   for (const routing::PlannedTransaction& transaction : stop.transactions()) {
     for (const std::size_t place : current().devices.addressed_by(transaction)) {
       const drive::Device& device = settings().devices[place];
-      if (device.stop_cancels && device.is_stop(transaction.request)) {
+      const bool for_all = transaction.broadcast != drive::BroadcastForm::none;
+      if ((device.stop_cancels || for_all) && device.is_stop(transaction.request)) {
         overtaken.push_back(place);
       }
     }

@@ -66,7 +66,7 @@ std::string notice_text(const bus::DeviceNotice& notice) {
     case Kind::early: return "answers before its response_wait, which is set too long";
     case Kind::foreign:
       return "a frame of it was heard that nobody here asked for; another client is on this line";
-    case Kind::stop_unanswered: return "a stop command was not acknowledged, after all repetitions";
+    case Kind::stop_unanswered: return "a stop command was not acknowledged";
   }
   return {};
 }
