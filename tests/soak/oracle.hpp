@@ -33,6 +33,7 @@ struct Flight {
   bool is_stop = false;
   bool is_write = false;
   bool is_broadcast = false;
+  bool repeats_read = false;
   bool expects_answer = true;
   Instant begin;
   Instant end;
@@ -52,7 +53,7 @@ class Oracle {
   /// The gateway has its last byte.
   void delivered(ClientId client, std::uint64_t id);
   void answer_sent(ClientId client);
-  /// What it writes meanwhile counts as old as the pause.
+  /// What it writes from then on counts as old as the pause, until its socket was seen empty.
   void paused(ClientId client, bool is_paused);
   void half_closed(ClientId client);
   void gone(ClientId client);
@@ -77,9 +78,6 @@ class Oracle {
   /// Bytes were handed to the gateway.
   void bytes_came(std::size_t bus) { books_[bus].last_byte = schedule_.now(); }
   /// A whole good frame of the address was handed to it.
-  /// The device's answer came in no shape to be read: nothing is owed any more, but the gateway
-  /// cannot know.
-  void damage_came(std::size_t bus, std::uint8_t address);
   void frame_came(std::size_t bus, std::uint8_t address);
   /// The TCP answer with the identifier was handed to it.
   void tcp_answer_came(std::uint64_t number);
@@ -93,6 +91,7 @@ class Oracle {
   /// Everything must be over.
   void check_finished();
   static std::string hex(Bytes bytes);
+  void trace() { traced_ = true; }
   void violation(const std::string& kind, const std::string& text) const;
 
   struct BusCount {
@@ -130,6 +129,7 @@ class Oracle {
     bool open = false;
     Instant last_down = Instant::min();
     Instant last_full = Instant::min();
+    Instant last_stop = Instant::min();
     Instant own_end = Instant::min();
     Instant last_byte = Instant::min();
     Instant turnaround_end = Instant::min();
@@ -188,6 +188,7 @@ class Oracle {
   [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
   void check_stops_first(const Flight& flight);
   void check_tcp(const Flight& flight);
+  void cut_flights(Book& book, std::size_t bus);
   void set_times(Flight& flight);
 
   [[nodiscard]] std::string name(const Asked& asked) const;
@@ -213,6 +214,7 @@ class Oracle {
   std::uint64_t flight_count_ = 0;
   std::optional<std::uint64_t> well_;
   PduBytes own_answer_;
+  bool traced_ = false;
 };
 
 }  // namespace mbgate::soak

@@ -45,7 +45,9 @@ void Oracle::accept(Asked& asked) {
         book.last_full = schedule_.now();
       }
       ++book.present;
-      if (asked.kind != Kind::stop && !asked.dropped && !asked.ordered) {
+      // One part of a broadcast may be refused while others wait.
+      const bool whole = asked.kind != Kind::broadcast || asked.pieces.size() == 1;
+      if (asked.kind != Kind::stop && whole && !asked.dropped && !asked.ordered) {
         piece.counted = true;
         ++book.waiting;
       }
@@ -70,7 +72,7 @@ void Oracle::accept(Asked& asked) {
 void Oracle::cancel_for_stop(const Asked& stop) {
   const Piece& piece = stop.pieces.front();
   Lane& lane = books_[piece.bus].lanes[piece.address];
-  lane.last_stop = schedule_.now();
+  lane.last_stop = books_[piece.bus].last_stop = schedule_.now();
   if (!devices_[*stop.door->device].settings().stop_cancels) {
     return;
   }
@@ -81,9 +83,10 @@ void Oracle::cancel_for_stop(const Asked& stop) {
   }
 }
 
-// Only what was on the wire was surely accepted, and ended.
+// What was on the wire was surely accepted, and so was what has waited.
 void Oracle::note_write_event(const Asked& asked) {
-  if (!asked.changes() || asked.refused || !asked.surely_on_wire || asked.ordered) {
+  const bool waited = asked.kind != Kind::broadcast && asked.accepted < schedule_.now();
+  if (!asked.changes() || asked.refused || asked.ordered || !(asked.surely_on_wire || waited)) {
     return;
   }
   for (const Piece& piece : asked.pieces) {

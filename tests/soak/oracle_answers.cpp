@@ -111,7 +111,10 @@ void Oracle::judge_busy(const Asked& asked) {
                        schedule_.now() >= asked.deadline - (asked.written - asked.earliest);
   // A stop also forbids writes that were read ahead when it came.
   const bool stopped = asked.changes() && std::ranges::any_of(asked.pieces, [&](const Piece& it) {
-                         return books_[it.bus].lanes[it.address].last_stop >= asked.earliest;
+                         const Book& book = books_[it.bus];
+                         return (asked.kind == Kind::broadcast
+                                     ? book.last_stop
+                                     : book.lanes[it.address].last_stop) >= asked.earliest;
                        });
   const bool reason = expired || stopped || asked.dropped || asked.doomed ||
                       std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
@@ -150,6 +153,12 @@ Span Oracle::span_of(const Asked& asked) const {
     const Instant last_write =
         lane.last_write_event <= asked.accepted ? lane.last_write_event : Instant::min();
     first = std::max(asked.accepted - cache, last_write);
+    for (const Asked* write : lane.open) {
+      if (write->changes() && !write->ordered && !write->client_gone &&
+          write->accepted < asked.accepted) {
+        first = std::max(first, write->accepted);  // it waits: it was taken, and nothing kept since
+      }
+    }
   }
   return {first, schedule_.now()};
 }

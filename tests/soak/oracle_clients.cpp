@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The oracle's book of clients: what they asked, and when the gateway can first have taken it.
 #include <algorithm>
+#include <cstdio>
 
+#include "gateway/limits.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -34,8 +36,11 @@ void Oracle::connect(ClientId client, std::size_t listener) {
 std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   asked.id = ++ids_;
   asked.client = client;
-  const auto& pause = sessions_.at(client).paused_since;
-  asked.earliest = pause.value_or(schedule_.now());
+  const Session& session = sessions_.at(client);
+  asked.earliest = session.paused_since.value_or(schedule_.now());
+  if (session.backlog.size() + 1 >= gateway::kArrivalMarks) {
+    asked.earliest = std::min(asked.earliest, open_.at(session.backlog.front())->earliest);
+  }
   sessions_.at(client).by_transaction[asked.transaction] = asked.id;
   open_.emplace(asked.id, std::make_unique<Asked>(std::move(asked)));
   ++report_.requests;
@@ -73,7 +78,8 @@ void Oracle::answer_sent(ClientId client) {
 
 void Oracle::paused(ClientId client, bool is_paused) {
   if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
-    entry->second.paused_since = is_paused ? std::optional(schedule_.now()) : std::nullopt;
+    auto& since = entry->second.paused_since;
+    since = is_paused ? since.value_or(schedule_.now()) : std::optional<Instant>();
   }
 }
 
@@ -264,6 +270,9 @@ void Oracle::check_finished() {
 void Oracle::violation(const std::string& kind, const std::string& text) const {
   const auto at =
       std::chrono::duration_cast<std::chrono::microseconds>(schedule_.now().time_since_epoch());
+  if (traced_) {
+    std::fprintf(stderr, "VIOLATION %s %s\n", kind.c_str(), text.c_str());
+  }
   report_.violation(kind, "at " + std::to_string(at.count()) + " us: " + text);
 }
 

@@ -2,6 +2,7 @@
 // What the oracle asks of a line: silence, the turnaround delay, quarantine, stops before all else.
 #include <algorithm>
 
+#include "bus/device_health.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -46,29 +47,47 @@ void Oracle::check_silence(const Flight& flight) {
 
 void Oracle::check_quarantine(const Flight& flight) {
   Lane& lane = books_[flight.bus].lanes[flight.address];
-  while (!lane.owed.empty()) {
-    const Flight* owed = this->flight(lane.owed.front());
-    if (owed != nullptr && schedule_.now() < owed->quarantine_until) {
-      break;
-    }
-    lane.owed.pop_front();
+  const bool waits = std::ranges::any_of(lane.owed, [&](std::uint64_t number) {
+    const Flight* owed = this->flight(number);
+    return owed != nullptr && schedule_.now() < owed->quarantine_until;
+  });
+  if (!waits) {
+    lane.owed.clear();
   }
   if (!lane.owed.empty() && !flight.is_stop) {
     const Flight& owed = *this->flight(lane.owed.back());
-    const bool again = owed.pdu == flight.pdu && std::ranges::any_of(flight.asked, [&](auto id) {
-                         return std::ranges::find(owed.asked, id) != owed.asked.end();
-                       });
-    if (!again && schedule_.now() < owed.quarantine_until) {
+    if (!flight.repeats_read) {
       violation("quarantine", name(flight) + " while " + name(owed) + " is owed");
     }
   }
   if (flight.expects_answer) {
     lane.owed.push_back(flight.number);
+    if (lane.owed.size() > bus::kMostOwed) {
+      lane.owed.pop_front();
+    }
+  }
+}
+
+// A stop that waits long enough cuts everything that flies, also when it waits again because it had
+// no answer.
+void Oracle::cut_flights(Book& book, std::size_t bus) {
+  for (const std::uint64_t number : book.flying) {
+    const Flight* stop = flight(number);
+    if (stop == nullptr || !stop->is_stop || schedule_.now() < stop->deadline) {
+      continue;
+    }
+    for (const std::uint64_t other : book.flying) {
+      Flight* cut = flight(other);
+      if (cut != nullptr && cut != stop) {
+        cut->deadline = std::min(cut->deadline, stop->deadline + bus_settings(bus).stop_wait);
+      }
+    }
   }
 }
 
 void Oracle::check_tcp(const Flight& flight) {
   auto& flying = books_[flight.bus].flying;
+  cut_flights(books_[flight.bus], flight.bus);
   std::erase_if(flying, [&](std::uint64_t number) {
     const Flight* other = this->flight(number);
     return other == nullptr || schedule_.now() >= other->deadline;
@@ -108,21 +127,21 @@ void Oracle::set_times(Flight& flight) {
   }
   flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
   flight.quarantine_until = flight.deadline + timing.quarantine_or_default();
-}
-
-void Oracle::frame_came(std::size_t bus, std::uint8_t address) {
-  auto& owed = books_[bus].lanes[address].owed;
-  if (!owed.empty()) {
-    owed.pop_back();
+  if (is_tcp(flight.bus)) {
+    // A stop that lets the writes before it go has waited already.
+    for (const Asked* stop : books_[flight.bus].stops) {
+      flight.deadline = std::min(
+          flight.deadline,
+          std::max(flight.begin, *stop->waits_from + bus_settings(flight.bus).stop_wait));
+    }
   }
 }
 
-void Oracle::damage_came(std::size_t bus, std::uint8_t address) {
-  for (const std::uint64_t number : books_[bus].lanes[address].owed) {
-    if (Flight* owed = flight(number)) {
-      const Duration quarantine = owed->quarantine_until - owed->deadline;
-      owed->quarantine_until = std::min(owed->quarantine_until, schedule_.now() + quarantine);
-    }
+// Nobody can tell which of several requests it answers: the quarantine counts from the last.
+void Oracle::frame_came(std::size_t bus, std::uint8_t address) {
+  auto& owed = books_[bus].lanes[address].owed;
+  if (!owed.empty()) {
+    owed.pop_front();
   }
 }
 
@@ -138,6 +157,7 @@ void Oracle::check_waiting() {
     Book& book = books_[bus];
     if (book.waiting > bus_settings(bus).queue) {
       violation("queue_limit", bus_settings(bus).name + ": " + std::to_string(book.waiting));
+      if (traced_) { for (auto& [id, a] : open_) for (auto& piece : a->pieces) if (piece.counted && piece.bus == bus) std::fprintf(stderr, "  waits %s kind %d accepted %lld gone %d sent %u replies %d\n", name(*a).c_str(), static_cast<int>(a->kind), static_cast<long long>(a->accepted.time_since_epoch().count() / 1000), a->client_gone, piece.sent, a->replies); }
     }
     if (book.stops.empty()) {
       continue;

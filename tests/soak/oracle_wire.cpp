@@ -34,6 +34,7 @@ std::string Oracle::name(const Flight& flight) const {
 void Oracle::bus_opened(std::size_t bus) {
   Book& book = books_[bus];
   book.open = true;
+  book.last_down = schedule_.now();  // until this moment
   book.last_byte = schedule_.now();
   for (Lane& lane : book.lanes) {
     lane.owed.clear();
@@ -212,6 +213,8 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   if (alone && !asked.maybe_on_wire && asked.kind != Kind::stop) {
     check_order(asked, flight);
   }
+  mine.repeats_read = mine.repeats_read || (asked.is_read() && asked.last_sent == flight.pdu);
+  asked.last_sent = flight.pdu;
   ++piece.sent;
   leave_queue(asked.pieces.size() == 1 || asked.kind == Kind::broadcast ? piece
                                                                         : asked.pieces.front());

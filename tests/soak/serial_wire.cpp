@@ -172,7 +172,7 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
     say(std::move(frame), begin, Chunks::fine, address);
     return;
   } else if (spoil(frame, pdu, address)) {
-    say(std::move(frame), begin, Chunks::fine, std::nullopt, address);
+    say(std::move(frame), begin, Chunks::fine, std::nullopt);
     return;
   }
   const bool paused = !excess && happens(rates_.pieces, "pieces");
@@ -185,7 +185,7 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
       excess   ? Chunks::fine
       : paused ? Chunks::paused
                : Chunks::usual,
-      address);
+      address, excess ? 2 : 1);
 }
 
 // The whole answer is there before the quarantine ends; or, in plans of that kind, later.

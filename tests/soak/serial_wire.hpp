@@ -37,8 +37,8 @@ class SerialWire {
     Instant begin;
     Instant end;
     Duration character;
-    std::optional<std::uint8_t> whole;   ///< a good frame of this address
-    std::optional<std::uint8_t> spoilt;  ///< an answer of this address, not to be read
+    std::optional<std::uint8_t> whole;  ///< a good frame of this address
+    unsigned copies;                    ///< of it, one behind the other
     std::size_t delivered = 0;
   };
 
@@ -52,7 +52,7 @@ class SerialWire {
   void damage(Frame& frame);
   void append_excess(Frame& frame);
   void say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole,
-           std::optional<std::uint8_t> spoilt = std::nullopt);
+           unsigned copies = 1);
   void begin_message(std::uint64_t id);
   void deliver(std::uint64_t id, std::size_t until);
   void garble(Message& message);

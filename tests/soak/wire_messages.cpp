@@ -13,7 +13,7 @@ using modbus::Pdu;
 // Adapters hand bytes over in chunks, up to some milliseconds apart. Where something follows that
 // the gateway cannot foresee, they must come without a gap that looks like silence.
 void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole,
-                     std::optional<std::uint8_t> spoilt) {
+                     unsigned copies) {
   Random& random = around_.random;
   const std::uint64_t id = ++ids_;
   const Duration character = timing_.duration_of(1);
@@ -32,7 +32,7 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<st
     const Instant due = last + (chunks == Chunks::usual ? random.duration(0us, 300us) : 0us);
     deliveries.emplace_back(deliveries.empty() ? due : std::max(due, deliveries.back().first), at);
   }
-  messages_.emplace(id, Message{std::move(bytes), begin, last, character, whole, spoilt});
+  messages_.emplace(id, Message{std::move(bytes), begin, last, character, whole, copies});
   around_.schedule.at(begin, [this, epoch = epoch_, id] {
     if (epoch == epoch_) {
       begin_message(id);
@@ -66,9 +66,7 @@ void SerialWire::begin_message(std::uint64_t id) {
 
 // From now on nobody can read it.
 void SerialWire::garble(Message& message) {
-  if (message.whole) {
-    message.spoilt = std::exchange(message.whole, std::nullopt);
-  }
+  message.whole.reset();
   const Duration past = around_.schedule.now() - message.begin;
   const auto from =
       static_cast<std::size_t>(std::max<Duration>(past, Duration{0}) / message.character);
@@ -84,10 +82,8 @@ void SerialWire::deliver(std::uint64_t id, std::size_t until) {
   message.delivered = until;
   around_.oracle.bytes_came(bus_);
   if (until == message.bytes.size()) {
-    if (message.whole) {
+    for (unsigned copy = 0; message.whole && copy < message.copies; ++copy) {
       around_.oracle.frame_came(bus_, *message.whole);
-    } else if (message.spoilt) {
-      around_.oracle.damage_came(bus_, *message.spoilt);
     }
     messages_.erase(id);
   }

@@ -42,6 +42,9 @@ World::World(std::uint64_t seed, bool trace)
       tools_{gateway_, oracle_, schedule_,           random_,
              report_,  asking_, [this] { drain(); }, [this] { return ClientId{++last_number_}; }},
       trace_(trace) {
+  if (trace) {
+    oracle_.trace();
+  }
   for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
     if (plan_.settings.buses[bus].line.framing == bus::Framing::tcp) {
       wires_.emplace_back(std::in_place_type<FarServer>, bus, around_);
