@@ -38,6 +38,7 @@ struct Flight {
   Instant begin;
   Instant end;
   Instant deadline;          ///< the first byte of its answer must be there
+  Instant due;               ///< the same if no stop cuts it
   Instant quarantine_until;  ///< a later answer is still kept from others
 };
 
@@ -135,8 +136,10 @@ class Oracle {
     Instant turnaround_end = Instant::min();
     std::size_t waiting = 0;            ///< requests that are surely in its queue
     std::size_t present = 0;            ///< requests that may be
-    std::vector<Asked*> stops;          ///< that wait
-    std::vector<std::uint64_t> flying;  ///< on TCP buses
+    std::vector<Asked*> stops;           ///< that wait
+    std::vector<std::uint64_t> repeats;  ///< of stops that wait once more, on TCP buses
+    std::vector<std::uint64_t> flying;    ///< on TCP buses
+    std::vector<std::uint64_t> unheard;   ///< the same, as if no stop cut anything
     BusCount count;
   };
   struct Done {
@@ -188,7 +191,8 @@ class Oracle {
   [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
   void check_stops_first(const Flight& flight);
   void check_tcp(const Flight& flight);
-  void cut_flights(Book& book, std::size_t bus);
+  void cut_flying(Book& book);
+  void cut(Flight& flight);
   void set_times(Flight& flight);
 
   [[nodiscard]] std::string name(const Asked& asked) const;

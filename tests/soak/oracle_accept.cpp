@@ -59,11 +59,6 @@ void Oracle::accept(Asked& asked) {
     if (asked.kind == Kind::stop && book.open && !asked.dropped) {
       asked.waits_from = schedule_.now();
       book.stops.push_back(&asked);
-      for (const std::uint64_t number : book.flying) {
-        Flight* running = flight(number);
-        running->deadline =
-            std::min(running->deadline, schedule_.now() + bus_settings(piece.bus).stop_wait);
-      }
     }
   }
 }
@@ -83,10 +78,9 @@ void Oracle::cancel_for_stop(const Asked& stop) {
   }
 }
 
-// What was on the wire was surely accepted, and so was what has waited.
+// A write that was never transmitted changed nothing: what was asked before it may be kept.
 void Oracle::note_write_event(const Asked& asked) {
-  const bool waited = asked.kind != Kind::broadcast && asked.accepted < schedule_.now();
-  if (!asked.changes() || asked.refused || asked.ordered || !(asked.surely_on_wire || waited)) {
+  if (!asked.changes() || asked.refused || asked.ordered || !asked.surely_on_wire) {
     return;
   }
   for (const Piece& piece : asked.pieces) {

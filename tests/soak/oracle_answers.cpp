@@ -86,7 +86,7 @@ void Oracle::device_answered(const Asked& asked) {
   if (is_past_offline(asked, lane)) {
     lane.last_offline = schedule_.now();
   }
-  lane.unanswered = static_cast<unsigned>(book.flying.size());
+  lane.unanswered = static_cast<unsigned>(book.unheard.size());
 }
 
 bool Oracle::may_be_offline(const Asked& asked) const {
@@ -121,7 +121,11 @@ void Oracle::judge_busy(const Asked& asked) {
                         return books_[piece.bus].last_full >= asked.accepted;
                       });
   if (!reason) {
-    violation("busy_without_reason", name(asked));
+    violation("busy_without_reason",
+              name(asked) + ", deadline " +
+                  std::to_string((asked.deadline - schedule_.now()) / std::chrono::microseconds(1)) +
+                  " us from now, as old as " +
+                  std::to_string((schedule_.now() - asked.earliest) / std::chrono::microseconds(1)) + " us, accepted " + std::to_string((schedule_.now() - asked.accepted) / std::chrono::microseconds(1)) + " us ago");
   }
 }
 
@@ -201,7 +205,11 @@ void Oracle::wrong_data(const Asked& asked, const std::string& text) {
     ++report_.apart["misdelivered_beyond_quarantine"];
     return;
   }
-  violation("misdelivered", text + ": " + name(asked));
+  const auto ago = [&](Instant at) {
+    return std::to_string((schedule_.now() - at) / std::chrono::microseconds(1)) + " us ago";
+  };
+  violation("misdelivered", text + ": " + name(asked) + ", accepted " + ago(asked.accepted) +
+                                ", nothing older than " + ago(span_of(asked).first));
 }
 
 void Oracle::judge_bits(const Asked& asked, Bytes pdu) {

@@ -38,7 +38,9 @@ std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   asked.client = client;
   const Session& session = sessions_.at(client);
   asked.earliest = session.paused_since.value_or(schedule_.now());
-  if (session.backlog.size() + 1 >= gateway::kArrivalMarks) {
+  // Each piece of what is read ahead has a mark, and a request may come in several.
+  constexpr std::size_t kPieces = 4;
+  if (session.backlog.size() + 1 >= gateway::kArrivalMarks / kPieces) {
     asked.earliest = std::min(asked.earliest, open_.at(session.backlog.front())->earliest);
   }
   sessions_.at(client).by_transaction[asked.transaction] = asked.id;

@@ -68,26 +68,45 @@ void Oracle::check_quarantine(const Flight& flight) {
   }
 }
 
-// A stop that waits long enough cuts everything that flies, also when it waits again because it had
-// no answer.
-void Oracle::cut_flights(Book& book, std::size_t bus) {
+// A stop that had no answer waits again, and so what flies may be cut.
+void Oracle::cut_flying(Book& book) {
   for (const std::uint64_t number : book.flying) {
     const Flight* stop = flight(number);
     if (stop == nullptr || !stop->is_stop || schedule_.now() < stop->deadline) {
       continue;
     }
-    for (const std::uint64_t other : book.flying) {
-      Flight* cut = flight(other);
-      if (cut != nullptr && cut != stop) {
-        cut->deadline = std::min(cut->deadline, stop->deadline + bus_settings(bus).stop_wait);
+    for (const std::uint64_t id : stop->asked) {
+      if (const auto entry = open_.find(id); entry != open_.end()) {
+        entry->second->waits_from = stop->deadline;
+        book.repeats.push_back(id);
       }
+    }
+  }
+  for (const std::uint64_t number : book.flying) {
+    if (Flight* other = flight(number)) {
+      cut(*other);
+    }
+  }
+}
+
+// A stop that waits long enough cuts everything that flies.
+void Oracle::cut(Flight& flight) {
+  const Book& book = books_[flight.bus];
+  const auto cut_for = [&](const Asked& stop) {
+    flight.deadline = std::min(
+        flight.deadline,
+        std::max(flight.begin, *stop.waits_from + bus_settings(flight.bus).stop_wait));
+  };
+  std::ranges::for_each(book.stops, [&](const Asked* stop) { cut_for(*stop); });
+  for (const std::uint64_t id : book.repeats) {
+    if (const auto entry = open_.find(id); entry != open_.end()) {
+      cut_for(*entry->second);
     }
   }
 }
 
 void Oracle::check_tcp(const Flight& flight) {
   auto& flying = books_[flight.bus].flying;
-  cut_flights(books_[flight.bus], flight.bus);
   std::erase_if(flying, [&](std::uint64_t number) {
     const Flight* other = this->flight(number);
     return other == nullptr || schedule_.now() >= other->deadline;
@@ -106,6 +125,12 @@ void Oracle::check_tcp(const Flight& flight) {
     violation("tcp_outstanding", name(flight));
   }
   flying.push_back(flight.number);
+  auto& unheard = books_[flight.bus].unheard;
+  std::erase_if(unheard, [&](std::uint64_t number) {
+    const Flight* other = this->flight(number);
+    return other == nullptr || schedule_.now() > other->due;
+  });
+  unheard.push_back(flight.number);
 }
 
 void Oracle::set_times(Flight& flight) {
@@ -127,13 +152,9 @@ void Oracle::set_times(Flight& flight) {
   }
   flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
   flight.quarantine_until = flight.deadline + timing.quarantine_or_default();
+  flight.due = flight.deadline;
   if (is_tcp(flight.bus)) {
-    // A stop that lets the writes before it go has waited already.
-    for (const Asked* stop : books_[flight.bus].stops) {
-      flight.deadline = std::min(
-          flight.deadline,
-          std::max(flight.begin, *stop->waits_from + bus_settings(flight.bus).stop_wait));
-    }
+    cut(flight);  // a stop that lets the writes before it go has waited already
   }
 }
 
@@ -148,6 +169,7 @@ void Oracle::frame_came(std::size_t bus, std::uint8_t address) {
 void Oracle::tcp_answer_came(std::uint64_t number) {
   if (const Flight* answered = flight(number)) {
     std::erase(books_[answered->bus].flying, number);
+    std::erase(books_[answered->bus].unheard, number);
   }
 }
 

@@ -48,6 +48,8 @@ void Oracle::bus_lost(std::size_t bus) {
   book.last_down = schedule_.now();
   book.stops.clear();
   book.flying.clear();
+  book.unheard.clear();
+  book.repeats.clear();
 }
 
 Flight* Oracle::flight(std::uint64_t number) {
@@ -83,6 +85,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   flight.is_write = !is_read_function(flight.pdu.front());
   flight.is_broadcast = flight.address == 0 && !is_tcp(bus);
   book.count.broadcasts += flight.is_broadcast ? 1U : 0U;
+  cut_flying(book);
   attribute(flight);
   check_stops_first(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
@@ -222,6 +225,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   asked.surely_on_wire = asked.surely_on_wire || alone;
   note_write_event(asked);
   std::erase(books_[flight.bus].stops, &asked);
+  std::erase(books_[flight.bus].repeats, asked.id);
   if (!asked.replies &&
       std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {
     end_without_reply(asked);
@@ -236,7 +240,10 @@ void Oracle::check_order(const Asked& asked, const Flight& flight) {
       const bool waits = std::ranges::any_of(other->pieces, [&](const Piece& piece) {
         return piece.bus == flight.bus && piece.sent == 0;
       });
-      if (other->client == asked.client && other->sequence < asked.sequence && waits &&
+      // One part of a broadcast may have ended while others wait.
+      const bool ended = other->pieces.size() > 1 && other->kind == Kind::broadcast &&
+                         std::max({book.last_full, book.last_down, book.last_stop}) >= other->accepted;
+      if (other->client == asked.client && other->sequence < asked.sequence && waits && !ended &&
           other->kind != Kind::stop && !other->doomed && !other->dropped &&
           is_surely_open(*other)) {
         violation("order", name(asked) + " before " + name(*other));

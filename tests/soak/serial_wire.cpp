@@ -168,8 +168,10 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
   if (excess) {
     frame.insert(frame.end(), frame.begin(), frame.end());
   } else if (happens(rates_.babble, "babble")) {
+    const std::size_t size = frame.size();
     append_excess(frame);
-    say(std::move(frame), begin, Chunks::fine, address);
+    const std::size_t behind = frame.size() - size;
+    say(std::move(frame), begin, Chunks::fine, address, 1, behind);
     return;
   } else if (spoil(frame, pdu, address)) {
     say(std::move(frame), begin, Chunks::fine, std::nullopt);
@@ -261,8 +263,8 @@ void SerialWire::damage(Frame& frame) {
       return;
     case 1: frame.erase(frame.begin() + place); return;
     default:
-      // Not the last one: the frame itself would still be whole.
-      frame.insert(frame.begin() + place / 2, frame[static_cast<std::size_t>(place / 2)]);
+      // Not the last one, nor the colon: the frame itself would still be whole.
+      frame.insert(frame.begin() + 1 + place / 2, frame[static_cast<std::size_t>(1 + place / 2)]);
       return;
   }
 }

@@ -37,8 +37,9 @@ class SerialWire {
     Instant begin;
     Instant end;
     Duration character;
-    std::optional<std::uint8_t> whole;  ///< a good frame of this address
-    unsigned copies;                    ///< of it, one behind the other
+    std::optional<std::uint8_t> whole;  ///< it begins with good frames of this address
+    std::size_t frame;                  ///< their size
+    std::size_t copies;                 ///< and how many have not arrived
     std::size_t delivered = 0;
   };
 
@@ -52,7 +53,7 @@ class SerialWire {
   void damage(Frame& frame);
   void append_excess(Frame& frame);
   void say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole,
-           unsigned copies = 1);
+           std::size_t copies = 1, std::size_t excess = 0);
   void begin_message(std::uint64_t id);
   void deliver(std::uint64_t id, std::size_t until);
   void garble(Message& message);

@@ -13,7 +13,7 @@ using modbus::Pdu;
 // Adapters hand bytes over in chunks, up to some milliseconds apart. Where something follows that
 // the gateway cannot foresee, they must come without a gap that looks like silence.
 void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole,
-                     unsigned copies) {
+                     std::size_t copies, std::size_t excess) {
   Random& random = around_.random;
   const std::uint64_t id = ++ids_;
   const Duration character = timing_.duration_of(1);
@@ -32,7 +32,8 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<st
     const Instant due = last + (chunks == Chunks::usual ? random.duration(0us, 300us) : 0us);
     deliveries.emplace_back(deliveries.empty() ? due : std::max(due, deliveries.back().first), at);
   }
-  messages_.emplace(id, Message{std::move(bytes), begin, last, character, whole, copies});
+  const std::size_t frame = (bytes.size() - excess) / copies;
+  messages_.emplace(id, Message{std::move(bytes), begin, last, character, whole, frame, copies});
   around_.schedule.at(begin, [this, epoch = epoch_, id] {
     if (epoch == epoch_) {
       begin_message(id);
@@ -66,11 +67,12 @@ void SerialWire::begin_message(std::uint64_t id) {
 
 // From now on nobody can read it.
 void SerialWire::garble(Message& message) {
-  message.whole.reset();
   const Duration past = around_.schedule.now() - message.begin;
   const auto from =
       static_cast<std::size_t>(std::max<Duration>(past, Duration{0}) / message.character);
-  for (std::size_t at = std::max(from, message.delivered); at < message.bytes.size(); ++at) {
+  const std::size_t good = std::max(from, message.delivered);
+  message.copies = std::min(message.copies, good / message.frame - message.delivered / message.frame);
+  for (std::size_t at = good; at < message.bytes.size(); ++at) {
     message.bytes[at] = static_cast<std::uint8_t>(around_.random.below(256));
   }
 }
@@ -79,12 +81,15 @@ void SerialWire::deliver(std::uint64_t id, std::size_t until) {
   Message& message = messages_.at(id);
   const Frame bytes(message.bytes.begin() + static_cast<std::ptrdiff_t>(message.delivered),
                     message.bytes.begin() + static_cast<std::ptrdiff_t>(until));
-  message.delivered = until;
   around_.oracle.bytes_came(bus_);
+  const std::size_t frames =
+      std::min(message.copies, until / message.frame - message.delivered / message.frame);
+  message.copies -= frames;
+  for (std::size_t frame = 0; message.whole && frame < frames; ++frame) {
+    around_.oracle.frame_came(bus_, *message.whole);
+  }
+  message.delivered = until;
   if (until == message.bytes.size()) {
-    for (unsigned copy = 0; message.whole && copy < message.copies; ++copy) {
-      around_.oracle.frame_came(bus_, *message.whole);
-    }
     messages_.erase(id);
   }
   around_.deliver(bus_, bytes);

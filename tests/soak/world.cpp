@@ -108,9 +108,10 @@ void World::run_until(Instant limit) {
   while (true) {
     const auto next = bus::earlier(schedule_.next(), gateway_.next_deadline());
     if (!next || *next > limit || !step()) {
-      return;
+      break;
     }
   }
+  schedule_.advance(limit);
 }
 
 // Actions that set off others (a client that is resumed writes on) come back here; the outer call
