@@ -22,6 +22,7 @@ void Bus::share_response(Job& leader) {
   for (Job* follower : leader.followers) {
     give(*follower);
     follower->transmitted_at = leader.transmitted_at;
+    follower->writes_seen = leader.writes_seen;
     remember(*follower);
     ++follower->current;
     ++counters_.shared_reads;
@@ -35,7 +36,8 @@ void Bus::remember(const Job& job) {
   DeviceEntry& entry = devices_[transaction.address];
   if (job.is_single_read() && entry.device->cache > Duration{0} &&
       ReadCache::can_hold(transaction.request) && !transaction.response->is_exception()) {
-    entry.cache.put(transaction.request, *transaction.response, job.transmitted_at);
+    entry.cache.put(transaction.request, *transaction.response,
+                    {job.transmitted_at, job.writes_seen});
   }
 }
 
@@ -109,6 +111,7 @@ void Bus::hand_over(Job& leader, Ending ending) {
   heir.merged = std::move(leader.merged);
   heir.tries = leader.tries;
   heir.transmitted_at = leader.transmitted_at;
+  heir.writes_seen = leader.writes_seen;
   std::ranges::replace(running_, &leader, &heir);
   end_job(leader, ending);
 }

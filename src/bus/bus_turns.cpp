@@ -181,6 +181,7 @@ void Bus::transmit(Job& job, Instant now) {
   skip_known_settings(job);
   if (job.tries == 0) {
     job.transmitted_at = now;
+    job.writes_seen = devices_[job.address()].cache.writes_seen();
     gather_followers(queue_, job, *devices_[job.address()].device,
                      {settings_.coalesce, settings_.merge});
   }

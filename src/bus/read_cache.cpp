@@ -10,27 +10,30 @@ const modbus::Pdu* ReadCache::find(const modbus::Request& request, Instant oldes
   return found == reads_.end() || found->asked_at < oldest ? nullptr : &found->response;
 }
 
-void ReadCache::put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at) {
-  if (writes_ > 0) {
+void ReadCache::put(const modbus::Request& request, const modbus::Pdu& response,
+                    const Asking& asked) {
+  if (writes_ > 0 || asked.writes != writes_seen_) {
     return;
   }
   const auto found = std::ranges::find(reads_, request.pdu(), &Read::request);
   if (found != reads_.end()) {
-    *found = {request.pdu(), response, asked_at};
+    *found = {request.pdu(), response, asked.at};
   } else if (reads_.size() < kMostCachedReads) {
-    reads_.push_back({request.pdu(), response, asked_at});
+    reads_.push_back({request.pdu(), response, asked.at});
   } else {
-    *std::ranges::min_element(reads_, {}, &Read::asked_at) = {request.pdu(), response, asked_at};
+    *std::ranges::min_element(reads_, {}, &Read::asked_at) = {request.pdu(), response, asked.at};
   }
 }
 
 void ReadCache::begin_write() {
   ++writes_;
+  ++writes_seen_;
   clear();
 }
 
 void ReadCache::end_write() {
   --writes_;
+  ++writes_seen_;
   clear();
 }
 

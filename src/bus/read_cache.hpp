@@ -4,6 +4,7 @@
 // and not filled in between: nobody is answered with what was there before a write.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -23,8 +24,14 @@ class ReadCache {
   }
   /// The response to the same request, if it was asked for at `oldest` or later.
   [[nodiscard]] const modbus::Pdu* find(const modbus::Request& request, Instant oldest) const;
-  /// `asked_at`: when the request was transmitted; the data are no older than that.
-  void put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at);
+  /// When a request was transmitted: its data are no older than that.
+  struct Asking {
+    Instant at;
+    std::uint64_t writes = 0;  ///< writes_seen() then
+  };
+  /// Keeps a response, unless a write came since its request was transmitted.
+  void put(const modbus::Request& request, const modbus::Pdu& response, const Asking& asked);
+  [[nodiscard]] std::uint64_t writes_seen() const { return writes_seen_; }
   void clear() { reads_.clear(); }
   void begin_write();
   void end_write();
@@ -36,7 +43,8 @@ class ReadCache {
     Instant asked_at;
   };
   std::vector<Read> reads_;
-  unsigned writes_ = 0;  // accepted, and not ended
+  unsigned writes_ = 0;            // accepted, and not ended
+  std::uint64_t writes_seen_ = 0;  // accepted, and ended again, so far
 };
 
 }  // namespace mbgate::bus

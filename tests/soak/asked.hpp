@@ -62,7 +62,7 @@ struct Asked {
   bool dropped = false;               ///< a waiting write of a half-closed connection
   std::optional<Instant> doomed;      ///< a stop has taken it back
   std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
-  PduBytes last_sent;  ///< as it looked on the wire
+  PduBytes last_sent;                 ///< as it looked on the wire
   bool maybe_on_wire = false;
   bool surely_on_wire = false;
   std::bitset<256> device_exceptions;  ///< given to transmissions that may be its own

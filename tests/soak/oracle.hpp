@@ -79,7 +79,7 @@ class Oracle {
   /// Bytes were handed to the gateway.
   void bytes_came(std::size_t bus) { books_[bus].last_byte = schedule_.now(); }
   /// A whole good frame of the address was handed to it.
-  void frame_came(std::size_t bus, std::uint8_t address);
+  void frame_came(std::size_t bus, std::uint8_t address, bool fits);
   /// The TCP answer with the identifier was handed to it.
   void tcp_answer_came(std::uint64_t number);
   [[nodiscard]] bool owes(std::size_t bus, std::uint8_t address) const {
@@ -134,12 +134,13 @@ class Oracle {
     Instant own_end = Instant::min();
     Instant last_byte = Instant::min();
     Instant turnaround_end = Instant::min();
-    std::size_t waiting = 0;            ///< requests that are surely in its queue
-    std::size_t present = 0;            ///< requests that may be
+    std::size_t waiting = 0;             ///< requests that are surely in its queue
+    std::size_t present = 0;             ///< requests that may be
     std::vector<Asked*> stops;           ///< that wait
-    std::vector<std::uint64_t> repeats;  ///< of stops that wait once more, on TCP buses
-    std::vector<std::uint64_t> flying;    ///< on TCP buses
-    std::vector<std::uint64_t> unheard;   ///< the same, as if no stop cut anything
+    std::vector<Asked*> open_stops;      ///< that wait or were sent
+    std::vector<std::uint64_t> flying;   ///< on TCP buses
+    std::vector<std::uint64_t> unheard;  ///< the same, as if no stop cut anything
+    std::uint64_t last_flight = 0;
     BusCount count;
   };
   struct Done {
@@ -191,8 +192,8 @@ class Oracle {
   [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
   void check_stops_first(const Flight& flight);
   void check_tcp(const Flight& flight);
-  void cut_flying(Book& book);
-  void cut(Flight& flight);
+  void cut_flying(const Book& book);
+  void cut(Flight& flight) const;
   void set_times(Flight& flight);
 
   [[nodiscard]] std::string name(const Asked& asked) const;

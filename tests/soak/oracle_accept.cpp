@@ -59,6 +59,7 @@ void Oracle::accept(Asked& asked) {
     if (asked.kind == Kind::stop && book.open && !asked.dropped) {
       asked.waits_from = schedule_.now();
       book.stops.push_back(&asked);
+      book.open_stops.push_back(&asked);
     }
   }
 }
@@ -78,9 +79,10 @@ void Oracle::cancel_for_stop(const Asked& stop) {
   }
 }
 
-// A write that was never transmitted changed nothing: what was asked before it may be kept.
+// What was on the wire was surely accepted, and so was what has waited.
 void Oracle::note_write_event(const Asked& asked) {
-  if (!asked.changes() || asked.refused || asked.ordered || !asked.surely_on_wire) {
+  const bool waited = asked.kind != Kind::broadcast && asked.accepted < schedule_.now();
+  if (!asked.changes() || asked.refused || asked.ordered || !(asked.surely_on_wire || waited)) {
     return;
   }
   for (const Piece& piece : asked.pieces) {

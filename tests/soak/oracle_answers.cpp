@@ -110,22 +110,26 @@ void Oracle::judge_busy(const Asked& asked) {
   const bool expired = asked.deadline != Instant::max() &&
                        schedule_.now() >= asked.deadline - (asked.written - asked.earliest);
   // A stop also forbids writes that were read ahead when it came.
-  const bool stopped = asked.changes() && std::ranges::any_of(asked.pieces, [&](const Piece& it) {
-                         const Book& book = books_[it.bus];
-                         return (asked.kind == Kind::broadcast
-                                     ? book.last_stop
-                                     : book.lanes[it.address].last_stop) >= asked.earliest;
-                       });
+  const bool stopped =
+      asked.changes() && std::ranges::any_of(asked.pieces, [&](const Piece& it) {
+        const Book& book = books_[it.bus];
+        return (asked.kind == Kind::broadcast ? book.last_stop
+                                              : book.lanes[it.address].last_stop) >= asked.earliest;
+      });
   const bool reason = expired || stopped || asked.dropped || asked.doomed ||
                       std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
                         return books_[piece.bus].last_full >= asked.accepted;
                       });
   if (!reason) {
-    violation("busy_without_reason",
-              name(asked) + ", deadline " +
-                  std::to_string((asked.deadline - schedule_.now()) / std::chrono::microseconds(1)) +
-                  " us from now, as old as " +
-                  std::to_string((schedule_.now() - asked.earliest) / std::chrono::microseconds(1)) + " us, accepted " + std::to_string((schedule_.now() - asked.accepted) / std::chrono::microseconds(1)) + " us ago");
+    violation(
+        "busy_without_reason",
+        name(asked) + ", deadline " +
+            std::to_string((asked.deadline - schedule_.now()) / std::chrono::microseconds(1)) +
+            " us from now, as old as " +
+            std::to_string((schedule_.now() - asked.earliest) / std::chrono::microseconds(1)) +
+            " us, accepted " +
+            std::to_string((schedule_.now() - asked.accepted) / std::chrono::microseconds(1)) +
+            " us ago");
   }
 }
 

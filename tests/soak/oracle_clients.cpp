@@ -161,6 +161,10 @@ void Oracle::close(Asked& asked, const std::string& how) {
       present = asked.kind == Kind::broadcast;
     }
     std::erase(book.lanes[piece.address].open, &asked);
+    if (std::ranges::find(book.open_stops, &asked) != book.open_stops.end()) {
+      cut_flying(book);
+      std::erase(book.open_stops, &asked);
+    }
     std::erase(book.stops, &asked);
     done_.push_back({asked.id, piece.bus, piece.address, std::move(piece.pdu), how});
   }

@@ -68,39 +68,20 @@ void Oracle::check_quarantine(const Flight& flight) {
   }
 }
 
-// A stop that had no answer waits again, and so what flies may be cut.
-void Oracle::cut_flying(Book& book) {
-  for (const std::uint64_t number : book.flying) {
-    const Flight* stop = flight(number);
-    if (stop == nullptr || !stop->is_stop || schedule_.now() < stop->deadline) {
-      continue;
-    }
-    for (const std::uint64_t id : stop->asked) {
-      if (const auto entry = open_.find(id); entry != open_.end()) {
-        entry->second->waits_from = stop->deadline;
-        book.repeats.push_back(id);
-      }
-    }
-  }
-  for (const std::uint64_t number : book.flying) {
-    if (Flight* other = flight(number)) {
-      cut(*other);
-    }
+// A stop that waits long enough cuts everything that flies. From outside nobody sees whether one
+// that is open waits: for the writes before it, or once more because it had no answer.
+void Oracle::cut(Flight& flight) const {
+  for (const Asked* stop : books_[flight.bus].open_stops) {
+    flight.deadline =
+        std::min(flight.deadline,
+                 std::max(flight.begin, stop->accepted + bus_settings(flight.bus).stop_wait));
   }
 }
 
-// A stop that waits long enough cuts everything that flies.
-void Oracle::cut(Flight& flight) {
-  const Book& book = books_[flight.bus];
-  const auto cut_for = [&](const Asked& stop) {
-    flight.deadline = std::min(
-        flight.deadline,
-        std::max(flight.begin, *stop.waits_from + bus_settings(flight.bus).stop_wait));
-  };
-  std::ranges::for_each(book.stops, [&](const Asked* stop) { cut_for(*stop); });
-  for (const std::uint64_t id : book.repeats) {
-    if (const auto entry = open_.find(id); entry != open_.end()) {
-      cut_for(*entry->second);
+void Oracle::cut_flying(const Book& book) {
+  for (const std::uint64_t number : book.flying) {
+    if (Flight* other = flight(number)) {
+      cut(*other);
     }
   }
 }
@@ -154,14 +135,19 @@ void Oracle::set_times(Flight& flight) {
   flight.quarantine_until = flight.deadline + timing.quarantine_or_default();
   flight.due = flight.deadline;
   if (is_tcp(flight.bus)) {
-    cut(flight);  // a stop that lets the writes before it go has waited already
+    cut(flight);
   }
 }
 
 // Nobody can tell which of several requests it answers: the quarantine counts from the last.
-void Oracle::frame_came(std::size_t bus, std::uint8_t address) {
-  auto& owed = books_[bus].lanes[address].owed;
-  if (!owed.empty()) {
+// One that does not fit ends no wait, but is what the device owed from before.
+void Oracle::frame_came(std::size_t bus, std::uint8_t address, bool fits) {
+  Book& book = books_[bus];
+  auto& owed = book.lanes[address].owed;
+  const Flight* oldest = owed.empty() ? nullptr : flight(owed.front());
+  const bool waits = oldest != nullptr && oldest->number == book.last_flight &&
+                     schedule_.now() < oldest->deadline && book.stops.empty();
+  if (!owed.empty() && (fits || !waits)) {
     owed.pop_front();
   }
 }
@@ -179,7 +165,15 @@ void Oracle::check_waiting() {
     Book& book = books_[bus];
     if (book.waiting > bus_settings(bus).queue) {
       violation("queue_limit", bus_settings(bus).name + ": " + std::to_string(book.waiting));
-      if (traced_) { for (auto& [id, a] : open_) for (auto& piece : a->pieces) if (piece.counted && piece.bus == bus) std::fprintf(stderr, "  waits %s kind %d accepted %lld gone %d sent %u replies %d\n", name(*a).c_str(), static_cast<int>(a->kind), static_cast<long long>(a->accepted.time_since_epoch().count() / 1000), a->client_gone, piece.sent, a->replies); }
+      if (traced_) {
+        for (auto& [id, a] : open_)
+          for (auto& piece : a->pieces)
+            if (piece.counted && piece.bus == bus)
+              std::fprintf(stderr, "  waits %s kind %d accepted %lld gone %d sent %u replies %d\n",
+                           name(*a).c_str(), static_cast<int>(a->kind),
+                           static_cast<long long>(a->accepted.time_since_epoch().count() / 1000),
+                           a->client_gone, piece.sent, a->replies);
+      }
     }
     if (book.stops.empty()) {
       continue;

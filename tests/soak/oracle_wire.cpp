@@ -49,7 +49,6 @@ void Oracle::bus_lost(std::size_t bus) {
   book.stops.clear();
   book.flying.clear();
   book.unheard.clear();
-  book.repeats.clear();
 }
 
 Flight* Oracle::flight(std::uint64_t number) {
@@ -70,6 +69,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   }
   Book& book = books_[bus];
   ++book.count.transmissions;
+  book.last_flight = flight.number;
   if (!book.open) {
     violation("closed_line", "transmission on " + bus_settings(bus).name);
   }
@@ -225,7 +225,6 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   asked.surely_on_wire = asked.surely_on_wire || alone;
   note_write_event(asked);
   std::erase(books_[flight.bus].stops, &asked);
-  std::erase(books_[flight.bus].repeats, asked.id);
   if (!asked.replies &&
       std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {
     end_without_reply(asked);
@@ -241,8 +240,9 @@ void Oracle::check_order(const Asked& asked, const Flight& flight) {
         return piece.bus == flight.bus && piece.sent == 0;
       });
       // One part of a broadcast may have ended while others wait.
-      const bool ended = other->pieces.size() > 1 && other->kind == Kind::broadcast &&
-                         std::max({book.last_full, book.last_down, book.last_stop}) >= other->accepted;
+      const bool ended =
+          other->pieces.size() > 1 && other->kind == Kind::broadcast &&
+          std::max({book.last_full, book.last_down, book.last_stop}) >= other->accepted;
       if (other->client == asked.client && other->sequence < asked.sequence && waits && !ended &&
           other->kind != Kind::stop && !other->doomed && !other->dropped &&
           is_surely_open(*other)) {

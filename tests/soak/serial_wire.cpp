@@ -171,10 +171,12 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
     const std::size_t size = frame.size();
     append_excess(frame);
     const std::size_t behind = frame.size() - size;
-    say(std::move(frame), begin, Chunks::fine, address, 1, behind);
+    say(std::move(frame), begin, Chunks::fine, {address, 1, behind});
     return;
-  } else if (spoil(frame, pdu, address)) {
-    say(std::move(frame), begin, Chunks::fine, std::nullopt);
+  } else if (const Spoilt spoilt = spoil(frame, pdu, address); spoilt != Spoilt::no) {
+    const bool is_frame = spoilt == Spoilt::misfit;
+    say(std::move(frame), begin, Chunks::fine,
+        {is_frame ? std::optional(address) : std::nullopt, 1, 0, false});
     return;
   }
   const bool paused = !excess && happens(rates_.pieces, "pieces");
@@ -187,7 +189,7 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
       excess   ? Chunks::fine
       : paused ? Chunks::paused
                : Chunks::usual,
-      address, excess ? 2 : 1);
+      {address, excess ? 2U : 1U});
 }
 
 // The whole answer is there before the quarantine ends; or, in plans of that kind, later.
@@ -205,39 +207,39 @@ void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Fra
   const Instant at = first + around_.random.duration(0us, last - first);
   auto& busy = talks_until_[device.settings().address];
   busy = std::max(busy, at + length);
-  say(frame, at, Chunks::usual, device.settings().address);
+  say(frame, at, Chunks::usual, {device.settings().address});
 }
 
-// Makes something else of the answer. False: nothing happened to it.
-bool SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t address) {
+// Makes something else of the answer.
+SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t address) {
   Random& random = around_.random;
   if (happens(rates_.garbage, "garbage")) {
     frame.assign(random.between(1U, 40U), 0);
     for (auto& byte : frame) {
       byte = static_cast<std::uint8_t>(random.below(256));
     }
-    return true;
+    return Spoilt::unreadable;
   }
   if (happens(rates_.wrong_unit, "wrong_unit")) {
     frame =
         encode(static_cast<std::uint8_t>(random.between<unsigned>(kNobodyFrom, kNobodyTo)), pdu);
-    return true;
+    return Spoilt::unreadable;
   }
   if (happens(rates_.wrong_function, "wrong_function")) {
     std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
     bytes[0] = static_cast<std::uint8_t>(bytes[0] ^ 0x05U);
     frame = encode(address, *Pdu::from(bytes));
-    return true;
+    return Spoilt::misfit;
   }
   if (happens(rates_.bad_crc, "bad_crc")) {
     // Before CR LF in ASCII: a digit of the LRC becomes another one.
     std::uint8_t& check = frame[frame.size() - (ascii_ ? 3 : 1)];
     check = ascii_ ? (check == '0' ? '1' : '0') : static_cast<std::uint8_t>(check ^ 0x40U);
-    return true;
+    return Spoilt::unreadable;
   }
   if (happens(rates_.damaged, "damaged")) {
     damage(frame);
-    return true;
+    return Spoilt::unreadable;
   }
   if (!pdu.is_exception() && pdu.function() <= 4 && pdu.size() < 240 &&
       happens(rates_.too_long, "too_long")) {
@@ -245,9 +247,9 @@ bool SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t address) {
     bytes.insert(bytes.end(), {0xAA, 0xBB});
     bytes[1] = static_cast<std::uint8_t>(bytes[1] + 2);
     frame = encode(address, *Pdu::from(bytes));
-    return true;
+    return Spoilt::misfit;
   }
-  return false;
+  return Spoilt::no;
 }
 
 void SerialWire::damage(Frame& frame) {

@@ -12,8 +12,7 @@ using modbus::Pdu;
 
 // Adapters hand bytes over in chunks, up to some milliseconds apart. Where something follows that
 // the gateway cannot foresee, they must come without a gap that looks like silence.
-void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole,
-                     std::size_t copies, std::size_t excess) {
+void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& content) {
   Random& random = around_.random;
   const std::uint64_t id = ++ids_;
   const Duration character = timing_.duration_of(1);
@@ -32,8 +31,8 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<st
     const Instant due = last + (chunks == Chunks::usual ? random.duration(0us, 300us) : 0us);
     deliveries.emplace_back(deliveries.empty() ? due : std::max(due, deliveries.back().first), at);
   }
-  const std::size_t frame = (bytes.size() - excess) / copies;
-  messages_.emplace(id, Message{std::move(bytes), begin, last, character, whole, frame, copies});
+  const std::size_t frame = (bytes.size() - content.excess) / content.copies;
+  messages_.emplace(id, Message{std::move(bytes), begin, last, character, content, frame});
   around_.schedule.at(begin, [this, epoch = epoch_, id] {
     if (epoch == epoch_) {
       begin_message(id);
@@ -71,7 +70,8 @@ void SerialWire::garble(Message& message) {
   const auto from =
       static_cast<std::size_t>(std::max<Duration>(past, Duration{0}) / message.character);
   const std::size_t good = std::max(from, message.delivered);
-  message.copies = std::min(message.copies, good / message.frame - message.delivered / message.frame);
+  message.content.copies =
+      std::min(message.content.copies, good / message.frame - message.delivered / message.frame);
   for (std::size_t at = good; at < message.bytes.size(); ++at) {
     message.bytes[at] = static_cast<std::uint8_t>(around_.random.below(256));
   }
@@ -83,10 +83,10 @@ void SerialWire::deliver(std::uint64_t id, std::size_t until) {
                     message.bytes.begin() + static_cast<std::ptrdiff_t>(until));
   around_.oracle.bytes_came(bus_);
   const std::size_t frames =
-      std::min(message.copies, until / message.frame - message.delivered / message.frame);
-  message.copies -= frames;
-  for (std::size_t frame = 0; message.whole && frame < frames; ++frame) {
-    around_.oracle.frame_came(bus_, *message.whole);
+      std::min(message.content.copies, until / message.frame - message.delivered / message.frame);
+  message.content.copies -= frames;
+  for (std::size_t frame = 0; message.content.address && frame < frames; ++frame) {
+    around_.oracle.frame_came(bus_, *message.content.address, message.content.fits);
   }
   message.delivered = until;
   if (until == message.bytes.size()) {
@@ -125,7 +125,7 @@ void SerialWire::make_noise() {
     byte = around_.random.one_of<std::uint8_t>(
         {0x00, 0xFF, static_cast<std::uint8_t>(around_.random.below(256))});
   }
-  say(std::move(noise), around_.schedule.now(), Chunks::fine, std::nullopt);
+  say(std::move(noise), around_.schedule.now(), Chunks::fine, {});
   later(rates_.noise_every, &SerialWire::make_noise);
 }
 
@@ -148,7 +148,7 @@ void SerialWire::ask_as_stranger() {
   const Frame reply = encode(address, *device.carry_out(request, around_.schedule.now()).answer);
   both.insert(both.end(), reply.begin(), reply.end());
   talks_until_[address] = around_.schedule.now() + timing_.duration_of(both.size());
-  say(std::move(both), around_.schedule.now(), Chunks::fine, std::nullopt);
+  say(std::move(both), around_.schedule.now(), Chunks::fine, {});
 }
 
 void SerialWire::kill_a_device() {
