@@ -63,6 +63,8 @@ struct Asked {
   std::optional<Instant> doomed;      ///< a stop has taken it back
   std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
   PduBytes last_sent;                 ///< as it looked on the wire
+  unsigned flights = 0;               ///< that it was among
+  unsigned spoilt = 0;                ///< of these, heard differently than they were sent
   bool maybe_on_wire = false;
   bool surely_on_wire = false;
   std::bitset<256> device_exceptions;  ///< given to transmissions that may be its own

@@ -76,6 +76,8 @@ class Oracle {
   [[nodiscard]] Flight* flight(std::uint64_t number);
   void executed(const Flight& flight);
   void excepted(const Flight& flight, std::uint8_t code);
+  /// The line heard it differently than it was sent: no answer to it counts.
+  void echo_spoilt(const Flight& flight);
   /// Bytes were handed to the gateway.
   void bytes_came(std::size_t bus) { books_[bus].last_byte = schedule_.now(); }
   /// A whole good frame of the address was handed to it.

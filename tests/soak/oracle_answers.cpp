@@ -47,6 +47,9 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     judge_place(asked);
     if (asked.kind != Kind::broadcast && !asked.silent && asked.maybe_on_wire) {
       device_answered(asked);
+      if (asked.flights == asked.spoilt) {
+        violation("after_wrong_echo", name(asked));
+      }
     }
     well_ = asked.id;
   }

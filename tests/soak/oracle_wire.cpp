@@ -218,6 +218,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   }
   mine.repeats_read = mine.repeats_read || (asked.is_read() && asked.last_sent == flight.pdu);
   asked.last_sent = flight.pdu;
+  ++asked.flights;
   ++piece.sent;
   leave_queue(asked.pieces.size() == 1 || asked.kind == Kind::broadcast ? piece
                                                                         : asked.pieces.front());
@@ -262,6 +263,14 @@ void Oracle::executed(const Flight& flight) {
       for (Piece& piece : entry->second->pieces) {
         piece.executed = piece.executed || piece.pdu == flight.pdu;
       }
+    }
+  }
+}
+
+void Oracle::echo_spoilt(const Flight& flight) {
+  for (const std::uint64_t id : flight.asked) {
+    if (const auto entry = open_.find(id); entry != open_.end()) {
+      ++entry->second->spoilt;
     }
   }
 }

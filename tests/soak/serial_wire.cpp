@@ -84,7 +84,7 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
 
 void SerialWire::heard(std::uint64_t number, const Frame& frame) {
   if (settings_.line.echo) {
-    echo(frame);
+    echo(number, frame);
   }
   Flight* flight = around_.oracle.flight(number);
   if (own_damaged_ || flight == nullptr || flight->pdu.empty() ||
@@ -112,10 +112,13 @@ void SerialWire::heard(std::uint64_t number, const Frame& frame) {
   answer(*device, *flight, *request);
 }
 
-void SerialWire::echo(const Frame& frame) {
+void SerialWire::echo(std::uint64_t number, const Frame& frame) {
   Frame bytes = frame;
   if (own_damaged_ || happens(rates_.wrong_echo, "wrong_echo")) {
     bytes[around_.random.below(bytes.size())] ^= 0x10U;
+    if (const Flight* flight = around_.oracle.flight(number)) {
+      around_.oracle.echo_spoilt(*flight);
+    }
   }
   around_.oracle.bytes_came(bus_);
   around_.deliver(bus_, bytes);

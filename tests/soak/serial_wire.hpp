@@ -51,7 +51,7 @@ class SerialWire {
   };
 
   void heard(std::uint64_t number, const Frame& frame);
-  void echo(const Frame& frame);
+  void echo(std::uint64_t number, const Frame& frame);
   void answer(SoakDevice& device, const Flight& flight, const modbus::Pdu& request);
   void answer_with_fault(SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu,
                          Instant begin);
