@@ -70,7 +70,7 @@ bool Bus::serve_stops(Instant now) {
       Instant limit = stop->waits_since + settings_.stop_wait;
       for (const Job* job : running_) {
         if (job->in_flight && job->job_class == JobClass::stop) {
-          limit = std::max(limit, job->transmitted_at + settings_.stop_wait);
+          limit = std::max(limit, job->last_sent + settings_.stop_wait);
         }
       }
       line_.limit_wait(limit);

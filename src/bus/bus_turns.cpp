@@ -216,6 +216,7 @@ drive::DeviceTiming Bus::note_transmission(Job& job, Transaction& transaction, I
   counters_.retries += job.tries > 0 ? 1U : 0U;
   writes_in_row_ = job.job_class == JobClass::read ? 0 : writes_in_row_ + 1;
   ++job.tries;
+  job.last_sent = now;
   job.was_on_wire = job.was_on_wire || transaction.must_hold == nullptr;
   job.in_flight = true;
   for (Job* follower : job.followers) {

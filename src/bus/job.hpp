@@ -93,6 +93,7 @@ struct Job {
   bool unmerged = false;          ///< it was part of a longer read that failed, and goes alone now
   Instant waits_since;            ///< accepted then, or repeated
   Instant transmitted_at;         ///< its current transaction, for the first time
+  Instant last_sent;              ///< the last transmission of anything of it
   std::uint64_t writes_seen = 0;  ///< by the cache of its device at that time
   boost::container::small_vector<Job*, 1> followers;
   std::unique_ptr<Transaction> merged;  ///< what is transmitted instead, for all of them

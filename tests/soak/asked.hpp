@@ -58,6 +58,7 @@ struct Asked {
   std::uint64_t sequence = 0;  ///< of acceptance
   bool is_accepted = false;
   bool ordered = false;  ///< its answer may be held back for those before it
+  bool ahead = false;    ///< it may have been accepted later
   bool client_gone = false;
   bool dropped = false;               ///< a waiting write of a half-closed connection
   std::optional<Instant> doomed;      ///< a stop has taken it back

@@ -109,6 +109,7 @@ class Oracle {
   struct Session {
     std::size_t listener = 0;
     bool half_closed = false;
+    bool ahead = false;  ///< places may be taken for free a little early
     std::optional<Instant> paused_since;
     std::size_t outstanding = 0;
     std::deque<std::uint64_t> backlog;  ///< delivered, not accepted
@@ -143,6 +144,7 @@ class Oracle {
     std::vector<std::uint64_t> flying;   ///< on TCP buses
     std::vector<std::uint64_t> unheard;  ///< the same, as if no stop cut anything
     std::uint64_t last_flight = 0;
+    std::uint64_t answered = 0;  ///< by a frame that fits
     BusCount count;
   };
   struct Done {
@@ -160,7 +162,7 @@ class Oracle {
   void cancel_for_stop(const Asked& stop);
   void close(Asked& asked, const std::string& how);
   void end_without_reply(Asked& asked);
-  void note_write_event(const Asked& asked);
+  void note_write_event(const Asked& asked, std::optional<std::size_t> bus = std::nullopt);
   void leave_queue(Piece& piece);
   /// Answers of ordered listeners are held back: only the oldest request is known to be open.
   [[nodiscard]] bool is_surely_open(const Asked& asked) const;

@@ -15,6 +15,7 @@ void Oracle::accept_backlog(Session& session) {
     session.order.push_back(asked.id);
     asked.dropped = session.half_closed && asked.changes();
     asked.ordered = plan_.settings.listeners[session.listener].ordered;
+    asked.ahead = session.ahead;
     if (!asked.is_accepted) {
       accept(asked);
     }
@@ -47,7 +48,7 @@ void Oracle::accept(Asked& asked) {
       ++book.present;
       // One part of a broadcast may be refused while others wait.
       const bool whole = asked.kind != Kind::broadcast || asked.pieces.size() == 1;
-      if (asked.kind != Kind::stop && whole && !asked.dropped && !asked.ordered) {
+      if (asked.kind != Kind::stop && whole && !asked.dropped && !asked.ordered && !asked.ahead) {
         piece.counted = true;
         ++book.waiting;
       }
@@ -80,7 +81,7 @@ void Oracle::cancel_for_stop(const Asked& stop) {
 }
 
 // What was on the wire was surely accepted, and so was what has waited.
-void Oracle::note_write_event(const Asked& asked) {
+void Oracle::note_write_event(const Asked& asked, std::optional<std::size_t> bus) {
   const bool waited = asked.kind != Kind::broadcast && asked.accepted < schedule_.now();
   if (!asked.changes() || asked.refused || asked.ordered || !(asked.surely_on_wire || waited)) {
     return;
@@ -88,10 +89,11 @@ void Oracle::note_write_event(const Asked& asked) {
   for (const Piece& piece : asked.pieces) {
     if (asked.kind != Kind::broadcast) {
       books_[piece.bus].lanes[piece.address].last_write_event = schedule_.now();
-      continue;
-    }
-    for (Lane& lane : books_[piece.bus].lanes) {
-      lane.last_write_event = schedule_.now();
+    } else if (piece.bus == bus || (!bus && asked.pieces.size() == 1)) {
+      // Where it was one of several, its part may have ended before the others.
+      for (Lane& lane : books_[piece.bus].lanes) {
+        lane.last_write_event = schedule_.now();
+      }
     }
   }
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kAnsweredKept = 256;
 constexpr std::size_t kDoneKept = 400;
-constexpr Duration kStopLife = std::chrono::seconds(20);
+constexpr Duration kStopLife = std::chrono::seconds(120);  // hundreds may wait on a slow line
 constexpr Duration kOverdue = std::chrono::seconds(30);
 
 }  // namespace
@@ -132,6 +132,7 @@ void Oracle::end_without_reply(Asked& asked) {
     session.silent.push_back(asked.transaction);
     std::erase(session.order, asked.id);
     --session.outstanding;
+    session.ahead = true;
     close(asked, "after_answer");
     accept_backlog(session);
   }
@@ -234,7 +235,7 @@ void Oracle::check_overdue() {
   for (const auto& [id, asked] : open_) {
     const Instant since = asked->deadline == Instant::max() ? asked->accepted : asked->deadline;
     if (asked->is_accepted && !asked->client_gone && !asked->overdue_reported &&
-        now > since + kOverdue) {
+        now > since + (asked->kind == Kind::stop || asked->ordered ? kStopLife : kOverdue)) {
       late.push_back(asked.get());
     }
   }

@@ -117,6 +117,7 @@ void Oracle::check_tcp(const Flight& flight) {
 void Oracle::set_times(Flight& flight) {
   Lane& lane = books_[flight.bus].lanes[flight.address];
   drive::DeviceTiming timing = bus_settings(flight.bus).timing;
+  Duration longest = timing.response_timeout;
   if (lane.device) {
     const drive::Device& device = devices_[*lane.device].settings();
     timing = device.timing;
@@ -126,6 +127,7 @@ void Oracle::set_times(Flight& flight) {
       timing.response_timeout =
           std::max(timing.response_timeout, device.profile.slow.front().response_timeout);
     }
+    longest = std::max(timing.response_timeout, timing.probe_timeout_or_default());
     if (timing.offline_after > 0 && lane.unanswered >= timing.offline_after) {
       timing.response_timeout =
           std::min(timing.response_timeout, timing.probe_timeout_or_default());
@@ -133,7 +135,7 @@ void Oracle::set_times(Flight& flight) {
   }
   flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
   flight.quarantine_until = flight.deadline + timing.quarantine_or_default();
-  flight.due = flight.deadline;
+  flight.due = flight.end + longest + timing.response_wait;
   if (is_tcp(flight.bus)) {
     cut(flight);
   }
@@ -146,7 +148,11 @@ void Oracle::frame_came(std::size_t bus, std::uint8_t address, bool fits) {
   auto& owed = book.lanes[address].owed;
   const Flight* oldest = owed.empty() ? nullptr : flight(owed.front());
   const bool waits = oldest != nullptr && oldest->number == book.last_flight &&
-                     schedule_.now() < oldest->deadline && book.stops.empty();
+                     book.answered != book.last_flight && schedule_.now() < oldest->deadline &&
+                     book.stops.empty();
+  if (fits && oldest != nullptr) {
+    book.answered = book.last_flight;
+  }
   if (!owed.empty() && (fits || !waits)) {
     owed.pop_front();
   }
@@ -165,15 +171,6 @@ void Oracle::check_waiting() {
     Book& book = books_[bus];
     if (book.waiting > bus_settings(bus).queue) {
       violation("queue_limit", bus_settings(bus).name + ": " + std::to_string(book.waiting));
-      if (traced_) {
-        for (auto& [id, a] : open_)
-          for (auto& piece : a->pieces)
-            if (piece.counted && piece.bus == bus)
-              std::fprintf(stderr, "  waits %s kind %d accepted %lld gone %d sent %u replies %d\n",
-                           name(*a).c_str(), static_cast<int>(a->kind),
-                           static_cast<long long>(a->accepted.time_since_epoch().count() / 1000),
-                           a->client_gone, piece.sent, a->replies);
-      }
     }
     if (book.stops.empty()) {
       continue;

@@ -224,7 +224,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
                                                                         : asked.pieces.front());
   asked.maybe_on_wire = true;
   asked.surely_on_wire = asked.surely_on_wire || alone;
-  note_write_event(asked);
+  note_write_event(asked, flight.bus);
   std::erase(books_[flight.bus].stops, &asked);
   if (!asked.replies &&
       std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {

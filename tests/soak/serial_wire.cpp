@@ -261,9 +261,12 @@ void SerialWire::damage(Frame& frame) {
   switch (random.between(0U, 2U)) {
     case 0:
       for (unsigned bits = ascii_ ? 1 : random.between(1U, 3U); bits > 0; --bits) {
-        // Each in a byte of its own: the same bit twice would be no damage.
+        // Each in a byte of its own: the same bit twice would be no damage; nor would a digit of
+        // the
+        // other case.
         auto& byte = frame[(static_cast<std::size_t>(place) + bits) % frame.size()];
-        byte = static_cast<std::uint8_t>(byte ^ (1U << random.below(8)));
+        byte =
+            static_cast<std::uint8_t>(byte ^ (1U << (ascii_ ? random.below(5) : random.below(8))));
       }
       return;
     case 1: frame.erase(frame.begin() + place); return;
