@@ -170,9 +170,9 @@ void Bus::note_probe(Job& job, Instant now) {
     return;
   }
   DeviceEntry& entry = devices_[job.on_wire().address];
-  entry.health.set_probe_at(job.transmitted_at + entry.timing().probe_interval);
-  next_probe_ = std::max(next_probe_, job.transmitted_at) +
-                (now - job.transmitted_at) * kPercent / settings_.probe_share;
+  entry.health.set_probe_at(job.last_sent + entry.timing().probe_interval);
+  next_probe_ = std::max(next_probe_, job.last_sent) +
+                (now - job.last_sent) * kPercent / settings_.probe_share;
 }
 
 void Bus::go_offline(DeviceEntry& entry, std::uint8_t address, Instant now) {

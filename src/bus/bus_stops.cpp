@@ -94,7 +94,7 @@ bool Bus::serve_stops(Instant now) {
   Job& other = *in_the_way_of(*stop);
   // A stop has as much time for its own acknowledgement.
   const Instant since = other.job_class == JobClass::stop
-                            ? std::max(stop->waits_since, other.transmitted_at)
+                            ? std::max(stop->waits_since, other.last_sent)
                             : stop->waits_since;
   line_.limit_wait(other.on_wire(), since + settings_.stop_wait);
   return true;

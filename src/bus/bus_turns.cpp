@@ -186,10 +186,8 @@ void Bus::skip_known_settings(Job& job) {
 
 void Bus::transmit(Job& job, Instant now) {
   skip_known_settings(job);
-  if (job.tries == 0 || job.job_class == JobClass::stop) {
-    job.transmitted_at = now;
-  }
   if (job.tries == 0) {
+    job.transmitted_at = now;
     job.writes_before = devices_[job.address()].cache.writes();
     gather_followers(queue_, job, *devices_[job.address()].device,
                      {settings_.coalesce, settings_.merge});
@@ -225,6 +223,7 @@ drive::DeviceTiming Bus::note_transmission(Job& job, Transaction& transaction, I
   counters_.retries += job.tries > 0 ? 1U : 0U;
   writes_in_row_ = job.job_class == JobClass::read ? 0 : writes_in_row_ + 1;
   ++job.tries;
+  job.last_sent = now;
   job.was_on_wire = job.was_on_wire || transaction.must_hold == nullptr;
   job.in_flight = true;
   for (Job* follower : job.followers) {

@@ -4,6 +4,7 @@
 // ends: nobody is answered with what was there before a write.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 

@@ -106,6 +106,12 @@ bool SerialLine::is_early() const {
   return framer_.response_began() < emission_ends_ + response_wait_ - response_wait_ / kEarlyPart;
 }
 
+// While an answer is owed, of all writes only stops are sent. An exception names no address: it may
+// be the answer to the write that was stopped.
+bool SerialLine::may_refuse_another() const {
+  return transaction_->request.writes() && framer_.response().is_exception();
+}
+
 modbus::Bytes SerialLine::compare_echo(modbus::Bytes bytes) {
   const std::size_t count = std::min(bytes.size(), echo_expected_.size() - echo_seen_);
   const auto expected = echo_expected_.begin() + static_cast<std::ptrdiff_t>(echo_seen_);
@@ -141,8 +147,9 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
 }
 
 void SerialLine::judge(Verdict verdict, Instant now) {
-  while (verdict == Verdict::response && owed_ > 0 && is_early()) {
-    // It began before the device can have answered this request: it is one of those that it owes.
+  while (verdict == Verdict::response && owed_ > 0 && (is_early() || may_refuse_another())) {
+    // It began before the device can have answered this request, or says no to any request: it is
+    // one of those that it owes.
     --owed_;
     ++refused_;
     verdict = framer_.again(now);

@@ -54,6 +54,7 @@ class SerialLine {
   modbus::Bytes compare_echo(modbus::Bytes bytes);
   void judge(Verdict verdict, Instant now);
   [[nodiscard]] bool is_early() const;
+  [[nodiscard]] bool may_refuse_another() const;
   void end(LineEnd::How how);
 
   modbus::RtuTiming timing_;

@@ -58,10 +58,14 @@ struct Asked {
   std::uint64_t sequence = 0;  ///< of acceptance
   bool is_accepted = false;
   bool ordered = false;  ///< its answer may be held back for those before it
+  bool ahead = false;    ///< it may have been accepted later
   bool client_gone = false;
   bool dropped = false;               ///< a waiting write of a half-closed connection
   std::optional<Instant> doomed;      ///< a stop has taken it back
   std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
+  PduBytes last_sent;                 ///< as it looked on the wire
+  unsigned flights = 0;               ///< that it was among
+  unsigned spoilt = 0;                ///< of these, heard differently than they were sent
   bool maybe_on_wire = false;
   bool surely_on_wire = false;
   std::bitset<256> device_exceptions;  ///< given to transmissions that may be its own

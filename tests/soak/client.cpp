@@ -162,6 +162,9 @@ void Client::feed() {
     tools_.gateway.handle_client_bytes(number_, piece, tools_.schedule.now(), socket_.size());
     tools_.drain();
   }
+  if (connected_ && !paused_ && socket_.empty()) {
+    tools_.oracle.paused(number_, false);
+  }
   if (connected_ && !paused_ && half_closed_ && !fin_read_ && socket_.empty()) {
     fin_read_ = true;
     tools_.oracle.half_closed(number_);
@@ -176,7 +179,6 @@ void Client::resume() {
     if (life != life_ || !connected_ || paused_) {
       return;
     }
-    tools_.oracle.paused(number_, false);
     if (socket_.empty()) {
       tools_.gateway.handle_client_bytes(number_, {}, tools_.schedule.now(), 0);
       tools_.drain();

@@ -92,10 +92,10 @@ void FarServer::answer(std::uint64_t number, std::uint16_t identifier, std::uint
     append(static_cast<std::uint16_t>(identifier + 0x4000U));
   }
   append(identifier);
+  ends_.emplace_back(stream_.size(), number);
   if (happens(rates_.twice, "twice")) {
     append(identifier);
   }
-  ends_.emplace_back(stream_.size(), number);
   const std::size_t first =
       happens(rates_.pieces, "pieces") ? 1 + around_.random.below(stream_.size()) : stream_.size();
   flush(first);

@@ -33,10 +33,12 @@ struct Flight {
   bool is_stop = false;
   bool is_write = false;
   bool is_broadcast = false;
+  bool repeats_read = false;
   bool expects_answer = true;
   Instant begin;
   Instant end;
   Instant deadline;          ///< the first byte of its answer must be there
+  Instant due;               ///< the same if no stop cuts it
   Instant quarantine_until;  ///< a later answer is still kept from others
 };
 
@@ -52,7 +54,7 @@ class Oracle {
   /// The gateway has its last byte.
   void delivered(ClientId client, std::uint64_t id);
   void answer_sent(ClientId client);
-  /// What it writes meanwhile counts as old as the pause.
+  /// What it writes from then on counts as old as the pause, until its socket was seen empty.
   void paused(ClientId client, bool is_paused);
   void half_closed(ClientId client);
   void gone(ClientId client);
@@ -74,13 +76,12 @@ class Oracle {
   [[nodiscard]] Flight* flight(std::uint64_t number);
   void executed(const Flight& flight);
   void excepted(const Flight& flight, std::uint8_t code);
+  /// The line heard it differently than it was sent: no answer to it counts.
+  void echo_spoilt(const Flight& flight);
   /// Bytes were handed to the gateway.
   void bytes_came(std::size_t bus) { books_[bus].last_byte = schedule_.now(); }
   /// A whole good frame of the address was handed to it.
-  /// The device's answer came in no shape to be read: nothing is owed any more, but the gateway
-  /// cannot know.
-  void damage_came(std::size_t bus, std::uint8_t address);
-  void frame_came(std::size_t bus, std::uint8_t address);
+  void frame_came(std::size_t bus, std::uint8_t address, bool fits);
   /// The TCP answer with the identifier was handed to it.
   void tcp_answer_came(std::uint64_t number);
   [[nodiscard]] bool owes(std::size_t bus, std::uint8_t address) const {
@@ -93,6 +94,7 @@ class Oracle {
   /// Everything must be over.
   void check_finished();
   static std::string hex(Bytes bytes);
+  void trace() { traced_ = true; }
   void violation(const std::string& kind, const std::string& text) const;
 
   struct BusCount {
@@ -107,6 +109,7 @@ class Oracle {
   struct Session {
     std::size_t listener = 0;
     bool half_closed = false;
+    bool ahead = false;  ///< places may be taken for free a little early
     std::optional<Instant> paused_since;
     std::size_t outstanding = 0;
     std::deque<std::uint64_t> backlog;  ///< delivered, not accepted
@@ -130,13 +133,18 @@ class Oracle {
     bool open = false;
     Instant last_down = Instant::min();
     Instant last_full = Instant::min();
+    Instant last_stop = Instant::min();
     Instant own_end = Instant::min();
     Instant last_byte = Instant::min();
     Instant turnaround_end = Instant::min();
-    std::size_t waiting = 0;            ///< requests that are surely in its queue
-    std::size_t present = 0;            ///< requests that may be
-    std::vector<Asked*> stops;          ///< that wait
-    std::vector<std::uint64_t> flying;  ///< on TCP buses
+    std::size_t waiting = 0;             ///< requests that are surely in its queue
+    std::size_t present = 0;             ///< requests that may be
+    std::vector<Asked*> stops;           ///< that wait
+    std::vector<Asked*> open_stops;      ///< that wait or were sent
+    std::vector<std::uint64_t> flying;   ///< on TCP buses
+    std::vector<std::uint64_t> unheard;  ///< the same, as if no stop cut anything
+    std::uint64_t last_flight = 0;
+    std::uint64_t answered = 0;  ///< by a frame that fits
     BusCount count;
   };
   struct Done {
@@ -154,7 +162,7 @@ class Oracle {
   void cancel_for_stop(const Asked& stop);
   void close(Asked& asked, const std::string& how);
   void end_without_reply(Asked& asked);
-  void note_write_event(const Asked& asked);
+  void note_write_event(const Asked& asked, std::optional<std::size_t> bus = std::nullopt);
   void leave_queue(Piece& piece);
   /// Answers of ordered listeners are held back: only the oldest request is known to be open.
   [[nodiscard]] bool is_surely_open(const Asked& asked) const;
@@ -188,6 +196,8 @@ class Oracle {
   [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
   void check_stops_first(const Flight& flight);
   void check_tcp(const Flight& flight);
+  void cut_flying(const Book& book);
+  void cut(Flight& flight) const;
   void set_times(Flight& flight);
 
   [[nodiscard]] std::string name(const Asked& asked) const;
@@ -213,6 +223,7 @@ class Oracle {
   std::uint64_t flight_count_ = 0;
   std::optional<std::uint64_t> well_;
   PduBytes own_answer_;
+  bool traced_ = false;
 };
 
 }  // namespace mbgate::soak

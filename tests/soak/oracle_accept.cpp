@@ -15,6 +15,7 @@ void Oracle::accept_backlog(Session& session) {
     session.order.push_back(asked.id);
     asked.dropped = session.half_closed && asked.changes();
     asked.ordered = plan_.settings.listeners[session.listener].ordered;
+    asked.ahead = session.ahead;
     if (!asked.is_accepted) {
       accept(asked);
     }
@@ -45,7 +46,9 @@ void Oracle::accept(Asked& asked) {
         book.last_full = schedule_.now();
       }
       ++book.present;
-      if (asked.kind != Kind::stop && !asked.dropped && !asked.ordered) {
+      // One part of a broadcast may be refused while others wait.
+      const bool whole = asked.kind != Kind::broadcast || asked.pieces.size() == 1;
+      if (asked.kind != Kind::stop && whole && !asked.dropped && !asked.ordered && !asked.ahead) {
         piece.counted = true;
         ++book.waiting;
       }
@@ -57,11 +60,7 @@ void Oracle::accept(Asked& asked) {
     if (asked.kind == Kind::stop && book.open && !asked.dropped) {
       asked.waits_from = schedule_.now();
       book.stops.push_back(&asked);
-      for (const std::uint64_t number : book.flying) {
-        Flight* running = flight(number);
-        running->deadline =
-            std::min(running->deadline, schedule_.now() + bus_settings(piece.bus).stop_wait);
-      }
+      book.open_stops.push_back(&asked);
     }
   }
 }
@@ -70,7 +69,7 @@ void Oracle::accept(Asked& asked) {
 void Oracle::cancel_for_stop(const Asked& stop) {
   const Piece& piece = stop.pieces.front();
   Lane& lane = books_[piece.bus].lanes[piece.address];
-  lane.last_stop = schedule_.now();
+  lane.last_stop = books_[piece.bus].last_stop = schedule_.now();
   if (!devices_[*stop.door->device].settings().stop_cancels) {
     return;
   }
@@ -81,18 +80,20 @@ void Oracle::cancel_for_stop(const Asked& stop) {
   }
 }
 
-// Only what was on the wire was surely accepted, and ended.
-void Oracle::note_write_event(const Asked& asked) {
-  if (!asked.changes() || asked.refused || !asked.surely_on_wire || asked.ordered) {
+// What was on the wire was surely accepted, and so was what has waited.
+void Oracle::note_write_event(const Asked& asked, std::optional<std::size_t> bus) {
+  const bool waited = asked.kind != Kind::broadcast && asked.accepted < schedule_.now();
+  if (!asked.changes() || asked.refused || asked.ordered || !(asked.surely_on_wire || waited)) {
     return;
   }
   for (const Piece& piece : asked.pieces) {
     if (asked.kind != Kind::broadcast) {
       books_[piece.bus].lanes[piece.address].last_write_event = schedule_.now();
-      continue;
-    }
-    for (Lane& lane : books_[piece.bus].lanes) {
-      lane.last_write_event = schedule_.now();
+    } else if (piece.bus == bus || (!bus && asked.pieces.size() == 1)) {
+      // Where it was one of several, its part may have ended before the others.
+      for (Lane& lane : books_[piece.bus].lanes) {
+        lane.last_write_event = schedule_.now();
+      }
     }
   }
 }

@@ -47,6 +47,9 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     judge_place(asked);
     if (asked.kind != Kind::broadcast && !asked.silent && asked.maybe_on_wire) {
       device_answered(asked);
+      if (asked.flights == asked.spoilt) {
+        violation("after_wrong_echo", name(asked));
+      }
     }
     well_ = asked.id;
   }
@@ -86,7 +89,7 @@ void Oracle::device_answered(const Asked& asked) {
   if (is_past_offline(asked, lane)) {
     lane.last_offline = schedule_.now();
   }
-  lane.unanswered = static_cast<unsigned>(book.flying.size());
+  lane.unanswered = static_cast<unsigned>(book.unheard.size());
 }
 
 bool Oracle::may_be_offline(const Asked& asked) const {
@@ -110,15 +113,26 @@ void Oracle::judge_busy(const Asked& asked) {
   const bool expired = asked.deadline != Instant::max() &&
                        schedule_.now() >= asked.deadline - (asked.written - asked.earliest);
   // A stop also forbids writes that were read ahead when it came.
-  const bool stopped = asked.changes() && std::ranges::any_of(asked.pieces, [&](const Piece& it) {
-                         return books_[it.bus].lanes[it.address].last_stop >= asked.earliest;
-                       });
+  const bool stopped =
+      asked.changes() && std::ranges::any_of(asked.pieces, [&](const Piece& it) {
+        const Book& book = books_[it.bus];
+        return (asked.kind == Kind::broadcast ? book.last_stop
+                                              : book.lanes[it.address].last_stop) >= asked.earliest;
+      });
   const bool reason = expired || stopped || asked.dropped || asked.doomed ||
                       std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
                         return books_[piece.bus].last_full >= asked.accepted;
                       });
   if (!reason) {
-    violation("busy_without_reason", name(asked));
+    violation(
+        "busy_without_reason",
+        name(asked) + ", deadline " +
+            std::to_string((asked.deadline - schedule_.now()) / std::chrono::microseconds(1)) +
+            " us from now, as old as " +
+            std::to_string((schedule_.now() - asked.earliest) / std::chrono::microseconds(1)) +
+            " us, accepted " +
+            std::to_string((schedule_.now() - asked.accepted) / std::chrono::microseconds(1)) +
+            " us ago");
   }
 }
 
@@ -150,6 +164,12 @@ Span Oracle::span_of(const Asked& asked) const {
     const Instant last_write =
         lane.last_write_event <= asked.accepted ? lane.last_write_event : Instant::min();
     first = std::max(asked.accepted - cache, last_write);
+    for (const Asked* write : lane.open) {
+      if (write->changes() && !write->ordered && !write->client_gone &&
+          write->accepted < asked.accepted) {
+        first = std::max(first, write->accepted);  // it waits: it was taken, and nothing kept since
+      }
+    }
   }
   return {first, schedule_.now()};
 }
@@ -192,7 +212,11 @@ void Oracle::wrong_data(const Asked& asked, const std::string& text) {
     ++report_.apart["misdelivered_beyond_quarantine"];
     return;
   }
-  violation("misdelivered", text + ": " + name(asked));
+  const auto ago = [&](Instant at) {
+    return std::to_string((schedule_.now() - at) / std::chrono::microseconds(1)) + " us ago";
+  };
+  violation("misdelivered", text + ": " + name(asked) + ", accepted " + ago(asked.accepted) +
+                                ", nothing older than " + ago(span_of(asked).first));
 }
 
 void Oracle::judge_bits(const Asked& asked, Bytes pdu) {

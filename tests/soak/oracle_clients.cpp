@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The oracle's book of clients: what they asked, and when the gateway can first have taken it.
 #include <algorithm>
+#include <cstdio>
 
+#include "gateway/limits.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -9,7 +11,7 @@ namespace {
 
 constexpr std::size_t kAnsweredKept = 256;
 constexpr std::size_t kDoneKept = 400;
-constexpr Duration kStopLife = std::chrono::seconds(20);
+constexpr Duration kStopLife = std::chrono::seconds(120);  // hundreds may wait on a slow line
 constexpr Duration kOverdue = std::chrono::seconds(30);
 
 }  // namespace
@@ -34,8 +36,13 @@ void Oracle::connect(ClientId client, std::size_t listener) {
 std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   asked.id = ++ids_;
   asked.client = client;
-  const auto& pause = sessions_.at(client).paused_since;
-  asked.earliest = pause.value_or(schedule_.now());
+  const Session& session = sessions_.at(client);
+  asked.earliest = session.paused_since.value_or(schedule_.now());
+  // Each piece of what is read ahead has a mark, and a request may come in several.
+  constexpr std::size_t kPieces = 4;
+  if (session.backlog.size() + 1 >= gateway::kArrivalMarks / kPieces) {
+    asked.earliest = std::min(asked.earliest, open_.at(session.backlog.front())->earliest);
+  }
   sessions_.at(client).by_transaction[asked.transaction] = asked.id;
   open_.emplace(asked.id, std::make_unique<Asked>(std::move(asked)));
   ++report_.requests;
@@ -73,7 +80,8 @@ void Oracle::answer_sent(ClientId client) {
 
 void Oracle::paused(ClientId client, bool is_paused) {
   if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
-    entry->second.paused_since = is_paused ? std::optional(schedule_.now()) : std::nullopt;
+    auto& since = entry->second.paused_since;
+    since = is_paused ? since.value_or(schedule_.now()) : std::optional<Instant>();
   }
 }
 
@@ -124,6 +132,7 @@ void Oracle::end_without_reply(Asked& asked) {
     session.silent.push_back(asked.transaction);
     std::erase(session.order, asked.id);
     --session.outstanding;
+    session.ahead = true;
     close(asked, "after_answer");
     accept_backlog(session);
   }
@@ -153,6 +162,10 @@ void Oracle::close(Asked& asked, const std::string& how) {
       present = asked.kind == Kind::broadcast;
     }
     std::erase(book.lanes[piece.address].open, &asked);
+    if (std::ranges::find(book.open_stops, &asked) != book.open_stops.end()) {
+      cut_flying(book);
+      std::erase(book.open_stops, &asked);
+    }
     std::erase(book.stops, &asked);
     done_.push_back({asked.id, piece.bus, piece.address, std::move(piece.pdu), how});
   }
@@ -222,7 +235,7 @@ void Oracle::check_overdue() {
   for (const auto& [id, asked] : open_) {
     const Instant since = asked->deadline == Instant::max() ? asked->accepted : asked->deadline;
     if (asked->is_accepted && !asked->client_gone && !asked->overdue_reported &&
-        now > since + kOverdue) {
+        now > since + (asked->kind == Kind::stop || asked->ordered ? kStopLife : kOverdue)) {
       late.push_back(asked.get());
     }
   }
@@ -264,6 +277,9 @@ void Oracle::check_finished() {
 void Oracle::violation(const std::string& kind, const std::string& text) const {
   const auto at =
       std::chrono::duration_cast<std::chrono::microseconds>(schedule_.now().time_since_epoch());
+  if (traced_) {
+    std::fprintf(stderr, "VIOLATION %s %s\n", kind.c_str(), text.c_str());
+  }
   report_.violation(kind, "at " + std::to_string(at.count()) + " us: " + text);
 }
 

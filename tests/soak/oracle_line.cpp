@@ -2,6 +2,7 @@
 // What the oracle asks of a line: silence, the turnaround delay, quarantine, stops before all else.
 #include <algorithm>
 
+#include "bus/device_health.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -46,24 +47,42 @@ void Oracle::check_silence(const Flight& flight) {
 
 void Oracle::check_quarantine(const Flight& flight) {
   Lane& lane = books_[flight.bus].lanes[flight.address];
-  while (!lane.owed.empty()) {
-    const Flight* owed = this->flight(lane.owed.front());
-    if (owed != nullptr && schedule_.now() < owed->quarantine_until) {
-      break;
-    }
-    lane.owed.pop_front();
+  const bool waits = std::ranges::any_of(lane.owed, [&](std::uint64_t number) {
+    const Flight* owed = this->flight(number);
+    return owed != nullptr && schedule_.now() < owed->quarantine_until;
+  });
+  if (!waits) {
+    lane.owed.clear();
   }
   if (!lane.owed.empty() && !flight.is_stop) {
     const Flight& owed = *this->flight(lane.owed.back());
-    const bool again = owed.pdu == flight.pdu && std::ranges::any_of(flight.asked, [&](auto id) {
-                         return std::ranges::find(owed.asked, id) != owed.asked.end();
-                       });
-    if (!again && schedule_.now() < owed.quarantine_until) {
+    if (!flight.repeats_read) {
       violation("quarantine", name(flight) + " while " + name(owed) + " is owed");
     }
   }
   if (flight.expects_answer) {
     lane.owed.push_back(flight.number);
+    if (lane.owed.size() > bus::kMostOwed) {
+      lane.owed.pop_front();
+    }
+  }
+}
+
+// A stop that waits long enough cuts everything that flies. From outside nobody sees whether one
+// that is open waits: for the writes before it, or once more because it had no answer.
+void Oracle::cut(Flight& flight) const {
+  for (const Asked* stop : books_[flight.bus].open_stops) {
+    flight.deadline =
+        std::min(flight.deadline,
+                 std::max(flight.begin, stop->accepted + bus_settings(flight.bus).stop_wait));
+  }
+}
+
+void Oracle::cut_flying(const Book& book) {
+  for (const std::uint64_t number : book.flying) {
+    if (Flight* other = flight(number)) {
+      cut(*other);
+    }
   }
 }
 
@@ -87,11 +106,18 @@ void Oracle::check_tcp(const Flight& flight) {
     violation("tcp_outstanding", name(flight));
   }
   flying.push_back(flight.number);
+  auto& unheard = books_[flight.bus].unheard;
+  std::erase_if(unheard, [&](std::uint64_t number) {
+    const Flight* other = this->flight(number);
+    return other == nullptr || schedule_.now() > other->due;
+  });
+  unheard.push_back(flight.number);
 }
 
 void Oracle::set_times(Flight& flight) {
   Lane& lane = books_[flight.bus].lanes[flight.address];
   drive::DeviceTiming timing = bus_settings(flight.bus).timing;
+  Duration longest = timing.response_timeout;
   if (lane.device) {
     const drive::Device& device = devices_[*lane.device].settings();
     timing = device.timing;
@@ -101,6 +127,7 @@ void Oracle::set_times(Flight& flight) {
       timing.response_timeout =
           std::max(timing.response_timeout, device.profile.slow.front().response_timeout);
     }
+    longest = std::max(timing.response_timeout, timing.probe_timeout_or_default());
     if (timing.offline_after > 0 && lane.unanswered >= timing.offline_after) {
       timing.response_timeout =
           std::min(timing.response_timeout, timing.probe_timeout_or_default());
@@ -108,27 +135,33 @@ void Oracle::set_times(Flight& flight) {
   }
   flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
   flight.quarantine_until = flight.deadline + timing.quarantine_or_default();
-}
-
-void Oracle::frame_came(std::size_t bus, std::uint8_t address) {
-  auto& owed = books_[bus].lanes[address].owed;
-  if (!owed.empty()) {
-    owed.pop_back();
+  flight.due = flight.end + longest + timing.response_wait;
+  if (is_tcp(flight.bus)) {
+    cut(flight);
   }
 }
 
-void Oracle::damage_came(std::size_t bus, std::uint8_t address) {
-  for (const std::uint64_t number : books_[bus].lanes[address].owed) {
-    if (Flight* owed = flight(number)) {
-      const Duration quarantine = owed->quarantine_until - owed->deadline;
-      owed->quarantine_until = std::min(owed->quarantine_until, schedule_.now() + quarantine);
-    }
+// Nobody can tell which of several requests it answers: the quarantine counts from the last.
+// One that does not fit ends no wait, but is what the device owed from before.
+void Oracle::frame_came(std::size_t bus, std::uint8_t address, bool fits) {
+  Book& book = books_[bus];
+  auto& owed = book.lanes[address].owed;
+  const Flight* oldest = owed.empty() ? nullptr : flight(owed.front());
+  const bool waits = oldest != nullptr && oldest->number == book.last_flight &&
+                     book.answered != book.last_flight && schedule_.now() < oldest->deadline &&
+                     book.stops.empty();
+  if (fits && oldest != nullptr) {
+    book.answered = book.last_flight;
+  }
+  if (!owed.empty() && (fits || !waits)) {
+    owed.pop_front();
   }
 }
 
 void Oracle::tcp_answer_came(std::uint64_t number) {
   if (const Flight* answered = flight(number)) {
     std::erase(books_[answered->bus].flying, number);
+    std::erase(books_[answered->bus].unheard, number);
   }
 }
 

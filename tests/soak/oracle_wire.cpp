@@ -34,6 +34,7 @@ std::string Oracle::name(const Flight& flight) const {
 void Oracle::bus_opened(std::size_t bus) {
   Book& book = books_[bus];
   book.open = true;
+  book.last_down = schedule_.now();  // until this moment
   book.last_byte = schedule_.now();
   for (Lane& lane : book.lanes) {
     lane.owed.clear();
@@ -47,6 +48,7 @@ void Oracle::bus_lost(std::size_t bus) {
   book.last_down = schedule_.now();
   book.stops.clear();
   book.flying.clear();
+  book.unheard.clear();
 }
 
 Flight* Oracle::flight(std::uint64_t number) {
@@ -67,6 +69,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   }
   Book& book = books_[bus];
   ++book.count.transmissions;
+  book.last_flight = flight.number;
   if (!book.open) {
     violation("closed_line", "transmission on " + bus_settings(bus).name);
   }
@@ -82,6 +85,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   flight.is_write = !is_read_function(flight.pdu.front());
   flight.is_broadcast = flight.address == 0 && !is_tcp(bus);
   book.count.broadcasts += flight.is_broadcast ? 1U : 0U;
+  cut_flying(book);
   attribute(flight);
   check_stops_first(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
@@ -212,12 +216,15 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   if (alone && !asked.maybe_on_wire && asked.kind != Kind::stop) {
     check_order(asked, flight);
   }
+  mine.repeats_read = mine.repeats_read || (asked.is_read() && asked.last_sent == flight.pdu);
+  asked.last_sent = flight.pdu;
+  ++asked.flights;
   ++piece.sent;
   leave_queue(asked.pieces.size() == 1 || asked.kind == Kind::broadcast ? piece
                                                                         : asked.pieces.front());
   asked.maybe_on_wire = true;
   asked.surely_on_wire = asked.surely_on_wire || alone;
-  note_write_event(asked);
+  note_write_event(asked, flight.bus);
   std::erase(books_[flight.bus].stops, &asked);
   if (!asked.replies &&
       std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {
@@ -233,7 +240,11 @@ void Oracle::check_order(const Asked& asked, const Flight& flight) {
       const bool waits = std::ranges::any_of(other->pieces, [&](const Piece& piece) {
         return piece.bus == flight.bus && piece.sent == 0;
       });
-      if (other->client == asked.client && other->sequence < asked.sequence && waits &&
+      // One part of a broadcast may have ended while others wait.
+      const bool ended =
+          other->pieces.size() > 1 && other->kind == Kind::broadcast &&
+          std::max({book.last_full, book.last_down, book.last_stop}) >= other->accepted;
+      if (other->client == asked.client && other->sequence < asked.sequence && waits && !ended &&
           other->kind != Kind::stop && !other->doomed && !other->dropped &&
           is_surely_open(*other)) {
         violation("order", name(asked) + " before " + name(*other));
@@ -252,6 +263,14 @@ void Oracle::executed(const Flight& flight) {
       for (Piece& piece : entry->second->pieces) {
         piece.executed = piece.executed || piece.pdu == flight.pdu;
       }
+    }
+  }
+}
+
+void Oracle::echo_spoilt(const Flight& flight) {
+  for (const std::uint64_t id : flight.asked) {
+    if (const auto entry = open_.find(id); entry != open_.end()) {
+      ++entry->second->spoilt;
     }
   }
 }

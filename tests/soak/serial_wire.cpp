@@ -84,7 +84,7 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
 
 void SerialWire::heard(std::uint64_t number, const Frame& frame) {
   if (settings_.line.echo) {
-    echo(frame);
+    echo(number, frame);
   }
   Flight* flight = around_.oracle.flight(number);
   if (own_damaged_ || flight == nullptr || flight->pdu.empty() ||
@@ -112,10 +112,13 @@ void SerialWire::heard(std::uint64_t number, const Frame& frame) {
   answer(*device, *flight, *request);
 }
 
-void SerialWire::echo(const Frame& frame) {
+void SerialWire::echo(std::uint64_t number, const Frame& frame) {
   Frame bytes = frame;
   if (own_damaged_ || happens(rates_.wrong_echo, "wrong_echo")) {
     bytes[around_.random.below(bytes.size())] ^= 0x10U;
+    if (const Flight* flight = around_.oracle.flight(number)) {
+      around_.oracle.echo_spoilt(*flight);
+    }
   }
   around_.oracle.bytes_came(bus_);
   around_.deliver(bus_, bytes);
@@ -168,11 +171,15 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
   if (excess) {
     frame.insert(frame.end(), frame.begin(), frame.end());
   } else if (happens(rates_.babble, "babble")) {
+    const std::size_t size = frame.size();
     append_excess(frame);
-    say(std::move(frame), begin, Chunks::fine, address);
+    const std::size_t behind = frame.size() - size;
+    say(std::move(frame), begin, Chunks::fine, {address, 1, behind});
     return;
-  } else if (spoil(frame, pdu, address)) {
-    say(std::move(frame), begin, Chunks::fine, std::nullopt, address);
+  } else if (const Spoilt spoilt = spoil(frame, pdu, address); spoilt != Spoilt::no) {
+    const bool is_frame = spoilt == Spoilt::misfit;
+    say(std::move(frame), begin, Chunks::fine,
+        {is_frame ? std::optional(address) : std::nullopt, 1, 0, false});
     return;
   }
   const bool paused = !excess && happens(rates_.pieces, "pieces");
@@ -185,7 +192,7 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
       excess   ? Chunks::fine
       : paused ? Chunks::paused
                : Chunks::usual,
-      address);
+      {address, excess ? 2U : 1U});
 }
 
 // The whole answer is there before the quarantine ends; or, in plans of that kind, later.
@@ -203,39 +210,39 @@ void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Fra
   const Instant at = first + around_.random.duration(0us, last - first);
   auto& busy = talks_until_[device.settings().address];
   busy = std::max(busy, at + length);
-  say(frame, at, Chunks::usual, device.settings().address);
+  say(frame, at, Chunks::usual, {device.settings().address});
 }
 
-// Makes something else of the answer. False: nothing happened to it.
-bool SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t address) {
+// Makes something else of the answer.
+SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t address) {
   Random& random = around_.random;
   if (happens(rates_.garbage, "garbage")) {
     frame.assign(random.between(1U, 40U), 0);
     for (auto& byte : frame) {
       byte = static_cast<std::uint8_t>(random.below(256));
     }
-    return true;
+    return Spoilt::unreadable;
   }
   if (happens(rates_.wrong_unit, "wrong_unit")) {
     frame =
         encode(static_cast<std::uint8_t>(random.between<unsigned>(kNobodyFrom, kNobodyTo)), pdu);
-    return true;
+    return Spoilt::unreadable;
   }
   if (happens(rates_.wrong_function, "wrong_function")) {
     std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
     bytes[0] = static_cast<std::uint8_t>(bytes[0] ^ 0x05U);
     frame = encode(address, *Pdu::from(bytes));
-    return true;
+    return Spoilt::misfit;
   }
   if (happens(rates_.bad_crc, "bad_crc")) {
     // Before CR LF in ASCII: a digit of the LRC becomes another one.
     std::uint8_t& check = frame[frame.size() - (ascii_ ? 3 : 1)];
     check = ascii_ ? (check == '0' ? '1' : '0') : static_cast<std::uint8_t>(check ^ 0x40U);
-    return true;
+    return Spoilt::unreadable;
   }
   if (happens(rates_.damaged, "damaged")) {
     damage(frame);
-    return true;
+    return Spoilt::unreadable;
   }
   if (!pdu.is_exception() && pdu.function() <= 4 && pdu.size() < 240 &&
       happens(rates_.too_long, "too_long")) {
@@ -243,9 +250,9 @@ bool SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t address) {
     bytes.insert(bytes.end(), {0xAA, 0xBB});
     bytes[1] = static_cast<std::uint8_t>(bytes[1] + 2);
     frame = encode(address, *Pdu::from(bytes));
-    return true;
+    return Spoilt::misfit;
   }
-  return false;
+  return Spoilt::no;
 }
 
 void SerialWire::damage(Frame& frame) {
@@ -254,15 +261,18 @@ void SerialWire::damage(Frame& frame) {
   switch (random.between(0U, 2U)) {
     case 0:
       for (unsigned bits = ascii_ ? 1 : random.between(1U, 3U); bits > 0; --bits) {
-        // Each in a byte of its own: the same bit twice would be no damage.
+        // Each in a byte of its own: the same bit twice would be no damage; nor would a digit of
+        // the
+        // other case.
         auto& byte = frame[(static_cast<std::size_t>(place) + bits) % frame.size()];
-        byte = static_cast<std::uint8_t>(byte ^ (1U << random.below(8)));
+        byte =
+            static_cast<std::uint8_t>(byte ^ (1U << (ascii_ ? random.below(5) : random.below(8))));
       }
       return;
     case 1: frame.erase(frame.begin() + place); return;
     default:
-      // Not the last one: the frame itself would still be whole.
-      frame.insert(frame.begin() + place / 2, frame[static_cast<std::size_t>(place / 2)]);
+      // Not the last one, nor the colon: the frame itself would still be whole.
+      frame.insert(frame.begin() + 1 + place / 2, frame[static_cast<std::size_t>(1 + place / 2)]);
       return;
   }
 }

@@ -32,27 +32,34 @@ class SerialWire {
  private:
   using Frame = std::vector<std::uint8_t>;
   enum class Chunks : std::uint8_t { usual, fine, paused };
+  /// What a message begins with.
+  struct Content {
+    std::optional<std::uint8_t> address;  ///< of good frames, none if it has none
+    std::size_t copies = 1;               ///< of them
+    std::size_t excess = 0;               ///< bytes behind them
+    bool fits = true;                     ///< they answer what was asked
+  };
+  enum class Spoilt : std::uint8_t { no, unreadable, misfit };
   struct Message {
     Frame bytes;
     Instant begin;
     Instant end;
     Duration character;
-    std::optional<std::uint8_t> whole;   ///< a good frame of this address
-    std::optional<std::uint8_t> spoilt;  ///< an answer of this address, not to be read
+    Content content;
+    std::size_t frame;  ///< their size
     std::size_t delivered = 0;
   };
 
   void heard(std::uint64_t number, const Frame& frame);
-  void echo(const Frame& frame);
+  void echo(std::uint64_t number, const Frame& frame);
   void answer(SoakDevice& device, const Flight& flight, const modbus::Pdu& request);
   void answer_with_fault(SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu,
                          Instant begin);
   void answer_late(SoakDevice& device, const Flight& flight, const Frame& frame, Instant begin);
-  bool spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
+  Spoilt spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
   void damage(Frame& frame);
   void append_excess(Frame& frame);
-  void say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole,
-           std::optional<std::uint8_t> spoilt = std::nullopt);
+  void say(Frame bytes, Instant begin, Chunks chunks, const Content& content);
   void begin_message(std::uint64_t id);
   void deliver(std::uint64_t id, std::size_t until);
   void garble(Message& message);

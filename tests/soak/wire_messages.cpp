@@ -12,8 +12,7 @@ using modbus::Pdu;
 
 // Adapters hand bytes over in chunks, up to some milliseconds apart. Where something follows that
 // the gateway cannot foresee, they must come without a gap that looks like silence.
-void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<std::uint8_t> whole,
-                     std::optional<std::uint8_t> spoilt) {
+void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& content) {
   Random& random = around_.random;
   const std::uint64_t id = ++ids_;
   const Duration character = timing_.duration_of(1);
@@ -32,7 +31,8 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, std::optional<st
     const Instant due = last + (chunks == Chunks::usual ? random.duration(0us, 300us) : 0us);
     deliveries.emplace_back(deliveries.empty() ? due : std::max(due, deliveries.back().first), at);
   }
-  messages_.emplace(id, Message{std::move(bytes), begin, last, character, whole, spoilt});
+  const std::size_t frame = (bytes.size() - content.excess) / content.copies;
+  messages_.emplace(id, Message{std::move(bytes), begin, last, character, content, frame});
   around_.schedule.at(begin, [this, epoch = epoch_, id] {
     if (epoch == epoch_) {
       begin_message(id);
@@ -66,13 +66,13 @@ void SerialWire::begin_message(std::uint64_t id) {
 
 // From now on nobody can read it.
 void SerialWire::garble(Message& message) {
-  if (message.whole) {
-    message.spoilt = std::exchange(message.whole, std::nullopt);
-  }
   const Duration past = around_.schedule.now() - message.begin;
   const auto from =
       static_cast<std::size_t>(std::max<Duration>(past, Duration{0}) / message.character);
-  for (std::size_t at = std::max(from, message.delivered); at < message.bytes.size(); ++at) {
+  const std::size_t good = std::max(from, message.delivered);
+  message.content.copies =
+      std::min(message.content.copies, good / message.frame - message.delivered / message.frame);
+  for (std::size_t at = good; at < message.bytes.size(); ++at) {
     message.bytes[at] = static_cast<std::uint8_t>(around_.random.below(256));
   }
 }
@@ -81,14 +81,15 @@ void SerialWire::deliver(std::uint64_t id, std::size_t until) {
   Message& message = messages_.at(id);
   const Frame bytes(message.bytes.begin() + static_cast<std::ptrdiff_t>(message.delivered),
                     message.bytes.begin() + static_cast<std::ptrdiff_t>(until));
-  message.delivered = until;
   around_.oracle.bytes_came(bus_);
+  const std::size_t frames =
+      std::min(message.content.copies, until / message.frame - message.delivered / message.frame);
+  message.content.copies -= frames;
+  for (std::size_t frame = 0; message.content.address && frame < frames; ++frame) {
+    around_.oracle.frame_came(bus_, *message.content.address, message.content.fits);
+  }
+  message.delivered = until;
   if (until == message.bytes.size()) {
-    if (message.whole) {
-      around_.oracle.frame_came(bus_, *message.whole);
-    } else if (message.spoilt) {
-      around_.oracle.damage_came(bus_, *message.spoilt);
-    }
     messages_.erase(id);
   }
   around_.deliver(bus_, bytes);
@@ -124,7 +125,7 @@ void SerialWire::make_noise() {
     byte = around_.random.one_of<std::uint8_t>(
         {0x00, 0xFF, static_cast<std::uint8_t>(around_.random.below(256))});
   }
-  say(std::move(noise), around_.schedule.now(), Chunks::fine, std::nullopt);
+  say(std::move(noise), around_.schedule.now(), Chunks::fine, {});
   later(rates_.noise_every, &SerialWire::make_noise);
 }
 
@@ -147,7 +148,7 @@ void SerialWire::ask_as_stranger() {
   const Frame reply = encode(address, *device.carry_out(request, around_.schedule.now()).answer);
   both.insert(both.end(), reply.begin(), reply.end());
   talks_until_[address] = around_.schedule.now() + timing_.duration_of(both.size());
-  say(std::move(both), around_.schedule.now(), Chunks::fine, std::nullopt);
+  say(std::move(both), around_.schedule.now(), Chunks::fine, {});
 }
 
 void SerialWire::kill_a_device() {

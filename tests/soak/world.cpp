@@ -42,6 +42,9 @@ World::World(std::uint64_t seed, bool trace)
       tools_{gateway_, oracle_, schedule_,           random_,
              report_,  asking_, [this] { drain(); }, [this] { return ClientId{++last_number_}; }},
       trace_(trace) {
+  if (trace) {
+    oracle_.trace();
+  }
   for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
     if (plan_.settings.buses[bus].line.framing == bus::Framing::tcp) {
       wires_.emplace_back(std::in_place_type<FarServer>, bus, around_);
@@ -105,9 +108,10 @@ void World::run_until(Instant limit) {
   while (true) {
     const auto next = bus::earlier(schedule_.next(), gateway_.next_deadline());
     if (!next || *next > limit || !step()) {
-      return;
+      break;
     }
   }
+  schedule_.advance(limit);
 }
 
 // Actions that set off others (a client that is resumed writes on) come back here; the outer call

@@ -64,6 +64,20 @@ TEST_F(BusStops, AResponseThatHasBegunIsHeardOut) {
   EXPECT_THAT(frames_, SizeIs(1));
 }
 
+TEST_F(BusStops, AnExceptionThatMayBeOwedToAnotherIsNoAnswerToAStop) {
+  open_with(moons());
+  submit(job_of(1, kMove));
+  advance(kEmission + 100ms);
+  submit(job(kStop));
+  advance(10ms);
+  line("01 86 04 43 A3");  // says no to the move, too late
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+  advance(10ms);
+  line(kStopFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
 TEST_F(BusStops, WritesToTheSameDeviceThatWaitAreTakenBack) {
   open_with(moons());
   submit(job_of(1, kRead, 2));

@@ -21,6 +21,20 @@ TEST_F(BusTcp, AWriteHasItsDeviceForItself) {
   EXPECT_THAT(units(), ElementsAre(1, 2, 1, 1, 1));
 }
 
+TEST_F(BusTcp, WhatWasAskedBeforeAStopIsNotRemembered) {
+  drive::Device axis{"axis", {}, 1, settings().timing};
+  axis.cache = 1s;
+  axis.profile.stops = {{.address = 7, .mask = 0, .value = 0}};
+  open(tcp(2), {axis});
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, "06 0007 0001", 1));
+  answer(1, "01 06 00 07 00 01");
+  answer(0, "01 03 02 12 34");
+  submit(job_of(1, kRead, 1));
+  EXPECT_EQ(bus_->counters().cached_reads, 0U);
+  EXPECT_THAT(units(), ElementsAre(1, 1, 1));
+}
+
 TEST_F(BusTcp, AWriteIsNotOutwaitedByReads) {
   open(tcp(2));
   submit(job_of(0, kRead, 1));
