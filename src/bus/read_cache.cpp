@@ -17,11 +17,11 @@ void ReadCache::put(const modbus::Request& request, const modbus::Pdu& response,
   }
   const auto found = std::ranges::find(reads_, request.pdu(), &Read::request);
   if (found != reads_.end()) {
-    *found = {request.pdu(), response, asked.at};
+    *found = {request.pdu(), response, asked_at};
   } else if (reads_.size() < kMostCachedReads) {
-    reads_.push_back({request.pdu(), response, asked.at});
+    reads_.push_back({request.pdu(), response, asked_at});
   } else {
-    *std::ranges::min_element(reads_, {}, &Read::asked_at) = {request.pdu(), response, asked.at};
+    *std::ranges::min_element(reads_, {}, &Read::asked_at) = {request.pdu(), response, asked_at};
   }
 }
 

@@ -12,6 +12,7 @@
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
 #include "bus/settings.hpp"
+#include "bus/verdict.hpp"
 #include "modbus/mbap.hpp"
 
 namespace mbgate::bus {

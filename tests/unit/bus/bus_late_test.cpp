@@ -165,6 +165,19 @@ TEST_F(BusLate, FramesOfDevicesThatOweNothingAreForeignTrafficAndToldOnce) {
   EXPECT_THAT(notices_, ElementsAre(Kind::foreign));
 }
 
+TEST_F(BusLate, AnotherClientsRequestIsNoAnswer) {
+  auto breaking = settings();
+  breaking.timing.offline_after = 1;
+  open(breaking);
+  submit(job(kRead));
+  time_out();
+  line(kOtherFrame);
+  advance(10ms);
+  line("02");
+  EXPECT_TRUE(bus_->is_offline(1));
+  EXPECT_EQ(bus_->counters().late_responses, 0U);
+}
+
 TEST_F(BusLate, AWriteIsNotTakenForAnsweredByAnOlderAnswer) {
   open(settings());
   submit(job("06 0000 0001"));

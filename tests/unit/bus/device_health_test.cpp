@@ -95,6 +95,18 @@ TEST_F(Health, ItGrowsNoFurtherThanAllowed) {
   EXPECT_FALSE(health_.note_unexpected(at(1301ms), timing_));  // too late to be believed
 }
 
+TEST_F(Health, MoreAnswersCanBeOwedThanAreDated) {
+  for (int times = 0; times < 13; ++times) {
+    health_.note_unanswered(at(100ms), timing_);
+  }
+  for (int times = 0; times < 12; ++times) {
+    EXPECT_TRUE(health_.note_unexpected(at(110ms), timing_));
+    EXPECT_FALSE(may_be_asked(111ms)) << times;
+  }
+  EXPECT_TRUE(health_.note_unexpected(at(110ms), timing_));
+  EXPECT_TRUE(may_be_asked(111ms));
+}
+
 TEST_F(Health, ADamagedAnswerLeavesItHeldBackAndSaysNothingAboutWhetherItIsThere) {
   health_.note_spoilt(at(100ms));
   EXPECT_FALSE(may_be_asked(199ms));
