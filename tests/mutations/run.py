@@ -18,7 +18,7 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-SEEDS = 100
+SEEDS = 200
 TRANSACTIONS = 500
 
 
