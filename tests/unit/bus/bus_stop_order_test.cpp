@@ -96,7 +96,9 @@ TEST_F(BusStopOrder, ARepeatedStopHasAsMuchTimeAsTheFirst) {
 }
 
 TEST_F(BusTcp, AStopCutsOffOnlyWhatIsInItsWay) {
-  open(tcp(2), {axis(tcp(2), 3)});
+  auto slow = tcp(2);
+  slow.timing.response_timeout = 1s;
+  open(slow, {axis(slow, 3)});
   submit(job_of(0, kRead, 1));
   submit(job_of(1, kRead, 2));
   submit(job_of(2, kStop, 3));
