@@ -242,7 +242,10 @@ void Oracle::judge_write(const Asked& asked, Bytes pdu) {
   }
   const bool sent = std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; });
   const bool done = std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.executed; });
-  if (!sent || (!done && !asked.silent && asked.kind != Kind::broadcast)) {
+  // The acknowledgement of a stop may be that of the same stop a moment ago, which was carried out;
+  // nothing that moves comes between.
+  const bool must_be_done = !asked.silent && asked.kind == Kind::write;
+  if (!sent || (!done && must_be_done)) {
     if (plan_.beyond) {
       ++report_.apart["acknowledged_beyond_quarantine"];
       return;

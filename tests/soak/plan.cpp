@@ -80,8 +80,10 @@ void Draw::add_bus(std::size_t index) {
   bus.coalesce = random_.chance(600);
   bus.merge = random_.chance(250);
   bus.burst = random_.between(1U, 8U);
-  bus.stop_wait = random_.duration(5ms, 100ms);
-  bus.probe_share = random_.between(2U, 20U);
+  // Long enough that a stop on the slowest line leaves and is answered before the next one is due.
+  bus.stop_wait = random_.duration(40ms, 100ms);
+  // After a probe whose answer dragged on for seconds, 2 % of the time would outlast the quiet phase.
+  bus.probe_share = random_.between(10U, 40U);
   bus.reopen_min = 20ms;
   bus.reopen_max = 500ms;
   bus.timing.response_timeout = 50ms;
