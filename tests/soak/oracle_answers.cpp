@@ -23,7 +23,10 @@ bool is_bits(Table table) { return table == Table::coils || table == Table::disc
 
 void Oracle::judge(Asked& asked, Bytes pdu) {
   const std::uint8_t function = asked.pdu.front();
-  note_write_event(asked);
+  // What was read while a write waited that was then never sent is what the device holds.
+  if (std::ranges::any_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {
+    note_write_event(asked);
+  }
   if ((pdu[0] & 0x80U) != 0 && pdu.size() == 2 && pdu[0] == (function | 0x80U)) {
     ++report_.exceptions;
     ++report_.codes[pdu[1]];
