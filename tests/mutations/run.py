@@ -70,6 +70,12 @@ def main():
         shutil.copytree(ROOT / part, tree / part)
     shutil.copy2(ROOT / "CMakeLists.txt", tree)
     missed = 0
+    trouble = build(tree, work / "build")
+    if trouble:
+        sys.exit(f"the copy does not build\n{trouble}")
+    unbroken = violations(work / "build")
+    if unbroken:
+        print(f"WARNING: without any patch there is already {unbroken}", flush=True)
     for patch in sorted(HERE.glob("*.patch")):
         if not options.names or patch.stem in options.names:
             text, caught = check(patch, tree, work / "build")
