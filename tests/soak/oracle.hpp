@@ -62,7 +62,6 @@ class Oracle {
   void closed(ClientId client);
   void answered(ClientId client, Bytes adu);
   [[nodiscard]] std::size_t open_of(ClientId client) const;
-  [[nodiscard]] std::size_t open() const { return open_.size(); }
   /// Requests with a good answer so far: a glance for the quiet phase.
   [[nodiscard]] bool was_answered_well(std::uint64_t id) const { return well_ && *well_ == id; }
   /// The data of the last answer of the gateway's own unit.
@@ -103,7 +102,6 @@ class Oracle {
     std::uint64_t losses = 0;
   };
   [[nodiscard]] const BusCount& count(std::size_t bus) const { return books_[bus].count; }
-  [[nodiscard]] std::uint64_t least_requests() const { return sequence_; }
 
  private:
   struct Session {

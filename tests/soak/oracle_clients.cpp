@@ -283,19 +283,4 @@ void Oracle::violation(const std::string& kind, const std::string& text) const {
   report_.violation(kind, "at " + std::to_string(at.count()) + " us: " + text);
 }
 
-std::string Oracle::name(const Asked& asked) const {
-  constexpr char kDigits[] = "0123456789ABCDEF";
-  std::string text = "client " + std::to_string(static_cast<std::uint64_t>(asked.client)) +
-                     " transaction " + std::to_string(asked.transaction) + " unit " +
-                     std::to_string(asked.unit) + " pdu ";
-  for (const std::uint8_t byte : asked.pdu) {
-    text += {kDigits[byte >> 4U], kDigits[byte & 15U]};
-  }
-  if (!asked.pieces.empty()) {
-    text += " (" + bus_settings(asked.pieces.front().bus).name + " address " +
-            std::to_string(asked.pieces.front().address) + ")";
-  }
-  return text;
-}
-
 }  // namespace mbgate::soak
