@@ -54,7 +54,7 @@ def fuzz(fuzzer, target, folder, options):
     (CORPORA / target).mkdir(parents=True, exist_ok=True)
     seeds.write(target, found)
     command = [fuzzer, found, CORPORA / target, f"-max_len={TARGETS[target]}", f"-max_total_time={options.seconds}",
-               "-timeout=10", "-print_final_stats=1", f"-artifact_prefix={options.findings}/{target}-"]
+               "-timeout=60", "-print_final_stats=1", f"-artifact_prefix={options.findings}/{target}-"]
     if target in ("config", "profile"):
         command.append(f"-dict={dictionary(folder)}")
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True, errors="replace")
