@@ -26,7 +26,7 @@ std::string_view meaning(std::uint8_t code) {
       return "never transmitted: no route, no such device, its line is closed, or it was a write "
              "to "
              "a device that does not answer";
-    case 0x0B: return "no valid answer came; a write may have been done";
+    case 0x0B: return "no valid answer came";
     default: return "a code of the device's maker; its manual says what it means";
   }
 }

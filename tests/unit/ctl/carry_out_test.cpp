@@ -137,12 +137,10 @@ TEST(CarryOut, ShowsTheNumberOfAMakersException) {
 
 TEST(CarryOut, SaysThatAWriteMayHaveBeenDone) {
   EXPECT_EQ(explain_exception(0x0B, true),
-            "exception 0x0B (gateway target device failed to respond): transmitted, but no valid "
-            "answer came; the "
+            "exception 0x0B (gateway target device failed to respond): no valid answer came; the "
             "write may have been done");
   EXPECT_EQ(explain_exception(0x0B, false),
-            "exception 0x0B (gateway target device failed to respond): transmitted, but no valid "
-            "answer came");
+            "exception 0x0B (gateway target device failed to respond): no valid answer came");
 }
 
 TEST(CarryOut, TakesNoAnswerThatDoesNotFit) {
