@@ -190,6 +190,8 @@ TEST(Plant, ADepartedClientsWaitingWriteIsNeverOnTheWire) {
 TEST(Plant, StopsInOrderAndInTime) {
   Plant plant;
   TcpClient client(plant.port(0));
+  client.send(request(4, 1, kReadPdu));
+  ASSERT_TRUE(client.receive());  // the line is open
   client.send(request(1, 9, kReadPdu));  // on the wire, unanswered
   client.send(request(2, 1, kReadPdu));  // waiting
   client.send(request(3, 0xF9, kReadPdu));
