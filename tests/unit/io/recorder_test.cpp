@@ -64,8 +64,8 @@ TEST_F(RecorderTest, SaysInTheFileWhyItEnded) {
 
 TEST_F(RecorderTest, EndsWhenTheFileCannotBeWritten) {
   Recorder recorder(UniqueFd(::open("/dev/full", O_WRONLY | O_CLOEXEC)), "", note_end());
-  recorder.note(gateway::DeadlineReached{}, kAt);
   while (ended_.empty()) {
+    recorder.note(gateway::DeadlineReached{}, kAt);
     recorder.hand_over();
   }
   EXPECT_EQ(ended_, std::vector<std::string>{"it cannot be written: No space left on device"});
