@@ -2,6 +2,7 @@
 #include "bus/ascii_framer.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <utility>
 
 #include "modbus/response.hpp"
@@ -16,6 +17,12 @@ std::uint8_t folded(std::uint8_t character) {
                                               : character;
 }
 
+// Serial Line V1.02, 2.5.2.1: hexadecimal digits between the colon and CR LF.
+bool may_stand_in_frame(std::uint8_t character) {
+  return std::isxdigit(character) != 0 || character == modbus::kAsciiStart || character == '\r' ||
+         character == modbus::kAsciiEnd;
+}
+
 }  // namespace
 
 void AsciiFramer::expect(const Transaction& transaction) {
@@ -25,6 +32,10 @@ void AsciiFramer::expect(const Transaction& transaction) {
   response_.reset();
   const auto frame = modbus::encode_ascii(transaction.address, transaction.request.pdu());
   std::copy_n(frame.begin(), start_.size(), start_.begin());
+  const modbus::PduLength length = modbus::expected_response_length(transaction.request);
+  longest_ = length.kind == modbus::PduLength::Kind::known
+                 ? modbus::kAsciiFraming + 2 * (length.bytes + 2)
+                 : modbus::kMaxAsciiSize;
 }
 
 void AsciiFramer::listen() {
@@ -62,18 +73,12 @@ Verdict AsciiFramer::again(Instant now) {
   return add({rest.data(), rest.size()}, now);
 }
 
-std::optional<Stray> AsciiFramer::take_stray() {
-  if (strays_.empty()) {
-    return std::nullopt;
-  }
-  const Stray stray = strays_.front();
-  strays_.erase(strays_.begin());
-  return stray;
-}
-
 Verdict AsciiFramer::take(std::uint8_t character, Instant now) {
   if (character == modbus::kAsciiStart || buffer_.size() == buffer_.capacity()) {
     restarts_ += in_progress() ? 1U : 0U;
+    discard();
+  }
+  if (!may_stand_in_frame(character)) {
     discard();
   }
   if (buffer_.empty() && character != modbus::kAsciiStart) {
@@ -110,17 +115,16 @@ Verdict AsciiFramer::judge() {
     return Verdict::response;
   }
   ++counters_.stray_frames;
-  if (strays_.size() < strays_.capacity()) {
-    const modbus::PduLength length = modbus::response_length(pdu);
-    strays_.push_back(
-        {bytes[0], length.kind == modbus::PduLength::Kind::known && length.bytes == pdu.size()});
-  }
+  const modbus::PduLength length = modbus::response_length(pdu);
+  strays_.add(
+      {bytes[0], length.kind == modbus::PduLength::Kind::known && length.bytes == pdu.size()});
   return Verdict::none;
 }
 
 bool AsciiFramer::in_progress() const {
   const std::size_t known = std::min(buffer_.size(), start_.size());
-  return transaction_ != nullptr && known > 0 && restarts_ <= kMostRestarts &&
+  return transaction_ != nullptr && known > 0 && buffer_.size() < longest_ &&
+         restarts_ <= kMostRestarts &&
          std::equal(
              start_.begin(), start_.begin() + static_cast<std::ptrdiff_t>(known), buffer_.begin(),
              [](std::uint8_t expected, std::uint8_t seen) { return expected == folded(seen); });

@@ -46,7 +46,7 @@ class AsciiFramer {
   /// When the first character of the response came.
   [[nodiscard]] Instant response_began() const { return began_; }
   /// A good frame that answers nothing that was asked, each once.
-  std::optional<Stray> take_stray();
+  std::optional<Stray> take_stray() { return strays_.take(); }
 
  private:
   Verdict take(std::uint8_t character, Instant now);
@@ -58,12 +58,13 @@ class AsciiFramer {
   const Transaction* transaction_ = nullptr;
   modbus::AsciiBytes buffer_;            // empty, or a frame from its ':' on
   std::array<std::uint8_t, 3> start_{};  // of an answer: ':' and the address
+  std::size_t longest_ = 0;              // that an answer can be
   Instant last_character_;
   unsigned restarts_ = 0;  // of what seemed to be the answer
   std::optional<modbus::Pdu> response_;
   Instant began_;            // the frame in the buffer, or the last one
   modbus::AsciiBytes rest_;  // what came behind the response
-  boost::container::static_vector<Stray, kMostStrays> strays_;
+  Strays<kMostStrays> strays_;
 };
 
 }  // namespace mbgate::bus

@@ -29,6 +29,7 @@ void Bus::update(const BusSettings& settings, std::span<const drive::Device> dev
   longest_response_timeout_ = bus::longest_response_timeout(settings, devices);
   line_.update(settings_, listening_time());
   queue_.set_limit(settings.queue);
+  overtake_writes();
   most_running_ = settings.line.framing == Framing::tcp ? settings.outstanding : 1;
   pump(now);
 }
@@ -157,10 +158,7 @@ Duration Bus::held_back(std::uint8_t address, Instant now) const {
 
 void Bus::end_running(Ending ending) {
   for (Job* job : std::exchange(running_, {})) {
-    for (Job* follower : job->followers) {
-      end_job(*follower, ending);
-    }
-    end_job(*job, ending);
+    end_group(*job, ending);
   }
 }
 
@@ -171,11 +169,21 @@ void Bus::end_waiting(Ending ending, bool stops_too) {
   }
   while (Job* stop = stops_too ? queue_.first_stop() : nullptr) {
     queue_.remove(*stop);
-    for (Job* follower : stop->followers) {
-      end_job(*follower, ending);
-    }
-    end_job(*stop, ending);
+    end_group(*stop, ending);
   }
+}
+
+// The job, and before it those that share its transmission. Stops share its responses too.
+void Bus::end_group(Job& leader, Ending ending) {
+  for (Job* follower : leader.followers) {
+    if (leader.job_class == JobClass::stop) {
+      follower->transactions = leader.transactions;
+      follower->current = leader.current;
+    }
+    end_job(*follower, ending);
+  }
+  leader.followers.clear();
+  end_job(leader, ending);
 }
 
 void Bus::end_job(Job& job, Ending ending) {

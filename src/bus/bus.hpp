@@ -120,6 +120,7 @@ class Bus {
   void collect(Instant now);
   void end_running(Ending ending);
   void end_waiting(Ending ending, bool stops_too);
+  void end_group(Job& leader, Ending ending);
   void end_job(Job& job, Ending ending);
   void release(Job& job);
   void notify(DeviceNotice::Kind kind, std::uint8_t address);
@@ -139,7 +140,7 @@ class Bus {
   void look_for(JobClass job_class, Search& search, Instant now);
   [[nodiscard]] bool may_join(const Job& job) const;
   [[nodiscard]] std::size_t in_flight() const;
-  [[nodiscard]] std::size_t occupied(Instant now) const;
+  [[nodiscard]] std::size_t occupied(Instant now);
   [[nodiscard]] bool is_held_back(const Job& job, Instant now) const;
   [[nodiscard]] Instant held_until(const Job& job) const;
   [[nodiscard]] Instant ready_at(const Job& job) const;
@@ -148,10 +149,16 @@ class Bus {
   drive::DeviceTiming note_transmission(Job& job, Transaction& transaction, Instant now);
 
   // bus_stops.cpp: stops
-  void overtake_writes(const Job& stop);
+  void overtake_writes(const Job& stop, bool let_go_first = false);
+  /// Those that were let go before a stop that waits, and are not any more.
+  void overtake_writes();
   [[nodiscard]] bool is_stopped_by(const Job& stop, const Job& write) const;
+  [[nodiscard]] bool lets_writes_go(const Job& stop) const;
   [[nodiscard]] bool must_let_writes_go(const Job& stop) const;
+  std::optional<Instant> next_before(const Job& stop, Instant now);
+  [[nodiscard]] Duration held_by(const Job& stop, Instant ready) const;
   [[nodiscard]] Job* in_the_way_of(const Job& stop) const;
+  void take_back_held_writes(Instant now);
   bool serve_stops(Instant now);
   void repeat_stop(Job& stop, Instant now);
 

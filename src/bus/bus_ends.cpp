@@ -200,16 +200,7 @@ void Bus::advance(Job& job, Ending ending) {
 
 void Bus::finish(Job& job, Ending ending) {
   std::erase(running_, &job);
-  for (Job* follower : job.followers) {
-    if (job.job_class == JobClass::stop) {
-      follower->transactions = job.transactions;
-      follower->current = job.current;
-    }
-    follower->was_on_wire = follower->was_on_wire || job.was_on_wire;
-    end_job(*follower, ending);
-  }
-  job.followers.clear();
-  end_job(job, ending);
+  end_group(job, ending);
 }
 
 }  // namespace mbgate::bus

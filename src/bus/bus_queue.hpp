@@ -39,6 +39,12 @@ class BusQueue {
   template <typename Predicate>
   [[nodiscard]] Job* find_stop(Predicate is_it);
 
+  /// Shows `visit` every waiting stop; these must lie still.
+  template <typename Visit>
+  void visit_stops(Visit visit) {
+    std::ranges::for_each(stops_, visit);
+  }
+
   /// Shows `visit` the jobs of the class that may go next, in the order of their turns: of each
   /// client address the oldest to each device, if it is of that class. A broadcast is for every
   /// device: nothing of its client address overtakes it, and it overtakes nothing. Ends when

@@ -14,7 +14,7 @@ struct Bus::Search {
   std::optional<Choice> best;
   Job* waits_for_gap = nullptr;
   std::bitset<kAddresses> claimed;  ///< by jobs that wait for what is in flight to their device
-  const Job* before = nullptr;      ///< set: only jobs to its address that were accepted before it
+  const Job* before = nullptr;      ///< set: only jobs for its device that were accepted before it
   bool decided = false;
 };
 
@@ -59,12 +59,16 @@ void Bus::expire(Instant now) {
 
 // Repeats what failed, and goes on with jobs of several transactions.
 void Bus::continue_running(Instant now) {
+  const Job* stop = queue_.first_stop();
   for (Job* job : running_) {
     if (job->in_flight) {
       continue;
     }
     if (job->job_class != JobClass::stop) {
       next_start_ = earlier(next_start_, job->deadline);
+    }
+    if (stop != nullptr && job->address() != stop->address() && !job->is_broadcast()) {
+      continue;  // the writes that the stop lets go first go before it
     }
     const Instant ready = ready_at(*job);
     if (now < ready) {
@@ -80,10 +84,13 @@ std::size_t Bus::in_flight() const {
       std::ranges::count_if(running_, [](const Job* job) { return job->in_flight; }));
 }
 
-// Nothing comes between the transactions of a job, unless its device must be left alone meanwhile.
-std::size_t Bus::occupied(Instant now) const {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      running_, [&](const Job* job) { return job->in_flight || !is_held_back(*job, now); }));
+// Nothing comes between the transactions of a job, unless its device must be left alone meanwhile,
+// or a stop waits.
+std::size_t Bus::occupied(Instant now) {
+  const bool stop_waits = queue_.first_stop() != nullptr;
+  return static_cast<std::size_t>(std::ranges::count_if(running_, [&](const Job* job) {
+    return job->in_flight || (!stop_waits && !is_held_back(*job, now));
+  }));
 }
 
 bool Bus::is_held_back(const Job& job, Instant now) const {
@@ -99,10 +106,7 @@ std::optional<Bus::Choice> Bus::choose(Instant now) {
     search.before = stop;
     look_for(JobClass::write, search, now);
     look_for(JobClass::read, search, now);
-    if (search.best && search.best->at <= search.soonest) {
-      return search.best;
-    }
-    search = Search{search.soonest, {}, nullptr, {}, nullptr, false};
+    return search.best;
   }
   look_for(first, search, now);
   if (!search.decided) {
@@ -117,8 +121,8 @@ std::optional<Bus::Choice> Bus::choose(Instant now) {
 void Bus::look_for(JobClass job_class, Search& search, Instant now) {
   queue_.visit_candidates(job_class, [&](Job& job) {
     const std::uint8_t address = job.transaction().address;
-    if (search.before != nullptr &&
-        (address != search.before->address() || job.sequence > search.before->sequence)) {
+    if (search.before != nullptr && ((address != search.before->address() && !job.is_broadcast()) ||
+                                     job.sequence > search.before->sequence)) {
       return false;
     }
     if (search.claimed[address] || !may_join(job)) {
@@ -186,6 +190,10 @@ void Bus::skip_known_settings(Job& job) {
 
 void Bus::transmit(Job& job, Instant now) {
   skip_known_settings(job);
+  Job* stop = job.job_class == JobClass::stop ? nullptr : queue_.first_stop();
+  if (stop != nullptr) {
+    stop->held_by_writes += held_by(*stop, ready_at(job));
+  }
   if (job.tries == 0) {
     job.transmitted_at = now;
     job.writes_before = devices_[job.address()].cache.writes();
@@ -196,6 +204,9 @@ void Bus::transmit(Job& job, Instant now) {
   const drive::DeviceTiming timing = note_transmission(job, transaction, now);
   const unsigned owed = quarantines_ ? devices_[transaction.address].health.owed(now, timing) : 0U;
   actions_.emplace_back(TransmitFrame{line_.begin(transaction, timing, owed, now)});
+  if (stop != nullptr) {
+    line_.limit_wait(transaction, stop->waits_since + settings_.stop_wait, settings_.stop_wait);
+  }
 }
 
 // Keeps the books of it; returns the times that hold for it.

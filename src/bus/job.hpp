@@ -92,8 +92,10 @@ struct Job {
   bool accepted = false;     ///< the bus has it
   bool unmerged = false;     ///< it was part of a longer read that failed, and goes alone now
   Instant waits_since;       ///< accepted then, or repeated
-  Instant transmitted_at;    ///< its current transaction, for the first time
-  Instant last_sent;         ///< the last transmission of anything of it
+  /// Of a stop: for so long the writes were held back that it let go first.
+  Duration held_by_writes{0};
+  Instant transmitted_at;           ///< its current transaction, for the first time
+  Instant last_sent;                ///< the last transmission of anything of it
   std::uint64_t writes_before = 0;  ///< to its device, accepted before it was transmitted
   boost::container::small_vector<Job*, 1> followers;
   std::unique_ptr<Transaction> merged;  ///< what is transmitted instead, for all of them

@@ -30,8 +30,8 @@ class Line {
     return std::visit([&](auto& line) { return line.begin(transaction, timing, owed, now); },
                       line_);
   }
-  void limit_wait(const Transaction& transaction, Instant instant) {
-    std::visit([&](auto& line) { line.limit_wait(transaction, instant); }, line_);
+  void limit_wait(const Transaction& transaction, Instant instant, Duration least) {
+    std::visit([&](auto& line) { line.limit_wait(transaction, instant, least); }, line_);
   }
   [[nodiscard]] Instant response_due() const {
     return std::visit([](const auto& line) { return line.response_due(); }, line_);

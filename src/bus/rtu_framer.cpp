@@ -41,20 +41,9 @@ void RtuFramer::give_up_buffer() {
 
 void RtuFramer::note_stray(modbus::Bytes frame) {
   ++counters_.stray_frames;
-  if (strays_.size() < strays_.capacity()) {
-    const modbus::PduLength length = modbus::response_length(frame.subspan(1));
-    strays_.push_back({frame[0], length.kind == Kind::known &&
-                                     length.bytes + modbus::kRtuOverhead == frame.size()});
-  }
-}
-
-std::optional<Stray> RtuFramer::take_stray() {
-  if (strays_.empty()) {
-    return std::nullopt;
-  }
-  const Stray stray = strays_.front();
-  strays_.erase(strays_.begin());
-  return stray;
+  const modbus::PduLength length = modbus::response_length(frame.subspan(1));
+  strays_.add({frame[0],
+               length.kind == Kind::known && length.bytes + modbus::kRtuOverhead == frame.size()});
 }
 
 // What stands here is not the answer. It is kept until silence tells what it was.
@@ -132,7 +121,7 @@ RtuFramer::Step RtuFramer::look(Instant now) {
   }
   const bool right_function =
       right_unit && (buffer_[1] & ~modbus::kExceptionBit) == transaction_->request.function();
-  if (!right_function) {
+  if (!right_function || has_other_length()) {
     begun_at_.reset();
     return look_at_stranger();
   }
@@ -145,6 +134,14 @@ RtuFramer::Step RtuFramer::look(Instant now) {
 modbus::PduLength RtuFramer::candidate_length() const {
   const modbus::PduLength own = modbus::response_length(buffered().subspan(1));
   return own.kind == Kind::opaque ? modbus::expected_response_length(transaction_->request) : own;
+}
+
+// Its byte count says already that it is no answer to what was asked.
+bool RtuFramer::has_other_length() const {
+  const modbus::PduLength own = modbus::response_length(buffered().subspan(1));
+  const modbus::PduLength expected = modbus::expected_response_length(transaction_->request);
+  return own.kind == Kind::known && expected.kind == Kind::known && own.bytes != expected.bytes &&
+         (buffer_[1] & modbus::kExceptionBit) == 0;
 }
 
 RtuFramer::Step RtuFramer::look_at_candidate() {

@@ -46,7 +46,7 @@ class RtuFramer {
   /// When the first byte of the response came.
   [[nodiscard]] Instant response_began() const { return response_began_; }
   /// A good frame that answers nothing that was asked, each once.
-  std::optional<Stray> take_stray();
+  std::optional<Stray> take_stray() { return strays_.take(); }
 
  private:
   enum class Step : std::uint8_t { wait, again, response };
@@ -59,6 +59,7 @@ class RtuFramer {
   Step look_at_candidate();
   Step look_at_stranger();
   [[nodiscard]] modbus::PduLength candidate_length() const;
+  [[nodiscard]] bool has_other_length() const;
   [[nodiscard]] modbus::Bytes buffered() const { return {buffer_.data(), buffer_.size()}; }
   Verdict end_by_silence();
   Verdict search(Instant now);
@@ -80,7 +81,7 @@ class RtuFramer {
   bool opaque_ = false;  // a candidate that only silence ends
   std::optional<modbus::Pdu> response_;
   Instant response_began_;
-  boost::container::static_vector<Stray, kMostStrays> strays_;
+  Strays<kMostStrays> strays_;
 };
 
 }  // namespace mbgate::bus

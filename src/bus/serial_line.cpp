@@ -38,7 +38,8 @@ void SerialLine::open(Instant now) {
   abort();
   quiet_since_ = now;
   listening_until_ = now + listen_first_;
-  settling_until_ = turnaround_until_ = now;
+  settling_until_ = now;
+  turnaround_until_ = std::max(turnaround_until_, now);  // the drives know nothing of the adapter
 }
 
 void SerialLine::update(const BusSettings& settings, Duration listen_first) {
@@ -78,6 +79,7 @@ FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming
     echo_expected_ = frame;
   }
   if (transaction.is_broadcast()) {
+    turnaround_until_ = emission_ends_ + turnaround_;
     framer_.listen();
   } else {
     framer_.expect(transaction);
@@ -85,8 +87,8 @@ FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming
   return frame;
 }
 
-void SerialLine::limit_wait(const Transaction& /*transaction*/, Instant instant) {
-  response_deadline_ = std::min(response_deadline_, std::max(instant, emission_ends_));
+void SerialLine::limit_wait(const Transaction& /*transaction*/, Instant instant, Duration least) {
+  response_deadline_ = std::min(response_deadline_, std::max(instant, emission_ends_ + least));
 }
 
 void SerialLine::abort() {
@@ -173,7 +175,6 @@ void SerialLine::handle_deadline(Instant now) {
   }
   if (transaction_->is_broadcast()) {
     if (now >= emission_ends_) {
-      turnaround_until_ = emission_ends_ + turnaround_;
       end(LineEnd::How::sent);
     }
     return;

@@ -31,9 +31,9 @@ class SerialLine {
   /// their time are refused. Returns the frame.
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, unsigned owed,
                    Instant now);
-  /// The running transaction counts as timed out at `instant`, but not before it has left, unless
-  /// its response has begun by then.
-  void limit_wait(const Transaction& transaction, Instant instant);
+  /// The running transaction counts as timed out at `instant`, but not before it has left and had
+  /// `least` for its response, unless this has begun by then.
+  void limit_wait(const Transaction& transaction, Instant instant, Duration least);
   /// When the response timeout of the last transmission ends.
   [[nodiscard]] Instant response_due() const { return response_due_; }
   /// Gives up the running transaction: nothing of it will be reported.

@@ -53,7 +53,9 @@ struct BusSettings {
   bool coalesce = true;      ///< identical waiting reads are transmitted once
   bool merge = false;        ///< adjacent and overlapping waiting reads are transmitted as one
   unsigned burst = 8;        ///< transactions of a class before one of a lower class goes
-  /// A stop waits for the first byte of a running transaction's response at most so long.
+  /// A stop waits for the first byte of a running transaction's response at most so long; other
+  /// stops, and writes that go first (`stop_cancels = false`), have so long for it from the end of
+  /// their requests on. While writes that go first are held back it waits so long in all.
   Duration stop_wait = std::chrono::milliseconds(100);
   /// Percent of the bus's time that the probes of all its offline devices may take together.
   unsigned probe_share = 2;

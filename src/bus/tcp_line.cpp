@@ -24,18 +24,10 @@ void TcpLine::open(Instant now) {
   quiet_since_ = now;
 }
 
-void TcpLine::limit_wait(const Transaction& transaction, Instant instant) {
+void TcpLine::limit_wait(const Transaction& transaction, Instant instant, Duration least) {
   const auto flight = std::ranges::find(flights_, &transaction, &Flight::transaction);
-  flight->response_deadline = std::min(flight->response_deadline, instant);
-}
-
-std::optional<Stray> TcpLine::take_stray() {
-  if (strays_.empty()) {
-    return std::nullopt;
-  }
-  const Stray stray = strays_.front();
-  strays_.pop_front();
-  return stray;
+  flight->response_deadline =
+      std::min(flight->response_deadline, std::max(instant, flight->sent + least));
 }
 
 FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& timing,
@@ -45,7 +37,7 @@ FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& t
   }
   const std::uint16_t identifier = new_identifier();
   const Instant due = now + timing.response_timeout + timing.response_wait;
-  flights_.push_back({identifier, &transaction, due, due});
+  flights_.push_back({identifier, &transaction, now, due, due});
   quiet_since_ = now;
   const modbus::MbapBytes adu =
       modbus::encode({{identifier, transaction.address}, transaction.request.pdu()});
@@ -108,7 +100,7 @@ void TcpLine::match(const modbus::MbapAdu& answer) {
     const auto expired =
         std::ranges::find(expired_, answer.header.transaction, &Expired::identifier);
     if (expired != expired_.end() && expired->address == answer.header.unit) {
-      strays_.push_back({expired->address, true});
+      strays_.add({expired->address, true});
       expired_.erase(expired);
     }
     return;

@@ -35,14 +35,15 @@ class TcpLine {
                    Instant now);
   /// The same as ready_at() without a gap.
   [[nodiscard]] Instant ready_for_stop_at() const { return quiet_since_; }
-  /// The running transaction counts as timed out at `instant` at the latest.
-  void limit_wait(const Transaction& transaction, Instant instant);
+  /// The running transaction counts as timed out at `instant`, but not before it had `least` for
+  /// its response.
+  void limit_wait(const Transaction& transaction, Instant instant, Duration least);
   /// A late answer does no harm here.
   [[nodiscard]] static Instant response_due() { return Instant::min(); }
   /// Nothing of what a bus may be told anew concerns a connection.
   void update(const BusSettings& /*settings*/, Duration /*listen_first*/) {}
   /// A late answer, each once. Nobody else is heard on a connection.
-  std::optional<Stray> take_stray();
+  std::optional<Stray> take_stray() { return strays_.take(); }
   /// Gives up all running transactions: nothing of them will be reported.
   void abort();
 
@@ -60,6 +61,7 @@ class TcpLine {
   struct Flight {
     std::uint16_t identifier;
     Transaction* transaction;
+    Instant sent;
     Instant due;                ///< the end of the response timeout
     Instant response_deadline;  ///< the same, or earlier because a stop waits
   };
@@ -83,7 +85,7 @@ class TcpLine {
   Instant quiet_since_;               // the last byte in either direction
   std::deque<LineEnd> ends_;
   std::deque<Expired> expired_;  // the newest kMostExpired
-  std::deque<Stray> strays_;
+  Strays<kMostExpired> strays_;  // each of them had expired
   std::optional<LineFault> fault_;
 };
 

@@ -2,8 +2,10 @@
 // What a framer makes of the bytes that it was given.
 #pragma once
 
+#include <boost/container/static_vector.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace mbgate::bus {
 
@@ -14,6 +16,30 @@ inline constexpr std::size_t kMostStrays = 16;
 struct Stray {
   std::uint8_t address;
   bool is_response;  ///< it has the length of one; else it may be another client's request
+};
+
+/// Those that were seen and not told yet: `Most`, and no more.
+template <std::size_t Most>
+class Strays {
+ public:
+  void add(Stray stray) {
+    if (strays_.size() < Most) {
+      strays_.push_back(stray);
+    }
+  }
+  /// The oldest, each once.
+  std::optional<Stray> take() {
+    if (strays_.empty()) {
+      return std::nullopt;
+    }
+    const Stray stray = strays_.front();
+    strays_.erase(strays_.begin());
+    return stray;
+  }
+  void clear() { strays_.clear(); }
+
+ private:
+  boost::container::static_vector<Stray, Most> strays_;
 };
 
 enum class Verdict : std::uint8_t {

@@ -53,6 +53,22 @@ void read_quarantine(TomlTable& table, TimingOrigin origin, drive::DeviceTiming&
   check_longest_quarantine(table, origin.longest_quarantine, timing);
 }
 
+/// An offline device would be waited for longer than one that answers.
+void check_probe_timeout(TomlTable& table, const drive::DeviceTiming& timing) {
+  if (!timing.probe_timeout || *timing.probe_timeout <= timing.response_timeout) {
+    return;
+  }
+  for (const auto* key : {"probe_timeout", "response_timeout"}) {
+    if (table.has(key)) {  // otherwise the bus has been told already
+      table.warning(key, "probe_timeout (" + to_text(*timing.probe_timeout) +
+                             ") is longer than response_timeout (" +
+                             to_text(timing.response_timeout) +
+                             "): an offline device is waited for longer than one that answers");
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 void read_shared_timing(TomlTable& table, TimingOrigin origin, drive::DeviceTiming& timing) {
@@ -63,6 +79,7 @@ void read_shared_timing(TomlTable& table, TimingOrigin origin, drive::DeviceTimi
   assign(timing.offline_after, table.integer("offline_after", {0, 1000}));
   assign(timing.probe_interval, table.duration("probe_interval", {1ms, 1h}));
   assign(timing.probe_timeout, table.duration("probe_timeout", {1ms, 1h}));
+  check_probe_timeout(table, timing);
 }
 
 }  // namespace mbgate::config

@@ -80,6 +80,32 @@ bool is_reached(const Settings& settings, drive::BusId id) {
          });
 }
 
+/// Transparent listeners pass units 1 to 247, and broadcasts if they are told to.
+bool passes_writes(const gateway::ListenerSettings& listener, const drive::Device& device) {
+  constexpr std::uint8_t kLastUnit = 247;
+  return listener.bus == device.bus &&
+         (listener.broadcast || (device.address >= 1 && device.address <= kLastUnit));
+}
+
+/// Failsafe writes are sent when the last client that may write has gone.
+void check_failsafe(Draft& draft) {
+  const auto& settings = draft.settings;
+  for (std::size_t i = 0; i < settings.devices.size(); ++i) {
+    const auto& device = settings.devices[i];
+    const bool written =
+        std::ranges::any_of(settings.listeners,
+                            [&](const auto& it) { return passes_writes(it, device); }) ||
+        std::ranges::any_of(settings.routes, [&](const Route& route) {
+          return route.may_write() && route.leads_to(device);
+        });
+    if (!settings.guards[i].failsafe.empty() && !written) {
+      draft.devices[i].warning("failsafe",
+                               "is never sent: no listener and no route lets a client write to "
+                               "this device");
+    }
+  }
+}
+
 void check_ways(Draft& draft) {
   const auto& settings = draft.settings;
   for (std::size_t i = 0; i < settings.buses.size(); ++i) {
@@ -116,6 +142,7 @@ void check_whole(Draft& draft) {
   // After an error a way may be missing only because the entry that leads there is wrong.
   if (!draft.document.failed()) {
     check_ways(draft);
+    check_failsafe(draft);
   }
 }
 

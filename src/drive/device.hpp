@@ -66,7 +66,8 @@ struct Device {
   bool split_writes = false;                     ///< writes over the limit become several
   bool verify_word_order = false;
   bool allow_reconfigure = false;
-  /// A stop takes back the writes that wait for the device; otherwise they are sent before it.
+  /// A stop takes back the writes that wait for the device; otherwise they are sent before it, but
+  /// for those that are held back for longer than a stop waits.
   bool stop_cancels = true;
   /// Reads are answered with what was read up to so long ago; 0: never.
   Duration cache{0};

@@ -79,7 +79,8 @@ class ClientSession {
 
   ReadAhead input;
   TakenAhead ahead;
-  bool has_asked = false;  ///< a request was understood
+  bool has_asked = false;   ///< a request was understood
+  bool is_leaving = false;  ///< its stops are taken, and nobody reads answers any more
   bool speaks_rtu_reported = false;
   Instant last_activity;
   std::optional<Instant> partial_since;   ///< an incomplete ADU is at the front of `input`

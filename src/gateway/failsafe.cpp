@@ -7,7 +7,7 @@ void Failsafe::client_came(ClientId client, const DevicePlaces& devices, Instant
   if (devices.empty()) {
     return;
   }
-  clients_[client] = devices;
+  clients_[client].devices = devices;
   for (const std::size_t device : devices) {
     Watch& watch = watches_.at(device);
     ++watch.clients;
@@ -20,8 +20,25 @@ void Failsafe::client_asked(ClientId client, Instant now) {
   if (known == clients_.end()) {
     return;
   }
-  for (const std::size_t device : known->second) {
+  for (const std::size_t device : known->second.devices) {
     note_activity(watches_.at(device), now);
+  }
+}
+
+void Failsafe::client_waits(ClientId client, bool waits, Instant now) {
+  const auto known = clients_.find(client);
+  if (known == clients_.end() || known->second.waits == waits) {
+    return;
+  }
+  known->second.waits = waits;
+  for (const std::size_t device : known->second.devices) {
+    Watch& watch = watches_.at(device);
+    if (waits) {
+      ++watch.waiting;
+    } else {
+      --watch.waiting;
+      note_activity(watch, now);
+    }
   }
 }
 
@@ -30,12 +47,14 @@ void Failsafe::client_gone(ClientId client) {
   if (known == clients_.end()) {
     return;
   }
-  for (const std::size_t device : known->second) {
+  for (const std::size_t device : known->second.devices) {
     Watch& watch = watches_.at(device);
+    watch.waiting -= known->second.waits ? 1U : 0U;
     if (--watch.clients == 0 && !watch.sent) {
       watch.sent = true;
       due_.push_back({device, false});
     }
+    earliest_silence_ = bus::earlier(earliest_silence_, silent_at(watch));
   }
   clients_.erase(known);
 }
@@ -93,7 +112,7 @@ void Failsafe::note_activity(Watch& watch, Instant now) {
 }
 
 std::optional<Instant> Failsafe::silent_at(const Watch& watch) {
-  if (watch.quiet <= Duration{0} || watch.clients == 0 || watch.sent) {
+  if (watch.quiet <= Duration{0} || watch.clients == 0 || watch.waiting > 0 || watch.sent) {
     return std::nullopt;
   }
   return watch.active + watch.quiet;

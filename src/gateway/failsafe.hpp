@@ -23,12 +23,14 @@ class Failsafe {
 
   /// Watches a device. A `quiet` of 0: silence is no reason.
   void watch(std::size_t device, Duration quiet) { watches_[device].quiet = quiet; }
-  [[nodiscard]] bool watches(std::size_t device) const { return watches_.contains(device); }
 
   /// The client may write to these devices, which are watched.
   void client_came(ClientId client, const DevicePlaces& devices, Instant now);
   /// Any request counts.
   void client_asked(ClientId client, Instant now);
+  /// Does it wait for an answer of ours? Then it is not silent; when it has them all, its silence
+  /// begins.
+  void client_waits(ClientId client, bool waits, Instant now);
   void client_gone(ClientId client);
 
   /// The next device whose time has come.
@@ -43,16 +45,22 @@ class Failsafe {
   struct Watch {
     Duration quiet{0};
     std::size_t clients = 0;
-    Instant active = Instant::min();  ///< when one of them asked last, or came
+    std::size_t waiting = 0;          ///< of these, those that wait for an answer
+    Instant active = Instant::min();  ///< when one of them asked or was answered last, or came
     bool sent = false;                ///< since then
+  };
+  struct Client {
+    DevicePlaces devices;
+    bool waits = false;
   };
   void note_activity(Watch& watch, Instant now);
   [[nodiscard]] static std::optional<Instant> silent_at(const Watch& watch);
 
   std::map<std::size_t, Watch> watches_;
-  std::unordered_map<ClientId, DevicePlaces> clients_;
+  std::unordered_map<ClientId, Client> clients_;
   std::vector<Due> due_;
-  /// No watch is silent earlier; found anew when it comes, because activity only makes it later.
+  /// No watch is silent earlier; found anew when it comes, because most of what happens only makes
+  /// it later.
   std::optional<Instant> earliest_silence_;
 };
 

@@ -105,6 +105,7 @@ class Gateway {
   void arm(ClientId id, ClientSession& session, Instant at);
   void check_client(ClientId id, Instant now);
   void close(ClientId id);
+  void drop_requests(ClientSession& session);
   void forget(Sessions::iterator client);
   void add_connection(const routing::ClientAddress& address);
   [[nodiscard]] unsigned weight_of(const routing::ClientAddress& address) const;
@@ -143,11 +144,16 @@ class Gateway {
                                                                const routing::Plan& plan,
                                                                const Received& received,
                                                                Instant now) const;
+  [[nodiscard]] std::optional<modbus::ExceptionCode> objection_of_devices(
+      ClientId id, const ClientSession& session, const routing::Plan& write,
+      const Received& received, Instant now) const;
   void note_accepted(const Exchange& exchange, Instant now);
   [[nodiscard]] DevicePlaces overtaken_by(const routing::Plan& stop) const;
   void take_stops_ahead(ClientId id, ClientSession& session, Instant now, bool leaving = false);
-  std::optional<routing::Plan> stop_in(const ClientSession& session,
-                                       const modbus::MbapAdu& adu) const;
+  bool look_ahead(ClientId id, ClientSession& session, const Received& received, Instant now);
+  std::optional<routing::Plan> write_in(const ClientSession& session,
+                                        const modbus::MbapAdu& adu) const;
+  void note_ahead(ClientSession& session, const routing::Plan& write, std::uint64_t position) const;
   void accept_ahead(ClientId id, ClientSession& session, const Received& received,
                     routing::Plan plan, Instant now);
   void pass_taken(ClientId id, ClientSession& session, const TakenAhead::Stop& stop);

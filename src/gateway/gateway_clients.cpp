@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The doors of the machine for clients: who is let in, when a connection is read, when it ends.
 #include <algorithm>
+#include <utility>
 
 #include "gateway/gateway.hpp"
 
@@ -128,6 +129,7 @@ void Gateway::after_input(ClientId id, ClientSession& session, Instant now) {
     return;
   }
   take_stops_ahead(id, session, now);
+  failsafe_.client_waits(id, !session.exchanges.empty(), now);
   if (session.is_finished()) {
     close(id);
     return;
@@ -183,12 +185,16 @@ void Gateway::close(ClientId id) {
   forget(sessions_.find(id));
 }
 
-void Gateway::forget(Sessions::iterator client) {
-  const auto exchanges = client->second.exchanges;
-  for (const std::uint32_t index : exchanges) {
+// Nobody is told what becomes of its requests.
+void Gateway::drop_requests(ClientSession& session) {
+  for (const std::uint32_t index : std::exchange(session.exchanges, {})) {
     exchanges_[index].client_gone = true;
     cancel_waiting(index, false);
   }
+}
+
+void Gateway::forget(Sessions::iterator client) {
+  drop_requests(client->second);
   failsafe_.client_gone(client->first);
   timers_.cancel(client->first, client->second.timer_armed_at);
   const ClientInfo info = client->second.info();

@@ -95,7 +95,8 @@ bool Gateway::is_changed(const Exchange& exchange, const Exchange::Part& part,
     }
     return false;
   }
-  const auto listener = succession.listener(exchange.listener);
+  const auto listener =
+      exchange.client_gone ? std::nullopt : succession.listener(exchange.listener);
   const routing::Way* way =
       listener ? current().routes.find(*listener, exchange.header.unit) : nullptr;
   const bool other_order = way != nullptr && way->route.word_order != exchange.word_order;
@@ -147,9 +148,9 @@ void Gateway::end_dead(bus::Bus& dead, Instant now) {
 
 void Gateway::renumber_clients(const Succession& succession, Instant now) {
   for (Exchange& exchange : exchanges_.all()) {
-    if (exchange.generation != nullptr) {
-      // Of a client that has gone nobody asks.
-      exchange.listener = succession.listener(exchange.listener).value_or(ListenerId{});
+    // Of a client that has gone nobody asks.
+    if (exchange.generation != nullptr && !exchange.client_gone) {
+      exchange.listener = *succession.listener(exchange.listener);
     }
   }
   listener_clients_.assign(settings().listeners.size(), 0);

@@ -41,17 +41,26 @@ std::optional<ExceptionCode> Gateway::objection(ClientId id, const ClientSession
   if (stopping_ || session.is_half_closed()) {
     return kNotNow;
   }
+  return objection_of_devices(id, session, plan, received, now);
+}
+
+// Why none of the devices that a write reaches, or not all of them, may be written to now.
+std::optional<ExceptionCode> Gateway::objection_of_devices(ClientId id,
+                                                           const ClientSession& session,
+                                                           const routing::Plan& write,
+                                                           const Received& received,
+                                                           Instant now) const {
   std::optional<ExceptionCode> found;
-  for (const routing::PlannedTransaction& transaction : plan.transactions()) {
+  for (const routing::PlannedTransaction& transaction : write.transactions()) {
     for (const std::size_t place : current().devices.reached_by(transaction)) {
-      if (session.ahead.forbids(place, received.position) ||
-          stop_marks_.forbids(place, id, received.arrival)) {
-        return kNotNow;
-      }
       const DeviceGuard* guard = current().guard(place);
-      const auto denied = guard == nullptr
-                              ? std::nullopt
-                              : writers_.objection(place, *guard, session.info().address, now);
+      auto denied = guard == nullptr
+                        ? std::nullopt
+                        : writers_.objection(place, *guard, session.info().address, now);
+      if (!denied && (session.ahead.forbids(place, received.position) ||
+                      stop_marks_.forbids(place, id, received.arrival))) {
+        denied = ExceptionCode::server_device_busy;
+      }
       // What is never allowed is said rather than what is not allowed now.
       if (denied && found != ExceptionCode::illegal_function) {
         found = denied;
@@ -90,43 +99,87 @@ DevicePlaces Gateway::overtaken_by(const routing::Plan& stop) const {
   return overtaken;
 }
 
-// What lies behind a full pipeline is looked at once, for stops; one that lets the writes before it
-// run keeps its place. A client that leaves has sent what it has sent: all its stops are taken,
-// however many there are.
+// What lies behind a full pipeline is looked at once, for stops. One that lets writes go first is
+// looked at again as long as such a write lies before it. A client that leaves has sent what it has
+// sent: all its stops are taken, however many there are.
 void Gateway::take_stops_ahead(ClientId id, ClientSession& session, Instant now, bool leaving) {
-  if (!leaving && !session.is_full()) {
+  session.is_leaving = leaving;
+  if (leaving) {
+    drop_requests(session);  // before a stop sets the bus going
+  } else if (!session.is_full()) {
     return;
   }
   const std::uint64_t front = session.position();
-  std::uint64_t at = std::max(session.ahead.looked_at, front);
+  // Those that kept their place have been looked at already.
+  std::uint64_t at = leaving ? front : std::max(session.ahead.looked_at, front);
+  std::optional<std::uint64_t> first_held;
+  session.ahead.keep_writes(front, at);
   while (leaving || session.ahead.has_room()) {
     const std::size_t offset = at - front;
     const modbus::MbapScan scan = modbus::scan_mbap(session.input.bytes().subspan(offset));
     if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
       at += foreign->size;
     } else if (const auto* frame = std::get_if<modbus::MbapFrame>(&scan)) {
-      auto plan = stop_in(session, frame->adu);
-      if (plan && !session.is_before_ready(at) && (leaving || !overtaken_by(*plan).empty())) {
-        accept_ahead(id, session, {frame->adu, at, session.input.arrival_at(offset)},
-                     *std::move(plan), now);
+      const Received received{frame->adu, at, session.input.arrival_at(offset)};
+      if (!look_ahead(id, session, received, now)) {
+        first_held = first_held.value_or(at);
       }
       at += frame->size;
     } else {
       break;
     }
   }
-  session.ahead.looked_at = at;
+  session.ahead.looked_at = first_held.value_or(at);
 }
 
-std::optional<routing::Plan> Gateway::stop_in(const ClientSession& session,
-                                              const modbus::MbapAdu& adu) const {
-  // Nothing but a plain write can be a stop, and most of what waits are reads.
-  if (!modbus::is_broadcast_function(adu.pdu.function()) ||
-      settings().own_unit == adu.header.unit) {
+// False: it is a stop before which a write goes that lies there too.
+bool Gateway::look_ahead(ClientId id, ClientSession& session, const Received& received,
+                         Instant now) {
+  if (session.ahead.has(received.position) || session.is_before_ready(received.position)) {
+    return true;
+  }
+  auto plan = write_in(session, received.adu);
+  if (!plan) {
+    return true;
+  }
+  if (!is_stop(*plan)) {
+    // One that its client may never make goes before nothing.
+    if (objection_of_devices(id, session, *plan, received, now) !=
+        ExceptionCode::illegal_function) {
+      note_ahead(session, *plan, received.position);
+    }
+    return true;
+  }
+  // Only one for a single device may let writes go first.
+  const bool lets_go = overtaken_by(*plan).empty();
+  const DevicePlaces devices = current().devices.addressed_by(plan->transactions().front());
+  if (lets_go && !session.is_leaving &&
+      session.ahead.write_lies_before(devices, received.position)) {
+    return false;
+  }
+  accept_ahead(id, session, received, *std::move(plan), now);
+  return true;
+}
+
+std::optional<routing::Plan> Gateway::write_in(const ClientSession& session,
+                                               const modbus::MbapAdu& adu) const {
+  // Most of what waits are reads, and need no plan.
+  if (modbus::is_read(adu.pdu.bytes()) || settings().own_unit == adu.header.unit) {
     return std::nullopt;
   }
   auto plan = plan_for(session, adu);
-  return plan && is_stop(*plan) ? std::optional(*std::move(plan)) : std::nullopt;
+  return plan ? std::optional(*std::move(plan)) : std::nullopt;
+}
+
+void Gateway::note_ahead(ClientSession& session, const routing::Plan& write,
+                         std::uint64_t position) const {
+  for (const routing::PlannedTransaction& transaction : write.transactions()) {
+    for (const std::size_t place : current().devices.reached_by(transaction)) {
+      if (!settings().devices[place].stop_cancels) {
+        session.ahead.note_write(place, position);
+      }
+    }
+  }
 }
 
 void Gateway::accept_ahead(ClientId id, ClientSession& session, const Received& received,
@@ -135,6 +188,12 @@ void Gateway::accept_ahead(ClientId id, ClientSession& session, const Received& 
   failsafe_.client_asked(id, now);
   session.ahead.forbid(overtaken_by(plan), received.position);
   const std::uint32_t index = open_exchange(id, session, received.adu.header, std::move(plan));
+  if (session.is_leaving) {
+    exchanges_[index].client_gone = true;
+    session.exchanges.pop_back();
+    start(index, received.arrival, now);
+    return;
+  }
   TakenAhead::Stop stop{received.position};
   if (session.is_ordered()) {
     stop.answer_waits = true;

@@ -2,7 +2,6 @@
 #include "gateway/generation.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 namespace mbgate::gateway {
@@ -15,14 +14,6 @@ std::vector<routing::ListenerKind> kinds_of(const std::vector<ListenerSettings>&
     kinds.push_back({listener.bus, listener.broadcast, listener.broadcast_reply});
   }
   return kinds;
-}
-
-// Lets the way any function through that writes to a table?
-bool may_write(const routing::Route& route) {
-  constexpr std::array kWriting{0x05U, 0x06U, 0x0FU, 0x10U, 0x16U, 0x17U};
-  return route.access == routing::Access::read_write &&
-         std::ranges::any_of(
-             kWriting, [&](unsigned function) { return route.functions.allowed.test(function); });
 }
 
 bool reaches(const routing::Way& way, unsigned unit, const drive::Device& device) {
@@ -82,7 +73,7 @@ DevicePlaces Generation::watched_for(const ClientInfo& client, routing::ClientRi
 bool Generation::leads_to(ListenerId listener, const drive::Device& device) const {
   for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
     const routing::Way* way = routes.find(listener, static_cast<std::uint8_t>(unit));
-    if (way != nullptr && settings.own_unit != unit && may_write(way->route) &&
+    if (way != nullptr && settings.own_unit != unit && way->route.may_write() &&
         reaches(*way, unit, device)) {
       return true;
     }

@@ -5,11 +5,34 @@
 
 namespace mbgate::gateway {
 
+void TakenAhead::add(const Stop& stop) {
+  stops_.insert(std::ranges::upper_bound(stops_, stop.position, {}, &Stop::position), stop);
+}
+
+void TakenAhead::note_write(std::size_t device, std::uint64_t position) {
+  const bool known =
+      !writes_.empty() && writes_.back().device == device && writes_.back().position == position;
+  if (!known) {  // a run is many transactions
+    writes_.push_back({device, position});
+  }
+}
+
+void TakenAhead::keep_writes(std::uint64_t begin, std::uint64_t end) {
+  std::erase_if(writes_,
+                [&](const Place& it) { return it.position < begin || it.position >= end; });
+}
+
+bool TakenAhead::write_lies_before(const DevicePlaces& devices, std::uint64_t position) const {
+  return std::ranges::any_of(writes_, [&](const Place& it) {
+    return it.position < position && std::ranges::find(devices, it.device) != devices.end();
+  });
+}
+
 void TakenAhead::forbid(const DevicePlaces& devices, std::uint64_t before) {
   for (const std::size_t device : devices) {
-    const auto known = std::ranges::find(forbidden_, device, &Forbidden::device);
+    const auto known = std::ranges::find(forbidden_, device, &Place::device);
     if (known != forbidden_.end()) {
-      known->before = before;
+      known->position = before;
     } else {
       forbidden_.push_back({device, before});
     }
@@ -18,7 +41,7 @@ void TakenAhead::forbid(const DevicePlaces& devices, std::uint64_t before) {
 
 bool TakenAhead::forbids(std::size_t device, std::uint64_t position) const {
   return std::ranges::any_of(
-      forbidden_, [&](const Forbidden& it) { return it.device == device && position < it.before; });
+      forbidden_, [&](const Place& it) { return it.device == device && position < it.position; });
 }
 
 std::optional<TakenAhead::Stop> TakenAhead::take(std::uint64_t position) {

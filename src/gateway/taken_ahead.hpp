@@ -4,6 +4,7 @@
 // connection's stream.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -25,7 +26,15 @@ class TakenAhead {
   };
 
   [[nodiscard]] bool has_room() const { return stops_.size() < kStopReserve; }
-  void add(const Stop& stop) { stops_.push_back(stop); }
+  void add(const Stop& stop);
+  [[nodiscard]] bool has(std::uint64_t position) const {
+    return std::ranges::find(stops_, position, &Stop::position) != stops_.end();
+  }
+  /// A write to the device, which a stop of it lets go first, lies at the position.
+  void note_write(std::size_t device, std::uint64_t position);
+  /// Forgets the others: reading has come to them, or they will be looked at again.
+  void keep_writes(std::uint64_t begin, std::uint64_t end);
+  [[nodiscard]] bool write_lies_before(const DevicePlaces& devices, std::uint64_t position) const;
   /// Writes to these devices that lie before the position are overtaken by a stop.
   void forbid(const DevicePlaces& devices, std::uint64_t before);
   [[nodiscard]] bool forbids(std::size_t device, std::uint64_t position) const;
@@ -40,23 +49,26 @@ class TakenAhead {
   std::uint64_t looked_at = 0;  ///< whole requests before this position were looked at
 
  private:
-  struct Forbidden {
+  struct Place {
     std::size_t device;
-    std::uint64_t before;
+    std::uint64_t position;
   };
-  std::vector<Stop> stops_;  // in the order of their positions
-  std::vector<Forbidden> forbidden_;
+  std::vector<Stop> stops_;       // in the order of their positions
+  std::vector<Place> forbidden_;  // writes before the position
+  std::vector<Place> writes_;
 };
 
 template <typename NewPlace>
 void TakenAhead::renumber(NewPlace new_place) {
-  std::vector<Forbidden> kept;
-  for (const Forbidden& it : forbidden_) {
+  std::vector<Place> kept;
+  for (const Place& it : forbidden_) {
     if (const std::optional<std::size_t> device = new_place(it.device)) {
-      kept.push_back({*device, it.before});
+      kept.push_back({*device, it.position});
     }
   }
   forbidden_ = std::move(kept);
+  writes_.clear();
+  looked_at = 0;  // what lies there may reach other devices now
 }
 
 }  // namespace mbgate::gateway

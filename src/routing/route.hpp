@@ -65,6 +65,10 @@ struct Route {
   BroadcastReply broadcast_reply = BroadcastReply::echo;
 
   [[nodiscard]] bool is_broadcast() const { return first_unit == 0 && first_address == 0; }
+  /// Does it let any function through that writes to a table?
+  [[nodiscard]] bool may_write() const;
+  /// Is the device one of those that it leads to?
+  [[nodiscard]] bool leads_to(const drive::Device& server) const;
 };
 
 }  // namespace mbgate::routing

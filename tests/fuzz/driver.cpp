@@ -64,7 +64,8 @@ void Driver::expect_answers(Client& client) {
     const modbus::MbapScan scan = modbus::scan_mbap(client.stream);
     std::size_t size = 0;
     if (const auto* frame = std::get_if<modbus::MbapFrame>(&scan)) {
-      ++client.due[frame->adu.header.transaction];
+      const auto& [header, pdu] = frame->adu;
+      client.due.emplace(header.transaction, Asked{header.unit, pdu.function()});
       size = frame->size;
     } else if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
       size = foreign->size;
@@ -117,6 +118,30 @@ void Driver::lose(std::size_t bus) {
   }
 }
 
+void Driver::set_slow(std::size_t bus, bool slow) {
+  lines_[bus].slow = slow;
+  drain();
+}
+
+void Driver::reload(gateway::Settings settings, bool is_same) {
+  if (!stopping_) {
+    const auto before = std::exchange(lines_, {});
+    const auto& old = gateway_.settings().buses;
+    for (const auto& bus : settings.buses) {
+      const auto same = std::ranges::find(old, bus.name, &bus::BusSettings::name);
+      Line& line = lines_.emplace_back();
+      if (same != old.end()) {
+        line = before[static_cast<std::size_t>(same - old.begin())];
+        line.outdated = same->line != bus.line;
+      }
+    }
+  }
+  gateway_.handle_settings(std::move(settings), now_);
+  undisturbed_ = is_same;
+  drain();
+  require(std::ranges::none_of(lines_, &Line::outdated), "a line that has changed is closed");
+}
+
 void Driver::shutdown() {
   stopping_ = true;
   gateway_.handle_shutdown(now_);
@@ -145,6 +170,10 @@ void Driver::handle_due() {
 }
 
 void Driver::finish() {
+  for (Line& line : lines_) {
+    line.slow = false;
+  }
+  drain();
   const bus::Instant end = now_ + kPatience;
   while (now_ < end) {
     for (auto& [id, client] : clients_) {
@@ -157,9 +186,7 @@ void Driver::finish() {
   for (const auto& [id, client] : clients_) {
     if (client.open) {
       require(!client.paused && client.held.empty(), "a client that is answered is read again");
-      for (const auto& [transaction, due] : client.due) {
-        require(due == 0, "every request is answered");
-      }
+      require(client.due.empty(), "every request is answered");
     }
   }
   require(finished_ == stopping_, "a gateway that stops has finished");
@@ -170,11 +197,18 @@ void Driver::drain() {
   do {
     while (const auto action = gateway_.poll_action()) {
       require(++actions <= kMostActions, "one input does not set off actions without end");
+      require(!undisturbed_, "the same settings again change nothing");
       std::visit([this](const auto& wanted) { take(wanted); }, *action);
     }
+    undisturbed_ = false;
   } while (serve_lines() || serve_clients());
   const auto next = gateway_.next_deadline();
   require(!next || *next < now_ + 1h, "no deadline is further away than any timeout");
+}
+
+Driver::Line& Driver::line(BusId bus) {
+  require(static_cast<std::size_t>(bus) < lines_.size(), "a line that is meant is there");
+  return lines_[static_cast<std::size_t>(bus)];
 }
 
 /// Opens the lines that are asked for; true if there were any.
@@ -182,7 +216,7 @@ bool Driver::serve_lines() {
   bool any = false;
   for (std::size_t index = 0; index < lines_.size(); ++index) {
     Line& line = lines_[index];
-    if (std::exchange(line.asked, false) && !line.open) {
+    if (!line.slow && std::exchange(line.asked, false) && !line.open) {
       const BusId bus{static_cast<std::uint32_t>(index)};
       any = true;
       line.open = line.present;
@@ -211,63 +245,6 @@ bool Driver::serve_clients() {
     read(id, *client, bytes);
   }
   return !resumed.empty();
-}
-
-void Driver::take(const gateway::Send& action) {
-  Client* const client = client_at(static_cast<std::size_t>(action.client));
-  require(client != nullptr, "answers go to clients that are there");
-  const auto scan = modbus::scan_mbap({action.adu.data(), action.adu.size()});
-  const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
-  require(frame != nullptr && frame->size == action.adu.size(), "an answer is one ADU");
-  require(--client->due[frame->adu.header.transaction] >= 0, "an answer was asked for, once");
-  ++client->unconfirmed;
-}
-
-void Driver::take(const gateway::Pause& action) {
-  Client* const client = client_at(static_cast<std::size_t>(action.client));
-  require(client != nullptr && !client->paused, "a client that is read can be paused");
-  client->paused = true;
-}
-
-void Driver::take(const gateway::Resume& action) {
-  Client* const client = client_at(static_cast<std::size_t>(action.client));
-  require(client != nullptr && client->paused, "a client that is paused can be resumed");
-  client->paused = false;
-  resumed_.push_back(action.client);
-}
-
-void Driver::take(const gateway::Close& action) {
-  Client* const client = client_at(static_cast<std::size_t>(action.client));
-  require(client != nullptr, "a client is closed once");
-  client->open = false;
-}
-
-void Driver::take(const gateway::Open& action) {
-  Line& line = lines_[static_cast<std::size_t>(action.bus)];
-  require(!line.open, "a line is opened when it is closed");
-  line.asked = true;
-}
-
-void Driver::take(const gateway::Transmit& action) {
-  Line& line = lines_[static_cast<std::size_t>(action.bus)];
-  require(line.open, "nothing is transmitted on a closed line");
-  require(!action.frame.empty(), "a frame has bytes");
-  line.heard = action.frame;
-}
-
-void Driver::take(const gateway::Shut& action) {
-  Line& line = lines_[static_cast<std::size_t>(action.bus)];
-  require(line.open, "a line is closed when it is open");
-  line.open = false;
-}
-
-void Driver::take(const gateway::Report& action) {
-  require(!gateway::to_text(action.event, gateway_.settings()).empty(), "an event has a text");
-}
-
-void Driver::take(const gateway::Finished& /*action*/) {
-  require(stopping_ && !finished_, "a gateway that was asked to stop finishes once");
-  finished_ = true;
 }
 
 }  // namespace mbgate::fuzz

@@ -31,6 +31,10 @@ class Driver {
   void lose(std::size_t bus);
   /// Is a line that is asked for there?
   void set_present(std::size_t bus, bool present) { lines_[bus].present = present; }
+  /// Does opening a line take until this is called again with false?
+  void set_slow(std::size_t bus, bool slow);
+  /// Other settings. `is_same`: they mean the same as those in force, at other places perhaps.
+  void reload(gateway::Settings settings, bool is_same);
   void shutdown();
   void advance(bus::Duration duration);
   /// Lets everything come to its end, with nobody but the clock at work: every request of a client
@@ -38,6 +42,7 @@ class Driver {
   void finish();
 
   [[nodiscard]] std::size_t buses() const { return lines_.size(); }
+  [[nodiscard]] std::size_t listeners() const { return gateway_.settings().listeners.size(); }
   [[nodiscard]] bus::Framing framing(std::size_t bus) const {
     return gateway_.settings().buses[bus].line.framing;
   }
@@ -45,19 +50,26 @@ class Driver {
   [[nodiscard]] const bus::FrameBytes& heard(std::size_t bus) const { return lines_[bus].heard; }
 
  private:
+  struct Asked {
+    std::uint8_t unit;
+    std::uint8_t function;
+    friend bool operator==(const Asked&, const Asked&) = default;
+  };
   struct Client {
     bool open = true;
     bool ended = false;  ///< it has sent its FIN
     bool paused = false;
     std::size_t unconfirmed = 0;
     std::vector<std::uint8_t> stream;            ///< sent by it, and not yet a whole request
-    std::map<std::uint16_t, int> due;            ///< requests without answer, by transaction
+    std::multimap<std::uint16_t, Asked> due;     ///< requests without answer, by transaction
     std::deque<std::vector<std::uint8_t>> held;  ///< in the socket while reading is paused
   };
   struct Line {
     bool open = false;
     bool present = true;
+    bool slow = false;
     bool asked = false;
+    bool outdated = false;  ///< its settings have changed, so that it is to be closed first
     bus::FrameBytes heard;
   };
 
@@ -68,6 +80,7 @@ class Driver {
   void read(ClientId id, Client& client, modbus::Bytes bytes);
   void expect_answers(Client& client);
   void drain();
+  [[nodiscard]] Line& line(BusId bus);
   bool serve_lines();
   bool serve_clients();
   void handle_due();
@@ -87,6 +100,7 @@ class Driver {
   std::map<ClientId, Client> clients_;
   std::vector<ClientId> resumed_;
   std::uint64_t next_client_ = 0;
+  bool undisturbed_ = false;  ///< nothing is to be done on account of the last input
   bool stopping_ = false;
   bool finished_ = false;
 };

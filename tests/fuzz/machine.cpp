@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole machine, driven by a script: clients and lines do what they like, time passes.
 #include "fuzz/driver.hpp"
+#include "fuzz/plant_change.hpp"
 #include "fuzz/responses.hpp"
 
 namespace mbgate::fuzz {
@@ -86,13 +87,42 @@ void answer(Driver& driver, Script& script) {
   driver.line_bytes(bus, frame);
 }
 
-void step(Driver& driver, Script& script, std::uint16_t& transaction) {
+/// Which plant is in force.
+struct Rules {
+  std::uint16_t choices = 0;
+  std::uint16_t change = 0;
+};
+
+/// Settings as often as they like: the same ones, moved, or others.
+void reload(Driver& driver, Script& script, bool other_choices, Rules& rules) {
+  const std::uint16_t change = script.word();
+  const std::uint16_t choices = other_choices ? script.word() : rules.choices;
+  const bool is_same =
+      choices == rules.choices && ((change ^ rules.change) & kMeaningOfChange) == 0;
+  rules = {choices, change};
+  driver.reload(changed(plant(choices), change), is_same);
+}
+
+/// What happens to the gateway as a whole.
+void outer_step(Driver& driver, Script& script, Rules& rules) {
+  const std::uint8_t choice = script.byte();
+  if (choice == 0xFF) {
+    driver.shutdown();
+  } else if (choice >= 0x80) {
+    driver.set_slow(choice % driver.buses(), choice >= 0xC0);
+  } else if (choice >= 0x40) {
+    reload(driver, script, choice >= 0x60, rules);
+  }
+}
+
+void step(Driver& driver, Script& script, Rules& rules, std::uint16_t& transaction) {
   const std::uint8_t kind = script.byte() % 16;
   const std::size_t who = kind >= 1 && kind <= 8 ? script.byte() % 8U : 0U;
   switch (kind) {
     case 0: {
       const std::uint8_t choice = script.byte();
-      driver.connect(choice % 4, (choice >> 2U) % 4, choice >= 0xE0 ? 24 : 0);
+      driver.connect(static_cast<std::uint32_t>(choice % driver.listeners()), (choice >> 2U) % 4,
+                     choice >= 0xE0 ? 24 : 0);
       return;
     }
     case 1:
@@ -118,10 +148,7 @@ void step(Driver& driver, Script& script, std::uint16_t& transaction) {
     }
     case 13: driver.advance(std::chrono::microseconds(100) * script.byte()); return;
     case 14: driver.advance(std::chrono::milliseconds(20) * script.byte()); return;
-    default:
-      if (script.byte() == 0xFF) {
-        driver.shutdown();
-      }
+    default: outer_step(driver, script, rules);
   }
 }
 
@@ -131,13 +158,14 @@ void step(Driver& driver, Script& script, std::uint16_t& transaction) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mbgate::fuzz;
   Script script(data, size);
-  Driver driver(plant(script.word()));
+  Rules rules{script.word(), 0};
+  Driver driver(plant(rules.choices));
   for (std::uint8_t clients = 0; clients < 3; ++clients) {
     driver.connect(clients % 2U, clients, 0);
   }
   std::uint16_t transaction = 0;
   while (!script.empty()) {
-    step(driver, script, transaction);
+    step(driver, script, rules, transaction);
   }
   driver.finish();
   return 0;

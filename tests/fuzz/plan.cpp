@@ -1,90 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any request to any drive by any route: what goes on the bus keeps to the drive's limits, and what
-// the drive answers becomes an answer that fits the request.
+// Any request to any drives by any route: what goes on the bus keeps to the drives' limits, every
+// register reaches its place once, and what the client gets is what the drive holds.
 #include "routing/plan.hpp"
 
 #include <vector>
 
-#include "fuzz/fuzz.hpp"
+#include "fuzz/plan_refusal.hpp"
+#include "fuzz/plan_scene.hpp"
 #include "fuzz/responses.hpp"
 #include "modbus/response.hpp"
 
 namespace mbgate::fuzz {
 namespace {
 
-using drive::WordOrder;
+using modbus::Request;
 using modbus::ResponseFit;
-using modbus::Table;
+using routing::Plan;
+using routing::PlannedTransaction;
 
-Table table_of(Script& script) { return static_cast<Table>(script.byte() % 4); }
+constexpr std::uint8_t kAutonicsAddress = 129;
 
-WordOrder order_of(Script& script) { return script.flag() ? WordOrder::big : WordOrder::little; }
-
-/// Consistent as the configuration makes profiles: a value is never over a limit, no group cuts
-/// one.
-void read_profile(Script& script, drive::Profile& profile) {
-  const std::uint8_t values = script.byte() % 16;
-  for (int value = 0; value < values; ++value) {
-    const auto table = script.flag() ? Table::holding_registers : Table::input_registers;
-    const auto registers = static_cast<std::uint8_t>(script.flag() ? 4 : 2);
-    const std::uint16_t first = script.number(0xFFFF - 4);
-    profile.values.add({table, first, registers, script.flag()});
-  }
-  profile.limits.read[2] = static_cast<std::uint16_t>(4 + script.number(122));
-  profile.limits.read[3] = static_cast<std::uint16_t>(4 + script.number(122));
-  profile.limits.read[0] = static_cast<std::uint16_t>(1 + script.number(2000));
-  profile.limits.write_registers = static_cast<std::uint16_t>(4 + script.number(120));
-  profile.limits.write_coils = static_cast<std::uint16_t>(1 + script.number(1968));
-  profile.input_as_holding = script.flag();
-  std::uint32_t begin = script.word();
-  for (int groups = script.byte() % 4; groups > 0 && begin < 0xFF00; --groups) {
-    std::uint32_t end = begin + 4 + script.byte() % 64;
-    for (const std::uint32_t border : {begin, end}) {
-      const auto* cut = profile.values.at(Table::holding_registers, border);
-      if (cut != nullptr && cut->first < border) {
-        return;
-      }
-    }
-    profile.groups.push_back({Table::holding_registers, static_cast<std::uint16_t>(begin),
-                              static_cast<std::uint16_t>(end - begin)});
-    begin = end;
-  }
+/// Those whose data the plain device understands.
+bool moves_data(std::uint8_t function) {
+  return (function >= 1 && function <= 6) || function == 0x0F || function == 0x10 ||
+         function == 0x16 || function == 0x17;
 }
 
-drive::Device read_device(Script& script) {
-  drive::Device device;
-  read_profile(script, device.profile);
-  const std::uint8_t rules = script.byte();
-  device.word_order = order_of(script);
-  device.split_values = (rules & 1U) != 0;
-  device.split_writes = (rules & 2U) != 0;
-  device.allow_reconfigure = (rules & 4U) != 0;
-  if ((rules & 8U) != 0) {
-    device.write_function = static_cast<std::uint8_t>((rules & 16U) != 0 ? 6 : 16);
-  }
-  return device;
-}
-
-routing::AddressWindow read_window(Script& script) {
-  routing::AddressWindow window;
-  window.table = table_of(script);
-  const bool bits = window.table == Table::coils || window.table == Table::discrete_inputs;
-  window.to_table = !script.flag() ? window.table
-                    : bits         ? Table::discrete_inputs
-                                   : Table::input_registers;
-  window.from = script.word();
-  window.to = script.word();
-  window.count =
-      std::min<std::uint32_t>(1U + script.word(), 0x10000U - std::max(window.from, window.to));
-  return window;
-}
-
-void check_limits(const drive::Device& device, const modbus::Request& request) {
+void check_limits(const drive::Device& device, const Request& request) {
   const auto check = [&](const std::optional<modbus::AddressField>& field, std::uint16_t limit) {
     if (field) {
       require(field->range.count <= limit, "a transaction is within the drive's limits");
-      require(device.profile.group_end(field->range.table, field->range.first) >=
-                  drive::end_of(field->range),
+      require(!crosses_group(device, asked(field->range)),
               "a transaction stays in its parameter group");
     }
   };
@@ -96,9 +42,64 @@ void check_limits(const drive::Device& device, const modbus::Request& request) {
   }
 }
 
-void check_answer(const routing::Plan& plan, const modbus::Request& request, Script& script) {
+/// What starts motion is written whole; what the gateway cuts, it does not cut through a value.
+void check_values(const Scene& scene, const Plan& plan) {
+  const drive::Device& device = scene.device();
+  const ClientView view = view_of(scene, device);
+  const PlannedTransaction* before = nullptr;
+  for (const PlannedTransaction& transaction : plan.transactions()) {
+    const auto& writes = transaction.request.writes();
+    for (const drive::Value& value : device.profile.values.all()) {
+      if (writes && value.motion && drive::overlap(value.range(), writes->range)) {
+        require(writes->range.first <= value.first && value.end() <= drive::end_of(writes->range),
+                "a value that starts motion is written whole");
+      }
+    }
+    const bool splits_values = device.split_values && device.write_function == 6;
+    const auto& field = writes ? writes : transaction.request.reads();
+    if (transaction.must_hold != nullptr || !field) {
+      continue;
+    }
+    if (before != nullptr) {
+      const auto& last = writes ? before->request.writes() : before->request.reads();
+      require(drive::end_of(last->range) == field->range.first, "nothing is missing or twice");
+      const drive::Value* value = view.value_at(field->range.table, field->range.first);
+      require(value == nullptr || value->first == field->range.first ||
+                  (writes && splits_values && !value->motion),
+              "no cut goes through a value");
+    }
+    before = &transaction;
+  }
+}
+
+/// What the drive would answer, and what the client gets of it.
+void check_data(const Scene& scene, const Plan& plan, const Request& request) {
+  const drive::Device& device = scene.device();
+  const ClientView view = view_of(scene, device);
+  PlainDevice real(is_one_memory(scene));
+  PlainDevice expected(is_one_memory(scene));
+  const auto answer = view.carry_out(expected, request.pdu().bytes());
+  std::vector<modbus::Pdu> responses;
+  std::vector<const modbus::Pdu*> pointers;
+  for (const PlannedTransaction& transaction : plan.transactions()) {
+    if (transaction.must_hold == nullptr) {
+      responses.push_back(*modbus::Pdu::from(real.carry_out(transaction.request.pdu().bytes())));
+    }
+  }
+  for (const modbus::Pdu& response : responses) {
+    pointers.push_back(&response);
+  }
+  require(real.written() == expected.written(), "every register is written once, at its place");
+  require(real.cells() == expected.cells(), "what is written is what the client wants");
+  require(plan.answer(pointers) == modbus::Pdu::from(answer), "the client sees what is there");
+}
+
+void check_answer(const Plan& plan, const Request& request, Script& script) {
   std::vector<modbus::Pdu> answers;
   for (const auto& transaction : plan.transactions()) {
+    if (transaction.must_hold != nullptr) {
+      continue;
+    }
     answers.push_back(response_to(transaction.request, script));
     const auto fit = modbus::check_response(transaction.request, answers.back().bytes());
     if (fit == ResponseFit::exception) {
@@ -117,6 +118,129 @@ void check_answer(const routing::Plan& plan, const modbus::Request& request, Scr
           "the answer fits the client's request");
 }
 
+/// The gateway's own question goes before what depends on it.
+void check_question(const Scene& scene, const Plan& plan, std::size_t at) {
+  const PlannedTransaction& question = plan.transactions()[at];
+  require(!plan.is_read() && at + 1 < plan.transactions().size(), "a write follows a question");
+  const auto asks = [&](const drive::Device& device) {
+    return device.bus == question.bus && device.address == question.address &&
+           device.verify_word_order &&
+           question.must_hold->front() == (device.word_order == WordOrder::big ? 5 : 133);
+  };
+  require(std::ranges::any_of(scene.devices, asks), "a drive that is asked has to be");
+  const auto& reads = question.request.reads();
+  require(
+      reads && !question.request.writes() && reads->range.first == 0x400 && reads->range.count == 1,
+      "a question reads the register of the word order");
+}
+
+/// What is merged with a read must not leave its window.
+void check_window(const Scene& scene, const PlannedTransaction& transaction,
+                  const Request& request) {
+  const auto& reads = request.reads();
+  if (!reads || transaction.must_hold != nullptr) {
+    return;
+  }
+  const ClientView view = view_of(scene, scene.device());
+  const auto* window = view.window_of(asked(reads->range));
+  require(transaction.window_begin == (window == nullptr ? 0U : window->to) &&
+              transaction.window_end == (window == nullptr ? 0x10000U : window->to + window->count),
+          "a read knows its window");
+  const Asked read = asked(transaction.request.reads()->range);
+  require(transaction.window_begin <= read.first && read.end() <= transaction.window_end,
+          "a read stays in its window");
+}
+
+void check_unicast(const Scene& scene, const Plan& plan, const Request& request, Script& script) {
+  for (const PlannedTransaction& transaction : plan.transactions()) {
+    require(transaction.bus == scene.way.route.buses.front() &&
+                transaction.address == kFirstAddress + scene.unit - kFirstUnit &&
+                transaction.broadcast == BroadcastForm::none,
+            "a request goes where its unit leads");
+    check_window(scene, transaction, request);
+    if (scene.way.device != nullptr) {
+      check_limits(scene.device(), transaction.request);
+    }
+  }
+  if (scene.way.device != nullptr) {
+    check_values(scene, plan);
+  }
+  check_answer(plan, request, script);
+  if (moves_data(request.function())) {
+    check_data(scene, plan, request);
+  }
+}
+
+/// What reaches one drive, or one of which nothing is known.
+void check_hearer(const Scene& scene, const drive::Device& device, const Plan& plan,
+                  const Request& request) {
+  const bool autonics = device.profile.broadcast.form == BroadcastForm::autonics;
+  const bool is_meant = device.profile.broadcast.form != BroadcastForm::none &&
+                        (autonics || !scene.way.only_form) && takes(scene, device, request);
+  PlainDevice real;
+  PlainDevice expected;
+  const ClientView view = view_of(scene, device);
+  view.carry_out(expected, request.pdu().bytes());
+  std::size_t heard = 0;
+  for (const PlannedTransaction& transaction : plan.transactions()) {
+    if (transaction.bus == device.bus && transaction.must_hold == nullptr &&
+        (transaction.address == kAutonicsAddress) == autonics) {
+      ++heard;
+      real.carry_out(transaction.request.pdu().bytes());
+    }
+  }
+  require(heard <= 1, "nobody hears a broadcast twice");
+  require(heard == 1 || !is_meant, "everybody who is meant hears a broadcast");
+  if (heard == 1 && (!autonics || is_meant)) {
+    require(real.written() == expected.written(), "every register is written once, at its place");
+    require(real.cells() == expected.cells(), "what is heard is what the client wants");
+  }
+}
+
+void check_broadcast(const Scene& scene, const Plan& plan, const Request& request) {
+  for (const PlannedTransaction& transaction : plan.transactions()) {
+    if (transaction.must_hold == nullptr) {
+      const bool autonics = transaction.broadcast == BroadcastForm::autonics;
+      require(transaction.broadcast != BroadcastForm::none &&
+                  transaction.address == (autonics ? kAutonicsAddress : 0),
+              "a broadcast has the address of its form");
+      require(!scene.way.only_form || transaction.broadcast == *scene.way.only_form,
+              "only the form that was addressed is sent");
+    }
+  }
+  for (const routing::Audience& audience : scene.way.audiences) {
+    for (const drive::Device* device : audience.devices) {
+      check_hearer(scene, *device, plan, request);
+    }
+    if (audience.devices.empty()) {
+      drive::Device unknown;
+      unknown.bus = audience.bus;
+      unknown.word_order = scene.way.route.word_order;
+      if (scene.devices.empty()) {
+        check_hearer(scene, unknown, plan, request);
+      }
+    }
+  }
+  PlainDevice somebody;
+  drive::Device plain;
+  const auto answer = view_of(scene, plain).carry_out(somebody, request.pdu().bytes());
+  require(plan.echo() == modbus::Pdu::from(answer), "the client gets the echo of its request");
+}
+
+void check_plan(const Scene& scene, const Plan& plan, const Request& request, Script& script) {
+  require(!plan.transactions().empty(), "a plan does something");
+  for (std::size_t at = 0; at < plan.transactions().size(); ++at) {
+    const PlannedTransaction& transaction = plan.transactions()[at];
+    require(Request::parse(transaction.request.pdu()).has_value(), "a transaction is well-formed");
+    require(plan.is_read() <= transaction.request.is_read(), "a read writes nothing");
+    if (transaction.must_hold != nullptr) {
+      check_question(scene, plan, at);
+    }
+  }
+  scene.way.is_broadcast() ? check_broadcast(scene, plan, request)
+                           : check_unicast(scene, plan, request, script);
+}
+
 }  // namespace
 }  // namespace mbgate::fuzz
 
@@ -124,37 +248,22 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace mbgate;
   using namespace mbgate::fuzz;
   Script script(data, size);
-  const drive::Device device = read_device(script);
-  routing::Way way;
-  way.route.first_unit = way.route.last_unit = way.route.first_address = 1;
-  way.route.buses = {device.bus};
-  const bool known = script.flag();
-  if (known) {
-    way.device = &device;
-    way.route.word_order = script.flag() ? std::optional(order_of(script)) : std::nullopt;
-  }
-  for (int windows = script.byte() % 3; windows > 0 && !known; --windows) {
-    way.route.windows.push_back(read_window(script));
-  }
+  Scene scene;
+  read_scene(script, scene);
   const auto pdu = modbus::Pdu::from(script.piece());
   if (!pdu || !modbus::is_request_function(pdu->function())) {
     return 0;
   }
-  const auto plan = routing::Plan::make(way, 1, {script.flag()}, *pdu);
-  if (!plan) {
-    return 0;
-  }
+  const routing::ClientRights rights{script.flag()};
+  const auto plan = routing::Plan::make(scene.way, scene.unit, rights, *pdu);
   const auto request = modbus::Request::parse(*pdu);
-  require(request.has_value(), "a plan is made of a well-formed request only");
-  require(!plan->transactions().empty(), "a plan does something");
-  for (const auto& transaction : plan->transactions()) {
-    require(modbus::Request::parse(transaction.request.pdu()).has_value(),
-            "a transaction is well-formed");
-    require(plan->is_read() <= transaction.request.is_read(), "a read writes nothing");
-    if (known) {
-      check_limits(device, transaction.request);
-    }
+  if (plan) {
+    require(request.has_value(), "a plan is made of a well-formed request only");
+    check_plan(scene, *plan, *request, script);
+  } else if (request && !rights.read_only) {
+    require(scene.way.is_broadcast() ? broadcast_may_be_refused(scene, *request)
+                                     : may_be_refused(scene, *request),
+            "a refusal has a reason");
   }
-  check_answer(*plan, *request, script);
   return 0;
 }

@@ -5,7 +5,7 @@
 usage: run.py [--seconds N] [--build FOLDER] [--findings FOLDER] [--merge] [TARGET...]
 
 Exits 1 if there was a finding; its input is then in the findings' folder. --merge puts what reached something new
-into tests/fuzz/corpus, as few inputs as reach the same.
+into tests/fuzz/corpus, as few inputs as reach the same; what once was a finding is kept there under a name of its own.
 """
 
 import argparse
@@ -25,13 +25,15 @@ TARGETS = {"mbap": 1024, "rtu_framer": 1024, "ascii_framer": 1024, "plan": 600, 
            "machine": 1500}
 # Most inputs of a corpus: they are run again with every test.
 MOST_INPUTS = 80
+# Their names there: the beginning of a hash of their content.
+FOUND_BY_FUZZER = re.compile("[0-9a-f]{16}")
 
 
-def build(folder):
+def build(folder, targets):
     subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", "-DCMAKE_CXX_COMPILER=clang++-19",
                     "-DMBGATE_FUZZ=ON", "-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1"],
                    check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["ninja", "-C", folder, "fuzzers"], check=True)
+    subprocess.run(["ninja", "-C", folder, *(f"fuzz_{target}" for target in targets)], check=True)
 
 
 def dictionary(folder):
@@ -67,17 +69,22 @@ def fuzz(fuzzer, target, folder, options):
 
 
 def merge(fuzzer, target, folder):
-    """As few inputs as cover the same, in place of the corpus."""
+    """As few inputs as cover the same, in place of the corpus; inputs that have a name of their own are tests and stay."""
     merged = folder / f"{target}-merged"
     merged.mkdir()
-    subprocess.run([str(part) for part in (fuzzer, "-set_cover_merge=1", f"-max_len={TARGETS[target]}", merged,
-                                           CORPORA / target, folder / target)], check=True, capture_output=True)
-    inputs = sorted(merged.iterdir(), key=lambda file: file.stat().st_mtime_ns)[:MOST_INPUTS]
-    shutil.rmtree(CORPORA / target)
-    (CORPORA / target).mkdir()
-    for file in inputs:
-        shutil.copyfile(file, CORPORA / target / file.name[:16])
-    print(f"{target}: {len(inputs)} inputs, {sum(file.stat().st_size for file in inputs)} bytes", flush=True)
+    corpus = CORPORA / target
+    named = {file.read_bytes() for file in corpus.iterdir() if not FOUND_BY_FUZZER.fullmatch(file.name)}
+    subprocess.run([str(part) for part in (fuzzer, "-set_cover_merge=1", f"-max_len={TARGETS[target]}", merged, corpus,
+                                           folder / target)], check=True, capture_output=True)
+    chosen = [file for file in sorted(merged.iterdir(), key=lambda file: file.stat().st_mtime_ns)
+              if file.read_bytes() not in named][:MOST_INPUTS]
+    for file in corpus.iterdir():
+        if FOUND_BY_FUZZER.fullmatch(file.name):
+            file.unlink()
+    for file in chosen:
+        shutil.copyfile(file, corpus / file.name[:16])
+    print(f"{target}: {len(chosen)} inputs, {sum(file.stat().st_size for file in chosen)} bytes, and {len(named)} that"
+          " have a name", flush=True)
 
 
 def main():
@@ -91,12 +98,13 @@ def main():
     unknown = set(options.targets) - set(TARGETS)
     if unknown:
         parser.error(f"no such target: {', '.join(sorted(unknown))}; there are {', '.join(TARGETS)}")
-    build(options.build)
+    targets = options.targets or list(TARGETS)
+    build(options.build, targets)
     options.findings.mkdir(parents=True, exist_ok=True)
     good = True
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
-        for target in options.targets or TARGETS:
+        for target in targets:
             fuzzer = options.build / "bin" / f"fuzz_{target}"
             good = fuzz(fuzzer, target, folder, options) and good
             if options.merge:

@@ -70,6 +70,48 @@ def machine_scripts():
                late * 3 + bytes([15, 0xFF]))
 
 
+def reloads():
+    """Requests on the wire and waiting while settings change, one thing at a time, there and back."""
+    read, write, stop = bytes([1, 0, 1, 4, 2, 7]), bytes([1, 1, 1, 4, 2, 2]), bytes([2, 2, 2, 0, 0, 0])
+    answer, late = bytes([9, 0, 0, 3]), bytes([14, 10])
+    slow, fast = bytes([15, 0xC0]), bytes([15, 0x81])
+    for bit in range(-1, 13):
+        change = 1 << bit if bit >= 0 else 0
+
+        def reload(change, choices=None):
+            other = b"" if choices is None else choices.to_bytes(2, "big")
+            return bytes([15, 0x60 if other else 0x40]) + change.to_bytes(2, "big") + other
+        for choices in (0, 0x155, 0x3FF):
+            yield (choices.to_bytes(2, "big") + late * 20 + read + write + read + reload(change) + answer + stop + write +
+                   late + reload(0x4000 | change) + answer * 2 + slow + reload(0) + late + fast +
+                   reload(change, choices ^ 0x3FF) + late * 3)
+
+
+def drive(rules, little, one_memory=0):
+    """Values of two and four registers, one of them for motion, small limits and a parameter group."""
+    values = [(1, 0, 4, 0), (1, 1, 8, 1), (1, 0, 16, 0), (0, 0, 6, 0)]
+    limits = (2, 4, 8, 2, 8)  # holding, input, coils; registers and coils written
+    return (bytes([len(values), *sum(values, ())]) + b"".join(word.to_bytes(2, "big") for word in limits) +
+            bytes([one_memory, 18, 1, 8, rules, 1 - little]))
+
+
+def plan_scripts():
+    """Reads and writes of values, whole, cut and split, by windows and for all."""
+    requests = [request[1:] for request, _ in printed_frames()[::4]]
+    requests += [bytes.fromhex(it) for it in (
+        "0300030011", "0300050001", "0400040008", "010003000C", "0600050102", "1000040002040102 0304",
+        "10000300030601020304 0506", "1000040010201011121314151617 18191A1B1C1D1E1F202122232425262728292A2B2C2D2E2F",
+        "160005FFF00003", "1700050001000400020401020304", "0F0003000C0255AA", "050003FF00")]
+    window = bytes([2, 0, 0, 0, 0, 0x7F])   # holding registers, seen where they are
+    inputs = bytes([2, 1, 0, 4, 0, 0x3F])   # input registers, seen as holding ones
+    way_of = {"plain": bytes([0, 0]), "known": bytes([1, 1, 1, 0]), "windows": bytes([5, 1, 1, 1]) + window,
+              "inputs": bytes([1, 1, 1, 1]) + inputs,
+              "all": bytes([2, 2, 4, 8]) + bytes([4, 1, 1, 0])}
+    for number, request in enumerate(requests):
+        for at, way in enumerate(way_of.values()):
+            yield drive((number * 5 + at) % 64, number % 2, at % 2) + way + piece(request) + bytes(8)
+
+
 def of(target):
     if target == "mbap":
         return [mbap_stream()]
@@ -77,15 +119,13 @@ def of(target):
         encode = ascii_frame if target == "ascii_framer" else lambda content: content + crc(content)
         return [framer_script(request, encode(answer)) for request, answer in printed_frames()]
     if target == "plan":
-        # No values, no groups, a known device, then the request.
-        return [bytes(17) + bytes([known]) + bytes(1 + known) + piece(request[1:]) + bytes(8)
-                for request, _ in printed_frames() for known in (0, 1)]
+        return list(plan_scripts())
     if target == "config":
         return [*texts("tests/config/valid", False), *texts("tests/config/invalid", False), *texts("conf", False)]
     if target == "profile":
         return [*texts("tests/config/profiles", True), *texts("tests/config/profiles-invalid", True),
                 *texts("conf/profiles", True)]
-    return list(machine_scripts())
+    return [*machine_scripts(), *reloads()]
 
 
 def write(target, folder):

@@ -21,13 +21,13 @@ inline std::uint16_t value_of(std::uint8_t unit, std::uint16_t address) {
 
 inline std::vector<std::uint8_t> adu(std::uint16_t transaction, std::uint8_t unit,
                                      const std::vector<std::uint8_t>& pdu) {
-  std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(transaction >> 8U),
-                                  static_cast<std::uint8_t>(transaction & 0xFFU),
-                                  0,
-                                  0,
-                                  0,
-                                  static_cast<std::uint8_t>(pdu.size() + 1),
-                                  unit};
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(7 + pdu.size());
+  bytes.push_back(static_cast<std::uint8_t>(transaction >> 8U));
+  bytes.push_back(static_cast<std::uint8_t>(transaction & 0xFFU));
+  bytes.resize(5);
+  bytes.push_back(static_cast<std::uint8_t>(pdu.size() + 1));
+  bytes.push_back(unit);
   bytes.insert(bytes.end(), pdu.begin(), pdu.end());
   return bytes;
 }

@@ -11,6 +11,7 @@
 #include "gateway/event.hpp"
 #include "modbus/request.hpp"
 #include "soak/plan.hpp"
+#include "soak/registers.hpp"
 
 namespace mbgate::soak {
 
@@ -22,9 +23,12 @@ struct Piece {
   std::size_t bus = 0;
   std::uint8_t address = 0;
   PduBytes pdu;
-  unsigned sent = 0;      ///< transmissions that were surely or perhaps for this piece
-  bool executed = false;  ///< the device has carried it out
-  bool counted = false;   ///< among those that wait for their bus
+  unsigned sent = 0;                ///< transmissions that were surely or perhaps for this piece
+  bool executed = false;            ///< the device has carried it out
+  bool counted = false;             ///< among those that wait for their bus
+  std::optional<Instant> doomed{};  ///< of a broadcast: a stop has taken it back
+  Span done{};                      ///< when it was carried out, the first and the last time
+  bool taken_back = false;  ///< other settings give it another meaning: nothing more of it is sent
 };
 
 /// What an answer must show.
@@ -40,6 +44,7 @@ enum class Kind : std::uint8_t { read, write, stop, broadcast, own };
 struct Asked {
   std::uint64_t id = 0;
   ClientId client{};
+  unsigned host = 0;  ///< of its client
   std::uint16_t transaction = 0;
   Kind kind = Kind::read;
   const Door* door = nullptr;
@@ -48,6 +53,10 @@ struct Asked {
   std::vector<Piece> pieces;
   std::optional<std::uint8_t> refused;  ///< the gateway itself must answer this exception
   std::optional<ReadCheck> check;
+  bool failsafe = false;   ///< the gateway's own, sent as a stop
+  bool stops_all = false;  ///< a broadcast that is a stop
+  bool identity = false;   ///< it asks the device who it is
+  bool unlisted = false;   ///< by the device's `writer`; it may also be taken back by a stop
   bool replies = true;
   bool silent = false;  ///< the device never answers it; the gateway does
 
@@ -70,7 +79,15 @@ struct Asked {
   bool surely_on_wire = false;
   std::bitset<256> device_exceptions;  ///< given to transmissions that may be its own
   bool overdue_reported = false;
+  /// The most that any settings allowed since it was accepted.
+  unsigned retries = 0;
+  unsigned stop_retries = 0;
+  bool retry_writes = false;
+  Duration cache{0};
+  std::optional<drive::WordOrder> word_order;  ///< that its route asked for
 
+  /// One device is stopped, or all on its buses.
+  [[nodiscard]] bool is_stop() const { return kind == Kind::stop || stops_all; }
   [[nodiscard]] bool is_read() const { return kind == Kind::read; }
   [[nodiscard]] bool changes() const { return kind != Kind::read && kind != Kind::own; }
 };

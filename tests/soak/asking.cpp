@@ -3,25 +3,10 @@
 
 #include <algorithm>
 
+#include "soak/pdus.hpp"
+
 namespace mbgate::soak {
 namespace {
-
-std::uint8_t high(unsigned value) { return static_cast<std::uint8_t>(value >> 8U & 0xFFU); }
-std::uint8_t low(unsigned value) { return static_cast<std::uint8_t>(value & 0xFFU); }
-
-PduBytes fields(unsigned function, unsigned first, unsigned second) {
-  return {low(function), high(first), low(first), high(second), low(second)};
-}
-
-PduBytes multiple_pdu(unsigned first, const std::vector<std::uint16_t>& words) {
-  PduBytes pdu = fields(0x10, first, static_cast<unsigned>(words.size()));
-  pdu.push_back(low(static_cast<unsigned>(words.size() * 2)));
-  for (const std::uint16_t word : words) {
-    pdu.push_back(high(word));
-    pdu.push_back(low(word));
-  }
-  return pdu;
-}
 
 unsigned read_function(Table table) {
   switch (table) {
@@ -31,14 +16,6 @@ unsigned read_function(Table table) {
     case Table::input_registers: return 4;
   }
   return 0;
-}
-
-Asked begin(const Door& door, Kind kind) {
-  Asked asked;
-  asked.kind = kind;
-  asked.door = &door;
-  asked.unit = door.unit;
-  return asked;
 }
 
 }  // namespace
@@ -61,11 +38,14 @@ const Door* Asking::door_of(std::size_t listener, bool broadcast) {
 
 Asked Asking::make(const Manners& manners) {
   const Door& door = *door_of(manners.listener, false);
+  if (door.absent) {
+    return door.route ? for_nobody(door) : own_read(0, 4);
+  }
   if (random_.chance(manners.malformed)) {
     return malformed(door);
   }
   if (random_.chance(manners.broadcasts)) {
-    if (const Door* all = door_of(manners.listener, true)) {
+    if (const Door* all = door_of(manners.listener, true); all != nullptr && !all->absent) {
       return broadcast(*all);
     }
   }
@@ -84,6 +64,13 @@ Asked Asking::fresh_read(const Door& door) {
   return asked;
 }
 
+Asked Asking::for_nobody(const Door& door) {
+  Asked asked = begin(door, Kind::read);
+  asked.refused = 0x0A;
+  asked.pdu = fields(random_.one_of({3U, 6U}), random_.between(0U, 10U), 1);
+  return asked;
+}
+
 Asked Asking::own_read(std::uint16_t first, std::uint16_t count) {
   Asked asked;
   asked.kind = Kind::own;
@@ -98,11 +85,14 @@ Asked Asking::read(const Door& door, bool popular) {
     plan_read(asked, Table::holding_registers, kLiveFrom, 4);
     return asked;
   }
-  const unsigned kind = random_.between(0U, 9U);
-  if (kind == 0 && !door.windowed) {
-    const Table table = random_.one_of({Table::coils, Table::discrete_inputs});
-    plan_read(asked, table, random_.between(0U, 100U), random_.between(1U, 100U));
-  } else if (kind <= 2) {
+  const unsigned kind = random_.between(0U, 19U);
+  if (kind == 0) {
+    return identity(door);
+  }
+  if (kind <= 3) {
+    return read_bits(door);
+  }
+  if (kind <= 6) {
     plan_read(asked, Table::input_registers, random_.between(0U, 70U), random_.between(1U, 30U));
   } else {
     const unsigned count =
@@ -151,6 +141,11 @@ std::uint16_t Asking::next_value(const Asked& asked, unsigned address) {
 
 Asked Asking::write(const Door& door) {
   Asked asked = begin(door, Kind::write);
+  if (random_.chance(350)) {
+    rare_write(asked);
+    refuse_if_read_only(asked);
+    return asked;
+  }
   const unsigned kind = random_.between(0U, 19U);
   if (kind < 8) {
     const unsigned address = random_.between(0U, kLiveFrom - 1U);
@@ -173,11 +168,15 @@ Asked Asking::write(const Door& door) {
     const unsigned pairs = random_.between(1U, 3U);
     multiple(asked, kPairsFrom + 2 * random_.between(0U, 20U - pairs), 2 * pairs);
   }
-  if (door.read_only) {
+  refuse_if_read_only(asked);
+  return asked;
+}
+
+void Asking::refuse_if_read_only(Asked& asked) {
+  if (asked.door->read_only) {
     asked.refused = 1;
     asked.pieces.clear();
   }
-  return asked;
 }
 
 void Asking::single(Asked& asked, unsigned address, std::uint16_t value) const {
@@ -225,14 +224,21 @@ Asked Asking::stop(const Door& door) {
   const bool same = random_.chance(300);
   single(asked, kStopRegister,
          static_cast<std::uint16_t>(0x5000U |
-                                    (same ? 0xFFFU : next_value(asked, kStopRegister) % 0xFFFU)));
+                                    (same ? 0xFFFU : next_value(asked, kStopRegister) % 0xFFEU)));
   return asked;
 }
 
 Asked Asking::broadcast(const Door& door) {
   Asked asked = begin(door, Kind::broadcast);
   asked.replies = door.replies;
-  asked.pdu = fields(6, kBroadcastRegister, ++broadcasts_);
+  asked.stops_all = random_.chance(400);
+  ++broadcasts_;
+  asked.pdu = fields(6, kBroadcastRegister, broadcasts_);
+  if (asked.stops_all) {
+    // Of those that get no reply nobody could tell when each has ended.
+    const bool same = door.replies && random_.chance(300);
+    asked.pdu = fields(6, kStopRegister, 0x5000U | (same ? 0xFFFU : broadcasts_ % 0xFFEU));
+  }
   for (const std::size_t bus : door.buses) {
     asked.pieces.push_back({bus, 0, asked.pdu, 0, false, false});
   }

@@ -28,6 +28,18 @@ class Asking {
   Asked stop(const Door& door);
   Asked broadcast(const Door& door);
   Asked malformed(const Door& door);
+  Asked for_nobody(const Door& door);
+  static void refuse_if_read_only(Asked& asked);
+  // asking_functions.cpp: what is asked more seldom.
+  Asked identity(const Door& door);
+  Asked read_bits(const Door& door);
+  void rare_write(Asked& asked);
+  void coil(Asked& asked);
+  void coils(Asked& asked);
+  void mask(Asked& asked);
+  void half_values(Asked& asked);
+  void read_and_write(Asked& asked);
+  void own_function(Asked& asked);
   void single(Asked& asked, unsigned address, std::uint16_t value) const;
   void multiple(Asked& asked, unsigned first, unsigned count);
   void plan_read(Asked& asked, modbus::Table table, unsigned first, unsigned count) const;
@@ -37,9 +49,15 @@ class Asking {
   }
   std::uint16_t next_value(const Asked& asked, unsigned address);
 
+  /// Behind those of the registers, those of a device's coils and of its own function.
+  static constexpr unsigned kCoil = kRegisters;
+  static constexpr unsigned kRunOfCoils = kRegisters + 1;
+  static constexpr unsigned kOwnCommand = kRegisters + 2;
+  static constexpr unsigned kCounters = kRegisters + 3;
+
   const SoakPlan& plan_;
   Random& random_;
-  std::vector<std::array<std::uint16_t, kRegisters>> counters_;
+  std::vector<std::array<std::uint16_t, kCounters>> counters_;
   std::vector<std::vector<const Door*>> device_doors_;  // by listener
   std::vector<std::vector<const Door*>> broadcast_doors_;
   std::uint16_t broadcasts_ = 0;

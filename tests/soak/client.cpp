@@ -13,6 +13,14 @@ namespace {
 
 constexpr Duration kLongestCut = 5ms;  // from one part of a request to the next
 
+routing::ClientAddress address_of(unsigned host) {
+  routing::ClientAddress::Octets octets{};
+  octets[10] = octets[11] = 0xFF;
+  octets[12] = 10;
+  octets[15] = static_cast<std::uint8_t>(host + 1);
+  return routing::ClientAddress(octets);
+}
+
 }  // namespace
 
 void Client::begin() {
@@ -26,6 +34,11 @@ void Client::connect() {
   if (connected_) {
     return;
   }
+  const auto listener = tools_.listener(manners_.listener);
+  if (!listener) {
+    reconnect_later();
+    return;
+  }
   number_ = tools_.new_number();
   ++life_;
   connected_ = true;
@@ -35,17 +48,13 @@ void Client::connect() {
   unwritten_.clear();
   socket_.clear();
   marks_.clear();
-  routing::ClientAddress::Octets octets{};
-  octets[10] = octets[11] = 0xFF;
-  octets[12] = 10;
-  octets[15] = static_cast<std::uint8_t>(manners_.host + 1);
-  tools_.oracle.connect(number_, manners_.listener);
-  tools_.gateway.handle_client_connected(
-      number_,
-      {gateway::ListenerId{static_cast<std::uint32_t>(manners_.listener)},
-       routing::ClientAddress(octets), 0},
-      tools_.schedule.now());
+  tools_.oracle.connect(number_, manners_.listener, manners_.host);
+  tools_.gateway.handle_client_connected(number_, {*listener, address_of(manners_.host), 0},
+                                         tools_.schedule.now());
   tools_.drain();
+  if (connected_ && !is_welcome()) {
+    tools_.oracle.violation("let_in", "a client that is not allowed");
+  }
 }
 
 void Client::plan_next() {
@@ -101,7 +110,10 @@ void Client::ask_some() {
 }
 
 std::uint64_t Client::write(Asked asked) {
-  asked.transaction = ++transactions_;
+  while (tools_.oracle.is_open(number_, ++transactions_)) {
+  }
+  asked.transaction = transactions_;
+  asked.host = manners_.host;
   // Behind the rest of a request that was cut it is written a little later.
   asked.written = tools_.schedule.now() + (unwritten_.empty() ? Duration{0} : kLongestCut);
   const PduBytes pdu = asked.pdu;
@@ -245,12 +257,23 @@ void Client::half_close() {
 }
 
 void Client::closed_by_gateway() {
-  if (!half_closed_) {
+  if (!half_closed_ && is_welcome()) {
     tools_.oracle.violation("closed", "the gateway closed client " +
                                           std::to_string(static_cast<std::uint64_t>(number_)));
   }
   connected_ = false;
   tools_.oracle.closed(number_);
+  reconnect_later();
+}
+
+bool Client::is_welcome() const {
+  return tools_.listener(manners_.listener) &&
+         tools_.is_welcome(manners_.listener, address_of(manners_.host));
+}
+
+void Client::give_up() {
+  connected_ = false;
+  tools_.oracle.gone(number_);
   reconnect_later();
 }
 

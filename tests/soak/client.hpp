@@ -24,6 +24,10 @@ class Client {
     Asking& asking;
     std::function<void()> drain;  ///< does what the gateway has asked for
     std::function<ClientId()> new_number;
+    /// As the gateway counts them now; none if nobody listens there.
+    std::function<std::optional<gateway::ListenerId>(std::size_t)> listener;
+    /// Does the listener let the address in?
+    std::function<bool(std::size_t, const routing::ClientAddress&)> is_welcome;
   };
   Client(const Manners& manners, Tools& tools) : manners_(manners), tools_(tools) {}
 
@@ -44,6 +48,10 @@ class Client {
   }
   void resume();
   void closed_by_gateway();
+  /// Other settings: the gateway will close it.
+  void give_up();
+  /// Is there a listener for it, which lets it in?
+  [[nodiscard]] bool is_welcome() const;
 
   /// Connects for good if it is not connected; puts a request into the socket.
   void connect();

@@ -10,15 +10,25 @@ namespace mbgate::soak {
 using modbus::Pdu;
 using modbus::Request;
 
+namespace {
+
+bool is_within(const std::optional<modbus::AddressField>& field) {
+  if (!field) {
+    return true;
+  }
+  const Table table = field->range.table;
+  const bool bits = table == Table::coils || table == Table::discrete_inputs;
+  return drive::end_of(field->range) <= (bits ? kCoils : kRegisters);
+}
+
+}  // namespace
+
 SoakDevice::Outcome SoakDevice::carry_out(const Pdu& pdu, Instant now) {
   const auto request = Request::parse(pdu);
   if (!request) {
     return {Pdu::exception(pdu.function(), request.error())};
   }
-  const auto& range = request->writes() ? request->writes()->range : request->reads()->range;
-  const std::uint32_t limit =
-      range.table == Table::coils || range.table == Table::discrete_inputs ? kCoils : kRegisters;
-  if (drive::end_of(range) > limit) {
+  if (!is_within(request->reads()) || !is_within(request->writes())) {
     return {Pdu::exception(pdu.function(), modbus::ExceptionCode::illegal_data_address)};
   }
   if (request->writes()) {
@@ -27,9 +37,42 @@ SoakDevice::Outcome SoakDevice::carry_out(const Pdu& pdu, Instant now) {
       die_until(now + *settings_.silent_after(*request));
       return {};
     }
-    return {modbus::echo_response(*request), range.first >= kSlowFrom};
   }
-  return {read(*request, now)};
+  return {answer_to(*request, now), writes_slowly(pdu.bytes())};
+}
+
+Pdu SoakDevice::answer_to(const Request& request, Instant now) const {
+  if (request.reads()) {
+    return read(request, now);
+  }
+  if (request.function() == 0x11 || request.function() == 0x2B) {
+    return identify(request, now);
+  }
+  if (request.function() == kOwnFunction && request.pdu().bytes()[1] != kKnownCommand) {
+    return Pdu::exception(kOwnFunction, modbus::ExceptionCode::illegal_function);
+  }
+  return modbus::echo_response(request);
+}
+
+// 17 and 43/14: nobody knows before how much it is. Input registers, so that it can be told when it
+// was asked, and of whom.
+Pdu SoakDevice::identify(const Request& request, Instant now) const {
+  const auto value = [&](unsigned at) { return registers_.read(Table::input_registers, at, now); };
+  const auto low = [](unsigned word) { return static_cast<std::uint8_t>(word & 0xFFU); };
+  const unsigned count = 1U + value(0) % kMostIdentity;
+  std::vector<std::uint8_t> bytes{0x11, low(2 * count)};
+  if (request.function() == 0x2B) {
+    bytes = {0x2B, 0x0E, 0x01, 0x01, 0, 0, low(count)};
+  }
+  for (unsigned at = 0; at < count; ++at) {
+    if (request.function() == 0x2B) {
+      bytes.push_back(low(at));
+      bytes.push_back(2);
+    }
+    bytes.push_back(low(value(at) >> 8U));
+    bytes.push_back(low(value(at)));
+  }
+  return *Pdu::from(bytes);
 }
 
 Pdu SoakDevice::read(const Request& request, Instant now) const {
@@ -52,9 +95,30 @@ Pdu SoakDevice::read(const Request& request, Instant now) const {
 
 void SoakDevice::write(const Request& request, Instant now) {
   const modbus::TableRange& range = request.writes()->range;
-  if (range.table != Table::holding_registers) {
-    return;
+  if (request.function() == 0x16) {
+    mask(request, now);
+  } else if (range.table == Table::holding_registers) {
+    write_registers(request, now);
+  } else {
+    for (std::uint32_t at = range.first; at < drive::end_of(range); ++at) {
+      registers_.write_coil(at, request.written(static_cast<std::uint16_t>(at)) != 0, now);
+    }
   }
+}
+
+void SoakDevice::mask(const Request& request, Instant now) {
+  const modbus::Bytes bytes = request.pdu().bytes();
+  const std::uint16_t address = request.writes()->range.first;
+  const unsigned before = registers_.read(Table::holding_registers, address, now);
+  const unsigned keep = modbus::load_be16(bytes, 3);
+  const unsigned set = modbus::load_be16(bytes, 5);
+  if (!is_live(Table::holding_registers, address)) {
+    registers_.write(address, static_cast<std::uint16_t>((before & keep) | (set & ~keep)), now);
+  }
+}
+
+void SoakDevice::write_registers(const Request& request, Instant now) {
+  const modbus::TableRange& range = request.writes()->range;
   for (std::uint32_t at = range.first; at < drive::end_of(range); ++at) {
     const auto address = static_cast<std::uint16_t>(at);
     const bool whole =

@@ -17,6 +17,8 @@ class SoakDevice {
       : settings_(settings), registers_(salt) {}
 
   [[nodiscard]] const drive::Device& settings() const { return settings_; }
+  /// The drive is the same; what is said of it, and its address, are others.
+  void adopt(const drive::Device& settings) { settings_ = settings; }
   [[nodiscard]] const Registers& registers() const { return registers_; }
   [[nodiscard]] bool is_dead(Instant now) const { return now < dead_until_; }
   void die_until(Instant until) { dead_until_ = std::max(dead_until_, until); }
@@ -30,8 +32,12 @@ class SoakDevice {
   Outcome carry_out(const modbus::Pdu& request, Instant now);
 
  private:
+  [[nodiscard]] modbus::Pdu answer_to(const modbus::Request& request, Instant now) const;
   [[nodiscard]] modbus::Pdu read(const modbus::Request& request, Instant now) const;
+  [[nodiscard]] modbus::Pdu identify(const modbus::Request& request, Instant now) const;
   void write(const modbus::Request& request, Instant now);
+  void write_registers(const modbus::Request& request, Instant now);
+  void mask(const modbus::Request& request, Instant now);
 
   drive::Device settings_;
   Registers registers_;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Knows what is right. It sees what clients write and get, and what goes over the wires, and
-// nothing of the product's inside; which request a transmission is for it works out from the frame.
-// Where several requests may be meant (shared reads), it takes the one that makes the product
-// right.
+// Knows what is right. It sees what clients write and get and what goes over the wires, nothing of
+// the product's inside; whom a transmission is for it works out from the frame. Where several
+// requests may be meant (shared reads), it takes the one that makes the product right.
 #pragma once
 
 #include <deque>
@@ -14,13 +13,16 @@
 #include "bus/job.hpp"
 #include "soak/asked.hpp"
 #include "soak/device.hpp"
+#include "soak/failsafe_watch.hpp"
 #include "soak/report.hpp"
 #include "soak/schedule.hpp"
+#include "soak/writer_rules.hpp"
 
 namespace mbgate::soak {
 
 using gateway::ClientId;
 using modbus::Bytes;
+constexpr Duration kStopLife = std::chrono::seconds(120);  ///< hundreds may wait on a slow line
 
 /// A transmission of the gateway.
 struct Flight {
@@ -37,9 +39,10 @@ struct Flight {
   bool expects_answer = true;
   Instant begin;
   Instant end;
-  Instant deadline;          ///< the first byte of its answer must be there
-  Instant due;               ///< the same if no stop cuts it
-  Instant quarantine_until;  ///< a later answer is still kept from others
+  Instant deadline;            ///< the first byte of its answer must be there
+  Instant due;                 ///< the same if no stop cuts it
+  Instant quarantine_until;    ///< a later answer is still kept from others
+  drive::DeviceTiming timing;  ///< of its device when it was sent
 };
 
 class Oracle {
@@ -48,7 +51,7 @@ class Oracle {
   Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& schedule, Report& report);
 
   // oracle_clients.cpp
-  void connect(ClientId client, std::size_t listener);
+  void connect(ClientId client, std::size_t listener, unsigned host);
   /// The request's first byte was put into the socket at `written`. Returns its number.
   std::uint64_t ask(ClientId client, Asked asked);
   /// The gateway has its last byte.
@@ -62,6 +65,8 @@ class Oracle {
   void closed(ClientId client);
   void answered(ClientId client, Bytes adu);
   [[nodiscard]] std::size_t open_of(ClientId client) const;
+  /// Is the transaction identifier in use?
+  [[nodiscard]] bool is_open(ClientId client, std::uint16_t transaction) const;
   /// Requests with a good answer so far: a glance for the quiet phase.
   [[nodiscard]] bool was_answered_well(std::uint64_t id) const { return well_ && *well_ == id; }
   /// The data of the last answer of the gateway's own unit.
@@ -83,9 +88,26 @@ class Oracle {
   void frame_came(std::size_t bus, std::uint8_t address, bool fits);
   /// The TCP answer with the identifier was handed to it.
   void tcp_answer_came(std::uint64_t number);
-  [[nodiscard]] bool owes(std::size_t bus, std::uint8_t address) const {
-    return !books_[bus].lanes[address].owed.empty();
-  }
+  /// An answer of the device may still be taken for one to the gateway.
+  [[nodiscard]] bool owes(std::size_t bus, std::uint8_t address);
+
+  // oracle_reload.cpp
+  /// What is known only by the settings that end now.
+  void before_reload();
+  /// The bus's line is given up, or the bus itself: the next one under its name begins anew.
+  void line_given_up(std::size_t bus);
+  /// What waits for the device at the address, or for all on its bus, is not what was meant.
+  void take_back(std::size_t bus, std::uint8_t address);
+  /// The settings of the plan are in force.
+  void after_reload();
+  /// The gateway has done all that it does at once.
+  void check_taken_back();
+  /// No request through the door is on its way into the gateway, or may be.
+  [[nodiscard]] bool is_settled(const Door& door) const;
+  /// It is not known of every request whether the gateway has accepted it.
+  [[nodiscard]] bool is_unsure(const Door& door) const;
+  /// Is the device at the address left alone because of an answer that may still come?
+  [[nodiscard]] bool is_quarantined(std::size_t bus, std::uint8_t address) const;
 
   /// To be called after every input of the gateway: what has waited too long, what is too much.
   void check_waiting();
@@ -100,17 +122,31 @@ class Oracle {
     std::uint64_t transmissions = 0;
     std::uint64_t broadcasts = 0;
     std::uint64_t losses = 0;
+    std::uint64_t stops = 0;
+    std::uint64_t spoilt_echoes = 0;
+    std::uint64_t asking = 0;       ///< transmissions that are to be answered
+    std::uint64_t interrupted = 0;  ///< of these, at most so many were cut by a loss
   };
+  /// Since its line is what it is.
   [[nodiscard]] const BusCount& count(std::size_t bus) const { return books_[bus].count; }
+  /// To the address.
+  [[nodiscard]] const BusCount& count(std::size_t bus, std::uint8_t address) const {
+    return books_[bus].lanes[address].count;
+  }
+  /// Requests that the gateway has taken, and of how many that is not sure.
+  [[nodiscard]] std::uint64_t accepted() const { return sequence_ - failsafes_; }
+  [[nodiscard]] std::uint64_t perhaps_accepted() const { return perhaps_accepted_; }
 
  private:
   struct Session {
     std::size_t listener = 0;
+    bool ordered = false;  ///< as it was at the beginning
     bool half_closed = false;
     bool ahead = false;  ///< places may be taken for free a little early
     std::optional<Instant> paused_since;
     std::size_t outstanding = 0;
     std::deque<std::uint64_t> backlog;  ///< delivered, not accepted
+    std::deque<std::uint64_t> taken;    ///< stops that were accepted before others in front of them
     std::deque<std::uint64_t> order;    ///< accepted, not answered
     std::unordered_map<std::uint16_t, std::uint64_t> by_transaction;
     std::deque<std::uint16_t> answered;  ///< the last transactions that are done
@@ -123,26 +159,34 @@ class Oracle {
     std::deque<std::uint64_t> owed;         ///< transmissions that no good frame has answered
     Instant last_offline = Instant::min();  ///< it may have been offline then
     unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
+    BusCount count;
+    bool stays_offline = false;  ///< it was perhaps offline when other settings came
     Instant last_write_event = Instant::min();
     Instant last_stop = Instant::min();
   };
   struct Book {
     std::array<Lane, 256> lanes;
     bool open = false;
+    bool starting = true;  ///< it has not been opened yet: requests wait
     Instant last_down = Instant::min();
     Instant last_full = Instant::min();
     Instant last_stop = Instant::min();
     Instant own_end = Instant::min();
     Instant last_byte = Instant::min();
     Instant turnaround_end = Instant::min();
-    std::size_t waiting = 0;             ///< requests that are surely in its queue
-    std::size_t present = 0;             ///< requests that may be
-    std::vector<Asked*> stops;           ///< that wait
-    std::vector<Asked*> open_stops;      ///< that wait or were sent
-    std::vector<std::uint64_t> flying;   ///< on TCP buses
-    std::vector<std::uint64_t> unheard;  ///< the same, as if no stop cut anything
+    Instant held_until = Instant::min();  ///< the same by settings that came meanwhile
+    std::size_t waiting = 0;              ///< requests that are surely in its queue
+    std::size_t present = 0;              ///< requests that may be
+    std::vector<Asked*> stops;            ///< that wait
+    std::vector<Asked*> open_stops;       ///< that wait or were sent
+    std::vector<Asked*> early_stops;      ///< that wait for the line to be opened first
+    std::vector<std::uint64_t> flying;    ///< on TCP buses
+    std::vector<std::uint64_t> unheard;   ///< the same, as if no stop cut anything
     std::uint64_t last_flight = 0;
     std::uint64_t answered = 0;  ///< by a frame that fits
+    std::size_t room = 0;        ///< more than the queue's limit may still wait from before
+    Instant last_merge = Instant::min();  ///< reads accepted until then may be merged
+    Duration stop_wait_before{0};
     BusCount count;
   };
   struct Done {
@@ -155,9 +199,17 @@ class Oracle {
 
   // oracle_clients.cpp
   void accept_backlog(Session& session);
+  void look_ahead(Session& session);
+  [[nodiscard]] bool waits_for_write_in(const std::deque<std::uint64_t>& backlog,
+                                        const Asked& stop) const;
   void forget_gone_stops();
   void accept(Asked& asked);
+  void begin_failsafe();
+  void check_failsafe(const Asked& asked);
+  [[nodiscard]] unsigned failsafes_like(const Asked& asked, const Piece& piece) const;
   void cancel_for_stop(const Asked& stop);
+  void doom_broadcasts(const Asked& stop, std::size_t bus);
+  [[nodiscard]] bool may_wait(const Asked& stop) const;
   void close(Asked& asked, const std::string& how);
   void end_without_reply(Asked& asked);
   void note_write_event(const Asked& asked, std::optional<std::size_t> bus = std::nullopt);
@@ -165,17 +217,29 @@ class Oracle {
   /// Answers of ordered listeners are held back: only the oldest request is known to be open.
   [[nodiscard]] bool is_surely_open(const Asked& asked) const;
 
+  // oracle_reload.cpp
+  void note_allowed(Asked& asked) const;
+  [[nodiscard]] std::optional<drive::WordOrder> order_of(const Door& door) const;
+  [[nodiscard]] bool is_past_offline(std::size_t bus, const Lane& lane) const;
+  void map_lanes();
+  void take_back(Asked& asked, std::size_t bus);
+  void cancel_for_waiting_stop(const Asked& stop);
+
   // oracle_answers.cpp
   void judge(Asked& asked, Bytes pdu);
   void device_answered(const Asked& asked);
-  [[nodiscard]] bool is_past_offline(const Asked& asked, const Lane& lane) const;
   void judge_exception(const Asked& asked, std::uint8_t code);
   void judge_busy(const Asked& asked);
+  [[nodiscard]] bool may_be_stopped(const Asked& asked) const;
   void judge_no_path(const Asked& asked);
   void judge_no_response(const Asked& asked);
   void judge_data(const Asked& asked, Bytes pdu);
   void judge_bits(const Asked& asked, Bytes pdu);
-  void judge_write(const Asked& asked, Bytes pdu);
+  void judge_done(const Asked& asked);
+  // oracle_content.cpp
+  void judge_content(const Asked& asked, Bytes pdu);
+  void judge_identity(const Asked& asked, Bytes pdu);
+  void judge_echo(const Asked& asked, Bytes pdu);
   [[nodiscard]] Span span_of(const Asked& asked) const;
   void judge_place(const Asked& asked);
   void wrong_data(const Asked& asked, const std::string& text);
@@ -198,6 +262,10 @@ class Oracle {
   void cut(Flight& flight) const;
   void set_times(Flight& flight);
 
+  // oracle_counts.cpp
+  void note_counts(const Flight& flight);
+  void note_interrupted(Book& book);
+
   [[nodiscard]] std::string name(const Asked& asked) const;
   [[nodiscard]] std::string name(const Flight& flight) const;
   [[nodiscard]] const gateway::BusSettings& bus_settings(std::size_t bus) const {
@@ -211,6 +279,8 @@ class Oracle {
   const Devices& devices_;
   const Schedule& schedule_;
   Report& report_;
+  WriterRules writers_;
+  FailsafeWatch failsafe_;
   std::map<ClientId, Session> sessions_;
   std::unordered_map<std::uint64_t, std::unique_ptr<Asked>> open_;
   std::vector<Book> books_;
@@ -218,6 +288,8 @@ class Oracle {
   std::deque<Done> done_;
   std::uint64_t ids_ = 0;
   std::uint64_t sequence_ = 0;
+  std::uint64_t failsafes_ = 0;  ///< of these, what no client asked for
+  std::uint64_t perhaps_accepted_ = 0;
   std::uint64_t flight_count_ = 0;
   std::optional<std::uint64_t> well_;
   PduBytes own_answer_;

@@ -2,53 +2,106 @@
 // When the gateway can first have taken a request, and what that means for others.
 #include <algorithm>
 
+#include "bus/bus_queue.hpp"
+#include "gateway/limits.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
 
 void Oracle::accept_backlog(Session& session) {
   const std::size_t pipeline = plan_.settings.listeners[session.listener].pipeline;
-  while (!session.backlog.empty() && session.outstanding < pipeline) {
+  while (session.outstanding < pipeline) {
+    std::erase_if(session.taken, [&](std::uint64_t id) {
+      return session.backlog.empty() || id <= session.backlog.front();
+    });
+    if (session.backlog.empty()) {
+      return;
+    }
     Asked& asked = *open_.at(session.backlog.front());
     session.backlog.pop_front();
     ++session.outstanding;
     session.order.push_back(asked.id);
-    asked.dropped = session.half_closed && asked.changes();
-    asked.ordered = plan_.settings.listeners[session.listener].ordered;
+    asked.dropped = session.half_closed && asked.changes() && !asked.is_stop();
+    asked.ordered = session.ordered;
     asked.ahead = session.ahead;
     if (!asked.is_accepted) {
       accept(asked);
     }
   }
+  look_ahead(session);
+}
+
+// Stops are taken out of what waits behind a full pipeline, so many at a time, unless they let a
+// write go first that waits there too; on an ordered listener the answer keeps its place.
+void Oracle::look_ahead(Session& session) {
+  const std::deque<std::uint64_t> backlog = session.backlog;
+  for (const std::uint64_t id : backlog) {
+    if (session.taken.size() >= gateway::kStopReserve) {
+      return;
+    }
+    Asked& asked = *open_.at(id);
+    if (asked.is_accepted || !asked.is_stop() || waits_for_write_in(backlog, asked)) {
+      continue;
+    }
+    session.taken.push_back(id);
+    asked.ordered = session.ordered;
+    accept(asked);
+    if (!asked.ordered) {
+      std::erase(session.backlog, id);
+      ++session.outstanding;
+      session.order.push_back(id);
+    }
+  }
+}
+
+bool Oracle::waits_for_write_in(const std::deque<std::uint64_t>& backlog, const Asked& stop) const {
+  const Piece& target = stop.pieces.front();
+  return lets_writes_go(stop) && std::ranges::any_of(backlog, [&](std::uint64_t id) {
+           const Asked& other = *open_.at(id);
+           return id < stop.id && other.changes() && !other.is_stop() && !other.refused &&
+                  std::ranges::any_of(other.pieces, [&](const Piece& piece) {
+                    return piece.bus == target.bus &&
+                           (piece.address == target.address || other.kind == Kind::broadcast);
+                  });
+         });
 }
 
 void Oracle::accept(Asked& asked) {
+  if (!asked.failsafe) {
+    begin_failsafe();
+    failsafe_.asked(asked.client, schedule_.now());
+    failsafe_.waits(asked.client, true, schedule_.now());
+  }
   asked.is_accepted = true;
   asked.accepted = schedule_.now();
   asked.sequence = ++sequence_;
   if (asked.door == nullptr) {
     return;
   }
-  if (asked.kind != Kind::stop) {
+  note_allowed(asked);
+  asked.word_order = order_of(*asked.door);
+  if (!asked.is_stop()) {
     asked.deadline =
         asked.written + (asked.is_read() ? asked.door->read_deadline : asked.door->write_deadline);
   }
   if (asked.refused) {
     return;
   }
-  if (asked.kind == Kind::stop && !asked.dropped) {
+  writers_.attempted(asked, schedule_.now());
+  if (asked.is_stop()) {
     cancel_for_stop(asked);
   }
   for (Piece& piece : asked.pieces) {
     Book& book = books_[piece.bus];
+    const bool is_one_too_many = asked.is_stop() && book.open_stops.size() >= bus::kRoomForStops;
     if (&piece == &asked.pieces.front() || piece.bus != asked.pieces.front().bus) {
-      if (book.present >= bus_settings(piece.bus).queue) {
+      if (book.present >= bus_settings(piece.bus).queue || is_one_too_many) {
         book.last_full = schedule_.now();
       }
       ++book.present;
       // One part of a broadcast may be refused while others wait.
       const bool whole = asked.kind != Kind::broadcast || asked.pieces.size() == 1;
-      if (asked.kind != Kind::stop && whole && !asked.dropped && !asked.ordered && !asked.ahead) {
+      if (!asked.is_stop() && whole && !asked.dropped && !asked.ordered && !asked.ahead) {
         piece.counted = true;
         ++book.waiting;
       }
@@ -57,9 +110,15 @@ void Oracle::accept(Asked& asked) {
     if (lane.empty() || lane.back() != &asked) {
       lane.push_back(&asked);
     }
-    if (asked.kind == Kind::stop && book.open && !asked.dropped) {
+    if (asked.is_stop() && book.starting) {
+      book.early_stops.push_back(&asked);
+      book.open_stops.push_back(&asked);
+    }
+    if (asked.is_stop() && book.open) {
       asked.waits_from = schedule_.now();
-      book.stops.push_back(&asked);
+      if (!is_one_too_many) {
+        book.stops.push_back(&asked);
+      }
       book.open_stops.push_back(&asked);
     }
   }
@@ -67,15 +126,33 @@ void Oracle::accept(Asked& asked) {
 
 // Writes to the same device that wait will never be sent.
 void Oracle::cancel_for_stop(const Asked& stop) {
-  const Piece& piece = stop.pieces.front();
-  Lane& lane = books_[piece.bus].lanes[piece.address];
-  lane.last_stop = books_[piece.bus].last_stop = schedule_.now();
-  if (!devices_[*stop.door->device].settings().stop_cancels) {
-    return;
+  for (const Piece& piece : stop.pieces) {
+    Book& book = books_[piece.bus];
+    book.last_stop = schedule_.now();
+    for (std::size_t address = 0; address < book.lanes.size(); ++address) {
+      Lane& lane = book.lanes.at(address);
+      if (address != piece.address && !stop.stops_all) {
+        continue;
+      }
+      lane.last_stop = schedule_.now();
+      for (Asked* asked : lane.open) {
+        if (asked->kind == Kind::write && !asked->doomed && !lets_writes_go(stop)) {
+          asked->doomed = schedule_.now();
+        }
+      }
+    }
+    doom_broadcasts(stop, piece.bus);
   }
-  for (Asked* asked : lane.open) {
-    if (asked->kind == Kind::write && !asked->doomed) {
-      asked->doomed = schedule_.now();
+}
+
+// They are writes to every device of the bus; on other buses they go on.
+void Oracle::doom_broadcasts(const Asked& stop, std::size_t bus) {
+  for (Asked* asked : books_[bus].lanes[0].open) {
+    for (Piece& piece : asked->pieces) {
+      const bool stopped = asked->kind == Kind::broadcast && !asked->stops_all && piece.bus == bus;
+      if (stopped && !piece.doomed && !lets_writes_go(stop)) {
+        piece.doomed = schedule_.now();
+      }
     }
   }
 }

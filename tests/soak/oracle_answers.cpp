@@ -17,8 +17,6 @@ std::string code_text(unsigned code) {
   return {kDigits[code >> 4U & 15U], kDigits[code & 15U]};
 }
 
-bool is_bits(Table table) { return table == Table::coils || table == Table::discrete_inputs; }
-
 }  // namespace
 
 void Oracle::judge(Asked& asked, Bytes pdu) {
@@ -42,15 +40,15 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
   } else if (asked.kind == Kind::own) {
     own_answer_.assign(pdu.begin(), pdu.end());
   } else {
-    if (asked.check) {
-      is_bits(asked.check->table) ? judge_bits(asked, pdu) : judge_data(asked, pdu);
-    } else {
-      judge_write(asked, pdu);
-    }
+    judge_content(asked, pdu);
+    judge_done(asked);
     judge_place(asked);
     if (asked.kind != Kind::broadcast && !asked.silent && asked.maybe_on_wire) {
       device_answered(asked);
-      if (asked.flights == asked.spoilt) {
+      // Where the transmission may have been for another one, the cache may have answered it.
+      const bool cached = asked.door->device && !asked.surely_on_wire &&
+                          devices_[*asked.door->device].settings().cache > Duration{0};
+      if (asked.flights == asked.spoilt && !cached) {
         violation("after_wrong_echo", name(asked));
       }
     }
@@ -61,7 +59,8 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
 
 void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
   if (asked.refused) {
-    if (*asked.refused != code && !(asked.dropped && code == kBusy)) {
+    const bool taken_back = asked.dropped || (asked.unlisted && may_be_stopped(asked));
+    if (*asked.refused != code && !(taken_back && code == kBusy)) {
       violation("wrong_refusal", code_text(code) + " for " + name(asked));
     }
     return;
@@ -76,6 +75,10 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     case kNoResponse: judge_no_response(asked); return;
     default: break;
   }
+  if (!asked.device_exceptions.test(code) && plan_.beyond) {
+    ++report_.apart["misdelivered_beyond_quarantine"];
+    return;
+  }
   if (!asked.device_exceptions.test(code)) {
     violation("misdelivered_exception", code_text(code) + " for " + name(asked));
     return;
@@ -89,10 +92,11 @@ void Oracle::device_answered(const Asked& asked) {
   if (asked.ordered) {
     return;  // it may have been held back, and much may have happened since
   }
-  if (is_past_offline(asked, lane)) {
+  if (is_past_offline(asked.pieces.front().bus, lane)) {
     lane.last_offline = schedule_.now();
   }
   lane.unanswered = static_cast<unsigned>(book.unheard.size());
+  lane.stays_offline = false;
 }
 
 bool Oracle::may_be_offline(const Asked& asked) const {
@@ -100,12 +104,18 @@ bool Oracle::may_be_offline(const Asked& asked) const {
     return false;
   }
   const Lane& lane = books_[asked.pieces.front().bus].lanes[asked.pieces.front().address];
-  return lane.last_offline >= asked.accepted || is_past_offline(asked, lane);
+  return lane.last_offline >= asked.accepted || is_past_offline(asked.pieces.front().bus, lane);
 }
 
-bool Oracle::is_past_offline(const Asked& asked, const Lane& lane) const {
-  const unsigned after = devices_[*asked.door->device].settings().timing.offline_after;
-  return after > 0 && lane.unanswered >= after;
+// A stop also forbids writes that were read ahead when it came.
+bool Oracle::may_be_stopped(const Asked& asked) const {
+  return asked.changes() && !asked.is_stop() &&
+         std::ranges::any_of(asked.pieces, [&](const Piece& it) {
+           const Book& book = books_[it.bus];
+           return (asked.kind == Kind::broadcast
+                       ? book.last_stop
+                       : book.lanes[it.address].last_stop) >= asked.earliest;
+         });
 }
 
 void Oracle::judge_busy(const Asked& asked) {
@@ -115,16 +125,10 @@ void Oracle::judge_busy(const Asked& asked) {
   }
   const bool expired = asked.deadline != Instant::max() &&
                        schedule_.now() >= asked.deadline - (asked.written - asked.earliest);
-  // A stop also forbids writes that were read ahead when it came.
-  const bool stopped =
-      asked.changes() && std::ranges::any_of(asked.pieces, [&](const Piece& it) {
-        const Book& book = books_[it.bus];
-        return (asked.kind == Kind::broadcast ? book.last_stop
-                                              : book.lanes[it.address].last_stop) >= asked.earliest;
-      });
-  const bool reason = expired || stopped || asked.dropped || asked.doomed ||
-                      std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
-                        return books_[piece.bus].last_full >= asked.accepted;
+  const bool reason = expired || may_be_stopped(asked) ||
+                      writers_.may_be_held(asked, schedule_.now()) || asked.dropped ||
+                      asked.doomed || std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
+                        return piece.taken_back || books_[piece.bus].last_full >= asked.accepted;
                       });
   if (!reason) {
     violation(
@@ -160,9 +164,12 @@ void Oracle::judge_no_response(const Asked& asked) {
 
 // Between these instants the device must have held what the answer shows.
 Span Oracle::span_of(const Asked& asked) const {
-  const Duration cache = devices_[*asked.door->device].settings().cache;
+  if (asked.changes()) {
+    return asked.pieces.front().done;  // 23 reads when it has written
+  }
+  const Duration cache = std::max(asked.cache, devices_[*asked.door->device].settings().cache);
   Instant first = asked.accepted;
-  if (cache > Duration{0}) {
+  if (cache > Duration{0} && !asked.identity) {
     const Lane& lane = books_[asked.pieces.front().bus].lanes[asked.pieces.front().address];
     const Instant last_write =
         lane.last_write_event <= asked.accepted ? lane.last_write_event : Instant::min();
@@ -177,71 +184,9 @@ Span Oracle::span_of(const Asked& asked) const {
   return {first, schedule_.now()};
 }
 
-void Oracle::judge_data(const Asked& asked, Bytes pdu) {
-  const ReadCheck& check = *asked.check;
-  if (pdu.size() != 2U + 2U * check.count || pdu[1] != pdu.size() - 2) {
-    violation("wrong_length", std::to_string(pdu.size()) + " bytes for " + name(asked));
+void Oracle::judge_done(const Asked& asked) {
+  if (asked.is_read()) {
     return;
-  }
-  const Span span = span_of(asked);
-  const Registers& registers = devices_[*asked.door->device].registers();
-  for (unsigned at = 0; at < check.count; ++at) {
-    const unsigned shown = check.first + at;
-    const std::uint16_t value = modbus::load_be16(pdu, 2 + 2 * std::size_t{at});
-    if (is_in_pair(check.table, shown) && pair_of(shown) == shown && at + 1 < check.count) {
-      const std::uint32_t next = modbus::load_be16(pdu, 4 + 2 * std::size_t{at});
-      const std::uint32_t words =
-          check.swapped ? (next << 16U) | value : (std::uint32_t{value} << 16U) | next;
-      if (!registers.pair_held(shown, words, span)) {
-        wrong_data(asked, "value at " + std::to_string(shown));
-        return;
-      }
-      ++at;
-      continue;
-    }
-    const unsigned address =
-        check.swapped && is_in_pair(check.table, shown) ? partner_of(shown) : shown;
-    if (!registers.held(check.table, address, value, span)) {
-      const std::uint16_t held = registers.read(check.table, address, schedule_.now());
-      wrong_data(asked, "register " + std::to_string(address) + " shows " + std::to_string(value) +
-                            ", now it holds " + std::to_string(held));
-      return;
-    }
-  }
-}
-
-void Oracle::wrong_data(const Asked& asked, const std::string& text) {
-  if (plan_.beyond) {
-    ++report_.apart["misdelivered_beyond_quarantine"];
-    return;
-  }
-  const auto ago = [&](Instant at) {
-    return std::to_string((schedule_.now() - at) / std::chrono::microseconds(1)) + " us ago";
-  };
-  violation("misdelivered", text + ": " + name(asked) + ", accepted " + ago(asked.accepted) +
-                                ", nothing older than " + ago(span_of(asked).first));
-}
-
-void Oracle::judge_bits(const Asked& asked, Bytes pdu) {
-  const ReadCheck& check = *asked.check;
-  if (pdu.size() != 2U + (check.count + 7U) / 8U || pdu[1] != pdu.size() - 2) {
-    violation("wrong_length", std::to_string(pdu.size()) + " bytes for " + name(asked));
-    return;
-  }
-  const Registers& registers = devices_[*asked.door->device].registers();
-  for (unsigned at = 0; at < check.count; ++at) {
-    const auto bit = static_cast<std::uint16_t>(pdu[2 + at / 8] >> (at % 8) & 1U);
-    if (!registers.held(check.table, check.first + at, bit, span_of(asked))) {
-      wrong_data(asked, "bit " + std::to_string(check.first + at));
-      return;
-    }
-  }
-}
-
-void Oracle::judge_write(const Asked& asked, Bytes pdu) {
-  const std::size_t size = std::min<std::size_t>(asked.pdu.size(), 5);
-  if (pdu.size() != size || !std::equal(pdu.begin(), pdu.end(), asked.pdu.begin())) {
-    violation("wrong_echo", name(asked));
   }
   const bool sent = std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; });
   const bool done = std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.executed; });

@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kAnsweredKept = 256;
 constexpr std::size_t kDoneKept = 400;
-constexpr Duration kStopLife = std::chrono::seconds(120);  // hundreds may wait on a slow line
 constexpr Duration kOverdue = std::chrono::seconds(30);
 
 }  // namespace
@@ -22,19 +21,23 @@ Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& sch
       devices_(devices),
       schedule_(schedule),
       report_(report),
+      writers_(plan),
+      failsafe_(plan),
       books_(plan.settings.buses.size()) {
-  for (std::size_t index = 0; index < plan.settings.devices.size(); ++index) {
-    const drive::Device& device = plan.settings.devices[index];
-    books_[static_cast<std::size_t>(device.bus)].lanes[device.address].device = index;
-  }
+  map_lanes();
 }
 
-void Oracle::connect(ClientId client, std::size_t listener) {
-  sessions_[client].listener = listener;
+void Oracle::connect(ClientId client, std::size_t listener, unsigned host) {
+  begin_failsafe();
+  failsafe_.came(client, listener, host, schedule_.now());
+  Session& session = sessions_[client];
+  session.listener = listener;
+  session.ordered = plan_.settings.listeners[listener].ordered;
 }
 
 std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   asked.id = ++ids_;
+  writers_.refuse_unlisted(asked);
   asked.client = client;
   const Session& session = sessions_.at(client);
   asked.earliest = session.paused_since.value_or(schedule_.now());
@@ -53,21 +56,6 @@ void Oracle::delivered(ClientId client, std::uint64_t id) {
   Session& session = sessions_.at(client);
   session.backlog.push_back(id);
   accept_backlog(session);
-  Asked& asked = *open_.at(id);
-  // Stops are taken out of what waits behind a full pipeline, unless they let the writes before go;
-  // on an ordered listener the answer keeps its place.
-  const bool ahead = asked.kind == Kind::stop && !asked.is_accepted && !session.half_closed &&
-                     !lets_writes_go(asked);
-  if (!ahead) {
-    return;
-  }
-  asked.ordered = plan_.settings.listeners[session.listener].ordered;
-  accept(asked);
-  if (!asked.ordered) {
-    session.backlog.pop_back();
-    ++session.outstanding;
-    session.order.push_back(id);
-  }
 }
 
 void Oracle::answer_sent(ClientId client) {
@@ -90,7 +78,7 @@ void Oracle::half_closed(ClientId client) {
   session.half_closed = true;
   for (const std::uint64_t id : session.order) {
     Asked& asked = *open_.at(id);
-    if (asked.kind == Kind::write || asked.kind == Kind::broadcast) {
+    if (asked.changes() && !asked.is_stop()) {
       asked.dropped = true;
     }
   }
@@ -109,17 +97,26 @@ void Oracle::gone(ClientId client) {
   for (const std::uint64_t id : ids) {
     Asked& asked = *open_.at(id);
     const auto& backlog = entry->second.backlog;
-    if (asked.kind == Kind::stop && !asked.is_accepted &&
-        std::ranges::find(backlog, id) != backlog.end()) {
+    if (asked.is_stop() && !asked.is_accepted && std::ranges::find(backlog, id) != backlog.end()) {
       accept(asked);  // received whole
     }
-    if (asked.kind == Kind::stop && asked.waits_from) {
+    if (asked.is_stop() && may_wait(asked)) {
       asked.client_gone = true;  // it goes all the same
       continue;
     }
+    perhaps_accepted_ += asked.ahead && !asked.surely_on_wire ? 1U : 0U;
     close(asked, "for_gone_client");
   }
   sessions_.erase(entry);
+  failsafe_.gone(client);
+  begin_failsafe();
+}
+
+bool Oracle::may_wait(const Asked& stop) const {
+  return stop.waits_from || std::ranges::any_of(stop.pieces, [&](const Piece& piece) {
+           const auto& early = books_[piece.bus].early_stops;
+           return std::ranges::find(early, &stop) != early.end();
+         });
 }
 
 // It frees its place at the end of its transmission; taken a little earlier here, which only errs
@@ -131,7 +128,9 @@ void Oracle::end_without_reply(Asked& asked) {
     session.by_transaction.erase(asked.transaction);
     session.silent.push_back(asked.transaction);
     std::erase(session.order, asked.id);
-    --session.outstanding;
+    if (std::erase(session.backlog, asked.id) == 0) {
+      --session.outstanding;  // a stop that was taken ahead has its place only later
+    }
     session.ahead = true;
     close(asked, "after_answer");
     accept_backlog(session);
@@ -167,6 +166,7 @@ void Oracle::close(Asked& asked, const std::string& how) {
       std::erase(book.open_stops, &asked);
     }
     std::erase(book.stops, &asked);
+    std::erase(book.early_stops, &asked);
     done_.push_back({asked.id, piece.bus, piece.address, std::move(piece.pdu), how});
   }
   while (done_.size() > kDoneKept) {
@@ -175,12 +175,18 @@ void Oracle::close(Asked& asked, const std::string& how) {
   open_.erase(asked.id);
 }
 
+bool Oracle::is_open(ClientId client, std::uint16_t transaction) const {
+  const auto entry = sessions_.find(client);
+  return entry != sessions_.end() && entry->second.by_transaction.contains(transaction);
+}
+
 std::size_t Oracle::open_of(ClientId client) const {
   const auto entry = sessions_.find(client);
   return entry == sessions_.end() ? 0 : entry->second.by_transaction.size();
 }
 
 void Oracle::answered(ClientId client, Bytes adu) {
+  begin_failsafe();
   const auto entry = sessions_.find(client);
   if (entry == sessions_.end()) {
     violation("answer_to_nobody", "an answer for a client that has gone");
@@ -207,13 +213,14 @@ void Oracle::answered(ClientId client, Bytes adu) {
   Asked& asked = *open_.at(place->second);
   if (!asked.is_accepted) {
     violation("pipeline", "answered before its place was free: " + name(asked));
-    std::erase(session.backlog, asked.id);
+  }
+  if (std::erase(session.backlog, asked.id) > 0) {
     ++session.outstanding;
   }
   if (adu[6] != asked.unit) {
     violation("identifier", "unit " + std::to_string(adu[6]) + " for " + name(asked));
   }
-  if (plan_.settings.listeners[session.listener].ordered && !session.order.empty()) {
+  if (session.ordered && !session.order.empty()) {
     const Asked& oldest = *open_.at(session.order.front());
     if (oldest.id != asked.id && oldest.replies) {
       violation("answer_order", name(asked) + " before " + name(oldest));
@@ -225,6 +232,7 @@ void Oracle::answered(ClientId client, Bytes adu) {
     session.answered.pop_front();
   }
   std::erase(session.order, asked.id);
+  failsafe_.waits(client, !session.order.empty(), schedule_.now());
   judge(asked, adu.subspan(7));
 }
 
@@ -235,7 +243,7 @@ void Oracle::check_overdue() {
   for (const auto& [id, asked] : open_) {
     const Instant since = asked->deadline == Instant::max() ? asked->accepted : asked->deadline;
     if (asked->is_accepted && !asked->client_gone && !asked->overdue_reported &&
-        now > since + (asked->kind == Kind::stop || asked->ordered ? kStopLife : kOverdue)) {
+        now > since + (asked->is_stop() || asked->ordered ? kStopLife : kOverdue)) {
       late.push_back(asked.get());
     }
   }
@@ -246,20 +254,10 @@ void Oracle::check_overdue() {
   }
 }
 
-// Stops are sent though their client has gone, and nobody is told of their end.
-void Oracle::forget_gone_stops() {
-  std::vector<Asked*> over;
-  for (const auto& [id, asked] : open_) {
-    if (asked->client_gone && schedule_.now() > asked->accepted + kStopLife) {
-      over.push_back(asked.get());
-    }
-  }
-  for (Asked* asked : over) {
-    close(*asked, "stop_too_late");
-  }
-}
-
 void Oracle::check_finished() {
+  for (const auto& [id, asked] : open_) {
+    check_failsafe(*asked);
+  }
   for (const auto& [client, session] : sessions_) {
     for (const auto& [transaction, id] : session.by_transaction) {
       violation("unanswered", name(*open_.at(id)));

@@ -3,15 +3,25 @@
 #include <algorithm>
 
 #include "bus/device_health.hpp"
+#include "modbus/rtu.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+/// Of such an answer, once damaged, any number of bytes may seem to be missing.
+bool is_of_unknown_length(const PduBytes& pdu) {
+  return !pdu.empty() && (pdu[0] == 0x11 || pdu[0] == 0x2B || pdu[0] == kOwnFunction);
+}
+
+}  // namespace
+
 // With `stop_cancels = false` the writes that were accepted before it go first.
 bool Oracle::lets_writes_go(const Asked& stop) const {
-  return !devices_[*stop.door->device].settings().stop_cancels;
+  return !stop.stops_all && !devices_[*stop.door->device].settings().stop_cancels;
 }
 
 void Oracle::check_stops_first(const Flight& flight) {
@@ -23,6 +33,31 @@ void Oracle::check_stops_first(const Flight& flight) {
       violation("stop_overtaken", name(*stop) + " by " + name(flight));
       return;
     }
+  }
+}
+
+// Of one connection and one device, always in order.
+void Oracle::check_order(const Asked& asked, const Flight& flight) {
+  Book& book = books_[flight.bus];
+  const auto check = [&](const Lane& lane) {
+    for (const Asked* other : lane.open) {
+      const bool waits = std::ranges::any_of(other->pieces, [&](const Piece& piece) {
+        return piece.bus == flight.bus && piece.sent == 0 && !piece.doomed && !piece.taken_back;
+      });
+      // One part of a broadcast may have ended while others wait.
+      const bool ended =
+          other->pieces.size() > 1 && other->kind == Kind::broadcast &&
+          (std::max({book.last_full, book.last_down, book.last_stop}) >= other->accepted ||
+           schedule_.now() >= other->deadline - (other->written - other->earliest));
+      if (other->client == asked.client && other->sequence < asked.sequence && waits && !ended &&
+          !other->is_stop() && !other->doomed && !other->dropped && is_surely_open(*other)) {
+        violation("order", name(asked) + " before " + name(*other));
+      }
+    }
+  };
+  check(book.lanes[flight.address]);
+  if (asked.kind != Kind::broadcast && !is_tcp(flight.bus)) {
+    check(book.lanes[0]);
   }
 }
 
@@ -118,17 +153,17 @@ void Oracle::set_times(Flight& flight) {
   Lane& lane = books_[flight.bus].lanes[flight.address];
   drive::DeviceTiming timing = bus_settings(flight.bus).timing;
   Duration longest = timing.response_timeout;
+  flight.timing = timing;
   if (lane.device) {
     const drive::Device& device = devices_[*lane.device].settings();
-    timing = device.timing;
+    flight.timing = timing = device.timing;
     timing.quarantine = device.timing.quarantine_or_default();
-    const bool slow = flight.is_write && modbus::load_be16(flight.pdu, 1) >= kSlowFrom;
-    if (slow) {
+    if (writes_slowly(flight.pdu)) {
       timing.response_timeout =
           std::max(timing.response_timeout, device.profile.slow.front().response_timeout);
     }
     longest = std::max(timing.response_timeout, timing.probe_timeout_or_default());
-    if (timing.offline_after > 0 && lane.unanswered >= timing.offline_after) {
+    if (is_past_offline(flight.bus, lane)) {
       timing.response_timeout =
           std::min(timing.response_timeout, timing.probe_timeout_or_default());
     }
@@ -158,6 +193,14 @@ void Oracle::frame_came(std::size_t bus, std::uint8_t address, bool fits) {
   }
 }
 
+bool Oracle::owes(std::size_t bus, std::uint8_t address) {
+  const Book& book = books_[bus];
+  const Flight* last = flight(book.last_flight);
+  return !book.lanes[address].owed.empty() ||
+         (last != nullptr && last->address == address && book.answered != last->number &&
+          schedule_.now() < last->deadline);
+}
+
 void Oracle::tcp_answer_came(std::uint64_t number) {
   if (const Flight* answered = flight(number)) {
     std::erase(books_[answered->bus].flying, number);
@@ -166,20 +209,28 @@ void Oracle::tcp_answer_came(std::uint64_t number) {
 }
 
 void Oracle::check_waiting() {
+  begin_failsafe();
   const Instant now = schedule_.now();
   for (std::size_t bus = 0; bus < books_.size(); ++bus) {
     Book& book = books_[bus];
-    if (book.waiting > bus_settings(bus).queue) {
+    if (book.waiting > std::max(bus_settings(bus).queue, book.room)) {
       violation("queue_limit", bus_settings(bus).name + ": " + std::to_string(book.waiting));
     }
+    book.room = std::min(book.room, book.waiting);
     if (book.stops.empty()) {
       continue;
     }
     const auto& settings = bus_settings(bus);
     const modbus::RtuTiming timing(settings.line.baud, settings.line.format);
     // What may hold a stop back: an own frame, a response that has begun, the turnaround delay.
-    const Duration rest = settings.line.framing == bus::Framing::ascii ? 1s : 20ms;
-    const Instant held = std::max({book.own_end, book.last_byte + rest, book.turnaround_end});
+    const Flight* last = flight(book.last_flight);
+    const bool endless = last != nullptr && is_of_unknown_length(last->pdu);
+    const Duration rest =
+        settings.line.framing == bus::Framing::ascii
+            ? 1s
+            : 20ms + (endless ? timing.duration_of(modbus::kMaxRtuSize) : Duration{0});
+    const Instant held =
+        std::max({book.own_end, book.last_byte + rest, book.turnaround_end, book.held_until});
     for (Asked* stop : book.stops) {
       const Instant limit = std::max(held, *stop->waits_from) + settings.stop_wait +
                             settings.frame_gap.value_or(timing.t3_5()) + 1us;

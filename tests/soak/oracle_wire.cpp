@@ -13,7 +13,9 @@ namespace {
 using namespace std::chrono_literals;
 constexpr std::size_t kFlightsKept = 2000;
 
-bool is_read_function(std::uint8_t function) { return function >= 1 && function <= 4; }
+bool is_read_function(std::uint8_t function) {
+  return (function >= 1 && function <= 4) || function == 0x11 || function == 0x2B;
+}
 
 }  // namespace
 
@@ -34,6 +36,11 @@ std::string Oracle::name(const Flight& flight) const {
 void Oracle::bus_opened(std::size_t bus) {
   Book& book = books_[bus];
   book.open = true;
+  book.starting = false;
+  for (Asked* stop : std::exchange(book.early_stops, {})) {
+    stop->waits_from = schedule_.now();
+    book.stops.push_back(stop);
+  }
   book.last_down = schedule_.now();  // until this moment
   book.last_byte = schedule_.now();
   for (Lane& lane : book.lanes) {
@@ -43,8 +50,9 @@ void Oracle::bus_opened(std::size_t bus) {
 
 void Oracle::bus_lost(std::size_t bus) {
   Book& book = books_[bus];
-  book.count.losses += book.open ? 1U : 0U;
-  book.open = false;
+  note_interrupted(book);
+  book.open = book.starting = false;
+  book.early_stops.clear();
   book.last_down = schedule_.now();
   book.stops.clear();
   book.flying.clear();
@@ -67,8 +75,8 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   if (flights_.size() > kFlightsKept) {
     flights_.pop_front();
   }
+  begin_failsafe();
   Book& book = books_[bus];
-  ++book.count.transmissions;
   book.last_flight = flight.number;
   if (!book.open) {
     violation("closed_line", "transmission on " + bus_settings(bus).name);
@@ -84,15 +92,12 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   }
   flight.is_write = !is_read_function(flight.pdu.front());
   flight.is_broadcast = flight.address == 0 && !is_tcp(bus);
-  book.count.broadcasts += flight.is_broadcast ? 1U : 0U;
   cut_flying(book);
   attribute(flight);
   check_stops_first(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
   set_times(flight);
-  if (flight.expects_answer) {
-    ++book.lanes[flight.address].unanswered;
-  }
+  note_counts(flight);
   if (!is_tcp(bus)) {
     check_quarantine(flight);
     book.own_end = flight.end;
@@ -128,7 +133,9 @@ bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) 
   if (piece.pdu == flight.pdu) {
     return true;
   }
-  if (!bus_settings(flight.bus).merge || !asked.is_read() || asked.pieces.size() > 1 ||
+  const bool may_merge = bus_settings(flight.bus).merge ||
+                         (asked.is_accepted && asked.accepted <= books_[flight.bus].last_merge);
+  if (!may_merge || !asked.is_read() || asked.pieces.size() > 1 ||
       piece.pdu.front() != flight.pdu.front() || flight.pdu.size() != 5) {
     return false;
   }
@@ -143,10 +150,17 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
   const Instant now = schedule_.now();
   const drive::DeviceTiming timing =
       asked.door->device ? devices_[*asked.door->device].settings().timing : drive::DeviceTiming{};
-  if (asked.kind == Kind::stop) {
+  if (piece.taken_back) {
+    return "other_meaning";
+  }
+  if (asked.is_stop()) {
     const bool is_shared = (modbus::load_be16(piece.pdu, 3) & 0xFFFU) == 0xFFFU;
-    return asked.surely_on_wire && !is_shared && piece.sent > timing.stop_retries ? "stop_too_often"
-                                                                                  : "";
+    const bool repeated = !asked.stops_all && piece.pdu[2] == (kStopRegister & 0xFFU);
+    const unsigned repeats = repeated ? std::max(asked.stop_retries, timing.stop_retries) : 0;
+    if (asked.failsafe) {
+      return piece.sent >= (1 + repeats) * failsafes_like(asked, piece) ? "failsafe_too_often" : "";
+    }
+    return asked.surely_on_wire && !is_shared && piece.sent > repeats ? "stop_too_often" : "";
   }
   if (!asked.is_accepted) {
     return "pipeline";
@@ -157,11 +171,12 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
   if (now >= asked.deadline) {
     return "late_command";
   }
-  if (asked.doomed && now > *asked.doomed && piece.sent == 0) {
+  const auto doomed = asked.doomed ? asked.doomed : piece.doomed;
+  if (doomed && now > *doomed && piece.sent == 0) {
     return "cancelled_write";
   }
-  const bool once = asked.changes() && !timing.retry_writes;
-  if (asked.changes() && piece.sent > (once ? 0 : timing.retries)) {
+  const bool once = asked.changes() && !asked.retry_writes;
+  if (asked.changes() && piece.sent > (once ? 0 : asked.retries)) {
     return "write_twice";
   }
   return "";
@@ -211,10 +226,13 @@ void Oracle::unknown_transmission(const Flight& flight) {
 
 void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone) {
   Flight& mine = const_cast<Flight&>(flight);
-  mine.is_stop = mine.is_stop || asked.kind == Kind::stop;
+  mine.is_stop = mine.is_stop || asked.is_stop();
   mine.expects_answer = mine.expects_answer && !asked.silent && asked.kind != Kind::broadcast;
-  if (alone && !asked.maybe_on_wire && asked.kind != Kind::stop) {
+  if (alone && !asked.maybe_on_wire && !asked.is_stop()) {
     check_order(asked, flight);
+    if (const std::string owner = writers_.sent(asked, schedule_.now()); !owner.empty()) {
+      violation("writer", name(asked) + ", but " + owner);
+    }
   }
   mine.repeats_read = mine.repeats_read || (asked.is_read() && asked.last_sent == flight.pdu);
   asked.last_sent = flight.pdu;
@@ -232,42 +250,21 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   }
 }
 
-// Of one connection and one device, always in order.
-void Oracle::check_order(const Asked& asked, const Flight& flight) {
-  Book& book = books_[flight.bus];
-  const auto check = [&](const Lane& lane) {
-    for (const Asked* other : lane.open) {
-      const bool waits = std::ranges::any_of(other->pieces, [&](const Piece& piece) {
-        return piece.bus == flight.bus && piece.sent == 0;
-      });
-      // One part of a broadcast may have ended while others wait.
-      const bool ended =
-          other->pieces.size() > 1 && other->kind == Kind::broadcast &&
-          std::max({book.last_full, book.last_down, book.last_stop}) >= other->accepted;
-      if (other->client == asked.client && other->sequence < asked.sequence && waits && !ended &&
-          other->kind != Kind::stop && !other->doomed && !other->dropped &&
-          is_surely_open(*other)) {
-        violation("order", name(asked) + " before " + name(*other));
-      }
-    }
-  };
-  check(book.lanes[flight.address]);
-  if (asked.kind != Kind::broadcast && !is_tcp(flight.bus)) {
-    check(book.lanes[0]);
-  }
-}
-
 void Oracle::executed(const Flight& flight) {
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
       for (Piece& piece : entry->second->pieces) {
-        piece.executed = piece.executed || piece.pdu == flight.pdu;
+        if (piece.pdu == flight.pdu) {
+          piece.done = {piece.executed ? piece.done.first : schedule_.now(), schedule_.now()};
+          piece.executed = true;
+        }
       }
     }
   }
 }
 
 void Oracle::echo_spoilt(const Flight& flight) {
+  ++books_[flight.bus].count.spoilt_echoes;
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
       ++entry->second->spoilt;

@@ -25,8 +25,13 @@ class Draw {
       add_bus(bus);
     }
     add_listeners();
+    plan_.absent.listeners.resize(plan_.settings.listeners.size());
+    plan_.absent.buses.resize(buses);
+    plan_.absent.devices.resize(plan_.settings.devices.size());
     add_doors();
+    plan_.absent.routes.resize(plan_.settings.routes.size());
     plan_.beyond = random_.chance(100);
+    draw_guards(plan_, random_);
     draw_clients(plan_, random_);
     return std::move(plan_);
   }
@@ -42,7 +47,6 @@ class Draw {
   void add_doors();
   void add_routes(std::size_t device);
   void add_broadcasts();
-  void set_deadlines(Door& door, std::optional<Duration> set) const;
   unsigned some(unsigned most) {
     return random_.chance(300) ? 0 : static_cast<unsigned>(random_.below(most + 1));
   }
@@ -82,7 +86,8 @@ void Draw::add_bus(std::size_t index) {
   bus.burst = random_.between(1U, 8U);
   // Long enough that a stop on the slowest line leaves and is answered before the next one is due.
   bus.stop_wait = random_.duration(40ms, 100ms);
-  // After a probe whose answer dragged on for seconds, 2 % of the time would outlast the quiet phase.
+  // After a probe whose answer dragged on for seconds, 2 % of the time would outlast the quiet
+  // phase.
   bus.probe_share = random_.between(10U, 40U);
   bus.reopen_min = 20ms;
   bus.reopen_max = 500ms;
@@ -150,6 +155,7 @@ drive::Profile Draw::draw_profile() {
   if (random_.chance(500)) {
     const auto most = random_.between<std::uint16_t>(4, 64);
     profile.limits.read = {2000, 2000, most, most};
+    profile.limits.write_coils = static_cast<std::uint16_t>(16U * random_.between(1U, 6U));
     profile.limits.write_registers = random_.between<std::uint16_t>(2, 8);
   }
   return profile;
@@ -188,22 +194,6 @@ void Draw::add_listeners() {
   }
 }
 
-void Draw::set_deadlines(Door& door, std::optional<Duration> set) const {
-  Duration longest{0};
-  for (const std::size_t bus : door.buses) {
-    longest = std::max(longest, plan_.settings.buses[bus].timing.response_timeout);
-    for (const drive::Device& device : plan_.settings.devices) {
-      if (static_cast<std::size_t>(device.bus) == bus) {
-        longest = std::max(longest, device.timing.response_wait +
-                                        std::max(device.timing.response_timeout,
-                                                 device.profile.slow.front().response_timeout));
-      }
-    }
-  }
-  door.read_deadline = set.value_or(5s);
-  door.write_deadline = set.value_or(std::max<Duration>(1s, 2 * longest));
-}
-
 void Draw::add_doors() {
   auto& settings = plan_.settings;
   for (std::size_t index = 0; index < settings.devices.size(); ++index) {
@@ -212,7 +202,7 @@ void Draw::add_doors() {
     for (std::size_t listener = 0; listener < settings.listeners.size(); ++listener) {
       if (settings.listeners[listener].bus == settings.devices[index].bus) {
         Door door{listener, settings.devices[index].address, index, {bus}};
-        set_deadlines(door, std::nullopt);
+        set_deadlines(plan_, door);
         plan_.doors.push_back(door);
       }
     }
@@ -244,9 +234,11 @@ void Draw::add_routes(std::size_t index) {
     Door door{0, route.first_unit, index, {static_cast<std::size_t>(device.bus)}};
     door.routed = true;
     door.windowed = !route.windows.empty();
+    door.names_order = route.word_order.has_value();
     door.swapped = route.word_order && *route.word_order != *device.word_order;
     door.read_only = route.access == routing::Access::read_only;
-    set_deadlines(door, route.deadline);
+    door.route = plan_.settings.routes.size() - 1;
+    set_deadlines(plan_, door);
     for (; !plan_.settings.listeners[door.listener].bus; ++door.listener) {
       plan_.doors.push_back(door);
     }
@@ -266,7 +258,8 @@ void Draw::add_broadcasts() {
   route.broadcast_reply =
       random_.chance(700) ? routing::BroadcastReply::echo : routing::BroadcastReply::none;
   all.replies = route.broadcast_reply == routing::BroadcastReply::echo;
-  set_deadlines(all, std::nullopt);
+  all.route = settings.routes.size() - 1;
+  set_deadlines(plan_, all);
   if (all.buses.empty()) {
     settings.routes.pop_back();
     return;
@@ -279,7 +272,7 @@ void Draw::add_broadcasts() {
     if (listener.bus && !is_tcp(static_cast<std::size_t>(*listener.bus))) {
       Door door{at, 0, std::nullopt, {static_cast<std::size_t>(*listener.bus)}};
       door.replies = listener.broadcast_reply == routing::BroadcastReply::echo;
-      set_deadlines(door, std::nullopt);
+      set_deadlines(plan_, door);
       plan_.doors.push_back(door);
     }
   }

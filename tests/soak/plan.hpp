@@ -15,6 +15,7 @@ namespace mbgate::soak {
 inline constexpr std::uint16_t kHoldingWindow = 1000;
 inline constexpr std::uint16_t kInputWindow = 3000;
 inline constexpr std::uint16_t kInputs = 100;
+inline constexpr unsigned kMostHosts = 12;
 
 /// A unit of a listener, as its clients see it.
 struct Door {
@@ -22,13 +23,16 @@ struct Door {
   std::uint8_t unit = 0;
   std::optional<std::size_t> device;  ///< none: a broadcast
   std::vector<std::size_t> buses;
-  bool routed = false;    ///< what the device's profile says is done
-  bool windowed = false;  ///< only the two windows can be reached
-  bool swapped = false;   ///< the client sees the words of values the other way round
+  bool routed = false;       ///< what the device's profile says is done
+  bool windowed = false;     ///< only the two windows can be reached
+  bool names_order = false;  ///< of words: no value may be cut by a write
+  bool swapped = false;      ///< the client sees the words of values the other way round
   bool read_only = false;
   Duration read_deadline{0};
   Duration write_deadline{0};
-  bool replies = true;  ///< broadcasts: the client gets an echo
+  bool replies = true;                 ///< broadcasts: the client gets an echo
+  std::optional<std::size_t> route{};  ///< none: a transparent listener's
+  bool absent = false;                 ///< it leads nowhere at present
 };
 
 /// In thousandths, of answers unless it says otherwise.
@@ -74,15 +78,34 @@ struct Manners {
   std::uint16_t same_reads = 0;  ///< thousandths that ask for what everybody asks for
 };
 
+/// What the settings in force do not name, by its place in the plan; it comes back some time.
+struct Absent {
+  std::vector<bool> listeners;
+  std::vector<bool> buses;
+  std::vector<bool> devices;
+  std::vector<bool> routes;
+};
+
 struct SoakPlan {
-  gateway::Settings settings;
+  gateway::Settings settings;  ///< in force, in the plan's own order
+  Absent absent;
   std::vector<Door> doors;
-  std::vector<FaultRates> rates;  ///< by bus
+  std::vector<FaultRates> rates;               ///< by bus
+  std::vector<std::vector<unsigned>> writers;  ///< by device, the hosts that its guard lists
+  std::vector<std::vector<std::vector<std::uint8_t>>> failsafe;  ///< by device, the PDUs
   std::vector<Manners> clients;
+  /// Silence of the clients is a reason for failsafe writes. It counts from when a request was
+  /// taken, and nobody outside knows when that was of stops that were read ahead, and behind
+  /// broadcasts without an answer: nobody sends any in these plants.
+  bool silence = false;
   bool beyond = false;  ///< devices are later than the quarantine: misdeliveries are counted apart
 };
 
 SoakPlan draw_plan(Random& random);
+/// The default deadlines, or those of its route.
+void set_deadlines(const SoakPlan& plan, Door& door);
+/// What its devices' guards allow.
+void draw_guards(SoakPlan& plan, Random& random);
 /// Its last step: who asks, and how.
 void draw_clients(SoakPlan& plan, Random& random);
 

@@ -15,7 +15,7 @@ unsigned some(Random& random, unsigned most) {
 }  // namespace
 
 void draw_clients(SoakPlan& plan, Random& random) {
-  const unsigned hosts = random.between(1U, 12U);
+  const unsigned hosts = random.between(1U, kMostHosts);
   for (unsigned count = random.one_of({2U, 6U, 12U, 30U}); count > 0; --count) {
     Manners manners;
     manners.listener = random.below(plan.settings.listeners.size());
@@ -25,7 +25,10 @@ void draw_clients(SoakPlan& plan, Random& random) {
     manners.pause = random.one_of<Duration>({1ms, 20ms, 200ms, 1s});
     manners.writes = random.one_of({0U, 100U, 300U, 800U});
     manners.stops = random.one_of({0U, 0U, 10U, 60U});
-    manners.broadcasts = random.one_of({0U, 0U, 10U});
+    manners.broadcasts = random.one_of({0U, 0U, 10U, 50U});
+    if (plan.silence) {
+      manners.stops = manners.broadcasts = 0;
+    }
     manners.malformed = some(random, 20);
     manners.foreign = some(random, 20);
     manners.splits = some(random, 300);

@@ -23,6 +23,18 @@ std::uint16_t half(std::uint32_t words, unsigned address) {
 
 }  // namespace
 
+bool writes_slowly(modbus::Bytes request) {
+  const std::size_t field = request[0] == 0x17 ? 5 : 1;
+  const bool registers =
+      request[0] == 0x06 || request[0] == 0x10 || request[0] == 0x16 || request[0] == 0x17;
+  if (!registers) {
+    return false;
+  }
+  const unsigned count =
+      request[0] == 0x06 || request[0] == 0x16 ? 1 : modbus::load_be16(request, field + 2);
+  return modbus::load_be16(request, field) + count > kSlowFrom;
+}
+
 Registers::Registers(std::uint64_t salt) : salt_(salt) {
   for (unsigned address = 0; address < kRegisters; ++address) {
     const std::uint32_t first = this->salt(Table::holding_registers, address);
@@ -38,9 +50,15 @@ std::uint16_t Registers::salt(Table table, unsigned address) const {
   return word(mixed(salt_ + (static_cast<std::uint64_t>(table) << 32U) + address));
 }
 
+const Registers::History* Registers::written_bit(Table table, unsigned address) const {
+  const auto found = coils_.find(address);
+  return table != Table::coils || found == coils_.end() ? nullptr : &found->second;
+}
+
 std::uint16_t Registers::read(Table table, unsigned address, Instant at) const {
   if (table == Table::coils || table == Table::discrete_inputs) {
-    return salt(table, address) & 1U;
+    const History* written = written_bit(table, address);
+    return written != nullptr ? word(written->back().words) : salt(table, address) & 1U;
   }
   if (is_live(table, address)) {
     return word(salt(table, address) + ticks(at));
@@ -64,6 +82,14 @@ void Registers::write_pair(unsigned first, std::uint32_t words, Instant at) {
   histories_.at(first).push_back({at, words});
 }
 
+void Registers::write_coil(unsigned address, bool value, Instant at) {
+  History& history = coils_[address];
+  if (history.empty()) {
+    history.push_back({Instant::min(), salt(Table::coils, address) & 1U});
+  }
+  history.push_back({at, value ? 1U : 0U});
+}
+
 template <typename Fits>
 bool Registers::any(const History& history, Span span, Fits fits) {
   for (auto version = history.rbegin(); version != history.rend(); ++version) {
@@ -79,7 +105,9 @@ bool Registers::any(const History& history, Span span, Fits fits) {
 
 bool Registers::held(Table table, unsigned address, std::uint16_t value, Span span) const {
   if (table == Table::coils || table == Table::discrete_inputs) {
-    return value == (salt(table, address) & 1U);
+    const History* written = written_bit(table, address);
+    return written != nullptr ? any(*written, span, [&](auto bit) { return bit == value; })
+                              : value == (salt(table, address) & 1U);
   }
   if (is_live(table, address)) {
     const std::uint64_t first = ticks(span.first);

@@ -38,7 +38,11 @@ void SerialWire::reset() {
   ++epoch_;
   messages_.clear();
   talks_until_.clear();
+  asked_until_.clear();
   own_end_ = Instant::min();
+  timing_ = modbus::RtuTiming(settings_.line.baud, settings_.line.format);
+  silence_ = settings_.frame_gap.value_or(timing_.t3_5());
+  ascii_ = settings_.line.framing == bus::Framing::ascii;
 }
 
 bool SerialWire::happens(unsigned permille, const char* kind) {
@@ -66,7 +70,11 @@ SoakDevice* SerialWire::device_at(std::uint8_t address) {
 
 void SerialWire::transmit(const Flight& flight, Bytes frame) {
   own_damaged_ = false;
+  opaque_ = !flight.pdu.empty() && flight.pdu.front() == kOwnFunction;
   own_end_ = flight.end;
+  if (flight.expects_answer) {
+    asked_until_[flight.address] = flight.due;
+  }
   for (auto& [id, message] : messages_) {
     if (message.begin <= around_.schedule.now() && message.end > around_.schedule.now()) {
       own_damaged_ = true;
@@ -126,7 +134,7 @@ void SerialWire::echo(std::uint64_t number, const Frame& frame) {
 
 void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& request) {
   Random& random = around_.random;
-  const drive::DeviceTiming& timing = device.settings().timing;
+  const drive::DeviceTiming& timing = flight.timing;
   const Instant now = around_.schedule.now();
   std::optional<Pdu> pdu;
   bool slow = false;

@@ -7,6 +7,7 @@
 // - the second copy of an answer, and whatever a device babbles behind one, follows the first
 //   without a silence, because a device that has answered owes nothing and a later copy cannot be
 //   told from the answer to a like request;
+// - no zeros come behind an answer that only silence ends: they leave a good CRC good;
 // - an answer of the wrong unit has an address that nobody uses;
 // - a stranger on the line asks no device that owes the gateway an answer, and has its own answer
 //   before the line was silent.
@@ -81,11 +82,13 @@ class SerialWire {
   bool ascii_;
   std::vector<SoakDevice*> devices_;
   std::map<std::uint8_t, Instant> talks_until_;
+  std::map<std::uint8_t, Instant> asked_until_;  ///< the gateway may still wait for an answer
   std::map<std::uint64_t, Message> messages_;
   std::uint64_t ids_ = 0;
   std::uint64_t epoch_ = 0;  ///< grows when the adapter is pulled out
   Instant own_end_ = Instant::min();
   bool own_damaged_ = false;
+  bool opaque_ = false;  ///< only silence ends the answer to what was transmitted last
 };
 
 }  // namespace mbgate::soak

@@ -73,7 +73,9 @@ void SerialWire::garble(Message& message) {
   message.content.copies =
       std::min(message.content.copies, good / message.frame - message.delivered / message.frame);
   for (std::size_t at = good; at < message.bytes.size(); ++at) {
-    message.bytes[at] = static_cast<std::uint8_t>(around_.random.below(256));
+    // What cannot stand in a frame, or another byte than it was: by chance nothing stays whole.
+    message.bytes[at] = static_cast<std::uint8_t>(
+        ascii_ ? message.bytes[at] | 0x80U : message.bytes[at] ^ around_.random.between(1U, 255U));
   }
 }
 
@@ -87,6 +89,9 @@ void SerialWire::deliver(std::uint64_t id, std::size_t until) {
   message.content.copies -= frames;
   for (std::size_t frame = 0; message.content.address && frame < frames; ++frame) {
     around_.oracle.frame_came(bus_, *message.content.address, message.content.fits);
+  }
+  if (message.content.address && message.content.fits && frames > 0) {
+    asked_until_.erase(*message.content.address);
   }
   message.delivered = until;
   if (until == message.bytes.size()) {
@@ -125,6 +130,10 @@ void SerialWire::make_noise() {
     byte = around_.random.one_of<std::uint8_t>(
         {0x00, 0xFF, static_cast<std::uint8_t>(around_.random.below(256))});
   }
+  // Behind a good frame, zeros leave the CRC good; where only silence ends it, nobody could tell.
+  if (opaque_ && noise.back() == 0) {
+    noise.back() = 0xFF;
+  }
   say(std::move(noise), around_.schedule.now(), Chunks::fine, {});
   later(rates_.noise_every, &SerialWire::make_noise);
 }
@@ -137,7 +146,8 @@ void SerialWire::ask_as_stranger() {
   SoakDevice& device = *devices_[around_.random.below(devices_.size())];
   const std::uint8_t address = device.settings().address;
   if (is_busy() || device.is_dead(around_.schedule.now()) || around_.oracle.owes(bus_, address) ||
-      talks_until_[address] >= around_.schedule.now()) {
+      talks_until_[address] >= around_.schedule.now() ||
+      (asked_until_.contains(address) && asked_until_[address] >= around_.schedule.now())) {
     return;
   }
   around_.report.fault("foreign");

@@ -38,9 +38,21 @@ World::World(std::uint64_t seed, bool trace)
               devices_,
               [this](std::size_t bus, Bytes bytes) { deliver(bus, bytes); }},
       buses_(plan_.settings.buses.size()),
+      reloads_(plan_, devices_, oracle_, seed),
       gateway_(plan_.settings, schedule_.now()),
-      tools_{gateway_, oracle_, schedule_,           random_,
-             report_,  asking_, [this] { drain(); }, [this] { return ClientId{++last_number_}; }},
+      tools_{gateway_,
+             oracle_,
+             schedule_,
+             random_,
+             report_,
+             asking_,
+             [this] { drain(); },
+             [this] { return ClientId{++last_number_}; },
+             [this](std::size_t it) { return reloads_.arrangement().listener(it); },
+             [this](std::size_t it, const routing::ClientAddress& address) {
+               const auto& allow = plan_.settings.listeners[it].allow;
+               return allow.empty() || routing::contains(allow, address);
+             }},
       trace_(trace) {
   if (trace) {
     oracle_.trace();
@@ -58,6 +70,7 @@ World::World(std::uint64_t seed, bool trace)
     clients_.emplace_back(manners, tools_).begin();
   }
   check_overdue_often();
+  begin_reloads();
   drain();
 }
 
@@ -70,6 +83,7 @@ Report World::run(std::uint64_t transmissions) {
   }
   calm_down();
   run_until(schedule_.now() + kQuiet);
+  restore();
   oracle_.check_finished();
   check_back();
   check_counters();
@@ -138,21 +152,25 @@ void World::trace(const std::string& text) const {
 
 void World::carry_out(const gateway::Action& action) {
   if (trace_) {
-    trace(gateway::to_text(action, plan_.settings));
+    trace(gateway::to_text(action, gateway_.settings()));
   }
+  const auto bus_of = [this](gateway::BusId bus) { return reloads_.arrangement().plan_bus(bus); };
+  check_order_only(action);
   if (const auto* send = std::get_if<gateway::Send>(&action)) {
     if (Client* client = find(send->client)) {
       client->take({send->adu.data(), send->adu.size()});
-    } else {
+    } else if (!close_due_.contains(send->client)) {
       oracle_.violation("answer_to_nobody", "an answer for a client that has gone");
     }
   } else if (const auto* transmit_frame = std::get_if<gateway::Transmit>(&action)) {
-    transmit(static_cast<std::size_t>(transmit_frame->bus),
+    transmit(bus_of(transmit_frame->bus),
              {transmit_frame->frame.data(), transmit_frame->frame.size()});
   } else if (const auto* open_line = std::get_if<gateway::Open>(&action)) {
-    open(static_cast<std::size_t>(open_line->bus));
+    open(bus_of(open_line->bus));
   } else if (const auto* shut = std::get_if<gateway::Shut>(&action)) {
-    oracle_.violation("shut", "line " + std::to_string(static_cast<unsigned>(shut->bus)));
+    if (shut_due_.erase(bus_of(shut->bus)) == 0) {
+      oracle_.violation("shut", plan_.settings.buses[bus_of(shut->bus)].name);
+    }
   } else if (const auto* pause = std::get_if<gateway::Pause>(&action)) {
     if (Client* client = find(pause->client)) {
       client->pause();
@@ -164,6 +182,8 @@ void World::carry_out(const gateway::Action& action) {
   } else if (const auto* close = std::get_if<gateway::Close>(&action)) {
     if (Client* client = find(close->client)) {
       client->closed_by_gateway();
+    } else {
+      close_due_.erase(close->client);
     }
   }
 }
@@ -189,16 +209,18 @@ void World::deliver(std::size_t bus, Bytes bytes) {
     if (trace_) {
       trace(plan_.settings.buses[bus].name + " < " + Oracle::hex(bytes));
     }
-    gateway_.handle_bus_bytes(gateway::BusId{static_cast<std::uint32_t>(bus)}, bytes,
-                              schedule_.now());
+    gateway_.handle_bus_bytes(id_of(bus), bytes, schedule_.now());
     drain();
   }
 }
 
 void World::open(std::size_t bus) {
-  schedule_.after(random_.duration(10us, 5ms), [this, bus] {
+  schedule_.after(random_.duration(10us, 5ms), [this, bus, epoch = buses_[bus].epoch] {
     BusState& state = buses_[bus];
-    const gateway::BusId id{static_cast<std::uint32_t>(bus)};
+    if (epoch != state.epoch) {
+      return;  // nobody wants that line any more
+    }
+    const gateway::BusId id = id_of(bus);
     if (schedule_.now() < state.away_until) {
       report_.fault("open_refused");
       oracle_.bus_lost(bus);
@@ -236,7 +258,7 @@ void World::lose(std::size_t bus) {
   state.away_until = schedule_.now() + random_.duration(0ms, 1s);
   std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
   oracle_.bus_lost(bus);
-  gateway_.handle_bus_lost(gateway::BusId{static_cast<std::uint32_t>(bus)}, schedule_.now());
+  gateway_.handle_bus_lost(id_of(bus), schedule_.now());
   drain();
 }
 

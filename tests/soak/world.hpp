@@ -4,10 +4,12 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <variant>
 
 #include "soak/client.hpp"
 #include "soak/far_server.hpp"
+#include "soak/reload.hpp"
 #include "soak/serial_wire.hpp"
 
 namespace mbgate::soak {
@@ -39,11 +41,29 @@ class World {
   void lose(std::size_t bus);
   void begin_losses(std::size_t bus);
   void deliver(std::size_t bus, Bytes bytes);
+  void begin_reloads();
+  void reload(const Reload& reload, const std::vector<bool>& absent);
+  void take_effect(const Reload& reload, const std::vector<bool>& absent);
+  void check_order_only(const gateway::Action& action);
+  void restore();
+  [[nodiscard]] gateway::BusId id_of(std::size_t bus) const {
+    return *reloads_.arrangement().bus(bus);
+  }
   void transmit(std::size_t bus, Bytes frame);
   Client* find(ClientId number);
   void calm_down();
   void check_back();
   void check_counters();
+  void check_head(Client& client);
+  void check_bus(Client& client, std::size_t bus);
+  void check_device(Client& client, std::size_t index);
+  void compare_ends(const std::string& name, std::uint64_t ends, const Oracle::BusCount& count);
+  const PduBytes& own_registers(Client& client, std::size_t first, std::size_t count);
+  void compare(const std::string& what, std::uint64_t shown, std::uint64_t least,
+               std::uint64_t most);
+  void compare(const std::string& what, std::uint64_t shown, std::uint64_t seen) {
+    compare(what, shown, seen, seen);
+  }
   void check_overdue_often();
 
   Random random_;
@@ -56,6 +76,10 @@ class World {
   Surroundings around_;
   std::deque<Wire> wires_;
   std::vector<BusState> buses_;
+  Reloads reloads_;
+  std::set<std::size_t> shut_due_;  // lines that the gateway gives up because of a reload
+  std::set<ClientId> close_due_;    // and connections
+  bool order_only_ = false;         // the actions are those to a reload that changes nothing
   gateway::Gateway gateway_;
   Client::Tools tools_;
   std::deque<Client> clients_;

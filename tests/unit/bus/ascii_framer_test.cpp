@@ -160,6 +160,18 @@ TEST_F(AsciiFramer, WhatIsNotHexadecimalIsNoise) {
   }
 }
 
+// Else a noisy line that has lost the end of an answer would be waited for as long as it is noisy.
+TEST_F(AsciiFramer, NoiseAndMoreThanWasAskedForEndAnAnswerThatHasBegun) {
+  for (const auto* more : {"\xFF", "0123456789"}) {
+    expect(kRead);
+    EXPECT_EQ(add(":01030212"), Verdict::none);
+    EXPECT_TRUE(framer_.in_progress());
+    EXPECT_EQ(add(more), Verdict::none);
+    EXPECT_FALSE(framer_.in_progress()) << more;
+    EXPECT_EQ(add(kAnswer), Verdict::response) << more;
+  }
+}
+
 TEST_F(AsciiFramer, FunctionsOfVendorsEndWithTheirLineFeed) {
   expect("46 01 02");  // FDA6000's JOG
   EXPECT_EQ(add(":0146AABBCC88\r\n"), Verdict::response);

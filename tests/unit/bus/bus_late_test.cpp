@@ -12,11 +12,7 @@ constexpr auto kReadFrame = "01 03 00 00 00 01 84 0A";
 constexpr auto kOtherFrame = "01 03 00 10 00 01 85 CF";
 constexpr auto kOtherDevice = "02 03 00 00 00 01 84 39";
 
-class BusLate : public Bus {
- protected:
-  /// Advances by that much; the response timeout is 100 ms.
-  void time_out() { advance(kEmission + 100ms); }
-};
+using BusLate = Bus;
 
 TEST_F(BusLate, ADeviceIsLeftAloneWhileItsAnswerMayStillComeAndOthersGoOn) {
   open(settings());

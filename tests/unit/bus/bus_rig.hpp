@@ -20,6 +20,11 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
+inline constexpr auto kRead = "03 0000 0001";
+inline constexpr auto kAnswer = "01 03 02 12 34 B5 33";
+inline constexpr auto kT35 = 2005209ns;       // 38.5 bits, rounded up
+inline constexpr auto kEmission = 4583334ns;  // 88 bits, rounded up
+
 class Bus : public testing::Test {
  protected:
   void open(const bus::BusSettings& settings, const std::vector<drive::Device>& devices = {}) {
@@ -28,6 +33,10 @@ class Bus : public testing::Test {
     bus_->handle_opened(now_);
     drain();
     advance(5ms);
+  }
+  void update(const bus::BusSettings& settings, const std::vector<drive::Device>& devices) {
+    bus_->update(settings, devices, now_);
+    drain();
   }
   static bus::BusSettings settings() {
     bus::BusSettings settings;
@@ -89,6 +98,8 @@ class Bus : public testing::Test {
       }
     }
   }
+  /// A request that was just transmitted gets no answer; the response timeout is 100 ms.
+  void time_out() { advance(kEmission + 100ms); }
   /// From the last transmission on until the next one.
   Duration until_next_frame(Duration limit = 2s) {
     const std::size_t before = frames_.size();
@@ -107,10 +118,5 @@ class Bus : public testing::Test {
   unsigned closes_ = 0;
   std::vector<bus::DeviceNotice::Kind> notices_;
 };
-
-inline constexpr auto kRead = "03 0000 0001";
-inline constexpr auto kAnswer = "01 03 02 12 34 B5 33";
-inline constexpr auto kT35 = 2005209ns;       // 38.5 bits, rounded up
-inline constexpr auto kEmission = 4583334ns;  // 88 bits, rounded up
 
 }  // namespace mbgate::test

@@ -27,6 +27,31 @@ class BusSharing : public Bus {
     frames_.erase(frames_.begin());
     endings_.erase(endings_.begin());
   }
+  /// Two identical reads waited, and the line has become free.
+  void let_two_wait(const bus::BusSettings& settings) {
+    open(settings);
+    occupy();
+    submit(job_of(0, kRead));
+    submit(job_of(1, kRead));
+    free_line();
+  }
+  /// Two identical reads have waited with a write between them, and now a read has its turn.
+  void let_two_wait_around(std::uint8_t written) {
+    auto reads_first = sharing();
+    reads_first.burst = 1;
+    open(reads_first);
+    submit(job_of(98, "06 0000 0001", 3));
+    advance(10ms);
+    submit(job_of(0, kRead));
+    submit(job_of(1, "06 0000 0001", written));
+    submit(job_of(2, kRead));
+    line("03 06 00 00 00 01 49 E8");
+    advance(10ms);
+  }
+  void answer() {
+    advance(10ms);
+    line(kAnswer);
+  }
   static std::string response_of(const bus::Job& job) {
     const auto& response = job.transactions[0].response;
     return response ? hex(response->bytes()) : "none";
@@ -40,8 +65,7 @@ TEST_F(BusSharing, IdenticalWaitingReadsAreTransmittedOnce) {
     submit(job_of(source, kRead));
   }
   free_line();
-  advance(10ms);
-  line(kAnswer);
+  answer();
   EXPECT_THAT(endings_, SizeIs(32));
   advance(1s);
   EXPECT_THAT(frames_, SizeIs(1));
@@ -52,13 +76,8 @@ TEST_F(BusSharing, IdenticalWaitingReadsAreTransmittedOnce) {
 }
 
 TEST_F(BusSharing, CanBeTurnedOff) {
-  open(settings());
-  occupy();
-  submit(job_of(0, kRead));
-  submit(job_of(1, kRead));
-  free_line();
-  advance(10ms);
-  line(kAnswer);
+  let_two_wait(settings());
+  answer();
   EXPECT_THAT(endings_, SizeIs(1));
 }
 
@@ -74,34 +93,16 @@ TEST_F(BusSharing, NobodyJoinsAReadThatWasTransmitted) {
 }
 
 TEST_F(BusSharing, NobodyJoinsAcrossAWriteThatWaitsBetweenThem) {
-  auto reads_first = sharing();
-  reads_first.burst = 1;
-  open(reads_first);
-  submit(job_of(98, "06 0000 0001", 3));  // a write went: now a read has its turn
-  advance(10ms);
-  submit(job_of(0, kRead));
-  submit(job_of(1, "06 0000 0001"));
-  submit(job_of(2, kRead));
-  line("03 06 00 00 00 01 49 E8");
-  advance(20ms);
+  let_two_wait_around(1);
   ASSERT_THAT(frames_, SizeIs(2));
   EXPECT_EQ(frames_[1], "01 03 00 00 00 01 84 0A");
-  line(kAnswer);
+  answer();
   EXPECT_THAT(endings_, SizeIs(2));
 }
 
 TEST_F(BusSharing, ABroadcastIsAWriteToEveryDevice) {
-  auto reads_first = sharing();
-  reads_first.burst = 1;
-  open(reads_first);
-  submit(job_of(98, "06 0000 0001", 3));
-  advance(10ms);
-  submit(job_of(0, kRead));
-  submit(job_of(1, "06 0000 0001", 0));
-  submit(job_of(2, kRead));
-  line("03 06 00 00 00 01 49 E8");
-  advance(20ms);
-  line(kAnswer);
+  let_two_wait_around(0);
+  answer();
   EXPECT_THAT(endings_, SizeIs(2));
 }
 
@@ -112,19 +113,14 @@ TEST_F(BusSharing, AClientsOwnEarlierRequestsToTheDeviceGoFirst) {
   submit(job_of(1, "03 0010 0001"));
   submit(job_of(1, kRead));
   free_line();
-  advance(10ms);
-  line(kAnswer);
+  answer();
   EXPECT_THAT(endings_, SizeIs(1));
 }
 
 TEST_F(BusSharing, TheOthersGoOnWhenTheOneThatLedHasGone) {
   auto retrying = sharing();
   retrying.timing.retries = 1;
-  open(retrying);
-  occupy();
-  submit(job_of(0, kRead));
-  submit(job_of(1, kRead));
-  free_line();
+  let_two_wait(retrying);
   jobs_[1].abandoned = true;
   advance(110ms);
   EXPECT_THAT(frames_, SizeIs(2));
@@ -137,23 +133,15 @@ TEST_F(BusSharing, TheOthersGoOnWhenTheOneThatLedHasGone) {
 TEST_F(BusSharing, EachKeepsItsOwnDeadline) {
   auto retrying = sharing();
   retrying.timing.retries = 1;
-  open(retrying);
-  occupy();
-  submit(job_of(0, kRead));
-  submit(job_of(1, kRead));
+  let_two_wait(retrying);
   jobs_[2].deadline = now_ + 50ms;
-  free_line();
   advance(110ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::expired));
   EXPECT_TRUE(jobs_[2].was_on_wire);
 }
 
 TEST_F(BusSharing, AllFailTogether) {
-  open(sharing());
-  occupy();
-  submit(job_of(0, kRead));
-  submit(job_of(1, kRead));
-  free_line();
+  let_two_wait(sharing());
   advance(110ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
   EXPECT_TRUE(jobs_[2].was_on_wire);

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stops among writes and among each other.
 #include "bus_rig.hpp"
-#include "bus_tcp_rig.hpp"
+#include "stop_axis.hpp"
 
 namespace mbgate::test {
 namespace {
 
-constexpr auto kStop = "06 007C 00E1";
-constexpr auto kStopFrame = "01 06 00 7C 00 E1 88 5A";
-constexpr auto kMove = "06 007C 0066";
-constexpr auto kMoveFrame = "01 06 00 7C 00 66 C8 38";
-
-drive::Device axis(const bus::BusSettings& settings, std::uint8_t address = 1) {
-  drive::Device device{"axis", {}, address, settings.timing};
-  device.profile.stops = {{.address = 0x007C, .value = 0x00E1}};
-  return device;
-}
-
 class BusStopOrder : public Bus {
  protected:
-  void open_patient() {
-    auto patient = axis(settings());
+  void open_patient() { open_patient(settings()); }
+  void open_patient(const bus::BusSettings& bus) {
+    auto patient = axis(bus);
     patient.stop_cancels = false;
-    open(settings(), {patient});
+    open(bus, {patient});
+  }
+  /// A response of a second is waited for.
+  static bus::BusSettings slow() {
+    auto slow = settings();
+    slow.timing.response_timeout = 1s;
+    return slow;
+  }
+  void answer_after(Duration time, std::string_view bytes) {
+    advance(time);
+    line(bytes);
   }
 };
 
@@ -42,6 +42,169 @@ TEST_F(BusStopOrder, AStopBehindAWriteThatIsLetGoIsNotJoinedToOneBeforeIt) {
   }
   EXPECT_THAT(frames_, ElementsAre("02 03 00 00 00 01 84 39", kMoveFrame, kStopFrame,
                                    "01 06 00 00 00 01 48 0A", kStopFrame));
+}
+
+TEST_F(BusStopOrder, AWriteThatIsLetGoCutsOffWhatRunsAsItsStopWouldAndGoesBeforeRetries) {
+  auto retrying = slow();
+  retrying.timing.retries = 1;
+  open_patient(retrying);
+  submit(job_of(9, kRead, 2));
+  advance(20ms);
+  submit(job(kMove));
+  submit(job(kStop));
+  EXPECT_EQ(until_next_frame(100ms), 100ms);
+  EXPECT_EQ(frames_.back(), kMoveFrame);
+  EXPECT_EQ(until_next_frame(kEmission + 100ms), kEmission + 100ms);
+  EXPECT_EQ(frames_.back(), kStopFrame);
+}
+
+TEST_F(BusStopOrder, AWriteThatIsLetGoHasItsOwnTimeForAnAnswer) {
+  open_patient(slow());
+  submit(job_of(9, kRead, 2));
+  advance(20ms);
+  submit(job(kMove));
+  submit(job(kStop));
+  advance(100ms);
+  answer_after(kEmission + 99ms, kMoveFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+  EXPECT_EQ(until_next_frame(), kT35);
+  EXPECT_EQ(frames_.back(), kStopFrame);
+}
+
+TEST_F(BusStopOrder, AWriteThatIsLetGoHoldsItsStopNoLongerThanStopWait) {
+  open_patient(slow());
+  submit(job(kMove));
+  submit(job(kStop));
+  EXPECT_EQ(until_next_frame(), kEmission + 100ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+}
+
+TEST_F(BusStopOrder, AWriteThatCannotGoInTimeIsTakenBackAtOnce) {
+  auto quarantined = settings();
+  quarantined.timing.quarantine = 300ms;
+  open_patient(quarantined);
+  submit(job(kRead));
+  time_out();
+  bus::Job& move = job(kMove);
+  submit(move);
+  submit(job(kStop));
+  EXPECT_EQ(frames_.back(), kStopFrame);
+  EXPECT_FALSE(move.was_on_wire);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::cancelled));
+}
+
+TEST_F(BusStopOrder, AWriteThatIsHeldBackForAShortTimeIsWaitedForAndNothingElseBegins) {
+  auto gapped = settings();
+  gapped.timing.gap = 50ms;
+  open_patient(gapped);
+  submit(job(kMove));
+  submit(job(kStop));
+  submit(job_of(9, kRead, 2));
+  EXPECT_EQ(until_next_frame(60ms), 47005209ns);  // open for 5 ms, and t3.5
+  EXPECT_EQ(frames_.back(), kMoveFrame);
+  answer_after(0ms, kMoveFrame);
+  EXPECT_EQ(until_next_frame(60ms), kT35);
+  EXPECT_EQ(frames_.back(), kStopFrame);
+}
+
+TEST_F(BusStopOrder, WritesThatAreHeldBackHoldAStopNoLongerThanStopWaitInAll) {
+  auto gapped = settings();
+  gapped.timing.gap = 60ms;
+  open_patient(gapped);
+  for (int times = 0; times < 3; ++times) {
+    submit(job(kMove));
+  }
+  submit(job(kStop));
+  advance(60ms);
+  ASSERT_THAT(frames_, ElementsAre(kMoveFrame));
+  answer_after(10ms, kMoveFrame);
+  EXPECT_EQ(until_next_frame(60ms), kT35);
+  EXPECT_EQ(frames_.back(), kStopFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::cancelled, Ending::cancelled));
+}
+
+TEST_F(BusStopOrder, OfARunThatIsHeldBackTooLongNoFurtherPartIsSent) {
+  auto gapped = settings();
+  gapped.timing.gap = 200ms;
+  open_patient(gapped);
+  bus::Job& run = job(kMove);
+  add(run, "06 0001 0001");
+  submit(run);
+  advance(210ms);
+  submit(job_of(1, kStop));
+  line(kMoveFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
+  EXPECT_TRUE(run.was_on_wire);
+  advance(10ms);
+  EXPECT_THAT(frames_, ElementsAre(kMoveFrame, kStopFrame));
+}
+
+TEST_F(BusStopOrder, WhatCameBehindAStopIsNotTakenBackWithTheWritesBeforeIt) {
+  auto gapped = settings();
+  gapped.timing.gap = 60ms;
+  open_patient(gapped);
+  submit(job(kMove));
+  submit(job_of(1, kMove));
+  submit(job(kStop));
+  bus::Job& later = job(kMove);
+  submit(later);
+  advance(60ms);
+  answer_after(10ms, kMoveFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::cancelled));
+  EXPECT_TRUE(later.is_waiting());
+}
+
+TEST_F(BusStopOrder, ABroadcastIsAWriteThatIsLetGo) {
+  open_patient();
+  submit(job_of(9, kRead, 2));
+  submit(job_of(1, "06 0000 0001", 0));
+  submit(job(kStop));
+  answer_after(10ms, "02 03 02 12 34 F1 33");
+  EXPECT_EQ(until_next_frame(10ms), kT35);
+  EXPECT_EQ(unhex(frames_.back())[0], 0);
+  EXPECT_EQ(until_next_frame(), kEmission + 100ms - (10ms - kT35));  // the turnaround delay
+  EXPECT_EQ(frames_.back(), kStopFrame);
+}
+
+TEST_F(BusStopOrder, ABroadcastThatWaitsForOthersIsTakenBack) {
+  open_patient();
+  submit(job_of(9, kRead, 2));
+  submit(job_of(1, kRead, 3));
+  submit(job_of(1, "06 0000 0001", 0));
+  submit(job(kStop));
+  answer_after(10ms, "02 03 02 12 34 F1 33");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::cancelled));
+  EXPECT_EQ(until_next_frame(), kT35);
+  EXPECT_EQ(frames_[1], kStopFrame);
+}
+
+TEST_F(BusStopOrder, AStopThatRunsHasItsWholeTimeFromTheEndOfItsRequestOn) {
+  auto creeping = slow();
+  creeping.line.baud = modbus::Baud{1200};
+  open(creeping, {axis(creeping, 1), axis(creeping, 3)});
+  constexpr auto kLongEmission = 73333334ns;  // 88 bits, rounded up
+  advance(40ms);
+  submit(job_of(9, kRead, 2));
+  submit(job(kStop));
+  constexpr auto kLongSilence = 32083334ns;
+  EXPECT_EQ(until_next_frame(kLongEmission + kLongSilence), kLongEmission + kLongSilence);
+  submit(job_of(1, kStop, 3));
+  EXPECT_EQ(until_next_frame(kLongEmission + 100ms), kLongEmission + 100ms);
+  EXPECT_THAT(frames_, SizeIs(3));
+}
+
+TEST_F(BusStopOrder, WhatItLetsGoIsTakenBackOnceTheSettingsSaySo) {
+  open_patient();
+  submit(job_of(9, kRead, 2));
+  bus::Job& move = job(kMove);
+  submit(move);
+  submit(job(kStop));
+  bus::Job& later = job("06 0000 0001");
+  submit(later);
+  const drive::Device impatient = axis(settings());
+  update(settings(), {impatient});
+  EXPECT_FALSE(move.is_waiting());
+  EXPECT_TRUE(later.is_waiting());
 }
 
 TEST_F(BusStopOrder, ABroadcastStopTakesBackEvenWhatWouldBeLetGo) {
@@ -93,30 +256,6 @@ TEST_F(BusStopOrder, ARepeatedStopHasAsMuchTimeAsTheFirst) {
   for (std::size_t at = 1; at < 12; ++at) {
     EXPECT_GE(frame_times_[at] - frame_times_[at - 1], 100ms) << at;
   }
-}
-
-TEST_F(BusTcp, AStopCutsOffOnlyWhatIsInItsWay) {
-  auto slow = tcp(2);
-  slow.timing.response_timeout = 1s;
-  open(slow, {axis(slow, 3)});
-  submit(job_of(0, kRead, 1));
-  submit(job_of(1, kRead, 2));
-  submit(job_of(2, kStop, 3));
-  advance(100ms);
-  ASSERT_THAT(frames_, SizeIs(3));
-  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
-}
-
-TEST_F(BusTcp, ALateAnswerBringsItsDeviceBack) {
-  auto breaking = tcp(1);
-  breaking.timing.offline_after = 1;
-  open(breaking);
-  submit(job(kRead, 1));
-  advance(breaking.timing.response_timeout);
-  EXPECT_TRUE(bus_->is_offline(1));
-  answer(0, "01 03 02 12 34");
-  EXPECT_FALSE(bus_->is_offline(1));
-  EXPECT_EQ(bus_->counters().late_responses, 1U);
 }
 
 }  // namespace

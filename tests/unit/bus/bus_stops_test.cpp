@@ -67,7 +67,7 @@ TEST_F(BusStops, AResponseThatHasBegunIsHeardOut) {
 TEST_F(BusStops, AnExceptionThatMayBeOwedToAnotherIsNoAnswerToAStop) {
   open_with(moons());
   submit(job_of(1, kMove));
-  advance(kEmission + 100ms);
+  time_out();
   submit(job(kStop));
   advance(10ms);
   line("01 86 04 43 A3");  // says no to the move, too late
@@ -186,7 +186,7 @@ TEST_F(BusStops, NeitherQuarantineNorBreakerNorDeadlineHoldsAStop) {
   dying.timing.offline_after = 1;
   open_with(dying);
   submit(job(kRead));
-  advance(kEmission + 100ms);
+  time_out();
   EXPECT_TRUE(bus_->is_offline(1));
   EXPECT_GT(bus_->held_back(1, now_), 0ms);
   bus::Job& stop = job(kStop);

@@ -77,7 +77,7 @@ TEST_F(Bus, SilenceThatWasAskedForIsNoTimeout) {
   listen_only.transactions[0].silence_is_success = true;
   submit(listen_only);
   submit(job(kRead, 2));
-  advance(kEmission + 100ms);
+  time_out();
   EXPECT_THAT(endings_, ElementsAre(Ending::transmitted));
   EXPECT_THAT(frames_, SizeIs(2));
   EXPECT_EQ(bus_->counters().timeouts, 0U);

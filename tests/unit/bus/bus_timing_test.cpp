@@ -103,7 +103,7 @@ TEST_F(Bus, SettlesAfterATimeoutBeforeTheNextRequest) {
   open(settling);
   submit(job(kRead));
   submit(job(kRead, 2));
-  advance(kEmission + 100ms);
+  time_out();
   EXPECT_EQ(until_next_frame(), 50ms);
 }
 

@@ -20,7 +20,7 @@ class BusTurns : public Bus {
   /// Afterwards device 1 is held back until `held_until_`.
   void boot() {
     submit(job(kBoot));
-    advance(kEmission + 100ms);
+    time_out();
     held_until_ = now_ + 3s;
     frames_.clear();
     frame_times_.clear();

@@ -105,6 +105,18 @@ TEST_F(RtuFramer, IgnoresAnswersOfAnotherLength) {
   EXPECT_EQ(counters_.stray_frames, 1U);
 }
 
+// A bit of it was flipped, or another request is meant: nobody waits for the rest of 198 bytes.
+TEST_F(RtuFramer, AnotherByteCountThanAskedForIsNoAnswerThatHasBegun) {
+  expect(kRead);
+  EXPECT_EQ(add("01 03"), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+  EXPECT_EQ(add("C6 00 03 0D"), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+  EXPECT_EQ(framer_.next_deadline(), std::nullopt);
+  EXPECT_EQ(after(3ms), Verdict::none);
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+}
+
 TEST_F(RtuFramer, IgnoresAWriteEchoedWithAnotherValueOrAddress) {
   expect("06 007C 00E1");
   EXPECT_EQ(add("01 06 00 7C 00 66 C8 38"), Verdict::none);

@@ -71,6 +71,31 @@ TEST(Failsafe, LooksAtEachDeviceAlone) {
   EXPECT_THAT(due(failsafe, Instant(100ms)), ElementsAre(8));
 }
 
+TEST(Failsafe, DoesNotTakeThoseForSilentWhoWaitForAnAnswer) {
+  Failsafe failsafe;
+  failsafe.watch(7, 100ms);
+  failsafe.client_came(ClientId{1}, {7}, Instant{});
+  failsafe.client_came(ClientId{2}, {7}, Instant{});
+  failsafe.client_asked(ClientId{1}, Instant(10ms));
+  failsafe.client_waits(ClientId{1}, true, Instant(10ms));
+  EXPECT_THAT(due(failsafe, Instant(200ms)), IsEmpty());
+  failsafe.client_waits(ClientId{1}, false, Instant(250ms));
+  EXPECT_EQ(failsafe.next(), Instant(350ms));
+  EXPECT_THAT(due(failsafe, Instant(350ms)), ElementsAre(-7));
+}
+
+TEST(Failsafe, CountsTheSilenceOfTheOthersWhenOneWhoWaitedHasGone) {
+  Failsafe failsafe;
+  failsafe.watch(7, 100ms);
+  failsafe.client_came(ClientId{1}, {7}, Instant{});
+  failsafe.client_came(ClientId{2}, {7}, Instant{});
+  failsafe.client_asked(ClientId{1}, Instant(10ms));
+  failsafe.client_waits(ClientId{1}, true, Instant(10ms));
+  EXPECT_THAT(due(failsafe, Instant(200ms)), IsEmpty());
+  failsafe.client_gone(ClientId{1});
+  EXPECT_THAT(due(failsafe, Instant(200ms)), ElementsAre(-7));
+}
+
 modbus::Request write_of(std::string_view pdu) {
   return *modbus::Request::parse(*modbus::Pdu::from(unhex(pdu)));
 }
@@ -150,6 +175,22 @@ TEST(SilentWriters, AreReasonEnoughWhereQuietSaysSo) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
   EXPECT_THAT(rig.events, ElementsAre("device axis-x: the clients that may write are silent; its "
                                       "failsafe writes are sent"));
+}
+
+TEST(SilentWriters, AreThoseToWhomNoAnswerIsOwed) {
+  Settings settings = watched_plant();
+  settings.guards[0].quiet = 100ms;
+  settings.devices[1].timing.response_timeout = 1s;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1, 2));
+  rig.advance(900ms);
+  rig.respond("02 03 02 00 01");
+  rig.advance(99ms);
+  EXPECT_THAT(rig.events, IsEmpty());
+  rig.take_transmitted();
+  rig.advance(1ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
 TEST(ListedWriter, IsTheOnlyOneThatKeepsFailsafeWritesBack) {

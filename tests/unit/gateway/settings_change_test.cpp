@@ -205,6 +205,20 @@ TEST(ReloadOfGuards, KeepsOwnersAndSendsFailsafeWritesIfNobodyMayWriteAnyMore) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
+TEST(ReloadOfListeners, CanTakeAllOfThemAway) {
+  MachineRig rig(plant());
+  rig.connect(1);
+  rig.receive(1, read_request(1));
+  Settings deaf = plant();
+  deaf.listeners.clear();
+  rig.reload(deaf);
+  EXPECT_TRUE(rig.closed.contains(1));
+  rig.reload(deaf);  // the read is still on the wire
+  rig.reload(plant());
+  rig.respond("01 03 02 00 01");
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+}
+
 TEST(ReloadOfDrives, LetsRequestsEndByTheSettingsTheyBeganWith) {
   Settings settings = stop_plant(16);
   auto& device = settings.devices[0];

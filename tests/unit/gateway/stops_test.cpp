@@ -9,7 +9,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
-using testing::SizeIs;
 
 /// Transaction 1, a read, is on the wire; the pipeline is full.
 class Stops : public testing::Test {
@@ -82,33 +81,6 @@ TEST_F(Stops, TakeBackWhatOtherClientsSentBefore) {
               ElementsAre("00 0A 00 00 00 05 01 03 02 00 01", busy(11), written(12, 2)));
 }
 
-TEST(Stop, TakesBackWhatLayInAPausedSocketButNotItsOwnClientsLaterWrites) {
-  MachineRig rig(stop_plant());
-  std::string many = read_request(0);
-  for (unsigned transaction = 1; transaction < 200; ++transaction) {
-    many += read_request(transaction, 250);  // no such path: answered at once
-  }
-  for (const std::uint64_t client : {1U, 2U}) {
-    rig.connect(client);
-    rig.receive(client, many);
-    ASSERT_TRUE(rig.paused.contains(client));
-  }
-  rig.advance(10ms);
-  rig.respond("01 03 02 00 01");
-  rig.advance(10ms);
-  rig.respond("01 03 02 00 01");
-  rig.advance(10ms);
-  rig.take_sent(1);
-  rig.take_sent(2);
-  rig.take_transmitted();
-  rig.receive(1, stop_request(201) + write_request(202));
-  rig.receive(2, write_request(203));
-  EXPECT_THAT(rig.take_sent(2), ElementsAre(busy(203)));
-  rig.respond(kStop1);
-  rig.advance(10ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1, kWrite1));
-}
-
 class PoliteStops : public Stops {
  protected:
   PoliteStops() : Stops(settings()) {}
@@ -125,6 +97,50 @@ TEST_F(PoliteStops, LetWritesBeforeThemRun) {
   echo(kWrite1);
   echo(kStop1);
   EXPECT_THAT(rig_.take_sent(1), ElementsAre(kOne, written(2), written(3, 1, true)));
+}
+
+TEST_F(PoliteStops, AreTakenFromBehindAFullPipelineIfNoWriteToTheirDeviceLiesBefore) {
+  rig_.receive(1, read_request(2) + write_request(3, 2) + stop_request(4) + write_request(5));
+  answer_read();
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
+}
+
+TEST_F(PoliteStops, AreTakenOnceTheLastWriteBeforeThemWasTaken) {
+  rig_.receive(1, write_request(2) + read_request(3) + stop_request(4) + write_request(5));
+  answer_read();
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kWrite1));
+  echo(kWrite1);
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
+  echo(kStop1);
+  answer_read();
+  echo(kWrite1);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(kOne, written(2), written(4, 1, true),
+                                             "00 03 00 00 00 05 01 03 02 00 01", written(5)));
+}
+
+TEST(PoliteStop, IsNotHeldByAWriteThatItsClientMayNeverMake) {
+  Settings settings = stop_plant();
+  settings.devices[0].stop_cancels = false;
+  settings.guards.resize(1);
+  settings.guards[0].writer = gateway::WriterRule::listed;
+  settings.guards[0].writers = {*routing::Network::parse("192.0.2.9")};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1) + read_request(2) + write_request(3) + stop_request(4));
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop1));
+}
+
+TEST_F(PoliteStops, DoNotKeepThoseBehindThemWaiting) {
+  rig_.receive(1, write_request(2) + stop_request(3) + stop_request(4, 2));
+  answer_read();
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop2));
+  echo(kStop2);
+  echo(kWrite1);
+  echo(kStop1);
+  EXPECT_THAT(rig_.take_sent(1),
+              ElementsAre(kOne, written(4, 2, true), written(2), written(3, 1, true)));
 }
 
 TEST_F(Stops, GoThoughTheirClientHasGone) {
@@ -144,6 +160,7 @@ TEST_F(Stops, ThatWereReceivedWholeAllGoWhenTheirClientLeaves) {
   }
   rig_.receive(1, many + stop_request(20, 2));  // behind more than the reserve
   rig_.disconnect(1);
+  EXPECT_THAT(rig_.take_sent(1), IsEmpty());
   answer_read();
   Lines requests;
   for (int turn = 0; turn < 20; ++turn) {
@@ -153,6 +170,34 @@ TEST_F(Stops, ThatWereReceivedWholeAllGoWhenTheirClientLeaves) {
     }
   }
   EXPECT_THAT(requests, testing::Contains(kStop2));
+}
+
+TEST_F(Stops, ThatLetWritesGoBeforeThemGoTooWhenTheirClientLeaves) {
+  Settings settings = stop_plant();
+  settings.devices[0].stop_cancels = false;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1) + write_request(2) + stop_request(3));
+  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1));
+  rig.disconnect(1);
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+}
+
+TEST_F(Stops, OfAClientThatLeavesSetNothingElseOfItGoing) {
+  Settings settings = stop_plant();
+  settings.devices[0].stop_cancels = false;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1));
+  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1));
+  rig.respond("01 03 02 00 01");
+  rig.receive(1, write_request(2) + stop_request(3));  // the line must be silent before the write
+  rig.now += 10ms;
+  rig.disconnect(1);
+  rig.advance(0ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
 TEST_F(Stops, AreTakenAheadOnlyUpToAReserve) {
@@ -220,31 +265,6 @@ TEST_F(OrderedStops, AreAnsweredInTheirPlaceIfThatComesFirst) {
   EXPECT_THAT(rig_.take_sent(1), ElementsAre(kOne, busy(2)));
   echo(kStop1);
   EXPECT_THAT(rig_.take_sent(1), ElementsAre(written(3, 1, true)));
-}
-
-TEST(Stop, IsRefusedIfItIsOlderThanTheProcess) {
-  MachineRig rig(stop_plant());
-  rig.connect(1, "192.0.2.1", 0, 24);
-  rig.receive(1, read_request(1) + stop_request(2) + stop_request(3));
-  rig.respond("01 03 02 00 01");
-  rig.advance(10ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop1));
-  rig.respond(kStop1);
-  EXPECT_THAT(rig.take_sent(1), ElementsAre(kOne, written(3, 1, true), busy(2)));
-}
-
-TEST(Stop, OfAllCountsForEveryDeviceThatHearsIt) {
-  Settings settings = stop_plant();
-  settings.devices[1].profile.broadcast.form = drive::BroadcastForm::none;
-  auto& route = settings.routes.emplace_back();
-  route.buses = {BusId{0}};  // unit 0
-  MachineRig rig(settings);
-  rig.connect(1);
-  rig.receive(1, read_request(1) + write_request(2, 1) + write_request(3, 2) + stop_request(4, 0));
-  rig.respond("01 03 02 00 01");
-  rig.advance(150ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, "00 06 00 7C 00 E1", kWrite2));
-  EXPECT_THAT(rig.take_sent(1), ElementsAre(kOne, "00 04 00 00 00 06 00 06 00 7C 00 E1", busy(2)));
 }
 
 }  // namespace

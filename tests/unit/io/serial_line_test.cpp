@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include "pseudo_terminal.hpp"
 #include "run_until.hpp"
@@ -118,18 +121,26 @@ TEST_F(SerialLineTest, FinishesAFrameThatTheDriverTakesInParts) {
 }
 
 /// Another holder of a line fills it up, so that no byte of ours is taken; nothing if only root may
-/// do that.
+/// do that. The kernel moves bytes from buffer to buffer on its own time and so makes room again:
+/// the line is full when it has taken nothing for a while.
 std::optional<std::size_t> fill(const PseudoTerminal& terminal) {
   const UniqueFd filler(
       ::open(terminal.path().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!filler.is_open()) {
     return std::nullopt;
   }
+  constexpr int kRefusals = 20;
   std::size_t filled = 0;
   const std::array<char, 1024> filling{};
-  for (ssize_t count = 1; count > 0;) {
-    count = ::write(filler.get(), filling.data(), filling.size());
-    filled += count > 0 ? static_cast<std::size_t>(count) : 0;
+  for (int refused = 0; refused < kRefusals;) {
+    const ssize_t count = ::write(filler.get(), filling.data(), filling.size());
+    if (count > 0) {
+      filled += static_cast<std::size_t>(count);
+      refused = 0;
+    } else {
+      ++refused;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
   }
   return filled;
 }

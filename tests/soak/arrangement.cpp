@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/arrangement.hpp"
+
+#include <algorithm>
+
+namespace mbgate::soak {
+namespace {
+
+using Places = Arrangement::Places;
+
+Places places_of(const std::vector<bool>& absent, Random* random) {
+  Places places;
+  for (std::size_t place = 0; place < absent.size(); ++place) {
+    if (!absent[place]) {
+      places.push_back(place);
+    }
+  }
+  for (std::size_t left = places.size(); random != nullptr && left > 1; --left) {
+    std::swap(places[left - 1], places[random->below(left)]);
+  }
+  return places;
+}
+
+template <typename Id>
+std::optional<Id> find(const Places& places, std::size_t of_plan) {
+  const auto found = std::ranges::find(places, of_plan);
+  return found == places.end()
+             ? std::nullopt
+             : std::optional(Id{static_cast<std::uint32_t>(found - places.begin())});
+}
+
+}  // namespace
+
+Arrangement::Arrangement(const SoakPlan& plan) : Arrangement(plan, nullptr) {}
+
+Arrangement::Arrangement(const SoakPlan& plan, Random& random) : Arrangement(plan, &random) {}
+
+Arrangement::Arrangement(const SoakPlan& plan, Random* random)
+    : listeners_(places_of(plan.absent.listeners, random)),
+      buses_(places_of(plan.absent.buses, random)),
+      devices_(places_of(plan.absent.devices, random)) {
+  settings_.own_unit = plan.settings.own_unit;
+  settings_.weights = plan.settings.weights;
+  for (const std::size_t place : listeners_) {
+    auto& listener = settings_.listeners.emplace_back(plan.settings.listeners[place]);
+    if (listener.bus) {
+      listener.bus = bus(static_cast<std::size_t>(*listener.bus));
+    }
+  }
+  for (const std::size_t place : buses_) {
+    settings_.buses.push_back(plan.settings.buses[place]);
+  }
+  add_devices(plan);
+  add_routes(plan, places_of(plan.absent.routes, random));
+}
+
+void Arrangement::add_devices(const SoakPlan& plan) {
+  for (const std::size_t place : devices_) {
+    auto& device = settings_.devices.emplace_back(plan.settings.devices[place]);
+    device.bus = *bus(static_cast<std::size_t>(device.bus));
+    if (!plan.settings.guards.empty()) {
+      settings_.guards.push_back(place < plan.settings.guards.size() ? plan.settings.guards[place]
+                                                                     : gateway::DeviceGuard{});
+    }
+  }
+}
+
+// A route leads to what is there; a broadcast to the buses that are there.
+void Arrangement::add_routes(const SoakPlan& plan, const Places& order) {
+  for (const std::size_t place : order) {
+    routing::Route route = plan.settings.routes[place];
+    std::vector<gateway::BusId> there;
+    for (const gateway::BusId it : route.buses) {
+      if (const auto id = bus(static_cast<std::size_t>(it))) {
+        there.push_back(*id);
+      }
+    }
+    if (there.empty() || (route.device && plan.absent.devices[*route.device])) {
+      continue;
+    }
+    route.buses = std::move(there);
+    if (route.device) {
+      route.first_address = plan.settings.devices[*route.device].address;
+      route.device = device(*route.device);
+    }
+    if (route.listener) {
+      route.listener = listener(static_cast<std::size_t>(*route.listener));
+    }
+    settings_.routes.push_back(std::move(route));
+  }
+}
+
+std::optional<gateway::BusId> Arrangement::bus(std::size_t of_plan) const {
+  return find<gateway::BusId>(buses_, of_plan);
+}
+
+std::optional<gateway::ListenerId> Arrangement::listener(std::size_t of_plan) const {
+  return find<gateway::ListenerId>(listeners_, of_plan);
+}
+
+std::optional<std::size_t> Arrangement::device(std::size_t of_plan) const {
+  return find<std::size_t>(devices_, of_plan);
+}
+
+}  // namespace mbgate::soak

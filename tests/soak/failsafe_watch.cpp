@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/failsafe_watch.hpp"
+
+#include <algorithm>
+
+namespace mbgate::soak {
+
+FailsafeWatch::FailsafeWatch(const SoakPlan& plan) : plan_(plan) {
+  for (std::size_t device = 0; device < plan.settings.devices.size(); ++device) {
+    const gateway::DeviceGuard& guard = plan.settings.guards[device];
+    if (guard.failsafe.empty()) {
+      continue;
+    }
+    const auto bus = static_cast<std::size_t>(plan.settings.devices[device].bus);
+    Watch& watch = watches_.emplace_back();
+    watch.door.device = device;
+    watch.door.buses = {bus};
+    watch.quiet = guard.quiet;
+    watch.hosts = plan.writers[device];
+    watch.is_listed = guard.writer == gateway::WriterRule::listed;
+    watch.writes = plan.failsafe[device];
+    watch.listeners.resize(plan.settings.listeners.size());
+    for (const Door& door : plan.doors) {
+      const bool leads = door.device ? door.device == device
+                                     : std::ranges::find(door.buses, bus) != door.buses.end();
+      watch.listeners[door.listener] = watch.listeners[door.listener] || (leads && !door.read_only);
+    }
+  }
+}
+
+void FailsafeWatch::note_activity(Watch& watch, Instant now) {
+  watch.active = now;
+  watch.sent = false;
+  if (watch.quiet > Duration{0}) {
+    next_ = std::min(next_, now + watch.quiet);
+  }
+}
+
+void FailsafeWatch::came(ClientId client, std::size_t listener, unsigned host, Instant now) {
+  for (std::size_t at = 0; at < watches_.size(); ++at) {
+    Watch& watch = watches_[at];
+    const bool listed =
+        !watch.is_listed || std::ranges::find(watch.hosts, host) != watch.hosts.end();
+    if (watch.listeners[listener] && listed) {
+      clients_[client].watches.push_back(at);
+      ++watch.clients;
+      note_activity(watch, now);
+    }
+  }
+}
+
+void FailsafeWatch::asked(ClientId client, Instant now) {
+  if (const auto entry = clients_.find(client); entry != clients_.end()) {
+    for (const std::size_t at : entry->second.watches) {
+      note_activity(watches_[at], now);
+    }
+  }
+}
+
+void FailsafeWatch::waits(ClientId client, bool waits, Instant now) {
+  const auto entry = clients_.find(client);
+  if (entry == clients_.end() || entry->second.waits == waits) {
+    return;
+  }
+  entry->second.waits = waits;
+  for (const std::size_t at : entry->second.watches) {
+    if (waits) {
+      ++watches_[at].waiting;
+    } else {
+      --watches_[at].waiting;
+      note_activity(watches_[at], now);
+    }
+  }
+}
+
+void FailsafeWatch::gone(ClientId client) {
+  if (const auto entry = clients_.find(client); entry != clients_.end()) {
+    for (const std::size_t at : entry->second.watches) {
+      Watch& watch = watches_[at];
+      watch.waiting -= entry->second.waits ? 1U : 0U;
+      if (--watch.clients == 0 && !watch.sent) {
+        watch.sent = watch.due = true;
+      }
+      next_ = Instant::min();
+    }
+    clients_.erase(entry);
+  }
+}
+
+std::vector<Asked> FailsafeWatch::take_due(Instant now) {
+  std::vector<Asked> due;
+  if (now < next_) {
+    return due;
+  }
+  next_ = Instant::max();
+  for (Watch& watch : watches_) {
+    if (watch.quiet > Duration{0} && watch.clients > 0 && watch.waiting == 0 && !watch.sent &&
+        now >= watch.active + watch.quiet) {
+      watch.sent = watch.due = true;
+    }
+    if (watch.quiet > Duration{0} && watch.clients > 0 && watch.waiting == 0 && !watch.sent) {
+      next_ = std::min(next_, watch.active + watch.quiet);
+    }
+    for (const PduBytes& write : watch.due ? watch.writes : std::vector<PduBytes>()) {
+      Asked& asked = due.emplace_back();
+      asked.kind = Kind::stop;
+      asked.failsafe = true;
+      asked.client_gone = true;
+      asked.door = &watch.door;
+      asked.pdu = write;
+      asked.written = asked.earliest = now;
+      asked.pieces.push_back({watch.door.buses.front(), address_of(watch), write, 0, false, false});
+    }
+    watch.due = false;
+  }
+  return due;
+}
+
+}  // namespace mbgate::soak

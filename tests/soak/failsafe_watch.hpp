@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// When the failsafe writes of a device are due, seen from outside: the last client that may write
+// to it has gone, or all of them were silent for so long.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "soak/asked.hpp"
+
+namespace mbgate::soak {
+
+class FailsafeWatch {
+ public:
+  explicit FailsafeWatch(const SoakPlan& plan);
+
+  void came(ClientId client, std::size_t listener, unsigned host, Instant now);
+  void asked(ClientId client, Instant now);
+  /// Does it wait for an answer? Then it is not silent.
+  void waits(ClientId client, bool waits, Instant now);
+  void gone(ClientId client);
+  /// What has become due, as requests of a client that is gone; each is given once.
+  std::vector<Asked> take_due(Instant now);
+
+ private:
+  struct Watch {
+    Door door;
+    std::vector<PduBytes> writes;
+    Duration quiet{0};
+    std::vector<bool> listeners;  ///< that lead to the device with write access
+    std::vector<unsigned> hosts;
+    bool is_listed = false;
+    std::size_t clients = 0;
+    std::size_t waiting = 0;  ///< of these, for an answer
+    Instant active;
+    bool sent = false;  ///< since then
+    bool due = false;
+  };
+
+  struct Client {
+    std::vector<std::size_t> watches;
+    bool waits = false;
+  };
+
+  void note_activity(Watch& watch, Instant now);
+  [[nodiscard]] std::uint8_t address_of(const Watch& watch) const {
+    return plan_.settings.devices[*watch.door.device].address;
+  }
+
+  const SoakPlan& plan_;
+  std::vector<Watch> watches_;
+  std::map<ClientId, Client> clients_;
+  Instant next_ = Instant::max();  ///< nothing is due before
+};
+
+}  // namespace mbgate::soak

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the gateway's own counters must show, as far as the wire says it for certain.
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+void Oracle::note_counts(const Flight& flight) {
+  Book& book = books_[flight.bus];
+  Lane& lane = book.lanes[flight.address];
+  for (BusCount* count : {&book.count, &lane.count}) {
+    ++count->transmissions;
+    count->broadcasts += flight.is_broadcast ? 1U : 0U;
+    count->stops += flight.is_stop ? 1U : 0U;
+    count->asking += flight.expects_answer ? 1U : 0U;
+  }
+  lane.unanswered += flight.expects_answer ? 1U : 0U;
+}
+
+// Whether what was sent last still waited for its answer is not known.
+void Oracle::note_interrupted(Book& book) {
+  if (!book.open) {
+    return;
+  }
+  ++book.count.losses;
+  const auto note = [&](std::uint64_t number) {
+    if (const Flight* cut = flight(number); cut != nullptr && cut->expects_answer) {
+      ++book.count.interrupted;
+      ++book.lanes[cut->address].count.interrupted;
+    }
+  };
+  if (book.unheard.empty()) {
+    note(book.last_flight);
+  }
+  for (const std::uint64_t number : book.unheard) {
+    note(number);
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// What other settings mean for requests, devices and lines that are known already. Everything else
+// is judged by the settings in force: those of the plan.
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+void Oracle::map_lanes() {
+  for (Book& book : books_) {
+    for (Lane& lane : book.lanes) {
+      lane.device.reset();
+    }
+  }
+  for (std::size_t index = 0; index < plan_.settings.devices.size(); ++index) {
+    const drive::Device& device = plan_.settings.devices[index];
+    if (!plan_.absent.devices[index]) {
+      books_[static_cast<std::size_t>(device.bus)].lanes[device.address].device = index;
+    }
+  }
+}
+
+bool Oracle::is_past_offline(std::size_t bus, const Lane& lane) const {
+  const unsigned after = lane.device ? devices_[*lane.device].settings().timing.offline_after
+                                     : bus_settings(bus).timing.offline_after;
+  return lane.stays_offline || (after > 0 && lane.unanswered >= after);
+}
+
+void Oracle::note_allowed(Asked& asked) const {
+  if (!asked.door->device) {
+    return;
+  }
+  const drive::Device& device = devices_[*asked.door->device].settings();
+  asked.retries = std::max(asked.retries, device.timing.retries);
+  asked.stop_retries = std::max(asked.stop_retries, device.timing.stop_retries);
+  asked.retry_writes = asked.retry_writes || device.timing.retry_writes;
+  asked.cache = std::max(asked.cache, device.cache);
+}
+
+std::optional<drive::WordOrder> Oracle::order_of(const Door& door) const {
+  return door.route ? plan_.settings.routes[*door.route].word_order : std::nullopt;
+}
+
+void Oracle::before_reload() {
+  for (std::size_t bus = 0; bus < books_.size(); ++bus) {
+    Book& book = books_[bus];
+    cut_flying(book);
+    book.stop_wait_before = bus_settings(bus).stop_wait;
+    if (bus_settings(bus).merge) {
+      book.last_merge = schedule_.now();
+    }
+    for (Lane& lane : book.lanes) {
+      lane.stays_offline = is_past_offline(bus, lane);
+    }
+    for (Asked* stop : book.stops) {
+      if (lets_writes_go(*stop)) {
+        stop->waits_from = schedule_.now();  // it has waited for nothing but these
+      }
+    }
+  }
+}
+
+void Oracle::line_given_up(std::size_t bus) {
+  bus_lost(bus);
+  Book& book = books_[bus];
+  book.count = {};
+  book.own_end = book.last_byte = book.turnaround_end = Instant::min();
+  book.starting = true;
+  for (Lane& lane : book.lanes) {
+    if (is_past_offline(bus, lane)) {
+      lane.last_offline = schedule_.now();
+    }
+    lane.owed.clear();
+    lane.unanswered = 0;
+    lane.count = {};
+    lane.stays_offline = false;
+  }
+}
+
+void Oracle::take_back(Asked& asked, std::size_t bus) {
+  if (!asked.is_accepted || asked.refused || asked.is_stop()) {
+    return;  // stops are sent: settings do not move a drive
+  }
+  for (Piece& piece : asked.pieces) {
+    piece.taken_back = piece.taken_back || piece.bus == bus;
+  }
+}
+
+void Oracle::take_back(std::size_t bus, std::uint8_t address) {
+  for (const std::uint8_t lane : {address, std::uint8_t{0}}) {
+    for (Asked* asked : books_[bus].lanes[lane].open) {
+      if (lane == address || asked->kind == Kind::broadcast) {
+        take_back(*asked, bus);
+      }
+    }
+  }
+}
+
+void Oracle::after_reload() {
+  map_lanes();
+  for (const auto& [id, asked] : open_) {
+    if (asked->is_accepted && asked->door != nullptr) {
+      note_allowed(*asked);
+      // Its client sees other word orders by now.
+      if (!asked->door->absent && asked->word_order != order_of(*asked->door)) {
+        take_back(*asked, asked->door->buses.front());
+      }
+    }
+  }
+  for (std::size_t bus = 0; bus < books_.size(); ++bus) {
+    Book& book = books_[bus];
+    const gateway::BusSettings& settings = bus_settings(bus);
+    book.room = std::max(book.room, book.waiting);
+    if (book.own_end > schedule_.now() && book.turnaround_end > book.own_end) {
+      book.held_until = book.own_end + settings.turnaround;
+      book.turnaround_end = std::min(book.turnaround_end, book.held_until);
+    }
+    for (Asked* stop : book.stops) {
+      if (settings.stop_wait != book.stop_wait_before) {
+        stop->waits_from = schedule_.now();
+      }
+      cancel_for_waiting_stop(*stop);
+    }
+    cut_flying(book);
+  }
+  for (auto& [client, session] : sessions_) {
+    accept_backlog(session);
+  }
+}
+
+// It let the writes before it go, and does so no longer.
+void Oracle::cancel_for_waiting_stop(const Asked& stop) {
+  if (lets_writes_go(stop)) {
+    return;
+  }
+  const Piece& piece = stop.pieces.front();
+  for (Asked* asked : books_[piece.bus].lanes[piece.address].open) {
+    if (asked->kind == Kind::write && asked->sequence < stop.sequence && !asked->doomed) {
+      asked->doomed = schedule_.now();
+    }
+  }
+}
+
+void Oracle::check_taken_back() {
+  std::vector<const Asked*> forgotten;
+  for (const auto& [id, asked] : open_) {
+    const bool waits =
+        !asked->maybe_on_wire && !asked->ordered && !asked->client_gone && asked->replies;
+    if (waits && std::ranges::all_of(asked->pieces, &Piece::taken_back) && !asked->pieces.empty()) {
+      forgotten.push_back(asked.get());
+    }
+  }
+  std::ranges::sort(forgotten, {}, &Asked::id);
+  for (const Asked* asked : forgotten) {
+    violation("not_taken_back", name(*asked));
+  }
+}
+
+bool Oracle::is_settled(const Door& door) const {
+  return !is_unsure(door) && std::ranges::none_of(open_, [&](const auto& entry) {
+    return entry.second->door == &door && !entry.second->is_accepted;
+  });
+}
+
+bool Oracle::is_unsure(const Door& door) const {
+  return std::ranges::any_of(open_, [&](const auto& entry) {
+    const Asked& asked = *entry.second;
+    return asked.door == &door && asked.is_accepted && asked.ahead && !asked.surely_on_wire;
+  });
+}
+
+bool Oracle::is_quarantined(std::size_t bus, std::uint8_t address) const {
+  const auto& owed = books_[bus].lanes[address].owed;
+  return std::ranges::any_of(owed, [&](std::uint64_t number) {
+    return number >= flights_.front().number &&
+           schedule_.now() < flights_[number - flights_.front().number].quarantine_until;
+  });
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who may write to the devices of one seed, and whose turn weighs more.
+#include <string>
+
+#include "soak/pdus.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+routing::Network network_of(unsigned host) {
+  return *routing::Network::parse("10.0.0." + std::to_string(host + 1));
+}
+
+}  // namespace
+
+void draw_guards(SoakPlan& plan, Random& random) {
+  auto& settings = plan.settings;
+  const bool are_any = random.chance(500);
+  plan.silence = are_any && random.chance(250);
+  for (gateway::ListenerSettings& listener : settings.listeners) {
+    listener.ordered = listener.ordered && !plan.silence;
+  }
+  for (std::size_t device = 0; device < settings.devices.size(); ++device) {
+    gateway::DeviceGuard& guard = settings.guards.emplace_back();
+    std::vector<unsigned>& listed = plan.writers.emplace_back();
+    std::vector<PduBytes>& writes = plan.failsafe.emplace_back();
+    if (!are_any) {
+      continue;
+    }
+    if (random.chance(300)) {
+      writes.push_back(fields(6, kFailsafeRegister, 0xFA11));
+      if (random.chance(500)) {
+        writes.push_back(random.chance(500) ? fields(6, kFailsafeRegister + 1, 0xFA12)
+                                            : fields(6, kStopRegister, kFailsafeStop));
+      }
+      guard.quiet = plan.silence && random.chance(700) ? random.duration(100ms, 3s) : 0ms;
+      for (const PduBytes& write : writes) {
+        guard.failsafe.push_back(*modbus::Request::parse(*modbus::Pdu::from(write)));
+      }
+    }
+    if (random.chance(200)) {
+      guard.writer = gateway::WriterRule::first;
+      guard.writer_hold = random.duration(200ms, 5s);
+    } else if (random.chance(150)) {
+      guard.writer = gateway::WriterRule::listed;
+      for (unsigned host = 0; host < kMostHosts; ++host) {
+        if (random.chance(600)) {
+          listed.push_back(host);
+          guard.writers.push_back(network_of(host));
+        }
+      }
+    }
+  }
+  for (unsigned host = 0; host < kMostHosts; ++host) {
+    if (random.chance(200)) {
+      settings.weights.push_back({network_of(host), random.between(2U, 5U)});
+    }
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reloads that change what requests mean: what waits for such a device is taken back. And those
+// after which something is not there, or is there again.
+#include <algorithm>
+#include <ranges>
+#include <string>
+
+#include "soak/reload.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::uint8_t kMovedFrom = 41;  // behind the addresses of the plan
+constexpr std::uint8_t kMovedTo = 58;
+
+}  // namespace
+
+bool Reloads::change_route(std::size_t index) {
+  routing::Route& route = plan_.settings.routes[index];
+  if (!route.device || plan_.absent.routes[index] || !are_settled(*route.device)) {
+    return false;
+  }
+  if (random_.chance(500)) {
+    route.access = random_.chance(300) ? routing::Access::read_only : routing::Access::read_write;
+    return true;
+  }
+  route.word_order.reset();
+  if (random_.chance(600)) {
+    route.word_order = random_.one_of({drive::WordOrder::big, drive::WordOrder::little});
+  }
+  return true;
+}
+
+bool Reloads::change_device(std::size_t index) {
+  drive::Device& device = plan_.settings.devices[index];
+  const auto bus = static_cast<std::size_t>(device.bus);
+  if (plan_.absent.devices[index] || !are_settled(index) || !is_sure(bus)) {
+    return false;
+  }
+  switch (random_.between(0U, 2U)) {
+    case 0:
+      device.word_order = *device.word_order == drive::WordOrder::big ? drive::WordOrder::little
+                                                                      : drive::WordOrder::big;
+      break;
+    case 1: {
+      drive::Limits& limits = device.profile.limits;
+      const auto before = limits.read.back();
+      while (limits.read.back() == before) {
+        limits.read[2] = limits.read[3] = random_.between<std::uint16_t>(4, 64);
+      }
+      limits.write_registers = random_.between<std::uint16_t>(2, 8);
+      break;
+    }
+    default:
+      if (!move(device)) {
+        return false;
+      }
+  }
+  devices_[index].adopt(device);
+  return true;
+}
+
+// To an address that no device has and none owes an answer from.
+bool Reloads::move(drive::Device& device) {
+  const auto address = random_.between<std::uint8_t>(kMovedFrom, kMovedTo);
+  const bool taken = std::ranges::any_of(plan_.settings.devices, [&](const drive::Device& other) {
+    return other.bus == device.bus && other.address == address;
+  });
+  if (taken || oracle_.is_quarantined(static_cast<std::size_t>(device.bus), address)) {
+    return false;
+  }
+  device.address = address;
+  return true;
+}
+
+bool Reloads::change_line(std::size_t index) {
+  if (plan_.absent.buses[index]) {
+    return false;
+  }
+  bus::LineSettings& line = plan_.settings.buses[index].line;
+  if (line.framing == bus::Framing::tcp) {
+    ++line.remote->port;
+  } else {
+    const auto before = line;
+    line.baud = modbus::Baud{
+        random_.one_of<std::uint32_t>({9600, 19200, 38400, 57600, 115200, 230400, 921600})};
+    line.framing = random_.one_of({bus::Framing::rtu, bus::Framing::rtu, bus::Framing::ascii});
+    line.echo = random_.chance(200);
+    if (line == before) {
+      return false;
+    }
+  }
+  reload_.lines.push_back(index);
+  return true;
+}
+
+bool Reloads::switch_route(std::size_t index) {
+  const bool settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
+    return door.route != index || oracle_.is_settled(door);
+  });
+  if (settled) {
+    plan_.absent.routes[index].flip();
+  }
+  return settled;
+}
+
+// With its bus gone it is gone too, and comes back with it.
+bool Reloads::switch_device(std::size_t index) {
+  const drive::Device& device = plan_.settings.devices[index];
+  const auto bus = static_cast<std::size_t>(device.bus);
+  if (plan_.absent.buses[bus] || !are_settled(index) || !is_sure(bus) ||
+      oracle_.is_quarantined(bus, device.address)) {
+    return false;
+  }
+  // Where nobody hears a broadcast it stops nobody, and is a write like others.
+  const auto is_there = [&](std::size_t other) {
+    return other != index && !plan_.absent.devices[other] &&
+           plan_.settings.devices[other].bus == device.bus;
+  };
+  const auto all = std::views::iota(std::size_t{0}, plan_.settings.devices.size());
+  if (!std::ranges::any_of(all, is_there)) {
+    return false;
+  }
+  plan_.absent.devices[index].flip();
+  return true;
+}
+
+bool Reloads::switch_bus(std::size_t index) {
+  const auto is_on_it = [&](std::size_t bus) { return bus == index; };
+  for (std::size_t place = 0; place < plan_.doors.size(); ++place) {
+    if (std::ranges::any_of(buses_of_[place], is_on_it) &&
+        !oracle_.is_settled(plan_.doors[place])) {
+      return false;
+    }
+  }
+  if (std::ranges::find(reload_.lines, index) != reload_.lines.end()) {
+    return false;
+  }
+  plan_.absent.buses[index].flip();
+  const bool absent = plan_.absent.buses[index];
+  for (std::size_t device = 0; device < plan_.settings.devices.size(); ++device) {
+    if (is_on_it(static_cast<std::size_t>(plan_.settings.devices[device].bus))) {
+      plan_.absent.devices[device] = absent;
+    }
+  }
+  for (std::size_t listener = 0; listener < plan_.settings.listeners.size(); ++listener) {
+    const auto& bus = plan_.settings.listeners[listener].bus;
+    if (bus && is_on_it(static_cast<std::size_t>(*bus))) {
+      plan_.absent.listeners[listener] = absent;
+    }
+  }
+  if (absent) {
+    reload_.lines.push_back(index);
+  }
+  return true;
+}
+
+bool Reloads::switch_listener(std::size_t index) {
+  const auto& bus = plan_.settings.listeners[index].bus;
+  if (bus && plan_.absent.buses[static_cast<std::size_t>(*bus)]) {
+    return false;
+  }
+  plan_.absent.listeners[index].flip();
+  return true;
+}
+
+bool Reloads::switch_allowed(std::size_t index) {
+  auto& allow = plan_.settings.listeners[index].allow;
+  if (!allow.empty()) {
+    allow.clear();
+    return true;
+  }
+  for (unsigned host = 1; host <= 12; ++host) {
+    if (random_.chance(600)) {
+      allow.push_back(*routing::Network::parse("10.0.0." + std::to_string(host)));
+    }
+  }
+  return true;
+}
+
+void Reloads::bring_back() {
+  for (std::size_t bus = 0; bus < plan_.absent.buses.size(); ++bus) {
+    if (plan_.absent.buses[bus] && switch_bus(bus)) {
+      reload_.kinds.push_back("reload_bus_back");
+    }
+  }
+  for (std::size_t device = 0; device < plan_.absent.devices.size(); ++device) {
+    if (plan_.absent.devices[device] && switch_device(device)) {
+      reload_.kinds.push_back("reload_device_back");
+    }
+  }
+  for (std::size_t route = 0; route < plan_.absent.routes.size(); ++route) {
+    if (plan_.absent.routes[route] && switch_route(route)) {
+      reload_.kinds.push_back("reload_route_back");
+    }
+  }
+  for (std::size_t listener = 0; listener < plan_.absent.listeners.size(); ++listener) {
+    plan_.settings.listeners[listener].allow.clear();
+    if (plan_.absent.listeners[listener] && switch_listener(listener)) {
+      reload_.kinds.push_back("reload_listener_back");
+    }
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Other settings while everything runs.
+#include "soak/world.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+void World::begin_reloads() {
+  if (const auto pause = reloads_.pause()) {
+    schedule_.after(*pause, [this] {
+      if (trouble_) {
+        const std::vector<bool> before = plan_.absent.buses;
+        oracle_.before_reload();
+        reload(reloads_.draw(), before);
+        begin_reloads();
+      }
+    });
+  }
+}
+
+void World::restore() {
+  if (!reloads_.are_any()) {
+    return;
+  }
+  const std::vector<bool> before = plan_.absent.buses;
+  oracle_.before_reload();
+  reload(reloads_.restore(), before);
+  run_until(schedule_.now() + 5s);
+}
+
+void World::reload(const Reload& reload, const std::vector<bool>& absent) {
+  report_.fault(reload.is_order_only() ? "reload_order" : "reload");
+  for (const char* kind : reload.kinds) {
+    report_.fault(kind);
+    trace(kind);
+  }
+  take_effect(reload, absent);
+  order_only_ = reload.is_order_only();
+  gateway_.handle_settings(reloads_.take_settings(), schedule_.now());
+  drain();
+  order_only_ = false;
+  oracle_.check_taken_back();
+  for (const std::size_t bus : std::exchange(shut_due_, {})) {
+    oracle_.violation("not_shut", plan_.settings.buses[bus].name);
+  }
+  for (const ClientId client : std::exchange(close_due_, {})) {
+    oracle_.violation("not_closed", std::to_string(static_cast<std::uint64_t>(client)));
+  }
+}
+
+void World::take_effect(const Reload& reload, const std::vector<bool>& absent) {
+  for (Client& client : clients_) {
+    if (client.is_connected() && !client.is_welcome()) {
+      close_due_.insert(client.number());
+      client.give_up();
+    }
+  }
+  for (const auto& [bus, address] : reload.changed) {
+    oracle_.take_back(bus, address);
+  }
+  for (const std::size_t bus : reload.lines) {
+    buses_[bus].open = false;
+    ++buses_[bus].epoch;
+    std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+    oracle_.line_given_up(bus);
+    if (!absent[bus] && !plan_.absent.buses[bus]) {
+      shut_due_.insert(bus);
+    }
+  }
+  oracle_.after_reload();
+}
+
+// The same things in another order: nobody notices. What was due anyhow may happen now.
+void World::check_order_only(const gateway::Action& action) {
+  const bool gives_up = std::holds_alternative<gateway::Open>(action) ||
+                        std::holds_alternative<gateway::Shut>(action) ||
+                        std::holds_alternative<gateway::Close>(action);
+  if (order_only_ && gives_up) {
+    oracle_.violation("reload_disturbs", gateway::to_text(action, gateway_.settings()));
+  }
+}
+
+}  // namespace mbgate::soak
