@@ -3,7 +3,7 @@
 """Keeps the arrows between the rooms of src/ (see src/README.md) and a few rules that a compiler does not know.
 
 Every header is visible to every target, so nothing else stops a room from including what it must not know.
-usage: arrows.py [FOLDER], FOLDER holding src/ and tests/.
+usage: arrows.py [FOLDER], FOLDER holding src/, tests/ and bench/.
 """
 
 import pathlib
@@ -46,6 +46,8 @@ TEST_FOLDERS = {
     "support": GATEWAY | CONFIG | {"sim"},
     "manuals": MODBUS,
 }
+# The harness is no part of the gateway, nor does it know it: CRCs and ptys, and the machine for what is timed alone.
+BENCH = GATEWAY | {"sim"}
 
 PURE_ROOMS = {"modbus", "drive", "routing", "bus", "gateway"}
 PURE_BOOST = ("boost/container/", "boost/intrusive/", "boost/system/")
@@ -63,7 +65,7 @@ LIBRARIES = (
     (r"toml\+\+", r"src/config/toml_reader\."),
     (r"systemd/", r"src/app/(systemd|log)\."),
     (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),
-    (r"CLI/", r"src/(app|ctl|sim)/(command_line|main)\."),
+    (r"CLI/", r"src/(app|ctl|sim)/(command_line|main)\.|bench/main\."),
     (r"gtest/|gmock/", r"tests/"),
 )
 
@@ -78,6 +80,8 @@ def rooms_in_reach(path):
     parts = path.split("/")
     if parts[0] == "src":
         return ROOMS.get(parts[1])
+    if parts[0] == "bench":
+        return BENCH
     if parts[1] == "unit":
         return ROOMS.get(parts[2])
     return TEST_FOLDERS.get(parts[1])
@@ -145,9 +149,9 @@ def check_script(path, text):
 
 
 def check_tree(root):
-    """All findings about src/ and tests/ below `root`, and how many files were looked at."""
+    """All findings about src/, tests/ and bench/ below `root`, and how many files were looked at."""
     found, files = [], 0
-    for file in sorted(path for folder in ("src", "tests") for path in (root / folder).rglob("*") if path.is_file()):
+    for file in sorted(path for folder in ("src", "tests", "bench") for path in (root / folder).rglob("*") if path.is_file()):
         path = file.relative_to(root).as_posix()
         if file.suffix in (".cpp", ".hpp", ".h", ".cc"):
             files += 1

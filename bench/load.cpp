@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "load.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <deque>
+#include <span>
+#include <system_error>
+
+#include "moment.hpp"
+#include "sim/file_descriptor.hpp"
+
+namespace mbgate::bench {
+namespace {
+
+constexpr std::chrono::seconds kMostPatience{5};
+constexpr std::size_t kMbapSize = 7;
+
+struct Request {
+  std::uint16_t identifier;
+  Moment sent;
+};
+
+struct Client {
+  sim::FileDescriptor socket{};
+  unsigned bus = 0;
+  unsigned address = 1;
+  unsigned first = 0;
+  std::uint16_t next_identifier = 0;
+  std::deque<Request> outstanding{};
+  std::vector<std::uint8_t> received{};
+  std::vector<std::uint8_t> request{};   ///< the identifier is its first two bytes
+  std::vector<std::uint8_t> expected{};  ///< the answer from its unit identifier on
+};
+
+unsigned word_at(std::span<const std::uint8_t> bytes, std::size_t place) {
+  return (static_cast<unsigned>(bytes[place]) << 8U) | bytes[place + 1];
+}
+
+[[noreturn]] void fail(const char* what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+class Load {
+ public:
+  Load(const LoadSettings& settings, const Plant& plant, const std::vector<std::uint16_t>& ports)
+      : settings_(settings), plant_(plant), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
+    for (unsigned number = 0; number < settings.clients; ++number) {
+      add_client(number, ports);
+    }
+    for (unsigned number = 0; number < settings.idle; ++number) {
+      idle_.push_back(connect_to(ports[number % ports.size()]));
+    }
+    latency_.reserve(1'000'000);
+  }
+
+  void begin() {
+    for (Client& client : clients_) {
+      for (unsigned count = 0; count < settings_.outstanding; ++count) {
+        ask(client);
+      }
+    }
+  }
+
+  LoadFigures work(Nanoseconds time) {
+    figures_ = {};
+    latency_.clear();
+    const Moment end = Clock::now() + time;
+    for (Moment now = Clock::now(); now < end; now = Clock::now()) {
+      std::array<epoll_event, 256> events{};
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - now);
+      const int count =
+          ::epoll_wait(epoll_.get(), events.data(), events.size(), static_cast<int>(left.count()));
+      for (int event = 0; event < count; ++event) {
+        receive(clients_[events[static_cast<std::size_t>(event)].data.u32]);
+      }
+    }
+    for (const Client& client : clients_) {
+      figures_.unanswered += static_cast<std::uint64_t>(std::count_if(
+          client.outstanding.begin(), client.outstanding.end(),
+          [&](const Request& request) { return end - request.sent > kMostPatience; }));
+    }
+    figures_.lost += static_cast<std::uint64_t>(
+        std::count_if(idle_.begin(), idle_.end(), [](const sim::FileDescriptor& socket) {
+          char byte = 0;
+          return ::recv(socket.get(), &byte, 1, MSG_DONTWAIT) == 0;
+        }));
+    figures_.latency = latency_.spread();
+    return figures_;
+  }
+
+ private:
+  void add_client(unsigned number, const std::vector<std::uint16_t>& ports) {
+    Client client;
+    client.bus = number % plant_.buses;
+    client.address = 1 + number / plant_.buses % plant_.devices;
+    client.first = settings_.same ? 0 : number % 500 * 130;
+    client.socket = connect_to(ports[client.bus]);
+    const Frame request = make_request(client.address, client.first, plant_.registers);
+    const Frame response = answer(client.bus, request);
+    client.request = {0, 0, 0, 0, 0, 6};
+    client.request.insert(client.request.end(), request.begin(), request.end() - 2);
+    client.expected.assign(response.begin(), response.end() - 2);
+    epoll_event event{EPOLLIN, {}};
+    event.data.u32 = number;
+    ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, client.socket.get(), &event);
+    clients_.push_back(std::move(client));
+  }
+
+  void ask(Client& client) {
+    const std::uint16_t identifier = client.next_identifier++;
+    client.request[0] = static_cast<std::uint8_t>(identifier >> 8U);
+    client.request[1] = static_cast<std::uint8_t>(identifier & 0xFFU);
+    client.outstanding.push_back({identifier, Clock::now()});
+    if (::send(client.socket.get(), client.request.data(), client.request.size(), MSG_NOSIGNAL) !=
+        static_cast<ssize_t>(client.request.size())) {
+      lose(client);
+    }
+  }
+
+  void receive(Client& client) {
+    std::array<std::uint8_t, 65536> part{};
+    const ssize_t count = ::recv(client.socket.get(), part.data(), part.size(), MSG_DONTWAIT);
+    if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
+      return;
+    }
+    if (count <= 0) {
+      lose(client);
+      return;
+    }
+    client.received.insert(client.received.end(), part.begin(), part.begin() + count);
+    std::size_t used = 0;
+    while (client.received.size() - used >= kMbapSize) {
+      const auto rest = std::span(client.received).subspan(used);
+      const std::size_t size = 6 + word_at(rest, 4);
+      if (rest.size() < size) {
+        break;
+      }
+      take(client, rest.first(size));
+      used += size;
+    }
+    client.received.erase(client.received.begin(),
+                          client.received.begin() + static_cast<std::ptrdiff_t>(used));
+  }
+
+  /// Answers may come in another order than the requests.
+  void take(Client& client, std::span<const std::uint8_t> adu) {
+    const unsigned identifier = word_at(adu, 0);
+    const auto request =
+        std::find_if(client.outstanding.begin(), client.outstanding.end(),
+                     [&](const Request& candidate) { return candidate.identifier == identifier; });
+    if (request == client.outstanding.end() || word_at(adu, 2) != 0) {
+      ++figures_.wrong;
+      return;
+    }
+    const auto body = adu.subspan(6);
+    if (body.size() == 3 && body[0] == client.expected[0] &&
+        body[1] == (client.expected[1] | 0x80U)) {
+      ++figures_.exceptions;
+    } else if (std::equal(body.begin(), body.end(), client.expected.begin(),
+                          client.expected.end())) {
+      ++figures_.answers;
+      latency_.add(Clock::now() - request->sent);
+    } else {
+      ++figures_.wrong;
+    }
+    client.outstanding.erase(request);
+    ask(client);
+  }
+
+  void lose(Client& client) {
+    ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, client.socket.get(), nullptr);
+    ++figures_.lost;
+  }
+
+  LoadSettings settings_;
+  Plant plant_;
+  sim::FileDescriptor epoll_;
+  std::vector<Client> clients_;
+  std::vector<sim::FileDescriptor> idle_;
+  LoadFigures figures_;
+  Samples latency_;
+};
+
+}  // namespace
+
+sim::FileDescriptor connect_to(std::uint16_t port) {
+  sim::FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const int on = 1;
+  if (socket.get() < 0 ||
+      ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on) != 0 ||
+      // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): the way of the socket
+      // interface
+      ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    fail("connect");
+  }
+  return socket;
+}
+
+void run_load(const LoadSettings& settings, const Plant& plant,
+              const std::vector<std::uint16_t>& ports, Nanoseconds warm_up, Nanoseconds time,
+              int output) {
+  Load load(settings, plant, ports);
+  load.begin();
+  load.work(warm_up);
+  const char began = 'B';
+  if (::write(output, &began, 1) != 1) {
+    fail("write");
+  }
+  const LoadFigures figures = load.work(time);
+  if (::write(output, &figures, sizeof figures) != sizeof figures) {
+    fail("write");
+  }
+}
+
+void run_flood(unsigned connections, std::uint16_t port) {
+  std::vector<sim::FileDescriptor> sockets(connections);
+  std::array<std::uint8_t, 4096> garbage{};
+  std::uint32_t state = 1;
+  for (auto& byte : garbage) {
+    state = state * 1664525U + 1013904223U;
+    byte = static_cast<std::uint8_t>(state >> 24U);
+  }
+  for (;;) {
+    for (auto& socket : sockets) {
+      if (socket.get() < 0) {
+        socket = connect_to(port);
+      }
+      if (::send(socket.get(), garbage.data(), garbage.size(), MSG_NOSIGNAL | MSG_DONTWAIT) < 0 &&
+          errno != EAGAIN) {
+        socket.reset(-1);
+      }
+    }
+  }
+}
+
+}  // namespace mbgate::bench

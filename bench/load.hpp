@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// The clients: plain sockets that ask for registers, one request after the answer to the last, and
+// look at every answer.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "plant.hpp"
+#include "sim/file_descriptor.hpp"
+
+namespace mbgate::bench {
+
+/// Who asks for what.
+struct LoadSettings {
+  unsigned clients = 8;
+  unsigned outstanding = 1;  ///< requests of each that are not answered yet
+  bool same = false;         ///< all read the same registers; else each its own
+  unsigned idle = 0;         ///< connections besides that say nothing
+  unsigned flood = 0;        ///< connections to the flood's port that send garbage without end
+};
+
+/// What the clients saw. Plain data: it comes through a pipe.
+struct LoadFigures {
+  std::uint64_t answers = 0;
+  std::uint64_t exceptions = 0;  ///< answers that were one, counted apart
+  std::uint64_t wrong = 0;       ///< answers that were not to the request, or of other registers
+  std::uint64_t lost = 0;        ///< connections that the other side closed, idle ones too
+  std::uint64_t unanswered = 0;  ///< requests without an answer for longer than 5 s
+  Spread latency;                ///< of the answers, from the request's send() on
+};
+
+/// `ports` on 127.0.0.1, one a bus: the clients go round them, and on each bus round the devices.
+/// Connects, works for `warm_up`, writes 'B' to `output`, works for `time`, writes its LoadFigures.
+/// Throws std::system_error if it cannot connect.
+void run_load(const LoadSettings& settings, const Plant& plant,
+              const std::vector<std::uint16_t>& ports, Nanoseconds warm_up, Nanoseconds time,
+              int output);
+
+/// Sends garbage to a port until it is killed: as much as the other side takes, and connects again
+/// as soon as that closes.
+void run_flood(unsigned connections, std::uint16_t port);
+
+/// Connects to a port of 127.0.0.1; throws std::system_error.
+sim::FileDescriptor connect_to(std::uint16_t port);
+
+}  // namespace mbgate::bench

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// The hot path alone, in virtual time: a request comes in as Modbus TCP, goes out as RTU, and its
+// response comes back, through the very machine that mbgated runs. Counts how often memory is asked
+// for on the way.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "counted_new.hpp"
+#include "gateway/gateway.hpp"
+#include "modbus/crc16.hpp"
+#include "plant.hpp"
+
+namespace mbgate::bench {
+namespace {
+
+using bus::Instant;
+using namespace std::chrono_literals;
+
+gateway::Settings settings() {
+  gateway::Settings settings;
+  settings.listeners.emplace_back().name = "plant";
+  auto& line = settings.buses.emplace_back();
+  line.name = "line-a";
+  line.line.device = "/dev/ttyS0";
+  line.listen_first = 0ms;
+  auto& route = settings.routes.emplace_back();
+  route.first_unit = route.first_address = 1;
+  route.last_unit = 247;
+  route.buses = {gateway::BusId{0}};
+  return settings;
+}
+
+/// A machine with a line and clients that each have one request outstanding.
+class Machine {
+ public:
+  explicit Machine(unsigned clients, unsigned registers) : gateway_(settings(), now_) {
+    drain();
+    gateway_.handle_bus_opened(gateway::BusId{0}, now_);
+    drain();
+    for (unsigned client = 0; client < clients; ++client) {
+      const auto rtu = make_request(1 + client % 4, client * registers, registers);
+      Frame adu{0, 0, 0, 0, 0, 6};
+      adu.insert(adu.end(), rtu.begin(), rtu.end() - 2);
+      requests_.push_back(std::move(adu));
+      responses_.push_back(answer(0, rtu));
+      gateway_.handle_client_connected(
+          gateway::ClientId{client},
+          {gateway::ListenerId{0}, *routing::ClientAddress::parse("192.0.2.1"), 0}, now_);
+      drain();
+      ask(client);
+    }
+  }
+
+  /// Until one more client has its answer, and has asked again.
+  void transact() {
+    const std::uint64_t before = answers_;
+    while (answers_ == before) {
+      now_ = std::max(now_, gateway_.next_deadline().value_or(now_));
+      gateway_.handle_deadline(now_);
+      drain();
+      if (transmitted_) {
+        transmitted_ = false;
+        now_ += 10ms;
+        gateway_.handle_bus_bytes(gateway::BusId{0}, responses_[asked_], now_);
+        drain();
+      }
+    }
+    ask(answered_);
+  }
+
+ private:
+  void ask(std::size_t client) {
+    gateway_.handle_client_bytes(gateway::ClientId{client}, requests_[client], now_);
+    drain();
+  }
+
+  void drain() {
+    while (const auto action = gateway_.poll_action()) {
+      if (const auto* frame = std::get_if<gateway::Transmit>(&*action)) {
+        transmitted_ = true;
+        // Address and first register are the client's own.
+        for (asked_ = 0; !std::equal(requests_[asked_].begin() + 6, requests_[asked_].end(),
+                                     frame->frame.begin());
+             ++asked_) {
+        }
+      } else if (const auto* answer = std::get_if<gateway::Send>(&*action)) {
+        ++answers_;
+        answered_ = static_cast<std::size_t>(answer->client);
+        sent_ = answer->client;
+      }
+    }
+    if (sent_) {
+      const auto client = *std::exchange(sent_, std::nullopt);
+      gateway_.handle_client_sent(client, now_);
+      drain();
+    }
+  }
+
+  Instant now_ = Instant(1s);
+  gateway::Gateway gateway_;
+  std::vector<Frame> requests_;
+  std::vector<Frame> responses_;
+  std::optional<gateway::ClientId> sent_;
+  std::uint64_t answers_ = 0;
+  std::size_t answered_ = 0;
+  std::size_t asked_ = 0;
+  bool transmitted_ = false;
+};
+
+/// Arguments: clients, registers.
+void transaction(benchmark::State& state) {
+  Machine machine(static_cast<unsigned>(state.range(0)), static_cast<unsigned>(state.range(1)));
+  for (int warm_up = 0; warm_up < 10'000; ++warm_up) {
+    machine.transact();
+  }
+  const std::uint64_t before = allocations();
+  for (auto _ : state) {
+    machine.transact();
+  }
+  state.counters["allocations"] = benchmark::Counter(static_cast<double>(allocations() - before),
+                                                     benchmark::Counter::kAvgIterations);
+}
+BENCHMARK(transaction)
+    ->ArgNames({"clients", "registers"})
+    ->ArgsProduct({{1, 8, 256}, {1, 10, 125}});
+
+void crc(benchmark::State& state) {
+  const Frame frame(static_cast<std::size_t>(state.range(0)), 0x5A);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(modbus::crc16(frame));
+  }
+}
+BENCHMARK(crc)->ArgName("bytes")->Arg(6)->Arg(253);
+
+}  // namespace
+}  // namespace mbgate::bench
+
+BENCHMARK_MAIN();

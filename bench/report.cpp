@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report.hpp"
+
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cmath>
+#include <iomanip>
+#include <optional>
+#include <ostream>
+#include <sstream>
+#include <thread>
+
+namespace mbgate::bench {
+namespace {
+
+namespace json = boost::json;
+
+/// How a contestant is compared with the first one.
+enum class Against : std::uint8_t { nothing, ratio, difference };
+
+struct Figure {
+  const char* key;    ///< in JSON
+  const char* title;  ///< in the table, with the unit
+  int digits;         ///< behind the point
+  Against against;
+};
+
+// The order is that of values_of().
+constexpr Figure kFigures[] = {
+    {"answers_per_second", "answers a second", 1, Against::ratio},
+    {"wire_per_second", "transactions a second on the wire", 1, Against::ratio},
+    {"share_percent", "share of the wire's limit, %", 2, Against::ratio},
+    {"least_bus_per_second", "of the slowest bus", 1, Against::ratio},
+    {"dead_time_p50_us", "dead time p50, us", 1, Against::difference},
+    {"dead_time_p90_us", "dead time p90, us", 1, Against::difference},
+    {"dead_time_p99_us", "dead time p99, us", 1, Against::difference},
+    {"dead_time_most_us", "dead time, most, us", 1, Against::nothing},
+    {"latency_p50_us", "latency p50 above the wire, us", 1, Against::ratio},
+    {"latency_p99_us", "latency p99 above the wire, us", 1, Against::ratio},
+    {"latency_p999_us", "latency p99.9 above the wire, us", 1, Against::ratio},
+    {"processor_us", "CPU an answer, us", 2, Against::ratio},
+    {"switches_per_second", "context switches a second", 1, Against::nothing},
+    {"resident_kib", "memory (RSS), KiB", 0, Against::difference},
+    {"allocations_per_thousand", "allocations in 1000 answers", 2, Against::nothing},
+    {"violations", "silence violations", 0, Against::nothing},
+    {"bad_frames", "bad frames on the wire", 0, Against::nothing},
+    {"wrong", "wrong answers", 0, Against::nothing},
+    {"exceptions", "exceptions", 0, Against::nothing},
+    {"lost", "connections lost", 0, Against::nothing},
+    {"unanswered", "not answered in 5 s", 0, Against::nothing},
+    {"late_p50_us", "simulator late p50, us", 1, Against::nothing},
+    {"late_p99_us", "simulator late p99, us", 1, Against::nothing},
+};
+constexpr std::size_t kCount = std::size(kFigures);
+using Values = std::vector<double>;  ///< one a figure; not a number: nobody measured it
+
+double microseconds(Nanoseconds duration) { return static_cast<double>(duration.count()) / 1000; }
+
+double quotient(double dividend, double divisor) {
+  return divisor == 0 ? std::nan("") : dividend / divisor;
+}
+
+double number(std::uint64_t count) { return static_cast<double>(count); }
+
+Values values_of(const Scenario& scenario, const RunResult& run) {
+  WireFigures wire;
+  Spread dead_time;
+  Spread lateness;
+  double least = std::nan("");
+  for (const WireFigures& bus : run.buses) {
+    wire.transactions += bus.transactions;
+    wire.violations += bus.violations;
+    wire.bad_frames += bus.bad_frames;
+    least = std::fmin(least, number(bus.transactions));
+    // Of several buses, the worst.
+    const auto worse = [](Spread& worst, const Spread& spread) {
+      worst.p50 = std::max(worst.p50, spread.p50);
+      worst.p90 = std::max(worst.p90, spread.p90);
+      worst.p99 = std::max(worst.p99, spread.p99);
+      worst.most = std::max(worst.most, spread.most);
+    };
+    worse(dead_time, bus.dead_time.spread());
+    worse(lateness, bus.lateness.spread());
+  }
+  const Plant& plant = scenario.plant;
+  const double limit = number(plant.buses) * 1e6 / microseconds(plant.exchange());
+  const double wire_rate = number(wire.transactions) / run.seconds;
+  const auto above_wire = [&](Nanoseconds latency) {
+    return run.clients.latency.p50.count() == 0
+               ? std::nan("")
+               : microseconds(latency) - microseconds(plant.exchange());
+  };
+  const double answers = number(run.clients.answers);
+  const double nan = std::nan("");
+  return {
+      answers / run.seconds,
+      wire_rate,
+      plant.paced() ? 100 * wire_rate / limit : nan,
+      plant.buses > 1 ? least / run.seconds : nan,
+      plant.paced() ? microseconds(dead_time.p50) : nan,
+      plant.paced() ? microseconds(dead_time.p90) : nan,
+      plant.paced() ? microseconds(dead_time.p99) : nan,
+      plant.paced() ? microseconds(dead_time.most) : nan,
+      above_wire(run.clients.latency.p50),
+      above_wire(run.clients.latency.p99),
+      above_wire(run.clients.latency.p999),
+      quotient(microseconds(run.used.processor), answers),
+      number(run.used.context_switches) / run.seconds,
+      number(run.used.resident) / 1024,
+      run.allocations ? quotient(1000 * number(*run.allocations), answers) : nan,
+      plant.paced() ? number(wire.violations) : nan,
+      number(wire.bad_frames),
+      number(run.clients.wrong),
+      number(run.clients.exceptions),
+      number(run.clients.lost),
+      number(run.clients.unanswered),
+      plant.paced() ? microseconds(lateness.p50) : nan,
+      plant.paced() ? microseconds(lateness.p99) : nan,
+  };
+}
+
+double median(Values values) {
+  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
+               values.end());
+  if (values.empty()) {
+    return std::nan("");
+  }
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+/// All runs of a contestant: a line a run.
+std::vector<Values> all_values(const Contest& contest) {
+  std::vector<Values> lines;
+  for (const RunResult& run : contest.runs) {
+    lines.push_back(values_of(contest.scenario, run));
+  }
+  return lines;
+}
+
+double median_of(const std::vector<Values>& runs, std::size_t figure) {
+  Values values;
+  for (const Values& run : runs) {
+    values.push_back(run[figure]);
+  }
+  return median(values);
+}
+
+/// The median over the pairs.
+double against(const std::vector<Values>& first, const std::vector<Values>& other,
+               std::size_t figure) {
+  Values values;
+  for (std::size_t pair = 0; pair < std::min(first.size(), other.size()); ++pair) {
+    values.push_back(kFigures[figure].against == Against::ratio
+                         ? quotient(other[pair][figure], first[pair][figure])
+                         : other[pair][figure] - first[pair][figure]);
+  }
+  return median(values);
+}
+
+std::string text(double value, int digits) {
+  if (std::isnan(value)) {
+    return "-";
+  }
+  std::ostringstream stream;
+  stream << std::fixed << std::setprecision(digits) << value;
+  return std::move(stream).str();
+}
+
+json::value json_number(double value) {
+  return std::isnan(value) ? json::value() : json::value(value);
+}
+
+json::object json_figures(const Values& values) {
+  json::object object;
+  for (std::size_t figure = 0; figure < kCount; ++figure) {
+    object[kFigures[figure].key] = json_number(values[figure]);
+  }
+  return object;
+}
+
+json::object json_scenario(const Scenario& scenario) {
+  const Plant& plant = scenario.plant;
+  const LoadSettings& load = scenario.load;
+  return {{"name", scenario.name},
+          {"program", scenario.program},
+          {"baud", plant.baud},
+          {"buses", plant.buses},
+          {"devices", plant.devices},
+          {"dead", plant.dead},
+          {"registers", plant.registers},
+          {"clients", load.clients},
+          {"outstanding", load.outstanding},
+          {"same", load.same},
+          {"idle", load.idle},
+          {"flood", load.flood},
+          {"coalesce", scenario.coalesce},
+          {"exchange_us", microseconds(plant.exchange())}};
+}
+
+}  // namespace
+
+void print_table(std::ostream& out, const std::vector<Contest>& contests) {
+  std::vector<std::vector<Values>> values;
+  constexpr int kTitle = 36;
+  out << std::left << std::setw(kTitle) << "median of " + std::to_string(contests[0].runs.size())
+      << std::right;
+  std::vector<int> widths;
+  for (const Contest& contest : contests) {
+    values.push_back(all_values(contest));
+    widths.push_back(std::max(22, static_cast<int>(contest.scenario.name.size()) + 2));
+    out << std::setw(widths.back()) << contest.scenario.name;
+  }
+  out << "\n";
+  for (std::size_t figure = 0; figure < kCount; ++figure) {
+    const auto& [key, title, digits, comparison] = kFigures[figure];
+    out << std::left << std::setw(kTitle) << title << std::right;
+    for (std::size_t column = 0; column < values.size(); ++column) {
+      std::string cell = text(median_of(values[column], figure), digits);
+      const double compared = against(values[0], values[column], figure);
+      if (column > 0 && comparison != Against::nothing && !std::isnan(compared)) {
+        const bool ratio = comparison == Against::ratio;
+        cell += ratio ? "  x " + text(compared, 3)
+                      : (compared < 0 ? "  " : "  +") + text(compared, digits);
+      }
+      out << std::setw(widths[column]) << cell;
+    }
+    out << "\n";
+  }
+  out << std::flush;
+}
+
+std::string to_json(const std::vector<Contest>& contests, const std::vector<std::string>& command) {
+  utsname kernel{};
+  ::uname(&kernel);
+  json::array list;
+  const auto first = all_values(contests[0]);
+  for (const Contest& contest : contests) {
+    const auto runs = all_values(contest);
+    json::array single;
+    for (const Values& run : runs) {
+      single.push_back(json_figures(run));
+    }
+    Values medians;
+    Values compared;
+    for (std::size_t figure = 0; figure < kCount; ++figure) {
+      medians.push_back(median_of(runs, figure));
+      const bool has_ratio = kFigures[figure].against != Against::nothing;
+      compared.push_back(has_ratio ? against(first, runs, figure) : std::nan(""));
+    }
+    list.push_back(json::object{{"scenario", json_scenario(contest.scenario)},
+                                {"median", json_figures(medians)},
+                                {"against_first", json_figures(compared)},
+                                {"runs", std::move(single)}});
+  }
+  return json::serialize(json::object{{"command", json::value_from(command)},
+                                      {"kernel", std::string(kernel.release)},
+                                      {"processors", std::thread::hardware_concurrency()},
+                                      {"contestants", std::move(list)}});
+}
+
+}  // namespace mbgate::bench
