@@ -24,6 +24,12 @@ constexpr std::chrono::milliseconds kLongestWait{50};
 
 }  // namespace
 
+double WireFigures::rate(double seconds) const {
+  const double between = std::chrono::duration<double>(last - first).count();
+  const auto count = static_cast<double>(transactions);
+  return between > 0 ? std::min((count - 1) / between, (count + 1) / seconds) : 0;
+}
+
 BusSimulator::BusSimulator(const Plant& plant, const std::filesystem::path& folder)
     : plant_(plant) {
   for (unsigned number = 0; number < plant.buses; ++number) {
@@ -111,16 +117,18 @@ Moment BusSimulator::advance(Bus& bus) {
   std::size_t arrived = size;
   Moment next = complete;
   if (now < complete) {
-    const auto portions = (now - bus.response_at) / kPortion;
-    const auto portion_end = kPortion * std::max<std::int64_t>(portions, 0);
-    arrived = std::min(size - 1, static_cast<std::size_t>(portion_end / plant_.characters(1)));
-    next =
-        std::min(complete, bus.response_at + kPortion * (std::max<std::int64_t>(portions, 0) + 1));
+    const auto portions = std::max<std::int64_t>((now - bus.response_at) / kPortion, 0);
+    arrived =
+        std::min(size - 1, static_cast<std::size_t>(kPortion * portions / plant_.characters(1)));
+    next = std::min(complete, bus.response_at + kPortion * (portions + 1));
   }
   if (arrived > bus.sent) {
     if (arrived == size && measuring_) {
       bus.figures.lateness.add(now - complete);
-      ++bus.figures.transactions;
+      bus.figures.last = now;
+      if (bus.figures.transactions++ == 0) {
+        bus.figures.first = now;
+      }
     }
     bus.pty.write(std::span(bus.response).subspan(bus.sent, arrived - bus.sent));
     bus.sent = arrived;
@@ -161,7 +169,6 @@ void BusSimulator::take_request(Bus& bus, Moment at) {
   }
   if (!response.empty() && !plant_.answers(bus.received[0])) {
     response.clear();
-    bus.figures.unanswered += measuring_ ? 1 : 0;
   }
   bus.received.clear();
   bus.response = std::move(response);

@@ -17,19 +17,24 @@
 
 namespace mbgate::bench {
 
-/// What the wire saw of one bus, or of all, while it was measured.
+/// What the wire saw of one bus while it was measured.
 struct WireFigures {
   std::uint64_t transactions = 0;  ///< answered ones
-  std::uint64_t unanswered = 0;    ///< requests to dead devices
-  std::uint64_t violations = 0;    ///< requests that began before t3.5 was over
-  std::uint64_t bad_frames = 0;    ///< what was no request for the plant
+  Moment first{};                  ///< the end of the first one's response
+  Moment last{};
+  std::uint64_t violations = 0;  ///< requests that began before t3.5 was over
+  std::uint64_t bad_frames = 0;  ///< what was no request for the plant
   /// From the moment when the next request could have started to the one when it did.
   Samples dead_time;
   /// How much later than its instant the last byte of a response was written.
   Samples lateness;
+
+  /// Transactions a second, from the first to the last, so that it does not matter how the time of
+  /// the measurement cuts them; but not more than that time can have had.
+  [[nodiscard]] double rate(double seconds) const;
 };
 
-/// Runs in one thread of its own from construction to destruction.
+/// Runs in one thread of its own from start() to end().
 class BusSimulator {
  public:
   /// Makes a pty for each bus, with links in `folder`. Throws std::runtime_error.

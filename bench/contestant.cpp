@@ -10,6 +10,7 @@ namespace {
 
 constexpr unsigned kMostAddress = 247;
 constexpr unsigned kMostRegisters = 125;
+constexpr unsigned kMostClients = 500;  ///< at 130 registers each
 
 unsigned parse_number(const std::string& text, const std::string& place) {
   unsigned value = 0;
@@ -58,8 +59,14 @@ void check(const Scenario& scenario) {
   if (plant.registers < 1 || plant.registers > kMostRegisters) {
     refuse("a request reads 1 to 125 registers");
   }
-  if (scenario.program == "relay" && scenario.load.outstanding > 1) {
-    refuse("the relay takes one request at a time from a client");
+  if (scenario.load.outstanding < 1) {
+    refuse("a client has at least one request outstanding");
+  }
+  if (scenario.load.clients > kMostClients && !scenario.load.same) {
+    refuse("not more than 500 clients have registers of their own");
+  }
+  if (scenario.program == "relay" && (scenario.load.outstanding > 1 || plant.dead > 0)) {
+    refuse("the relay takes one request at a time from a client, and waits for every answer");
   }
 }
 

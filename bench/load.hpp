@@ -25,9 +25,10 @@ struct LoadFigures {
   std::uint64_t answers = 0;
   std::uint64_t exceptions = 0;  ///< answers that were one, counted apart
   std::uint64_t wrong = 0;       ///< answers that were not to the request, or of other registers
-  std::uint64_t lost = 0;        ///< connections that the other side closed, idle ones too
-  std::uint64_t unanswered = 0;  ///< requests without an answer for longer than 5 s
+  std::uint64_t lost = 0;        ///< connections that the other side closed or reset, idle ones too
+  std::uint64_t unanswered = 0;  ///< requests without an answer for 5 s, or half of the time
   Spread latency;                ///< of the answers, from the request's send() on
+  double seconds = 0;            ///< for which this was counted
 };
 
 /// `ports` on 127.0.0.1, one a bus: the clients go round them, and on each bus round the devices.

@@ -37,7 +37,8 @@ gateway::Settings settings() {
 /// A machine with a line and clients that each have one request outstanding.
 class Machine {
  public:
-  explicit Machine(unsigned clients, unsigned registers) : gateway_(settings(), now_) {
+  Machine(unsigned clients, unsigned registers)
+      : gateway_(settings(), now_), registers_(registers) {
     drain();
     gateway_.handle_bus_opened(gateway::BusId{0}, now_);
     drain();
@@ -65,7 +66,7 @@ class Machine {
       if (transmitted_) {
         transmitted_ = false;
         now_ += 10ms;
-        gateway_.handle_bus_bytes(gateway::BusId{0}, responses_[asked_], now_);
+        gateway_.handle_bus_bytes(gateway::BusId{0}, responses_.at(asked_), now_);
         drain();
       }
     }
@@ -82,11 +83,7 @@ class Machine {
     while (const auto action = gateway_.poll_action()) {
       if (const auto* frame = std::get_if<gateway::Transmit>(&*action)) {
         transmitted_ = true;
-        // Address and first register are the client's own.
-        for (asked_ = 0; !std::equal(requests_[asked_].begin() + 6, requests_[asked_].end(),
-                                     frame->frame.begin());
-             ++asked_) {
-        }
+        asked_ = modbus::load_be16(modbus::Bytes(frame->frame), 2) / registers_;
       } else if (const auto* answer = std::get_if<gateway::Send>(&*action)) {
         ++answers_;
         answered_ = static_cast<std::size_t>(answer->client);
@@ -102,6 +99,7 @@ class Machine {
 
   Instant now_ = Instant(1s);
   gateway::Gateway gateway_;
+  unsigned registers_;  ///< of each client, one client's behind the other's
   std::vector<Frame> requests_;
   std::vector<Frame> responses_;
   std::optional<gateway::ClientId> sent_;

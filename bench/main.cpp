@@ -126,7 +126,11 @@ void measure(const Options& options, const std::vector<std::string>& command) {
   }
   print_table(std::cout, contests);
   if (!options.json.empty()) {
-    std::ofstream(options.json) << to_json(contests, command) << "\n";
+    std::ofstream file(options.json);
+    file << to_json(contests, command) << "\n" << std::flush;
+    if (!file) {
+      throw std::runtime_error(options.json.string() + " cannot be written");
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <boost/json.hpp>
 #include <cmath>
 #include <iomanip>
+#include <numeric>
 #include <optional>
 #include <ostream>
 #include <sstream>
@@ -20,11 +21,15 @@ namespace json = boost::json;
 /// How a contestant is compared with the first one.
 enum class Against : std::uint8_t { nothing, ratio, difference };
 
+/// What stands for all runs: a single wrong answer must be seen.
+enum class Over : std::uint8_t { median, sum };
+
 struct Figure {
   const char* key;    ///< in JSON
   const char* title;  ///< in the table, with the unit
   int digits;         ///< behind the point
   Against against;
+  Over over = Over::median;
 };
 
 // The order is that of values_of().
@@ -37,19 +42,22 @@ constexpr Figure kFigures[] = {
     {"dead_time_p90_us", "dead time p90, us", 1, Against::difference},
     {"dead_time_p99_us", "dead time p99, us", 1, Against::difference},
     {"dead_time_most_us", "dead time, most, us", 1, Against::nothing},
-    {"latency_p50_us", "latency p50 above the wire, us", 1, Against::ratio},
-    {"latency_p99_us", "latency p99 above the wire, us", 1, Against::ratio},
-    {"latency_p999_us", "latency p99.9 above the wire, us", 1, Against::ratio},
+    {"latency_p50_us", "latency p50, us", 1, Against::ratio},
+    {"latency_p99_us", "latency p99, us", 1, Against::ratio},
+    {"latency_p999_us", "latency p99.9, us", 1, Against::ratio},
+    {"over_wire_p50_us", "latency p50 above the wire's time, us", 1, Against::difference},
+    {"over_wire_p99_us", "latency p99 above the wire's time, us", 1, Against::difference},
+    {"over_wire_p999_us", "latency p99.9 above it, us", 1, Against::difference},
     {"processor_us", "CPU an answer, us", 2, Against::ratio},
     {"switches_per_second", "context switches a second", 1, Against::nothing},
     {"resident_kib", "memory (RSS), KiB", 0, Against::difference},
     {"allocations_per_thousand", "allocations in 1000 answers", 2, Against::nothing},
-    {"violations", "silence violations", 0, Against::nothing},
-    {"bad_frames", "bad frames on the wire", 0, Against::nothing},
-    {"wrong", "wrong answers", 0, Against::nothing},
-    {"exceptions", "exceptions", 0, Against::nothing},
-    {"lost", "connections lost", 0, Against::nothing},
-    {"unanswered", "not answered in 5 s", 0, Against::nothing},
+    {"violations", "silence violations, of all runs", 0, Against::nothing, Over::sum},
+    {"bad_frames", "bad frames on the wire", 0, Against::nothing, Over::sum},
+    {"wrong", "wrong answers, of all runs", 0, Against::nothing, Over::sum},
+    {"exceptions", "exceptions", 0, Against::nothing, Over::sum},
+    {"lost", "connections lost", 0, Against::nothing, Over::sum},
+    {"unanswered", "not answered in time", 0, Against::nothing, Over::sum},
     {"late_p50_us", "simulator late p50, us", 1, Against::nothing},
     {"late_p99_us", "simulator late p99, us", 1, Against::nothing},
 };
@@ -64,16 +72,25 @@ double quotient(double dividend, double divisor) {
 
 double number(std::uint64_t count) { return static_cast<double>(count); }
 
+/// How many transactions a request waits for, its own included, if the wire is never free.
+std::int64_t turns_of(const Scenario& scenario) {
+  const LoadSettings& load = scenario.load;
+  const unsigned turns = load.clients * load.outstanding / scenario.plant.buses;
+  return load.same ? 1 : std::max(1U, turns);
+}
+
 Values values_of(const Scenario& scenario, const RunResult& run) {
-  WireFigures wire;
+  std::uint64_t violations = 0;
+  std::uint64_t bad_frames = 0;
   Spread dead_time;
   Spread lateness;
+  double wire_rate = 0;
   double least = std::nan("");
   for (const WireFigures& bus : run.buses) {
-    wire.transactions += bus.transactions;
-    wire.violations += bus.violations;
-    wire.bad_frames += bus.bad_frames;
-    least = std::fmin(least, number(bus.transactions));
+    wire_rate += bus.rate(run.seconds);
+    violations += bus.violations;
+    bad_frames += bus.bad_frames;
+    least = std::fmin(least, bus.rate(run.seconds));
     // Of several buses, the worst.
     const auto worse = [](Spread& worst, const Spread& spread) {
       worst.p50 = std::max(worst.p50, spread.p50);
@@ -86,32 +103,32 @@ Values values_of(const Scenario& scenario, const RunResult& run) {
   }
   const Plant& plant = scenario.plant;
   const double limit = number(plant.buses) * 1e6 / microseconds(plant.exchange());
-  const double wire_rate = number(wire.transactions) / run.seconds;
-  const auto above_wire = [&](Nanoseconds latency) {
-    return run.clients.latency.p50.count() == 0
-               ? std::nan("")
-               : microseconds(latency) - microseconds(plant.exchange());
-  };
   const double answers = number(run.clients.answers);
   const double nan = std::nan("");
+  const Spread& latency = run.clients.latency;
+  const bool answered = latency.p50.count() > 0;
+  const Nanoseconds wire_time = plant.exchange() * turns_of(scenario);
   return {
-      answers / run.seconds,
+      quotient(answers, run.clients.seconds),
       wire_rate,
       plant.paced() ? 100 * wire_rate / limit : nan,
-      plant.buses > 1 ? least / run.seconds : nan,
+      plant.buses > 1 ? least : nan,
       plant.paced() ? microseconds(dead_time.p50) : nan,
       plant.paced() ? microseconds(dead_time.p90) : nan,
       plant.paced() ? microseconds(dead_time.p99) : nan,
       plant.paced() ? microseconds(dead_time.most) : nan,
-      above_wire(run.clients.latency.p50),
-      above_wire(run.clients.latency.p99),
-      above_wire(run.clients.latency.p999),
+      answered ? microseconds(latency.p50) : nan,
+      answered ? microseconds(latency.p99) : nan,
+      answered ? microseconds(latency.p999) : nan,
+      plant.paced() && answered ? microseconds(latency.p50 - wire_time) : nan,
+      plant.paced() && answered ? microseconds(latency.p99 - wire_time) : nan,
+      plant.paced() && answered ? microseconds(latency.p999 - wire_time) : nan,
       quotient(microseconds(run.used.processor), answers),
       number(run.used.context_switches) / run.seconds,
       number(run.used.resident) / 1024,
       run.allocations ? quotient(1000 * number(*run.allocations), answers) : nan,
-      plant.paced() ? number(wire.violations) : nan,
-      number(wire.bad_frames),
+      plant.paced() ? number(violations) : nan,
+      number(bad_frames),
       number(run.clients.wrong),
       number(run.clients.exceptions),
       number(run.clients.lost),
@@ -141,12 +158,14 @@ std::vector<Values> all_values(const Contest& contest) {
   return lines;
 }
 
-double median_of(const std::vector<Values>& runs, std::size_t figure) {
+/// One value for all runs.
+double summary(const std::vector<Values>& runs, std::size_t figure) {
   Values values;
   for (const Values& run : runs) {
     values.push_back(run[figure]);
   }
-  return median(values);
+  return kFigures[figure].over == Over::sum ? std::accumulate(values.begin(), values.end(), 0.0)
+                                            : median(values);
 }
 
 /// The median over the pairs.
@@ -205,7 +224,7 @@ json::object json_scenario(const Scenario& scenario) {
 
 void print_table(std::ostream& out, const std::vector<Contest>& contests) {
   std::vector<std::vector<Values>> values;
-  constexpr int kTitle = 36;
+  constexpr int kTitle = 40;
   out << std::left << std::setw(kTitle) << "median of " + std::to_string(contests[0].runs.size())
       << std::right;
   std::vector<int> widths;
@@ -216,10 +235,10 @@ void print_table(std::ostream& out, const std::vector<Contest>& contests) {
   }
   out << "\n";
   for (std::size_t figure = 0; figure < kCount; ++figure) {
-    const auto& [key, title, digits, comparison] = kFigures[figure];
+    const auto& [key, title, digits, comparison, over] = kFigures[figure];
     out << std::left << std::setw(kTitle) << title << std::right;
     for (std::size_t column = 0; column < values.size(); ++column) {
-      std::string cell = text(median_of(values[column], figure), digits);
+      std::string cell = text(summary(values[column], figure), digits);
       const double compared = against(values[0], values[column], figure);
       if (column > 0 && comparison != Against::nothing && !std::isnan(compared)) {
         const bool ratio = comparison == Against::ratio;
@@ -247,7 +266,7 @@ std::string to_json(const std::vector<Contest>& contests, const std::vector<std:
     Values medians;
     Values compared;
     for (std::size_t figure = 0; figure < kCount; ++figure) {
-      medians.push_back(median_of(runs, figure));
+      medians.push_back(summary(runs, figure));
       const bool has_ratio = kFigures[figure].against != Against::nothing;
       compared.push_back(has_ratio ? against(first, runs, figure) : std::nan(""));
     }

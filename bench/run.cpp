@@ -73,11 +73,15 @@ RunResult run_once(const Scenario& scenario, const Means& means, const Times& ti
   if (!subject.process().lives()) {
     throw std::runtime_error(scenario.name + " ended while it was measured");
   }
+  if (loads.flood && !loads.flood->lives()) {
+    throw std::runtime_error(scenario.name + ": the flood could not go on");
+  }
   result.buses = simulator.end();
   if (!loads.clients) {
     for (const WireFigures& bus : result.buses) {
       result.clients.answers += bus.transactions;
     }
+    result.clients.seconds = result.seconds;
   }
   return result;
 }

@@ -10,7 +10,7 @@ namespace mbgate::bench {
 
 using Nanoseconds = std::chrono::nanoseconds;
 
-/// Four percentiles of a kind of duration; 0 where nothing was measured.
+/// Percentiles of a kind of duration, and the most; 0 where nothing was measured.
 struct Spread {
   Nanoseconds p50{0};
   Nanoseconds p90{0};
@@ -25,7 +25,6 @@ class Samples {
   /// Keeps the room: adding after it costs no memory until there are more than before.
   void clear() { values_.clear(); }
   void reserve(std::size_t count) { values_.reserve(count); }
-  [[nodiscard]] std::size_t count() const { return values_.size(); }
   /// Nearest rank: the smallest value that is not exceeded by the given share of all.
   [[nodiscard]] Spread spread() const;
 

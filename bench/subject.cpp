@@ -138,6 +138,10 @@ void Subject::start_mbgated(const Scenario& scenario, const Means& means,
   if (!wait_until(*child_, [&] { return port_of(last) != 0; })) {
     throw std::runtime_error(scenario.name + " does not start:\n" + said());
   }
+  if (means.allocations && allocations().value_or(0) == 0) {
+    throw std::runtime_error("allocations are not counted: " + means.allocations->string() +
+                             " cannot be preloaded:\n" + said());
+  }
   for (std::size_t bus = 0; bus < paths.size(); ++bus) {
     ports_.push_back(port_of(line_name(bus)));
   }

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/mbgated.hpp"
 
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <sysexits.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -35,8 +39,23 @@ struct RecordingBegun {
   std::string head;
 };
 
+/// Locks only what is ever touched: a thread's stack is much larger than what it uses. But against
+/// a limit all of it counts, and later threads and lines would be refused: so not with a limit.
+void lock_memory(Log& log) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY) {
+    log.write(Level::warning, "lock_memory: not done: the unit needs LimitMEMLOCK=infinity");
+  } else if (::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
+    log.write(Level::warning,
+              "lock_memory: not possible: " + std::generic_category().message(errno));
+  }
+}
+
 int serve(gateway::Settings settings, std::optional<RecordingBegun> recording) {
   Log log(is_standard_error_the_journal());
+  if (settings.lock_memory) {
+    lock_memory(log);
+  }
   int status = EXIT_FAILURE;
   try {
     std::optional<io::Recorder> recorder;

@@ -46,7 +46,8 @@ class Service final : public io::DriverObserver {
   [[nodiscard]] std::string bus_text(gateway::BusId bus, const std::string& text) const;
 
   Log& log_;
-  boost::asio::io_context context_{1};
+  // One thread runs it and uses its sockets, lines and timers; others only post to it.
+  boost::asio::io_context context_{BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO};
   boost::asio::signal_set signals_;
   boost::asio::steady_timer status_timer_;
   bool status_pending_ = false;

@@ -38,7 +38,7 @@ Duration Bus::listening_time() const {
   return settings_.listen_first.value_or(std::min(longest_response_timeout_, kLongestListening));
 }
 
-void Bus::start() { actions_.emplace_back(OpenLine{}); }
+void Bus::start() { actions_.push(OpenLine{}); }
 
 void Bus::handle_opened(Instant now) {
   state_ = State::open;
@@ -86,7 +86,7 @@ void Bus::handle_bytes(modbus::Bytes bytes, Instant now) {
 void Bus::handle_deadline(Instant now) {
   if (reopen_at_ && now >= *reopen_at_) {
     reopen_at_.reset();
-    actions_.emplace_back(OpenLine{});
+    actions_.push(OpenLine{});
   }
   if (state_ == State::open) {
     line_.handle_deadline(now);
@@ -104,9 +104,9 @@ void Bus::collect(Instant now) {
   }
   const auto fault = line_.take_fault();
   if (fault == LineFault::echo_differed) {
-    actions_.emplace_back(EchoDiffered{});
+    actions_.push(EchoDiffered{});
   } else if (fault == LineFault::framing_lost) {
-    actions_.emplace_back(CloseLine{});
+    actions_.push(CloseLine{});
     handle_lost(now);
   }
 }
@@ -131,14 +131,7 @@ void Bus::give_up(Instant now) {
   pump(now);
 }
 
-std::optional<BusAction> Bus::poll() {
-  if (actions_.empty()) {
-    return std::nullopt;
-  }
-  BusAction action = std::move(actions_.front());
-  actions_.pop_front();
-  return action;
-}
+std::optional<BusAction> Bus::poll() { return actions_.poll(); }
 
 std::optional<Instant> Bus::next_deadline() const {
   const auto deadline = earlier(reopen_at_, earlier(queue_.first_deadline(), next_start_));
@@ -188,7 +181,7 @@ void Bus::end_group(Job& leader, Ending ending) {
 
 void Bus::end_job(Job& job, Ending ending) {
   release(job);
-  actions_.emplace_back(JobEnded{&job, ending});
+  actions_.push(JobEnded{&job, ending});
 }
 
 // The bus has it no more.
@@ -206,7 +199,7 @@ void Bus::release(Job& job) {
 }
 
 void Bus::notify(DeviceNotice::Kind kind, std::uint8_t address) {
-  actions_.emplace_back(DeviceNotice{kind, address});
+  actions_.push(DeviceNotice{kind, address});
 }
 
 }  // namespace mbgate::bus

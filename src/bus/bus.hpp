@@ -5,11 +5,11 @@
 // owner empties poll() and asks next_deadline().
 #pragma once
 
-#include <deque>
 #include <span>
 #include <variant>
 #include <vector>
 
+#include "bus/action_queue.hpp"
 #include "bus/bus_queue.hpp"
 #include "bus/device_table.hpp"
 #include "bus/line.hpp"
@@ -202,7 +202,7 @@ class Bus {
   Instant opened_at_;
   std::optional<Instant> reopen_at_;
   Duration reopen_delay_;
-  std::deque<BusAction> actions_;
+  ActionQueue<BusAction> actions_;
 };
 
 }  // namespace mbgate::bus

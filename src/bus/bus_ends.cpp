@@ -156,8 +156,8 @@ void Bus::handle_stray(const Stray& stray, Instant now) {
   ++counters_.late_responses;
   ++entry.counters.late_responses;
   if (late->grew) {
-    actions_.emplace_back(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
-                                       entry.health.quarantine(now, entry.timing())});
+    actions_.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
+                               entry.health.quarantine(now, entry.timing())});
   }
   if (late->back) {
     notify(DeviceNotice::Kind::back, address);

@@ -135,6 +135,10 @@ Job* BusQueue::find_stop(Predicate is_it) {
 
 template <typename Visit>
 void BusQueue::visit_candidates(JobClass job_class, Visit visit) {
+  const std::size_t reads = by_deadline_.size() - writes_.size();
+  if (job_class == JobClass::write ? writes_.empty() : reads == 0) {
+    return;  // nobody needs to look at hundreds of reads to find no write
+  }
   for (Source& source : round_) {
     if (visit_source(source, job_class, visit)) {
       return;

@@ -203,7 +203,7 @@ void Bus::transmit(Job& job, Instant now) {
   Transaction& transaction = job.on_wire();
   const drive::DeviceTiming timing = note_transmission(job, transaction, now);
   const unsigned owed = quarantines_ ? devices_[transaction.address].health.owed(now, timing) : 0U;
-  actions_.emplace_back(TransmitFrame{line_.begin(transaction, timing, owed, now)});
+  actions_.push(TransmitFrame{line_.begin(transaction, timing, owed, now)});
   if (stop != nullptr) {
     line_.limit_wait(transaction, stop->waits_since + settings_.stop_wait, settings_.stop_wait);
   }

@@ -49,6 +49,7 @@ void read_gateway(Draft& draft, const std::optional<std::filesystem::path>& prof
   std::optional<std::filesystem::path> folder;
   if (auto table = draft.document.root().table("gateway")) {
     read_own_unit(*table, draft.settings);
+    assign(draft.settings.lock_memory, table->boolean("lock_memory"));
     folder = read_profiles(*table);
   }
   if (profile_folder) {

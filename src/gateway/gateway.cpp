@@ -77,12 +77,10 @@ void Gateway::handle_shutdown(Instant now) {
 }
 
 std::optional<Action> Gateway::poll_action() {
-  if (actions_.empty()) {
-    return std::nullopt;
+  if (auto action = line_actions_.poll()) {
+    return action;
   }
-  Action action = std::move(actions_.front());
-  actions_.pop_front();
-  return action;
+  return actions_.poll();
 }
 
 std::optional<Instant> Gateway::next_deadline() const {
@@ -145,12 +143,12 @@ void Gateway::collect(BusId id) {
     if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
       end_part(*ended->job, ended->ending);
     } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&*action)) {
-      actions_.emplace_back(Transmit{id, transmit->frame});
+      line_actions_.push(Transmit{id, transmit->frame});
     } else if (std::holds_alternative<bus::OpenLine>(*action)) {
-      actions_.emplace_back(Open{id});
+      line_actions_.push(Open{id});
     } else if (std::holds_alternative<bus::CloseLine>(*action)) {
       report(BusLost{id});
-      actions_.emplace_back(Shut{id});
+      line_actions_.push(Shut{id});
     } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&*action)) {
       report(DeviceNews{id, *notice});
     } else {
@@ -163,7 +161,7 @@ void Gateway::finish_if_stopped() {
   if (stopping_ && !finished_ && exchanges_.in_use() == 0) {
     finished_ = true;
     stop_deadline_.reset();
-    actions_.emplace_back(Finished{});
+    actions_.push(Finished{});
   }
 }
 

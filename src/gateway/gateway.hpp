@@ -5,12 +5,12 @@
 // harmless.
 #pragma once
 
-#include <deque>
 #include <list>
 #include <map>
 #include <memory>
 #include <unordered_map>
 
+#include "bus/action_queue.hpp"
 #include "bus/bus.hpp"
 #include "gateway/action.hpp"
 #include "gateway/client_session.hpp"
@@ -63,6 +63,7 @@ class Gateway {
   /// Nothing new is begun but stops; Finished follows at most 1.5 s later.
   void handle_shutdown(Instant now);
 
+  /// What lines are to do comes first: a line must not wait while sockets are written.
   std::optional<Action> poll_action();
   [[nodiscard]] std::optional<Instant> next_deadline() const;
 
@@ -96,7 +97,7 @@ class Gateway {
   void settle(Instant now);
   void collect(BusId id);
   void finish_if_stopped();
-  void report(const Event& event) { actions_.emplace_back(Report{event}); }
+  void report(const Event& event) { actions_.push(Report{event}); }
 
   // gateway_clients.cpp: who is let in, when a connection is read, when it ends
   bool admit(const ClientInfo& info);
@@ -198,7 +199,8 @@ class Gateway {
   Failsafe failsafe_;
   std::vector<BusId> dirty_buses_;
   std::vector<ClientId> ready_clients_;
-  std::deque<Action> actions_;
+  bus::ActionQueue<Action> line_actions_;
+  bus::ActionQueue<Action> actions_;
   Instant started_;
   bool stopping_ = false;
   bool finished_ = false;

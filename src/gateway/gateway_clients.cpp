@@ -9,7 +9,7 @@ namespace mbgate::gateway {
 
 void Gateway::handle_client_connected(ClientId client, const ClientInfo& info, Instant now) {
   if (!admit(info)) {
-    actions_.emplace_back(Close{client});
+    actions_.push(Close{client});
     return;
   }
   auto& count = listener_clients_[static_cast<std::size_t>(info.listener)];
@@ -136,9 +136,9 @@ void Gateway::after_input(ClientId id, ClientSession& session, Instant now) {
   }
   if (const auto reading = session.update_reading(now)) {
     if (*reading == ClientSession::Reading::pause) {
-      actions_.emplace_back(Pause{id});
+      actions_.push(Pause{id});
     } else {
-      actions_.emplace_back(Resume{id});
+      actions_.push(Resume{id});
     }
   }
   const bool partial = !session.input.empty() && !session.is_full();
@@ -181,7 +181,7 @@ void Gateway::check_client(ClientId id, Instant now) {
 }
 
 void Gateway::close(ClientId id) {
-  actions_.emplace_back(Close{id});
+  actions_.push(Close{id});
   forget(sessions_.find(id));
 }
 

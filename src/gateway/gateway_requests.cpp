@@ -162,7 +162,7 @@ void Gateway::send(ClientId id, ClientSession& session, ClientSession::AnswerId 
                    const std::optional<modbus::MbapAdu>& adu) {
   const auto bytes = adu ? std::optional(modbus::encode(*adu)) : std::nullopt;
   for (const modbus::MbapBytes& ready : session.close_answer(answer, bytes)) {
-    actions_.emplace_back(Send{id, ready});
+    actions_.push(Send{id, ready});
   }
   ready_clients_.push_back(id);
 }

@@ -124,7 +124,7 @@ void Gateway::replace_buses(const Settings& old, const Succession& succession, I
     }
     end_dead(before[place]->bus, now);
     if (id) {
-      actions_.emplace_back(Shut{*id});
+      line_actions_.push(Shut{*id});
     }
   }
   for (std::size_t place = 0; place < buses_.size(); ++place) {

@@ -52,6 +52,7 @@ struct ListenerSettings {
 struct Settings {
   /// The gateway's own unit identifier on every listener; none turns it off.
   std::optional<std::uint8_t> own_unit = 255;
+  bool lock_memory = false;  ///< nothing of the process is ever swapped out
   std::vector<ListenerSettings> listeners;
   std::vector<BusSettings> buses;
   std::vector<drive::Device> devices;

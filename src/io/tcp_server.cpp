@@ -20,8 +20,12 @@ using boost::system::error_code;
 
 constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
 
-/// Accepted in one go before everybody else gets a turn.
-constexpr int kBatch = 64;
+/// Accepted in one go, and how long then nobody is: clients that connect without end must not take
+/// the time that lines need.
+constexpr int kBatch = 4;
+constexpr std::chrono::milliseconds kBreath{1};
+/// Turned away in one go for want of descriptors.
+constexpr int kMostShed = 64;
 /// More than the kernel's longest backlog: only a flood of new connections could make the start
 /// endless.
 constexpr int kMostWaiting = 65536;
@@ -73,12 +77,10 @@ boost::asio::awaitable<void> TcpServer::run() {
     for (int i = 0; i < kBatch && outcome == Outcome::accepted; ++i) {
       outcome = accept_one(false);
     }
-    if (outcome == Outcome::failed) {
-      pause_.expires_after(kPause);
-      const auto [stopped] = co_await pause_.async_wait(kUseTuple);
-      if (stopped) {
-        co_return;
-      }
+    pause_.expires_after(outcome == Outcome::failed ? kPause : kBreath);
+    const auto [stopped] = co_await pause_.async_wait(kUseTuple);
+    if (stopped) {
+      co_return;
     }
   }
 }
@@ -120,7 +122,7 @@ TcpServer::Outcome TcpServer::take(UniqueFd socket, const tcp::endpoint& peer, b
 void TcpServer::shed() {
   spare_.reset();
   tcp::endpoint peer;
-  for (int i = 0; i < kBatch; ++i) {
+  for (int i = 0; i < kMostShed; ++i) {
     if (!UniqueFd(accept_socket(acceptor_.native_handle(), peer)).is_open()) {
       break;
     }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <deque>
+#include <utility>
 
 namespace mbgate::soak {
 
@@ -129,14 +131,25 @@ void World::run_until(Instant limit) {
 }
 
 // Actions that set off others (a client that is resumed writes on) come back here; the outer call
-// goes on with them.
+// goes on with them. All of it is one instant. The gateway wants frames transmitted before answers
+// are sent; the oracle is told of them after the answers that made way for them.
 void World::drain() {
   if (draining_) {
     return;
   }
   draining_ = true;
-  while (const auto action = gateway_.poll_action()) {
-    carry_out(*action);
+  std::deque<gateway::Action> for_lines;
+  for (auto action = gateway_.poll_action(); action || !for_lines.empty();
+       action = gateway_.poll_action()) {
+    if (!action) {
+      action = std::move(for_lines.front());
+      for_lines.pop_front();
+      carry_out(*action);
+    } else if (std::holds_alternative<gateway::Transmit>(*action)) {
+      for_lines.push_back(*std::move(action));
+    } else {
+      carry_out(*action);
+    }
   }
   draining_ = false;
   oracle_.check_waiting();

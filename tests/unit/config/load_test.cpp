@@ -89,6 +89,7 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   ASSERT_TRUE(loaded.settings);
   const auto& settings = *loaded.settings;
   EXPECT_EQ(settings.own_unit, 200);
+  EXPECT_TRUE(settings.lock_memory);
   const auto& routed = settings.listeners.at(0);
   EXPECT_EQ(routed.name, "plant");
   EXPECT_EQ(routed.address, "::1");
