@@ -31,7 +31,8 @@ void set(Scenario& scenario, const std::string& key, unsigned value, const std::
                                                  {"clients", &scenario.load.clients},
                                                  {"outstanding", &scenario.load.outstanding},
                                                  {"idle", &scenario.load.idle},
-                                                 {"flood", &scenario.load.flood}};
+                                                 {"flood", &scenario.load.flood},
+                                                 {"wake_early", &scenario.wake_early}};
   const std::map<std::string, bool*> flags{{"same", &scenario.load.same},
                                            {"coalesce", &scenario.coalesce}};
   if (const auto found = numbers.find(key); found != numbers.end()) {
@@ -41,7 +42,8 @@ void set(Scenario& scenario, const std::string& key, unsigned value, const std::
   } else {
     throw std::invalid_argument(place + ": unknown key \"" + key +
                                 "\"; there are baud, buses, devices, dead, registers, clients, "
-                                "outstanding, same, idle, flood, coalesce");
+                                "outstanding, same, idle, flood, coalesce, "
+                                "wake_early");
   }
 }
 

@@ -62,6 +62,8 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_flag("--coalesce,!--no-coalesce", options.common.coalesce, "mbgated's key")
       ->capture_default_str();
+  app.add_option("--wake-early", options.common.wake_early, "mbgated's key, in microseconds")
+      ->capture_default_str();
   app.add_option("--seconds", options.seconds, "that a run is measured")
       ->check(CLI::Range(0.05, 600.0))
       ->capture_default_str();

@@ -217,6 +217,7 @@ json::object json_scenario(const Scenario& scenario) {
           {"idle", load.idle},
           {"flood", load.flood},
           {"coalesce", scenario.coalesce},
+          {"wake_early_us", scenario.wake_early},
           {"exchange_us", microseconds(plant.exchange())}};
 }
 

@@ -50,6 +50,7 @@ void add_listener(std::ostream& text, const std::string& name, std::size_t bus) 
 /// The configuration for a plant: a listener a bus, and one for a flood.
 std::string configuration(const Scenario& scenario, const std::vector<std::string>& paths) {
   std::ostringstream text;
+  text << "[gateway]\nwake_early = \"" << scenario.wake_early << "us\"\n";
   for (std::size_t bus = 0; bus < paths.size(); ++bus) {
     add_listener(text, line_name(bus), bus);
     text << "[[bus]]\nname = \"" << line_name(bus) << "\"\ndevice = \"" << paths[bus]

@@ -4,6 +4,9 @@
 #include <system_error>
 
 namespace mbgate::config {
+
+using namespace std::chrono_literals;
+
 namespace {
 
 constexpr std::size_t kLongestName = 64;
@@ -50,6 +53,7 @@ void read_gateway(Draft& draft, const std::optional<std::filesystem::path>& prof
   if (auto table = draft.document.root().table("gateway")) {
     read_own_unit(*table, draft.settings);
     assign(draft.settings.lock_memory, table->boolean("lock_memory"));
+    assign(draft.settings.wake_early, table->duration("wake_early", {0us, 1ms}));
     folder = read_profiles(*table);
   }
   if (profile_folder) {

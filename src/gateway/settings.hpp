@@ -53,6 +53,8 @@ struct Settings {
   /// The gateway's own unit identifier on every listener; none turns it off.
   std::optional<std::uint8_t> own_unit = 255;
   bool lock_memory = false;  ///< nothing of the process is ever swapped out
+  /// Timers ring late: so long before an instant the driver is woken and waits for it busily.
+  Duration wake_early = std::chrono::microseconds(100);
   std::vector<ListenerSettings> listeners;
   std::vector<BusSettings> buses;
   std::vector<drive::Device> devices;

@@ -190,9 +190,11 @@ void GatewayDriver::set_timer() {
     return;
   }
   timer_set_to_ = deadline;
-  timer_.expires_at(to_steady(*deadline));
-  timer_.async_wait([this](const boost::system::error_code& error) {
+  timer_.expires_at(to_steady(*deadline - gateway_.settings().wake_early));
+  timer_.async_wait([this, until = *deadline](const boost::system::error_code& error) {
     if (!error) {
+      while (now() < until) {
+      }
       timer_set_to_.reset();
       feed(gateway::DeadlineReached{});
       carry_out_actions();

@@ -105,6 +105,8 @@ class Bench(unittest.TestCase):
                 (["mbgated:bauds=1"], 'mbgated:bauds=1: unknown key "bauds"'),
                 (["mbgated:baud=fast"], 'mbgated:baud=fast: "fast" is not a number'),
                 (["mbgated", "--dead", "5"], "a bus has 1 to 247 devices, and not more dead ones"),
+                (["relay", "--dead", "1"], "waits for every answer"),
+                (["mbgated:clients=501"], "not more than 500 clients have registers of their own"),
                 (["relay:buses=2"], "only mbgated and master take several buses")):
             result = subprocess.run([BENCH, *arguments], capture_output=True, text=True, timeout=60,
                                     check=False)

@@ -90,6 +90,7 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   const auto& settings = *loaded.settings;
   EXPECT_EQ(settings.own_unit, 200);
   EXPECT_TRUE(settings.lock_memory);
+  EXPECT_EQ(settings.wake_early, 20us);
   const auto& routed = settings.listeners.at(0);
   EXPECT_EQ(routed.name, "plant");
   EXPECT_EQ(routed.address, "::1");

@@ -124,6 +124,7 @@ TEST(CompleteFile, ShowsTheDefaults) {
   EXPECT_EQ(shown.devices[0].cache, device.cache);
   EXPECT_EQ(shown.devices[0].stop_cancels, device.stop_cancels);
   EXPECT_EQ(shown.lock_memory, gateway::Settings{}.lock_memory);
+  EXPECT_EQ(shown.wake_early, gateway::Settings{}.wake_early);
   EXPECT_EQ(shown.guards.at(0).writer, gateway::WriterRule::any);
   EXPECT_EQ(shown.devices[0].profile.values.all().size(), 246U);
   EXPECT_EQ(shown.devices[0].timing.retry_writes, bus.timing.retry_writes);
