@@ -24,8 +24,8 @@
 namespace mbgate::bench {
 namespace {
 
-/// A dead device is waited for this long, as the gateways under test are told to.
-constexpr int kResponseTimeoutMs = 100;
+/// So long is waited for a response, as mbgated is told to: briefly where there are dead devices.
+int response_timeout_ms(const Plant& plant) { return plant.dead > 0 ? 100 : 1000; }
 
 /// A raw line, opened for both ways.
 int open_line(const std::string& path) {
@@ -40,11 +40,11 @@ int open_line(const std::string& path) {
 }
 
 /// The end of its response; the moment at which it was given up if there was none.
-Moment receive_response(int line, std::size_t size) {
+Moment receive_response(int line, std::size_t size, int timeout_ms) {
   std::array<std::uint8_t, 512> part{};
   for (std::size_t received = 0; received < size;) {
     pollfd descriptor{line, POLLIN, 0};
-    if (::poll(&descriptor, 1, kResponseTimeoutMs) <= 0) {
+    if (::poll(&descriptor, 1, timeout_ms) <= 0) {
       break;
     }
     const ssize_t count = ::read(line, part.data(), part.size());
@@ -68,7 +68,8 @@ void master_of_line(const Plant& plant, const std::string& path) {
         static_cast<ssize_t>(requests[turn].size())) {
       throw std::system_error(errno, std::generic_category(), path);
     }
-    const Moment end = receive_response(line, response_size(plant.registers));
+    const Moment end =
+        receive_response(line, response_size(plant.registers), response_timeout_ms(plant));
     if (plant.paced()) {
       sleep_until(end + plant.t3_5());
     }

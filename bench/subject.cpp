@@ -55,7 +55,9 @@ std::string configuration(const Scenario& scenario, const std::vector<std::strin
     add_listener(text, line_name(bus), bus);
     text << "[[bus]]\nname = \"" << line_name(bus) << "\"\ndevice = \"" << paths[bus]
          << "\"\nparity = \"none\"\nlow_latency = false\nlisten_first = \"0s\"\n"
-         << "response_timeout = \"100ms\"\n"
+         // Where all devices answer, a machine that stands still for a moment makes none of them
+         // dead.
+         << "response_timeout = \"" << (scenario.plant.dead > 0 ? "100ms" : "1s") << "\"\n"
          << "coalesce = " << (scenario.coalesce ? "true" : "false") << "\n";
     if (scenario.plant.paced()) {
       text << "baud = " << scenario.plant.baud << "\n";
