@@ -23,7 +23,7 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-PARTS = ("CMakeLists.txt", "src", "tests", "conf")
+PARTS = ("CMakeLists.txt", "src", "tests", "bench", "conf")
 # How often more seeds are tried for a violation that the first ones did not show.
 MORE_TRIES = 4
 SKIPPED = 77  # what ctest takes for a test that could not be run
