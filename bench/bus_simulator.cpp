@@ -47,6 +47,7 @@ BusSimulator::~BusSimulator() { end(); }
 
 std::vector<std::string> BusSimulator::paths() const {
   std::vector<std::string> paths;
+  paths.reserve(buses_.size());
   for (const Bus& bus : buses_) {
     paths.push_back(bus.pty.path());
   }
@@ -63,6 +64,7 @@ std::vector<WireFigures> BusSimulator::end() {
     thread_.join();
   }
   std::vector<WireFigures> figures;
+  figures.reserve(buses_.size());
   for (Bus& bus : buses_) {
     figures.push_back(std::move(bus.figures));
   }
@@ -89,7 +91,7 @@ void BusSimulator::run() {
 void BusSimulator::wait(Moment next) {
   const Moment now = Clock::now();
   const bool may_spin = plant_.paced() && buses_.size() <= kMostSpinningBuses;
-  const bool expects = may_spin && std::any_of(buses_.begin(), buses_.end(), [&](const Bus& bus) {
+  const bool expects = may_spin && std::ranges::any_of(buses_, [&](const Bus& bus) {
                          return bus.answered && bus.received.empty() && bus.response.empty() &&
                                 now >= bus.free_at - kSpin && now < bus.free_at + kSpin;
                        });
@@ -98,6 +100,7 @@ void BusSimulator::wait(Moment next) {
     return;
   }
   std::vector<pollfd> descriptors;
+  descriptors.reserve(buses_.size());
   for (const Bus& bus : buses_) {
     descriptors.push_back({bus.pty.descriptor(), POLLIN, 0});
   }

@@ -164,9 +164,9 @@ class Load {
   /// Answers may come in another order than the requests.
   void take(Client& client, std::span<const std::uint8_t> adu) {
     const unsigned identifier = word_at(adu, 0);
-    const auto request =
-        std::find_if(client.outstanding.begin(), client.outstanding.end(),
-                     [&](const Request& candidate) { return candidate.identifier == identifier; });
+    const auto request = std::ranges::find_if(client.outstanding, [&](const Request& candidate) {
+      return candidate.identifier == identifier;
+    });
     if (request == client.outstanding.end() || word_at(adu, 2) != 0) {
       ++counted_.wrong;
       return;
@@ -175,8 +175,7 @@ class Load {
     if (body.size() == 3 && body[0] == client.expected[0] &&
         body[1] == (client.expected[1] | 0x80U)) {
       ++counted_.exceptions;
-    } else if (std::equal(body.begin(), body.end(), client.expected.begin(),
-                          client.expected.end())) {
+    } else if (std::ranges::equal(body, client.expected)) {
       ++counted_.answers;
       const Nanoseconds latency = Clock::now() - request->sent;
       latency_.add(latency);

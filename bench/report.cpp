@@ -139,12 +139,11 @@ Values values_of(const Scenario& scenario, const RunResult& run) {
 }
 
 double median(Values values) {
-  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
-               values.end());
+  std::erase_if(values, [](double value) { return std::isnan(value); });
   if (values.empty()) {
     return std::nan("");
   }
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const std::size_t middle = values.size() / 2;
   return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
 }
@@ -152,6 +151,7 @@ double median(Values values) {
 /// All runs of a contestant: a line a run.
 std::vector<Values> all_values(const Contest& contest) {
   std::vector<Values> lines;
+  lines.reserve(contest.runs.size());
   for (const RunResult& run : contest.runs) {
     lines.push_back(values_of(contest.scenario, run));
   }
