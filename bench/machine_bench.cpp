@@ -60,7 +60,9 @@ class Machine {
   void transact() {
     const std::uint64_t before = answers_;
     while (answers_ == before) {
-      now_ = std::max(now_, gateway_.next_deadline().value_or(now_));
+      if (const auto wake = gateway_.next_wake()) {
+        now_ = std::max(now_, wake->at);
+      }
       gateway_.handle_deadline(now_);
       drain();
       if (transmitted_) {
@@ -81,7 +83,9 @@ class Machine {
 
   void drain() {
     while (const auto action = gateway_.poll_action()) {
-      if (const auto* frame = std::get_if<gateway::Transmit>(&*action)) {
+      if (const auto* look = std::get_if<gateway::Look>(&*action)) {
+        gateway_.handle_bus_looked(look->bus, now_);
+      } else if (const auto* frame = std::get_if<gateway::Transmit>(&*action)) {
         transmitted_ = true;
         asked_ = modbus::load_be16(modbus::Bytes(frame->frame), 2) / registers_;
       } else if (const auto* answer = std::get_if<gateway::Send>(&*action)) {

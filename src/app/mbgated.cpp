@@ -22,6 +22,7 @@
 #include "app/service.hpp"
 #include "app/text.hpp"
 #include "config/load.hpp"
+#include "io/descriptors.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -117,6 +118,11 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
     return EX_CONFIG;
   }
   if (options.check) {
+    const auto room = io::room_for_clients(*loaded.settings, io::hard_descriptor_limit());
+    if (room.shortage) {
+      std::cerr << config::render(
+          {config::Severity::warning, options.config.string(), {}, *room.shortage, {}});
+    }
     std::cout << check_summary(*loaded.settings) << '\n';
     return EXIT_SUCCESS;
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/service.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -12,8 +10,9 @@
 #include <utility>
 #include <variant>
 
+#include "app/systemd.hpp"
 #include "app/text.hpp"
-#include "io/listening_socket.hpp"
+#include "io/descriptors.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -25,15 +24,6 @@ using gateway::ListenerId;
 
 /// systemd shows the status text; nobody reads it faster than this.
 constexpr std::chrono::seconds kStatusInterval{1};
-
-/// The soft limit is 1024 for the sake of select(2), which nobody here uses.
-void raise_descriptor_limit() {
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) == 0) {
-    limit.rlim_cur = limit.rlim_max;
-    ::setrlimit(RLIMIT_NOFILE, &limit);
-  }
-}
 
 Level level_of(const gateway::Event& event) {
   return std::visit(
@@ -71,67 +61,36 @@ Service::Service(gateway::Settings settings, Log& log, io::Recorder* recorder)
       signals_(context_, SIGTERM, SIGINT),
       status_timer_(context_),
       failures_(settings.buses.size()),
-      driver_(context_, std::move(settings), *this, recorder) {
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGHUP, SIG_IGN);
+      driver_(context_, std::move(settings), *this, recorder),
+      listeners_(context_, log, [this](ListenerId listener, tcp::acceptor acceptor) {
+        driver_.add_server(listener, std::move(acceptor));
+        on_status_changed();
+      }) {
+  // What other daemons take for "tell" or "reopen your log" must not end a gateway of drives.
+  for (const int ignored : {SIGPIPE, SIGHUP, SIGUSR1, SIGUSR2}) {
+    std::signal(ignored, SIG_IGN);
+  }
 }
 
 int Service::run() {
-  raise_descriptor_limit();
-  if (!listen_on_all()) {
+  const auto descriptors = io::room_for_clients(driver_.settings(), io::raise_descriptor_limit());
+  if (descriptors.shortage) {
+    log_.write(descriptors.clients == 0 ? Level::error : Level::warning, *descriptors.shortage);
+  }
+  if (descriptors.clients == 0 ||
+      !listeners_.begin(driver_.settings().listeners, take_inherited_sockets())) {
     return EXIT_FAILURE;
   }
   driver_.start();
-  // Only now: whoever waits for these lines connects to a process that has started.
-  for (const auto& line : listening_) {
-    log_.print(line);
-  }
+  // Only now: whoever waits for its lines connects to a process that has started.
+  listeners_.start();
   io::supervise(context_, wait_for_signal(), "signals");
   ready_ = true;
-  last_status_ = status_text(driver_.settings(), driver_.status());
+  last_status_ = status();
   last_status_time_ = std::chrono::steady_clock::now();
   notify_ready(last_status_);
   context_.run();
   return EXIT_SUCCESS;
-}
-
-bool Service::listen_on_all() {
-  std::vector<InheritedSocket> inherited = take_inherited_sockets();
-  bool all = true;
-  for (std::size_t i = 0; i < driver_.settings().listeners.size(); ++i) {
-    all = listen(static_cast<ListenerId>(i), inherited) && all;
-  }
-  for (const auto& socket : inherited) {
-    if (socket.fd.is_open()) {
-      log_.write(Level::warning,
-                 "the socket \"" + socket.name + "\" from systemd has the name of no listener");
-    }
-  }
-  return all;
-}
-
-bool Service::listen(ListenerId id, std::vector<InheritedSocket>& inherited) {
-  const auto& listener = driver_.settings().listener(id);
-  bool adopted = false;
-  bool all = true;
-  for (auto& socket : inherited) {
-    if (socket.fd.is_open() && socket.name == listener.name) {
-      adopted = true;
-      all = add_server(id, io::adopt_listener(context_, listener, std::move(socket.fd))) && all;
-    }
-  }
-  return adopted ? all : add_server(id, io::bind_listener(context_, listener));
-}
-
-bool Service::add_server(ListenerId id, Result<tcp::acceptor, std::string> acceptor) {
-  if (!acceptor) {
-    log_.write(Level::error, acceptor.error());
-    return false;
-  }
-  listening_.push_back("listening " + driver_.settings().listener(id).name + " " +
-                       io::to_text(acceptor->local_endpoint()));
-  driver_.add_server(id, *std::move(acceptor));
-  return true;
 }
 
 boost::asio::awaitable<void> Service::wait_for_signal() {
@@ -140,6 +99,7 @@ boost::asio::awaitable<void> Service::wait_for_signal() {
   status_timer_.cancel();
   ready_ = false;
   notify_stopping();
+  listeners_.stop();
   driver_.shutdown();
 }
 
@@ -188,11 +148,15 @@ void Service::on_status_changed() {
 
 void Service::send_status() {
   last_status_time_ = std::chrono::steady_clock::now();
-  std::string status = status_text(driver_.settings(), driver_.status());
-  if (status != last_status_) {
-    last_status_ = std::move(status);
+  std::string text = status();
+  if (text != last_status_) {
+    last_status_ = std::move(text);
     notify_status(last_status_);
   }
+}
+
+std::string Service::status() const {
+  return status_text(driver_.settings(), driver_.status(), listeners_.waiting());
 }
 
 void Service::on_finished() { context_.stop(); }

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "app/listeners.hpp"
 #include "app/log.hpp"
-#include "app/systemd.hpp"
 #include "io/gateway_driver.hpp"
 
 namespace mbgate::app {
@@ -25,7 +25,8 @@ class Service final : public io::DriverObserver {
   Service& operator=(const Service&) = delete;
   ~Service() override = default;
 
-  /// Serves until a signal ends it. The exit status: 0, or 1 if a listener could not be bound. An
+  /// Serves until a signal ends it. The exit status: 0, or 1 if a listener could not be bound for
+  /// another reason than that its address is not there, or there are too few descriptors. An
   /// exception means that we are wrong.
   int run();
 
@@ -37,12 +38,9 @@ class Service final : public io::DriverObserver {
   void on_status_changed() override;
   void on_finished() override;
 
-  bool listen_on_all();
-  bool listen(gateway::ListenerId id, std::vector<InheritedSocket>& inherited);
-  bool add_server(gateway::ListenerId id,
-                  Result<boost::asio::ip::tcp::acceptor, std::string> acceptor);
   boost::asio::awaitable<void> wait_for_signal();
   void send_status();
+  [[nodiscard]] std::string status() const;
   [[nodiscard]] std::string bus_text(gateway::BusId bus, const std::string& text) const;
 
   Log& log_;
@@ -57,9 +55,8 @@ class Service final : public io::DriverObserver {
   /// Written already: a line that stays away is tried again every few seconds, for the same reason.
   std::vector<std::set<std::string>> failures_;
   std::set<std::string> warnings_;
-  std::vector<std::string>
-      listening_;  ///< a line for each socket, to be printed once all are served
   io::GatewayDriver driver_;
+  Listeners listeners_;
 };
 
 }  // namespace mbgate::app

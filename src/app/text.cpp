@@ -21,8 +21,13 @@ std::string check_summary(const gateway::Settings& settings) {
          counted(settings.routes.size(), "route", "routes");
 }
 
-std::string status_text(const gateway::Settings& settings, const gateway::Status& status) {
-  return listeners_text(settings) + ", " + std::to_string(status.buses_open) + " of " +
+std::string status_text(const gateway::Settings& settings, const gateway::Status& status,
+                        std::size_t listeners_waiting) {
+  const std::string listening =
+      listeners_waiting == 0
+          ? ""
+          : std::to_string(settings.listeners.size() - listeners_waiting) + " of ";
+  return listening + listeners_text(settings) + ", " + std::to_string(status.buses_open) + " of " +
          counted(settings.buses.size(), "bus", "buses") + " open, " +
          counted(status.clients, "client", "clients");
 }

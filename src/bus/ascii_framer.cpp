@@ -115,9 +115,7 @@ Verdict AsciiFramer::judge() {
     return Verdict::response;
   }
   ++counters_.stray_frames;
-  const modbus::PduLength length = modbus::response_length(pdu);
-  strays_.add(
-      {bytes[0], length.kind == modbus::PduLength::Kind::known && length.bytes == pdu.size()});
+  strays_.add({bytes[0], *modbus::Pdu::from(pdu)});
   return Verdict::none;
 }
 

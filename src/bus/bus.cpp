@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The doors of a bus: its line comes and goes, jobs are handed in and taken back.
+// The doors of a bus: bytes and time come in, jobs are taken back, everything ends.
 #include "bus/bus.hpp"
 
 #include <algorithm>
@@ -9,7 +9,7 @@ namespace mbgate::bus {
 namespace {
 
 constexpr Duration kLongestListening = std::chrono::seconds(1);
-constexpr int kBackoffFactor = 2;
+constexpr Duration kNeverSilent = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -21,7 +21,7 @@ Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
       queue_(settings.queue),
       most_running_(settings.line.framing == Framing::tcp ? settings.outstanding : 1),
       quarantines_(settings.line.framing != Framing::tcp),
-      reopen_delay_(settings.reopen_min) {}
+      link_(settings.reopen_min) {}
 
 void Bus::update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now) {
   settings_ = settings;
@@ -40,59 +40,45 @@ Duration Bus::listening_time() const {
 
 void Bus::start() { actions_.push(OpenLine{}); }
 
-void Bus::handle_opened(Instant now) {
-  state_ = State::open;
-  opened_at_ = now;
-  devices_.forget_what_was_read();
-  foreign_reported_ = false;
-  reopen_at_.reset();
-  line_.open(now);
-  pump(now);
-}
-
-void Bus::handle_lost(Instant now) {
-  if (state_ == State::open) {
-    ++counters_.losses;
-    if (now - opened_at_ >= settings_.reopen_max) {
-      // A line that dies as soon as it is open gets no such favour.
-      reopen_delay_ = settings_.reopen_min;
-    }
-  }
-  state_ = State::closed;
-  for (Job* job : running_) {
-    if (job->in_flight && !job->on_wire().is_broadcast() && !job->on_wire().may_stay_silent()) {
-      devices_[job->on_wire().address].health.note_spoilt(line_.response_due());
-    }
-  }
-  line_.abort();
-  if (!stopping_) {
-    reopen_at_ = now + reopen_delay_;
-    reopen_delay_ = std::min(reopen_delay_ * kBackoffFactor, settings_.reopen_max);
-  }
-  end_running(Ending::closed);
-  end_waiting(Ending::closed, true);
-  pump(now);
-}
-
 void Bus::handle_bytes(modbus::Bytes bytes, Instant now) {
-  if (state_ != State::open) {
+  if (!link_.is_open()) {
     return;
   }
+  adapter_.note_byte(now);
+  const bool asked = in_flight() > 0;
   line_.handle_bytes(bytes, now);
+  watch_silence(now);
+  if (!asked) {
+    quality_.note_unasked();
+  }
   collect(now);
   pump(now);
 }
 
+void Bus::handle_looked(Instant now) {
+  looking_ = Looking::done;
+  pump(now);
+  looking_ = Looking::no;
+}
+
+// Told once until somebody is understood again.
+void Bus::watch_silence(Instant now) {
+  const Duration limit = std::max(kNeverSilent, longest_stream(settings_));
+  const auto since = line_.busy_since();
+  if (since && now >= *since + limit && !std::exchange(never_silent_reported_, true)) {
+    actions_.push(NeverSilent{});
+  }
+}
+
 void Bus::handle_deadline(Instant now) {
-  if (reopen_at_ && now >= *reopen_at_) {
-    reopen_at_.reset();
+  if (link_.take_due(now)) {
     actions_.push(OpenLine{});
   }
-  if (state_ == State::open) {
+  if (link_.is_open()) {
     line_.handle_deadline(now);
     collect(now);
   }
-  pump(now);
+  handle_looked(now);
 }
 
 void Bus::collect(Instant now) {
@@ -102,24 +88,27 @@ void Bus::collect(Instant now) {
   while (const auto end = line_.take_end()) {
     handle_end(*end, now);
   }
-  const auto fault = line_.take_fault();
-  if (fault == LineFault::echo_differed) {
-    actions_.push(EchoDiffered{});
-  } else if (fault == LineFault::framing_lost) {
-    actions_.push(CloseLine{});
-    handle_lost(now);
+  while (const auto fault = line_.take_fault()) {
+    if (fault == LineFault::framing_lost) {
+      actions_.push(CloseLine{});
+      handle_lost(now);
+    } else if (fault != LineFault::unanswered) {
+      actions_.push(LineNotice{*fault});
+    } else if (!stopping_) {
+      replace(now);
+    }
   }
 }
 
 void Bus::withdraw(Job& job) {
   queue_.remove(job);
   release(job);
-  next_start_ = pumped_at_;  // what waited behind it may go now
+  next_start_ = Wake{pumped_at_};  // what waited behind it may go now
 }
 
 void Bus::stop(Instant now) {
   stopping_ = true;
-  reopen_at_.reset();
+  link_.stop();
   end_waiting(Ending::cancelled, false);
   pump(now);
 }
@@ -133,9 +122,12 @@ void Bus::give_up(Instant now) {
 
 std::optional<BusAction> Bus::poll() { return actions_.poll(); }
 
-std::optional<Instant> Bus::next_deadline() const {
-  const auto deadline = earlier(reopen_at_, earlier(queue_.first_deadline(), next_start_));
-  return state_ == State::open ? earlier(deadline, line_.next_deadline()) : deadline;
+std::optional<Wake> Bus::next_wake() const {
+  auto judgement = earlier(link_.next_attempt(), queue_.first_deadline());
+  if (link_.is_open()) {
+    judgement = earlier(judgement, line_.next_deadline());
+  }
+  return earlier(judgement ? std::optional(Wake{*judgement}) : std::nullopt, next_start_);
 }
 
 void Bus::clear_counters() {
@@ -192,14 +184,21 @@ void Bus::release(Job& job) {
   if (job.job_class != JobClass::read) {
     devices_.end_write(job);
   }
+  free_probes_ -= std::exchange(job.probes_freely, false) ? 1U : 0U;
   DeviceEntry& entry = devices_[job.address()];
   if (entry.probe == &job) {
     entry.probe = nullptr;
+  } else {
+    --others_;
+    others_gone_at_ = pumped_at_;
   }
 }
 
 void Bus::notify(DeviceNotice::Kind kind, std::uint8_t address) {
-  actions_.push(DeviceNotice{kind, address});
+  DeviceNotice notice{kind, address};
+  notice.answered_before = quality_[address].has_answered();
+  notice.requests = devices_[address].health.unanswered_in_row();
+  actions_.push(notice);
 }
 
 }  // namespace mbgate::bus

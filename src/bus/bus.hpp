@@ -2,7 +2,7 @@
 // A bus: a scheduler over a line discipline. It takes jobs, decides which goes next, repeats reads
 // and stops, keeps deadlines, leaves devices alone that owe an answer or are offline, answers what
 // can be answered together or from memory, and reopens a lost line. Pure: after every call the
-// owner empties poll() and asks next_deadline().
+// owner empties poll() and asks next_wake().
 #pragma once
 
 #include <span>
@@ -10,13 +10,19 @@
 #include <vector>
 
 #include "bus/action_queue.hpp"
+#include "bus/adapter_watch.hpp"
 #include "bus/bus_queue.hpp"
 #include "bus/device_table.hpp"
 #include "bus/line.hpp"
+#include "bus/line_quality.hpp"
+#include "bus/link_state.hpp"
 
 namespace mbgate::bus {
 
 struct OpenLine {};
+/// Something may be transmitted: what already lies in the line's descriptor is to be handed in
+/// first, then handle_looked() is to be called.
+struct LookAtLine {};
 struct TransmitFrame {
   FrameBytes frame;
 };
@@ -24,28 +30,49 @@ struct JobEnded {
   Job* job;
   Ending ending;
 };
-/// An own transmission was heard differently than it was sent.
-struct EchoDiffered {};
+/// Something was noticed of the line itself; framing_lost is told by CloseLine.
+struct LineNotice {
+  LineFault fault;
+};
 /// What comes in cannot be followed any further. The bus has given the line up already: nothing
 /// needs to be reported back.
 struct CloseLine {};
+/// Nothing at all is heard from the adapter: it is to be closed and opened again. Jobs wait
+/// meanwhile.
+struct ReopenLine {
+  Duration silence;
+  unsigned requests;  ///< that left in this time
+  bool first;         ///< since something was heard
+};
+/// The line was not silent for so long that nothing can be transmitted on it.
+struct NeverSilent {};
+/// A connection is given up, because nothing comes from its far end; OpenLine follows when somebody
+/// waits for it. Nothing needs to be reported back.
+struct ReplaceLine {
+  bool is_news;  ///< something has come since this was told last
+};
 /// What was learned of the device at an address.
 struct DeviceNotice {
   enum class Kind : std::uint8_t {
-    lost,            ///< it does not answer: offline
-    back,            ///< it answers again
-    late,            ///< an answer came after its time, and the quarantine grew
-    early,           ///< an answer began before its time: response_wait is set too long
-    foreign,         ///< a frame that nobody asked for: another client is on this line
-    stop_unanswered  ///< a stop was repeated as often as allowed, without a fitting echo
+    lost,             ///< it does not answer: offline
+    back,             ///< it answers again
+    late,             ///< an answer came after its time, and the quarantine grew
+    early,            ///< an answer began before its time: response_wait is set too long
+    foreign,          ///< another client's request, or a frame of a device that owed none for long
+    second_answer,    ///< two frames came for one request
+    stop_unanswered,  ///< a stop was repeated as often as allowed, without a fitting echo
+    stop_forced       ///< a stop was transmitted though the line was never silent
   };
   Kind kind;
   std::uint8_t address;
-  Duration lateness{0};    ///< late: after the response timeout
-  Duration quarantine{0};  ///< late: in force from now on
+  Duration lateness{0};         ///< late: after the response timeout
+  Duration quarantine{0};       ///< late: in force from now on
+  bool answered_before = true;  ///< lost, back: has it ever sent a valid answer?
+  unsigned requests = 0;        ///< lost: unanswered in a row
+  bool is_request = false;      ///< foreign: it was a request
 };
-using BusAction =
-    std::variant<OpenLine, TransmitFrame, JobEnded, EchoDiffered, CloseLine, DeviceNotice>;
+using BusAction = std::variant<OpenLine, LookAtLine, TransmitFrame, JobEnded, LineNotice, CloseLine,
+                               ReopenLine, ReplaceLine, NeverSilent, DeviceNotice, QualityNotice>;
 
 class Bus {
  public:
@@ -56,11 +83,15 @@ class Bus {
 
   /// Asks for the line. Jobs wait until the first attempt to open it has succeeded or failed.
   void start();
-  void handle_opened(Instant now);
+  void handle_opened(Instant now, LineKind kind = LineKind::virtual_line);
   /// The line could not be opened, or died: what was on the wire and what waits ends; reopening is
-  /// scheduled.
-  void handle_lost(Instant now);
+  /// scheduled. A connection that has answered and was closed by its far end is opened again when
+  /// somebody asks, at once if somebody waits already.
+  void handle_lost(Instant now, Loss loss = Loss::failed);
   void handle_bytes(modbus::Bytes bytes, Instant now);
+  /// After LookAtLine: what lay in the line has been handed in, and nothing else since.
+  void handle_looked(Instant now);
+  /// Whoever calls this has handed in before what already lay in the line.
   void handle_deadline(Instant now);
 
   /// Is this a stop of the device at the address, or of one that hears the broadcast?
@@ -81,9 +112,12 @@ class Bus {
   void give_up(Instant now);
 
   std::optional<BusAction> poll();
-  [[nodiscard]] std::optional<Instant> next_deadline() const;
+  [[nodiscard]] std::optional<Wake> next_wake() const;
 
-  [[nodiscard]] bool is_open() const { return state_ == State::open; }
+  /// There is a line, or a connection that is opened as soon as somebody asks.
+  [[nodiscard]] bool is_open() const { return link_.serves(); }
+  /// Between ReopenLine and what becomes of it.
+  [[nodiscard]] bool is_reopening() const { return link_.is_reopening(); }
   [[nodiscard]] LineState line_state(Instant now) const { return line_.state(now); }
   [[nodiscard]] std::size_t waiting() const { return queue_.size(); }
   [[nodiscard]] Duration longest_response_timeout() const { return longest_response_timeout_; }
@@ -99,23 +133,28 @@ class Bus {
   }
   /// How long the device at the address is still left alone because it owes an answer.
   [[nodiscard]] Duration held_back(std::uint8_t address, Instant now) const;
+  /// What the answers of the device at the address are like, and those of all.
+  [[nodiscard]] const QualityVerdict& quality(std::uint8_t address) const {
+    return quality_[address].verdict();
+  }
+  [[nodiscard]] QualityVerdict quality() const { return quality_.verdict(); }
   void clear_counters();
 
  private:
-  enum class State : std::uint8_t {
-    starting,  ///< the first attempt to open the line runs
-    closed,    ///< no line; the next attempt is scheduled or runs
-    open
-  };
   /// The job that goes next, when, and whom it passes over.
   struct Choice {
     Job* job;
     Instant at;
     Job* passed_over = nullptr;
   };
+  /// Which jobs may go while a stop waits; all of them where none does.
+  struct Bounds {
+    const Job* before = nullptr;  ///< only those for its device that were accepted before it
+    bool beside_stops = false;    ///< only those for devices that no waiting stop is for
+  };
   struct Search;
 
-  // bus.cpp: the line and the queue
+  // bus.cpp: the ends of jobs
   [[nodiscard]] Duration listening_time() const;
   void collect(Instant now);
   void end_running(Ending ending);
@@ -124,20 +163,38 @@ class Bus {
   void end_job(Job& job, Ending ending);
   void release(Job& job);
   void notify(DeviceNotice::Kind kind, std::uint8_t address);
+  void watch_silence(Instant now);
+
+  // bus_link.cpp: the line comes and goes
+  void rest(Instant now);
+  void handle_cut(Job& job, Instant now);
+  void replace(Instant now);
+  bool reopen_if_hung(Instant now);
+  void wait_for_line();
 
   // bus_accept.cpp: what becomes of a request before it waits
   void classify(Job& job) const;
   std::optional<Ending> end_at_once(Job& job, Instant now);
   bool take_cached(Job& job, Instant now);
-  [[nodiscard]] bool may_probe(const DeviceEntry& entry, Instant now) const;
+  [[nodiscard]] bool may_probe(const DeviceEntry& entry, const Job& job, Instant now) const;
+  [[nodiscard]] bool nobody_else_asks(Instant now) const;
+  void note_accepted(Job& job, Instant now);
+  void refuse_free_probes(Instant now);
   bool push(Job& job);
 
   // bus_turns.cpp: what is transmitted when
   void pump(Instant now);
+  [[nodiscard]] bool has_looked();
   void expire(Instant now);
   void continue_running(Instant now);
-  std::optional<Choice> choose(Instant now);
+  std::optional<Choice> next_turn(const Bounds& bounds, Instant now);
+  std::optional<Choice> choose(const Bounds& bounds, Instant now);
+  void begin(const Choice& choice, Instant now);
   void look_for(JobClass job_class, Search& search, Instant now);
+  [[nodiscard]] bool is_within(const Bounds& bounds, const Job& job);
+  [[nodiscard]] static bool is_between_tries(const Job& job);
+  [[nodiscard]] Job* next_repeated(const Bounds& bounds, Instant now);
+  [[nodiscard]] bool had_its_turn(const Job& job, Instant now) const;
   [[nodiscard]] bool may_join(const Job& job) const;
   [[nodiscard]] std::size_t in_flight() const;
   [[nodiscard]] std::size_t occupied(Instant now);
@@ -147,6 +204,7 @@ class Bus {
   void skip_known_settings(Job& job);
   void transmit(Job& job, Instant now);
   drive::DeviceTiming note_transmission(Job& job, Transaction& transaction, Instant now);
+  void note_turn(Job& job, DeviceEntry& entry);
 
   // bus_stops.cpp: stops
   void overtake_writes(const Job& stop, bool let_go_first = false);
@@ -160,7 +218,16 @@ class Bus {
   [[nodiscard]] Job* in_the_way_of(const Job& stop) const;
   void take_back_held_writes(Instant now);
   bool serve_stops(Instant now);
+  bool send_stops(Instant now);
+  [[nodiscard]] Job* next_stop();
+  bool transmit_stop(Job& stop, Instant now);
+  [[nodiscard]] Instant stop_overdue_at(const Job& stop) const;
+  [[nodiscard]] bool gives_way(const Job& stop) const;
+  [[nodiscard]] bool waits_patiently(const Job& stop) const;
+  std::optional<Choice> turn_before(const Job& stop, Instant now);
+  void handle_stop_failure(Job& stop, Instant now);
   void repeat_stop(Job& stop, Instant now);
+  void give_up_stop(Job& stop);
 
   // bus_ends.cpp: what becomes of a transmission
   void handle_end(const LineEnd& end, Instant now);
@@ -168,6 +235,9 @@ class Bus {
   void handle_silence(Job& job, const LineEnd& end, Instant now);
   void handle_failure(Job& job, Instant now);
   void handle_stray(const Stray& stray, Instant now);
+  void note_foreign(const Stray& stray, Instant now);
+  void note_quality(const LineEnd& end, std::uint8_t address);
+  void tell_quality(std::uint8_t address);
   void note_probe(Job& job, Instant now);
   void go_offline(DeviceEntry& entry, std::uint8_t address, Instant now);
   void advance(Job& job, Ending ending);
@@ -188,20 +258,29 @@ class Bus {
   BusCounters counters_;
   Line line_;
   BusQueue queue_;
-  State state_ = State::starting;
   bool stopping_ = false;
   std::vector<Job*> running_;  // from their first transmission until they end
   std::size_t most_running_;
   bool quarantines_;                     // late answers cannot be told apart
   std::uint64_t sequence_ = 0;           // of the job that was accepted last
   unsigned writes_in_row_ = 0;           // transmitted since the last read
-  Instant next_probe_ = Instant::min();  // of all devices
+  std::uint64_t turn_ = 0;               // of the last transmission
+  std::uint64_t other_turn_ = 0;         // of the last one that was no stop
+  const Job* let_by_ = nullptr;          // on the wire between two tries of a stop
+  Instant next_probe_ = Instant::min();  // of all devices, while somebody else asks
+  std::size_t others_ = 0;               // jobs that are here and no probes
+  std::size_t free_probes_ = 0;          // probes that are here because nobody else asks
+  Instant others_gone_at_ = Instant::min();
+  bool never_silent_reported_ = false;
   bool foreign_reported_ = false;
+  bool replacement_reported_ = false;
+  LineQuality quality_;
+  bool frame_heard_ = false;  // a stray one, since a transmission ended last
   Instant pumped_at_;
-  std::optional<Instant> next_start_;  // when a transmission may begin, as seen at pumped_at_
-  Instant opened_at_;
-  std::optional<Instant> reopen_at_;
-  Duration reopen_delay_;
+  std::optional<Wake> next_start_;  // when a transmission may begin, as seen at pumped_at_
+  enum class Looking : std::uint8_t { no, asked, done } looking_ = Looking::no;
+  AdapterWatch adapter_;
+  LinkState link_;
   ActionQueue<BusAction> actions_;
 };
 

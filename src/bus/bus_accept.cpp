@@ -5,6 +5,13 @@
 #include "bus/bus.hpp"
 
 namespace mbgate::bus {
+namespace {
+
+/// So long may a request to an offline device wait for others of its kind: what a client waits for
+/// a silent device anyway.
+constexpr Duration kLongestProbing = std::chrono::seconds(1);
+
+}  // namespace
 
 bool Bus::is_stop(std::uint8_t address, const modbus::Request& request,
                   drive::BroadcastForm broadcast) const {
@@ -27,6 +34,12 @@ bool Bus::submit(Job& job, Instant now) {
     pump(now);
     return false;
   }
+  note_accepted(job, now);
+  pump(now);
+  return true;
+}
+
+void Bus::note_accepted(Job& job, Instant now) {
   job.accepted = true;
   if (job.job_class != JobClass::read) {
     devices_.begin_write(job);
@@ -34,9 +47,12 @@ bool Bus::submit(Job& job, Instant now) {
   DeviceEntry& entry = devices_[job.address()];
   if (entry.health.is_offline() && job.job_class != JobClass::stop && !job.is_broadcast()) {
     entry.probe = &job;
+    job.probes_freely = nobody_else_asks(now);
+    free_probes_ += job.probes_freely ? 1U : 0U;
+    return;
   }
-  pump(now);
-  return true;
+  ++others_;
+  refuse_free_probes(now);
 }
 
 void Bus::classify(Job& job) const {
@@ -58,17 +74,17 @@ void Bus::classify(Job& job) const {
 
 std::optional<Ending> Bus::end_at_once(Job& job, Instant now) {
   const bool is_stop = job.job_class == JobClass::stop;
-  if (stopping_ && (!is_stop || state_ != State::open)) {
+  if (stopping_ && (!is_stop || !link_.serves())) {
     return Ending::cancelled;
   }
-  if (state_ == State::closed) {
+  if (link_.is_closed()) {
     return Ending::closed;
   }
   if (is_stop || job.is_broadcast()) {
     return std::nullopt;
   }
   DeviceEntry& entry = devices_[job.address()];
-  if (entry.health.is_offline() && !may_probe(entry, now)) {
+  if (entry.health.is_offline() && !may_probe(entry, job, now)) {
     entry.health.set_wanted_at(now);
     ++counters_.refused_offline;
     return Ending::offline;
@@ -92,19 +108,46 @@ bool Bus::take_cached(Job& job, Instant now) {
 }
 
 // Offline devices take turns: the one that was asked longest ago goes first, if anybody still asks
-// for it.
-bool Bus::may_probe(const DeviceEntry& entry, Instant now) const {
+// for it. While nobody else asks, some may wait for their turn, so that the bus is never idle.
+bool Bus::may_probe(const DeviceEntry& entry, const Job& job, Instant now) const {
   const DeviceHealth& health = entry.health;
-  if (now < next_probe_ || now < health.probe_at() || now < entry.free_at ||
-      (quarantines_ && now < health.held_until(entry.timing()))) {
+  const bool freely = nobody_else_asks(now);
+  if (entry.probe != nullptr || (!freely && now < next_probe_) || now < health.probe_at() ||
+      now < entry.free_at || now < held_until(job)) {
     return false;
   }
-  return std::ranges::none_of(devices_.entries(), [&](const DeviceEntry& other) {
+  const auto ahead = std::ranges::count_if(devices_.entries(), [&](const DeviceEntry& other) {
     const bool goes_first = other.health.is_offline() &&
                             other.health.probe_at() < health.probe_at() &&
                             now < other.health.wanted_at() + other.timing().probe_interval;
     return other.probe != nullptr || goes_first;
   });
+  return ahead < (freely ? std::max<std::int64_t>(
+                               kLongestProbing / entry.timing().probe_timeout_or_default(), 1)
+                         : 1);
+}
+
+bool Bus::nobody_else_asks(Instant now) const {
+  return others_ == 0 && now >= others_gone_at_ + settings_.timing.probe_interval;
+}
+
+// Somebody else asks now: what waits for offline devices must not be in the way.
+void Bus::refuse_free_probes(Instant now) {
+  if (free_probes_ == 0) {
+    return;
+  }
+  std::vector<Job*> refused;
+  queue_.visit_all([&](Job& job) {
+    if (job.probes_freely && devices_[job.address()].health.is_offline()) {
+      refused.push_back(&job);
+    }
+  });
+  counters_.refused_offline += refused.size();
+  for (Job* job : refused) {
+    devices_[job->address()].health.set_wanted_at(now);
+    queue_.remove(*job);
+    end_job(*job, Ending::offline);
+  }
 }
 
 // Identical stops that wait are sent once. A full queue loses the newest read of the client address

@@ -22,22 +22,70 @@ void Bus::handle_end(const LineEnd& end, Instant now) {
   Job& job = **std::ranges::find_if(
       running_, [&](Job* running) { return &running->on_wire() == end.transaction; });
   job.in_flight = false;
+  let_by_ = let_by_ == &job ? nullptr : let_by_;
+  const std::uint8_t address = end.transaction->address;
+  const bool wants_answer = !end.transaction->is_broadcast() && !end.transaction->may_stay_silent();
+  const std::uint8_t function = end.transaction->request.function();
+  DeviceEntry& entry = devices_[address];
+  entry.counters.noise_bytes += end.noise;
   switch (end.how) {
-    case LineEnd::How::response: handle_response(job, end, now); return;
+    case LineEnd::How::response:
+      handle_response(job, end, now);
+      entry.answered_at = now;
+      entry.answered_function = function;
+      break;
     case LineEnd::How::sent:
       devices_.hold_booting(*end.transaction, now);
       advance(job, Ending::transmitted);
-      return;
-    case LineEnd::How::no_response: handle_silence(job, end, now); return;
-    case LineEnd::How::damaged: {
-      DeviceEntry& entry = devices_[end.transaction->address];
+      break;
+    case LineEnd::How::no_response: handle_silence(job, end, now); break;
+    case LineEnd::How::damaged:
       ++counters_.bad_crcs;
       ++entry.counters.bad_crcs;
-      entry.health.note_spoilt(end.due);
+      entry.health.note_spoilt(end.transaction->request, end.due);
+      entry.note_heard();
       note_probe(job, now);
       handle_failure(job, now);
-      return;
+      break;
+  }
+  if (wants_answer) {
+    if (end.how != LineEnd::How::response || now < entry.health.held_until(entry.timing())) {
+      entry.owed_until = std::max(entry.owed_until, end.due);
     }
+    note_quality(end, address);
+  }
+  frame_heard_ = false;
+}
+
+// Fewer bytes than these are a driver that turns off.
+constexpr std::size_t kLeastHeard = 3;
+
+void Bus::note_quality(const LineEnd& end, std::uint8_t address) {
+  AnswerQuality& quality = quality_[address];
+  switch (end.how) {
+    case LineEnd::How::response:
+      quality.note_answered();
+      quality_.note_answer(false);
+      break;
+    case LineEnd::How::damaged:
+      quality.note_damaged();
+      quality_.note_answer(true);
+      break;
+    case LineEnd::How::no_response:
+      if (end.heard >= kLeastHeard && !frame_heard_) {
+        quality.note_unreadable(end.heard_after, quality_.unasked());
+      } else {
+        quality.note_silent();
+      }
+      break;
+    case LineEnd::How::sent: break;
+  }
+  tell_quality(address);
+}
+
+void Bus::tell_quality(std::uint8_t address) {
+  while (const auto change = quality_.take_change(address)) {
+    actions_.push(*change);
   }
 }
 
@@ -47,6 +95,8 @@ void Bus::handle_response(Job& job, const LineEnd& end, Instant now) {
   const bool exception = asked.response->is_exception();
   ++counters_.responses;
   ++entry.counters.responses;
+  entry.note_heard();
+  never_silent_reported_ = false;
   counters_.exceptions += exception ? 1U : 0U;
   entry.counters.exceptions += exception ? 1U : 0U;
   if (end.early) {
@@ -56,11 +106,13 @@ void Bus::handle_response(Job& job, const LineEnd& end, Instant now) {
       notify(DeviceNotice::Kind::early, asked.address);
     }
   }
-  if (entry.health.note_answered(end.due, now)) {
+  if (entry.health.note_answered({asked.request, asked.response->bytes(), end.due, end.took},
+                                 now)) {
     notify(DeviceNotice::Kind::back, asked.address);
   }
   job.is_probe = false;
   if (exception && job.merged) {
+    entry.merge_refused = true;
     split_up(job);
     return;
   }
@@ -101,7 +153,10 @@ void Bus::handle_silence(Job& job, const LineEnd& end, Instant now) {
   }
   ++counters_.timeouts;
   ++entry.counters.timeouts;
-  const bool lost = entry.health.note_unanswered(end.due, entry.timing());
+  if (job.job_class == JobClass::stop) {
+    entry.last_stop_turn = job.turn;
+  }
+  const bool lost = entry.health.note_unanswered(transaction.request, end.due, entry.timing());
   note_probe(job, now);
   if (lost) {
     go_offline(entry, transaction.address, now);
@@ -112,16 +167,7 @@ void Bus::handle_silence(Job& job, const LineEnd& end, Instant now) {
 void Bus::handle_failure(Job& job, Instant now) {
   const DeviceEntry& entry = devices_[job.on_wire().address];
   if (job.job_class == JobClass::stop) {
-    // What its owner sends as a stop, but is none, may not be harmless if it is done twice.
-    const Transaction& sent = job.transaction();
-    const bool may_repeat_stop = is_stop(sent.address, sent.request, sent.broadcast);
-    if (may_repeat_stop && job.tries <= entry.timing().stop_retries) {
-      repeat_stop(job, now);
-      return;
-    }
-    ++counters_.stops_unanswered;
-    notify(DeviceNotice::Kind::stop_unanswered, job.on_wire().address);
-    finish(job, Ending::no_answer);
+    handle_stop_failure(job, now);
     return;
   }
   const bool may_repeat = (job.transaction().request.is_read() || entry.timing().retry_writes) &&
@@ -140,27 +186,63 @@ void Bus::handle_failure(Job& job, Instant now) {
 void Bus::handle_stray(const Stray& stray, Instant now) {
   const std::uint8_t address = stray.address;
   DeviceEntry& entry = devices_[address];
-  const auto late = stray.is_response ? entry.health.note_unexpected(now, entry.timing())
-                                      : std::optional<DeviceHealth::Late>();
+  frame_heard_ = true;
+  const auto late = stray.is_response
+                        ? entry.health.note_unexpected(stray.pdu.bytes(), now, entry.timing())
+                        : std::optional<DeviceHealth::Late>();
   if (!late) {
-    const bool is_asked = std::ranges::any_of(
-        running_, [&](const Job* job) { return job->in_flight && job->address() == address; });
-    if (!is_asked && entry.health.owed(now, entry.timing()) == 0) {
-      ++counters_.foreign_frames;
-      if (!std::exchange(foreign_reported_, true)) {
-        notify(DeviceNotice::Kind::foreign, address);
-      }
-    }
+    note_foreign(stray, now);
     return;
   }
   ++counters_.late_responses;
   ++entry.counters.late_responses;
+  entry.note_heard();
   if (late->grew) {
     actions_.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
                                entry.health.quarantine(now, entry.timing())});
   }
   if (late->back) {
     notify(DeviceNotice::Kind::back, address);
+    quality_[address].note_heard();  // it was asked by probes only: no matter of its timeout
+  } else {
+    quality_[address].note_late(late->lateness, entry.timing().response_timeout);
+    tell_quality(address);
+  }
+}
+
+// A request that somebody else sent, or a frame of a device that has owed nothing for so long that
+// it can be no late answer: another client is on this line, or another device at this address. What
+// a line had in store when it was opened says nothing.
+void Bus::note_foreign(const Stray& stray, Instant now) {
+  const std::uint8_t address = stray.address;
+  DeviceEntry& entry = devices_[address];
+  const Duration longest = entry.timing().quarantine_max;
+  const auto asked = std::ranges::find_if(
+      running_, [&](Job* job) { return job->in_flight && job->on_wire().address == address; });
+  const bool is_asked = asked != running_.end();
+  const bool is_own =
+      is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(), stray.pdu.bytes());
+  if (stray.after_noise || is_own || now < link_.opened_at() + longest) {
+    return;
+  }
+  const bool is_old = entry.owed_until == Instant::min() || now > entry.owed_until + longest;
+  if (!stray.is_request && (!stray.is_response || is_asked || !is_old)) {
+    return;
+  }
+  const bool answered_just_now = stray.is_response && entry.answered_at != Instant::min() &&
+                                 now <= entry.answered_at + entry.timing().response_timeout &&
+                                 stray.pdu.function() == entry.answered_function;
+  if (answered_just_now && !foreign_reported_) {
+    if (!std::exchange(entry.second_reported, true)) {
+      notify(DeviceNotice::Kind::second_answer, address);
+    }
+    return;
+  }
+  ++counters_.foreign_frames;
+  if (!std::exchange(foreign_reported_, true)) {
+    DeviceNotice notice{DeviceNotice::Kind::foreign, address};
+    notice.is_request = stray.is_request;
+    actions_.push(notice);
   }
 }
 
@@ -171,12 +253,12 @@ void Bus::note_probe(Job& job, Instant now) {
   }
   DeviceEntry& entry = devices_[job.on_wire().address];
   entry.health.set_probe_at(job.last_sent + entry.timing().probe_interval);
-  next_probe_ = std::max(next_probe_, job.last_sent) +
-                (now - job.last_sent) * kPercent / settings_.probe_share;
+  next_probe_ = job.last_sent + (now - job.last_sent) * kPercent / settings_.probe_share;
 }
 
 void Bus::go_offline(DeviceEntry& entry, std::uint8_t address, Instant now) {
   entry.health.set_probe_at(now + entry.timing().probe_interval);
+  entry.merge_refused = false;
   notify(DeviceNotice::Kind::lost, address);
   std::vector<Job*> waiting;
   queue_.visit_all([&](Job& job) {

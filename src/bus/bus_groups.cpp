@@ -50,7 +50,7 @@ void Bus::split_up(Job& leader) {
   for (Job* part : parts | std::views::reverse) {
     part->unmerged = true;
     part->tries = 0;
-    if (part->abandoned) {
+    if (part->abandoned || stopping_) {
       end_job(*part, Ending::cancelled);
     } else {
       queue_.push_front(*part);
@@ -113,7 +113,10 @@ void Bus::hand_over(Job& leader, Ending ending) {
   leader.followers.clear();
   heir.merged = std::move(leader.merged);
   heir.tries = leader.tries;
+  heir.cut = leader.cut;
   heir.transmitted_at = leader.transmitted_at;
+  heir.last_sent = leader.last_sent;
+  heir.turn = leader.turn;
   heir.writes_before = leader.writes_before;
   std::ranges::replace(running_, &leader, &heir);
   end_job(leader, ending);

@@ -82,7 +82,7 @@ std::optional<Instant> Bus::next_before(const Job& stop, Instant now) {
   if (running != running_.end()) {
     return ready_at(**running);
   }
-  const auto choice = choose(now);
+  const auto choice = choose({&stop}, now);
   return choice ? std::optional(ready_at(*choice->job)) : std::nullopt;
 }
 
@@ -125,39 +125,142 @@ void Bus::take_back_held_writes(Instant now) {
   }
 }
 
+// Those that can go. False: nothing else may begin now, because one of them waits for silence.
+bool Bus::send_stops(Instant now) {
+  const auto can_go = [this](const Job& stop) {
+    return !must_let_writes_go(stop) && in_the_way_of(stop) == nullptr;
+  };
+  const auto goes_first = [&](const Job& stop) { return can_go(stop) && !gives_way(stop); };
+  for (;;) {
+    Job* stop = queue_.find_stop(goes_first);
+    stop = stop != nullptr ? stop : queue_.find_stop(can_go);
+    if (stop == nullptr) {
+      return true;
+    }
+    const auto turn = gives_way(*stop) ? turn_before(*stop, now) : std::nullopt;
+    if (turn && turn->at > now) {
+      next_start_ = earlier(next_start_, Wake{turn->at, held_until(*turn->job) < turn->at});
+      return false;
+    }
+    if (turn && !has_looked()) {
+      return false;
+    }
+    if (turn) {
+      begin(*turn, now);
+      let_by_ = turn->job;
+    } else if (!transmit_stop(*stop, now)) {
+      return false;
+    }
+  }
+}
+
+// The stop that waits for the line: before all others one that cuts what runs, and before those
+// that let writes go first one that does not.
+Job* Bus::next_stop() {
+  const auto may_go = [this](const Job& stop) { return !must_let_writes_go(stop); };
+  const auto cuts = [&](const Job& stop) { return may_go(stop) && !waits_patiently(stop); };
+  Job* stop = queue_.find_stop(cuts);
+  stop = stop != nullptr ? stop : queue_.find_stop(may_go);
+  return stop != nullptr ? stop : queue_.first_stop();
+}
+
 // True: nothing else may begin now. False: no stop waits, or only such as let writes go first, and
 // nothing but these may begin.
 bool Bus::serve_stops(Instant now) {
   take_back_held_writes(now);
-  const auto may_go = [this](const Job& stop) { return !must_let_writes_go(stop); };
-  const auto can_go = [&](const Job& stop) {
-    return may_go(stop) && in_the_way_of(stop) == nullptr;
-  };
-  while (Job* stop = queue_.find_stop(can_go)) {
-    const Instant ready = line_.ready_for_stop_at();
-    if (ready > now) {
-      next_start_ = earlier(next_start_, ready);
-      return true;
-    }
-    queue_.take(*stop);
-    running_.push_back(stop);
-    transmit(*stop, now);
-  }
-  Job* stop = queue_.find_stop(may_go);
-  if (stop == nullptr) {
-    stop = queue_.first_stop();
-  }
-  if (stop == nullptr) {
-    return false;
-  }
-  if (Job* other = in_the_way_of(*stop)) {
-    const bool has_own_time =
-        other->job_class == JobClass::stop || (lets_writes_go(*stop) && goes_before(*other, *stop));
-    line_.limit_wait(other->on_wire(), stop->waits_since + settings_.stop_wait,
-                     has_own_time ? settings_.stop_wait : Duration{0});
+  if (!send_stops(now)) {
     return true;
   }
-  return false;
+  const Job* stop = next_stop();
+  Job* other = stop != nullptr ? in_the_way_of(*stop) : nullptr;
+  if (other != nullptr && !waits_patiently(*stop)) {
+    const bool has_own_time = other->job_class == JobClass::stop || other == let_by_ ||
+                              (lets_writes_go(*stop) && goes_before(*other, *stop));
+    line_.limit_wait(other->on_wire(), stop->waits_since + settings_.stop_wait,
+                     has_own_time ? settings_.stop_wait : Duration{0});
+  }
+  return other != nullptr;
+}
+
+// True: it is on its way, or ended. False: not yet, because the line is not silent. Where it never
+// is, there is nothing to lose: the stop is transmitted all the same, but not repeated so.
+bool Bus::transmit_stop(Job& stop, Instant now) {
+  const Instant silent_at = line_.ready_for_stop_at();
+  if (silent_at > now) {
+    const Instant overdue_at = std::max(stop_overdue_at(stop), line_.possible_at());
+    if (overdue_at > now) {
+      next_start_ =
+          earlier(next_start_, Wake{std::min(silent_at, overdue_at), silent_at <= overdue_at});
+      return false;
+    }
+    if (stop.tries > 0) {
+      queue_.remove(stop);
+      give_up_stop(stop);
+      return true;
+    }
+  }
+  if (!has_looked()) {
+    return false;
+  }
+  if (silent_at > now) {
+    notify(DeviceNotice::Kind::stop_forced, stop.address());
+  }
+  queue_.take(stop);
+  running_.push_back(&stop);
+  transmit(stop, now);
+  return true;
+}
+
+// Only the time in which an open line is not silent counts.
+Instant Bus::stop_overdue_at(const Job& stop) const {
+  const auto busy_since = line_.busy_since();
+  return busy_since ? std::max(stop.waits_since, *busy_since) + stop_deadline(settings_)
+                    : Instant::max();
+}
+
+// A device that left its last stop unanswered does not get the next one before another device had a
+// turn: a client that repeats a stop to a dead drive would have the bus for itself.
+bool Bus::gives_way(const Job& stop) const {
+  return !stop.is_broadcast() && devices_[stop.address()].last_stop_turn > other_turn_;
+}
+
+// Nothing that runs is cut for a stop to a device that is offline and was given up.
+bool Bus::waits_patiently(const Job& stop) const {
+  const DeviceEntry& entry = devices_[stop.address()];
+  return !stop.is_broadcast() && stop.tries == 0 && entry.stops_given_up &&
+         entry.health.is_offline();
+}
+
+// What goes between two tries of a stop, if it can begin soon enough.
+std::optional<Bus::Choice> Bus::turn_before(const Job& stop, Instant now) {
+  const Job* waits = queue_.find_stop([this](const Job& it) { return must_let_writes_go(it); });
+  const Bounds bounds{waits, true};
+  const Instant limit = std::max(stop.waits_since, line_.ready_for_stop_at()) + settings_.stop_wait;
+  std::optional<Choice> turn;
+  const auto part = std::ranges::find_if(running_, [&](const Job* job) {
+    return !job->in_flight && !is_between_tries(*job) && !is_held_back(*job, now) &&
+           is_within(bounds, *job);
+  });
+  if (part != running_.end()) {
+    turn = Choice{*part, std::max(now, ready_at(**part))};
+  } else {
+    turn = next_turn(bounds, now);
+  }
+  return turn && turn->at <= limit ? turn : std::nullopt;
+}
+
+void Bus::handle_stop_failure(Job& stop, Instant now) {
+  DeviceEntry& entry = devices_[stop.on_wire().address];
+  // What its owner sends as a stop, but is none, may not be harmless if it is done twice.
+  const Transaction& sent = stop.transaction();
+  const bool may_repeat = is_stop(sent.address, sent.request, sent.broadcast);
+  const bool is_given_up = stop.is_one_try && entry.stops_given_up;
+  if (may_repeat && !is_given_up && stop.tries <= entry.timing().stop_retries) {
+    repeat_stop(stop, now);
+    return;
+  }
+  entry.stops_given_up = entry.last_stop_turn != 0 && (may_repeat || entry.stops_given_up);
+  give_up_stop(stop);
 }
 
 // It goes behind other stops that wait, so that a dead device does not keep them waiting.
@@ -165,6 +268,12 @@ void Bus::repeat_stop(Job& stop, Instant now) {
   std::erase(running_, &stop);
   stop.waits_since = now;
   queue_.push_again(stop);
+}
+
+void Bus::give_up_stop(Job& stop) {
+  ++counters_.stops_unanswered;
+  notify(DeviceNotice::Kind::stop_unanswered, stop.on_wire().address);
+  finish(stop, Ending::no_answer);
 }
 
 }  // namespace mbgate::bus

@@ -14,7 +14,7 @@ struct Bus::Search {
   std::optional<Choice> best;
   Job* waits_for_gap = nullptr;
   std::bitset<kAddresses> claimed;  ///< by jobs that wait for what is in flight to their device
-  const Job* before = nullptr;      ///< set: only jobs for its device that were accepted before it
+  Bounds bounds;
   bool decided = false;
 };
 
@@ -22,30 +22,51 @@ void Bus::pump(Instant now) {
   pumped_at_ = now;
   next_start_.reset();
   expire(now);
-  if (state_ != State::open) {
+  end_over(now);
+  if (!link_.is_open() || reopen_if_hung(now)) {
+    wait_for_line();
     return;
   }
-  end_over(now);
   if (serve_stops(now)) {
     return;
   }
   continue_running(now);
   while (occupied(now) < most_running_ && in_flight() < most_running_) {
-    const auto choice = choose(now);
+    // A stop that waits now lets the writes to its device go first, and nothing goes before these.
+    const auto choice = next_turn({queue_.first_stop()}, now);
     if (!choice) {
       return;
     }
     if (choice->at > now) {
-      next_start_ = earlier(next_start_, choice->at);
+      next_start_ = earlier(next_start_, Wake{choice->at, held_until(*choice->job) < choice->at});
       return;
     }
-    if (choice->passed_over != nullptr) {
-      choice->passed_over->passed_over = true;
+    if (!has_looked()) {
+      return;
     }
-    queue_.take(*choice->job);
-    running_.push_back(choice->job);
-    transmit(*choice->job, now);
+    begin(*choice, now);
   }
+}
+
+// Nothing is transmitted before what already lies in the line was looked at: it may be the answer
+// to an earlier request, or show that the line is not silent.
+bool Bus::has_looked() {
+  if (looking_ == Looking::no) {
+    looking_ = Looking::asked;
+    actions_.push(LookAtLine{});
+  }
+  return looking_ == Looking::done;
+}
+
+void Bus::begin(const Choice& choice, Instant now) {
+  if (choice.passed_over != nullptr) {
+    choice.passed_over->passed_over = true;
+  }
+  if (choice.job->is_waiting()) {
+    queue_.take(*choice.job);
+    running_.push_back(choice.job);
+  }
+  transmit(*choice.job, now);
 }
 
 void Bus::expire(Instant now) {
@@ -57,7 +78,7 @@ void Bus::expire(Instant now) {
   }
 }
 
-// Repeats what failed, and goes on with jobs of several transactions.
+// Repeats writes that failed, and goes on with jobs of several transactions.
 void Bus::continue_running(Instant now) {
   const Job* stop = queue_.first_stop();
   for (Job* job : running_) {
@@ -65,15 +86,18 @@ void Bus::continue_running(Instant now) {
       continue;
     }
     if (job->job_class != JobClass::stop) {
-      next_start_ = earlier(next_start_, job->deadline);
+      next_start_ = earlier(next_start_, Wake{job->deadline});
     }
     if (stop != nullptr && job->address() != stop->address() && !job->is_broadcast()) {
       continue;  // the writes that the stop lets go first go before it
     }
+    if (is_between_tries(*job)) {
+      continue;  // next_turn() has it
+    }
     const Instant ready = ready_at(*job);
     if (now < ready) {
-      next_start_ = earlier(next_start_, ready);
-    } else if (in_flight() < most_running_) {
+      next_start_ = earlier(next_start_, Wake{ready, held_until(*job) < ready});
+    } else if (in_flight() < most_running_ && has_looked()) {
       transmit(*job, now);
     }
   }
@@ -85,11 +109,11 @@ std::size_t Bus::in_flight() const {
 }
 
 // Nothing comes between the transactions of a job, unless its device must be left alone meanwhile,
-// or a stop waits.
+// or a stop waits. A single read that is to be repeated keeps nobody waiting.
 std::size_t Bus::occupied(Instant now) {
   const bool stop_waits = queue_.first_stop() != nullptr;
   return static_cast<std::size_t>(std::ranges::count_if(running_, [&](const Job* job) {
-    return job->in_flight || (!stop_waits && !is_held_back(*job, now));
+    return job->in_flight || (!stop_waits && !is_between_tries(*job) && !is_held_back(*job, now));
   }));
 }
 
@@ -97,13 +121,11 @@ bool Bus::is_held_back(const Job& job, Instant now) const {
   return !job.transaction().is_broadcast() && held_until(job) > now;
 }
 
-std::optional<Bus::Choice> Bus::choose(Instant now) {
-  Search search{std::max(now, line_.ready_at(Duration{0})), {}, nullptr, {}, nullptr, false};
+std::optional<Bus::Choice> Bus::choose(const Bounds& bounds, Instant now) {
+  Search search{std::max(now, line_.ready_at(Duration{0})), {}, nullptr, {}, bounds, false};
   const JobClass first = writes_in_row_ >= settings_.burst ? JobClass::read : JobClass::write;
   const JobClass second = first == JobClass::write ? JobClass::read : JobClass::write;
-  if (const Job* stop = queue_.first_stop()) {
-    // It lets the writes to its device go first, and so nothing goes before these.
-    search.before = stop;
+  if (bounds.before != nullptr) {
     look_for(JobClass::write, search, now);
     look_for(JobClass::read, search, now);
     return search.best;
@@ -121,8 +143,7 @@ std::optional<Bus::Choice> Bus::choose(Instant now) {
 void Bus::look_for(JobClass job_class, Search& search, Instant now) {
   queue_.visit_candidates(job_class, [&](Job& job) {
     const std::uint8_t address = job.transaction().address;
-    if (search.before != nullptr && ((address != search.before->address() && !job.is_broadcast()) ||
-                                     job.sequence > search.before->sequence)) {
+    if (!is_within(search.bounds, job) || had_its_turn(job, now)) {
       return false;
     }
     if (search.claimed[address] || !may_join(job)) {
@@ -144,9 +165,14 @@ void Bus::look_for(JobClass job_class, Search& search, Instant now) {
 }
 
 // Reads share a device; a write, and a job of several transactions, has it for itself; a broadcast
-// has all of them. Nor does anybody overtake a read that is being repeated.
+// has all of them. Nor does anything for the same device overtake a read that is being repeated;
+// of broadcasts, those of the same client address do not.
 bool Bus::may_join(const Job& job) const {
+  const auto is_of_same = [&](const Job* other) { return other->source == job.source; };
   return std::ranges::none_of(running_, [&](const Job* other) {
+    if (job.is_broadcast() && is_between_tries(*other)) {
+      return is_of_same(other) || std::ranges::any_of(other->followers, is_of_same);
+    }
     const bool meets =
         other->address() == job.address() || job.is_broadcast() || other->is_broadcast();
     const bool shares =
@@ -162,8 +188,9 @@ Instant Bus::held_until(const Job& job) const {
   }
   const DeviceEntry& entry = devices_[job.transaction().address];
   const bool repeats_read = job.tries > 0 && job.transaction().request.is_read();
+  const std::uint8_t function = job.transaction().request.function();
   return quarantines_ && !repeats_read
-             ? std::max(entry.free_at, entry.health.held_until(entry.timing()))
+             ? std::max(entry.free_at, entry.health.held_until(function, entry.timing()))
              : entry.free_at;
 }
 
@@ -190,22 +217,35 @@ void Bus::skip_known_settings(Job& job) {
 
 void Bus::transmit(Job& job, Instant now) {
   skip_known_settings(job);
-  Job* stop = job.job_class == JobClass::stop ? nullptr : queue_.first_stop();
+  const auto cuts = [this](const Job& it) { return !waits_patiently(it); };
+  Job* stop = job.job_class == JobClass::stop ? nullptr : queue_.find_stop(cuts);
   if (stop != nullptr) {
     stop->held_by_writes += held_by(*stop, ready_at(job));
   }
   if (job.tries == 0) {
     job.transmitted_at = now;
     job.writes_before = devices_[job.address()].cache.writes();
-    gather_followers(queue_, job, *devices_[job.address()].device,
-                     {settings_.coalesce, settings_.merge});
+    gather_followers(
+        queue_, job, *devices_[job.address()].device,
+        {settings_.coalesce, settings_.merge && !devices_[job.address()].merge_refused});
   }
   Transaction& transaction = job.on_wire();
   const drive::DeviceTiming timing = note_transmission(job, transaction, now);
-  const unsigned owed = quarantines_ ? devices_[transaction.address].health.owed(now, timing) : 0U;
+  const unsigned owed = quarantines_ ? devices_[transaction.address].health.owed(
+                                           transaction.request.function(), now, timing)
+                                     : 0U;
   actions_.push(TransmitFrame{line_.begin(transaction, timing, owed, now)});
   if (stop != nullptr) {
     line_.limit_wait(transaction, stop->waits_since + settings_.stop_wait, settings_.stop_wait);
+  }
+}
+
+void Bus::note_turn(Job& job, DeviceEntry& entry) {
+  job.turn = ++turn_;
+  if (job.job_class != JobClass::stop) {
+    entry.last_turn = other_turn_ = turn_;
+  } else if (job.tries == 0) {
+    job.is_one_try = waits_patiently(job);
   }
 }
 
@@ -224,11 +264,13 @@ drive::DeviceTiming Bus::note_transmission(Job& job, Transaction& transaction, I
       job.is_probe = job.job_class != JobClass::stop;
       counters_.probes += job.is_probe ? 1U : 0U;
     }
-    if (now >= entry.health.held_until(entry.timing())) {
-      entry.health.note_asked();
+    entry.health.note_asked(now, entry.timing());
+    if (!transaction.may_stay_silent()) {
+      adapter_.note_request();
     }
   }
   devices_.note_reconfiguring(transaction);
+  note_turn(job, entry);
   ++counters_.transmissions;
   counters_.stops += job.job_class == JobClass::stop ? 1U : 0U;
   counters_.retries += job.tries > 0 ? 1U : 0U;

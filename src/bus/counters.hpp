@@ -16,7 +16,7 @@ struct BusCounters {
   std::uint64_t bad_crcs = 0;         ///< answers of the right shape with a wrong CRC or LRC
   std::uint64_t stray_frames = 0;     ///< good frames that answer nothing that was asked
   std::uint64_t stray_bytes = 0;      ///< bytes that were no frame, or came while nothing was asked
-  std::uint64_t noise_bytes = 0;      ///< leading 00 or FF bytes of drivers turning on
+  std::uint64_t noise_bytes = 0;      ///< skipped before frames: drivers turning on, glitches
   std::uint64_t echo_mismatches = 0;  ///< own transmissions that were heard differently
   std::uint64_t expired = 0;          ///< requests whose deadline passed
   std::uint64_t refused_full = 0;     ///< requests refused because the queue was full
@@ -43,6 +43,7 @@ struct DeviceCounters {
   std::uint64_t bad_crcs = 0;
   std::uint64_t late_responses = 0;
   std::uint64_t early_responses = 0;
+  std::uint64_t noise_bytes = 0;  ///< skipped before its answers
 };
 
 }  // namespace mbgate::bus

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "modbus/response.hpp"
+
 namespace mbgate::bus {
 namespace {
 
@@ -11,10 +13,19 @@ constexpr int kForgottenPart = 8;    // an eighth in each of these
 constexpr int kLongestMemory = 100;  // of these; nothing is left by then
 constexpr int kMarginPart = 4;       // a quarter more than what was seen
 
+constexpr auto kRecently = std::chrono::minutes(1);
+constexpr int kAnswerTimes = 4;  // after so many answer times an owed answer was not just late
+
+bool fits(const modbus::Request& asked, modbus::Bytes response) {
+  const auto fit = modbus::check_response(asked, response);
+  return fit == modbus::ResponseFit::normal || fit == modbus::ResponseFit::exception;
+}
+
 }  // namespace
 
-bool DeviceHealth::note_unanswered(Instant due, const Timing& timing) {
-  owe(due);
+bool DeviceHealth::note_unanswered(const modbus::Request& asked, Instant due,
+                                   const Timing& timing) {
+  owe(asked, due);
   ++unanswered_in_row_;
   if (offline_ || timing.offline_after == 0 || unanswered_in_row_ < timing.offline_after) {
     return false;
@@ -23,22 +34,62 @@ bool DeviceHealth::note_unanswered(Instant due, const Timing& timing) {
   return true;
 }
 
-void DeviceHealth::owe(Instant due) {
-  if (owed_.size() == owed_.capacity()) {
-    owed_.erase(owed_.begin());
-    ++more_owed_;
+void DeviceHealth::owe(const modbus::Request& asked, Instant due) {
+  answered_at_.reset();
+  const auto same = std::ranges::find_if(
+      debts_, [&](const Debt& debt) { return !debt.given_up && debt.asked.pdu() == asked.pdu(); });
+  if (same != debts_.end()) {
+    ++same->count;
+    same->last_due = std::max(same->last_due, due);
+    return;
   }
-  owed_.push_back(due);
-  last_due_ = std::max(last_due_, due);
+  if (debts_.size() >= kMostOwed) {
+    const auto given_up = std::ranges::find_if(debts_, &Debt::given_up);
+    const auto least = given_up == debts_.end() ? debts_.begin() : given_up;
+    if (!least->given_up) {
+      forgotten_due_ = std::max(forgotten_due_.value_or(least->last_due), least->last_due);
+    }
+    debts_.erase(least);
+  }
+  debts_.push_back({asked, 1, due, due});
 }
 
-bool DeviceHealth::note_answered(Instant due, Instant now) {
-  if (!owed_.empty()) {
-    suspected_ = std::max(suspected_, now - owed_.front());
-    owed_.erase(owed_.begin());
-    owe(due);
+bool DeviceHealth::note_answered(const Answered& answered, Instant now) {
+  note_took(answered.took, now);
+  // Devices answer in order: what they did not answer before this comes no more, unless this was
+  // it.
+  std::erase_if(debts_, [&](Debt& debt) {
+    return debt.given_up &&
+           (std::exchange(debt.doubtful, true) || !fits(debt.asked, answered.response));
+  });
+  const auto replaced = std::ranges::find_if(debts_, [&](const Debt& debt) {
+    return !debt.given_up && fits(debt.asked, answered.response);
+  });
+  if (replaced != debts_.end()) {
+    const Duration suspected = std::max(replaced->suspected, now - replaced->due);
+    if (replaced->count > 1) {
+      --replaced->count;
+      replaced->due = replaced->last_due;
+    } else {
+      debts_.erase(replaced);
+    }
+    owe(answered.asked, answered.due);
+    const auto owed = std::ranges::find_if(debts_, [&](const Debt& debt) {
+      return !debt.given_up && debt.asked.pdu() == answered.asked.pdu();
+    });
+    owed->suspected = std::max(owed->suspected, suspected);
   }
+  answered_at_ = now;
   return answer_seen();
+}
+
+void DeviceHealth::note_took(Duration took, Instant now) {
+  if (now - while_began_ >= kRecently) {
+    longest_before_ = now - while_began_ < 2 * kRecently ? longest_answer_ : Duration{0};
+    longest_answer_ = Duration{0};
+    while_began_ = now;
+  }
+  longest_answer_ = std::max(longest_answer_, took);
 }
 
 bool DeviceHealth::answer_seen() {
@@ -46,32 +97,39 @@ bool DeviceHealth::answer_seen() {
   return std::exchange(offline_, false);
 }
 
-void DeviceHealth::note_asked() {
-  if (!owed_.empty()) {
-    given_up_ = owed_.front();
-    owed_.clear();
-    more_owed_ = 0;
-    suspected_ = Duration{0};
+void DeviceHealth::note_asked(Instant now, const Timing& timing) {
+  const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
+  std::erase_if(debts_, [&](const Debt& debt) { return now > debt.last_due + longest; });
+  for (Debt& debt : debts_) {
+    debt.given_up = debt.given_up || now >= held_until(debt.asked.function(), timing);
+  }
+  if (forgotten_due_ && now >= held_until(timing)) {
+    forgotten_due_.reset();
   }
 }
 
-std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(Instant now, const Timing& timing) {
-  const auto due = owed_.empty() ? given_up_ : std::optional(owed_.front());
+std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(modbus::Bytes response, Instant now,
+                                                                const Timing& timing) {
   const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
-  if (!due || now > *due + longest) {
+  const auto find = [&](bool given_up) {
+    return std::ranges::find_if(debts_, [&](const Debt& debt) {
+      return debt.given_up == given_up && now <= debt.due + longest && fits(debt.asked, response);
+    });
+  };
+  auto debt = find(false);
+  if (debt == debts_.end()) {
+    debt = find(true);
+  }
+  if (debt == debts_.end()) {
     return std::nullopt;
   }
   Late late{};
-  late.lateness = std::max({now - *due, suspected_, Duration{0}});
-  if (owed_.empty()) {
-    given_up_.reset();
-  } else if (more_owed_ > 0) {
-    --more_owed_;
+  late.lateness = std::max({now - debt->due, debt->suspected, Duration{0}});
+  if (debt->count > 1) {
+    --debt->count;
+    debt->due = debt->last_due;
   } else {
-    owed_.erase(owed_.begin());
-  }
-  if (owed_.empty()) {
-    suspected_ = Duration{0};
+    debts_.erase(debt);
   }
   const Duration covering =
       std::min(late.lateness + late.lateness / kMarginPart, timing.quarantine_max);
@@ -84,12 +142,47 @@ std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(Instant now, con
   return late;
 }
 
-unsigned DeviceHealth::owed(Instant now, const Timing& timing) const {
-  return now < held_until(timing) ? static_cast<unsigned>(owed_.size()) + more_owed_ : 0U;
+unsigned DeviceHealth::owed(std::uint8_t function, Instant now, const Timing& timing) const {
+  if (now >= held_until(function, timing)) {
+    return 0;
+  }
+  unsigned count = 0;
+  for (const Debt& debt : debts_) {
+    count += !debt.given_up && debt.asked.function() == function ? debt.count : 0U;
+  }
+  return count;
+}
+
+Instant DeviceHealth::end_of(const Debt& debt, const Timing& timing) const {
+  return debt.given_up ? Instant::min()
+                       : debt.last_due + quarantine(debt.last_due, timing) + kAdapterKeeps;
 }
 
 Instant DeviceHealth::held_until(const Timing& timing) const {
-  return owed_.empty() ? Instant::min() : last_due_ + quarantine(last_due_, timing);
+  Instant until = Instant::min();
+  if (forgotten_due_) {
+    until = *forgotten_due_ + quarantine(*forgotten_due_, timing) + kAdapterKeeps;
+  }
+  for (const Debt& debt : debts_) {
+    until = std::max(until, end_of(debt, timing));
+  }
+  return until;
+}
+
+Instant DeviceHealth::held_until(std::uint8_t function, const Timing& timing) const {
+  const Instant all = held_until(timing);
+  if (!answered_at_ || forgotten_due_ || all == Instant::min()) {
+    return all;
+  }
+  Instant same = Instant::min();
+  for (const Debt& debt : debts_) {
+    if (debt.asked.function() == function) {
+      same = std::max(same, end_of(debt, timing));
+    }
+  }
+  const Duration not_just_late =
+      std::max(kAdapterKeeps, kAnswerTimes * std::max(longest_answer_, longest_before_));
+  return std::max(same, std::min(all, *answered_at_ + not_just_late));
 }
 
 Duration DeviceHealth::quarantine(Instant now, const Timing& timing) const {

@@ -15,6 +15,8 @@ void DeviceTable::update(const BusSettings& settings, std::span<const drive::Dev
   for (DeviceEntry& entry : entries_) {
     entry.device = &other_;
     entry.early_reported = false;
+    entry.merge_refused = false;
+    entry.second_reported = false;
   }
   for (const drive::Device& device : devices_) {
     entries_.at(device.address).device = &device;

@@ -29,8 +29,21 @@ struct DeviceEntry {
   /// was unanswered, the line was not opened anew, and no communication register was written.
   bool setting_known = false;
   bool early_reported = false;
+  std::uint64_t last_turn = 0;       ///< the last transmission to it that was no stop
+  std::uint64_t last_stop_turn = 0;  ///< the last stop, if it left that unanswered; else 0
+  bool stops_given_up = false;       ///< it left a stop and all repetitions unanswered
+  bool merge_refused = false;        ///< it did not take a merged read
+  bool second_reported = false;
+  Instant owed_until = Instant::min();   ///< when the last unanswered request was due
+  Instant answered_at = Instant::min();  ///< the last answer,
+  std::uint8_t answered_function = 0;    ///< and the function that it answers
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
+  /// Something of it was heard: it is there.
+  void note_heard() {
+    last_stop_turn = 0;
+    stops_given_up = false;
+  }
 };
 
 class DeviceTable {

@@ -13,8 +13,14 @@ namespace mbgate::bus {
 
 class Framer {
  public:
-  Framer(Framing framing, const modbus::RtuTiming& timing, BusCounters& counters)
-      : framer_(make(framing, timing, counters)) {}
+  Framer(const BusSettings& settings, const modbus::RtuTiming& timing, BusCounters& counters)
+      : framer_(make(settings, timing, counters)) {}
+  /// Other times on the same line.
+  void update(const BusSettings& settings) {
+    if (auto* rtu = std::get_if<RtuFramer>(&framer_)) {
+      rtu->set_slack(settings.frame_slack_or_default());
+    }
+  }
 
   [[nodiscard]] FrameBytes encode(std::uint8_t address, const modbus::Pdu& pdu) const {
     if (std::holds_alternative<AsciiFramer>(framer_)) {
@@ -51,6 +57,9 @@ class Framer {
   [[nodiscard]] Instant response_began() const {
     return std::visit([](const auto& framer) { return framer.response_began(); }, framer_);
   }
+  [[nodiscard]] std::size_t noise() const {
+    return std::visit([](const auto& framer) { return framer.noise(); }, framer_);
+  }
   std::optional<Stray> take_stray() {
     return std::visit([](auto& framer) { return framer.take_stray(); }, framer_);
   }
@@ -61,11 +70,13 @@ class Framer {
 
  private:
   using Variant = std::variant<RtuFramer, AsciiFramer>;
-  static Variant make(Framing framing, const modbus::RtuTiming& timing, BusCounters& counters) {
-    if (framing == Framing::ascii) {
+  static Variant make(const BusSettings& settings, const modbus::RtuTiming& timing,
+                      BusCounters& counters) {
+    if (settings.line.framing == Framing::ascii) {
       return Variant(std::in_place_type<AsciiFramer>, counters);
     }
-    return Variant(std::in_place_type<RtuFramer>, timing, counters);
+    return Variant(std::in_place_type<RtuFramer>, timing, settings.frame_slack_or_default(),
+                   counters);
   }
 
   Variant framer_;

@@ -25,4 +25,24 @@ inline std::optional<Instant> earlier(std::optional<Instant> a, std::optional<In
   return *a < *b ? a : b;
 }
 
+/// When the machine wants to be called next.
+struct Wake {
+  Instant at;
+  /// A silence on the line is over then, and something may be transmitted: whoever wakes early and
+  /// waits for the instant loses nothing. Otherwise something is judged, such as a missing answer:
+  /// nobody is to come early for that.
+  bool ends_silence = false;
+};
+
+/// The earlier of two, either of which may be absent; of two at one instant the judgement.
+inline std::optional<Wake> earlier(std::optional<Wake> a, std::optional<Wake> b) {
+  if (!a || !b) {
+    return a ? a : b;
+  }
+  if (a->at == b->at) {
+    return a->ends_silence ? b : a;
+  }
+  return a->at < b->at ? a : b;
+}
+
 }  // namespace mbgate::bus

@@ -81,21 +81,26 @@ struct Job {
   std::uint64_t sequence = 0;           ///< the order of acceptance, set by Bus::submit()
   Instant deadline;                     ///< of no meaning for stops
   boost::container::small_vector<Transaction, 1> transactions;
-  std::size_t current = 0;   ///< the transaction whose turn it is
-  unsigned tries = 0;        ///< transmissions of the current transaction
-  bool was_on_wire = false;  ///< something that its client asked for was transmitted
-  bool in_flight = false;    ///< its current transaction was transmitted and has not ended
-  bool abandoned = false;    ///< its client is gone: no further transmission
-  bool passed_over = false;  ///< another job went while this one waited for its device's gap
-  bool overtaken = false;    ///< a stop of its device came: no further transmission
-  bool is_probe = false;     ///< lets the bus know whether an offline device answers again
-  bool accepted = false;     ///< the bus has it
-  bool unmerged = false;     ///< it was part of a longer read that failed, and goes alone now
-  Instant waits_since;       ///< accepted then, or repeated
+  std::size_t current = 0;  ///< the transaction whose turn it is
+  unsigned tries = 0;       ///< transmissions of the current transaction
+  /// The transaction that is asked once more because a connection was closed before its answer.
+  std::optional<std::size_t> cut;
+  bool was_on_wire = false;    ///< something that its client asked for was transmitted
+  bool in_flight = false;      ///< its current transaction was transmitted and has not ended
+  bool abandoned = false;      ///< its client is gone: no further transmission
+  bool passed_over = false;    ///< another job went while this one waited for its device's gap
+  bool overtaken = false;      ///< a stop of its device came: no further transmission
+  bool is_probe = false;       ///< lets the bus know whether an offline device answers again
+  bool probes_freely = false;  ///< it may only because nobody else asks
+  bool is_one_try = false;     ///< a stop that is not repeated, because its device is given up
+  bool accepted = false;       ///< the bus has it
+  bool unmerged = false;       ///< it was part of a longer read that failed, and goes alone now
+  Instant waits_since;         ///< accepted then, or repeated
   /// Of a stop: for so long the writes were held back that it let go first.
   Duration held_by_writes{0};
   Instant transmitted_at;           ///< its current transaction, for the first time
   Instant last_sent;                ///< the last transmission of anything of it
+  std::uint64_t turn = 0;           ///< which transmission of its bus that was
   std::uint64_t writes_before = 0;  ///< to its device, accepted before it was transmitted
   boost::container::small_vector<Job*, 1> followers;
   std::unique_ptr<Transaction> merged;  ///< what is transmitted instead, for all of them

@@ -16,14 +16,20 @@ class Line {
   Line(const BusSettings& settings, Duration listen_first, BusCounters& counters)
       : line_(make(settings, listen_first, counters)) {}
 
-  void open(Instant now) {
-    std::visit([&](auto& line) { line.open(now); }, line_);
+  void open(Instant now, LineKind kind) {
+    std::visit([&](auto& line) { line.open(now, kind); }, line_);
   }
   [[nodiscard]] Instant ready_at(Duration gap) const {
     return std::visit([&](const auto& line) { return line.ready_at(gap); }, line_);
   }
   [[nodiscard]] Instant ready_for_stop_at() const {
     return std::visit([](const auto& line) { return line.ready_for_stop_at(); }, line_);
+  }
+  [[nodiscard]] Instant possible_at() const {
+    return std::visit([](const auto& line) { return line.possible_at(); }, line_);
+  }
+  [[nodiscard]] std::optional<Instant> busy_since() const {
+    return std::visit([](const auto& line) { return line.busy_since(); }, line_);
   }
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, unsigned owed,
                    Instant now) {
@@ -33,8 +39,8 @@ class Line {
   void limit_wait(const Transaction& transaction, Instant instant, Duration least) {
     std::visit([&](auto& line) { line.limit_wait(transaction, instant, least); }, line_);
   }
-  [[nodiscard]] Instant response_due() const {
-    return std::visit([](const auto& line) { return line.response_due(); }, line_);
+  [[nodiscard]] std::optional<Instant> response_due() const {
+    return std::visit([](const auto& line) { return std::optional(line.response_due()); }, line_);
   }
   void update(const BusSettings& settings, Duration listen_first) {
     std::visit([&](auto& line) { line.update(settings, listen_first); }, line_);
@@ -54,6 +60,16 @@ class Line {
   [[nodiscard]] std::optional<Instant> next_deadline() const {
     return std::visit([](const auto& line) { return line.next_deadline(); }, line_);
   }
+  /// Something that was asked on the open connection has been answered. Never on a serial line.
+  [[nodiscard]] bool has_answered() const {
+    const auto* tcp = std::get_if<TcpLine>(&line_);
+    return tcp != nullptr && tcp->has_answered();
+  }
+  void note_closed(Instant now) {
+    if (auto* tcp = std::get_if<TcpLine>(&line_)) {
+      tcp->note_closed(now);
+    }
+  }
   std::optional<LineEnd> take_end() {
     return std::visit([](auto& line) { return line.take_end(); }, line_);
   }
@@ -68,7 +84,7 @@ class Line {
   using Variant = std::variant<SerialLine, TcpLine>;
   static Variant make(const BusSettings& settings, Duration listen_first, BusCounters& counters) {
     if (settings.line.framing == Framing::tcp) {
-      return Variant(std::in_place_type<TcpLine>, counters);
+      return Variant(std::in_place_type<TcpLine>, settings, counters);
     }
     return Variant(std::in_place_type<SerialLine>, settings, listen_first, counters);
   }

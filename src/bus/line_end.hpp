@@ -3,6 +3,7 @@
 // the line itself.
 #pragma once
 
+#include <boost/container/static_vector.hpp>
 #include <cstdint>
 #include <string_view>
 
@@ -34,12 +35,24 @@ struct LineEnd {
   How how;
   Transaction* transaction;
   Instant due{};       ///< when its response timeout ends, whether or not it was waited for
+  Duration took{0};    ///< response: from the end of the request to the end of the answer
   bool early = false;  ///< a response that began clearly before the device's response wait was over
+  std::size_t heard = 0;    ///< bytes that came since the request had left
+  Duration heard_after{0};  ///< and how long after it the first of them
+  std::size_t noise = 0;  ///< bytes before the response, or the damaged one, that are no part of it
 };
 
 enum class LineFault : std::uint8_t {
   echo_differed,  ///< an own transmission was heard differently than it was sent
-  framing_lost    ///< where the next frame begins cannot be known any more
+  framing_lost,   ///< where the next frame begins cannot be known any more
+  echo_found,     ///< the line hears itself: from now on echoes are compared
+  /// The answer to a write looks like its echo, and nothing has shown yet whether there is one.
+  echo_unproven,
+  /// A fitting answer began before its request had left, and was not taken.
+  answered_while_sending,
+  unanswered  ///< a connection takes requests, and for long nothing has come from it
 };
+/// Those that were noticed and not told yet.
+using LineFaults = boost::container::static_vector<LineFault, 8>;
 
 }  // namespace mbgate::bus

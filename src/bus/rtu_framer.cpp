@@ -3,16 +3,20 @@
 
 #include <algorithm>
 
+#include "bus/rtu_shape.hpp"
+
 namespace mbgate::bus {
 namespace {
 
-constexpr unsigned kMaxNoise = 2;  // bytes that a driver's turning on may look like
+// Drivers that turn on, and what a line without bias picks up between two frames.
+constexpr std::size_t kMostNoise = 8;
 using Kind = modbus::PduLength::Kind;
+using modbus::ResponseFit;
 
 }  // namespace
 
-RtuFramer::RtuFramer(const modbus::RtuTiming& timing, BusCounters& counters)
-    : timing_(timing), silence_(std::max(timing.t3_5(), kAdapterSlack)), counters_(counters) {}
+RtuFramer::RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters)
+    : timing_(timing), slack_(slack), counters_(counters) {}
 
 void RtuFramer::expect(const Transaction& transaction) {
   listen();
@@ -23,195 +27,229 @@ void RtuFramer::expect(const Transaction& transaction) {
 void RtuFramer::listen() {
   give_up_buffer();
   transaction_ = nullptr;
-  begun_at_.reset();
-  noise_skipped_ = 0;
-  discarding_ = bad_crc_ = opaque_ = false;
+  answer_ = Answer::not_begun;
+  discarding_ = false;
 }
 
 // Silence, or a new question, has ended what stands here. It may have been a frame whose length
 // cannot be known, such as another client's request.
 void RtuFramer::give_up_buffer() {
-  if (modbus::decode_rtu(buffered())) {
-    note_stray(buffered());
+  if (modbus::decode_rtu(buffer_.bytes())) {
+    note_stray(buffer_.bytes(), false);
   } else {
     counters_.stray_bytes += buffer_.size();
   }
   buffer_.clear();
 }
 
-void RtuFramer::note_stray(modbus::Bytes frame) {
+void RtuFramer::note_stray(modbus::Bytes frame, bool after_noise) {
   ++counters_.stray_frames;
-  const modbus::PduLength length = modbus::response_length(frame.subspan(1));
-  strays_.add({frame[0],
-               length.kind == Kind::known && length.bytes + modbus::kRtuOverhead == frame.size()});
+  strays_.add({frame[0], *modbus::Pdu::from(frame.subspan(1, frame.size() - modbus::kRtuOverhead)),
+               after_noise});
 }
 
 // What stands here is not the answer. It is kept until silence tells what it was.
 void RtuFramer::discard() {
-  begun_at_.reset();
+  answer_ = Answer::not_begun;
   discarding_ = true;
-  bad_crc_ = opaque_ = false;
 }
 
 Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
   const bool silence_before = now - last_byte_ >= timing_.t3_5();
   last_byte_ = now;
-  if (silence_before && !begun_at_) {
+  if (silence_before && !in_progress()) {
     // What stands here was not the answer, and a new frame begins.
     give_up_buffer();
-    noise_skipped_ = 0;
     discarding_ = false;
+  } else if (silence_before && answer_ == Answer::incomplete) {
+    // Nor was what stands before it a part of anything.
+    counters_.stray_bytes += answer_at_;
+    buffer_.drop(answer_at_);
+    answer_at_ = 0;
   }
-  if (buffer_.size() + bytes.size() > buffer_.capacity()) {
+  if (!buffer_.add(bytes, now)) {
     counters_.stray_bytes += buffer_.size() + bytes.size();
     buffer_.clear();
     discard();
-    return Verdict::none;
   }
-  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
-  if (bad_crc_ || discarding_) {
-    discard();
-    return Verdict::none;
-  }
-  return search(now);
+  return discarding_ ? Verdict::none : search(false);
 }
 
-Verdict RtuFramer::again(Instant now) {
+Verdict RtuFramer::again(Instant /*now*/) {
   response_.reset();
-  return search(now);
+  return search(false);
 }
 
-Verdict RtuFramer::search(Instant now) {
+Verdict RtuFramer::search(bool silence) {
   for (;;) {
-    switch (look(now)) {
-      case Step::wait: return Verdict::none;
-      case Step::response: return Verdict::response;
-      case Step::again: break;
+    answer_ = Answer::not_begun;
+    switch (look(silence)) {
+      case Found::response: return Verdict::response;
+      case Found::consumed:
+        if (discarding_) {
+          return Verdict::none;
+        }
+        break;
+      case Found::nothing: discard(); return Verdict::none;
+      case Found::unfinished:
+      case Found::answer: return Verdict::none;
     }
   }
 }
 
-void RtuFramer::skip_noise() {
-  while (transaction_ != nullptr && !buffer_.empty() && noise_skipped_ < kMaxNoise &&
-         buffer_[0] != transaction_->address && (buffer_[0] == 0x00 || buffer_[0] == 0xFF)) {
-    buffer_.erase(buffer_.begin());
-    ++noise_skipped_;
-    ++counters_.noise_bytes;
-  }
-}
-
-void RtuFramer::drop(std::size_t bytes) {
-  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(bytes));
-  begun_at_.reset();
-  noise_skipped_ = 0;
-  opaque_ = false;
-}
-
-RtuFramer::Step RtuFramer::look(Instant now) {
-  skip_noise();
-  if (buffer_.empty()) {
-    return Step::wait;
-  }
-  const bool right_unit = transaction_ != nullptr && buffer_[0] == transaction_->address;
-  if (buffer_.size() == 1) {
-    if (right_unit && !begun_at_) {
-      begun_at_ = now;
+// Nothing: no frame begins here, whatever may come.
+RtuFramer::Found RtuFramer::look(bool silence) {
+  Look look{.silence = silence};
+  for (; look.at < buffer_.size() && look.at <= kMostNoise; ++look.at) {
+    const Found found = look_at(look);
+    if (found == Found::unfinished) {
+      look.unfinished = true;
+    } else if (found != Found::nothing) {
+      return found;
     }
-    return Step::wait;
   }
-  const bool right_function =
-      right_unit && (buffer_[1] & ~modbus::kExceptionBit) == transaction_->request.function();
-  if (!right_function || has_other_length()) {
-    begun_at_.reset();
-    return look_at_stranger();
-  }
-  if (!begun_at_) {
-    begun_at_ = now;
-  }
-  return look_at_candidate();
+  return look.unfinished || (buffer_.size() <= kMostNoise && !silence) ? Found::unfinished
+                                                                       : Found::nothing;
 }
 
-modbus::PduLength RtuFramer::candidate_length() const {
-  const modbus::PduLength own = modbus::response_length(buffered().subspan(1));
+RtuFramer::Found RtuFramer::look_at(const Look& look) {
+  const modbus::Bytes bytes = bytes_from(look.at);
+  const bool right_unit = transaction_ != nullptr && bytes[0] == transaction_->address;
+  if (bytes.size() == 1) {
+    return right_unit ? found(look, Answer::incomplete) : Found::unfinished;
+  }
+  if (right_unit && may_begin_answer(look)) {
+    const Found found = look_at_candidate(look);
+    if (found != Found::nothing) {
+      return found;
+    }
+  }
+  return look_at_stranger(look);
+}
+
+// Its function is right, and its byte count does not say already that it is no answer to what was
+// asked.
+bool RtuFramer::may_begin_answer(const Look& look) const {
+  const modbus::Bytes bytes = bytes_from(look.at);
+  if ((bytes[1] & ~modbus::kExceptionBit) != transaction_->request.function()) {
+    return false;
+  }
+  const modbus::PduLength expected = modbus::expected_response_length(transaction_->request);
+  if (is_exception(bytes)) {
+    return look.at == 0 || expected.kind != Kind::opaque;
+  }
+  const modbus::PduLength own = modbus::response_length(bytes.subspan(1));
+  if (own.kind == Kind::opaque && expected.kind == Kind::opaque) {
+    return look.at == 0;
+  }
+  return own.kind != Kind::known || expected.kind != Kind::known || own.bytes == expected.bytes;
+}
+
+modbus::PduLength RtuFramer::candidate_length(modbus::Bytes bytes) const {
+  if (bytes.size() < 2) {
+    return modbus::expected_response_length(transaction_->request);
+  }
+  const modbus::PduLength own = modbus::response_length(bytes.subspan(1));
   return own.kind == Kind::opaque ? modbus::expected_response_length(transaction_->request) : own;
 }
 
-// Its byte count says already that it is no answer to what was asked.
-bool RtuFramer::has_other_length() const {
-  const modbus::PduLength own = modbus::response_length(buffered().subspan(1));
-  const modbus::PduLength expected = modbus::expected_response_length(transaction_->request);
-  return own.kind == Kind::known && expected.kind == Kind::known && own.bytes != expected.bytes &&
-         (buffer_[1] & modbus::kExceptionBit) == 0;
+// The answer may have begun here. If silence is all that follows, what is incomplete is none.
+RtuFramer::Found RtuFramer::found(const Look& look, Answer answer) {
+  if (answer == Answer::incomplete && look.silence) {
+    return Found::nothing;
+  }
+  answer_ = answer;
+  answer_at_ = look.at;
+  return Found::answer;
 }
 
-RtuFramer::Step RtuFramer::look_at_candidate() {
-  const modbus::PduLength length = candidate_length();
+RtuFramer::Found RtuFramer::look_at_candidate(const Look& look) {
+  const modbus::Bytes bytes = bytes_from(look.at);
+  const modbus::PduLength length = candidate_length(bytes);
   if (length.kind != Kind::known) {
-    opaque_ = length.kind == Kind::opaque;
-    return Step::wait;
+    return found(look, length.kind == Kind::opaque ? Answer::opaque : Answer::incomplete);
   }
   const std::size_t size = length.bytes + modbus::kRtuOverhead;
   if (size > modbus::kMaxRtuSize) {
-    discard();
-    return Step::wait;
+    return Found::nothing;
   }
-  if (buffer_.size() < size) {
-    return Step::wait;
+  if (bytes.size() < size) {
+    return found(look, Answer::incomplete);
   }
-  const modbus::Bytes frame = buffered().first(size);
-  const modbus::Bytes pdu = frame.subspan(1, length.bytes);
-  const auto fit = modbus::check_response(transaction_->request, pdu);
-  if (!modbus::has_good_crc(frame)) {
-    if (buffer_.size() == size && fit != modbus::ResponseFit::wrong_length) {
-      bad_crc_ = true;
-    } else {
-      discard();
+  const ResponseFit fit =
+      modbus::check_response(transaction_->request, bytes.subspan(1, length.bytes));
+  if (!modbus::has_good_crc(bytes.first(size))) {
+    const bool complete = bytes.size() == size && fit != ResponseFit::wrong_length;
+    return complete ? found(look, Answer::bad_crc) : Found::nothing;
+  }
+  const bool short_one = look.at > 0 && is_exception(bytes);
+  if (short_one && bytes.size() > size) {
+    return Found::nothing;
+  }
+  if ((look.unfinished || short_one) && !look.silence) {
+    return found(look, Answer::unsure);
+  }
+  if (is_fitting(fit)) {
+    return accept(look, size);
+  }
+  consume(look.at, size);
+  return Found::consumed;
+}
+
+RtuFramer::Found RtuFramer::accept(const Look& look, std::size_t size) {
+  response_ = modbus::Pdu::from(bytes_from(look.at).subspan(1, size - modbus::kRtuOverhead));
+  response_began_ = buffer_.came_at(look.at);
+  noise_ = look.at;
+  counters_.noise_bytes += look.at;
+  buffer_.drop(look.at + size);
+  answer_ = Answer::not_begun;
+  return Found::response;
+}
+
+void RtuFramer::consume(std::size_t at, std::size_t size) {
+  note_stray(bytes_from(at).first(size), at > 0);
+  counters_.noise_bytes += at;
+  buffer_.drop(at + size);
+}
+
+// A frame that is no answer, perhaps of another unit. Another client's request is one too: what
+// comes behind it, without a silence, answers that.
+RtuFramer::Found RtuFramer::look_at_stranger(const Look& look) {
+  const modbus::Bytes bytes = bytes_from(look.at);
+  if (look.at > 0 && is_exception(bytes)) {
+    return Found::nothing;  // so short that anything may look like it
+  }
+  const modbus::PduLength response = modbus::response_length(bytes.subspan(1));
+  const modbus::PduLength request = modbus::request_length(bytes.subspan(1));
+  const bool good_response = is_good(bytes, response);
+  if (good_response || is_good_request(bytes, request)) {
+    if (look.unfinished && !look.silence) {
+      return Found::nothing;  // it may be a part of what has begun further ahead
     }
-    return Step::wait;
+    consume(look.at, (good_response ? response : request).bytes + modbus::kRtuOverhead);
+    discarding_ = !good_response;
+    return Found::consumed;
   }
-  if (fit == modbus::ResponseFit::normal || fit == modbus::ResponseFit::exception) {
-    accept(pdu);
-    drop(size);
-    return Step::response;
-  }
-  note_stray(buffered().first(size));
-  drop(size);
-  return Step::again;
-}
-
-void RtuFramer::accept(modbus::Bytes pdu) {
-  response_ = modbus::Pdu::from(pdu);
-  response_began_ = *begun_at_;
-}
-
-RtuFramer::Step RtuFramer::look_at_stranger() {
-  const modbus::PduLength length = modbus::response_length(buffered().subspan(1));
-  const std::size_t size = length.bytes + modbus::kRtuOverhead;
-  if (length.kind != Kind::known || buffer_.size() < size) {
-    return Step::wait;
-  }
-  if (!modbus::has_good_crc(buffered().first(size))) {
-    discard();
-    return Step::wait;
-  }
-  note_stray(buffered().first(size));
-  drop(size);
-  return Step::again;
+  // No device has such an address. The broadcast one is what noise looks like most often.
+  const bool has_unit =
+      bytes[0] != modbus::kBroadcastAddress && bytes[0] <= modbus::kMaxDeviceAddress;
+  return has_unit && !look.silence &&
+                 (may_become_whole(bytes, response) || may_become_whole(bytes, request))
+             ? Found::unfinished
+             : Found::nothing;
 }
 
 std::optional<Instant> RtuFramer::next_deadline() const {
-  if (!begun_at_) {
+  if (!in_progress()) {
     return std::nullopt;
   }
   if (awaits_silence()) {
-    return last_byte_ + silence_;
+    return last_byte_ + std::max(timing_.t3_5(), slack_);
   }
-  const modbus::PduLength length = buffer_.size() < 2
-                                       ? modbus::expected_response_length(transaction_->request)
-                                       : candidate_length();
+  const modbus::PduLength length = candidate_length(bytes_from(answer_at_));
   const std::size_t size =
       length.kind == Kind::known ? length.bytes + modbus::kRtuOverhead : modbus::kMaxRtuSize;
-  return *begun_at_ + timing_.duration_of(size) + kAdapterSlack;
+  return buffer_.came_at(answer_at_) + timing_.duration_of(size) + slack_;
 }
 
 Verdict RtuFramer::handle_deadline(Instant now) {
@@ -219,30 +257,41 @@ Verdict RtuFramer::handle_deadline(Instant now) {
   if (!deadline || now < *deadline) {
     return Verdict::none;
   }
-  if (bad_crc_) {
-    return Verdict::damaged;
+  switch (answer_) {
+    case Answer::opaque: return end_by_silence();
+    case Answer::unsure:
+      if (search(true) == Verdict::response) {
+        return Verdict::response;
+      }
+      break;
+    case Answer::not_begun:
+    case Answer::incomplete:
+    case Answer::bad_crc: break;
   }
-  if (opaque_) {
-    return end_by_silence();
+  if (answer_ == Answer::bad_crc) {
+    noise_ = answer_at_;
+    counters_.noise_bytes += noise_;
+    buffer_.drop(noise_);
+    return Verdict::damaged;
   }
   discard();
   return Verdict::none;
 }
 
 Verdict RtuFramer::end_by_silence() {
-  const auto frame = modbus::decode_rtu(buffered());
+  const auto frame = modbus::decode_rtu(buffer_.bytes());
   if (!frame) {
+    noise_ = 0;
     return Verdict::damaged;
   }
-  const auto fit = modbus::check_response(transaction_->request, frame->pdu.bytes());
-  if (fit != modbus::ResponseFit::normal && fit != modbus::ResponseFit::exception) {
-    note_stray(buffered());
-    drop(buffer_.size());
-    return Verdict::none;
+  const Look whole{.silence = true};
+  if (is_fitting(modbus::check_response(transaction_->request, frame->pdu.bytes()))) {
+    accept(whole, buffer_.size());
+    return Verdict::response;
   }
-  accept(frame->pdu.bytes());
-  drop(buffer_.size());
-  return Verdict::response;
+  consume(0, buffer_.size());
+  answer_ = Answer::not_begun;
+  return Verdict::none;
 }
 
 }  // namespace mbgate::bus

@@ -3,28 +3,32 @@
 // their predicted length and CRC, at once; unknown ones by silence with a good CRC. Gaps between
 // bytes mean nothing by themselves, because a USB adapter's gaps are not the wire's; t1.5 is never
 // enforced. Good frames that are no response to it are told, and while nothing was asked all are.
+//
+// Bytes that are no part of a frame may stand before one: drivers turning on, glitches. At most 8
+// of them are skipped, and never for an unknown function, whose beginning only they would tell.
+// Nothing is taken out of another's frame: a good one of any unit is consumed whole, and while one
+// that may have begun further ahead is incomplete, what looks like the response waits for silence,
+// as an exception after such bytes always does, because it is so short. What follows a request of
+// another client answers that.
 #pragma once
 
-#include <boost/container/static_vector.hpp>
 #include <optional>
 
 #include "bus/counters.hpp"
 #include "bus/instant.hpp"
 #include "bus/job.hpp"
+#include "bus/received_bytes.hpp"
+#include "bus/settings.hpp"
 #include "bus/verdict.hpp"
 #include "modbus/response.hpp"
 
 namespace mbgate::bus {
 
-/// Slack for what lies between the wire and us: adapters hold received bytes back up to 16 ms.
-inline constexpr Duration kAdapterSlack = std::chrono::milliseconds(20);
-
-/// A whole frame and what may stand before or behind it in the same piece.
-inline constexpr std::size_t kMostBuffered = 1024;
-
 class RtuFramer {
  public:
-  RtuFramer(const modbus::RtuTiming& timing, BusCounters& counters);
+  /// `slack` is what an answer may pause in all, and the silence that ends what has no known end.
+  RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters);
+  void set_slack(Duration slack) { slack_ = slack; }
 
   /// From now on the answer to `transaction` is looked for; it must outlive the search.
   void expect(const Transaction& transaction);
@@ -39,48 +43,73 @@ class RtuFramer {
   [[nodiscard]] std::optional<Instant> next_deadline() const;
   /// Has an answer begun that is still incomplete? The response timeout is then over, its rest has
   /// its own time.
-  [[nodiscard]] bool in_progress() const { return begun_at_.has_value(); }
+  [[nodiscard]] bool in_progress() const { return answer_ != Answer::not_begun; }
   /// Is a frame complete as far as can be seen, and only silence can tell?
-  [[nodiscard]] bool awaits_silence() const { return bad_crc_ || opaque_; }
+  [[nodiscard]] bool awaits_silence() const {
+    return answer_ != Answer::not_begun && answer_ != Answer::incomplete;
+  }
   [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
   /// When the first byte of the response came.
   [[nodiscard]] Instant response_began() const { return response_began_; }
+  /// Bytes before the response, or before the damaged one, that were no part of it.
+  [[nodiscard]] std::size_t noise() const { return noise_; }
   /// A good frame that answers nothing that was asked, each once.
   std::optional<Stray> take_stray() { return strays_.take(); }
 
  private:
-  enum class Step : std::uint8_t { wait, again, response };
+  enum class Answer : std::uint8_t {
+    not_begun,
+    incomplete,
+    opaque,   ///< of an unknown function: silence ends it
+    bad_crc,  ///< complete, with a wrong CRC: silence must confirm that it is complete
+    unsure    ///< complete and good, but it may be a part of something else, unless silence follows
+  };
+  /// What begins at a place among the bytes.
+  enum class Found : std::uint8_t {
+    nothing,
+    unfinished,  ///< perhaps another's frame, of which bytes are missing
+    answer,      ///< perhaps the answer; answer_ says what is missing
+    response,    ///< the answer
+    consumed     ///< it was a good frame, and no answer
+  };
+  /// Where a search looks, and what it knows by then.
+  struct Look {
+    std::size_t at = 0;
+    bool unfinished = false;  ///< another's frame may have begun further ahead
+    bool silence = false;     ///< nothing more comes: what is incomplete stays so
+  };
 
   /// Counts what is left as stray and forgets it, until the next silence.
   void discard();
-  void skip_noise();
-  void drop(std::size_t bytes);
-  Step look(Instant now);
-  Step look_at_candidate();
-  Step look_at_stranger();
-  [[nodiscard]] modbus::PduLength candidate_length() const;
-  [[nodiscard]] bool has_other_length() const;
-  [[nodiscard]] modbus::Bytes buffered() const { return {buffer_.data(), buffer_.size()}; }
-  Verdict end_by_silence();
-  Verdict search(Instant now);
-  void note_stray(modbus::Bytes frame);
   void give_up_buffer();
-  void accept(modbus::Bytes pdu);
+  Verdict search(bool silence);
+  Found look(bool silence);
+  Found look_at(const Look& look);
+  Found look_at_candidate(const Look& look);
+  Found look_at_stranger(const Look& look);
+  Found found(const Look& look, Answer answer);
+  Found accept(const Look& look, std::size_t size);
+  void consume(std::size_t at, std::size_t size);
+  [[nodiscard]] bool may_begin_answer(const Look& look) const;
+  [[nodiscard]] modbus::Bytes bytes_from(std::size_t at) const {
+    return buffer_.bytes().subspan(at);
+  }
+  [[nodiscard]] modbus::PduLength candidate_length(modbus::Bytes bytes) const;
+  Verdict end_by_silence();
+  void note_stray(modbus::Bytes frame, bool after_noise);
 
   modbus::RtuTiming timing_;
-  Duration silence_;  // ends frames of unknown length
+  Duration slack_;
   BusCounters& counters_;
   const Transaction* transaction_ = nullptr;
-  boost::container::static_vector<std::uint8_t, kMostBuffered> buffer_;
+  ReceivedBytes buffer_;
   Instant last_byte_;
-  std::optional<Instant> begun_at_;  // first byte of what may be the answer
-  unsigned noise_skipped_ = 0;
-  bool discarding_ = false;  // the buffer is no frame: everything until silence is stray
-  bool bad_crc_ =
-      false;  // a complete candidate with a wrong CRC; silence must confirm that it is complete
-  bool opaque_ = false;  // a candidate that only silence ends
+  Answer answer_ = Answer::not_begun;
+  std::size_t answer_at_ = 0;  // its place among the bytes
+  bool discarding_ = false;    // the buffer is no frame: everything until silence is stray
   std::optional<modbus::Pdu> response_;
   Instant response_began_;
+  std::size_t noise_ = 0;
   Strays<kMostStrays> strays_;
 };
 

@@ -22,6 +22,15 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
 // Less than this is no proof: clocks differ, and so does what a drive counts its wait from.
 constexpr int kEarlyPart = 8;  // of the response wait
 
+// A USB adapter may keep an echo for so long (its latency timer, and a busy host).
+constexpr Duration kEchoKept = std::chrono::milliseconds(20);
+
+// Can the echo of this be mistaken for the answer to it? Of 05, 06, 22 and 08/00 it always is one.
+bool looks_like_answer(const Transaction& transaction) {
+  const auto fit = modbus::check_response(transaction.request, transaction.request.pdu().bytes());
+  return !transaction.is_broadcast() && fit == modbus::ResponseFit::normal;
+}
+
 }  // namespace
 
 SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters)
@@ -30,13 +39,24 @@ SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCo
       turnaround_(settings.turnaround),
       settle_(settings.settle),
       listen_first_(listen_first),
-      echo_(settings.line.echo),
+      echo_(!settings.line.echo   ? Echo::unknown
+            : *settings.line.echo ? Echo::present
+                                  : Echo::absent),
+      learns_echo_(!settings.line.echo),
+      paced_setting_(settings.line.paced),
       counters_(counters),
-      framer_(settings.line.framing, timing_, counters) {}
+      framer_(settings, timing_, counters) {}
 
-void SerialLine::open(Instant now) {
+void SerialLine::open(Instant now, LineKind kind) {
   abort();
+  paced_ = paced_setting_.value_or(kind == LineKind::uart);
+  if (learns_echo_) {
+    echo_ = Echo::unknown;  // it may be another adapter
+  }
+  unproven_told_ = unpaced_told_ = echo_shown_ = false;
   quiet_since_ = now;
+  busy_since_ = now;
+  emission_ends_ = now;
   listening_until_ = now + listen_first_;
   settling_until_ = now;
   turnaround_until_ = std::max(turnaround_until_, now);  // the drives know nothing of the adapter
@@ -47,6 +67,7 @@ void SerialLine::update(const BusSettings& settings, Duration listen_first) {
   frame_gap_ = settings.frame_gap.value_or(timing_.t3_5());
   turnaround_ = settings.turnaround;
   settle_ = settings.settle;
+  framer_.update(settings);
 }
 
 Instant SerialLine::ready_at(Duration gap) const {
@@ -65,19 +86,17 @@ FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming
   end_.reset();
   emission_ends_ = now + timing_.duration_of(frame.size());
   quiet_since_ = emission_ends_;
+  busy_since_ = emission_ends_;
   response_wait_ = timing.response_wait;
   owed_ = owed;
-  asked_ = transaction.address;
   draining_ = false;
   response_due_ =
       emission_ends_ +
       (transaction.boot_time ? turnaround_ : timing.response_timeout + timing.response_wait);
   response_deadline_ = response_due_;
-  echo_seen_ = 0;
-  echo_spoilt_ = false;
-  if (echo_) {
-    echo_expected_ = frame;
-  }
+  heard_ = 0;
+  echo_may_answer_ = looks_like_answer(transaction);
+  expect_echo(frame);
   if (transaction.is_broadcast()) {
     turnaround_until_ = emission_ends_ + turnaround_;
     framer_.listen();
@@ -95,12 +114,18 @@ void SerialLine::abort() {
   framer_.listen();
   transaction_ = nullptr;
   echo_expected_.clear();
+  echo_seen_ = 0;
   end_.reset();
 }
 
 void SerialLine::end(LineEnd::How how) {
   const bool early = how == LineEnd::How::response && response_wait_ > Duration{0} && is_early();
-  end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_, early};
+  end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_,
+                 std::max(quiet_since_ - emission_ends_, Duration{0}), early};
+  const bool framed = how == LineEnd::How::response || how == LineEnd::How::damaged;
+  end_->heard = heard_;
+  end_->heard_after = heard_ > 0 ? heard_at_ - emission_ends_ : Duration{0};
+  end_->noise = framed ? framer_.noise() : 0;
   framer_.listen();
 }
 
@@ -114,6 +139,57 @@ bool SerialLine::may_refuse_another() const {
   return transaction_->request.writes() && framer_.response().is_exception();
 }
 
+void SerialLine::expect_echo(const FrameBytes& frame) {
+  if (echo_ != Echo::present && echo_seen_ < echo_expected_.size()) {
+    counters_.stray_bytes += echo_seen_;  // it was held back for an echo that it was not
+  }
+  echo_seen_ = 0;
+  echo_spoilt_ = false;
+  echo_expected_.clear();
+  if (echo_ == Echo::present || (learns_echo_ && !echo_may_answer_)) {
+    echo_expected_ = frame;
+  }
+}
+
+void SerialLine::note(LineFault fault) {
+  if (faults_.size() < faults_.capacity()) {
+    faults_.push_back(fault);
+  }
+}
+
+void SerialLine::find_echo() {
+  echo_ = Echo::present;
+  echo_shown_ = true;
+  note(LineFault::echo_found);
+}
+
+// As long as what comes may be the echo of what was sent, it is held back: if it is, no answer to
+// that can look so, and the line hears itself.
+modbus::Bytes SerialLine::look_for_echo(modbus::Bytes bytes, Instant now) {
+  const std::size_t count = std::min(bytes.size(), echo_expected_.size() - echo_seen_);
+  const auto expected = echo_expected_.begin() + static_cast<std::ptrdiff_t>(echo_seen_);
+  if (!std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count), expected)) {
+    release_held(now);
+    return bytes;
+  }
+  held_since_ = echo_seen_ == 0 ? now : held_since_;
+  echo_seen_ += count;
+  if (echo_seen_ == echo_expected_.size()) {
+    find_echo();
+  }
+  return bytes.subspan(count);
+}
+
+void SerialLine::release_held(Instant now) {
+  const FrameBytes held(echo_expected_.begin(),
+                        echo_expected_.begin() + static_cast<std::ptrdiff_t>(echo_seen_));
+  echo_expected_.clear();
+  echo_seen_ = 0;
+  if (!held.empty()) {
+    judge(framer_.add({held.data(), held.size()}, held_since_), now);
+  }
+}
+
 modbus::Bytes SerialLine::compare_echo(modbus::Bytes bytes) {
   const std::size_t count = std::min(bytes.size(), echo_expected_.size() - echo_seen_);
   const auto expected = echo_expected_.begin() + static_cast<std::ptrdiff_t>(echo_seen_);
@@ -123,7 +199,10 @@ modbus::Bytes SerialLine::compare_echo(modbus::Bytes bytes) {
   }
   echo_seen_ = echo_expected_.size();
   echo_spoilt_ = true;
-  fault_ = LineFault::echo_differed;
+  note(LineFault::echo_differed);
+  if (learns_echo_) {
+    echo_ = Echo::unknown;  // the next read shows again what it is
+  }
   ++counters_.echo_mismatches;
   counters_.stray_bytes += bytes.size();
   return {};
@@ -133,9 +212,12 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
   if (framer_.awaits_silence()) {
     handle_deadline(now);  // if silence has ended a frame already, these bytes are no part of it
   }
+  if (now > quiet_since_ + frame_gap_) {
+    busy_since_ = now;
+  }
   quiet_since_ = std::max(quiet_since_, now);
   if (echo_seen_ < echo_expected_.size()) {
-    bytes = compare_echo(bytes);
+    bytes = echo_ == Echo::present ? compare_echo(bytes) : look_for_echo(bytes, now);
   }
   if (bytes.empty()) {
     return;
@@ -145,20 +227,79 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
     counters_.stray_bytes += bytes.size();
     return;
   }
+  if (now >= emission_ends_) {
+    heard_at_ = heard_ == 0 ? now : heard_at_;
+    heard_ += bytes.size();
+  }
   judge(framer_.add(bytes, now), now);
 }
 
-void SerialLine::judge(Verdict verdict, Instant now) {
-  while (verdict == Verdict::response && owed_ > 0 && (is_early() || may_refuse_another())) {
-    // It began before the device can have answered this request, or says no to any request: it is
-    // one of those that it owes.
+// What begins before the request has left a paced line answers nothing.
+Verdict SerialLine::refuse(Instant now) {
+  if (owed_ > 0) {
+    // It is one of those that the device owes.
     --owed_;
-    ++refused_;
-    verdict = framer_.again(now);
+    refused_.add({transaction_->address, framer_.response()});
+  } else if (learns_echo_ && repeats_request()) {
+    find_echo();
+  } else {
+    ++counters_.stray_frames;
+    if (transaction_->request.is_read() && !std::exchange(unpaced_told_, true)) {
+      note(LineFault::answered_while_sending);
+    }
+  }
+  return framer_.again(now);
+}
+
+bool SerialLine::repeats_request() const {
+  return echo_may_answer_ && framer_.response() == transaction_->request.pdu();
+}
+
+// Until a read has shown whether the line hears itself, a repetition that comes at once may be an
+// echo. If something else that fits stands behind it, it was; alone it is taken.
+Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
+  if (echo_ != Echo::unknown || !repeats_request() ||
+      framer_.response_began() > emission_ends_ + kEchoKept) {
+    return verdict;
+  }
+  if (echo_shown_ || transaction_->request.is_read()) {
+    // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
+    const Verdict behind = framer_.again(now);
+    if (behind == Verdict::response && owed_ == 0) {
+      find_echo();
+    }
+    return behind;
+  }
+  const modbus::Pdu repetition = framer_.response();
+  if (owed_ == 0 && framer_.again(now) == Verdict::response) {
+    find_echo();
+    return Verdict::response;
+  }
+  if (!std::exchange(unproven_told_, true)) {
+    note(LineFault::echo_unproven);
+  }
+  transaction_->response = repetition;
+  end(LineEnd::How::response);
+  return Verdict::none;
+}
+
+void SerialLine::judge(Verdict verdict, Instant now) {
+  while (verdict == Verdict::response && paced_ && framer_.response_began() < emission_ends_) {
+    verdict = refuse(now);
+  }
+  while (verdict == Verdict::response && owed_ > 0 && (is_early() || may_refuse_another())) {
+    // It began before the device can have answered this request, or says no to any request.
+    verdict = refuse(now);
+  }
+  if (verdict == Verdict::response) {
+    verdict = settle_echo(verdict, now);
   }
   switch (verdict) {
     case Verdict::none: return;
     case Verdict::response:
+      if (learns_echo_ && !echo_may_answer_ && echo_ == Echo::unknown) {
+        echo_ = Echo::absent;  // it would have come before
+      }
       transaction_->response = framer_.response();
       end(LineEnd::How::response);
       return;
@@ -178,6 +319,12 @@ void SerialLine::handle_deadline(Instant now) {
       end(LineEnd::How::sent);
     }
     return;
+  }
+  if (now >= response_deadline_ && echo_ != Echo::present && echo_seen_ > 0) {
+    release_held(now);  // it has begun to answer, or it was nothing
+    if (transaction_ == nullptr) {
+      return;
+    }
   }
   judge(framer_.handle_deadline(now), now);
   if (transaction_ != nullptr && now >= response_deadline_ && !framer_.in_progress()) {
@@ -200,14 +347,18 @@ std::optional<Instant> SerialLine::next_deadline() const {
 
 std::optional<LineEnd> SerialLine::take_end() { return std::exchange(end_, std::nullopt); }
 
-std::optional<LineFault> SerialLine::take_fault() { return std::exchange(fault_, std::nullopt); }
+std::optional<LineFault> SerialLine::take_fault() {
+  if (faults_.empty()) {
+    return std::nullopt;
+  }
+  const LineFault fault = faults_.front();
+  faults_.erase(faults_.begin());
+  return fault;
+}
 
 std::optional<Stray> SerialLine::take_stray() {
-  if (refused_ > 0) {
-    --refused_;
-    return Stray{asked_, true};
-  }
-  return framer_.take_stray();
+  const auto refused = refused_.take();
+  return refused ? refused : framer_.take_stray();
 }
 
 LineState SerialLine::state(Instant now) const {

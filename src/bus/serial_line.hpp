@@ -19,13 +19,18 @@ class SerialLine {
   SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters);
 
   /// The line was opened: listening begins, nothing of before counts any more.
-  void open(Instant now);
+  void open(Instant now, LineKind kind);
   /// Other times on the same line.
   void update(const BusSettings& settings, Duration listen_first);
   /// From when on the silence before a transmission suffices; `gap` is asked for on top of it.
   [[nodiscard]] Instant ready_at(Duration gap) const;
   /// The same for a stop, which waits for nothing but silence and a turnaround delay.
   [[nodiscard]] Instant ready_for_stop_at() const;
+  /// The same where nobody waits for silence: an own frame and a turnaround delay are over.
+  [[nodiscard]] Instant possible_at() const { return std::max(emission_ends_, turnaround_until_); }
+  /// Since when bytes follow each other without the silence before a transmission. If they have
+  /// ended, ready_for_stop_at() tells.
+  [[nodiscard]] std::optional<Instant> busy_since() const { return busy_since_; }
   /// Starts to transmit now; no other transaction may be running, and `transaction`, which gets the
   /// response, must outlive its end. The device owes `owed` answers: so many that begin before
   /// their time are refused. Returns the frame.
@@ -51,7 +56,15 @@ class SerialLine {
   [[nodiscard]] LineState state(Instant now) const;
 
  private:
+  void expect_echo(const FrameBytes& frame);
   modbus::Bytes compare_echo(modbus::Bytes bytes);
+  modbus::Bytes look_for_echo(modbus::Bytes bytes, Instant now);
+  void release_held(Instant now);
+  [[nodiscard]] bool repeats_request() const;
+  Verdict refuse(Instant now);
+  Verdict settle_echo(Verdict verdict, Instant now);
+  void find_echo();
+  void note(LineFault fault);
   void judge(Verdict verdict, Instant now);
   [[nodiscard]] bool is_early() const;
   [[nodiscard]] bool may_refuse_another() const;
@@ -62,27 +75,38 @@ class SerialLine {
   Duration turnaround_;
   Duration settle_;
   Duration listen_first_;
-  bool echo_;
+  enum class Echo : std::uint8_t { absent, present, unknown };
+  Echo echo_;
+  bool learns_echo_;  // nobody said whether there is one
+  std::optional<bool> paced_setting_;
+  bool paced_ = false;
   BusCounters& counters_;
   Framer framer_;
 
   Instant quiet_since_;  // the last byte in either direction
+  Instant busy_since_;   // the first one after the last silence
   Instant settling_until_;
   Instant listening_until_;
   Instant turnaround_until_;
   Transaction* transaction_ = nullptr;
   Instant emission_ends_;
-  Instant response_due_;       // the end of the response timeout
-  Instant response_deadline_;  // the same, or earlier because a stop waits
-  Duration response_wait_{0};  // the device holds its answer back for so long
-  unsigned owed_ = 0;          // answers to earlier requests that may still come
-  std::uint8_t asked_ = 0;     // the address of the last request
-  unsigned refused_ = 0;       // of these, those that came, and were not told yet
-  bool draining_ = false;      // what came last was no response: it must end first
+  Instant response_due_;          // the end of the response timeout
+  Instant response_deadline_;     // the same, or earlier because a stop waits
+  Duration response_wait_{0};     // the device holds its answer back for so long
+  unsigned owed_ = 0;             // answers to earlier requests that may still come
+  Strays<kMostStrays> refused_;   // of these, those that came, and were not told yet
+  bool draining_ = false;         // what came last was no response: it must end first
+  bool echo_may_answer_ = false;  // what was sent last looks like the answer to it
   FrameBytes echo_expected_;
+  Instant held_since_;  // the first byte of what may be an echo, and is not given to the framer yet
   std::size_t echo_seen_ = 0;
   bool echo_spoilt_ = false;  // what follows cannot be told from the rest of the echo
-  std::optional<LineFault> fault_;
+  std::size_t heard_ = 0;     // bytes since the last own frame had left
+  Instant heard_at_;          // the first of them
+  LineFaults faults_;
+  bool echo_shown_ = false;  // since the line was opened
+  bool unproven_told_ = false;
+  bool unpaced_told_ = false;
   std::optional<LineEnd> end_;
 };
 

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include "bus/job.hpp"
+#include "modbus/rtu.hpp"
+
 namespace mbgate::bus {
 
 Duration longest_response_timeout(const BusSettings& settings,
@@ -18,6 +21,27 @@ Duration longest_response_timeout(const BusSettings& settings,
     }
   }
   return longest;
+}
+
+Duration longest_stream(const BusSettings& settings) {
+  constexpr int kTenths = 10;
+  if (settings.line.framing == Framing::tcp) {
+    return Duration{0};
+  }
+  const Duration frame =
+      modbus::RtuTiming(settings.line.baud, settings.line.format)
+          .duration_of(settings.line.framing == Framing::ascii ? kMaxFrameSize
+                                                               : modbus::kMaxRtuSize);
+  return frame + frame / kTenths;
+}
+
+Duration least_stop_deadline(const BusSettings& settings) {
+  return settings.stop_wait + longest_stream(settings);
+}
+
+Duration stop_deadline(const BusSettings& settings) {
+  return settings.stop_deadline.value_or(
+      std::max<Duration>(std::chrono::seconds(2), least_stop_deadline(settings)));
 }
 
 }  // namespace mbgate::bus

@@ -19,9 +19,16 @@ bool is_foreign(modbus::Bytes stream) {
 
 }  // namespace
 
-void TcpLine::open(Instant now) {
+void TcpLine::open(Instant now, LineKind /*kind*/) {
   abort();
   quiet_since_ = now;
+  has_answered_ = false;
+  closes_by_ = Instant::min();
+}
+
+void TcpLine::update(const BusSettings& settings, Duration /*listen_first*/) {
+  check_unit_ = settings.check_unit;
+  replace_after_ = settings.replace_after;
 }
 
 void TcpLine::limit_wait(const Transaction& transaction, Instant instant, Duration least) {
@@ -39,6 +46,7 @@ FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& t
   const Instant due = now + timing.response_timeout + timing.response_wait;
   flights_.push_back({identifier, &transaction, now, due, due});
   quiet_since_ = now;
+  unheard_since_ = unheard_since_.value_or(now);
   const modbus::MbapBytes adu =
       modbus::encode({{identifier, transaction.address}, transaction.request.pdu()});
   return {adu.begin(), adu.end()};
@@ -51,6 +59,12 @@ void TcpLine::abort() {
   expired_.clear();
   strays_.clear();
   fault_.reset();
+  unheard_since_.reset();
+  unanswered_ = 0;
+}
+
+void TcpLine::note_closed(Instant now) {
+  closes_after_answer_ = has_answered_ && now - answered_at_ <= kTimeToClose;
 }
 
 TcpLine::Flights::iterator TcpLine::find(std::uint16_t identifier) {
@@ -67,15 +81,17 @@ std::uint16_t TcpLine::new_identifier() {
 
 void TcpLine::handle_bytes(modbus::Bytes bytes, Instant now) {
   quiet_since_ = now;
+  unheard_since_.reset();
+  unanswered_ = 0;
   if (fault_) {
     return;
   }
   stream_.insert(stream_.end(), bytes.begin(), bytes.end());
-  while (take_answer()) {
+  while (take_answer(now)) {
   }
 }
 
-bool TcpLine::take_answer() {
+bool TcpLine::take_answer(Instant now) {
   const modbus::MbapScan scan = modbus::scan_mbap(stream_);
   if (is_foreign(stream_) || std::holds_alternative<modbus::MbapLost>(scan)) {
     counters_.stray_bytes += stream_.size();
@@ -87,20 +103,22 @@ bool TcpLine::take_answer() {
   if (frame == nullptr) {
     return false;
   }
-  match(frame->adu);
+  match(frame->adu, now);
   stream_.erase(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(frame->size));
   return true;
 }
 
-void TcpLine::match(const modbus::MbapAdu& answer) {
+void TcpLine::match(const modbus::MbapAdu& answer, Instant now) {
   using modbus::ResponseFit;
   const auto flight = find(answer.header.transaction);
-  if (flight == flights_.end() || answer.header.unit != flight->transaction->address) {
+  if (flight == flights_.end() ||
+      !is_unit_right(answer.header.unit, flight->transaction->address)) {
     ++counters_.stray_frames;
     const auto expired =
         std::ranges::find(expired_, answer.header.transaction, &Expired::identifier);
-    if (expired != expired_.end() && expired->address == answer.header.unit) {
-      strays_.add({expired->address, true});
+    if (expired != expired_.end() && is_unit_right(answer.header.unit, expired->address)) {
+      note_answer(now);
+      strays_.add({expired->address, answer.pdu});
       expired_.erase(expired);
     }
     return;
@@ -111,14 +129,31 @@ void TcpLine::match(const modbus::MbapAdu& answer) {
     ++counters_.stray_frames;
     return;
   }
+  note_answer(now);
   transaction.response = answer.pdu;
   ends_.push_back({LineEnd::How::response, &transaction, flight->due});
   flights_.erase(flight);
 }
 
+// One that stays open after its first answer is as others are.
+void TcpLine::note_answer(Instant now) {
+  closes_after_answer_ = closes_after_answer_ && !has_answered_;
+  closes_by_ = closes_after_answer_ ? now + kTimeToClose : Instant::min();
+  has_answered_ = true;
+  answered_at_ = now;
+}
+
+std::optional<Instant> TcpLine::replace_at() const {
+  const bool enough = replace_after_ > 0 && unanswered_ >= replace_after_;
+  return enough ? std::optional(*unheard_since_ + kSilenceToReplace) : std::nullopt;
+}
+
 void TcpLine::handle_deadline(Instant now) {
   for (const Flight& flight : flights_) {
     if (now >= flight.response_deadline) {
+      // One that was sent before the last byte came says nothing of the time since.
+      const bool counts = unheard_since_ && flight.sent >= *unheard_since_;
+      unanswered_ += counts && !flight.transaction->may_stay_silent() ? 1U : 0U;
       ends_.push_back({LineEnd::How::no_response, flight.transaction, flight.due});
       expired_.push_back({flight.identifier, flight.transaction->address});
       if (expired_.size() > kMostExpired) {
@@ -127,10 +162,15 @@ void TcpLine::handle_deadline(Instant now) {
     }
   }
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
+  if (const auto at = replace_at(); at && now >= *at) {
+    unheard_since_.reset();
+    unanswered_ = 0;
+    fault_ = LineFault::unanswered;
+  }
 }
 
 std::optional<Instant> TcpLine::next_deadline() const {
-  std::optional<Instant> deadline;
+  std::optional<Instant> deadline = replace_at();
   for (const Flight& flight : flights_) {
     deadline = earlier(deadline, flight.response_deadline);
   }

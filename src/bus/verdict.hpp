@@ -7,6 +7,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "modbus/request_length.hpp"
+#include "modbus/response.hpp"
+
 namespace mbgate::bus {
 
 /// Stray frames of one piece of bytes whose addresses a framer keeps.
@@ -15,7 +18,22 @@ inline constexpr std::size_t kMostStrays = 16;
 /// A good frame that answers nothing that was asked.
 struct Stray {
   std::uint8_t address;
-  bool is_response;  ///< it has the length of one; else it may be another client's request
+  modbus::Pdu pdu;
+  bool is_response;  ///< it has the length of one
+  bool is_request;   ///< it can be nothing else
+  bool after_noise;  ///< other bytes stood before it: it may be a frame by chance only
+
+  Stray(std::uint8_t from, const modbus::Pdu& heard, bool noisy = false)
+      : address(from), pdu(heard), after_noise(noisy) {
+    is_response = is_whole(modbus::response_length(pdu.bytes()));
+    is_request = !is_response && is_whole(modbus::request_length(pdu.bytes())) &&
+                 modbus::Request::parse(pdu).has_value();
+  }
+
+ private:
+  [[nodiscard]] bool is_whole(const modbus::PduLength& length) const {
+    return length.kind == modbus::PduLength::Kind::known && length.bytes == pdu.bytes().size();
+  }
 };
 
 /// Those that were seen and not told yet: `Most`, and no more.

@@ -13,6 +13,10 @@ void read_times(TomlTable& table, bus::BusSettings& settings) {
   read_shared_timing(table, {.tcp = settings.line.framing == bus::Framing::tcp}, settings.timing);
   assign(settings.turnaround, table.duration("turnaround", {0s, 1min}));
   assign(settings.frame_gap, table.duration("frame_gap", {0s, 1s}));
+  assign(settings.frame_slack, table.duration("frame_slack", {1ms, 10s}));
+  if (settings.line.framing == bus::Framing::ascii && table.has("frame_slack")) {
+    table.error("frame_slack", "belongs to mode = \"rtu\": ASCII characters may be 1s apart");
+  }
   assign(settings.listen_first, table.duration("listen_first", {0s, 1min}));
   assign(settings.settle, table.duration("settle", {0s, 1min}));
   assign(settings.reopen_min, table.duration("reopen_min", kReopen));
@@ -24,12 +28,47 @@ void read_times(TomlTable& table, bus::BusSettings& settings) {
   }
 }
 
+void read_hung(TomlTable& table, bus::BusSettings& settings) {
+  assign(settings.hung_after, table.duration("hung_after", {1s, 24h, true}));
+  assign(settings.hung_requests, table.integer("hung_requests", {1, 1'000'000}));
+  assign(settings.hung_max, table.duration("hung_max", {1s, 24h}));
+  if (settings.hung_max < settings.hung_after) {
+    table.error(table.has("hung_max") ? "hung_max" : "hung_after",
+                "hung_max (" + to_text(settings.hung_max) + ") is shorter than hung_after (" +
+                    to_text(settings.hung_after) + ")");
+  }
+  for (const auto* key : {"hung_after", "hung_requests", "hung_max"}) {
+    if (settings.line.remote && table.has(key)) {
+      table.error(key, "belongs to a serial port of this machine");
+    }
+  }
+}
+
+/// What may still be under way on a line that works must be over by then.
+void read_stop_deadline(TomlTable& table, bus::BusSettings& settings) {
+  if (settings.line.framing == bus::Framing::tcp) {
+    if (table.has("stop_deadline")) {
+      table.error("stop_deadline", "belongs to serial lines: a connection needs no silence");
+    }
+    return;
+  }
+  assign(settings.stop_deadline, table.duration("stop_deadline", {1ms, 1min}));
+  const auto least = bus::least_stop_deadline(settings);
+  if (settings.stop_deadline && *settings.stop_deadline < least) {
+    table.error("stop_deadline",
+                to_text(*settings.stop_deadline) + " is shorter than " + to_text(least) +
+                    ": stop_wait and 1.1 times the longest frame at " +
+                    std::to_string(static_cast<std::uint32_t>(settings.line.baud)) + " baud");
+  }
+}
+
 void read_queueing(TomlTable& table, bus::BusSettings& settings) {
   assign(settings.queue, table.integer("queue", {1, 1'000'000}));
   assign(settings.coalesce, table.boolean("coalesce"));
   assign(settings.merge, table.boolean("merge"));
   assign(settings.burst, table.integer("burst", {1, 1000}));
   assign(settings.stop_wait, table.duration("stop_wait", {0s, 10s}));
+  read_stop_deadline(table, settings);
   const auto* share = table.value("probe_share");
   if (share == nullptr) {
     return;
@@ -84,6 +123,7 @@ void read_buses(Draft& draft) {
     read_line(table, settings);
     check_line(draft, settings);
     read_times(table, settings);
+    read_hung(table, settings);
     check_frame_gap(table, settings);
     read_queueing(table, settings);
     draft.settings.buses.push_back(std::move(settings));

@@ -42,11 +42,16 @@ void read_hold(TomlTable& table, DeviceGuard& guard) {
   }
 }
 
-void read_quiet(TomlTable& table, DeviceGuard& guard) {
+void read_occasions(TomlTable& table, DeviceGuard& guard) {
   assign(guard.quiet, table.duration("quiet", {10ms, 24h, true}));
+  assign(guard.failsafe_on_exit, table.boolean("failsafe_on_exit"));
   const auto* writes = table.value("failsafe");
-  if (table.has("quiet") && (writes == nullptr || is_empty_list(*writes))) {
+  const bool has_writes = writes != nullptr && !is_empty_list(*writes);
+  if (table.has("quiet") && !has_writes) {
     table.error("quiet", "needs 'failsafe': what is written after so long a silence");
+  }
+  if (table.has("failsafe_on_exit") && !has_writes) {
+    table.error("failsafe_on_exit", "needs 'failsafe': what is written when the gateway stops");
   }
 }
 
@@ -57,7 +62,7 @@ gateway::DeviceGuard read_guard(TomlTable& table, const drive::Device& device) {
   read_writer(table, guard);
   read_hold(table, guard);
   guard.failsafe = read_failsafe(table, device);
-  read_quiet(table, guard);
+  read_occasions(table, guard);
   return guard;
 }
 

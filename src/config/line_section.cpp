@@ -11,6 +11,7 @@ namespace {
 
 using bus::Framing;
 using modbus::Parity;
+using namespace std::chrono_literals;
 
 constexpr std::array kModes = {Word{"rtu", Framing::rtu}, Word{"ascii", Framing::ascii},
                                Word{"tcp", Framing::tcp}};
@@ -25,9 +26,29 @@ constexpr std::int64_t kMostOutstanding = 16;
 constexpr std::string_view kScheme = "tcp://";
 
 /// Keys of serial lines; RTU and ASCII over TCP have them too.
-constexpr std::array kSerialKeys = {"device",    "baud",       "data_bits",    "parity",
-                                    "stop_bits", "rs485",      "echo",         "low_latency",
-                                    "frame_gap", "turnaround", "listen_first", "settle"};
+constexpr std::array kSerialKeys = {"device",
+                                    "baud",
+                                    "data_bits",
+                                    "parity",
+                                    "stop_bits",
+                                    "rs485",
+                                    "rs485_rts_on_send",
+                                    "rs485_delay_before",
+                                    "rs485_delay_after",
+                                    "echo",
+                                    "paced",
+                                    "low_latency",
+                                    "frame_gap",
+                                    "frame_slack",
+                                    "turnaround",
+                                    "listen_first",
+                                    "settle"};
+/// The longest that Linux takes (serial_core.c, RS485_MAX_RTS_DELAY).
+constexpr std::chrono::milliseconds kLongestDelay = 100ms;
+
+/// Keys of a Modbus TCP server, and of whatever is reached by a TCP connection.
+constexpr std::array kServerKeys = {"host", "port", "outstanding", "check_unit", "replace_after"};
+constexpr std::array kConnectionKeys = {"connect_timeout", "acknowledge_timeout", "idle_probe"};
 
 /// "host:port", "[::1]:port".
 std::optional<bus::Endpoint> parse_endpoint(std::string_view text) {
@@ -94,11 +115,49 @@ void read_character(TomlTable& table, bus::LineSettings& line) {
   assign(line.format.stop_bits, table.integer("stop_bits", {1, 2}));
 }
 
-/// What only a serial port of this machine has.
-void check_remote(TomlTable& table, const bus::LineSettings& line) {
+/// How the kernel turns the line round, where it is told otherwise than by the device tree.
+void read_direction(TomlTable& table, bus::LineSettings& line) {
+  assign(line.rs485, table.word<bus::Rs485>("rs485", kDirections));
+  assign(line.rs485_rts_on_send, table.boolean("rs485_rts_on_send"));
+  assign(line.rs485_delay_before, table.duration("rs485_delay_before", {0ms, kLongestDelay}));
+  assign(line.rs485_delay_after, table.duration("rs485_delay_after", {0ms, kLongestDelay}));
+  for (const auto& [key, delay] : {std::pair{"rs485_delay_before", line.rs485_delay_before},
+                                   std::pair{"rs485_delay_after", line.rs485_delay_after}}) {
+    if (delay && *delay % 1ms != 0ms) {
+      table.report_expected(key, *table.value(key), "whole milliseconds");
+    }
+  }
+  for (const auto* key : {"rs485_rts_on_send", "rs485_delay_before", "rs485_delay_after"}) {
+    if (table.has(key) && line.rs485 != bus::Rs485::kernel) {
+      table.error(key, "belongs to rs485 = \"kernel\"");
+    }
+  }
+}
+
+void read_connection(TomlTable& table, bus::ConnectionTimes& times) {
+  assign(times.connect_timeout, table.duration("connect_timeout", {100ms, 1min}));
+  assign(times.acknowledge_timeout, table.duration("acknowledge_timeout", {100ms, 1min}));
+  const auto probe = table.duration("idle_probe", {2s, 1h});
+  times.idle_probe =
+      std::chrono::duration_cast<std::chrono::seconds>(probe.value_or(times.idle_probe));
+  if (probe && times.idle_probe != *probe) {
+    table.report_expected("idle_probe", *table.value("idle_probe"), "whole seconds");
+  }
+}
+
+/// What only a serial port of this machine has, and what it has not.
+void check_remote(TomlTable& table, bus::LineSettings& line) {
   if (!line.remote) {
+    for (const auto* key : kConnectionKeys) {
+      if (table.has(key)) {
+        table.error(key,
+                    "belongs to a TCP connection: mode = \"tcp\", or device = "
+                    "\"tcp://host:port\"");
+      }
+    }
     return;
   }
+  read_connection(table, line.connection);
   if (line.rs485 != bus::Rs485::off) {
     table.error("rs485", "the serial device server turns its line round itself: expected \"off\"");
   }
@@ -107,14 +166,33 @@ void check_remote(TomlTable& table, const bus::LineSettings& line) {
   }
 }
 
+/// true, false, or "auto": found out.
+void read_switch(TomlTable& table, const char* key, std::optional<bool>& target) {
+  const TomlValue* value = table.value(key);
+  if (value == nullptr) {
+    return;
+  }
+  const auto* text = std::get_if<std::string>(&value->data);
+  const auto* chosen = std::get_if<bool>(&value->data);
+  if (chosen != nullptr) {
+    target = *chosen;
+  } else if (text != nullptr && *text == "auto") {
+    target.reset();
+  } else {
+    table.report_expected(key, *value, "true, false or \"auto\"");
+  }
+}
+
 void read_serial(TomlTable& table, bus::LineSettings& line) {
   read_device(table, line);
   assign(line.baud, table.integer("baud", {1, std::numeric_limits<std::uint32_t>::max()}));
   read_character(table, line);
-  assign(line.rs485, table.word<bus::Rs485>("rs485", kDirections));
-  assign(line.echo, table.boolean("echo"));
+  read_direction(table, line);
+  read_switch(table, "echo", line.echo);
+  read_switch(table, "paced", line.paced);
   assign(line.low_latency, table.boolean("low_latency"));
   check_remote(table, line);
+  check_habits(table, line);
   for (const auto* key : {"host", "port"}) {
     if (table.has(key)) {
       table.error(key,
@@ -125,6 +203,11 @@ void read_serial(TomlTable& table, bus::LineSettings& line) {
   if (table.has("outstanding")) {
     table.error("outstanding",
                 "belongs to mode = \"tcp\": a serial line carries one request at a time");
+  }
+  for (const auto* key : {"check_unit", "replace_after"}) {
+    if (table.has(key)) {
+      table.error(key, "belongs to mode = \"tcp\"");
+    }
   }
 }
 
@@ -139,6 +222,9 @@ void read_server(TomlTable& table, bus::BusSettings& settings) {
   assign(server.port, table.integer("port", {1, 65535}));
   settings.line.remote = std::move(server);
   assign(settings.outstanding, table.integer("outstanding", {1, kMostOutstanding}));
+  assign(settings.check_unit, table.boolean("check_unit"));
+  assign(settings.replace_after, table.integer("replace_after", {0, 1000}));
+  read_connection(table, settings.line.connection);
   for (const auto* key : kSerialKeys) {
     if (table.has(key)) {
       table.error(key, "belongs to a serial line; a Modbus TCP server has 'host' and 'port'");
@@ -157,7 +243,10 @@ void read_line(TomlTable& table, bus::BusSettings& settings) {
     for (const auto* key : kSerialKeys) {
       table.has(key);
     }
-    for (const auto* key : {"host", "port", "outstanding"}) {
+    for (const auto* key : kServerKeys) {
+      table.has(key);
+    }
+    for (const auto* key : kConnectionKeys) {
       table.has(key);
     }
   } else if (settings.line.framing == Framing::tcp) {

@@ -29,6 +29,21 @@ void read_address(TomlTable& table, ListenerSettings& listener) {
   }
   table.require("port");
   listener.port = static_cast<std::uint16_t>(table.integer("port", {0, 65535}).value_or(0));
+  assign(listener.freebind, table.boolean("freebind"));
+}
+
+bool is_every_interface(const ClientAddress& address) {
+  return address == ClientAddress::parse("0.0.0.0") || address == ClientAddress::parse("::");
+}
+
+/// Drives are not opened to every network that the machine is in by one line.
+void check_open(TomlTable& table, const ListenerSettings& listener) {
+  const auto address = ClientAddress::parse(listener.address);
+  if (address && is_every_interface(*address) && !table.has("allow")) {
+    table.error("address", in_quotes(listener.address) +
+                               " is every interface: expected 'allow' with those who may connect, "
+                               "such as allow = [\"192.168.10.0/24\"]");
+  }
 }
 
 void read_limits(TomlTable& table, ListenerSettings& listener) {
@@ -98,9 +113,8 @@ bool clash(const ListenerSettings& a, const ListenerSettings& b) {
   if (a.port == 0 || a.port != b.port || !first || !second) {
     return false;
   }
-  const auto wildcard = ClientAddress::parse(first->is_v4() ? "0.0.0.0" : "::");
-  return *first == *second ||
-         (first->is_v4() == second->is_v4() && (first == wildcard || second == wildcard));
+  return *first == *second || (first->is_v4() == second->is_v4() &&
+                               (is_every_interface(*first) || is_every_interface(*second)));
 }
 
 void check_port(Draft& draft, const ListenerSettings& listener) {
@@ -127,6 +141,7 @@ void read_listeners(Draft& draft) {
     check_port(draft, listener);
     read_limits(table, listener);
     read_access(table, listener);
+    check_open(table, listener);
     read_transparent(draft, table, listener);
     read_tcp(table, listener.tcp);
     draft.settings.listeners.push_back(std::move(listener));

@@ -157,7 +157,7 @@ void read_values(ProfileDraft& draft) {
 
 void read_slow(ProfileDraft& draft) {
   for (auto& entry : draft.root.tables("slow")) {
-    const auto range = read_counted_range(draft.file, entry, kWritableTables);
+    const auto range = read_counted_range(draft.file, entry, kTables);
     entry.require("response_timeout");
     const auto timeout = entry.duration("response_timeout", {1ms, 1h});
     auto source = read_source(entry);

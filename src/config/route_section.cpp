@@ -89,12 +89,13 @@ void read_bus(Draft& draft, TomlTable& table, const UnitRange& units, Route& rou
 }
 
 void read_unicast_target(Draft& draft, TomlTable& table, const UnitRange& units, Route& route) {
+  const bool to_device = table.has("device");
   for (const auto* key : {"broadcast", "broadcast_mixed", "broadcast_reply"}) {
     if (table.has(key)) {
-      table.error(key, "belongs to a route with unit = 0");
+      table.error(key, units.first == 0 ? "a route that names a device is no broadcast"
+                                        : "belongs to a route with unit = 0");
     }
   }
-  const bool to_device = table.has("device");
   const bool to_bus = table.has("bus");
   if (to_device && to_bus) {
     table.error("bus", "a route leads to a device or to a bus, not to both");
@@ -138,16 +139,16 @@ void read_broadcast_buses(Draft& draft, TomlTable& table, Route& route) {
     }
   } else if (!table.has("bus") && !table.has("broadcast")) {
     draft.document.error(table.position(),
-                         "[[route]]: it leads nowhere: give 'bus' or broadcast = \"all\"");
+                         "[[route]]: it leads nowhere: give 'bus' or broadcast = \"all\", or "
+                         "'device' if unit 0 is to be no broadcast");
   }
 }
 
 void read_broadcast_target(Draft& draft, TomlTable& table, Route& route) {
-  for (const auto* key : {"device", "address"}) {
-    if (table.has(key)) {
-      table.error(key,
-                  "a broadcast (unit 0) is for a whole bus: give 'bus' or broadcast = \"all\"");
-    }
+  if (table.has("address")) {
+    table.error("address",
+                "a broadcast (unit 0) is for a whole bus: give 'bus' or broadcast = \"all\"; a "
+                "route that names a device is none");
   }
   assign(route.broadcast_reply, table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
   read_broadcast_buses(draft, table, route);
@@ -171,8 +172,8 @@ void read_routes(Draft& draft) {
     Route route;
     read_listener(draft, table, route);
     const auto units = read_unit(draft, table, route);
-    const bool broadcast = units && units->first == 0;
     accept_target_keys(table);
+    const bool broadcast = units && units->first == 0 && !table.has("device");
     if (broadcast) {
       read_broadcast_target(draft, table, route);
     } else if (units) {

@@ -53,6 +53,9 @@ std::string read_name(TomlTable& table);
 /// `mode` and what a line of that mode has: `device`, `baud`, ...; or `host`, `port`.
 void read_line(TomlTable& table, bus::BusSettings& settings);
 
+/// Warnings of a serial line: what is possible, but seldom meant.
+void check_habits(TomlTable& table, const bus::LineSettings& line);
+
 /// What kind of drive a device is: `profile`, `word_order`, `values32`, ... Its bus is known.
 void read_drive(Draft& draft, TomlTable& table, drive::Device& device);
 
@@ -92,6 +95,9 @@ void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key,
 
 /// Windows, word orders and broadcasts of routes against the devices that they reach.
 void check_routes(Draft& draft);
+
+/// Deadlines of routes against the times of the devices that they reach.
+void check_deadlines(Draft& draft);
 
 /// Is it a connection to a Modbus TCP server? False for an unknown bus.
 bool is_tcp(const Draft& draft, drive::BusId bus);

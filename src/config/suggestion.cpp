@@ -2,6 +2,8 @@
 #include "config/suggestion.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 
 namespace mbgate::config {
 namespace {
@@ -9,6 +11,81 @@ namespace {
 constexpr std::size_t kMostEdits = 3;
 /// No key or name is longer; keeps the work small for whatever stands in a file.
 constexpr std::size_t kLongestWord = 64;
+
+/// A key as other programs and people call it.
+struct Familiar {
+  std::string_view word;
+  std::string_view ours;
+  std::string_view beside;  ///< a key that the table must have too, so that it is the one meant
+};
+
+/// The first that fits counts. An `address` is an interface beside `port`, and a drive's beside
+/// `profile`.
+constexpr std::array kFamiliar = {
+    Familiar{"baudrate", "baud", ""},
+    Familiar{"baud_rate", "baud", ""},
+    Familiar{"bitrate", "baud", ""},
+    Familiar{"speed", "baud", ""},
+    Familiar{"bits", "data_bits", ""},
+    Familiar{"bytesize", "data_bits", ""},
+    Familiar{"stopbits", "stop_bits", ""},
+    Familiar{"timeout", "response_timeout", ""},
+    Familiar{"timeout", "deadline", ""},
+    Familiar{"timeout", "idle_timeout", ""},
+    Familiar{"host", "address", "port"},
+    Familiar{"hostname", "address", "port"},
+    Familiar{"ip", "address", "port"},
+    Familiar{"bind", "address", "port"},
+    Familiar{"listen", "address", "port"},
+    Familiar{"interface", "address", "port"},
+    Familiar{"slave", "unit", ""},
+    Familiar{"slave", "address", "profile"},
+    Familiar{"slave", "device", "route"},
+    Familiar{"slave_id", "unit", ""},
+    Familiar{"slave_id", "address", "profile"},
+    Familiar{"slave_address", "address", "profile"},
+    Familiar{"unit_id", "unit", ""},
+    Familiar{"unit_id", "address", "profile"},
+    Familiar{"unit", "address", "profile"},
+    Familiar{"id", "unit", ""},
+    Familiar{"id", "address", "profile"},
+    Familiar{"station", "address", "profile"},
+    Familiar{"node", "address", "profile"},
+    Familiar{"type", "profile", ""},
+    Familiar{"model", "profile", ""},
+    Familiar{"type", "mode", ""},
+    Familiar{"protocol", "mode", ""},
+    Familiar{"framing", "mode", ""},
+    Familiar{"tty", "device", "baud"},
+    Familiar{"serial", "device", "baud"},
+    Familiar{"serial_port", "device", "baud"},
+    Familiar{"path", "device", "baud"},
+    Familiar{"tty", "bus", "route"},
+    Familiar{"serial", "bus", "route"},
+    Familiar{"line", "bus", "route"},
+    Familiar{"byte_order", "word_order", ""},
+    Familiar{"byteorder", "word_order", ""},
+    Familiar{"byte_swap", "word_order", ""},
+    Familiar{"word_swap", "word_order", ""},
+    Familiar{"swap", "word_order", ""},
+    Familiar{"endian", "word_order", ""},
+    Familiar{"endianness", "word_order", ""},
+    Familiar{"read_only", "access", ""},
+    Familiar{"readonly", "access", ""},
+    Familiar{"max_clients", "max_connections", ""},
+};
+
+/// "Baud-Rate" is "baud_rate".
+std::string in_our_letters(std::string_view key) {
+  std::string ours(key);
+  for (char& letter : ours) {
+    letter =
+        letter == '-' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  }
+  return ours;
+}
+
+std::string suggest(std::string_view word) { return "; did you mean '" + std::string(word) + "'?"; }
 
 }  // namespace
 
@@ -57,7 +134,18 @@ std::optional<std::string_view> nearest(std::string_view word,
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string_view>& candidates) {
   const auto best = nearest(word, candidates);
-  return best ? "; did you mean '" + std::string(*best) + "'?" : std::string();
+  return best ? suggest(*best) : std::string();
+}
+
+std::string did_you_mean_key(std::string_view key, const std::vector<std::string_view>& known) {
+  const auto has = [&](std::string_view wanted) {
+    return std::ranges::find(known, wanted) != known.end();
+  };
+  const std::string word = in_our_letters(key);
+  const auto familiar = std::ranges::find_if(kFamiliar, [&](const Familiar& entry) {
+    return entry.word == word && has(entry.ours) && (entry.beside.empty() || has(entry.beside));
+  });
+  return familiar != kFamiliar.end() ? suggest(familiar->ours) : did_you_mean(key, known);
 }
 
 }  // namespace mbgate::config

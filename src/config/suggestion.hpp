@@ -21,4 +21,8 @@ std::optional<std::string_view> nearest(std::string_view word,
 /// "; did you mean 'response_timeout'?", or nothing.
 std::string did_you_mean(std::string_view word, const std::vector<std::string_view>& candidates);
 
+/// The same for a key, whose right words are all keys of its table: what other programs call it
+/// goes before what looks like it.
+std::string did_you_mean_key(std::string_view key, const std::vector<std::string_view>& known);
+
 }  // namespace mbgate::config

@@ -41,7 +41,7 @@ void TomlDocument::report_unknown_keys(const TomlTableValue& table) {
     if (std::ranges::find(known, entry.key) == known.end()) {
       error(entry.position, "unknown key '" + entry.key + "'" +
                                 (table.title.empty() ? "" : " in " + table.title) +
-                                did_you_mean(entry.key, known));
+                                did_you_mean_key(entry.key, known));
     } else if (const auto* inner = std::get_if<TomlTableValue>(&entry.value.data)) {
       report_unknown_keys(*inner);
     } else if (const auto* list = std::get_if<std::vector<TomlValue>>(&entry.value.data)) {

@@ -25,9 +25,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <fstream>
 #include <system_error>
+
+#include "config/duration_text.hpp"
 
 namespace mbgate::config {
 namespace {
@@ -82,6 +85,10 @@ TomlValue convert(const toml::node& node, const std::string& path, bool in_array
   return converted;
 }
 
+/// Words for which TOML has values, or that are meant for them.
+constexpr std::array<std::string_view, 8> kTruths = {"true", "false", "inf", "nan",
+                                                     "yes",  "no",    "on",  "off"};
+
 struct Rewording {
   std::string_view library;
   std::string_view ours;
@@ -115,6 +122,30 @@ std::string syntax_message(std::string_view description) {
     }
   }
   return message;
+}
+
+/// A word, an address or a duration that stands alone behind the equals sign of a line; empty if
+/// something else does. What TOML itself knows as a value is none.
+std::string_view bare_value(std::string_view line) {
+  constexpr std::string_view kWhite = " \t";
+  const auto equals = line.find('=');
+  const auto begin = line.find_first_not_of(kWhite, equals == line.npos ? equals : equals + 1);
+  if (begin == line.npos) {
+    return {};
+  }
+  auto value = line.substr(begin, line.find('#', begin) - begin);
+  value = value.substr(0, value.find_last_not_of(kWhite) + 1);
+  const bool plain = std::ranges::all_of(value, [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("_-./:").find(c) != std::string_view::npos;
+  });
+  if (!plain || value.empty() || std::ranges::find(kTruths, value) != kTruths.end()) {
+    return {};
+  }
+  const bool word = std::isalpha(static_cast<unsigned char>(value.front())) != 0 ||
+                    value.find_first_of("/:") != line.npos;
+  const bool address = std::ranges::count(value, '.') > 1;
+  return word || address || parse_duration(value) ? value : std::string_view{};
 }
 
 std::vector<std::string> split_lines(std::string_view text) {
@@ -161,6 +192,19 @@ TomlDocument TomlDocument::load(const std::filesystem::path& path) {
   return parse(path.string(), text);
 }
 
+void TomlDocument::report_syntax(Position position, std::string_view description) {
+  const bool known = position.line >= 1 && position.line <= lines_.size();
+  const std::string_view line = known ? lines_[position.line - 1] : std::string_view();
+  const auto bare = bare_value(line);
+  if (bare.empty()) {
+    error(position, syntax_message(description));
+    return;
+  }
+  const auto column = static_cast<std::uint32_t>(bare.data() - line.data()) + 1;
+  error({position.line, column},
+        "syntax: quotes are missing: expected " + in_quotes(bare) + ", found " + std::string(bare));
+}
+
 TomlDocument TomlDocument::parse(std::string name, std::string_view text) {
   TomlDocument document(std::move(name));
   if (text.size() > kLargestFile) {
@@ -180,8 +224,7 @@ TomlDocument TomlDocument::parse(std::string name, std::string_view text) {
   }
   const auto result = toml::parse(text, std::string_view(document.name_));
   if (!result) {
-    document.error(position_of(result.error().source()),
-                   syntax_message(result.error().description()));
+    document.report_syntax(position_of(result.error().source()), result.error().description());
     return document;
   }
   *document.root_ = convert_table(result.table(), "", false);

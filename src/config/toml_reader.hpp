@@ -145,6 +145,7 @@ class TomlDocument {
  private:
   explicit TomlDocument(std::string name);
   void report(Severity severity, Position position, std::string message);
+  void report_syntax(Position position, std::string_view description);
   void report_unknown_keys(const TomlTableValue& table);
 
   std::string name_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <charconv>
 
 #include "config/duration_text.hpp"
 #include "config/suggestion.hpp"
@@ -27,6 +28,29 @@ std::string path_of(std::string_view title, std::string_view key) {
   }
   const auto end = title.find(']');
   return std::string(title.substr(first, end - first)) + "." + std::string(key);
+}
+
+/// Is it the text of a number from `min` to `max`, of which only the quotes are wrong?
+template <typename Number>
+bool is_quoted_number(const TomlValue& value, Number min, Number max) {
+  const auto* text = std::get_if<std::string>(&value.data);
+  if (text == nullptr) {
+    return false;
+  }
+  Number number{};
+  const auto* end = text->data() + text->size();
+  const auto [at, error] = std::from_chars(text->data(), end, number);
+  return error == std::errc{} && at == end && number >= min && number <= max;
+}
+
+bool is_quoted_truth(const TomlValue& value) {
+  const auto* text = std::get_if<std::string>(&value.data);
+  return text != nullptr && (*text == "true" || *text == "false");
+}
+
+/// What stands between the quotes is right.
+std::string without_quotes(const TomlValue& value) {
+  return std::get<std::string>(value.data) + " without quotes";
 }
 
 bool is_number(const TomlValue& value) {
@@ -97,7 +121,7 @@ std::optional<bool> TomlTable::boolean(std::string_view key) {
   if (const auto* truth = std::get_if<bool>(&found->data)) {
     return *truth;
   }
-  report_expected(key, *found, "true or false");
+  report_expected(key, *found, is_quoted_truth(*found) ? without_quotes(*found) : "true or false");
   return std::nullopt;
 }
 
@@ -112,7 +136,9 @@ std::optional<std::int64_t> TomlTable::integer(std::string_view key, IntegerRang
   }
   report_expected(
       key, *found,
-      "an integer from " + std::to_string(range.min) + " to " + std::to_string(range.max));
+      is_quoted_number(*found, range.min, range.max)
+          ? without_quotes(*found)
+          : "an integer from " + std::to_string(range.min) + " to " + std::to_string(range.max));
   return std::nullopt;
 }
 
@@ -132,7 +158,9 @@ std::optional<double> TomlTable::number(std::string_view key, NumberRange range)
   }
   report_expected(
       key, *found,
-      "a number from " + describe({{}, range.min}) + " to " + describe({{}, range.max}));
+      is_quoted_number(*found, range.min, range.max)
+          ? without_quotes(*found)
+          : "a number from " + describe({{}, range.min}) + " to " + describe({{}, range.max}));
   return std::nullopt;
 }
 

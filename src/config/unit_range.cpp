@@ -42,9 +42,13 @@ std::optional<UnitRange> read_units(TomlTable& table, std::string_view key, Inte
     range = parse_range(*text, limits);
   }
   if (!range) {
+    const auto* text = std::get_if<std::string>(&found->data);
+    const auto quoted = text != nullptr ? parse_number(*text) : std::nullopt;
     table.report_expected(key, *found,
-                          "an integer from " + std::to_string(limits.min) + " to " +
-                              std::to_string(limits.max) + " or a range such as \"1-32\"");
+                          quoted && *quoted >= limits.min && *quoted <= limits.max
+                              ? *text + " without quotes"
+                              : "an integer from " + std::to_string(limits.min) + " to " +
+                                    std::to_string(limits.max) + " or a range such as \"1-32\"");
     return std::nullopt;
   }
   return UnitRange{static_cast<std::uint8_t>(range->min), static_cast<std::uint8_t>(range->max)};

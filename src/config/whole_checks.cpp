@@ -2,17 +2,13 @@
 // What only the whole configuration shows.
 #include <algorithm>
 
-#include "config/duration_text.hpp"
 #include "config/sections.hpp"
-#include "gateway/limits.hpp"
 
 namespace mbgate::config {
 namespace {
 
-using bus::Duration;
 using gateway::Settings;
 using routing::Route;
-using namespace std::chrono_literals;
 
 bool stands_nowhere(TomlTable root, std::string_view key) {
   const auto* found = root.value(key);
@@ -45,30 +41,6 @@ void check_overlaps(Draft& draft) {
                       " has a route already at " +
                       place(draft.document, draft.routes[earlier].value_position("unit")));
       break;
-    }
-  }
-}
-
-Duration sensible_deadline(const Settings& settings, const Route& route) {
-  Duration sensible{0};
-  for (const auto id : route.buses) {
-    if (index(id) < settings.buses.size()) {
-      const auto longest = bus::longest_response_timeout(settings.bus(id), settings.devices_on(id));
-      sensible = std::max(sensible, gateway::write_deadline(longest));
-    }
-  }
-  return sensible;
-}
-
-void check_deadlines(Draft& draft) {
-  for (std::size_t i = 0; i < draft.routes.size(); ++i) {
-    const auto& route = draft.settings.routes[i];
-    const auto sensible = sensible_deadline(draft.settings, route);
-    if (route.deadline && *route.deadline < sensible) {
-      draft.routes[i].warning(
-          "deadline", to_text(*route.deadline) + " is shorter than " + to_text(sensible) +
-                          " (1s, or twice the longest response timeout of the bus): requests may "
-                          "give up behind one silent device");
     }
   }
 }

@@ -79,11 +79,12 @@ void add_writes(std::string& text, const ProfileFile& file) {
   add_section(text, "Writes that are never answered", std::exchange(rows, {}),
               {"address", "manual", "written", "deaf for", "line", "name"});
   for (const auto& [slow, source] : file.slow) {
-    rows.push_back({address_text(slow.range), number_text(file, slow.range),
-                    to_text(slow.response_timeout), line_text(source.line), name_text(source)});
+    rows.push_back({std::string(config::table_word(slow.range.table)), address_text(slow.range),
+                    number_text(file, slow.range), to_text(slow.response_timeout),
+                    line_text(source.line), name_text(source)});
   }
-  add_section(text, "Slow writes", std::move(rows),
-              {"address", "manual", "response timeout", "line", "name"});
+  add_section(text, "Slow registers", std::move(rows),
+              {"table", "address", "manual", "response timeout", "line", "name"});
 }
 
 void add_ranges(std::string& text, const ProfileFile& file, std::string_view title,

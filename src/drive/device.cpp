@@ -5,8 +5,11 @@ namespace mbgate::drive {
 
 DeviceTiming Device::timing_of(const modbus::Request& request) const {
   DeviceTiming times = timing;
+  const auto meets = [](const SlowRegisters& slow, const std::optional<modbus::AddressField>& at) {
+    return at && overlap(slow.range, at->range);
+  };
   for (const SlowRegisters& slow : profile.slow) {
-    if (request.writes() && overlap(slow.range, request.writes()->range)) {
+    if (meets(slow, request.reads()) || meets(slow, request.writes())) {
       times.response_timeout = std::max(times.response_timeout, slow.response_timeout);
     }
   }

@@ -51,7 +51,7 @@ struct Broadcast {
   friend bool operator==(const Broadcast&, const Broadcast&) = default;
 };
 
-/// Writes that take longer than others.
+/// Registers whose reads and writes take longer than others.
 struct SlowRegisters {
   TableRange range;
   Duration response_timeout;

@@ -33,6 +33,11 @@ struct Close {
 struct Open {
   BusId bus;
 };
+/// Hand in what already lies in the line's descriptor, if anything does; then call
+/// handle_bus_looked().
+struct Look {
+  BusId bus;
+};
 /// Transmit this frame in one contiguous write, at once.
 struct Transmit {
   BusId bus;
@@ -49,7 +54,8 @@ struct Report {
 /// After handle_shutdown(): everything is answered, the process may end.
 struct Finished {};
 
-using Action = std::variant<Send, Pause, Resume, Close, Open, Transmit, Shut, Report, Finished>;
+using Action =
+    std::variant<Send, Pause, Resume, Close, Open, Look, Transmit, Shut, Report, Finished>;
 
 /// One line for a trace. The settings give the names.
 std::string to_text(const Action& action, const Settings& settings);

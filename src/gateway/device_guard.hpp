@@ -24,7 +24,8 @@ struct DeviceGuard {
   /// Writes as the device takes them, sent once, begun in order, as stops, when the last client
   /// that may write to it has gone, or all of them were silent for `quiet`.
   std::vector<modbus::Request> failsafe;
-  bus::Duration quiet{0};  ///< 0: silence alone is no reason
+  bus::Duration quiet{0};         ///< 0: silence alone is no reason
+  bool failsafe_on_exit = false;  ///< also when the gateway stops, if somebody may have written
 };
 
 /// Clients in the network get so many turns where others get one.

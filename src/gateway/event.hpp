@@ -2,6 +2,7 @@
 // What an operator may want to know. Events are plain values; only app/log makes lines of them.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -24,6 +25,17 @@ struct BusOpened {
   BusId bus;
 };
 struct BusLost {
+  BusId bus;
+};
+/// Nothing at all is heard from the adapter of a bus: it is closed and opened again.
+struct AdapterSilent {
+  BusId bus;
+  Duration silence;
+  unsigned requests;  ///< that left in this time
+};
+/// Nothing has come from a connection for long, though requests went out: another one takes its
+/// place.
+struct ConnectionReplaced {
   BusId bus;
 };
 struct ClientRefused {
@@ -52,8 +64,13 @@ struct ClientFrameTimedOut {
   ListenerId listener;
   routing::ClientAddress address;
 };
-/// The echo of our own transmission differed: a collision, or a transceiver without echo.
-struct EchoMismatch {
+/// Something was noticed of a line itself.
+struct LineNews {
+  BusId bus;
+  bus::LineFault fault;
+};
+/// So many bytes without a silence that nothing can be transmitted.
+struct LineNeverSilent {
   BusId bus;
 };
 
@@ -84,17 +101,41 @@ struct DeviceNews {
   BusId bus;
   bus::DeviceNotice notice;
 };
-/// The last client that might write to the device has gone, or all were silent: its failsafe writes
-/// are on their way.
-struct FailsafeSent {
+/// What the answers of a device, or of a line, are like has changed.
+struct QualityNews {
+  BusId bus;
+  bus::QualityNotice notice;
+};
+enum class FailsafeReason : std::uint8_t {
+  gone,    ///< the last client that might write to the device
+  silent,  ///< all of them
+  exit     ///< the gateway stops
+};
+enum class FailsafeOutcome : std::uint8_t {
+  sent,         ///< all were transmitted
+  waits,        ///< not all could be: they stay due
+  client_back,  ///< not all were, and now a client asks again
+  given_up      ///< not all were before the gateway stopped
+};
+/// What became of a device's failsafe writes.
+struct FailsafeNews {
   BusId bus;
   std::uint8_t address;
-  bool silence;  ///< they are connected, but silent
+  FailsafeReason reason;
+  FailsafeOutcome outcome;
+};
+/// A client asks for a unit that leads nowhere. Said once a client.
+struct UnitNotRouted {
+  ListenerId listener;
+  routing::ClientAddress address;
+  std::uint8_t unit;
+  std::bitset<256> routed;  ///< the units that lead somewhere, on this listener
 };
 
-using Event = std::variant<BusOpened, BusLost, ClientRefused, ClientDisplaced, ClientFramingLost,
-                           ClientSpeaksRtu, ClientFrameTimedOut, EchoMismatch, Reconfigured,
-                           WriteEndedEarly, WordOrderDiffers, DeviceNews, FailsafeSent>;
+using Event = std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
+                           ClientDisplaced, ClientFramingLost, ClientSpeaksRtu, ClientFrameTimedOut,
+                           LineNews, LineNeverSilent, Reconfigured, WriteEndedEarly,
+                           WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews, UnitNotRouted>;
 
 /// One line for the journal. The settings give the names.
 std::string to_text(const Event& event, const Settings& settings);

@@ -2,6 +2,7 @@
 // A client request from its acceptance to its answer, and what its jobs have come to so far.
 #pragma once
 
+#include <algorithm>
 #include <boost/container/small_vector.hpp>
 #include <deque>
 #include <optional>
@@ -14,11 +15,30 @@
 
 namespace mbgate::gateway {
 
+/// Failsafe writes on their way.
+struct FailsafeRun {
+  struct Write {
+    const bus::Job* job;  ///< nullptr: it has ended
+    std::size_t place;    ///< among the device's failsafe writes
+  };
+  Failsafe::Due due;  ///< the place of its device is that of the settings in force
+  std::vector<Write> unsent;
+
+  /// The job is no more.
+  void forget(const bus::Job& job) {
+    for (Write& write : unsent) {
+      write.job = write.job == &job ? nullptr : write.job;
+    }
+  }
+};
+
 /// Failsafe writes are one too: without a client and without a plan.
 struct Exchange {
   struct Part {
     BusId bus;
     bus::Job* job;
+    /// As its bus has found it.
+    [[nodiscard]] bool is_stop() const { return job->job_class == bus::JobClass::stop; }
   };
 
   Generation* generation = nullptr;  ///< that the plan was made with
@@ -27,7 +47,10 @@ struct Exchange {
   std::optional<drive::WordOrder> word_order;  ///< that its route asked for
   routing::ClientAddress address;
   bool client_gone = false;
-  bool is_stop = false;  ///< one of its transactions is: it goes on without its client
+  bool is_stop = false;  ///< one of its parts is: that one goes on without its client
+  /// Of a stop that is one on some buses only: those on which its part may not be transmitted.
+  boost::container::small_vector<BusId, 1> left_out;
+  std::optional<FailsafeRun> failsafe;
   ClientSession::AnswerId answer{};
   modbus::MbapHeader header;
   routing::BroadcastReply reply = routing::BroadcastReply::echo;
@@ -39,6 +62,9 @@ struct Exchange {
   bool wrong_word_order = false;  ///< the drive's own setting is not the one configured
   bool had_no_path = false;       ///< a line was not there and nothing of that part was transmitted
 
+  [[nodiscard]] bool leaves_out(BusId bus) const {
+    return std::ranges::find(left_out, bus) != left_out.end();
+  }
   /// Takes in what became of a job.
   void note(const bus::Job& job, bus::Ending ending);
   /// The answer, once every part has ended; nothing if none is to be given.

@@ -22,9 +22,17 @@ Gateway::Gateway(Settings settings, Instant now)
   settle(now);
 }
 
-void Gateway::handle_bus_opened(BusId bus, Instant now) {
-  report(BusOpened{bus});
-  touch(bus).handle_opened(now);
+void Gateway::handle_bus_opened(BusId bus, Instant now, bus::LineKind kind) {
+  bus::Bus& opened = touch(bus);
+  if (!opened.is_open() && !opened.is_reopening()) {
+    report(BusOpened{bus});
+  }
+  opened.handle_opened(now, kind);
+  for (std::size_t place = 0; place < settings().devices.size(); ++place) {
+    if (settings().devices[place].bus == bus) {
+      failsafe_.line_is_back(place);
+    }
+  }
   settle(now);
 }
 
@@ -33,19 +41,25 @@ void Gateway::handle_bus_bytes(BusId bus, modbus::Bytes bytes, Instant now) {
   settle(now);
 }
 
-void Gateway::handle_bus_lost(BusId bus, Instant now) {
+void Gateway::handle_bus_looked(BusId bus, Instant now) {
+  touch(bus).handle_looked(now);
+  settle(now);
+}
+
+void Gateway::handle_bus_lost(BusId bus, Instant now, bus::Loss loss) {
   bus::Bus& lost = touch(bus);
-  if (lost.is_open()) {
+  const bool was_open = lost.is_open() || lost.is_reopening();
+  lost.handle_lost(now, loss);
+  if (was_open && !lost.is_open()) {
     report(BusLost{bus});
   }
-  lost.handle_lost(now);
   settle(now);
 }
 
 void Gateway::handle_deadline(Instant now) {
   for (std::size_t index = 0; index < buses_.size(); ++index) {
-    const auto deadline = buses_[index]->bus.next_deadline();
-    if (deadline && *deadline <= now) {
+    const auto wake = buses_[index]->bus.next_wake();
+    if (wake && wake->at <= now) {
       touch(BusId{static_cast<std::uint32_t>(index)}).handle_deadline(now);
     }
   }
@@ -70,6 +84,7 @@ void Gateway::handle_shutdown(Instant now) {
   for (std::size_t index = 0; index < buses_.size(); ++index) {
     touch(BusId{static_cast<std::uint32_t>(index)}).stop(now);
   }
+  take_failsafe_at_exit(now);
   for (const auto& [client, session] : sessions_) {
     ready_clients_.push_back(client);
   }
@@ -83,15 +98,22 @@ std::optional<Action> Gateway::poll_action() {
   return actions_.poll();
 }
 
-std::optional<Instant> Gateway::next_deadline() const {
-  auto deadline = bus::earlier(timers_.next(), stop_deadline_);
+std::optional<Wake> Gateway::next_wake() const {
+  auto judgement = bus::earlier(timers_.next(), stop_deadline_);
   if (!stopping_) {
-    deadline = bus::earlier(deadline, failsafe_.next());
+    judgement = bus::earlier(judgement, failsafe_.next());
   }
-  for (const auto& slot : buses_) {
-    deadline = bus::earlier(deadline, slot->bus.next_deadline());
+  auto first = judgement ? std::optional(bus::Wake{*judgement}) : std::nullopt;
+  std::uint32_t of = 0;
+  for (std::uint32_t index = 0; index < buses_.size(); ++index) {
+    const auto wake = buses_[index]->bus.next_wake();
+    of = wake && (!first || wake->at < first->at) ? index : of;
+    first = bus::earlier(first, wake);
   }
-  return deadline;
+  if (!first) {
+    return std::nullopt;
+  }
+  return Wake{first->at, first->ends_silence ? std::optional(BusId{of}) : std::nullopt};
 }
 
 Status Gateway::status() const {
@@ -127,11 +149,11 @@ void Gateway::settle(Instant now) {
       }
       continue;
     }
-    const auto due = stopping_ ? std::nullopt : failsafe_.take_due(now);
+    auto due = stopping_ ? std::nullopt : failsafe_.take_due(now);
     if (!due) {
       break;
     }
-    send_failsafe(*due, now);
+    send_failsafe(*std::move(due), now);
   }
   finish_if_stopped();
 }
@@ -144,17 +166,35 @@ void Gateway::collect(BusId id) {
       end_part(*ended->job, ended->ending);
     } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&*action)) {
       line_actions_.push(Transmit{id, transmit->frame});
+    } else if (std::holds_alternative<bus::LookAtLine>(*action)) {
+      line_actions_.push(Look{id});
     } else if (std::holds_alternative<bus::OpenLine>(*action)) {
       line_actions_.push(Open{id});
     } else if (std::holds_alternative<bus::CloseLine>(*action)) {
       report(BusLost{id});
       line_actions_.push(Shut{id});
+    } else if (const auto* reopen = std::get_if<bus::ReopenLine>(&*action)) {
+      if (reopen->first) {
+        report(AdapterSilent{id, reopen->silence, reopen->requests});
+      }
+      line_actions_.push(Shut{id});
+      line_actions_.push(Open{id});
+    } else if (const auto* replace = std::get_if<bus::ReplaceLine>(&*action)) {
+      if (replace->is_news) {
+        report(ConnectionReplaced{id});
+      }
+      line_actions_.push(Shut{id});
     } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&*action)) {
       report(DeviceNews{id, *notice});
+    } else if (std::holds_alternative<bus::NeverSilent>(*action)) {
+      report(LineNeverSilent{id});
+    } else if (const auto* quality = std::get_if<bus::QualityNotice>(&*action)) {
+      report(QualityNews{id, *quality});
     } else {
-      report(EchoMismatch{id});
+      report(LineNews{id, std::get<bus::LineNotice>(*action).fault});
     }
   }
+  note_failsafe_sent();
 }
 
 void Gateway::finish_if_stopped() {

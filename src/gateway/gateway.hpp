@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole gateway without its wires: bytes, line states and `now` go in, actions come out.
-// After every handle_*() the driver empties poll_action() and re-arms next_deadline().
+// After every handle_*() the driver empties poll_action() and re-arms next_wake().
 // Single-threaded; no clock, socket, log or random source inside. Spurious and late calls are
 // harmless.
 #pragma once
@@ -8,6 +8,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <set>
 #include <unordered_map>
 
 #include "bus/action_queue.hpp"
@@ -31,6 +32,14 @@ struct Status {
   std::size_t buses_open = 0;
 };
 
+/// When the driver is to call handle_deadline() next.
+struct Wake {
+  Instant at;
+  /// A silence ends then on the line of this bus, and something may be transmitted: the driver may
+  /// come early and wait for it. Otherwise something is judged, for which it must not come early.
+  std::optional<BusId> silence_of = std::nullopt;
+};
+
 class Gateway {
  public:
   /// Asks for every line. The settings must be consistent: every bus that is named exists.
@@ -48,10 +57,15 @@ class Gateway {
   void handle_client_half_closed(ClientId client, Instant now);
   /// The connection is gone. Unknown clients are ignored.
   void handle_client_disconnected(ClientId client, Instant now);
-  void handle_bus_opened(BusId bus, Instant now);
+  void handle_bus_opened(BusId bus, Instant now, bus::LineKind kind = bus::LineKind::virtual_line);
   void handle_bus_bytes(BusId bus, modbus::Bytes bytes, Instant now);
-  /// The line could not be opened, or died. The machine asks again by itself.
-  void handle_bus_lost(BusId bus, Instant now);
+  /// The line could not be opened, or died, or the far end of a connection has closed it. The
+  /// machine asks again by itself.
+  void handle_bus_lost(BusId bus, Instant now, bus::Loss loss = bus::Loss::failed);
+  /// After Look: what lay in the line has been handed in, and nothing else since.
+  void handle_bus_looked(BusId bus, Instant now);
+  /// The driver promises that what already lay in the descriptors of open lines has been handed in
+  /// before: nothing is judged that could have been known.
   void handle_deadline(Instant now);
   /// Other settings from now on, consistent as in the constructor. Listeners, buses and devices are
   /// the same if their names are; the numbers in actions and inputs are those of the new settings
@@ -65,10 +79,14 @@ class Gateway {
 
   /// What lines are to do comes first: a line must not wait while sockets are written.
   std::optional<Action> poll_action();
-  [[nodiscard]] std::optional<Instant> next_deadline() const;
+  [[nodiscard]] std::optional<Wake> next_wake() const;
 
   [[nodiscard]] const Settings& settings() const { return current().settings; }
   [[nodiscard]] Status status() const;
+  /// There is a line, or a connection that is opened as soon as somebody asks.
+  [[nodiscard]] bool is_open(BusId bus) const {
+    return buses_[static_cast<std::size_t>(bus)]->bus.is_open();
+  }
 
  private:
   using Sessions = std::unordered_map<ClientId, ClientSession>;
@@ -122,6 +140,7 @@ class Gateway {
   void lose_framing(ClientId id, ClientSession& session, modbus::Bytes stream,
                     std::uint16_t length);
   void notice_rtu(ClientSession& session, modbus::Bytes stream);
+  void notice_unrouted(const ClientSession& session, std::uint8_t unit);
   void accept(ClientId id, ClientSession& session, const Received& received, Instant now);
   [[nodiscard]] std::uint32_t open_exchange(ClientId id, ClientSession& session,
                                             const modbus::MbapHeader& header, routing::Plan plan);
@@ -140,6 +159,7 @@ class Gateway {
   // gateway_stops.cpp: stops, and who may write
   [[nodiscard]] bool is_stop(const routing::PlannedTransaction& transaction) const;
   [[nodiscard]] bool is_stop(const routing::Plan& plan) const;
+  [[nodiscard]] bool stops_on(BusId bus, const routing::Plan& stop) const;
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(ClientId id,
                                                                const ClientSession& session,
                                                                const routing::Plan& plan,
@@ -148,6 +168,14 @@ class Gateway {
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection_of_devices(
       ClientId id, const ClientSession& session, const routing::Plan& write,
       const Received& received, Instant now) const;
+  [[nodiscard]] std::optional<modbus::ExceptionCode> objection_of_devices(
+      ClientId id, const ClientSession& session, const routing::PlannedTransaction& write,
+      const Received& received, Instant now) const;
+  [[nodiscard]] boost::container::small_vector<BusId, 1> left_out_of(ClientId id,
+                                                                     const ClientSession& session,
+                                                                     const routing::Plan& stop,
+                                                                     const Received& received,
+                                                                     Instant now) const;
   void note_accepted(const Exchange& exchange, Instant now);
   [[nodiscard]] DevicePlaces overtaken_by(const routing::Plan& stop) const;
   void take_stops_ahead(ClientId id, ClientSession& session, Instant now, bool leaving = false);
@@ -158,17 +186,27 @@ class Gateway {
   void accept_ahead(ClientId id, ClientSession& session, const Received& received,
                     routing::Plan plan, Instant now);
   void pass_taken(ClientId id, ClientSession& session, const TakenAhead::Stop& stop);
-  void send_failsafe(const Failsafe::Due& due, Instant now);
+
+  // gateway_failsafe.cpp: failsafe writes
+  void note_asked(ClientId id, ClientSession& session, Instant now);
+  void send_failsafe(Failsafe::Due due, Instant now);
+  void note_failsafe_sent();
+  void note_failsafe_sent(FailsafeRun& run);
+  void end_failsafe(std::uint32_t index);
+  void take_failsafe_at_exit(Instant now);
+  void report_failsafe(const Failsafe::Due& due, FailsafeOutcome outcome);
 
   // gateway_settings.cpp: from one generation of settings to the next
   void close_unwanted(const Settings& next, const Succession& succession, Instant now);
   void end_changed(const Generation& old, const Succession& succession);
   [[nodiscard]] bool is_changed(const Exchange& exchange, const Exchange::Part& part,
                                 const Generation& old, const Succession& succession) const;
+  [[nodiscard]] bool leads_elsewhere(ListenerId listener, const Exchange& exchange,
+                                     const Exchange::Part& part, BusId bus) const;
   void replace_buses(const Settings& old, const Succession& succession, Instant now);
   void end_dead(bus::Bus& dead, Instant now);
   void renumber_clients(const Succession& succession, Instant now);
-  void renumber_devices(const Succession& succession, Instant now);
+  void renumber_devices(const Generation& before, const Succession& succession, Instant now);
 
   // gateway_exchanges.cpp: the jobs of a request
   void start(std::uint32_t index, Instant arrival, Instant now);
@@ -197,6 +235,8 @@ class Gateway {
   StopMarks stop_marks_;
   Writers writers_;
   Failsafe failsafe_;
+  std::vector<std::uint32_t> failsafe_runs_;  // exchanges
+  std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_told_;
   std::vector<BusId> dirty_buses_;
   std::vector<ClientId> ready_clients_;
   bus::ActionQueue<Action> line_actions_;

@@ -17,7 +17,7 @@ void Gateway::handle_client_connected(ClientId client, const ClientInfo& info, I
   const auto [entry, added] =
       sessions_.try_emplace(client, info, settings().listener(info.listener), now);
   add_connection(info.address);
-  failsafe_.client_came(client, current().watched_for(info, entry->second.rights()), now);
+  failsafe_.client_came(client, current().watched_for(info, entry->second.rights()));
   if (added && entry->second.listener().idle_timeout > Duration{0}) {
     arm(client, entry->second, now + entry->second.listener().idle_timeout);
   }

@@ -25,6 +25,10 @@ void Gateway::start(std::uint32_t index, Instant arrival, Instant now) {
   const Instant deadline = arrival + deadline_of(way.route, *exchange.plan);
   note_accepted(exchange, now);
   for (const routing::PlannedTransaction& planned : exchange.plan->transactions()) {
+    if (exchange.leaves_out(planned.bus)) {
+      exchange.failed = true;
+      continue;
+    }
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
       exchange.parts.push_back({planned.bus, &new_job(index, deadline)});
     }
@@ -86,6 +90,10 @@ void Gateway::end_part(bus::Job& job, bus::Ending ending) {
   if (exchange.plan) {
     report_effects(exchange, *part, ending);
   }
+  if (exchange.failsafe) {
+    note_failsafe_sent(*exchange.failsafe);
+    exchange.failsafe->forget(job);
+  }
   exchange.parts.erase(part);
   jobs_.give_back(job.number);
   if (exchange.parts.empty()) {
@@ -124,6 +132,7 @@ void Gateway::report_effects(const Exchange& exchange, const Exchange::Part& par
 }
 
 void Gateway::complete(std::uint32_t index) {
+  end_failsafe(index);
   Exchange& exchange = exchanges_[index];
   if (!exchange.client_gone) {
     ClientSession& session = sessions_.at(exchange.client);
@@ -150,12 +159,14 @@ void Gateway::forget_generations() {
 // gone. Stops are carried out whatever becomes of their client.
 void Gateway::cancel_waiting(std::uint32_t index, bool writes_only) {
   const Exchange& exchange = exchanges_[index];
-  if (exchange.is_stop || (writes_only && exchange.plan->is_read())) {
+  if (writes_only && exchange.plan->is_read()) {
     return;
   }
   const auto parts = exchange.parts;  // a part that ends is taken out
   for (const Exchange::Part& part : parts) {
-    end_unsent(part);
+    if (!part.is_stop()) {
+      end_unsent(part);
+    }
   }
 }
 

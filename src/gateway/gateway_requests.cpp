@@ -74,9 +74,7 @@ void Gateway::notice_rtu(ClientSession& session, modbus::Bytes stream) {
 
 void Gateway::accept(ClientId id, ClientSession& session, const Received& received, Instant now) {
   const modbus::MbapAdu& adu = received.adu;
-  session.has_asked = true;
-  ++client_counters_.requests;
-  failsafe_.client_asked(id, now);
+  note_asked(id, session, now);
   if (settings().own_unit == adu.header.unit) {
     answer_now(id, session, adu.header, answer_own(session, adu.pdu, now));
     return;
@@ -85,12 +83,23 @@ void Gateway::accept(ClientId id, ClientSession& session, const Received& receiv
   const auto refused =
       plan ? objection(id, session, *plan, received, now) : std::optional(plan.error());
   if (refused) {
+    notice_unrouted(session, adu.header.unit);
     answer_now(id, session, adu.header, modbus::Pdu::exception(adu.pdu.function(), *refused));
     return;
   }
+  auto left_out = left_out_of(id, session, *plan, received, now);
   const std::uint32_t index = open_exchange(id, session, adu.header, *std::move(plan));
+  exchanges_[index].left_out = std::move(left_out);
   exchanges_[index].answer = session.open_answer();
   start(index, received.arrival, now);
+}
+
+void Gateway::notice_unrouted(const ClientSession& session, std::uint8_t unit) {
+  const ClientInfo& info = session.info();
+  if (way_of(session, unit) == nullptr && unrouted_told_.size() < kUnroutedTold &&
+      unrouted_told_.emplace(info.listener, info.address).second) {
+    report(UnitNotRouted{info.listener, info.address, unit, current().routes.units(info.listener)});
+  }
 }
 
 std::uint32_t Gateway::open_exchange(ClientId id, ClientSession& session,
@@ -142,15 +151,12 @@ Duration Gateway::deadline_of(const routing::Route& route, const routing::Plan& 
   if (route.deadline) {
     return *route.deadline;
   }
-  if (plan.is_read()) {
-    return kReadDeadline;
-  }
-  Duration deadline{0};
+  Duration longest{0};
   for (const BusId bus : route.buses) {
     const bus::Bus& target = buses_[static_cast<std::size_t>(bus)]->bus;
-    deadline = std::max(deadline, write_deadline(target.longest_response_timeout()));
+    longest = std::max(longest, target.longest_response_timeout());
   }
-  return deadline;
+  return plan.is_read() ? read_deadline(longest) : write_deadline(longest);
 }
 
 void Gateway::answer_now(ClientId id, ClientSession& session, const modbus::MbapHeader& header,

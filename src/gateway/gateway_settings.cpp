@@ -21,6 +21,15 @@ const drive::Device* device_at(const Generation& generation, BusId bus, std::uin
   return place ? &generation.settings.devices[*place] : nullptr;
 }
 
+bool same_failsafe(const Generation& old, std::size_t old_place, const Generation& next,
+                   std::size_t place) {
+  const DeviceGuard* before = old.guard(old_place);
+  const DeviceGuard* now = next.guard(place);
+  return before != nullptr && now != nullptr &&
+         std::ranges::equal(before->failsafe, now->failsafe, {}, &modbus::Request::pdu,
+                            &modbus::Request::pdu);
+}
+
 }  // namespace
 
 void Gateway::handle_settings(Settings settings, Instant now) {
@@ -33,9 +42,10 @@ void Gateway::handle_settings(Settings settings, Instant now) {
   close_unwanted(settings, succession, now);
   generations_.emplace_back(std::move(settings));
   end_changed(old, succession);
-  replace_buses(old.settings, succession, now);
   renumber_clients(succession, now);
-  renumber_devices(succession, now);
+  renumber_devices(old, succession, now);
+  replace_buses(old.settings, succession, now);
+  unrouted_told_.clear();
   --old.exchanges;
   forget_generations();
   settle(now);
@@ -67,11 +77,9 @@ void Gateway::close_unwanted(const Settings& next, const Succession& succession,
 void Gateway::end_changed(const Generation& old, const Succession& succession) {
   std::vector<Exchange::Part> changed;
   for (Exchange& exchange : exchanges_.all()) {
-    if (exchange.generation == nullptr || exchange.is_stop) {
-      continue;
-    }
     for (const Exchange::Part& part : exchange.parts) {
-      if (succession.keeps_line(part.bus) && is_changed(exchange, part, old, succession)) {
+      if (!part.is_stop() && succession.keeps_line(part.bus) &&
+          is_changed(exchange, part, old, succession)) {
         changed.push_back(part);
       }
     }
@@ -84,6 +92,11 @@ void Gateway::end_changed(const Generation& old, const Succession& succession) {
 bool Gateway::is_changed(const Exchange& exchange, const Exchange::Part& part,
                          const Generation& old, const Succession& succession) const {
   const BusId bus = *succession.bus(part.bus);
+  const auto listener =
+      exchange.client_gone ? std::nullopt : succession.listener(exchange.listener);
+  if (listener && leads_elsewhere(*listener, exchange, part, bus)) {
+    return true;
+  }
   const auto is_other = [&](std::uint8_t address) {
     return means_otherwise(device_at(old, part.bus, address), device_at(current(), bus, address));
   };
@@ -95,12 +108,25 @@ bool Gateway::is_changed(const Exchange& exchange, const Exchange::Part& part,
     }
     return false;
   }
-  const auto listener =
-      exchange.client_gone ? std::nullopt : succession.listener(exchange.listener);
   const routing::Way* way =
       listener ? current().routes.find(*listener, exchange.header.unit) : nullptr;
   const bool other_order = way != nullptr && way->route.word_order != exchange.word_order;
   return other_order || is_other(part.job->transactions.front().address);
+}
+
+// Its unit is another device's now, or nobody's. The bus has its new number.
+bool Gateway::leads_elsewhere(ListenerId listener, const Exchange& exchange,
+                              const Exchange::Part& part, BusId bus) const {
+  const std::uint8_t unit = exchange.header.unit;
+  const routing::Way* way = current().routes.find(listener, unit);
+  if (way == nullptr || settings().own_unit == unit ||
+      way->is_broadcast() != part.job->is_broadcast()) {
+    return true;
+  }
+  return way->is_broadcast()
+             ? std::ranges::find(way->route.buses, bus) == way->route.buses.end()
+             : way->route.buses.front() != bus ||
+                   way->route.address_of(unit) != part.job->transactions.front().address;
 }
 
 void Gateway::replace_buses(const Settings& old, const Succession& succession, Instant now) {
@@ -169,19 +195,32 @@ void Gateway::renumber_clients(const Succession& succession, Instant now) {
   }
 }
 
-void Gateway::renumber_devices(const Succession& succession, Instant now) {
+void Gateway::renumber_devices(const Generation& before, const Succession& succession,
+                               Instant now) {
   const std::size_t devices = settings().devices.size();
   const StopMarks marks = std::exchange(stop_marks_, StopMarks(devices));
   const Writers writers = std::exchange(writers_, Writers(devices));
   const Failsafe failsafe = std::exchange(failsafe_, current().new_failsafe());
   for (const auto& [client, session] : sessions_) {
-    failsafe_.client_came(client, current().watched_for(session.info(), session.rights()), now);
+    failsafe_.client_came(client, current().watched_for(session.info(), session.rights()));
+    if (session.has_asked) {
+      failsafe_.client_asked(client, now);
+    }
   }
   for (std::size_t old = 0; old < marks.size(); ++old) {
     if (const auto place = succession.device(old)) {
       stop_marks_.carry(*place, marks, old);
       writers_.carry(*place, writers, old);
-      failsafe_.carry(*place, failsafe, old);
+      failsafe_.carry(*place, failsafe, old, same_failsafe(before, old, current(), *place));
+    }
+  }
+  for (Exchange& exchange : exchanges_.all()) {
+    const auto place =
+        exchange.failsafe ? succession.device(exchange.failsafe->due.device) : std::nullopt;
+    if (!place) {
+      exchange.failsafe.reset();  // nobody asks for a device that is no more
+    } else {
+      exchange.failsafe->due.device = *place;
     }
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stops, which overtake what was sent before them; who else may write now; failsafe writes.
+// Stops, which overtake what was sent before them; who else may write now.
 #include <algorithm>
 
 #include "gateway/gateway.hpp"
@@ -21,6 +21,13 @@ bool Gateway::is_stop(const routing::Plan& plan) const {
   const bool for_all = plan.transactions().back().broadcast != drive::BroadcastForm::none;
   return !plan.is_read() && (for_all ? std::ranges::any_of(plan.transactions(), part_stops)
                                      : std::ranges::all_of(plan.transactions(), part_stops));
+}
+
+// A broadcast that is a stop may be a write like others on some of its buses.
+bool Gateway::stops_on(BusId bus, const routing::Plan& stop) const {
+  return stop.transactions().front().bus == stop.transactions().back().bus ||
+         std::ranges::any_of(stop.transactions(),
+                             [&](const auto& it) { return it.bus == bus && is_stop(it); });
 }
 
 // Why a request that could be planned is not carried out now. Stops go until the process ends, but
@@ -52,34 +59,73 @@ std::optional<ExceptionCode> Gateway::objection_of_devices(ClientId id,
                                                            Instant now) const {
   std::optional<ExceptionCode> found;
   for (const routing::PlannedTransaction& transaction : write.transactions()) {
-    for (const std::size_t place : current().devices.reached_by(transaction)) {
-      const DeviceGuard* guard = current().guard(place);
-      auto denied = guard == nullptr
-                        ? std::nullopt
-                        : writers_.objection(place, *guard, session.info().address, now);
-      if (!denied && (session.ahead.forbids(place, received.position) ||
-                      stop_marks_.forbids(place, id, received.arrival))) {
-        denied = ExceptionCode::server_device_busy;
-      }
-      // What is never allowed is said rather than what is not allowed now.
-      if (denied && found != ExceptionCode::illegal_function) {
-        found = denied;
-      }
+    const auto denied = objection_of_devices(id, session, transaction, received, now);
+    // What is never allowed is said rather than what is not allowed now.
+    if (denied && found != ExceptionCode::illegal_function) {
+      found = denied;
     }
   }
   return found;
 }
 
+std::optional<ExceptionCode> Gateway::objection_of_devices(ClientId id,
+                                                           const ClientSession& session,
+                                                           const routing::PlannedTransaction& write,
+                                                           const Received& received,
+                                                           Instant now) const {
+  std::optional<ExceptionCode> found;
+  for (const std::size_t place : current().devices.reached_by(write)) {
+    const DeviceGuard* guard = current().guard(place);
+    auto denied = guard == nullptr ? std::nullopt
+                                   : writers_.objection(place, *guard, session.info().address, now);
+    if (!denied && (session.ahead.forbids(place, received.position) ||
+                    stop_marks_.forbids(place, id, received.arrival))) {
+      denied = ExceptionCode::server_device_busy;
+    }
+    if (denied && found != ExceptionCode::illegal_function) {
+      found = denied;
+    }
+  }
+  return found;
+}
+
+// Where a part of a stop is none, it is a write like others: it goes only if it might go alone, in
+// its place among the requests of its connection and as long as its client is there.
+boost::container::small_vector<BusId, 1> Gateway::left_out_of(ClientId id,
+                                                              const ClientSession& session,
+                                                              const routing::Plan& stop,
+                                                              const Received& received,
+                                                              Instant now) const {
+  boost::container::small_vector<BusId, 1> left_out;
+  if (stop.transactions().front().bus == stop.transactions().back().bus || !is_stop(stop)) {
+    return left_out;
+  }
+  const bool may_go = !stopping_ && !session.is_leaving && !session.is_half_closed() &&
+                      received.position == session.position();
+  for (const routing::PlannedTransaction& part : stop.transactions()) {
+    if (!stops_on(part.bus, stop) &&
+        (!may_go || objection_of_devices(id, session, part, received, now))) {
+      left_out.push_back(part.bus);
+    }
+  }
+  return left_out;
+}
+
 void Gateway::note_accepted(const Exchange& exchange, Instant now) {
+  if (exchange.plan->is_read()) {
+    return;
+  }
   if (exchange.is_stop) {
     for (const std::size_t place : overtaken_by(*exchange.plan)) {
       stop_marks_.note(place, exchange.client, now);
     }
-  } else if (!exchange.plan->is_read()) {
-    for (const routing::PlannedTransaction& transaction : exchange.plan->transactions()) {
-      for (const std::size_t place : current().devices.reached_by(transaction)) {
-        writers_.note(place, exchange.address, now);
-      }
+  }
+  for (const routing::PlannedTransaction& part : exchange.plan->transactions()) {
+    if (exchange.leaves_out(part.bus) || (exchange.is_stop && stops_on(part.bus, *exchange.plan))) {
+      continue;
+    }
+    for (const std::size_t place : current().devices.reached_by(part)) {
+      writers_.note(place, exchange.address, now);
     }
   }
 }
@@ -184,10 +230,11 @@ void Gateway::note_ahead(ClientSession& session, const routing::Plan& write,
 
 void Gateway::accept_ahead(ClientId id, ClientSession& session, const Received& received,
                            routing::Plan plan, Instant now) {
-  ++client_counters_.requests;
-  failsafe_.client_asked(id, now);
+  note_asked(id, session, now);
   session.ahead.forbid(overtaken_by(plan), received.position);
+  auto left_out = left_out_of(id, session, plan, received, now);
   const std::uint32_t index = open_exchange(id, session, received.adu.header, std::move(plan));
+  exchanges_[index].left_out = std::move(left_out);
   if (session.is_leaving) {
     exchanges_[index].client_gone = true;
     session.exchanges.pop_back();
@@ -215,29 +262,6 @@ void Gateway::pass_taken(ClientId id, ClientSession& session, const TakenAhead::
   } else {
     send(id, session, answer, stop.answer);
   }
-}
-
-void Gateway::send_failsafe(const Failsafe::Due& due, Instant now) {
-  const drive::Device& device = settings().devices[due.device];
-  report(FailsafeSent{device.bus, device.address, due.silence});
-  if (device.stop_cancels) {
-    stop_marks_.note(due.device, std::nullopt, now);
-  }
-  const std::uint32_t index = exchanges_.take();
-  Exchange& exchange = exchanges_[index];
-  exchange.generation = &current();
-  ++exchange.generation->exchanges;
-  exchange.client_gone = true;
-  exchange.is_stop = true;
-  const Duration longest =
-      buses_[static_cast<std::size_t>(device.bus)]->bus.longest_response_timeout();
-  for (const modbus::Request& write : current().guard(due.device)->failsafe) {
-    bus::Job& job = new_job(index, now + write_deadline(longest));
-    job.job_class = bus::JobClass::stop;
-    job.transactions.push_back({device.address, write});
-    exchange.parts.push_back({device.bus, &job});
-  }
-  submit_parts(exchange, now);
 }
 
 }  // namespace mbgate::gateway

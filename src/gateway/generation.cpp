@@ -23,7 +23,7 @@ bool reaches(const routing::Way& way, unsigned unit, const drive::Device& device
     });
   }
   return way.route.buses.front() == device.bus &&
-         way.route.first_address + (unit - way.route.first_unit) == device.address;
+         way.route.address_of(static_cast<std::uint8_t>(unit)) == device.address;
 }
 
 }  // namespace

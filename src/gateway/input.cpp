@@ -21,11 +21,16 @@ struct Door {
   void operator()(const ClientDisconnected& input) const {
     gateway.handle_client_disconnected(input.client, now);
   }
-  void operator()(const LineOpened& input) const { gateway.handle_bus_opened(input.bus, now); }
+  void operator()(const LineOpened& input) const {
+    gateway.handle_bus_opened(input.bus, now, input.kind);
+  }
   void operator()(const LineBytes& input) const {
     gateway.handle_bus_bytes(input.bus, input.bytes, now);
   }
-  void operator()(const LineLost& input) const { gateway.handle_bus_lost(input.bus, now); }
+  void operator()(const LineLost& input) const {
+    gateway.handle_bus_lost(input.bus, now, input.loss);
+  }
+  void operator()(const LineLooked& input) const { gateway.handle_bus_looked(input.bus, now); }
   void operator()(const DeadlineReached& /*input*/) const { gateway.handle_deadline(now); }
   void operator()(const ShutdownAsked& /*input*/) const { gateway.handle_shutdown(now); }
 };

@@ -30,6 +30,7 @@ struct ClientDisconnected {
 };
 struct LineOpened {
   BusId bus;
+  bus::LineKind kind = bus::LineKind::virtual_line;
 };
 /// The bytes belong to somebody else, as in handle_bus_bytes().
 struct LineBytes {
@@ -38,13 +39,17 @@ struct LineBytes {
 };
 struct LineLost {
   BusId bus;
+  bus::Loss loss = bus::Loss::failed;
+};
+struct LineLooked {
+  BusId bus;
 };
 struct DeadlineReached {};
 struct ShutdownAsked {};
 
 using Input =
     std::variant<ClientConnected, ClientBytes, ClientSent, ClientHalfClosed, ClientDisconnected,
-                 LineOpened, LineBytes, LineLost, DeadlineReached, ShutdownAsked>;
+                 LineOpened, LineBytes, LineLost, LineLooked, DeadlineReached, ShutdownAsked>;
 
 /// Hands the input over at the door it belongs to.
 void apply(Gateway& gateway, const Input& input, Instant now);

@@ -27,15 +27,27 @@ inline constexpr std::size_t kArrivalMarks = 32;
 /// a button while a pipeline is stuck, too few to crowd out other clients' stops.
 inline constexpr std::size_t kStopReserve = 16;
 
-/// Reads wait this long for their turn unless the route says otherwise: longer than any screen
-/// waits.
-inline constexpr bus::Duration kReadDeadline = std::chrono::seconds(5);
-
-/// Writes wait 1 s, or twice the longest response timeout of the bus so that one silent device does
-/// not cost them their turn; not longer, because an old motion command is dangerous.
+/// Writes wait at most three times the longest response timeout of the bus, and a little: that is
+/// what a lost answer costs (its timeout, the quarantine after it) and one silent device before
+/// them. Not longer, because an old motion command is dangerous.
 constexpr bus::Duration write_deadline(bus::Duration longest_response_timeout) {
-  return std::max<bus::Duration>(std::chrono::seconds(1), 2 * longest_response_timeout);
+  constexpr int kTimeouts = 3;
+  constexpr auto kMargin = std::chrono::milliseconds(500);
+  return kTimeouts * longest_response_timeout + kMargin;
 }
+
+/// Reads wait this long for their turn, longer than any screen waits, and never less than writes.
+constexpr bus::Duration read_deadline(bus::Duration longest_response_timeout) {
+  return std::max<bus::Duration>(std::chrono::seconds(5), write_deadline(longest_response_timeout));
+}
+
+/// Failsafe writes that could not be transmitted are tried again after so long; when their line is
+/// opened, at once.
+inline constexpr bus::Duration kFailsafeRetry = std::chrono::seconds(1);
+
+/// Clients of which it was said that they ask for a unit without a route: more than a plant has,
+/// few enough to be kept.
+inline constexpr std::size_t kUnroutedTold = 256;
 
 /// After a shutdown was asked for, what is on the wire has this long: the process ends within 2 s.
 inline constexpr bus::Duration kShutdownGrace = std::chrono::milliseconds(1500);

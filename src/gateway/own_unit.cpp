@@ -43,6 +43,12 @@ Block head_block(const OwnView& view) {
   return block;
 }
 
+// In the order of own_unit.hpp.
+void put_quality(Block& block, const bus::QualityVerdict& verdict) {
+  block.push_back(static_cast<std::uint16_t>(verdict.quality));
+  block.push_back(saturated(verdict.quality == bus::Quality::bad_crc ? verdict.percent() : 0));
+}
+
 Block bus_block(const bus::Bus& bus) {
   const bus::BusCounters& counters = bus.counters();
   Block block{static_cast<std::uint16_t>(bus.is_open() ? 1 : 0), saturated(bus.waiting())};
@@ -58,6 +64,7 @@ Block bus_block(const bus::Bus& bus) {
         counters.refused_offline,  counters.evicted}) {
     put32(block, count);
   }
+  put_quality(block, bus.quality());
   block.resize(kBusSize);
   return block;
 }
@@ -77,6 +84,8 @@ Block device_block(const drive::Device& device, const bus::Bus& bus, bus::Instan
     state = 2;
   } else if (counters.responses > 0) {
     state = 1;
+  } else if (counters.bad_crcs > 0) {
+    state = 4;
   }
   Block block{static_cast<std::uint16_t>(static_cast<std::uint32_t>(device.bus) + 1),
               device.address, state, saturated(bus.unanswered_in_row(device.address))};
@@ -87,6 +96,9 @@ Block device_block(const drive::Device& device, const bus::Bus& bus, bus::Instan
   }
   block.push_back(bus.is_offline(device.address) ? 1 : 0);
   block.push_back(milliseconds(bus.held_back(device.address, now)));
+  put32(block, counters.noise_bytes);
+  put_quality(block, bus.quality(device.address));
+  block.push_back(milliseconds(bus.quality(device.address).needed));
   block.resize(kDeviceSize);
   return block;
 }

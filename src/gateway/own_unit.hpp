@@ -22,15 +22,24 @@
 //        reads, reads answered from memory, stops sent, stops unanswered, writes taken back because
 //        of a stop, requests let through to offline devices, requests refused because their device
 //        was offline, reads that lost their place in a full queue
+//   54 quality of the answers: 0 not known, 1 good, 2 bad CRCs, of two devices or more; 55 with 2:
+//        percent of the last answers with a bad CRC
 //
 // At 10000 + 32 * device:
 //   0 its bus (1 is the first), 1 its address
-//   2 state: 0 not asked yet, 1 answering, 2 not answering, 3 offline
+//   2 state: 0 not asked yet, 1 answering, 2 not answering, 3 offline, 4 all its answers had a bad
+//        CRC
 //   3 unanswered requests in a row
 //   4-17 counters: transmissions, responses, exceptions, timeouts, bad CRCs, late responses, early
 //        responses
 //   18 offline (1) or not (0)
 //   19 milliseconds that it is still left alone after an unanswered request, 65535 if longer
+//   20-21 bytes skipped before its answers, because they are no part of any (glitches, drivers that
+//   turn on)
+//   22 quality of its answers: 0 not known, 1 good, 2 bad CRCs, 3 bytes but never a valid frame
+//        (baud rate, parity, A and B exchanged?), 4 after the response timeout
+//   23 with 2: percent of its last answers with a bad CRC
+//   24 with 4: milliseconds that response_timeout should be at least
 #pragma once
 
 #include <cstdint>

@@ -26,6 +26,15 @@ void append_hex(std::string& out, modbus::Bytes bytes) {
   }
 }
 
+std::string_view word_of(bus::LineKind kind) {
+  switch (kind) {
+    case bus::LineKind::uart: return "uart";
+    case bus::LineKind::adapter: return "adapter";
+    case bus::LineKind::virtual_line: return "virtual";
+  }
+  return "";
+}
+
 /// The words of one line, apart from its beginning.
 struct Words {
   std::string& out;
@@ -63,9 +72,14 @@ struct InputWords {
   void operator()(const ClientSent& input) { words.word("sent").client(input.client); }
   void operator()(const ClientHalfClosed& input) { words.word("fin").client(input.client); }
   void operator()(const ClientDisconnected& input) { words.word("gone").client(input.client); }
-  void operator()(const LineOpened& input) { words.word("opened").bus(input.bus); }
+  void operator()(const LineOpened& input) {
+    words.word("opened").bus(input.bus).word(word_of(input.kind));
+  }
   void operator()(const LineBytes& input) { words.word("line").bus(input.bus).hex(input.bytes); }
-  void operator()(const LineLost& input) { words.word("lost").bus(input.bus); }
+  void operator()(const LineLost& input) {
+    words.word(input.loss == bus::Loss::closed ? "closed" : "lost").bus(input.bus);
+  }
+  void operator()(const LineLooked& input) { words.word("looked").bus(input.bus); }
   void operator()(const DeadlineReached& /*input*/) { words.word("time"); }
   void operator()(const ShutdownAsked& /*input*/) { words.word("shutdown"); }
 };
@@ -81,6 +95,7 @@ struct ActionWords {
   void operator()(const Resume& action) { words.word("resume").client(action.client); }
   void operator()(const Close& action) { words.word("close").client(action.client); }
   void operator()(const Open& action) { words.word("open").bus(action.bus); }
+  void operator()(const Look& action) { words.word("look").bus(action.bus); }
   void operator()(const Transmit& action) {
     words.word("transmit").bus(action.bus).hex({action.frame.data(), action.frame.size()});
   }

@@ -3,7 +3,7 @@
 // with its instant in nanoseconds, and one for each action, in the order in which they happened.
 //
 //   mbgate recording 1                    < open 0
-//   version 0.1.0                         517 opened 0
+//   version 0.1.0                         517 opened 0 virtual
 //   config /etc/mbgate/mbgate.toml        < report bus line-a is open
 //   profiles /srv/profiles                633 connected 0 0 192.0.2.1 0
 //   | [[bus]]                             701 read 0 0 000100000006010300000001

@@ -59,6 +59,19 @@ class Words {
     }
     return value.value_or(routing::ClientAddress{});
   }
+  bus::LineKind line_kind() {
+    const std::string_view word = next("uart, adapter or virtual");
+    if (word == "uart") {
+      return bus::LineKind::uart;
+    }
+    if (word == "adapter") {
+      return bus::LineKind::adapter;
+    }
+    if (word != "virtual") {
+      wrong("uart, adapter or virtual", word);
+    }
+    return bus::LineKind::virtual_line;
+  }
   modbus::Bytes hex(std::vector<std::uint8_t>& storage) {
     const std::string_view word = next("hexadecimal bytes");
     storage.clear();
@@ -130,7 +143,8 @@ Input input_of(Words& words, std::vector<std::uint8_t>& storage) {
     return ClientDisconnected{words.client()};
   }
   if (kind == "opened") {
-    return LineOpened{words.bus()};
+    const BusId bus = words.bus();
+    return LineOpened{bus, words.line_kind()};
   }
   if (kind == "line") {
     const BusId bus = words.bus();
@@ -138,6 +152,12 @@ Input input_of(Words& words, std::vector<std::uint8_t>& storage) {
   }
   if (kind == "lost") {
     return LineLost{words.bus()};
+  }
+  if (kind == "closed") {
+    return LineLost{words.bus(), bus::Loss::closed};
+  }
+  if (kind == "looked") {
+    return LineLooked{words.bus()};
   }
   if (kind == "shutdown") {
     return ShutdownAsked{};

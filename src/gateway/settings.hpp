@@ -35,6 +35,7 @@ struct ListenerSettings {
   std::string name;
   std::string address = "127.0.0.1";
   std::uint16_t port = 502;  ///< 0: the kernel chooses
+  bool freebind = false;     ///< listens though the address is not there yet
   std::size_t max_connections = 256;
   std::size_t pipeline = 16;  ///< requests outstanding on one connection
   bool ordered = false;       ///< responses in the order of the requests

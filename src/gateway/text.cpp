@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text forms of events and actions.
+#include <algorithm>
+#include <bitset>
 #include <string_view>
+#include <vector>
 
 #include "gateway/action.hpp"
+#include "gateway/quality_text.hpp"
 #include "modbus/describe.hpp"
 
 namespace mbgate::gateway {
@@ -53,22 +57,98 @@ std::string milliseconds(Duration duration) {
   return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(duration).count()) + " ms";
 }
 
+std::string seconds(Duration duration) {
+  return std::to_string(std::chrono::ceil<std::chrono::seconds>(duration).count()) + " s";
+}
+
 std::string notice_text(const bus::DeviceNotice& notice) {
   using Kind = bus::DeviceNotice::Kind;
   switch (notice.kind) {
-    case Kind::lost: return "does not answer any more";
-    case Kind::back: return "answers again";
+    case Kind::lost:
+      return notice.answered_before
+                 ? "does not answer any more"
+                 : "no valid answer came so far, after " + std::to_string(notice.requests) +
+                       (notice.requests == 1 ? " request" : " requests");
+    case Kind::back: return notice.answered_before ? "answers again" : "answers";
     case Kind::late:
       return "an answer came " + milliseconds(notice.lateness) +
-             " after its response timeout, which is too short; after an unanswered request it is "
-             "now left alone for " +
+             " after its response timeout; after an unanswered request it is now left alone for " +
              milliseconds(notice.quarantine);
     case Kind::early: return "answers before its response_wait, which is set too long";
     case Kind::foreign:
-      return "a frame of it was heard that nobody here asked for; another client is on this line";
+      return std::string(notice.is_request ? "a request to it was heard that nobody here sent"
+                                           : "a frame of it was heard that nobody here asked for") +
+             "; another client is on this line";
+    case Kind::second_answer: return "two answers came to one request: two devices at one address?";
     case Kind::stop_unanswered: return "a stop command was not acknowledged";
+    case Kind::stop_forced:
+      return "a stop command was sent though the line was never silent (stop_deadline)";
   }
   return {};
+}
+
+std::string failsafe_text(const FailsafeNews& news) {
+  std::string reason;
+  switch (news.reason) {
+    case FailsafeReason::gone: reason = "the last client that may write has gone"; break;
+    case FailsafeReason::silent: reason = "the clients that may write are silent"; break;
+    case FailsafeReason::exit: reason = "the gateway stops"; break;
+  }
+  switch (news.outcome) {
+    case FailsafeOutcome::sent: return reason + "; its failsafe writes are sent";
+    case FailsafeOutcome::waits: return reason + "; its failsafe writes could not be sent yet";
+    case FailsafeOutcome::client_back:
+      return "a client that may write asks again; its failsafe writes were not all sent";
+    case FailsafeOutcome::given_up:
+      return "its failsafe writes could not be sent before the gateway stopped";
+  }
+  return {};
+}
+
+// "11, 12, 20-32": more than two in a row are a range.
+std::string routed_text(const std::bitset<256>& routed) {
+  constexpr std::size_t kShown = 8;
+  std::vector<std::string> entries;
+  for (std::size_t unit = 0; unit < routed.size(); ++unit) {
+    std::size_t last = unit;
+    while (routed[unit] && last + 1 < routed.size() && routed[last + 1]) {
+      ++last;
+    }
+    if (last - unit > 1) {
+      entries.push_back(std::to_string(unit) + "-" + std::to_string(last));
+      unit = last;
+    } else if (routed[unit]) {
+      entries.push_back(std::to_string(unit));
+    }
+  }
+  if (entries.empty()) {
+    return "no unit is routed";
+  }
+  std::string text = entries.size() == 1 && routed.count() == 1 ? "routed is " : "routed are ";
+  for (std::size_t at = 0; at < std::min(entries.size(), kShown); ++at) {
+    text += (at == 0 ? "" : ", ") + entries[at];
+  }
+  return entries.size() > kShown ? text + ", ..." : text;
+}
+
+std::string fault_text(bus::LineFault fault) {
+  switch (fault) {
+    case bus::LineFault::echo_differed:
+      return "the echo differs from what was sent (collision, or echo = true is wrong)";
+    case bus::LineFault::framing_lost: return "what comes in cannot be followed any further";
+    case bus::LineFault::echo_found:
+      return "the line hears what it sends; the echo is compared from now on (echo = true says so "
+             "from the start)";
+    case bus::LineFault::echo_unproven:
+      return "a write was answered by its own repetition, and no read has shown yet whether that "
+             "is "
+             "an echo: until one has, it proves nothing (say echo = true or echo = false)";
+    case bus::LineFault::unanswered: return "nothing comes from the far end";
+    case bus::LineFault::answered_while_sending:
+      return "an answer began before its request was sent whole, and was not taken; if the adapter "
+             "does not keep the pace of the wire, say paced = false";
+  }
+  return "";
 }
 
 }  // namespace
@@ -79,6 +159,18 @@ std::string to_text(const Event& event, const Settings& settings) {
           [&](const BusOpened& e) { return bus_text(settings, e.bus) + " is open"; },
           [&](const BusLost& e) {
             return bus_text(settings, e.bus) + " is lost; it is being reopened";
+          },
+          [&](const AdapterSilent& e) {
+            return bus_text(settings, e.bus) + ": nothing at all was heard for " +
+                   std::to_string(
+                       std::chrono::duration_cast<std::chrono::seconds>(e.silence).count()) +
+                   " s, in which " + std::to_string(e.requests) +
+                   " requests left; in case that the adapter hangs it is closed and opened again, "
+                   "now and ever less often until something is heard";
+          },
+          [&](const ConnectionReplaced& e) {
+            return bus_text(settings, e.bus) + ": requests go out, but nothing has come for " +
+                   seconds(bus::kSilenceToReplace) + "; the connection is replaced";
           },
           [&](const ClientRefused& e) {
             return client_text(settings, e) + " refused: " + std::string(reason_text(e.reason));
@@ -97,9 +189,10 @@ std::string to_text(const Event& event, const Settings& settings) {
           [&](const ClientFrameTimedOut& e) {
             return client_text(settings, e) + " closed: a request stayed incomplete";
           },
-          [&](const EchoMismatch& e) {
+          [&](const LineNews& e) { return bus_text(settings, e.bus) + ": " + fault_text(e.fault); },
+          [&](const LineNeverSilent& e) {
             return bus_text(settings, e.bus) +
-                   ": the echo differs from what was sent (collision, or echo = true is wrong)";
+                   " is never silent: another client, wrong baud rate, missing termination or bias";
           },
           [&](const Reconfigured& e) {
             return device_text(settings, e.bus, e.address) + ": client " + e.client.to_text() +
@@ -117,11 +210,17 @@ std::string to_text(const Event& event, const Settings& settings) {
           [&](const DeviceNews& e) {
             return device_text(settings, e.bus, e.notice.address) + ": " + notice_text(e.notice);
           },
-          [&](const FailsafeSent& e) {
-            return device_text(settings, e.bus, e.address) + ": " +
-                   (e.silence ? "the clients that may write are silent"
-                              : "the last client that may write has gone") +
-                   "; its failsafe writes are sent";
+          [&](const QualityNews& e) {
+            return (e.notice.address ? device_text(settings, e.bus, *e.notice.address)
+                                     : bus_text(settings, e.bus)) +
+                   ": " + quality_text(e.notice);
+          },
+          [&](const FailsafeNews& e) {
+            return device_text(settings, e.bus, e.address) + ": " + failsafe_text(e);
+          },
+          [&](const UnitNotRouted& e) {
+            return client_text(settings, e) + " asks for unit " + std::to_string(e.unit) + "; " +
+                   routed_text(e.routed);
           }},
       event);
 }
@@ -137,6 +236,7 @@ std::string to_text(const Action& action, const Settings& settings) {
                  [&](const Resume& a) { return client_number(a.client) + ": resume reading"; },
                  [&](const Close& a) { return client_number(a.client) + ": close"; },
                  [&](const Open& a) { return bus_text(settings, a.bus) + ": open the line"; },
+                 [&](const Look& a) { return bus_text(settings, a.bus) + ": look at the line"; },
                  [&](const Transmit& a) {
                    return bus_text(settings, a.bus) + " > " +
                           modbus::describe_rtu({a.frame.data(), a.frame.size()},

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "io/clock.hpp"
+#include "io/descriptors.hpp"
 #include "io/serial_line.hpp"
 #include "io/tcp_line.hpp"
 
@@ -33,7 +34,7 @@ routing::ClientAddress address_of(const boost::asio::ip::tcp::endpoint& peer) {
 
 std::unique_ptr<Line> make_line(LineContext context, BusId bus, const bus::LineSettings& line) {
   if (line.remote) {
-    return std::make_unique<TcpLine>(context, bus, *line.remote);
+    return std::make_unique<TcpLine>(context, bus, line);
   }
   return std::make_unique<SerialLine>(context, bus, line);
 }
@@ -68,7 +69,11 @@ GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings
 }
 
 void GatewayDriver::add_server(ListenerId listener, boost::asio::ip::tcp::acceptor acceptor) {
-  servers_.push_back(std::make_unique<TcpServer>(context_, listener, std::move(acceptor), *this));
+  servers_.push_back(std::make_unique<TcpServer>(context_, listener, std::move(acceptor), *this,
+                                                 end_of_client_descriptors(settings())));
+  if (phase_ == Phase::serving) {
+    servers_.back()->start();
+  }
 }
 
 void GatewayDriver::start() {
@@ -79,6 +84,7 @@ void GatewayDriver::start() {
   for (const auto& server : servers_) {
     server->start();
   }
+  phase_ = Phase::serving;
 }
 
 void GatewayDriver::shutdown() {
@@ -135,11 +141,12 @@ void GatewayDriver::client_closed(ClientId /*client*/) {
   }
 }
 
-void GatewayDriver::line_opened(BusId bus, const std::vector<std::string>& warnings) {
+void GatewayDriver::line_opened(BusId bus, bus::LineKind kind,
+                                const std::vector<std::string>& warnings) {
   for (const auto& warning : warnings) {
     observer_.on_line_warning(bus, warning);
   }
-  feed(gateway::LineOpened{bus});
+  feed(gateway::LineOpened{bus, kind});
   carry_out_actions();
   observer_.on_status_changed();
 }
@@ -156,8 +163,17 @@ void GatewayDriver::line_lost(BusId bus, const std::string& why) {
   observer_.on_status_changed();
 }
 
+void GatewayDriver::line_closed(BusId bus, const std::string& why) {
+  feed(gateway::LineLost{bus, bus::Loss::closed});
+  if (!gateway_.is_open(bus)) {
+    observer_.on_line_failure(bus, why);
+  }
+  carry_out_actions();
+  observer_.on_status_changed();
+}
+
 void GatewayDriver::feed(const gateway::Input& input) {
-  const gateway::Instant at = now();
+  const gateway::Instant at = reading_at_.value_or(now());
   if (recorder_ != nullptr) {
     recorder_->note(input, at);
   }
@@ -165,7 +181,7 @@ void GatewayDriver::feed(const gateway::Input& input) {
 }
 
 void GatewayDriver::carry_out_actions() {
-  if (carrying_out_) {
+  if (carrying_out_ || reading_at_) {
     return;
   }
   carrying_out_ = true;
@@ -183,23 +199,49 @@ void GatewayDriver::carry_out_actions() {
 }
 
 void GatewayDriver::set_timer() {
-  const auto deadline = gateway_.next_deadline();
+  const auto wake = gateway_.next_wake();
   // A timer that goes off too early costs a spurious call; one that is set anew each time costs a
   // system call.
-  if (!deadline || (timer_set_to_ && *timer_set_to_ <= *deadline)) {
+  if (!wake) {
     return;
   }
-  timer_set_to_ = deadline;
-  timer_.expires_at(to_steady(*deadline - gateway_.settings().wake_early));
-  timer_.async_wait([this, until = *deadline](const boost::system::error_code& error) {
+  const gateway::Instant ring =
+      wake->silence_of ? wake->at - gateway_.settings().wake_early : wake->at;
+  if (timer_set_to_ && *timer_set_to_ <= ring) {
+    return;
+  }
+  timer_set_to_ = ring;
+  timer_.expires_at(to_steady(ring));
+  timer_.async_wait([this](const boost::system::error_code& error) {
     if (!error) {
-      while (now() < until) {
-      }
       timer_set_to_.reset();
-      feed(gateway::DeadlineReached{});
-      carry_out_actions();
+      handle_wake();
     }
   });
+}
+
+void GatewayDriver::handle_wake() {
+  if (const auto wake = gateway_.next_wake()) {
+    wait_for_end_of_silence(*wake);
+  }
+  reading_at_ = now();
+  for (const auto& line : lines_) {
+    line->read_now();
+  }
+  feed(gateway::DeadlineReached{});
+  reading_at_.reset();
+  carry_out_actions();
+}
+
+// Not for long: the timer rang early for it. Nothing is lost when a byte ends it: what it means,
+// the machine says.
+void GatewayDriver::wait_for_end_of_silence(const gateway::Wake& wake) {
+  if (!wake.silence_of || wake.at - now() > gateway_.settings().wake_early) {
+    return;
+  }
+  Line& watched = line(*wake.silence_of);
+  while (now() < wake.at && !watched.has_bytes()) {
+  }
 }
 
 void GatewayDriver::carry_out(const gateway::Send& action) {
@@ -233,6 +275,11 @@ void GatewayDriver::carry_out(const gateway::Close& action) {
 }
 
 void GatewayDriver::carry_out(const gateway::Open& action) { line(action.bus).open(); }
+
+void GatewayDriver::carry_out(const gateway::Look& action) {
+  line(action.bus).read_now();
+  feed(gateway::LineLooked{action.bus});
+}
 
 void GatewayDriver::carry_out(const gateway::Transmit& action) {
   if (const auto why = line(action.bus).transmit(action.frame)) {

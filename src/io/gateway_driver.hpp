@@ -50,7 +50,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   GatewayDriver& operator=(const GatewayDriver&) = delete;
   ~GatewayDriver() override = default;
 
-  /// Before start(). One listener may have several sockets.
+  /// Before start(), or later; then it accepts at once. One listener may have several sockets.
   void add_server(gateway::ListenerId listener, boost::asio::ip::tcp::acceptor acceptor);
   /// Begins to open the lines and accepts what is already waiting, as older than this process. On
   /// return the gateway is ready.
@@ -69,9 +69,11 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void client_half_closed(gateway::ClientId client) override;
   void client_disconnected(gateway::ClientId client) override;
   void client_closed(gateway::ClientId client) override;
-  void line_opened(gateway::BusId bus, const std::vector<std::string>& warnings) override;
+  void line_opened(gateway::BusId bus, bus::LineKind kind,
+                   const std::vector<std::string>& warnings) override;
   void line_bytes(gateway::BusId bus, modbus::Bytes bytes) override;
   void line_lost(gateway::BusId bus, const std::string& why) override;
+  void line_closed(gateway::BusId bus, const std::string& why) override;
 
   /// The one way into the machine: what passes here, and nothing else, is what a recording has.
   void feed(const gateway::Input& input);
@@ -80,11 +82,15 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   /// one.
   void carry_out_actions();
   void set_timer();
+  void wait_for_end_of_silence(const gateway::Wake& wake);
+  /// Reads what lies in the lines, then lets the machine judge.
+  void handle_wake();
   void carry_out(const gateway::Send& action);
   void carry_out(const gateway::Pause& action);
   void carry_out(const gateway::Resume& action);
   void carry_out(const gateway::Close& action);
   void carry_out(const gateway::Open& action);
+  void carry_out(const gateway::Look& action);
   void carry_out(const gateway::Transmit& action);
   void carry_out(const gateway::Shut& action);
   void carry_out(const gateway::Report& action);
@@ -103,6 +109,8 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   bool carrying_out_ = false;
   boost::asio::steady_timer timer_;
   std::optional<gateway::Instant> timer_set_to_;
+  /// Bytes that lay in the lines at one instant are handed in with it, before what it judges.
+  std::optional<gateway::Instant> reading_at_;
   BlockingCalls blocking_;
   HangupWatch hangups_;
   ConnectionContext connection_context_;
@@ -111,7 +119,8 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   std::unordered_map<gateway::ClientId, std::shared_ptr<TcpConnection>> connections_;
   std::uint64_t next_client_ = 0;
   std::size_t closing_ = 0;  ///< connections that still send what was queued
-  enum class Phase : std::uint8_t { serving, flushing, finished } phase_ = Phase::serving;
+  enum class Phase : std::uint8_t { starting, serving, flushing, finished };
+  Phase phase_ = Phase::starting;
   boost::asio::steady_timer flush_timer_;
 };
 

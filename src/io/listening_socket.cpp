@@ -36,6 +36,10 @@ void set_option(tcp::acceptor& acceptor, int level, int name, int value, error_c
   }
 }
 
+void set_freebind(tcp::acceptor& acceptor, bool v6, error_code& error) {
+  set_option(acceptor, v6 ? IPPROTO_IPV6 : IPPROTO_IP, v6 ? IPV6_FREEBIND : IP_FREEBIND, 1, error);
+}
+
 void set_connection_options(tcp::acceptor& acceptor, const gateway::TcpSettings& tcp,
                             error_code& error) {
   set_option(acceptor, IPPROTO_TCP, TCP_NODELAY, 1, error);
@@ -59,9 +63,9 @@ std::string hint(const error_code& error, std::uint16_t port) {
   return "";
 }
 
-std::string refusal(const gateway::ListenerSettings& listener, const std::string& where,
-                    const std::string& why) {
-  return "listener \"" + listener.name + "\": cannot listen on " + where + ": " + why;
+ListenFailure refusal(const gateway::ListenerSettings& listener, const std::string& where,
+                      const std::string& why) {
+  return {"listener \"" + listener.name + "\": cannot listen on " + where + ": " + why};
 }
 
 /// The protocol of a listening TCP socket; nothing if the descriptor is something else.
@@ -87,8 +91,8 @@ std::optional<tcp> protocol_of(int socket) {
 
 }  // namespace
 
-Result<tcp::acceptor, std::string> bind_listener(boost::asio::io_context& context,
-                                                 const gateway::ListenerSettings& listener) {
+Result<tcp::acceptor, ListenFailure> bind_listener(boost::asio::io_context& context,
+                                                   const gateway::ListenerSettings& listener) {
   error_code error;
   const auto address = boost::asio::ip::make_address(listener.address, error);
   if (error) {
@@ -105,6 +109,9 @@ Result<tcp::acceptor, std::string> bind_listener(boost::asio::io_context& contex
     // bound.
     acceptor.set_option(boost::asio::ip::v6_only(true), error);
   }
+  if (listener.freebind) {
+    set_freebind(acceptor, address.is_v6(), error);
+  }
   set_connection_options(acceptor, listener.tcp, error);
   if (!error) {
     acceptor.bind(endpoint, error);
@@ -116,14 +123,17 @@ Result<tcp::acceptor, std::string> bind_listener(boost::asio::io_context& contex
     acceptor.non_blocking(true, error);
   }
   if (error) {
-    return refusal(listener, to_text(endpoint), error.message() + hint(error, listener.port));
+    auto failure =
+        refusal(listener, to_text(endpoint), error.message() + hint(error, listener.port));
+    failure.absent = error.value() == EADDRNOTAVAIL;
+    return failure;
   }
   return acceptor;
 }
 
-Result<tcp::acceptor, std::string> adopt_listener(boost::asio::io_context& context,
-                                                  const gateway::ListenerSettings& listener,
-                                                  UniqueFd socket) {
+Result<tcp::acceptor, ListenFailure> adopt_listener(boost::asio::io_context& context,
+                                                    const gateway::ListenerSettings& listener,
+                                                    UniqueFd socket) {
   const auto protocol = protocol_of(socket.get());
   if (!protocol) {
     return refusal(listener, "the socket from systemd", "it is no listening TCP socket");

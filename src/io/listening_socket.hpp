@@ -14,13 +14,17 @@
 
 namespace mbgate::io {
 
-/// Binds the listener's address and port. The error is one line with the listener's name and its
-/// address.
-Result<boost::asio::ip::tcp::acceptor, std::string> bind_listener(
+struct ListenFailure {
+  std::string why;      ///< one line with the listener's name and its address
+  bool absent = false;  ///< this machine does not have the address: it may come
+};
+
+/// Binds the listener's address and port.
+Result<boost::asio::ip::tcp::acceptor, ListenFailure> bind_listener(
     boost::asio::io_context& context, const gateway::ListenerSettings& listener);
 
 /// Takes over a listening TCP socket; address and port of the settings do not matter then.
-Result<boost::asio::ip::tcp::acceptor, std::string> adopt_listener(
+Result<boost::asio::ip::tcp::acceptor, ListenFailure> adopt_listener(
     boost::asio::io_context& context, const gateway::ListenerSettings& listener, UniqueFd socket);
 
 /// "127.0.0.1:502" or "[::1]:502"

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/serial_line.hpp"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/as_tuple.hpp>
-#include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
@@ -29,7 +30,24 @@ constexpr std::chrono::microseconds kTransmitterPoll{200};
 /// A transmitter that is not empty this long after the longest frame has had its time is stuck.
 constexpr std::chrono::milliseconds kTransmitterLimit{500};
 
+/// A device can be had once at a time. One that cannot be given back for longer is tried all the
+/// same: its path may lead to another one by now.
+constexpr std::chrono::seconds kClosingLimit{5};
+
+Result<OpenTty, std::string> open_once_closed(const bus::LineSettings& settings,
+                                              const std::shared_future<void>& closed) {
+  if (closed.valid()) {
+    closed.wait_for(kClosingLimit);
+  }
+  return open_tty(settings);
+}
+
 bool would_block(int error) { return error == EAGAIN || error == EINTR; }
+
+std::size_t bytes_in(int fd) {
+  int count = 0;
+  return ::ioctl(fd, FIONREAD, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
+}
 
 /// A vanished adapter reads as the end of the stream at first, then as one of these errors.
 bool has_gone(const boost::system::error_code& error) {
@@ -59,11 +77,11 @@ void SerialLine::open() {
   }
   state_ = State::opening;
   ++generation_;
-  const bool started =
-      context_.blocking.run([settings = settings_] { return open_tty(settings); },
-                            [this, generation = generation_](Result<OpenTty, std::string> result) {
-                              finish_open(std::move(result), generation);
-                            });
+  const bool started = context_.blocking.run(
+      [settings = settings_, closed = closed_] { return open_once_closed(settings, closed); },
+      [this, generation = generation_](Result<OpenTty, std::string> result) {
+        finish_open(std::move(result), generation);
+      });
   if (!started) {
     boost::asio::post(context_.io, [this, generation = generation_] {
       finish_open(std::string("cannot open " + settings_.device + ": no thread to do it on"),
@@ -95,7 +113,7 @@ void SerialLine::finish_open(Result<OpenTty, std::string> result, unsigned gener
   transmitting_ = false;
   rest_.clear();
   supervise(context_.io, read_loop(generation_), "line read");
-  context_.events.line_opened(bus_, result->warnings);
+  context_.events.line_opened(bus_, result->kind, result->warnings);
 }
 
 std::optional<std::string> SerialLine::transmit(modbus::Bytes frame) {
@@ -135,22 +153,52 @@ std::optional<std::string> SerialLine::transmit(modbus::Bytes frame) {
   return std::nullopt;
 }
 
+// It waits, and reads by itself: an operation that had read already, and whose end waits its turn,
+// would hold bytes back from read_now().
 boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
   while (true) {
-    const auto [error, count] =
-        co_await descriptor_.async_read_some(boost::asio::buffer(buffer_), kUseTuple);
+    const auto [error] = co_await descriptor_.async_wait(descriptor_base::wait_read, kUseTuple);
     if (error == operation_aborted || generation != generation_) {
       co_return;
     }
     if (error) {
-      lose(has_gone(error) ? settings_.device + ": the device has gone"
-                           : error_text("read", error.value()));
+      lose_reading(error);
       co_return;
     }
-    context_.events.line_bytes(bus_, modbus::Bytes(buffer_).first(count));
+    read(std::max<std::size_t>(bytes_in(descriptor_.native_handle()), 1));
     if (generation != generation_) {
       co_return;
     }
+  }
+}
+
+bool SerialLine::has_bytes() {
+  return state_ == State::open && bytes_in(descriptor_.native_handle()) > 0;
+}
+
+void SerialLine::read_now() {
+  if (state_ == State::open) {
+    read(bytes_in(descriptor_.native_handle()));
+  }
+}
+
+/// At most so many bytes, which is less than what comes if somebody never stops.
+void SerialLine::read(std::size_t left) {
+  const unsigned generation = generation_;
+  while (left > 0 && generation == generation_) {
+    const ssize_t count =
+        ::read(descriptor_.native_handle(), buffer_.data(), std::min(left, buffer_.size()));
+    if (count < 0 && would_block(errno)) {
+      return;
+    }
+    if (count <= 0) {
+      lose_reading(count == 0 ? boost::asio::error::make_error_code(boost::asio::error::eof)
+                              : boost::system::error_code(errno, boost::system::system_category()));
+      return;
+    }
+    const auto bytes = static_cast<std::size_t>(count);
+    left -= std::min(left, bytes);
+    context_.events.line_bytes(bus_, modbus::Bytes(buffer_).first(bytes));
   }
 }
 
@@ -219,13 +267,21 @@ void SerialLine::close() {
 
 void SerialLine::close_elsewhere(UniqueFd fd) {
   // Without a thread the descriptor is closed here, as soon as run() has given up.
+  std::promise<void> closed;
+  closed_ = closed.get_future().share();
   const bool started = context_.blocking.run(
-      [fd = std::move(fd), settings = settings_]() mutable {
+      [fd = std::move(fd), settings = settings_, closed = std::move(closed)]() mutable {
         close_tty(std::move(fd), settings);
+        closed.set_value();
         return true;
       },
       [](bool) {});
   static_cast<void>(started);
+}
+
+void SerialLine::lose_reading(const boost::system::error_code& error) {
+  lose(has_gone(error) ? settings_.device + ": the device has gone"
+                       : error_text("read", error.value()));
 }
 
 void SerialLine::lose(const std::string& why) {

@@ -6,6 +6,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ class SerialLine final : public Line {
 
   void open() override;
   std::optional<std::string> transmit(modbus::Bytes frame) override;
+  void read_now() override;
+  [[nodiscard]] bool has_bytes() override;
   /// Hands the descriptor to a thread that may wait.
   void close() override;
 
@@ -37,6 +40,8 @@ class SerialLine final : public Line {
   void finish_open(Result<OpenTty, std::string> result, unsigned generation);
   void close_elsewhere(UniqueFd fd);
   void lose(const std::string& why);
+  void read(std::size_t left);
+  void lose_reading(const boost::system::error_code& error);
   [[nodiscard]] std::string error_text(const char* action, int error) const;
 
   LineContext context_;
@@ -46,6 +51,7 @@ class SerialLine final : public Line {
   boost::asio::posix::stream_descriptor descriptor_;
   boost::asio::steady_timer timer_;
   State state_ = State::closed;
+  std::shared_future<void> closed_;  ///< ready once the descriptor before is given back
   /// Counts the openings and closings, so that what belongs to an earlier opening notices that its
   /// line has gone.
   unsigned generation_ = 0;

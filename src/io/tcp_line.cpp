@@ -2,12 +2,11 @@
 #include "io/tcp_line.hpp"
 
 #include <linux/sockios.h>
-#include <netinet/tcp.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <boost/asio/as_tuple.hpp>
-#include <boost/asio/buffer.hpp>
 #include <boost/asio/experimental/awaitable_operators.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -19,6 +18,7 @@
 #include <variant>
 
 #include "io/supervise.hpp"
+#include "io/tcp_options.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -30,23 +30,11 @@ using boost::system::error_code;
 
 constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
 
-/// For each address of a host: two repetitions of the SYN, which come after one and three seconds.
-constexpr std::chrono::milliseconds kConnectLimit{4000};
 /// A kernel that does not take a frame holds hundreds of others that the far end does not read.
 constexpr std::chrono::milliseconds kTakeLimit{1000};
-/// What the far end has not acknowledged after so long is thrown away with the connection: a
-/// command that came out of a network that has been mended would be an old one. Room for three
-/// repetitions, the first of them after 200 ms.
-constexpr int kAcknowledgeLimitMs = 2000;
-/// An idle connection whose far end has gone without a word is noticed after the sum of the two:
-/// beside kAcknowledgeLimitMs one unanswered probe is enough for the kernel.
-constexpr int kProbeAfterSeconds = 10;
-constexpr int kProbeIntervalSeconds = 5;
-/// Hundreds of frames. The kernel's own limit is megabytes, which a far end that never reads would
-/// fill before anybody noticed.
-constexpr int kSendBuffer = 64 * 1024;
-
 bool would_block(int error) { return error == EAGAIN || error == EINTR; }
+
+bool has_far_end_closed(int error) { return error == ECONNRESET || error == EPIPE; }
 
 std::string text_of(int error) { return std::generic_category().message(error); }
 
@@ -91,10 +79,11 @@ error_code failure_of(const Ended& connecting, const tcp::socket& socket) {
 
 }  // namespace
 
-TcpLine::TcpLine(LineContext context, drive::BusId bus, bus::Endpoint remote)
+TcpLine::TcpLine(LineContext context, drive::BusId bus, const bus::LineSettings& line)
     : context_(context),
       bus_(bus),
-      remote_(std::move(remote)),
+      remote_(*line.remote),
+      times_(line.connection),
       name_(to_text(remote_)),
       socket_(context.io),
       timer_(context.io) {}
@@ -146,7 +135,7 @@ void TcpLine::start_connecting(HostAddresses addresses) {
 boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned generation) {
   std::string failures;
   for (const auto& address : addresses) {
-    timer_.expires_after(kConnectLimit);
+    timer_.expires_after(times_.connect_timeout);
     const auto ended =
         co_await (socket_.async_connect(address, kUseTuple) || timer_.async_wait(kUseTuple));
     if (was_aborted(ended) || generation != generation_) {
@@ -168,9 +157,9 @@ boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned 
 void TcpLine::finish_open() {
   state_ = State::open;
   rest_.clear();
-  const auto warnings = set_options();
+  const auto warnings = set_options(socket_.native_handle(), times_, name_);
   supervise(context_.io, read_loop(generation_), "line read");
-  context_.events.line_opened(bus_, warnings);
+  context_.events.line_opened(bus_, bus::LineKind::virtual_line, warnings);
 }
 
 void TcpLine::fail_to_open(const std::string& why) {
@@ -178,40 +167,18 @@ void TcpLine::fail_to_open(const std::string& why) {
   context_.events.line_lost(bus_, "cannot connect to " + name_ + ": " + why);
 }
 
-std::vector<std::string> TcpLine::set_options() {
-  struct Option {
-    const char* name;
-    int level;
-    int number;
-    int value;
-  };
-  static constexpr std::array kOptions{
-      Option{"TCP_NODELAY", IPPROTO_TCP, TCP_NODELAY, 1},
-      Option{"SO_SNDBUF", SOL_SOCKET, SO_SNDBUF, kSendBuffer},
-      Option{"TCP_USER_TIMEOUT", IPPROTO_TCP, TCP_USER_TIMEOUT, kAcknowledgeLimitMs},
-      Option{"TCP_KEEPIDLE", IPPROTO_TCP, TCP_KEEPIDLE, kProbeAfterSeconds},
-      Option{"TCP_KEEPINTVL", IPPROTO_TCP, TCP_KEEPINTVL, kProbeIntervalSeconds},
-      Option{"SO_KEEPALIVE", SOL_SOCKET, SO_KEEPALIVE, 1},
-  };
-  std::vector<std::string> warnings;
-  for (const auto& option : kOptions) {
-    if (::setsockopt(socket_.native_handle(), option.level, option.number, &option.value,
-                     sizeof option.value) != 0) {
-      warnings.push_back(name_ + ": cannot set " + option.name + ": " + text_of(errno));
-    }
-  }
-  return warnings;
-}
-
 std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
   if (state_ != State::open) {
-    return name_ + ": the connection is not open";
+    return std::nullopt;
   }
   if (!rest_.empty()) {
     close();
     return name_ + ": the far end has not taken the frame before";
   }
   const auto count = try_send(socket_, frame);
+  if (!count && has_far_end_closed(errno)) {
+    return std::nullopt;  // the reader, whose turn is next, tells it
+  }
   if (!count) {
     std::string why = name_ + ": cannot send: " + text_of(errno);
     close();
@@ -224,22 +191,52 @@ std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
   return std::nullopt;
 }
 
+// It waits, and reads by itself: an operation that had read already, and whose end waits its turn,
+// would hold bytes back from read_now().
 boost::asio::awaitable<void> TcpLine::read_loop(unsigned generation) {
   while (true) {
-    const auto [error, count] =
-        co_await socket_.async_read_some(boost::asio::buffer(buffer_), kUseTuple);
+    const auto [error] = co_await socket_.async_wait(tcp::socket::wait_read, kUseTuple);
     if (error == operation_aborted || generation != generation_) {
       co_return;
     }
     if (error) {
-      lose(error == boost::asio::error::eof ? "the far end has closed the connection"
-                                            : error.message());
+      note_end(error);
       co_return;
     }
-    context_.events.line_bytes(bus_, modbus::Bytes(buffer_).first(count));
+    read_now();
     if (generation != generation_) {
       co_return;
     }
+  }
+}
+
+bool TcpLine::has_bytes() {
+  error_code ignored;
+  return state_ == State::open && socket_.available(ignored) > 0;
+}
+
+// The end of the stream counts: what is sent into a connection that the far end has closed is lost.
+void TcpLine::read_now() {
+  if (state_ != State::open) {
+    return;
+  }
+  error_code ignored;
+  std::size_t left = std::max<std::size_t>(socket_.available(ignored), 1);
+  const unsigned generation = generation_;
+  while (left > 0 && generation == generation_) {
+    const ssize_t count = ::recv(socket_.native_handle(), buffer_.data(),
+                                 std::min(left, buffer_.size()), MSG_DONTWAIT);
+    if (count < 0 && would_block(errno)) {
+      return;
+    }
+    if (count <= 0) {
+      note_end(count == 0 ? boost::asio::error::make_error_code(boost::asio::error::eof)
+                          : error_code(errno, boost::system::system_category()));
+      return;
+    }
+    const auto bytes = static_cast<std::size_t>(count);
+    left -= std::min(left, bytes);
+    context_.events.line_bytes(bus_, modbus::Bytes(buffer_).first(bytes));
   }
 }
 
@@ -282,6 +279,17 @@ void TcpLine::close_socket() {
   }
   rest_.clear();
   socket_.close(ignored);
+}
+
+void TcpLine::note_end(const error_code& error) {
+  const bool eof = error == boost::asio::error::eof;
+  if (!eof && !has_far_end_closed(error.value())) {
+    lose(error.message());
+    return;
+  }
+  close();
+  context_.events.line_closed(
+      bus_, name_ + ": " + (eof ? "the far end has closed the connection" : error.message()));
 }
 
 void TcpLine::lose(const std::string& why) {

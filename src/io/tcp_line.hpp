@@ -20,11 +20,14 @@ namespace mbgate::io {
 
 class TcpLine final : public Line {
  public:
-  TcpLine(LineContext context, drive::BusId bus, bus::Endpoint remote);
+  /// `line` has a remote end.
+  TcpLine(LineContext context, drive::BusId bus, const bus::LineSettings& line);
   ~TcpLine() override;
 
   void open() override;
   std::optional<std::string> transmit(modbus::Bytes frame) override;
+  void read_now() override;
+  [[nodiscard]] bool has_bytes() override;
   void close() override;
 
  private:
@@ -39,12 +42,13 @@ class TcpLine final : public Line {
   void finish_open();
   void fail_to_open(const std::string& why);
   void lose(const std::string& why);
+  void note_end(const boost::system::error_code& error);
   void close_socket();
-  std::vector<std::string> set_options();
 
   LineContext context_;
   drive::BusId bus_;
   bus::Endpoint remote_;
+  bus::ConnectionTimes times_;
   std::string name_;  ///< of the far end, in texts
   boost::asio::ip::tcp::socket socket_;
   boost::asio::steady_timer timer_;  ///< limits connecting, then writing

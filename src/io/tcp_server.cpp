@@ -46,12 +46,13 @@ int accept_socket(int listening, tcp::endpoint& peer) {
 }  // namespace
 
 TcpServer::TcpServer(boost::asio::io_context& context, gateway::ListenerId listener,
-                     tcp::acceptor acceptor, AcceptEvents& events)
+                     tcp::acceptor acceptor, AcceptEvents& events, int end)
     : context_(context),
       listener_(listener),
       acceptor_(std::move(acceptor)),
       pause_(context),
       events_(events),
+      end_(end),
       spare_(open_spare()) {}
 
 void TcpServer::accept_waiting() {
@@ -88,16 +89,18 @@ boost::asio::awaitable<void> TcpServer::run() {
 TcpServer::Outcome TcpServer::accept_one(bool count_bytes) {
   tcp::endpoint peer;
   UniqueFd socket(accept_socket(acceptor_.native_handle(), peer));
-  if (socket.is_open()) {
+  if (socket.is_open() && socket.get() < end_) {
     return take(std::move(socket), peer, count_bytes);
   }
-  switch (errno) {
+  const int reason = socket.is_open() ? EMFILE : errno;
+  socket.reset();
+  switch (reason) {
     case EAGAIN: return Outcome::none_waiting;
     case EINTR:
     case ECONNABORTED: return Outcome::accepted;  // that one has gone; the next one may be there
     default: break;
   }
-  const error_code error(errno, boost::system::system_category());
+  const error_code error(reason, boost::system::system_category());
   if (error.value() == EMFILE || error.value() == ENFILE) {
     shed();
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Accepts the connections of one listening socket. Running out of file descriptors is survived: the
-// connections that cannot be had are closed, so that their clients know, and the server goes on.
+// Accepts the connections of one listening socket. Running out of file descriptors is survived, and
+// some are left for others: the connections that cannot be had are closed, so that their clients
+// know, and the server goes on.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -32,9 +33,10 @@ class AcceptEvents {
 
 class TcpServer {
  public:
-  /// The acceptor listens already and is non-blocking.
+  /// The acceptor listens already and is non-blocking. Descriptors from `end` on are not for
+  /// clients.
   TcpServer(boost::asio::io_context& context, gateway::ListenerId listener,
-            boost::asio::ip::tcp::acceptor acceptor, AcceptEvents& events);
+            boost::asio::ip::tcp::acceptor acceptor, AcceptEvents& events, int end);
   TcpServer(const TcpServer&) = delete;
   TcpServer& operator=(const TcpServer&) = delete;
   ~TcpServer() = default;
@@ -60,6 +62,7 @@ class TcpServer {
   boost::asio::ip::tcp::acceptor acceptor_;
   boost::asio::steady_timer pause_;
   AcceptEvents& events_;
+  int end_;
   UniqueFd spare_;
 };
 

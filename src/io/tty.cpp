@@ -9,8 +9,12 @@
 #include <sys/sysmacros.h>
 #include <termios.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <filesystem>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -26,20 +30,14 @@ constexpr unsigned kLastPtyMajor = 143;
 
 std::string in_use(const std::string& device) { return device + ": another program uses it"; }
 
-std::string open_error(const std::string& device, int error) {
-  std::string text = "cannot open " + device + ": " + std::generic_category().message(error);
-  switch (error) {
-    case EBUSY: return in_use(device);
-    case EACCES: return text + "; the user that mbgated runs as must be in the group dialout";
-    case EPERM:
-      // The device cgroup refuses with EPERM where file modes refuse with EACCES. A DeviceAllow of
-      // a driver that was not loaded when the unit started allows nothing.
-      return text +
-             "; if systemd started mbgated, DeviceAllow of the unit must name the driver, and its "
-             "module must "
-             "be loaded before the unit starts (modprobe@usbserial.service); then restart the unit";
-    default: return text;
-  }
+/// The driver's name as DeviceAllow= of systemd wants it: that of the device without its number,
+/// and not that of a link to it. ProcSubset=pid hides /proc/devices, where it stands.
+std::string driver_name(const std::string& device) {
+  std::error_code ignored;
+  const auto real = std::filesystem::canonical(device, ignored);
+  std::string name = (ignored ? std::filesystem::path(device) : real).filename().string();
+  name.erase(name.find_last_not_of("0123456789") + 1);
+  return name;
 }
 
 bool is_pseudo_terminal(int fd) {
@@ -87,12 +85,55 @@ std::optional<std::string> ask_for_low_latency(int fd, const std::string& device
   return device + ": no low-latency mode: " + std::generic_category().message(errno);
 }
 
+/// What the kernel calls the device: "ttyUSB0"; nothing for what sysfs does not know.
+std::string kernel_name(int fd) {
+  struct stat status {};
+  if (::fstat(fd, &status) != 0) {
+    return {};
+  }
+  const auto link = "/sys/dev/char/" + std::to_string(major(status.st_rdev)) + ':' +
+                    std::to_string(minor(status.st_rdev));
+  std::error_code error;
+  return std::filesystem::read_symlink(link, error).filename();
+}
+
+/// A UART has line parameters of its own, which TIOCGSERIAL gives. So has a CDC ACM device, but
+/// what is behind it takes whole buffers at the pace of the bus that it hangs on.
+bus::LineKind kind_of(int fd) {
+  const std::string name = kernel_name(fd);
+  constexpr std::array<std::string_view, 3> kUnpaced{"ttyACM", "rfcomm", "ttyGS"};
+  if (std::ranges::any_of(kUnpaced, [&](auto start) { return name.starts_with(start); })) {
+    return bus::LineKind::adapter;
+  }
+  serial_struct serial{};
+  return !is_pseudo_terminal(fd) && !name.empty() && ::ioctl(fd, TIOCGSERIAL, &serial) == 0
+             ? bus::LineKind::uart
+             : bus::LineKind::virtual_line;
+}
+
 }  // namespace
+
+std::string open_failure(const std::string& device, int error) {
+  std::string text = "cannot open " + device + ": " + std::generic_category().message(error);
+  switch (error) {
+    case EBUSY: return in_use(device);
+    case EACCES: return text + "; the user that mbgated runs as must be in the group dialout";
+    case EPERM:
+      // The device cgroup refuses with EPERM where file modes refuse with EACCES. A DeviceAllow= of
+      // a driver that was not loaded when the unit started allows nothing.
+      return text +
+             "; if systemd started mbgated, its unit does not allow this driver, or the driver was "
+             "loaded after the unit had started: run \"systemctl edit mbgated\", paste the two "
+             "lines \"[Service]\" and \"DeviceAllow=char-" +
+             driver_name(device) + " rw\", then run \"systemctl restart mbgated\"";
+    default: return text;
+  }
+}
 
 Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {
   UniqueFd fd(::open(line.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!fd.is_open()) {
-    return open_error(line.device, errno);
+    return open_failure(line.device, errno);
   }
   if (::isatty(fd.get()) == 0) {
     return line.device + ": this is no serial line";
@@ -119,7 +160,8 @@ Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {
   }
   // What lies there was meant for somebody before us.
   ::tcflush(fd.get(), TCIOFLUSH);
-  return OpenTty{std::move(fd), *std::move(warnings)};
+  const bus::LineKind kind = kind_of(fd.get());
+  return OpenTty{std::move(fd), kind, *std::move(warnings)};
 }
 
 void close_tty(UniqueFd fd, const bus::LineSettings& line) {

@@ -14,6 +14,7 @@ namespace mbgate::io {
 
 struct OpenTty {
   UniqueFd fd;  ///< non-blocking
+  bus::LineKind kind;
   std::vector<std::string> warnings;
 };
 
@@ -21,6 +22,9 @@ struct OpenTty {
 /// after each plugging. The error is one line with the path, what was asked and what the system
 /// said.
 Result<OpenTty, std::string> open_tty(const bus::LineSettings& line);
+
+/// What to say when open() of `device` failed with `error`: what the system said and what helps.
+std::string open_failure(const std::string& device, int error);
 
 /// Gives the line back. What was not transmitted yet is thrown away: waiting for it can take 30 s.
 /// A transceiver that we switch by RTS is left receiving, because a raised RTS would outlive us and

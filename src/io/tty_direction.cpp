@@ -5,6 +5,7 @@
 #include <sys/ioctl.h>
 
 #include <cerrno>
+#include <chrono>
 #include <system_error>
 
 namespace mbgate::io {
@@ -39,28 +40,61 @@ bool same_direction(const serial_rs485& a, const serial_rs485& b) {
          a.delay_rts_after_send == b.delay_rts_after_send;
 }
 
-std::optional<std::string> use_kernel(int fd, const bus::LineSettings& line, IoControl control) {
-  // The structure has reserved fields that must be 0.
-  serial_rs485 wanted{};
-  wanted.flags = SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND;
-  if (line.echo) {
-    wanted.flags |= SER_RS485_RX_DURING_TX;
+std::string refusal(const bus::LineSettings& line, const char* action, int error) {
+  if (error == ENOTTY) {
+    return line.device +
+           ": the driver has no RS-485 mode; use rs485 = \"off\" if the adapter switches direction "
+           "by itself, as most USB adapters do, or rs485 = \"rts\"";
   }
+  return line.device + ": cannot " + action +
+         " rs485 = \"kernel\": " + std::generic_category().message(error);
+}
+
+std::uint32_t milliseconds_of(bus::Duration delay) {
+  return static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(delay).count());
+}
+
+/// What the driver has now, from the device tree or from a program before us, with what `line` says
+/// otherwise. How the transceiver is wired is known there and not here: a wrong polarity would keep
+/// it silent, or sending for ever.
+serial_rs485 wanted_direction(serial_rs485 present, const bus::LineSettings& line) {
+  constexpr std::uint32_t kPolarity = SER_RS485_RTS_ON_SEND | SER_RS485_RTS_AFTER_SEND;
+  present.flags |= SER_RS485_ENABLED;
+  present.flags &= ~std::uint32_t{SER_RS485_RX_DURING_TX};
+  if (line.echo.value_or(false)) {
+    present.flags |= SER_RS485_RX_DURING_TX;
+  }
+  const auto polarity = present.flags & kPolarity;
+  // Neither or both is no polarity: nobody has set one.
+  const bool known = polarity != 0 && polarity != kPolarity;
+  if (line.rs485_rts_on_send || !known) {
+    present.flags &= ~kPolarity;
+    present.flags |=
+        line.rs485_rts_on_send.value_or(true) ? SER_RS485_RTS_ON_SEND : SER_RS485_RTS_AFTER_SEND;
+  }
+  if (line.rs485_delay_before) {
+    present.delay_rts_before_send = milliseconds_of(*line.rs485_delay_before);
+  }
+  if (line.rs485_delay_after) {
+    present.delay_rts_after_send = milliseconds_of(*line.rs485_delay_after);
+  }
+  return present;
+}
+
+std::optional<std::string> use_kernel(int fd, const bus::LineSettings& line, IoControl control) {
+  serial_rs485 present{};
+  if (control(fd, TIOCGRS485, &present) != 0) {
+    return refusal(line, "read", errno);
+  }
+  const serial_rs485 wanted = wanted_direction(present, line);
   serial_rs485 asked = wanted;
   if (control(fd, TIOCSRS485, &asked) != 0) {
-    if (errno == ENOTTY) {
-      return line.device +
-             ": the driver has no RS-485 mode; use rs485 = \"off\" if the adapter switches "
-             "direction by "
-             "itself, as most USB adapters do, or rs485 = \"rts\"";
-    }
-    return line.device +
-           ": cannot set rs485 = \"kernel\": " + std::generic_category().message(errno);
+    return refusal(line, "set", errno);
   }
   serial_rs485 real{};
   if (control(fd, TIOCGRS485, &real) != 0) {
-    return line.device +
-           ": cannot read back rs485 = \"kernel\": " + std::generic_category().message(errno);
+    return refusal(line, "read back", errno);
   }
   if (!same_direction(wanted, real)) {
     return line.device + ": asked for RS-485 " + direction_text(wanted) + "; the driver took " +

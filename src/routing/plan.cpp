@@ -58,9 +58,8 @@ Result<Plan, ExceptionCode> Plan::make(const Way& way, std::uint8_t unit, Client
     return request.error();
   }
   Plan plan(*client_request);
-  const auto address = static_cast<std::uint8_t>(route.first_address + (unit - route.first_unit));
   const auto error = way.is_broadcast() ? plan.add_broadcast(way, *request)
-                                        : plan.add_requests(way, address, *request);
+                                        : plan.add_requests(way, route.address_of(unit), *request);
   if (error) {
     return *error;
   }

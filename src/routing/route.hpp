@@ -49,7 +49,7 @@ struct Route {
   std::optional<ListenerId> listener;  ///< none: every routed listener
   std::uint8_t first_unit = 0;
   std::uint8_t last_unit = 0;
-  /// One bus; for a broadcast route (unit 0) one or more.
+  /// One bus; for a broadcast route one or more.
   std::vector<BusId> buses;
   /// The bus address of first_unit; the others follow in order. 0 for a broadcast route.
   std::uint8_t first_address = 0;
@@ -64,7 +64,14 @@ struct Route {
   std::optional<Duration> deadline;  ///< default by read and write: see Gateway
   BroadcastReply broadcast_reply = BroadcastReply::echo;
 
-  [[nodiscard]] bool is_broadcast() const { return first_unit == 0 && first_address == 0; }
+  /// One that names a device is none, whatever its unit: some clients can only say unit 0.
+  [[nodiscard]] bool is_broadcast() const {
+    return !device && first_unit == 0 && first_address == 0;
+  }
+  /// The bus address that the unit stands for, if it is no broadcast.
+  [[nodiscard]] std::uint8_t address_of(std::uint8_t unit) const {
+    return static_cast<std::uint8_t>(first_address + (unit - first_unit));
+  }
   /// Does it let any function through that writes to a table?
   [[nodiscard]] bool may_write() const;
   /// Is the device one of those that it leads to?

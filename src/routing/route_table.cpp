@@ -76,7 +76,7 @@ Audience RouteTable::audience_on(BusId bus) const {
 // Where an AiC listens, address 129 is no device: it reaches them all, so that only a client who
 // may broadcast there gets a way.
 void RouteTable::guard_broadcast_address(Units& units) {
-  for (std::size_t unit = 1; unit < units.size(); ++unit) {
+  for (std::size_t unit = 0; unit < units.size(); ++unit) {
     if (units[unit] == kNone) {
       continue;
     }
@@ -100,12 +100,13 @@ bool RouteTable::hears_autonics(const Way& way, std::size_t unit) const {
 
 RouteTable::Index RouteTable::way_of_autonics(const Way& way, Index broadcast) {
   const BusId bus = way.route.buses.front();
-  if (broadcast == kNone ||
-      std::ranges::find(ways_[static_cast<std::size_t>(broadcast)].route.buses, bus) ==
-          ways_[static_cast<std::size_t>(broadcast)].route.buses.end()) {
+  if (broadcast == kNone) {
     return kNone;
   }
   Way only = ways_[static_cast<std::size_t>(broadcast)];
+  if (!only.is_broadcast() || std::ranges::find(only.route.buses, bus) == only.route.buses.end()) {
+    return kNone;
+  }
   only.route.buses = {bus};
   only.route.access = way.route.access;
   only.audiences = {audience_on(bus)};
@@ -117,6 +118,15 @@ RouteTable::Index RouteTable::way_of_autonics(const Way& way, Index broadcast) {
 const Way* RouteTable::find(ListenerId listener, std::uint8_t unit) const {
   const Index index = listeners_[static_cast<std::size_t>(listener)][unit];
   return index == kNone ? nullptr : &ways_[static_cast<std::size_t>(index)];
+}
+
+std::bitset<256> RouteTable::units(ListenerId listener) const {
+  const Units& units = listeners_[static_cast<std::size_t>(listener)];
+  std::bitset<256> routed;
+  for (std::size_t unit = 0; unit < units.size(); ++unit) {
+    routed.set(unit, units[unit] != kNone);
+  }
+  return routed;
 }
 
 }  // namespace mbgate::routing

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <deque>
 #include <span>
@@ -30,6 +31,8 @@ class RouteTable {
 
   /// Nothing: no path (exception 0A).
   [[nodiscard]] const Way* find(ListenerId listener, std::uint8_t unit) const;
+  /// Those that have a way.
+  [[nodiscard]] std::bitset<256> units(ListenerId listener) const;
 
  private:
   using Index = std::int32_t;

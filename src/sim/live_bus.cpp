@@ -29,7 +29,8 @@ std::optional<std::string> LiveBus::connect() {
   if (address_) {
     return listen();
   }
-  auto opened = Pty::open(link_);
+  const WireSettings& wire = wire_.settings();
+  auto opened = Pty::open(link_, {wire.baud, wire.format.stop_bits});
   if (!opened) {
     return "bus " + name_ + ": " + opened.error();
   }
@@ -78,7 +79,17 @@ std::vector<std::uint8_t> LiveBus::receive() {
   return bytes;
 }
 
+void LiveBus::read_mode() {
+  const auto speed = pty_ ? pty_->speed() : std::nullopt;
+  if (speed) {
+    PortMode mode{speed->baud, wire_.settings().format};
+    mode.format.stop_bits = speed->stop_bits;
+    wire_.set_port(mode);
+  }
+}
+
 void LiveBus::handle_readable(Instant now) {
+  read_mode();
   const auto bytes = receive();
   // The end of an ASCII frame is seen on the wire itself.
   if (wire_.settings().framing == Framing::ascii) {

@@ -42,6 +42,8 @@ class LiveBus {
  private:
   std::optional<std::string> listen();
   std::vector<std::uint8_t> receive();
+  /// Takes over how the client has set its port; what a pty does not keep is as the drives have it.
+  void read_mode();
 
   std::string name_;
   std::filesystem::path link_;

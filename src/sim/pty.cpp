@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <sys/ioctl.h>
-#include <termios.h>
 
 #include <array>
 #include <cerrno>
@@ -48,18 +47,9 @@ std::optional<std::string> make_link(const fs::path& link, const std::string& ta
   return std::nullopt;
 }
 
-bool make_raw(int port) {
-  termios settings{};
-  if (::tcgetattr(port, &settings) != 0) {
-    return false;
-  }
-  ::cfmakeraw(&settings);
-  return ::tcsetattr(port, TCSANOW, &settings) == 0;
-}
-
 }  // namespace
 
-Result<Pty, std::string> Pty::open(const fs::path& link) {
+Result<Pty, std::string> Pty::open(const fs::path& link, PtySpeed speed) {
   FileDescriptor controller(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   std::array<char, 64> path{};
   if (controller.get() < 0 || ::grantpt(controller.get()) != 0 ||
@@ -68,7 +58,7 @@ Result<Pty, std::string> Pty::open(const fs::path& link) {
     return "no pty for " + link.string() + ": " + reason();
   }
   FileDescriptor port(::open(path.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
-  if (port.get() < 0 || !make_raw(port.get())) {
+  if (port.get() < 0 || !make_raw(port.get(), speed)) {
     return std::string(path.data()) + ": " + reason();
   }
   if (auto refusal = make_link(link, path.data())) {

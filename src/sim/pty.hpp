@@ -5,12 +5,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "modbus/bytes.hpp"
 #include "modbus/result.hpp"
 #include "sim/file_descriptor.hpp"
+#include "sim/pty_mode.hpp"
 
 namespace mbgate::sim {
 
@@ -18,7 +20,8 @@ class Pty {
  public:
   /// Error: a sentence that names the link and what is wrong. A link is replaced if it leads
   /// nowhere or to this very pty; anything else at its place is left alone.
-  static Result<Pty, std::string> open(const std::filesystem::path& link);
+  /// Until a client sets its port, it is set to `speed`.
+  static Result<Pty, std::string> open(const std::filesystem::path& link, PtySpeed speed = {});
 
   Pty(Pty&&) = default;
   Pty& operator=(Pty&&) = delete;
@@ -31,6 +34,8 @@ class Pty {
   /// "/dev/pts/7".
   [[nodiscard]] const std::string& path() const { return path_; }
 
+  /// How the other side has set its port; nothing if the system does not say.
+  [[nodiscard]] std::optional<PtySpeed> speed() const { return speed_of(port_.get()); }
   /// What the other side has written since; never waits.
   [[nodiscard]] std::vector<std::uint8_t> read() const;
   /// Bytes that nobody reads for so long that the pty is full are lost, as on a serial line.

@@ -71,6 +71,10 @@ void read_wire(TomlTable& table, WireSettings& wire) {
   config::assign(wire.adapter_latency, table.duration("adapter_latency", {0s, 1s}));
   wire.gap = table.duration("gap", {0s, 1s});
   config::assign(wire.echo, table.boolean("echo"));
+  config::assign(wire.echo_delay, table.duration("echo_delay", {0s, 1s}));
+  if (table.has("echo_delay") && !wire.echo) {
+    table.error("echo_delay", "only a bus with echo = true has one");
+  }
   wire.clocking = Clocking::real_time;
 }
 
@@ -170,8 +174,8 @@ void read_listen(TomlTable& table, const std::vector<BusSettings>& buses, BusSet
 }
 
 void refuse_wire(TomlTable& table) {
-  for (const std::string_view key :
-       {"baud", "parity", "data_bits", "stop_bits", "adapter_latency", "gap", "echo"}) {
+  for (const std::string_view key : {"baud", "parity", "data_bits", "stop_bits", "adapter_latency",
+                                     "gap", "echo", "echo_delay"}) {
     if (table.has(key)) {
       table.error(key, "a \"tcp\" bus is no serial line");
     }

@@ -26,11 +26,29 @@ Duration silence_of(const WireSettings& settings, const modbus::RtuTiming& timin
 
 }  // namespace
 
+bool understands(const PortMode& receiver, const PortMode& sender) {
+  constexpr std::uint64_t kTolerance = 50;  // 2 %
+  const auto wanted = static_cast<std::uint64_t>(receiver.baud);
+  const auto sent = static_cast<std::uint64_t>(sender.baud);
+  const auto apart = wanted > sent ? wanted - sent : sent - wanted;
+  return receiver.format == sender.format && apart * kTolerance <= wanted;
+}
+
 Wire::Wire(const WireSettings& settings, const std::vector<DeviceSettings>& devices)
     : settings_(settings),
       timing_(settings.baud, settings.format),
+      port_{settings.baud, settings.format},
+      port_timing_(timing_),
       silence_(silence_of(settings, timing_)),
       devices_(make_devices(devices, settings)) {}
+
+void Wire::set_port(const PortMode& mode) {
+  if (mode == port_ || mode.baud == modbus::Baud{0}) {
+    return;  // 0 baud hangs up
+  }
+  port_ = mode;
+  port_timing_ = modbus::RtuTiming(mode.baud, mode.format);
+}
 
 void Wire::transmit(modbus::Bytes bytes, Instant begin) {
   if (bytes.empty()) {
@@ -46,9 +64,10 @@ void Wire::transmit(modbus::Bytes bytes, Instant begin) {
   }
   check_silence(begin);
   put_on_wire({.begin = begin,
-               .end = begin + time_of(bytes.size()),
+               .end = begin + time_of(bytes.size(), true),
                .bytes = {bytes.begin(), bytes.end()},
-               .from_gateway = true});
+               .from_gateway = true,
+               .understood = understands({settings_.baud, settings_.format}, port_)});
 }
 
 std::optional<Instant> Wire::next_event() const {
@@ -75,6 +94,7 @@ void Wire::disconnect() {
   held_.clear();
   received_.clear();
   last_end_.reset();
+  echo_until_ = {};
 }
 
 Device* Wire::device(std::uint8_t address) {
@@ -83,8 +103,9 @@ Device* Wire::device(std::uint8_t address) {
   return found == devices_.end() ? nullptr : &*found;
 }
 
-Duration Wire::time_of(std::size_t characters) const {
-  return settings_.paced ? timing_.duration_of(characters) : Duration{0};
+Duration Wire::time_of(std::size_t characters, bool from_gateway) const {
+  const auto& timing = from_gateway ? port_timing_ : timing_;
+  return settings_.paced ? timing.duration_of(characters) : Duration{0};
 }
 
 bool Wire::is_heard(const Transmission& transmission) const {
@@ -142,8 +163,8 @@ void Wire::collide(Transmission& one, Transmission& other) {
 // Two drivers against each other give neither's bits. What has been delivered before cannot change.
 void Wire::garble(Transmission& transmission, Instant from, Instant to) const {
   for (std::size_t i = transmission.delivered; i < transmission.bytes.size(); ++i) {
-    const bool hit =
-        transmission.begin + time_of(i) < to && transmission.begin + time_of(i + 1) > from;
+    const bool hit = transmission.begin + time_of(i, transmission) < to &&
+                     transmission.begin + time_of(i + 1, transmission) > from;
     if (hit) {
       transmission.bytes[i] = static_cast<std::uint8_t>(~transmission.bytes[i]);
     }
@@ -178,94 +199,25 @@ void Wire::deliver(Transmission& transmission) {
 }
 
 // The first byte at its instant, then whatever has come every `chunk`, the last byte at its
-// instant.
-void Wire::plan_delivery(Transmission& transmission) const {
+// instant; but all in the order of the wire, even if an echo takes longer.
+void Wire::plan_delivery(Transmission& transmission) {
   const std::size_t size = transmission.bytes.size();
   const std::size_t done = transmission.delivered;
   if (done >= size) {
     return;
   }
   std::size_t count = done + 1;
-  while (done > 0 && count < size && time_of(count) < time_of(done) + settings_.chunk) {
+  while (done > 0 && count < size &&
+         time_of(count, transmission) < time_of(done, transmission) + settings_.chunk) {
     ++count;
   }
   transmission.next_count = count;
-  transmission.next_delivery = transmission.begin + time_of(count);
-}
-
-void Wire::close_frames(Instant at) {
-  std::vector<FrameOnWire> closed;
-  std::vector<Transmission*> parts;
-  for (Transmission& transmission : on_wire_) {
-    if (!transmission.from_gateway || transmission.framed) {
-      continue;
-    }
-    parts.push_back(&transmission);
-    if (transmission.continued) {
-      continue;
-    }
-    if (transmission.end + silence_ <= at) {
-      closed.push_back(join(parts));
-    }
-    parts.clear();
-  }
-  for (FrameOnWire& frame : closed) {
-    hand_to_devices(std::move(frame));
-  }
-}
-
-// A frame may come in several transmissions, and one transmission may carry several frames.
-void Wire::close_ascii_frames(Instant at) {
-  std::vector<FrameOnWire> closed;
-  for (Transmission& transmission : on_wire_) {
-    if (!transmission.from_gateway || transmission.framed || transmission.end > at) {
-      continue;
-    }
-    transmission.framed = true;
-    for (std::size_t i = 0; i < transmission.bytes.size(); ++i) {
-      const Instant begin = transmission.begin + time_of(i);
-      if (auto frame = ascii_.feed(transmission.bytes[i], begin, begin + time_of(1))) {
-        closed.push_back({.begin = frame->begin, .end = frame->end, .bytes = frame->bytes});
-      }
-    }
-  }
-  for (FrameOnWire& frame : closed) {
-    hand_to_devices(std::move(frame));
-  }
-}
-
-FrameOnWire Wire::join(const std::vector<Transmission*>& parts) {
-  FrameOnWire frame{.begin = parts.front()->begin, .end = parts.back()->end};
-  for (Transmission* part : parts) {
-    frame.bytes.insert(frame.bytes.end(), part->bytes.begin(), part->bytes.end());
-    part->framed = true;
-  }
-  return frame;
-}
-
-void Wire::hand_to_devices(FrameOnWire frame) {
-  frame.intact = decode_frame(settings_.framing, frame.bytes).has_value();
-  ++counters_.frames;
-  counters_.bad_crc += frame.intact ? 0U : 1U;
-  for (Device& device : devices_) {
-    const std::uint64_t before = device.heard();
-    const auto answer = device.receive(frame.bytes, frame.end);
-    if (device.heard() != before) {
-      frame.heard_by.push_back(device.settings().address);
-    }
-    if (answer) {
-      ++counters_.answers;
-      const Duration wait =
-          answer->counts_from_end ? std::max(silence_, answer->after) : silence_ + answer->after;
-      put_on_wire({.begin = frame.end + wait,
-                   .end = frame.end + wait + time_of(answer->frame.size()),
-                   .bytes = {answer->frame.begin(), answer->frame.end()},
-                   .from_gateway = false});
-    }
-  }
-  frames_.push_back(std::move(frame));
-  while (frames_.size() > settings_.frames_kept) {
-    frames_.pop_front();
+  transmission.next_delivery = transmission.begin + time_of(count, transmission);
+  if (transmission.from_gateway && settings_.echo) {
+    transmission.next_delivery += settings_.echo_delay;
+    echo_until_ = transmission.end + settings_.echo_delay;
+  } else {
+    transmission.next_delivery = std::max(transmission.next_delivery, echo_until_);
   }
 }
 

@@ -7,9 +7,10 @@
 //     auto received = wire.advance(*at);                  // what the adapter hands over until then
 //   }
 //
-// What overlaps on the line is damaged for everybody and counted; so is every transmission of the
-// gateway that begins before the line was quiet for the configured gap. ASCII frames have their own
-// end and need no silence.
+// The drives take only what comes at their baud rate, in their format: set_port() says how the
+// gateway's port is set. What overlaps on the line is damaged for everybody and counted; so is
+// every transmission of the gateway that begins before the line was quiet for the configured gap.
+// ASCII frames have their own end and need no silence.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +35,17 @@ enum class Clocking : std::uint8_t {
   real_time
 };
 
+/// How a serial port is set.
+struct PortMode {
+  modbus::Baud baud{115200};
+  modbus::CharacterFormat format{8, modbus::Parity::none, 1};
+  friend bool operator==(const PortMode&, const PortMode&) = default;
+};
+
+/// Does a receiver that is set so understand what a sender of the other mode sends? Rates may be
+/// 2 % apart.
+bool understands(const PortMode& receiver, const PortMode& sender);
+
 struct WireSettings {
   modbus::Baud baud{115200};
   modbus::CharacterFormat format{8, modbus::Parity::none, 1};
@@ -45,7 +57,9 @@ struct WireSettings {
   Duration chunk =
       std::chrono::milliseconds(1);  ///< least time between two deliveries; 0: each byte
   bool echo = false;                 ///< the gateway hears its own transmissions
-  bool paced = true;                 ///< false: characters take no time
+  /// So long after the wire; what comes behind an echo waits for it.
+  Duration echo_delay{0};
+  bool paced = true;  ///< false: characters take no time
   Clocking clocking = Clocking::virtual_time;
   std::size_t frames_kept = 0;  ///< the newest of the gateway's frames, for frames()
 };
@@ -55,7 +69,8 @@ struct WireCounters {
   std::uint64_t answers = 0;
   std::uint64_t silence_violations = 0;
   std::uint64_t collisions = 0;  ///< pairs of transmissions that overlap
-  std::uint64_t bad_crc = 0;     ///< frames of the gateway that reached the devices damaged
+  /// Frames of the gateway that reached the devices damaged, or in another mode than theirs.
+  std::uint64_t bad_crc = 0;
   friend bool operator==(const WireCounters&, const WireCounters&) = default;
 };
 
@@ -64,7 +79,7 @@ struct FrameOnWire {
   Instant begin;
   Instant end;  ///< of its last character
   std::vector<std::uint8_t> bytes{};
-  bool intact = false;                   ///< its CRC or LRC is right
+  bool intact = false;                   ///< its mode, and its CRC or LRC are right
   std::vector<std::uint8_t> heard_by{};  ///< addresses of the devices that took it
 };
 
@@ -72,6 +87,8 @@ class Wire {
  public:
   Wire(const WireSettings& settings, const std::vector<DeviceSettings>& devices);
 
+  /// How the gateway's port is set from now on; at first like the devices.
+  void set_port(const PortMode& mode);
   /// The gateway transmits `bytes` contiguously from `begin` on, or from the end of its own
   /// transmission that is still under way.
   void transmit(modbus::Bytes bytes, Instant begin);
@@ -95,6 +112,7 @@ class Wire {
     Instant end;
     std::vector<std::uint8_t> bytes;
     bool from_gateway;
+    bool understood = true;  ///< sent in the mode of those who are to hear it
     bool framed = false;     ///< the devices have had it
     bool continued = false;  ///< the gateway's next transmission belongs to the same frame
     std::size_t delivered = 0;
@@ -102,7 +120,10 @@ class Wire {
     Instant next_delivery{};
   };
 
-  [[nodiscard]] Duration time_of(std::size_t characters) const;
+  [[nodiscard]] Duration time_of(std::size_t characters, bool from_gateway) const;
+  [[nodiscard]] Duration time_of(std::size_t characters, const Transmission& transmission) const {
+    return time_of(characters, transmission.from_gateway);
+  }
   [[nodiscard]] bool is_heard(const Transmission& transmission) const;
   [[nodiscard]] std::optional<Instant> event_of(const Transmission& transmission) const;
   void check_silence(Instant begin);
@@ -111,15 +132,18 @@ class Wire {
   void garble(Transmission& transmission, Instant from, Instant to) const;
   void step(Instant at);
   void deliver(Transmission& transmission);
-  void plan_delivery(Transmission& transmission) const;
+  void plan_delivery(Transmission& transmission);
   void close_frames(Instant at);
   void close_ascii_frames(Instant at);
   static FrameOnWire join(const std::vector<Transmission*>& parts);
   void hand_to_devices(FrameOnWire frame);
+  void let_answer(FrameOnWire& frame);
   void forget_what_is_over();
 
   WireSettings settings_;
   modbus::RtuTiming timing_;
+  PortMode port_;
+  modbus::RtuTiming port_timing_;
   Duration silence_;
   std::vector<Device> devices_;
   std::deque<Transmission> on_wire_;
@@ -128,6 +152,7 @@ class Wire {
   bool last_was_answer_ = false;
   std::vector<std::uint8_t> held_;  ///< in the adapter
   Instant held_until_{};
+  Instant echo_until_{};  ///< when the last echo will have been handed over
   std::vector<std::uint8_t> received_;
   std::deque<FrameOnWire> frames_;
   WireCounters counters_;

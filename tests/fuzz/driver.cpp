@@ -150,9 +150,8 @@ void Driver::shutdown() {
 
 void Driver::advance(bus::Duration duration) {
   const bus::Instant end = now_ + duration;
-  for (auto next = gateway_.next_deadline(); next && *next <= end;
-       next = gateway_.next_deadline()) {
-    now_ = std::max(now_, *next);
+  for (auto next = gateway_.next_wake(); next && next->at <= end; next = gateway_.next_wake()) {
+    now_ = std::max(now_, next->at);
     handle_due();
   }
   now_ = end;
@@ -161,8 +160,7 @@ void Driver::advance(bus::Duration duration) {
 /// Time stands still until nothing is due any more.
 void Driver::handle_due() {
   int turns = 0;
-  for (auto next = gateway_.next_deadline(); next && *next <= now_;
-       next = gateway_.next_deadline()) {
+  for (auto next = gateway_.next_wake(); next && next->at <= now_; next = gateway_.next_wake()) {
     require(++turns <= kMostTurns, "handling a deadline gets on");
     gateway_.handle_deadline(now_);
     drain();
@@ -202,8 +200,8 @@ void Driver::drain() {
     }
     undisturbed_ = false;
   } while (serve_lines() || serve_clients());
-  const auto next = gateway_.next_deadline();
-  require(!next || *next < now_ + 1h, "no deadline is further away than any timeout");
+  const auto next = gateway_.next_wake();
+  require(!next || next->at < now_ + 1h, "no deadline is further away than any timeout");
 }
 
 Driver::Line& Driver::line(BusId bus) {

@@ -89,6 +89,7 @@ class Driver {
   void take(const gateway::Resume& action);
   void take(const gateway::Close& action);
   void take(const gateway::Open& action);
+  void take(const gateway::Look& action);
   void take(const gateway::Transmit& action);
   void take(const gateway::Shut& action);
   void take(const gateway::Report& action);

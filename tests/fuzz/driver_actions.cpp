@@ -45,6 +45,11 @@ void Driver::take(const gateway::Open& action) {
   asked.asked = true;
 }
 
+void Driver::take(const gateway::Look& action) {
+  require(line(action.bus).open, "an open line is looked at");
+  gateway_.handle_bus_looked(action.bus, now_);
+}
+
 void Driver::take(const gateway::Transmit& action) {
   Line& used = line(action.bus);
   require(used.open && !used.outdated, "nothing is transmitted on a closed line");

@@ -13,7 +13,7 @@ namespace mbgate::fuzz {
 class FramerScript {
  public:
   FramerScript(bus::Framing framing, Script script)
-      : script_(script), framer_(framing, kTiming, counters_) {}
+      : script_(script), framer_(settings(framing), kTiming, counters_) {}
 
   void run() {
     const std::uint8_t address = script_.byte();
@@ -34,6 +34,11 @@ class FramerScript {
   }
 
  private:
+  static bus::BusSettings settings(bus::Framing framing) {
+    bus::BusSettings settings;
+    settings.line.framing = framing;
+    return settings;
+  }
   static inline const modbus::RtuTiming kTiming{modbus::Baud{19200}, {}};
 
   void expect() {

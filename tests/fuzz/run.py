@@ -31,7 +31,8 @@ FOUND_BY_FUZZER = re.compile("[0-9a-f]{16}")
 
 def build(folder, targets):
     subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", "-DCMAKE_CXX_COMPILER=clang++-19",
-                    "-DMBGATE_FUZZ=ON", "-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1"],
+                    "-DMBGATE_FUZZ=ON", "-DCMAKE_COMPILE_WARNING_AS_ERROR=ON", "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
+                    "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1"],
                    check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["ninja", "-C", folder, *(f"fuzz_{target}" for target in targets)], check=True)
 

@@ -76,10 +76,10 @@ bool FarServer::serve_once() {
     return false;
   }
   if (watched[1].revents != 0) {
-    connections_.push_back(accept4(listening_, nullptr, nullptr, SOCK_CLOEXEC));
+    accept_one();
   }
   for (std::size_t i = 2; i < watched.size(); ++i) {
-    if (watched[i].revents != 0) {
+    if (watched[i].revents != 0 && std::ranges::count(connections_, watched[i].fd) > 0) {
       take_query(watched[i].fd);
     }
   }
@@ -89,18 +89,32 @@ bool FarServer::serve_once() {
   return true;
 }
 
+void FarServer::accept_one() {
+  const int connection = accept4(listening_, nullptr, nullptr, SOCK_CLOEXEC);
+  ++accepted_;
+  if (closes_at_once_) {
+    close(connection);
+  } else {
+    connections_.push_back(connection);
+  }
+}
+
+void FarServer::hang_up(int socket) {
+  close(socket);
+  std::erase(connections_, socket);
+  const auto from_there = [socket](const Query& other) { return other.socket == socket; };
+  std::erase_if(waiting_, from_there);
+  if (late_ && from_there(*late_)) {
+    late_.reset();
+  }
+}
+
 void FarServer::take_query(int socket) {
   Query query{socket, {}, 0};
   modbus_set_socket(context_.get(), socket);
   query.size = modbus_receive(context_.get(), query.bytes.data());
   if (query.size <= 0) {
-    close(socket);
-    std::erase(connections_, socket);
-    const auto from_there = [socket](const Query& other) { return other.socket == socket; };
-    std::erase_if(waiting_, from_there);
-    if (late_ && from_there(*late_)) {
-      late_.reset();
-    }
+    hang_up(socket);
     return;
   }
   const std::uint8_t* const bytes = query.bytes.data();
@@ -145,8 +159,20 @@ void FarServer::answer(const Query& query) {
     modbus_reply(context_.get(), late_->bytes.data(), late_->size, mapping_.get());
     late_.reset();
   }
+  if (address == kCuttingRegister) {
+    cuts_ = !cuts_;
+    if (cuts_) {
+      hang_up(query.socket);
+      return;
+    }
+  }
+  auto answered = query.bytes;
+  answered[6] = unit_ < 0 ? answered[6] : static_cast<std::uint8_t>(unit_);
   modbus_set_socket(context_.get(), query.socket);
-  modbus_reply(context_.get(), query.bytes.data(), query.size, mapping_.get());
+  modbus_reply(context_.get(), answered.data(), query.size, mapping_.get());
+  if (closes_after_answers_ || address == kClosingRegister) {
+    hang_up(query.socket);
+  }
 }
 
 // libmodbus sends only the exceptions that the specification knows.

@@ -28,10 +28,13 @@ class FarServer {
  public:
   /// Register n holds 1000 + n until it is written.
   static constexpr int kRegisters = 300;
-  static constexpr int kSilentRegister = 280;  ///< is never answered
-  static constexpr int kLateRegister = 281;    ///< is answered in front of the next answer
-  static constexpr int kVendorRegister = 282;  ///< is answered with exception 11 (hexadecimal)
-  static constexpr int kPathRegister = 283;    ///< is answered with exception 0A
+  static constexpr int kSilentRegister = 280;   ///< is never answered
+  static constexpr int kLateRegister = 281;     ///< is answered in front of the next answer
+  static constexpr int kVendorRegister = 282;   ///< is answered with exception 11 (hexadecimal)
+  static constexpr int kPathRegister = 283;     ///< is answered with exception 0A
+  static constexpr int kClosingRegister = 284;  ///< is answered, and the connection closed then
+  /// Is answered every second time; the connection is closed instead of the other answers.
+  static constexpr int kCuttingRegister = 285;
 
   /// On loopback; port 0 lets the kernel choose.
   explicit FarServer(std::uint16_t port = 0);
@@ -42,6 +45,14 @@ class FarServer {
   [[nodiscard]] std::uint16_t port() const { return port_; }
   /// Answers only when so many requests are there, or when no more come; the last one first.
   void gather(std::size_t count) { gather_ = count; }
+  /// Closes a connection after each answer.
+  void close_after_answers() { closes_after_answers_ = true; }
+  /// Closes what it accepts.
+  void close_at_once(bool closes) { closes_at_once_ = closes; }
+  /// Answers as this unit, whatever the request says.
+  void answer_as(std::uint8_t unit) { unit_ = unit; }
+  /// Connections that it has accepted.
+  [[nodiscard]] std::size_t connections() const { return accepted_; }
   [[nodiscard]] std::vector<Arrival> arrivals();
   /// The most requests that were waiting for their answers at a time.
   [[nodiscard]] std::size_t most_waiting() const { return most_waiting_; }
@@ -61,7 +72,9 @@ class FarServer {
 
   void serve();
   bool serve_once();
+  void accept_one();
   void take_query(int socket);
+  void hang_up(int socket);
   void answer_all();
   void answer(const Query& query);
   void send_exception(const Query& query, std::uint8_t code) const;
@@ -75,6 +88,11 @@ class FarServer {
   std::vector<Query> waiting_;
   std::optional<Query> late_;
   std::atomic<std::size_t> gather_{1};
+  std::atomic<bool> closes_after_answers_{false};
+  std::atomic<bool> closes_at_once_{false};
+  std::atomic<int> unit_{-1};  ///< none: as the request
+  std::atomic<std::size_t> accepted_{0};
+  bool cuts_ = false;
   std::atomic<std::size_t> most_waiting_{0};
   std::atomic<bool> had_company_{false};
   std::mutex mutex_;

@@ -9,9 +9,9 @@ std::string name(int bus) { return "\"line-" + std::to_string(bus) + "\""; }
 std::filesystem::path simulator_config(const TemporaryFolder& folder, const PlantOptions& options) {
   std::string text = options.simulator + "\n";
   for (int bus = 0; bus < 2; ++bus) {
-    text += "[[bus]]\nname = " + name(bus) + "\nlink = " + name(bus) +
-            "\nbaud = 115200\nparity = \"none\"\n";
-    text += options.paced ? "" : "paced = false\n";
+    text += "[[bus]]\nname = " + name(bus) + "\nlink = " + name(bus) + "\nparity = \"none\"\n" +
+            options.simulated_bus + "\n";
+    text += options.paced ? "baud = 115200\n" : "baud = 4000000\npaced = false\n";
   }
   for (int bus = 0; bus < 2; ++bus) {
     for (int address = 1; address <= 2; ++address) {
@@ -30,7 +30,8 @@ std::filesystem::path gateway_config(const TemporaryFolder& folder, const PlantO
             options.listener + "\n";
     text += "[[bus]]\nname = " + name(bus) + "\ndevice = " + name(bus) +
             "\nparity = \"none\"\nlisten_first = \"0ms\"\nresponse_timeout = \"300ms\"\n";
-    text += options.paced ? "baud = 115200\n" : "baud = 4000000\nframe_gap = \"0ms\"\n";
+    text += options.paced ? "baud = " + std::to_string(options.baud) + "\n"
+                          : "baud = 4000000\nframe_gap = \"0ms\"\n";
     text += options.bus + "\n";
   }
   return folder.write("mbgate.toml", text);

@@ -14,7 +14,7 @@ namespace {
 constexpr auto kReadPdu = "03 003C 0002";
 constexpr auto kConfiguration =
     "[[listen]]\nname = \"plant\"\nport = 0\nbus = \"a\"\n"
-    "[[bus]]\nname = \"a\"\ndevice = \"no-such-line\"\nbaud = 115200\n";
+    "[[bus]]\nname = \"a\"\ndevice = \"/dev/no-such-line\"\nbaud = 115200\n";
 
 std::string replay(const TemporaryFolder& folder, const std::string& recording, int status) {
   Process player("gateway_replay", {recording}, {folder.path(), {}});

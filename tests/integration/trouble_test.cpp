@@ -51,6 +51,17 @@ TEST(Plant, SurvivesAnAdapterThatVanishesAndReturns) {
   EXPECT_TRUE(serves_again(client));
 }
 
+TEST(Plant, OutlivesSignalsThatMeanNothingToIt) {
+  Plant plant(PlantOptions{});
+  TcpClient client(plant.port(0));
+  ASSERT_TRUE(serves_again(client));
+  for (const int number : {SIGUSR1, SIGUSR2, SIGHUP, SIGPIPE}) {
+    plant.gateway.signal(number);
+    client.send(request(1, 1, kReadPdu));
+    EXPECT_TRUE(client.receive()) << "signal " << number;
+  }
+}
+
 TEST(Plant, StartsWithoutItsPortAndServesOnceItIsThere) {
   TemporaryFolder folder;
   const auto config =
@@ -191,7 +202,7 @@ TEST(Plant, StopsInOrderAndInTime) {
   Plant plant;
   TcpClient client(plant.port(0));
   client.send(request(4, 1, kReadPdu));
-  ASSERT_TRUE(client.receive());  // the line is open
+  ASSERT_TRUE(client.receive());         // the line is open
   client.send(request(1, 9, kReadPdu));  // on the wire, unanswered
   client.send(request(2, 1, kReadPdu));  // waiting
   client.send(request(3, 0xF9, kReadPdu));

@@ -10,7 +10,7 @@ sim::WireSettings wire_for(const bus::BusSettings& bus) {
   wire.format = bus.line.format;
   wire.framing = bus.line.framing == bus::Framing::ascii ? sim::Framing::ascii : sim::Framing::rtu;
   wire.gap = bus.frame_gap;
-  wire.echo = bus.line.echo;
+  wire.echo = bus.line.echo.value_or(false);
   wire.frames_kept = 200'000;
   return wire;
 }
@@ -85,7 +85,8 @@ void World::unplug(std::size_t bus) {
 }
 
 std::optional<Instant> World::next_event() const {
-  auto next = gateway_->next_deadline();
+  const auto wake = gateway_->next_wake();
+  auto next = wake ? std::optional(wake->at) : std::nullopt;
   for (const sim::Wire& wire : wires_) {
     next = bus::earlier(next, wire.next_event());
   }
@@ -124,6 +125,8 @@ void World::drain() {
     } else if (const auto* transmit = std::get_if<gateway::Transmit>(&*action)) {
       wires_[static_cast<std::size_t>(transmit->bus)].transmit(
           {transmit->frame.data(), transmit->frame.size()}, now_);
+    } else if (const auto* look = std::get_if<gateway::Look>(&*action)) {
+      gateway_->handle_bus_looked(look->bus, now_);
     } else if (const auto* open = std::get_if<gateway::Open>(&*action)) {
       gateway_->handle_bus_opened(open->bus, now_);
     } else if (const auto* close = std::get_if<gateway::Close>(&*action)) {

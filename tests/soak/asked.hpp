@@ -60,11 +60,13 @@ struct Asked {
   bool replies = true;
   bool silent = false;  ///< the device never answers it; the gateway does
 
-  Instant written;   ///< its first byte was put into the socket
+  Instant written;   ///< the gateway could know of its first byte
   Instant earliest;  ///< as old as the gateway may take it to be
   Instant accepted;  ///< as early as can be
   Instant deadline = Instant::max();
-  std::uint64_t sequence = 0;  ///< of acceptance
+  std::uint64_t sequence = 0;   ///< of acceptance
+  bool has_begun = false;       ///< its first byte was read
+  bool waits_in_pause = false;  ///< it lay in the socket while the gateway did not read
   bool is_accepted = false;
   bool ordered = false;  ///< its answer may be held back for those before it
   bool ahead = false;    ///< it may have been accepted later
@@ -73,11 +75,14 @@ struct Asked {
   std::optional<Instant> doomed;      ///< a stop has taken it back
   std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
   PduBytes last_sent;                 ///< as it looked on the wire
+  std::uint64_t last_alone = 0;       ///< its last flight, if that was for nobody else; else 0
   unsigned flights = 0;               ///< that it was among
   unsigned spoilt = 0;                ///< of these, heard differently than they were sent
+  std::optional<Instant> cut;         ///< its server has closed the connection meanwhile
   bool maybe_on_wire = false;
   bool surely_on_wire = false;
   std::bitset<256> device_exceptions;  ///< given to transmissions that may be its own
+  const char* uncertain = nullptr;     ///< why nobody can tell whose answer it got
   bool overdue_reported = false;
   /// The most that any settings allowed since it was accepted.
   unsigned retries = 0;

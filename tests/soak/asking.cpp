@@ -33,7 +33,14 @@ Asking::Asking(const SoakPlan& plan, Random& random)
 
 const Door* Asking::door_of(std::size_t listener, bool broadcast) {
   const auto& doors = (broadcast ? broadcast_doors_ : device_doors_)[listener];
-  return doors.empty() ? nullptr : doors[random_.below(doors.size())];
+  if (doors.empty()) {
+    return nullptr;
+  }
+  const Door* picked = doors[random_.below(doors.size())];
+  // What its unit leads to now.
+  const auto in_force = std::ranges::find_if(
+      doors, [&](const Door* door) { return door->unit == picked->unit && !door->absent; });
+  return in_force == doors.end() ? picked : *in_force;
 }
 
 Asked Asking::make(const Manners& manners) {

@@ -2,6 +2,7 @@
 #include "soak/client.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "gateway/limits.hpp"
 
@@ -25,8 +26,10 @@ routing::ClientAddress address_of(unsigned host) {
 
 void Client::begin() {
   tools_.schedule.after(tools_.random.duration(0ms, 200ms), [this] {
-    connect();
-    plan_next();
+    tools_.driver.client_ready([this] {
+      connect();
+      plan_next();
+    });
   });
 }
 
@@ -42,7 +45,7 @@ void Client::connect() {
   number_ = tools_.new_number();
   ++life_;
   connected_ = true;
-  paused_ = stalled_ = half_closed_ = fin_read_ = false;
+  vanished_ = is_ready_ = paused_ = stalled_ = half_closed_ = fin_read_ = false;
   unconfirmed_ = 0;
   made_ = read_ = 0;
   unwritten_.clear();
@@ -67,7 +70,7 @@ void Client::plan_next() {
 
 void Client::act() {
   Random& random = tools_.random;
-  if (!connected_) {
+  if (!connected_ || vanished_) {
     return;
   }
   if (random.chance(manners_.vanishes)) {
@@ -87,7 +90,9 @@ void Client::act() {
       }
     });
   }
-  ask_some();
+  if (!manners_.never_asks) {
+    ask_some();
+  }
   if (connected_) {
     plan_next();
   }
@@ -126,12 +131,12 @@ std::uint64_t Client::write(Asked asked) {
                                        static_cast<std::uint8_t>(length & 0xFFU), unit});
   unwritten_.insert(unwritten_.end(), pdu.begin(), pdu.end());
   made_ += pdu.size() + 7;
-  marks_.push_back({made_, id});
+  marks_.push_back({made_ - pdu.size() - 7, made_, id});
   if (unwritten_.size() == pdu.size() + 7 && tools_.random.chance(manners_.splits)) {
     tools_.report.fault("split");
     push(1 + tools_.random.below(unwritten_.size()));
     tools_.schedule.after(tools_.random.duration(10us, kLongestCut), [this, life = life_] {
-      if (life == life_ && connected_) {
+      if (life == life_ && connected_ && !vanished_) {
         push(unwritten_.size());
       }
     });
@@ -152,87 +157,28 @@ void Client::put_foreign() {
   }
 }
 
-void Client::push(std::size_t bytes) {
-  socket_.insert(socket_.end(), unwritten_.begin(),
-                 unwritten_.begin() + static_cast<std::ptrdiff_t>(bytes));
-  unwritten_.erase(unwritten_.begin(), unwritten_.begin() + static_cast<std::ptrdiff_t>(bytes));
-  feed();
-}
-
-// The gateway reads as long as it likes to.
-void Client::feed() {
-  while (connected_ && !paused_ && !socket_.empty()) {
-    const std::size_t size = std::min(socket_.size(), gateway::kClientReadSize);
-    const std::vector<std::uint8_t> piece(socket_.begin(),
-                                          socket_.begin() + static_cast<std::ptrdiff_t>(size));
-    socket_.erase(socket_.begin(), socket_.begin() + static_cast<std::ptrdiff_t>(size));
-    read_ += size;
-    while (!marks_.empty() && marks_.front().end <= read_) {
-      tools_.oracle.delivered(number_, marks_.front().id);
-      marks_.pop_front();
-    }
-    tools_.gateway.handle_client_bytes(number_, piece, tools_.schedule.now(), socket_.size());
-    tools_.drain();
-  }
-  if (connected_ && !paused_ && socket_.empty()) {
-    tools_.oracle.paused(number_, false);
-  }
-  if (connected_ && !paused_ && half_closed_ && !fin_read_ && socket_.empty()) {
-    fin_read_ = true;
-    tools_.oracle.half_closed(number_);
-    tools_.gateway.handle_client_half_closed(number_, tools_.schedule.now());
-    tools_.drain();
-  }
-}
-
-void Client::resume() {
-  paused_ = false;
-  tools_.schedule.after(0us, [this, life = life_] {
-    if (life != life_ || !connected_ || paused_) {
-      return;
-    }
-    if (socket_.empty()) {
-      tools_.gateway.handle_client_bytes(number_, {}, tools_.schedule.now(), 0);
-      tools_.drain();
-    }
-    feed();
-  });
-}
-
-void Client::take(Bytes adu) {
-  tools_.oracle.answered(number_, adu);
-  ++unconfirmed_;
-  if (!stalled_) {
-    tools_.schedule.after(0us, [this, life = life_] {
-      if (life == life_ && connected_ && !stalled_) {
-        confirm();
-      }
-    });
-  }
-}
-
-void Client::confirm() {
-  if (unconfirmed_ == 0) {
-    return;
-  }
-  --unconfirmed_;
-  tools_.oracle.answer_sent(number_);
-  tools_.gateway.handle_client_sent(number_, tools_.schedule.now());
-  tools_.drain();
-}
-
 void Client::end_stall() {
-  if (!stalled_) {
+  if (!std::exchange(stalled_, false)) {
     return;
   }
-  stalled_ = false;
-  while (connected_ && unconfirmed_ > 0) {
-    confirm();
-  }
+  tools_.driver.client_ready([this, life = life_] {
+    while (life == life_ && connected_ && !stalled_ && unconfirmed_ > 0) {
+      confirm();
+    }
+  });
 }
 
 void Client::vanish() {
   tools_.report.fault("vanish");
+  vanished_ = true;
+  tools_.driver.client_ready([this, life = life_] {
+    if (life == life_ && connected_) {
+      be_gone();
+    }
+  });
+}
+
+void Client::be_gone() {
   connected_ = false;
   tools_.oracle.gone(number_);
   tools_.gateway.handle_client_disconnected(number_, tools_.schedule.now());
@@ -243,17 +189,19 @@ void Client::vanish() {
 void Client::half_close() {
   tools_.report.fault("half_close");
   push(unwritten_.size());
-  if (!connected_) {
-    return;
-  }
   half_closed_ = true;
-  if (paused_) {
-    tools_.oracle.half_closed(number_);
-    tools_.gateway.handle_client_half_closed(number_, tools_.schedule.now());
-    tools_.drain();
-  } else {
-    feed();
-  }
+  tools_.driver.client_ready([this, life = life_] {
+    if (life != life_ || !connected_) {
+      return;
+    }
+    if (paused_) {
+      tools_.oracle.half_closed(number_);
+      tools_.gateway.handle_client_half_closed(number_, tools_.schedule.now());
+      tools_.drain();
+    } else {
+      feed();
+    }
+  });
 }
 
 void Client::closed_by_gateway() {
@@ -283,10 +231,12 @@ void Client::reconnect_later() {
     return;
   }
   tools_.schedule.after(tools_.random.duration(100us, 300ms), [this, life = life_] {
-    if (life == life_ && asking_) {
-      connect();
-      plan_next();
-    }
+    tools_.driver.client_ready([this, life] {
+      if (life == life_ && asking_) {
+        connect();
+        plan_next();
+      }
+    });
   });
 }
 

@@ -9,6 +9,7 @@
 
 #include "gateway/gateway.hpp"
 #include "soak/asking.hpp"
+#include "soak/driver.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -17,6 +18,7 @@ class Client {
  public:
   struct Tools {
     gateway::Gateway& gateway;
+    Driver& driver;
     Oracle& oracle;
     Schedule& schedule;
     Random& random;
@@ -38,6 +40,7 @@ class Client {
   void end_stall();
 
   [[nodiscard]] ClientId number() const { return number_; }
+  /// As the process knows it.
   [[nodiscard]] bool is_connected() const { return connected_; }
 
   // What the gateway asks for.
@@ -62,8 +65,11 @@ class Client {
   void ask_some();
   void put_foreign();
   void push(std::size_t bytes);
+  void become_ready();
   void feed();
+  void read_some();
   void vanish();
+  void be_gone();
   void half_close();
   void reconnect_later();
   void plan_next();
@@ -74,6 +80,8 @@ class Client {
   ClientId number_{};
   bool asking_ = true;
   bool connected_ = false;
+  bool vanished_ = false;  ///< the process does not know it yet
+  bool is_ready_ = false;  ///< the process will look at its socket
   bool paused_ = false;
   bool stalled_ = false;
   bool half_closed_ = false;
@@ -84,8 +92,10 @@ class Client {
   std::deque<std::uint8_t> unwritten_;  ///< the client still has it
   std::deque<std::uint8_t> socket_;     ///< written, not read
   struct Mark {
-    std::uint64_t end;  ///< of the request, in bytes since the connection began
+    std::uint64_t begin;  ///< of the request, in bytes since the connection began
+    std::uint64_t end;
     std::uint64_t id;
+    bool has_begun = false;  ///< its first byte was read
   };
   std::deque<Mark> marks_;
   std::uint64_t made_ = 0;

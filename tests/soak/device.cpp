@@ -38,7 +38,7 @@ SoakDevice::Outcome SoakDevice::carry_out(const Pdu& pdu, Instant now) {
       return {};
     }
   }
-  return {answer_to(*request, now), writes_slowly(pdu.bytes())};
+  return {answer_to(*request, now), is_slow(pdu.bytes())};
 }
 
 Pdu SoakDevice::answer_to(const Request& request, Instant now) const {

@@ -2,6 +2,7 @@
 #include "soak/failsafe_watch.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace mbgate::soak {
 
@@ -23,7 +24,8 @@ FailsafeWatch::FailsafeWatch(const SoakPlan& plan) : plan_(plan) {
     for (const Door& door : plan.doors) {
       const bool leads = door.device ? door.device == device
                                      : std::ranges::find(door.buses, bus) != door.buses.end();
-      watch.listeners[door.listener] = watch.listeners[door.listener] || (leads && !door.read_only);
+      watch.listeners[door.listener] =
+          watch.listeners[door.listener] || (leads && !door.read_only && !door.absent);
     }
   }
 }
@@ -36,25 +38,28 @@ void FailsafeWatch::note_activity(Watch& watch, Instant now) {
   }
 }
 
-void FailsafeWatch::came(ClientId client, std::size_t listener, unsigned host, Instant now) {
+void FailsafeWatch::came(ClientId client, std::size_t listener, unsigned host) {
   for (std::size_t at = 0; at < watches_.size(); ++at) {
     Watch& watch = watches_[at];
     const bool listed =
         !watch.is_listed || std::ranges::find(watch.hosts, host) != watch.hosts.end();
     if (watch.listeners[listener] && listed) {
       clients_[client].watches.push_back(at);
-      ++watch.clients;
-      note_activity(watch, now);
     }
   }
 }
 
-void FailsafeWatch::asked(ClientId client, Instant now) {
+std::vector<std::size_t> FailsafeWatch::asked(ClientId client, Instant now) {
+  std::vector<std::size_t> devices;
   if (const auto entry = clients_.find(client); entry != clients_.end()) {
+    const bool is_first = !std::exchange(entry->second.has_asked, true);
     for (const std::size_t at : entry->second.watches) {
+      watches_[at].clients += is_first ? 1U : 0U;
       note_activity(watches_[at], now);
+      devices.push_back(*watches_[at].door.device);
     }
   }
+  return devices;
 }
 
 void FailsafeWatch::waits(ClientId client, bool waits, Instant now) {
@@ -78,7 +83,8 @@ void FailsafeWatch::gone(ClientId client) {
     for (const std::size_t at : entry->second.watches) {
       Watch& watch = watches_[at];
       watch.waiting -= entry->second.waits ? 1U : 0U;
-      if (--watch.clients == 0 && !watch.sent) {
+      watch.clients -= entry->second.has_asked ? 1U : 0U;
+      if (watch.clients == 0 && !watch.sent) {
         watch.sent = watch.due = true;
       }
       next_ = Instant::min();

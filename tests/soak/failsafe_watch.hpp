@@ -15,8 +15,10 @@ class FailsafeWatch {
  public:
   explicit FailsafeWatch(const SoakPlan& plan);
 
-  void came(ClientId client, std::size_t listener, unsigned host, Instant now);
-  void asked(ClientId client, Instant now);
+  /// A connection is no client until it asks something.
+  void came(ClientId client, std::size_t listener, unsigned host);
+  /// The devices to which it may write, and which are watched.
+  std::vector<std::size_t> asked(ClientId client, Instant now);
   /// Does it wait for an answer? Then it is not silent.
   void waits(ClientId client, bool waits, Instant now);
   void gone(ClientId client);
@@ -34,12 +36,13 @@ class FailsafeWatch {
     std::size_t clients = 0;
     std::size_t waiting = 0;  ///< of these, for an answer
     Instant active;
-    bool sent = false;  ///< since then
+    bool sent = true;  ///< since then; nobody has asked yet
     bool due = false;
   };
 
   struct Client {
     std::vector<std::size_t> watches;
+    bool has_asked = false;
     bool waits = false;
   };
 

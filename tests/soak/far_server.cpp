@@ -25,6 +25,48 @@ void FarServer::reset() {
   ends_.clear();
 }
 
+void FarServer::begin_connection() {
+  answered_ = unsure_ = false;
+  last_byte_ = around_.schedule.now();
+  swallows_ = happens(rates_.swallows, "swallow");
+  if (!swallows_ && happens(rates_.closes_at_once, "close_at_once")) {
+    close_soon("closed_at_once");
+  }
+  watch_idle();
+}
+
+void FarServer::close(const char* kind) {
+  if (answered_ || !unsure_) {
+    around_.report.fault(kind);
+    around_.hang_up(bus_, answered_);
+  }
+}
+
+void FarServer::close_soon(const char* kind) {
+  around_.schedule.after(around_.random.duration(0us, 3ms), [this, epoch = epoch_, kind] {
+    if (epoch == epoch_) {
+      close(kind);
+    }
+  });
+}
+
+void FarServer::watch_idle() {
+  const Duration limit = rates_.idle_close;
+  if (limit == Duration{0} || swallows_) {
+    return;
+  }
+  const Instant until = last_byte_ + limit;
+  if (around_.schedule.now() >= until) {
+    close("idle_close");
+    return;
+  }
+  around_.schedule.after(until - around_.schedule.now(), [this, epoch = epoch_] {
+    if (epoch == epoch_) {
+      watch_idle();
+    }
+  });
+}
+
 bool FarServer::happens(unsigned permille, const char* kind) {
   if (permille == 0 || !around_.random.chance(permille)) {
     return false;
@@ -34,6 +76,7 @@ bool FarServer::happens(unsigned permille, const char* kind) {
 }
 
 void FarServer::transmit(const Flight& flight) {
+  last_byte_ = around_.schedule.now();
   around_.schedule.after(around_.random.duration(50us, 1ms),
                          [this, epoch = epoch_, number = flight.number] {
                            if (epoch == epoch_) {
@@ -44,7 +87,7 @@ void FarServer::transmit(const Flight& flight) {
 
 void FarServer::heard(std::uint64_t number) {
   Flight* flight = around_.oracle.flight(number);
-  if (flight == nullptr || flight->pdu.empty()) {
+  if (flight == nullptr || flight->pdu.empty() || swallows_) {
     return;
   }
   const auto found = std::ranges::find(devices_, flight->address,
@@ -84,15 +127,19 @@ void FarServer::heard(std::uint64_t number) {
 
 void FarServer::answer(std::uint64_t number, std::uint16_t identifier, std::uint8_t unit,
                        const Pdu& pdu) {
+  const bool is_other = happens(rates_.other_unit, "other_unit");
+  const auto shown = static_cast<std::uint8_t>(is_other ? unit ^ 0xFFU : unit);
   const auto append = [&](std::uint16_t with) {
-    const auto adu = modbus::encode(modbus::MbapAdu{{with, unit}, pdu});
+    const auto adu = modbus::encode(modbus::MbapAdu{{with, shown}, pdu});
     stream_.insert(stream_.end(), adu.begin(), adu.end());
   };
   if (happens(rates_.unknown_identifier, "unknown_identifier")) {
     append(static_cast<std::uint16_t>(identifier + 0x4000U));
   }
   append(identifier);
-  ends_.emplace_back(stream_.size(), number);
+  if (!is_other || !around_.plan.settings.buses[bus_].check_unit) {
+    ends_.emplace_back(stream_.size(), number);
+  }
   if (happens(rates_.twice, "twice")) {
     append(identifier);
   }
@@ -118,12 +165,27 @@ void FarServer::flush(std::size_t bytes) {
   for (auto& [end, number] : ends_) {
     end -= std::min(end, bytes);
   }
+  bool closes = false;
   while (!ends_.empty() && ends_.front().first == 0) {
-    around_.oracle.tcp_answer_came(ends_.front().second);
+    note_answer(ends_.front().second);
     ends_.pop_front();
+    closes = closes || happens(rates_.closes_after, "close_after_answer");
   }
+  last_byte_ = around_.schedule.now();
   around_.oracle.bytes_came(bus_);
+  const std::uint64_t epoch = epoch_;
   around_.deliver(bus_, piece);
+  if (closes && epoch == epoch_) {
+    close_soon("closed_after_answer");
+  }
+}
+
+void FarServer::note_answer(std::uint64_t number) {
+  const Flight* flight = around_.oracle.flight(number);
+  const bool in_time = flight != nullptr && around_.schedule.now() < flight->deadline;
+  answered_ = answered_ || in_time;
+  unsure_ = unsure_ || !in_time;
+  around_.oracle.tcp_answer_came(number);
 }
 
 void FarServer::begin_trouble() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The far end of a downstream TCP bus: answers come late, in another order, in pieces of any size,
-// with identifiers that nobody used; connections break. Nothing is damaged on the way.
+// with identifiers that nobody used or another unit; connections break, are closed when they are
+// idle, after an answer or at once, or swallow everything. Nothing is damaged on the way.
 #pragma once
 
 #include "soak/surroundings.hpp"
@@ -12,8 +13,12 @@ class FarServer {
   FarServer(std::size_t bus, Surroundings& around);
 
   void reset();
+  void begin_connection();
   void transmit(const Flight& flight);
-  void calm_down() { rates_ = FaultRates{}; }
+  void calm_down() {
+    rates_ = FaultRates{};
+    swallows_ = false;
+  }
   void begin_trouble();
 
  private:
@@ -21,6 +26,10 @@ class FarServer {
   void answer(std::uint64_t number, std::uint16_t identifier, std::uint8_t unit,
               const modbus::Pdu& pdu);
   void flush(std::size_t bytes);
+  void note_answer(std::uint64_t number);
+  void close(const char* kind);
+  void close_soon(const char* kind);
+  void watch_idle();
   void kill_a_device();
   [[nodiscard]] bool happens(unsigned permille, const char* kind);
 
@@ -31,6 +40,10 @@ class FarServer {
   std::vector<std::uint8_t> stream_;
   std::deque<std::pair<std::size_t, std::uint64_t>> ends_;  ///< of answers in the stream
   std::uint64_t epoch_ = 0;
+  bool swallows_ = false;
+  bool answered_ = false;  ///< in time, on this connection
+  bool unsure_ = false;    ///< late: the gateway may not remember the request
+  Instant last_byte_;      ///< in either direction
 };
 
 }  // namespace mbgate::soak

@@ -15,6 +15,7 @@ struct Options {
   std::uint64_t transactions = 2000;
   bool verbose = false;
   bool trace = false;
+  bool breaks_promise = false;
 };
 
 bool parse(int count, char** arguments, Options& options) {
@@ -26,6 +27,10 @@ bool parse(int count, char** arguments, Options& options) {
     }
     if (name == "--trace") {
       options.trace = true;
+      continue;
+    }
+    if (name == "--break-promise") {
+      options.breaks_promise = true;
       continue;
     }
     std::uint64_t* number = name == "--seed"           ? &options.seed
@@ -51,7 +56,9 @@ int main(int count, char** arguments) {
   if (!parse(count, arguments, options)) {
     std::fputs(
         "usage: gateway_soak [--seed N] [--seeds K] [--transactions M] [--verbose] [--trace]\n"
-        "Runs seeds N to N+K-1, each until M transactions were seen on its wires.\n",
+        "                    [--break-promise]\n"
+        "Runs seeds N to N+K-1, each until M transactions were seen on its wires. With\n"
+        "--break-promise the driver judges deadlines before it reads: there must be violations.\n",
         stderr);
     return 2;
   }
@@ -59,8 +66,11 @@ int main(int count, char** arguments) {
   std::uint64_t failed = 0;
   const auto begun = std::chrono::steady_clock::now();
   for (std::uint64_t seed = options.seed; seed < options.seed + options.seeds; ++seed) {
-    const mbgate::soak::Report report =
-        mbgate::soak::World(seed, options.trace).run(options.transactions);
+    mbgate::soak::World world(seed, options.trace);
+    if (options.breaks_promise) {
+      world.break_promise();
+    }
+    const mbgate::soak::Report report = world.run(options.transactions);
     total.add(report);
     if (options.verbose) {
       std::printf("seed %llu: %s", static_cast<unsigned long long>(seed), report.summary().c_str());

@@ -10,10 +10,10 @@
 #include <string>
 #include <unordered_map>
 
-#include "bus/job.hpp"
 #include "soak/asked.hpp"
 #include "soak/device.hpp"
 #include "soak/failsafe_watch.hpp"
+#include "soak/flight.hpp"
 #include "soak/report.hpp"
 #include "soak/schedule.hpp"
 #include "soak/writer_rules.hpp"
@@ -24,27 +24,6 @@ using gateway::ClientId;
 using modbus::Bytes;
 constexpr Duration kStopLife = std::chrono::seconds(120);  ///< hundreds may wait on a slow line
 
-/// A transmission of the gateway.
-struct Flight {
-  std::uint64_t number = 0;
-  std::size_t bus = 0;
-  std::uint8_t address = 0;
-  std::uint16_t identifier = 0;  ///< on TCP buses
-  PduBytes pdu;
-  std::vector<std::uint64_t> asked;  ///< requests that it may be for
-  bool is_stop = false;
-  bool is_write = false;
-  bool is_broadcast = false;
-  bool repeats_read = false;
-  bool expects_answer = true;
-  Instant begin;
-  Instant end;
-  Instant deadline;            ///< the first byte of its answer must be there
-  Instant due;                 ///< the same if no stop cuts it
-  Instant quarantine_until;    ///< a later answer is still kept from others
-  drive::DeviceTiming timing;  ///< of its device when it was sent
-};
-
 class Oracle {
  public:
   using Devices = std::deque<SoakDevice>;  // as in the settings
@@ -54,6 +33,8 @@ class Oracle {
   void connect(ClientId client, std::size_t listener, unsigned host);
   /// The request's first byte was put into the socket at `written`. Returns its number.
   std::uint64_t ask(ClientId client, Asked asked);
+  /// The gateway has its first byte.
+  void begun(std::uint64_t id);
   /// The gateway has its last byte.
   void delivered(ClientId client, std::uint64_t id);
   void answer_sent(ClientId client);
@@ -75,6 +56,12 @@ class Oracle {
   // oracle_wire.cpp
   void bus_opened(std::size_t bus);
   void bus_lost(std::size_t bus);
+  /// The gateway wants the line.
+  void bus_opening(std::size_t bus) { books_[bus].opening = true; }
+  /// The server has closed a connection on which it has answered: what waits goes on waiting.
+  void tcp_closed(std::size_t bus);
+  /// The gateway gives a connection up because nothing comes.
+  void tcp_replaced(std::size_t bus);
   /// The gateway begins to transmit.
   Flight& transmitted(std::size_t bus, Bytes frame);
   [[nodiscard]] Flight* flight(std::uint64_t number);
@@ -82,10 +69,15 @@ class Oracle {
   void excepted(const Flight& flight, std::uint8_t code);
   /// The line heard it differently than it was sent: no answer to it counts.
   void echo_spoilt(const Flight& flight);
-  /// Bytes were handed to the gateway.
-  void bytes_came(std::size_t bus) { books_[bus].last_byte = schedule_.now(); }
-  /// A whole good frame of the address was handed to it.
-  void frame_came(std::size_t bus, std::uint8_t address, bool fits);
+  /// Bytes have reached the kernel, where the gateway can read them.
+  void bytes_came(std::size_t bus) {
+    books_[bus].last_byte = schedule_.now();
+    books_[bus].in_vain.clear();
+  }
+  /// It has read them.
+  void bytes_handed_in(std::size_t bus);
+  /// A whole good frame has reached the kernel.
+  void frame_came(std::size_t bus, const HeardFrame& frame);
   /// The TCP answer with the identifier was handed to it.
   void tcp_answer_came(std::uint64_t number);
   /// An answer of the device may still be taken for one to the gateway.
@@ -129,7 +121,6 @@ class Oracle {
   };
   /// Since its line is what it is.
   [[nodiscard]] const BusCount& count(std::size_t bus) const { return books_[bus].count; }
-  /// To the address.
   [[nodiscard]] const BusCount& count(std::size_t bus, std::uint8_t address) const {
     return books_[bus].lanes[address].count;
   }
@@ -157,22 +148,31 @@ class Oracle {
     std::optional<std::size_t> device;
     std::vector<Asked*> open;
     std::deque<std::uint64_t> owed;         ///< transmissions that no good frame has answered
+    std::optional<Instant> answered_at;     ///< since the last transmission that is to be
+    Duration took{0};                       ///< that answer, since the end of the request
     Instant last_offline = Instant::min();  ///< it may have been offline then
     unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
     BusCount count;
     bool stays_offline = false;  ///< it was perhaps offline when other settings came
     Instant last_write_event = Instant::min();
     Instant last_stop = Instant::min();
+    std::map<PduBytes, Instant> stops_done;  ///< when the device carried each out last
+    Instant uncertain_at = Instant::min();   ///< nobody can tell what a frame of then answered
+    std::uint64_t stop_sent = 0;             ///< the last one sent to it
   };
   struct Book {
     std::array<Lane, 256> lanes;
     bool open = false;
     bool starting = true;  ///< it has not been opened yet: requests wait
+    bool rests = false;    ///< the same, because its server has closed the connection
+    bool opening = false;
+    std::vector<std::uint64_t> in_vain;  ///< to a server from which nothing has come since
     Instant last_down = Instant::min();
     Instant last_full = Instant::min();
     Instant last_stop = Instant::min();
     Instant own_end = Instant::min();
     Instant last_byte = Instant::min();
+    Instant last_handed_in = Instant::min();
     Instant turnaround_end = Instant::min();
     Instant held_until = Instant::min();  ///< the same by settings that came meanwhile
     std::size_t waiting = 0;              ///< requests that are surely in its queue
@@ -183,8 +183,10 @@ class Oracle {
     std::vector<std::uint64_t> flying;    ///< on TCP buses
     std::vector<std::uint64_t> unheard;   ///< the same, as if no stop cut anything
     std::uint64_t last_flight = 0;
-    std::uint64_t answered = 0;  ///< by a frame that fits
-    std::size_t room = 0;        ///< more than the queue's limit may still wait from before
+    std::uint64_t last_other = 0;         ///< the last one that was no stop
+    Instant busy_since = Instant::min();  ///< no silence since then
+    std::uint64_t answered = 0;           ///< by a frame that fits
+    std::size_t room = 0;  ///< more than the queue's limit may still wait from before
     Instant last_merge = Instant::min();  ///< reads accepted until then may be merged
     Duration stop_wait_before{0};
     BusCount count;
@@ -205,6 +207,8 @@ class Oracle {
   void forget_gone_stops();
   void accept(Asked& asked);
   void begin_failsafe();
+  void drop_failsafe(std::size_t device);
+  void failsafe_line_back(Book& book);
   void check_failsafe(const Asked& asked);
   [[nodiscard]] unsigned failsafes_like(const Asked& asked, const Piece& piece) const;
   void cancel_for_stop(const Asked& stop);
@@ -214,7 +218,7 @@ class Oracle {
   void end_without_reply(Asked& asked);
   void note_write_event(const Asked& asked, std::optional<std::size_t> bus = std::nullopt);
   void leave_queue(Piece& piece);
-  /// Answers of ordered listeners are held back: only the oldest request is known to be open.
+  /// Of answers that are held back only the oldest request is known to be open.
   [[nodiscard]] bool is_surely_open(const Asked& asked) const;
 
   // oracle_reload.cpp
@@ -233,15 +237,18 @@ class Oracle {
   [[nodiscard]] bool may_be_stopped(const Asked& asked) const;
   void judge_no_path(const Asked& asked);
   void judge_no_response(const Asked& asked);
+  void judge_cut(const Asked& asked);
   void judge_data(const Asked& asked, Bytes pdu);
   void judge_bits(const Asked& asked, Bytes pdu);
   void judge_done(const Asked& asked);
+  [[nodiscard]] bool was_stopped(const Asked& stop) const;
   // oracle_content.cpp
   void judge_content(const Asked& asked, Bytes pdu);
   void judge_identity(const Asked& asked, Bytes pdu);
   void judge_echo(const Asked& asked, Bytes pdu);
   [[nodiscard]] Span span_of(const Asked& asked) const;
   void judge_place(const Asked& asked);
+  [[nodiscard]] bool is_apart(const Asked& asked, const char* what) const;
   void wrong_data(const Asked& asked, const std::string& text);
   [[nodiscard]] bool may_be_offline(const Asked& asked) const;
 
@@ -249,22 +256,34 @@ class Oracle {
   bool take_apart(Bytes frame, Flight& flight);
   void check_silence(const Flight& flight);
   void check_quarantine(const Flight& flight);
+  [[nodiscard]] static bool has_answered_since(const Lane& lane, const Flight& flight);
   void attribute(Flight& flight);
   bool fits(const Asked& asked, const Piece& piece, const Flight& flight) const;
   [[nodiscard]] std::string objection(const Asked& asked, const Piece& piece) const;
   void unknown_transmission(const Flight& flight);
   void note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone);
   void check_order(const Asked& asked, const Flight& flight);
-  [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
-  void check_stops_first(const Flight& flight);
   void check_tcp(const Flight& flight);
+  void check_rest(std::size_t bus);
+  void rest(Book& book);
   void cut_flying(const Book& book);
   void cut(Flight& flight) const;
   void set_times(Flight& flight);
+  void note_uncertain(std::size_t bus, const HeardFrame& frame);
+
+  // oracle_stops.cpp
+  [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
+  void check_stops_first(const Flight& flight);
+  void note_stops(const Flight& flight);
+  void check_turns(const Asked& read, const Flight& flight);
+  [[nodiscard]] Duration stop_deadline(std::size_t bus) const;
+  [[nodiscard]] bool may_break_silence(const Flight& flight);
+  void check_stops_waiting(std::size_t bus);
 
   // oracle_counts.cpp
   void note_counts(const Flight& flight);
   void note_interrupted(Book& book);
+  void note_cut(Book& book);
 
   [[nodiscard]] std::string name(const Asked& asked) const;
   [[nodiscard]] std::string name(const Flight& flight) const;

@@ -69,7 +69,9 @@ bool Oracle::waits_for_write_in(const std::deque<std::uint64_t>& backlog, const 
 void Oracle::accept(Asked& asked) {
   if (!asked.failsafe) {
     begin_failsafe();
-    failsafe_.asked(asked.client, schedule_.now());
+    for (const std::size_t device : failsafe_.asked(asked.client, schedule_.now())) {
+      drop_failsafe(device);
+    }
     failsafe_.waits(asked.client, true, schedule_.now());
   }
   asked.is_accepted = true;

@@ -11,6 +11,7 @@ namespace {
 constexpr std::uint8_t kBusy = 0x06;
 constexpr std::uint8_t kNoPath = 0x0A;
 constexpr std::uint8_t kNoResponse = 0x0B;
+constexpr Duration kStopMemory = std::chrono::seconds(2);  // as long as an answer may be owed
 
 std::string code_text(unsigned code) {
   constexpr char kDigits[] = "0123456789ABCDEF";
@@ -48,7 +49,7 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
       // Where the transmission may have been for another one, the cache may have answered it.
       const bool cached = asked.door->device && !asked.surely_on_wire &&
                           devices_[*asked.door->device].settings().cache > Duration{0};
-      if (asked.flights == asked.spoilt && !cached) {
+      if (asked.flights == asked.spoilt && !cached && !is_apart(asked, "after_wrong_echo_")) {
         violation("after_wrong_echo", name(asked));
       }
     }
@@ -75,11 +76,10 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     case kNoResponse: judge_no_response(asked); return;
     default: break;
   }
-  if (!asked.device_exceptions.test(code) && plan_.beyond) {
-    ++report_.apart["misdelivered_beyond_quarantine"];
-    return;
-  }
   if (!asked.device_exceptions.test(code)) {
+    if (is_apart(asked, "misdelivered_")) {
+      return;
+    }
     violation("misdelivered_exception", code_text(code) + " for " + name(asked));
     return;
   }
@@ -149,7 +149,8 @@ void Oracle::judge_no_path(const Asked& asked) {
     return;
   }
   const bool line_was_away = std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
-    return !books_[piece.bus].open || books_[piece.bus].last_down >= asked.accepted;
+    const Book& book = books_[piece.bus];
+    return (!book.open && !book.rests) || book.last_down >= asked.accepted;
   });
   if (!line_was_away && (asked.is_read() || !may_be_offline(asked))) {
     violation("no_path_without_reason", name(asked));
@@ -160,6 +161,7 @@ void Oracle::judge_no_response(const Asked& asked) {
   if (!asked.maybe_on_wire && !(asked.is_read() && may_be_offline(asked))) {
     violation("no_response_without_wire", name(asked));
   }
+  judge_cut(asked);
 }
 
 // Between these instants the device must have held what the answer shows.
@@ -190,16 +192,36 @@ void Oracle::judge_done(const Asked& asked) {
   }
   const bool sent = std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; });
   const bool done = std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.executed; });
-  // The acknowledgement of a stop may be that of the same stop a moment ago, which was carried out;
-  // nothing that moves comes between.
   const bool must_be_done = !asked.silent && asked.kind == Kind::write;
   if (!sent || (!done && must_be_done)) {
-    if (plan_.beyond) {
-      ++report_.apart["acknowledged_beyond_quarantine"];
+    if (is_apart(asked, "acknowledged_")) {
       return;
     }
     violation("write_not_done", name(asked));
   }
+  if (asked.kind == Kind::stop && !done && !was_stopped(asked)) {
+    violation("stop_not_done", name(asked));
+  }
+}
+
+// The acknowledgement of a stop may be that of the same stop a moment ago, which was carried out;
+// nothing that moves comes between.
+bool Oracle::was_stopped(const Asked& stop) const {
+  const Piece& piece = stop.pieces.front();
+  const auto& done = books_[piece.bus].lanes[piece.address].stops_done;
+  const auto entry = done.find(piece.pdu);
+  return entry != done.end() && entry->second + kStopMemory >= stop.accepted;
+}
+
+// Physics gives no certainty whose answer it got, or what the cache was filled with.
+bool Oracle::is_apart(const Asked& asked, const char* what) const {
+  const Lane& lane = books_[asked.pieces.front().bus].lanes[asked.pieces.front().address];
+  const bool may_be_cached = asked.is_read() && lane.uncertain_at >= span_of(asked).first;
+  if (asked.uncertain == nullptr && !may_be_cached) {
+    return false;
+  }
+  ++report_.apart[std::string(what) + (asked.uncertain != nullptr ? asked.uncertain : "cached")];
+  return true;
 }
 
 // Nobody is shown what was read before an earlier write of the same connection.

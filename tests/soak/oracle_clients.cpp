@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kAnsweredKept = 256;
 constexpr std::size_t kDoneKept = 400;
-constexpr Duration kOverdue = std::chrono::seconds(30);
 
 }  // namespace
 
@@ -29,7 +28,7 @@ Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& sch
 
 void Oracle::connect(ClientId client, std::size_t listener, unsigned host) {
   begin_failsafe();
-  failsafe_.came(client, listener, host, schedule_.now());
+  failsafe_.came(client, listener, host);
   Session& session = sessions_[client];
   session.listener = listener;
   session.ordered = plan_.settings.listeners[listener].ordered;
@@ -40,6 +39,7 @@ std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   writers_.refuse_unlisted(asked);
   asked.client = client;
   const Session& session = sessions_.at(client);
+  asked.waits_in_pause = session.paused_since.has_value();
   asked.earliest = session.paused_since.value_or(schedule_.now());
   // Each piece of what is read ahead has a mark, and a request may come in several.
   constexpr std::size_t kPieces = 4;
@@ -50,6 +50,18 @@ std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   open_.emplace(asked.id, std::make_unique<Asked>(std::move(asked)));
   ++report_.requests;
   return ids_;
+}
+
+void Oracle::begun(std::uint64_t id) {
+  const auto entry = open_.find(id);
+  if (entry == open_.end()) {
+    return;
+  }
+  Asked& asked = *entry->second;
+  asked.has_begun = true;
+  if (!asked.waits_in_pause) {
+    asked.written = schedule_.now();
+  }
 }
 
 void Oracle::delivered(ClientId client, std::uint64_t id) {
@@ -69,6 +81,13 @@ void Oracle::answer_sent(ClientId client) {
 void Oracle::paused(ClientId client, bool is_paused) {
   if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
     auto& since = entry->second.paused_since;
+    for (const auto& [transaction, id] : entry->second.by_transaction) {
+      Asked& asked = *open_.at(id);
+      if (is_paused && !since && !asked.has_begun && !asked.waits_in_pause) {
+        asked.waits_in_pause = true;
+        asked.written = std::max(asked.written, schedule_.now());
+      }
+    }
     since = is_paused ? since.value_or(schedule_.now()) : std::optional<Instant>();
   }
 }
@@ -234,42 +253,6 @@ void Oracle::answered(ClientId client, Bytes adu) {
   std::erase(session.order, asked.id);
   failsafe_.waits(client, !session.order.empty(), schedule_.now());
   judge(asked, adu.subspan(7));
-}
-
-void Oracle::check_overdue() {
-  const Instant now = schedule_.now();
-  forget_gone_stops();
-  std::vector<Asked*> late;
-  for (const auto& [id, asked] : open_) {
-    const Instant since = asked->deadline == Instant::max() ? asked->accepted : asked->deadline;
-    if (asked->is_accepted && !asked->client_gone && !asked->overdue_reported &&
-        now > since + (asked->is_stop() || asked->ordered ? kStopLife : kOverdue)) {
-      late.push_back(asked.get());
-    }
-  }
-  std::ranges::sort(late, {}, &Asked::id);
-  for (Asked* asked : late) {
-    asked->overdue_reported = true;
-    violation("stuck", name(*asked) + " has no answer 30 s after its deadline");
-  }
-}
-
-void Oracle::check_finished() {
-  for (const auto& [id, asked] : open_) {
-    check_failsafe(*asked);
-  }
-  for (const auto& [client, session] : sessions_) {
-    for (const auto& [transaction, id] : session.by_transaction) {
-      violation("unanswered", name(*open_.at(id)));
-      break;
-    }
-  }
-  for (std::size_t bus = 0; bus < books_.size(); ++bus) {
-    if (books_[bus].waiting > 0) {
-      violation("queue_not_empty", bus_settings(bus).name + ": " +
-                                       std::to_string(books_[bus].waiting) + " requests wait");
-    }
-  }
 }
 
 void Oracle::violation(const std::string& kind, const std::string& text) const {

@@ -88,8 +88,7 @@ void Oracle::judge_data(const Asked& asked, Bytes pdu) {
 }
 
 void Oracle::wrong_data(const Asked& asked, const std::string& text) {
-  if (plan_.beyond) {
-    ++report_.apart["misdelivered_beyond_quarantine"];
+  if (is_apart(asked, "misdelivered_")) {
     return;
   }
   const auto ago = [&](Instant at) {

@@ -18,10 +18,13 @@ void Oracle::note_counts(const Flight& flight) {
 
 // Whether what was sent last still waited for its answer is not known.
 void Oracle::note_interrupted(Book& book) {
-  if (!book.open) {
-    return;
+  book.count.losses += book.open || book.rests ? 1U : 0U;
+  if (book.open) {
+    note_cut(book);
   }
-  ++book.count.losses;
+}
+
+void Oracle::note_cut(Book& book) {
   const auto note = [&](std::uint64_t number) {
     if (const Flight* cut = flight(number); cut != nullptr && cut->expects_answer) {
       ++book.count.interrupted;

@@ -8,6 +8,7 @@ namespace mbgate::soak {
 namespace {
 
 constexpr Duration kFailsafeLife = std::chrono::seconds(10);  // it may be repeated
+constexpr Duration kFailsafeWait = std::chrono::seconds(4);   // behind others on a slow line
 
 }  // namespace
 
@@ -16,6 +17,9 @@ void Oracle::begin_failsafe() {
   for (Asked& due : failsafe_.take_due(schedule_.now())) {
     due.id = ++ids_;
     ++failsafes_;
+    if (!books_[due.pieces.front().bus].open) {
+      report_.fault("failsafe_line_away");
+    }
     const auto entry = open_.emplace(due.id, std::make_unique<Asked>(std::move(due))).first;
     accept(*entry->second);
   }
@@ -31,10 +35,47 @@ unsigned Oracle::failsafes_like(const Asked& asked, const Piece& piece) const {
       [&](const Asked* other) { return other->failsafe && other->pdu == asked.pdu; }));
 }
 
+// A client that may write asks again: what could not be sent yet must not be sent any more. Where
+// the bus itself may have it already, nobody can tell.
+void Oracle::drop_failsafe(std::size_t device) {
+  const drive::Device& at = plan_.settings.devices[device];
+  const auto bus = static_cast<std::size_t>(at.bus);
+  const Book& book = books_[bus];
+  if (book.open) {
+    return;
+  }
+  const std::vector<Asked*> open = book.lanes[at.address].open;
+  for (Asked* asked : open) {
+    if (!asked->failsafe || asked->flights > 0 || asked->dropped) {
+      continue;
+    }
+    report_.fault("failsafe_client_back");
+    if (book.starting || is_tcp(bus)) {
+      asked->dropped = true;
+    } else {
+      close(*asked, "failsafe_stale");
+    }
+  }
+}
+
+// What could not be sent yet goes now.
+void Oracle::failsafe_line_back(Book& book) {
+  for (const Lane& lane : book.lanes) {
+    for (Asked* asked : lane.open) {
+      const bool is_due = asked->failsafe && asked->flights == 0 && !asked->dropped;
+      if (is_due && std::ranges::find(book.stops, asked) == book.stops.end()) {
+        asked->waits_from = schedule_.now();
+        book.stops.push_back(asked);
+      }
+    }
+  }
+}
+
 // Once it is due, only a line that is away excuses that it is not sent.
 void Oracle::check_failsafe(const Asked& asked) {
   const Book& book = books_[asked.pieces.front().bus];
-  if (asked.failsafe && asked.flights == 0 && book.open && book.last_down < asked.accepted) {
+  if (asked.failsafe && asked.flights == 0 && !asked.dropped && book.open &&
+      schedule_.now() > std::max(book.last_down, asked.accepted) + kFailsafeWait) {
     violation("failsafe_missing", name(asked));
   }
 }
@@ -44,7 +85,9 @@ void Oracle::forget_gone_stops() {
   std::vector<Asked*> over;
   for (const auto& [id, asked] : open_) {
     const bool done = asked->failsafe && asked->flights > 0;
-    if (asked->client_gone &&
+    const bool waits_for_line =
+        asked->failsafe && !asked->dropped && !books_[asked->pieces.front().bus].open;
+    if (asked->client_gone && !waits_for_line &&
         schedule_.now() > asked->accepted + (done ? kFailsafeLife : kStopLife)) {
       over.push_back(asked.get());
     }

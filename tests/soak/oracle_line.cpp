@@ -10,32 +10,6 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
-namespace {
-
-/// Of such an answer, once damaged, any number of bytes may seem to be missing.
-bool is_of_unknown_length(const PduBytes& pdu) {
-  return !pdu.empty() && (pdu[0] == 0x11 || pdu[0] == 0x2B || pdu[0] == kOwnFunction);
-}
-
-}  // namespace
-
-// With `stop_cancels = false` the writes that were accepted before it go first.
-bool Oracle::lets_writes_go(const Asked& stop) const {
-  return !stop.stops_all && !devices_[*stop.door->device].settings().stop_cancels;
-}
-
-void Oracle::check_stops_first(const Flight& flight) {
-  if (flight.is_stop || is_tcp(flight.bus)) {
-    return;
-  }
-  for (const Asked* stop : books_[flight.bus].stops) {
-    if (stop->accepted < schedule_.now() && !lets_writes_go(*stop) && is_surely_open(*stop)) {
-      violation("stop_overtaken", name(*stop) + " by " + name(flight));
-      return;
-    }
-  }
-}
-
 // Of one connection and one device, always in order.
 void Oracle::check_order(const Asked& asked, const Flight& flight) {
   Book& book = books_[flight.bus];
@@ -72,7 +46,8 @@ void Oracle::check_silence(const Flight& flight) {
   }
   if (flight.begin < book.own_end) {
     violation("overlap", name(flight));
-  } else if (flight.begin < book.own_end + silence || flight.begin < book.last_byte + silence) {
+  } else if ((flight.begin < book.own_end + silence || flight.begin < book.last_byte + silence) &&
+             !may_break_silence(flight)) {
     violation("silence", name(flight));
   }
   if (flight.begin < book.turnaround_end) {
@@ -80,27 +55,16 @@ void Oracle::check_silence(const Flight& flight) {
   }
 }
 
-void Oracle::check_quarantine(const Flight& flight) {
-  Lane& lane = books_[flight.bus].lanes[flight.address];
-  const bool waits = std::ranges::any_of(lane.owed, [&](std::uint64_t number) {
-    const Flight* owed = this->flight(number);
-    return owed != nullptr && schedule_.now() < owed->quarantine_until;
-  });
-  if (!waits) {
-    lane.owed.clear();
+void Oracle::bytes_handed_in(std::size_t bus) {
+  Book& book = books_[bus];
+  const auto& settings = bus_settings(bus);
+  const Duration silence = settings.frame_gap.value_or(
+      modbus::RtuTiming(settings.line.baud, settings.line.format).t3_5());
+  const Instant now = schedule_.now();
+  if (now > std::max(book.last_handed_in, book.own_end) + silence) {
+    book.busy_since = now;
   }
-  if (!lane.owed.empty() && !flight.is_stop) {
-    const Flight& owed = *this->flight(lane.owed.back());
-    if (!flight.repeats_read) {
-      violation("quarantine", name(flight) + " while " + name(owed) + " is owed");
-    }
-  }
-  if (flight.expects_answer) {
-    lane.owed.push_back(flight.number);
-    if (lane.owed.size() > bus::kMostOwed) {
-      lane.owed.pop_front();
-    }
-  }
+  book.last_handed_in = now;
 }
 
 // A stop that waits long enough cuts everything that flies. From outside nobody sees whether one
@@ -158,7 +122,7 @@ void Oracle::set_times(Flight& flight) {
     const drive::Device& device = devices_[*lane.device].settings();
     flight.timing = timing = device.timing;
     timing.quarantine = device.timing.quarantine_or_default();
-    if (writes_slowly(flight.pdu)) {
+    if (is_slow(flight.pdu)) {
       timing.response_timeout =
           std::max(timing.response_timeout, device.profile.slow.front().response_timeout);
     }
@@ -169,36 +133,11 @@ void Oracle::set_times(Flight& flight) {
     }
   }
   flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
-  flight.quarantine_until = flight.deadline + timing.quarantine_or_default();
+  flight.quarantine_until = flight.deadline + timing.quarantine_or_default() + kAdapterHolds;
   flight.due = flight.end + longest + timing.response_wait;
   if (is_tcp(flight.bus)) {
     cut(flight);
   }
-}
-
-// Nobody can tell which of several requests it answers: the quarantine counts from the last.
-// One that does not fit ends no wait, but is what the device owed from before.
-void Oracle::frame_came(std::size_t bus, std::uint8_t address, bool fits) {
-  Book& book = books_[bus];
-  auto& owed = book.lanes[address].owed;
-  const Flight* oldest = owed.empty() ? nullptr : flight(owed.front());
-  const bool waits = oldest != nullptr && oldest->number == book.last_flight &&
-                     book.answered != book.last_flight && schedule_.now() < oldest->deadline &&
-                     book.stops.empty();
-  if (fits && oldest != nullptr) {
-    book.answered = book.last_flight;
-  }
-  if (!owed.empty() && (fits || !waits)) {
-    owed.pop_front();
-  }
-}
-
-bool Oracle::owes(std::size_t bus, std::uint8_t address) {
-  const Book& book = books_[bus];
-  const Flight* last = flight(book.last_flight);
-  return !book.lanes[address].owed.empty() ||
-         (last != nullptr && last->address == address && book.answered != last->number &&
-          schedule_.now() < last->deadline);
 }
 
 void Oracle::tcp_answer_came(std::uint64_t number) {
@@ -210,36 +149,14 @@ void Oracle::tcp_answer_came(std::uint64_t number) {
 
 void Oracle::check_waiting() {
   begin_failsafe();
-  const Instant now = schedule_.now();
   for (std::size_t bus = 0; bus < books_.size(); ++bus) {
     Book& book = books_[bus];
     if (book.waiting > std::max(bus_settings(bus).queue, book.room)) {
       violation("queue_limit", bus_settings(bus).name + ": " + std::to_string(book.waiting));
     }
     book.room = std::min(book.room, book.waiting);
-    if (book.stops.empty()) {
-      continue;
-    }
-    const auto& settings = bus_settings(bus);
-    const modbus::RtuTiming timing(settings.line.baud, settings.line.format);
-    // What may hold a stop back: an own frame, a response that has begun, the turnaround delay.
-    const Flight* last = flight(book.last_flight);
-    const bool endless = last != nullptr && is_of_unknown_length(last->pdu);
-    const Duration rest =
-        settings.line.framing == bus::Framing::ascii
-            ? 1s
-            : 20ms + (endless ? timing.duration_of(modbus::kMaxRtuSize) : Duration{0});
-    const Instant held =
-        std::max({book.own_end, book.last_byte + rest, book.turnaround_end, book.held_until});
-    for (Asked* stop : book.stops) {
-      const Instant limit = std::max(held, *stop->waits_from) + settings.stop_wait +
-                            settings.frame_gap.value_or(timing.t3_5()) + 1us;
-      if (now > limit && !stop->overdue_reported && !is_tcp(bus) && !lets_writes_go(*stop) &&
-          is_surely_open(*stop)) {
-        stop->overdue_reported = true;
-        violation("stop_late", name(*stop));
-      }
-    }
+    check_rest(bus);
+    check_stops_waiting(bus);
   }
 }
 

@@ -102,8 +102,8 @@ void Oracle::after_reload() {
   for (const auto& [id, asked] : open_) {
     if (asked->is_accepted && asked->door != nullptr) {
       note_allowed(*asked);
-      // Its client sees other word orders by now.
-      if (!asked->door->absent && asked->word_order != order_of(*asked->door)) {
+      // Its client sees other word orders by now, or its unit leads elsewhere.
+      if (asked->door->absent || asked->word_order != order_of(*asked->door)) {
         take_back(*asked, asked->door->buses.front());
       }
     }

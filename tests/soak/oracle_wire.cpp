@@ -41,8 +41,14 @@ void Oracle::bus_opened(std::size_t bus) {
     stop->waits_from = schedule_.now();
     book.stops.push_back(stop);
   }
-  book.last_down = schedule_.now();  // until this moment
+  if (!std::exchange(book.rests, false)) {
+    book.last_down = schedule_.now();  // until this moment
+  }
+  book.opening = false;
+  book.in_vain.clear();
+  failsafe_line_back(book);
   book.last_byte = schedule_.now();
+  book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
   for (Lane& lane : book.lanes) {
     lane.owed.clear();
   }
@@ -51,7 +57,7 @@ void Oracle::bus_opened(std::size_t bus) {
 void Oracle::bus_lost(std::size_t bus) {
   Book& book = books_[bus];
   note_interrupted(book);
-  book.open = book.starting = false;
+  book.open = book.starting = book.rests = book.opening = false;
   book.early_stops.clear();
   book.last_down = schedule_.now();
   book.stops.clear();
@@ -95,12 +101,16 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   cut_flying(book);
   attribute(flight);
   check_stops_first(flight);
+  note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
   set_times(flight);
   note_counts(flight);
+  if (is_tcp(bus) && flight.expects_answer) {
+    book.in_vain.push_back(flight.number);
+  }
   if (!is_tcp(bus)) {
     check_quarantine(flight);
-    book.own_end = flight.end;
+    book.own_end = book.busy_since = flight.end;
     if (flight.is_broadcast) {
       book.turnaround_end = flight.end + bus_settings(bus).turnaround;
     }
@@ -235,9 +245,19 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
     }
   }
   mine.repeats_read = mine.repeats_read || (asked.is_read() && asked.last_sent == flight.pdu);
+  mine.is_part = mine.is_part || (asked.pieces.size() > 1 && asked.kind != Kind::broadcast);
+  if (alone && mine.repeats_read && asked.last_alone != 0 && !mine.is_part && !is_tcp(flight.bus)) {
+    check_turns(asked, flight);
+  }
+  asked.last_alone = alone ? flight.number : 0;
   asked.last_sent = flight.pdu;
+  if (asked.failsafe && asked.flights == 0 && books_[piece.bus].last_down >= asked.accepted) {
+    report_.fault("failsafe_sent_later");
+  }
   ++asked.flights;
-  ++piece.sent;
+  // What has become due in this instant joins one that is due already, or goes on its own.
+  const bool may_have_joined = asked.failsafe && !alone && asked.accepted == schedule_.now();
+  piece.sent += may_have_joined ? 0U : 1U;
   leave_queue(asked.pieces.size() == 1 || asked.kind == Kind::broadcast ? piece
                                                                         : asked.pieces.front());
   asked.maybe_on_wire = true;
@@ -251,6 +271,9 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
 }
 
 void Oracle::executed(const Flight& flight) {
+  if (flight.is_stop) {
+    books_[flight.bus].lanes[flight.address].stops_done[flight.pdu] = schedule_.now();
+  }
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
       for (Piece& piece : entry->second->pieces) {

@@ -33,6 +33,9 @@ class Draw {
     plan_.beyond = random_.chance(100);
     draw_guards(plan_, random_);
     draw_clients(plan_, random_);
+    if (!plan_.silence) {
+      plan_.driver = draw_driver(random_);
+    }
     return std::move(plan_);
   }
 
@@ -68,8 +71,13 @@ void Draw::draw_line(bus::BusSettings& bus) {
   if (bus.line.framing == Framing::tcp) {
     bus.line.remote = bus::Endpoint{"far", 502};
     bus.outstanding = random_.between(1, 4);
+    bus.check_unit = random_.chance(200);
+    bus.replace_after = random_.one_of({0U, 1U, 5U, 5U});
   } else if (random_.chance(150)) {
     bus.frame_gap = random_.duration(500us, 5ms);
+  }
+  if (bus.line.framing == Framing::rtu && random_.chance(300)) {
+    bus.frame_slack = random_.duration(15ms, 200ms);
   }
 }
 
@@ -93,6 +101,8 @@ void Draw::add_bus(std::size_t index) {
   bus.reopen_max = 500ms;
   bus.timing.response_timeout = 50ms;
   draw_rates(bus);
+  plan_.adapters.push_back(random_.one_of(
+      {AdapterKind::uart, AdapterKind::uart, AdapterKind::ticking, AdapterKind::late}));
   std::uint8_t address = 0;
   for (unsigned count = random_.between(1U, 8U); count > 0; --count) {
     address = static_cast<std::uint8_t>(address + random_.between(1, kLastAddress / 8));
@@ -104,13 +114,15 @@ void Draw::draw_rates(const bus::BusSettings& bus) {
   FaultRates rates;
   if (!random_.chance(100)) {
     const unsigned most = random_.one_of({3U, 10U, 30U, 60U});
-    for (unsigned* rate : {&rates.late, &rates.twice, &rates.never, &rates.garbage,
-                           &rates.wrong_unit, &rates.wrong_function, &rates.bad_crc, &rates.damaged,
-                           &rates.pieces, &rates.too_long, &rates.babble, &rates.exception,
-                           &rates.early, &rates.request_damaged, &rates.unknown_identifier}) {
+    for (unsigned* rate :
+         {&rates.late, &rates.twice, &rates.never, &rates.garbage, &rates.wrong_unit,
+          &rates.wrong_function, &rates.bad_crc, &rates.damaged, &rates.pieces, &rates.glitch,
+          &rates.too_long, &rates.babble, &rates.exception, &rates.early, &rates.request_damaged,
+          &rates.unknown_identifier}) {
       *rate = some(most);
     }
-    rates.wrong_echo = bus.line.echo ? some(most) : 0;
+    rates.late *= random_.one_of({1U, 4U, 8U});  // it is what the quarantine is for
+    rates.wrong_echo = bus.line.echo.value_or(false) ? some(most) : 0;
     const auto every = [&](Duration least, Duration longest) {
       return random_.chance(500) ? random_.duration(least, longest) : Duration{0};
     };
@@ -118,13 +130,20 @@ void Draw::draw_rates(const bus::BusSettings& bus) {
     rates.foreign_every = every(50ms, 2s);
     rates.lost_every = every(2s, 60s);
     rates.dead_every = every(1s, 20s);
+    if (bus.line.framing == Framing::tcp) {
+      rates.other_unit = bus.check_unit ? some(most) : random_.one_of({0U, some(most), 1000U});
+      rates.closes_after = random_.one_of({0U, some(most), 300U, 1000U});
+      rates.closes_at_once = random_.one_of({0U, 0U, some(most), 300U});
+      rates.swallows = bus.replace_after > 0 ? random_.one_of({0U, 0U, 100U}) : 0U;
+      rates.idle_close = every(20ms, 2s);
+    }
   }
   plan_.rates.push_back(rates);
 }
 
 drive::DeviceTiming Draw::draw_timing() {
   drive::DeviceTiming timing;
-  timing.response_timeout = random_.duration(15ms, 120ms);
+  timing.response_timeout = random_.duration(kShortestTimeout, 120ms);
   timing.response_wait = random_.chance(200) ? random_.duration(2ms, 30ms) : 0ms;
   timing.gap = random_.chance(200) ? random_.duration(1ms, 10ms) : 0ms;
   timing.retries = random_.between(0U, 2U);
@@ -137,7 +156,7 @@ drive::DeviceTiming Draw::draw_timing() {
   timing.offline_after = random_.between(0U, 4U);
   timing.probe_interval = random_.duration(100ms, 2s);
   if (random_.chance(300)) {
-    timing.probe_timeout = random_.duration(10ms, 100ms);
+    timing.probe_timeout = random_.duration(kShortestTimeout, 100ms);
   }
   return timing;
 }
@@ -239,8 +258,13 @@ void Draw::add_routes(std::size_t index) {
     door.read_only = route.access == routing::Access::read_only;
     door.route = plan_.settings.routes.size() - 1;
     set_deadlines(plan_, door);
+    const auto other =
+        index > 0 && random_.chance(300) ? std::optional(random_.below(index)) : std::nullopt;
     for (; !plan_.settings.listeners[door.listener].bus; ++door.listener) {
       plan_.doors.push_back(door);
+      if (other) {
+        add_twin(plan_, door, *other);
+      }
     }
   }
 }

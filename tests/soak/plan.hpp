@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gateway/settings.hpp"
+#include "soak/driver.hpp"
 #include "soak/random.hpp"
 
 namespace mbgate::soak {
@@ -32,8 +33,18 @@ struct Door {
   Duration write_deadline{0};
   bool replies = true;                 ///< broadcasts: the client gets an echo
   std::optional<std::size_t> route{};  ///< none: a transparent listener's
-  bool absent = false;                 ///< it leads nowhere at present
+  bool absent = false;                 ///< it leads nowhere at present, or another one has its unit
 };
+
+/// How bytes come from a line to the kernel.
+enum class AdapterKind : std::uint8_t {
+  uart,     ///< as they come from the line
+  ticking,  ///< every 16 ms, as adapters at USB do
+  late      ///< each chunk up to kAdapterHolds late
+};
+inline constexpr Duration kAdapterHolds = std::chrono::milliseconds(20);
+/// No timeout is shorter than what an adapter keeps: not even an echo would come in time.
+inline constexpr Duration kShortestTimeout = std::chrono::milliseconds(25);
 
 /// In thousandths, of answers unless it says otherwise.
 struct FaultRates {
@@ -46,6 +57,7 @@ struct FaultRates {
   unsigned bad_crc = 0;
   unsigned damaged = 0;  ///< bits flipped, bytes lost or doubled on the way to the gateway
   unsigned pieces = 0;
+  unsigned glitch = 0;  ///< bytes before it that are no part of it
   unsigned too_long = 0;
   unsigned babble = 0;
   unsigned exception = 0;
@@ -53,6 +65,11 @@ struct FaultRates {
   unsigned request_damaged = 0;     ///< of requests
   unsigned wrong_echo = 0;          ///< of requests
   unsigned unknown_identifier = 0;  ///< of TCP answers: one more of nobody's goes before
+  unsigned other_unit = 0;          ///< of TCP answers
+  unsigned closes_after = 0;        ///< of TCP answers: the server closes the connection then
+  unsigned closes_at_once = 0;      ///< of TCP connections
+  unsigned swallows = 0;            ///< of TCP connections: nothing ever comes from the server
+  Duration idle_close{0};           ///< TCP: it closes a connection that is idle for so long
   Duration noise_every{0};          ///< 0: never
   Duration foreign_every{0};
   Duration lost_every{0};
@@ -76,6 +93,7 @@ struct Manners {
   unsigned vanishes = 0;
   unsigned half_closes = 0;
   std::uint16_t same_reads = 0;  ///< thousandths that ask for what everybody asks for
+  bool never_asks = false;       ///< a probe: it connects, and goes again
 };
 
 /// What the settings in force do not name, by its place in the plan; it comes back some time.
@@ -91,12 +109,14 @@ struct SoakPlan {
   Absent absent;
   std::vector<Door> doors;
   std::vector<FaultRates> rates;               ///< by bus
+  std::vector<AdapterKind> adapters;           ///< by bus
   std::vector<std::vector<unsigned>> writers;  ///< by device, the hosts that its guard lists
   std::vector<std::vector<std::vector<std::uint8_t>>> failsafe;  ///< by device, the PDUs
   std::vector<Manners> clients;
+  DriverManners driver;
   /// Silence of the clients is a reason for failsafe writes. It counts from when a request was
   /// taken, and nobody outside knows when that was of stops that were read ahead, and behind
-  /// broadcasts without an answer: nobody sends any in these plants.
+  /// broadcasts without an answer: nobody sends any in these plants, and their driver is punctual.
   bool silence = false;
   bool beyond = false;  ///< devices are later than the quarantine: misdeliveries are counted apart
 };
@@ -104,6 +124,8 @@ struct SoakPlan {
 SoakPlan draw_plan(Random& random);
 /// The default deadlines, or those of its route.
 void set_deadlines(const SoakPlan& plan, Door& door);
+/// The unit of a door as it would lead to another device, which a reload may bring about.
+void add_twin(SoakPlan& plan, Door door, std::size_t device);
 /// What its devices' guards allow.
 void draw_guards(SoakPlan& plan, Random& random);
 /// Its last step: who asks, and how.

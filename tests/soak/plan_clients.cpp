@@ -37,6 +37,11 @@ void draw_clients(SoakPlan& plan, Random& random) {
     manners.half_closes = some(random, 10);
     manners.same_reads = random.one_of<std::uint16_t>({0, 0, 300, 900});
     plan.clients.push_back(manners);
+    if (random.chance(150)) {
+      manners.never_asks = true;
+      manners.vanishes = 200;
+      plan.clients.push_back(manners);
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long a request through a door may wait, by the settings in force.
+// How long a request through a door may wait, by the settings in force; doors to other devices.
 #include <algorithm>
+#include <utility>
 
 #include "soak/plan.hpp"
 
@@ -23,8 +24,15 @@ void set_deadlines(const SoakPlan& plan, Door& door) {
     }
   }
   const auto set = door.route ? settings.routes[*door.route].deadline : std::nullopt;
-  door.read_deadline = set.value_or(5s);
-  door.write_deadline = set.value_or(std::max<Duration>(1s, 2 * longest));
+  door.write_deadline = set.value_or(3 * longest + 500ms);
+  door.read_deadline = set.value_or(std::max<Duration>(5s, 3 * longest + 500ms));
+}
+
+void add_twin(SoakPlan& plan, Door door, std::size_t device) {
+  door.device = device;
+  door.buses = {static_cast<std::size_t>(plan.settings.devices[device].bus)};
+  door.absent = true;
+  plan.doors.push_back(std::move(door));
 }
 
 }  // namespace mbgate::soak

@@ -23,16 +23,19 @@ std::uint16_t half(std::uint32_t words, unsigned address) {
 
 }  // namespace
 
-bool writes_slowly(modbus::Bytes request) {
-  const std::size_t field = request[0] == 0x17 ? 5 : 1;
-  const bool registers =
-      request[0] == 0x06 || request[0] == 0x10 || request[0] == 0x16 || request[0] == 0x17;
-  if (!registers) {
-    return false;
+bool is_slow(modbus::Bytes request) {
+  const auto reaches = [&](std::size_t field, bool one) {
+    const unsigned count = one ? 1 : modbus::load_be16(request, field + 2);
+    return modbus::load_be16(request, field) + count > kSlowFrom;
+  };
+  switch (request[0]) {
+    case 0x06:
+    case 0x16: return reaches(1, true);
+    case 0x03:
+    case 0x10: return reaches(1, false);
+    case 0x17: return reaches(1, false) || reaches(5, false);
+    default: return false;
   }
-  const unsigned count =
-      request[0] == 0x06 || request[0] == 0x16 ? 1 : modbus::load_be16(request, field + 2);
-  return modbus::load_be16(request, field) + count > kSlowFrom;
 }
 
 Registers::Registers(std::uint64_t salt) : salt_(salt) {

@@ -28,7 +28,7 @@ inline constexpr std::uint16_t kSilentRegister = 151;  ///< 06 of 7xxx is never 
 inline constexpr std::uint16_t kBroadcastRegister = 152;
 inline constexpr std::uint16_t kFailsafeRegister = 153;  ///< and the next; written by nobody else
 inline constexpr std::uint16_t kFailsafeStop = 0x5FFE;   ///< to the register of stops
-inline constexpr std::uint16_t kSlowFrom = 160;          ///< written slowly
+inline constexpr std::uint16_t kSlowFrom = 160;          ///< and those behind it are slow
 inline constexpr std::uint16_t kRegisters = 164;
 inline constexpr std::uint16_t kCoils = 1024;
 inline constexpr std::uint16_t kFirstRunOfCoils = 512;  ///< those below are written one by one
@@ -37,8 +37,8 @@ inline constexpr std::uint8_t kOwnFunction = 0x41;  ///< of the device's maker; 
 inline constexpr std::uint8_t kKnownCommand = 1;    ///< of it; others are refused with 01
 inline constexpr std::uint16_t kMostIdentity = 8;   ///< input registers in the answer to 17, 43/14
 
-/// Does the request write a register that is written slowly?
-bool writes_slowly(modbus::Bytes request);
+/// Does the request read or write a register that is slow?
+bool is_slow(modbus::Bytes request);
 
 constexpr bool is_in_pair(Table table, unsigned address) {
   return table == Table::holding_registers && address >= kPairsFrom && address < kPairsEnd;

@@ -62,6 +62,7 @@ Reload Reloads::draw() {
     perhaps(400, "reload_device", devices, &Reloads::change_device);
     perhaps(60, "reload_line", buses, &Reloads::change_line);
     perhaps(60, "reload_route_gone", routes, &Reloads::switch_route);
+    perhaps(100, "reload_route_turned", routes, &Reloads::turn_route);
     perhaps(60, "reload_device_gone", devices, &Reloads::switch_device);
     perhaps(30, "reload_bus_gone", buses, &Reloads::switch_bus);
     perhaps(30, "reload_listener_gone", listeners, &Reloads::switch_listener);
@@ -82,9 +83,15 @@ Reload Reloads::restore() {
   return std::move(reload_);
 }
 
+// A door of the device, or one whose unit leads to it at present.
+bool Reloads::leads_to(const Door& door, std::size_t device) const {
+  return door.device == device ||
+         (door.route && plan_.settings.routes[*door.route].device == device);
+}
+
 bool Reloads::are_settled(std::size_t device) const {
   return std::ranges::all_of(plan_.doors, [&](const Door& door) {
-    return door.device != device || oracle_.is_settled(door);
+    return !leads_to(door, device) || oracle_.is_settled(door);
   });
 }
 
@@ -125,7 +132,8 @@ void Reloads::refresh_doors() {
     door.absent = door.route && plan_.absent.routes[*door.route];
     if (door.device) {
       const drive::Device& device = plan_.settings.devices[*door.device];
-      door.absent = door.absent || plan_.absent.devices[*door.device];
+      door.absent = door.absent || plan_.absent.devices[*door.device] ||
+                    (door.route && plan_.settings.routes[*door.route].device != door.device);
       if (door.route) {
         const auto& order = plan_.settings.routes[*door.route].word_order;
         door.names_order = order.has_value();

@@ -57,6 +57,7 @@ class Reloads {
   bool move(drive::Device& device);
   bool change_line(std::size_t bus);
   bool switch_route(std::size_t index);
+  bool turn_route(std::size_t index);
   bool switch_device(std::size_t index);
   bool switch_bus(std::size_t index);
   bool switch_listener(std::size_t index);
@@ -65,6 +66,7 @@ class Reloads {
 
   template <typename Change>
   void perhaps(unsigned permille, const char* kind, std::size_t count, Change change);
+  [[nodiscard]] bool leads_to(const Door& door, std::size_t device) const;
   [[nodiscard]] bool are_settled(std::size_t device) const;
   [[nodiscard]] bool is_sure(std::size_t bus) const;
   [[nodiscard]] std::vector<Meaning> meanings() const;

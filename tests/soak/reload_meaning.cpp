@@ -107,6 +107,24 @@ bool Reloads::switch_route(std::size_t index) {
   return settled;
 }
 
+// Its unit leads to another device from then on.
+bool Reloads::turn_route(std::size_t index) {
+  routing::Route& route = plan_.settings.routes[index];
+  const auto other = std::ranges::find_if(plan_.doors, [&](const Door& door) {
+    return door.route == index && door.device && door.device != route.device &&
+           !plan_.absent.devices[*door.device];
+  });
+  const bool settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
+    return door.route != index || oracle_.is_settled(door);
+  });
+  if (other == plan_.doors.end() || !settled || plan_.absent.routes[index]) {
+    return false;
+  }
+  route.device = other->device;
+  route.buses = {plan_.settings.devices[*other->device].bus};
+  return true;
+}
+
 // With its bus gone it is gone too, and comes back with it.
 bool Reloads::switch_device(std::size_t index) {
   const drive::Device& device = plan_.settings.devices[index];
@@ -131,8 +149,11 @@ bool Reloads::switch_device(std::size_t index) {
 bool Reloads::switch_bus(std::size_t index) {
   const auto is_on_it = [&](std::size_t bus) { return bus == index; };
   for (std::size_t place = 0; place < plan_.doors.size(); ++place) {
-    if (std::ranges::any_of(buses_of_[place], is_on_it) &&
-        !oracle_.is_settled(plan_.doors[place])) {
+    const auto& route = plan_.doors[place].route;
+    const bool leads_there =
+        std::ranges::any_of(buses_of_[place], is_on_it) ||
+        (route && is_on_it(static_cast<std::size_t>(plan_.settings.routes[*route].buses.front())));
+    if (leads_there && !oracle_.is_settled(plan_.doors[place])) {
       return false;
     }
   }

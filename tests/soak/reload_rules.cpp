@@ -35,7 +35,7 @@ bool Reloads::change_timing(std::size_t index) {
 
 void Reloads::draw_timing(drive::DeviceTiming& timing) {
   switch (random_.between(0U, 5U)) {
-    case 0: timing.response_timeout = random_.duration(15ms, 120ms); break;
+    case 0: timing.response_timeout = random_.duration(kShortestTimeout, 120ms); break;
     case 1:
       timing.response_wait = random_.chance(400) ? random_.duration(2ms, 30ms) : 0ms;
       timing.gap = random_.chance(400) ? random_.duration(1ms, 10ms) : 0ms;
@@ -56,7 +56,7 @@ void Reloads::draw_timing(drive::DeviceTiming& timing) {
       timing.probe_interval = random_.duration(100ms, 2s);
       timing.probe_timeout.reset();
       if (random_.chance(300)) {
-        timing.probe_timeout = random_.duration(10ms, 100ms);
+        timing.probe_timeout = random_.duration(kShortestTimeout, 100ms);
       }
   }
 }

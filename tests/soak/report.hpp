@@ -19,7 +19,8 @@ struct Report {
   bus::Duration virtual_time{0};
   std::map<std::string, std::uint64_t> faults;
   std::map<std::string, std::uint64_t> violations;
-  /// What the contract cannot exclude, counted apart: lateness beyond the quarantine in force.
+  /// What the contract cannot exclude, counted apart: lateness beyond the quarantine in force, and
+  /// what an adapter kept while the line seemed silent.
   std::map<std::string, std::uint64_t> apart;
   std::map<unsigned, std::uint64_t> codes;  ///< exceptions by code
   std::vector<std::string> texts;           ///< of the first violations of each kind

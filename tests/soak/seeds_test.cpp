@@ -17,6 +17,18 @@ TEST(Soak, ASeedGivesTheSameSummaryTwice) {
 
 TEST(Soak, SeedsDiffer) { EXPECT_NE(World(1).run(100).summary(), World(2).run(100).summary()); }
 
+TEST(Soak, SeesADriverThatJudgesBeforeItReads) {
+  constexpr std::uint64_t kSeeds = 30;
+  constexpr std::uint64_t kTransactions = 200;
+  Report report;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    World world(seed);
+    world.break_promise();
+    report.add(world.run(kTransactions));
+  }
+  EXPECT_GT(report.violations["silence"], 0U);
+}
+
 TEST(Random, IsTheSameEverywhere) {
   Random random(1);
   EXPECT_EQ(random.below(1000), 279U);

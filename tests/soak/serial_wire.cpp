@@ -13,10 +13,8 @@ using namespace std::chrono_literals;
 using modbus::Pdu;
 
 namespace {
-
 constexpr std::uint8_t kNobodyFrom = 60;
 constexpr std::uint8_t kNobodyTo = 240;
-
 }  // namespace
 
 SerialWire::SerialWire(std::size_t bus, Surroundings& around)
@@ -26,7 +24,9 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
       rates_(around.plan.rates[bus]),
       timing_(settings_.line.baud, settings_.line.format),
       silence_(settings_.frame_gap.value_or(timing_.t3_5())),
-      ascii_(settings_.line.framing == bus::Framing::ascii) {
+      ascii_(settings_.line.framing == bus::Framing::ascii),
+      adapter_(around.plan.adapters[bus], around.schedule, around.random,
+               [this](const Heard& heard) { hand_over(heard); }) {
   for (SoakDevice& device : around.devices) {
     if (static_cast<std::size_t>(device.settings().bus) == bus) {
       devices_.push_back(&device);
@@ -37,6 +37,7 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
 void SerialWire::reset() {
   ++epoch_;
   messages_.clear();
+  adapter_.reset();
   talks_until_.clear();
   asked_until_.clear();
   own_end_ = Instant::min();
@@ -91,7 +92,7 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
 }
 
 void SerialWire::heard(std::uint64_t number, const Frame& frame) {
-  if (settings_.line.echo) {
+  if (settings_.line.echo.value_or(false)) {
     echo(number, frame);
   }
   Flight* flight = around_.oracle.flight(number);
@@ -128,8 +129,7 @@ void SerialWire::echo(std::uint64_t number, const Frame& frame) {
       around_.oracle.echo_spoilt(*flight);
     }
   }
-  around_.oracle.bytes_came(bus_);
-  around_.deliver(bus_, bytes);
+  adapter_.take({std::move(bytes), {}}, adapter_.arrival());
 }
 
 void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& request) {
@@ -182,31 +182,37 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
     const std::size_t size = frame.size();
     append_excess(frame);
     const std::size_t behind = frame.size() - size;
-    say(std::move(frame), begin, Chunks::fine, {address, 1, behind});
+    say(std::move(frame), begin, Chunks::fine, {address, 1, behind, true, flight.number});
     return;
   } else if (const Spoilt spoilt = spoil(frame, pdu, address); spoilt != Spoilt::no) {
     const bool is_frame = spoilt == Spoilt::misfit;
     say(std::move(frame), begin, Chunks::fine,
-        {is_frame ? std::optional(address) : std::nullopt, 1, 0, false});
+        {is_frame ? std::optional(address) : std::nullopt, 1, 0, false, flight.number});
     return;
   }
+  const bool may_glitch = !excess && !ascii_ && !opaque_ && !pdu.is_exception();
+  if (may_glitch && happens(rates_.glitch, "glitch")) {
+    begin_with_glitch(frame);
+  }
   const bool paused = !excess && happens(rates_.pieces, "pieces");
-  const Instant over = begin + timing_.duration_of(frame.size()) + 40ms;
+  const Duration slack = settings_.frame_slack_or_default();
+  const Instant over = begin + timing_.duration_of(frame.size()) + slack + 20ms;
   if (over > flight.quarantine_until && busy > around_.schedule.now() && !around_.plan.beyond) {
     return;  // it still had to say something else, and would come too late by now
   }
-  busy = begin + timing_.duration_of(frame.size());
+  busy = begin + timing_.duration_of(frame.size()) + (paused ? slack : Duration{0});
   say(std::move(frame), begin,
       excess   ? Chunks::fine
       : paused ? Chunks::paused
                : Chunks::usual,
-      {address, excess ? 2U : 1U});
+      {address, excess ? 2U : 1U, 0, true, flight.number});
 }
 
-// The whole answer is there before the quarantine ends; or, in plans of that kind, later.
+// All of it is there when the quarantine ends, often only just; or, in plans of that kind, later.
 void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Frame& frame,
                              Instant begin) {
-  const Duration length = timing_.duration_of(frame.size()) + 1ms;
+  const Duration held = around_.plan.adapters[bus_] == AdapterKind::uart ? 0ms : kAdapterHolds;
+  const Duration length = timing_.duration_of(frame.size()) + 1ms + held;
   Instant last = flight.quarantine_until - length;
   if (around_.plan.beyond) {
     last += 2 * (flight.quarantine_until - flight.end);
@@ -215,10 +221,15 @@ void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Fra
   if (first >= last) {
     return;
   }
-  const Instant at = first + around_.random.duration(0us, last - first);
+  Duration after = around_.random.duration(0us, last - first);
+  if (!around_.plan.beyond && around_.random.chance(600)) {
+    const Duration near = std::min<Duration>(last - first, around_.random.duration(0us, 3ms));
+    after = around_.random.chance(300) ? near : last - first - near;
+  }
+  const Instant at = first + after;
   auto& busy = talks_until_[device.settings().address];
   busy = std::max(busy, at + length);
-  say(frame, at, Chunks::usual, {device.settings().address});
+  say(frame, at, Chunks::usual, {device.settings().address, 1, 0, true, flight.number});
 }
 
 // Makes something else of the answer.
@@ -270,8 +281,7 @@ void SerialWire::damage(Frame& frame) {
     case 0:
       for (unsigned bits = ascii_ ? 1 : random.between(1U, 3U); bits > 0; --bits) {
         // Each in a byte of its own: the same bit twice would be no damage; nor would a digit of
-        // the
-        // other case.
+        // the other case.
         auto& byte = frame[(static_cast<std::size_t>(place) + bits) % frame.size()];
         byte =
             static_cast<std::uint8_t>(byte ^ (1U << (ascii_ ? random.below(5) : random.below(8))));
@@ -282,12 +292,6 @@ void SerialWire::damage(Frame& frame) {
       // Not the last one, nor the colon: the frame itself would still be whole.
       frame.insert(frame.begin() + 1 + place / 2, frame[static_cast<std::size_t>(1 + place / 2)]);
       return;
-  }
-}
-
-void SerialWire::append_excess(Frame& frame) {
-  for (unsigned count = around_.random.between(1U, 100U); count > 0; --count) {
-    frame.push_back(static_cast<std::uint8_t>(around_.random.below(256)));
   }
 }
 

@@ -7,14 +7,19 @@
 // - the second copy of an answer, and whatever a device babbles behind one, follows the first
 //   without a silence, because a device that has answered owes nothing and a later copy cannot be
 //   told from the answer to a like request;
+// - glitches stand only before answers whose length a byte count or the request tells;
 // - no zeros come behind an answer that only silence ends: they leave a good CRC good;
 // - an answer of the wrong unit has an address that nobody uses;
 // - a stranger on the line asks no device that owes the gateway an answer, and has its own answer
 //   before the line was silent.
+// An adapter that hands bytes over late undoes some of that: what was not silent on the line is so
+// for the kernel. Where a request leaves while the adapter still has such a frame, nobody can tell,
+// and the oracle counts it apart.
 #pragma once
 
 #include <map>
 
+#include "soak/adapter.hpp"
 #include "soak/surroundings.hpp"
 
 namespace mbgate::soak {
@@ -27,7 +32,10 @@ class SerialWire {
   void reset();
   void transmit(const Flight& flight, Bytes frame);
   /// From now on nothing goes wrong any more.
-  void calm_down() { rates_ = FaultRates{}; }
+  void calm_down() {
+    rates_ = FaultRates{};
+    adapter_.calm_down();
+  }
   void begin_trouble();
 
  private:
@@ -39,16 +47,25 @@ class SerialWire {
     std::size_t copies = 1;               ///< of them
     std::size_t excess = 0;               ///< bytes behind them
     bool fits = true;                     ///< they answer what was asked
+    std::uint64_t flight = 0;             ///< that they answer; none if a stranger asked
+    std::size_t lead = 0;                 ///< bytes before them
   };
   enum class Spoilt : std::uint8_t { no, unreadable, misfit };
   struct Message {
+    /// How many of the frames end in so many bytes.
+    [[nodiscard]] std::size_t ended(std::size_t size) const {
+      return size < content.lead ? 0 : (size - content.lead) / frame;
+    }
+
     Frame bytes;
     Instant begin;
     Instant end;
     Duration character;
     Content content;
     std::size_t frame;  ///< their size
-    std::size_t delivered = 0;
+    std::size_t heard = 0;
+    std::size_t copies_heard = 0;
+    Instant frame_began{};  ///< when the first byte of the present frame will reach the kernel
   };
 
   void heard(std::uint64_t number, const Frame& frame);
@@ -59,10 +76,12 @@ class SerialWire {
   void answer_late(SoakDevice& device, const Flight& flight, const Frame& frame, Instant begin);
   Spoilt spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
   void damage(Frame& frame);
+  void begin_with_glitch(Frame& frame);
   void append_excess(Frame& frame);
   void say(Frame bytes, Instant begin, Chunks chunks, const Content& content);
   void begin_message(std::uint64_t id);
-  void deliver(std::uint64_t id, std::size_t until);
+  void hear(std::uint64_t id, std::size_t until);
+  void hand_over(const Heard& heard);
   void garble(Message& message);
   [[nodiscard]] Frame encode(std::uint8_t address, const modbus::Pdu& pdu) const;
   [[nodiscard]] SoakDevice* device_at(std::uint8_t address);
@@ -80,6 +99,7 @@ class SerialWire {
   modbus::RtuTiming timing_;
   Duration silence_;
   bool ascii_;
+  Adapter adapter_;
   std::vector<SoakDevice*> devices_;
   std::map<std::uint8_t, Instant> talks_until_;
   std::map<std::uint8_t, Instant> asked_until_;  ///< the gateway may still wait for an answer

@@ -16,8 +16,10 @@ struct Surroundings {
   Report& report;
   Oracle& oracle;
   Oracle::Devices& devices;
-  /// Hands bytes of a bus to the gateway.
-  std::function<void(std::size_t, Bytes)> deliver;
+  /// Hands bytes of a bus to the kernel.
+  std::function<void(std::size_t, const std::vector<std::uint8_t>&)> deliver;
+  /// The far end of a TCP bus closes the connection; it has `answered` something on it.
+  std::function<void(std::size_t, bool answered)> hang_up;
 };
 
 }  // namespace mbgate::soak

@@ -17,6 +17,7 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& c
   const std::uint64_t id = ++ids_;
   const Duration character = timing_.duration_of(1);
   Duration paused{0};
+  const Duration most_paused = ascii_ ? 1s : settings_.frame_slack_or_default() - 3ms;
   const Duration step =
       chunks == Chunks::fine ? std::max(silence_ / 3, character) : random.duration(500us, 4ms);
   const auto most = std::max<std::size_t>(1, static_cast<std::size_t>(step / character));
@@ -25,13 +26,14 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& c
   for (std::size_t at = 0; at < bytes.size();) {
     at = std::min(bytes.size(), at + most);
     if (chunks == Chunks::paused && at < bytes.size()) {
-      paused += random.duration(1ms, 8ms);
+      const Duration pause = random.duration(1ms, 8ms) * (ascii_ ? 1 : random.one_of({1, 1, 25}));
+      paused = std::min(paused + pause, most_paused);
     }
     last = begin + timing_.duration_of(at) + paused;
     const Instant due = last + (chunks == Chunks::usual ? random.duration(0us, 300us) : 0us);
     deliveries.emplace_back(deliveries.empty() ? due : std::max(due, deliveries.back().first), at);
   }
-  const std::size_t frame = (bytes.size() - content.excess) / content.copies;
+  const std::size_t frame = (bytes.size() - content.excess - content.lead) / content.copies;
   messages_.emplace(id, Message{std::move(bytes), begin, last, character, content, frame});
   around_.schedule.at(begin, [this, epoch = epoch_, id] {
     if (epoch == epoch_) {
@@ -41,7 +43,7 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& c
   for (const auto& [at, until] : deliveries) {
     around_.schedule.at(at, [this, epoch = epoch_, id, until = until] {
       if (epoch == epoch_) {
-        deliver(id, until);
+        hear(id, until);
       }
     });
   }
@@ -69,9 +71,9 @@ void SerialWire::garble(Message& message) {
   const Duration past = around_.schedule.now() - message.begin;
   const auto from =
       static_cast<std::size_t>(std::max<Duration>(past, Duration{0}) / message.character);
-  const std::size_t good = std::max(from, message.delivered);
+  const std::size_t good = std::max(from, message.heard);
   message.content.copies =
-      std::min(message.content.copies, good / message.frame - message.delivered / message.frame);
+      std::min(message.content.copies, message.ended(good) - message.ended(message.heard));
   for (std::size_t at = good; at < message.bytes.size(); ++at) {
     // What cannot stand in a frame, or another byte than it was: by chance nothing stays whole.
     message.bytes[at] = static_cast<std::uint8_t>(
@@ -79,25 +81,60 @@ void SerialWire::garble(Message& message) {
   }
 }
 
-void SerialWire::deliver(std::uint64_t id, std::size_t until) {
+void SerialWire::hear(std::uint64_t id, std::size_t until) {
   Message& message = messages_.at(id);
-  const Frame bytes(message.bytes.begin() + static_cast<std::ptrdiff_t>(message.delivered),
-                    message.bytes.begin() + static_cast<std::ptrdiff_t>(until));
-  around_.oracle.bytes_came(bus_);
+  Heard heard;
+  heard.bytes.assign(message.bytes.begin() + static_cast<std::ptrdiff_t>(message.heard),
+                     message.bytes.begin() + static_cast<std::ptrdiff_t>(until));
+  const Instant arrival = adapter_.arrival();
+  const std::size_t lead = message.content.lead;
+  if (message.heard <= lead || (message.heard - lead) % message.frame == 0) {
+    message.frame_began = arrival;
+  }
   const std::size_t frames =
-      std::min(message.content.copies, until / message.frame - message.delivered / message.frame);
+      std::min(message.content.copies, message.ended(until) - message.ended(message.heard));
   message.content.copies -= frames;
-  for (std::size_t frame = 0; message.content.address && frame < frames; ++frame) {
-    around_.oracle.frame_came(bus_, *message.content.address, message.content.fits);
+  const Content& content = message.content;
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    if (content.address) {
+      const bool is_nobodys = content.flight == 0 || message.copies_heard > 0;
+      heard.frames.push_back(
+          {*content.address, content.fits, is_nobodys, content.flight, message.frame_began});
+    }
+    ++message.copies_heard;
+    message.frame_began = arrival;
   }
-  if (message.content.address && message.content.fits && frames > 0) {
-    asked_until_.erase(*message.content.address);
-  }
-  message.delivered = until;
+  message.heard = until;
   if (until == message.bytes.size()) {
     messages_.erase(id);
   }
-  around_.deliver(bus_, bytes);
+  adapter_.take(std::move(heard), arrival);
+}
+
+void SerialWire::hand_over(const Heard& heard) {
+  around_.oracle.bytes_came(bus_);
+  for (const HeardFrame& frame : heard.frames) {
+    around_.oracle.frame_came(bus_, frame);
+    if (frame.fits && frame.flight != 0) {
+      asked_until_.erase(frame.address);
+    }
+  }
+  around_.deliver(bus_, heard.bytes);
+}
+
+// What a line without bias picks up, or a driver that turns on.
+void SerialWire::begin_with_glitch(Frame& frame) {
+  for (unsigned count = around_.random.between(1U, 8U); count > 0; --count) {
+    frame.insert(frame.begin(), around_.random.one_of<std::uint8_t>(
+                                    {0xFE, 0xF8, 0xC0, 0x80, 0x7F, 0x00, 0xFF,
+                                     static_cast<std::uint8_t>(around_.random.below(256))}));
+  }
+}
+
+void SerialWire::append_excess(Frame& frame) {
+  for (unsigned count = around_.random.between(1U, 100U); count > 0; --count) {
+    frame.push_back(static_cast<std::uint8_t>(around_.random.below(256)));
+  }
 }
 
 bool SerialWire::is_busy() const {
@@ -155,10 +192,11 @@ void SerialWire::ask_as_stranger() {
                                       static_cast<std::uint8_t>(around_.random.between(1U, 10U))};
   const Pdu request = *Pdu::from(pdu);
   Frame both = encode(address, request);
+  const std::size_t lead = both.size();
   const Frame reply = encode(address, *device.carry_out(request, around_.schedule.now()).answer);
   both.insert(both.end(), reply.begin(), reply.end());
   talks_until_[address] = around_.schedule.now() + timing_.duration_of(both.size());
-  say(std::move(both), around_.schedule.now(), Chunks::fine, {});
+  say(std::move(both), around_.schedule.now(), Chunks::fine, {address, 1, 0, true, 0, lead});
 }
 
 void SerialWire::kill_a_device() {

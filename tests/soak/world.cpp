@@ -15,6 +15,7 @@ namespace {
 constexpr Duration kLongestRun = std::chrono::hours(20);
 constexpr Duration kQuiet = 60s;
 constexpr unsigned kMostStepsInPlace = 100'000;
+constexpr std::uint64_t kDriversChance = 0x445249564552ULL;  // apart from the plant's
 
 }  // namespace
 
@@ -38,11 +39,14 @@ World::World(std::uint64_t seed, bool trace)
               report_,
               oracle_,
               devices_,
-              [this](std::size_t bus, Bytes bytes) { deliver(bus, bytes); }},
+              [this](std::size_t bus, const auto& bytes) { deliver(bus, bytes); },
+              [this](std::size_t bus, bool answered) { hang_up(bus, answered); }},
       buses_(plan_.settings.buses.size()),
       reloads_(plan_, devices_, oracle_, seed),
       gateway_(plan_.settings, schedule_.now()),
+      driver_(plan_.driver, buses_.size(), seed ^ kDriversChance, schedule_, report_, hands()),
       tools_{gateway_,
+             driver_,
              oracle_,
              schedule_,
              random_,
@@ -100,8 +104,24 @@ void World::check_overdue_often() {
   });
 }
 
+Driver::Hands World::hands() {
+  return {[this](std::size_t bus, Bytes bytes) { hand_in(bus, bytes); },
+          [this](std::size_t bus) { lost(bus); },
+          [this] {
+            gateway_.handle_deadline(schedule_.now());
+            drain();
+          },
+          [this] {
+            const auto wake = gateway_.next_wake();
+            return wake ? std::optional(bus::Wake{wake->at, wake->silence_of.has_value()})
+                        : std::nullopt;
+          },
+          [this](Duration time) { interrupt(time); }};
+}
+
 bool World::step() {
-  const auto next = bus::earlier(schedule_.next(), gateway_.next_deadline());
+  const auto wakes = driver_.wakes_at();
+  const auto next = bus::earlier(schedule_.next(), wakes);
   if (!next) {
     return false;
   }
@@ -111,18 +131,27 @@ bool World::step() {
     return false;
   }
   schedule_.advance(*next);
-  const auto deadline = gateway_.next_deadline();
-  if (deadline && *deadline <= schedule_.now()) {
-    gateway_.handle_deadline(schedule_.now());
-    drain();
+  if (wakes == next) {
+    driver_.wake();
+    oracle_.check_waiting();
+  } else {
+    schedule_.run_one();
   }
-  schedule_.run_one();
   return true;
+}
+
+void World::interrupt(Duration time) {
+  const Instant end = schedule_.now() + time;
+  for (auto next = schedule_.next(); next && *next <= end; next = schedule_.next()) {
+    schedule_.advance(*next);
+    schedule_.run_one();
+  }
+  schedule_.advance(end);
 }
 
 void World::run_until(Instant limit) {
   while (true) {
-    const auto next = bus::earlier(schedule_.next(), gateway_.next_deadline());
+    const auto next = bus::earlier(schedule_.next(), driver_.wakes_at());
     if (!next || *next > limit || !step()) {
       break;
     }
@@ -138,21 +167,24 @@ void World::drain() {
     return;
   }
   draining_ = true;
-  std::deque<gateway::Action> for_lines;
-  for (auto action = gateway_.poll_action(); action || !for_lines.empty();
+  carried_out_ = 0;
+  for (auto action = gateway_.poll_action(); action || !frames_.empty();
        action = gateway_.poll_action()) {
     if (!action) {
-      action = std::move(for_lines.front());
-      for_lines.pop_front();
+      action = std::move(frames_.front());
+      frames_.pop_front();
       carry_out(*action);
     } else if (std::holds_alternative<gateway::Transmit>(*action)) {
-      for_lines.push_back(*std::move(action));
+      frames_.push_back(*std::move(action));
     } else {
       carry_out(*action);
     }
   }
   draining_ = false;
-  oracle_.check_waiting();
+  if (!driver_.is_awake()) {
+    driver_.set_timer();
+    oracle_.check_waiting();
+  }
 }
 
 void World::trace(const std::string& text) const {
@@ -164,6 +196,7 @@ void World::trace(const std::string& text) const {
 }
 
 void World::carry_out(const gateway::Action& action) {
+  ++carried_out_;
   if (trace_) {
     trace(gateway::to_text(action, gateway_.settings()));
   }
@@ -178,12 +211,13 @@ void World::carry_out(const gateway::Action& action) {
   } else if (const auto* transmit_frame = std::get_if<gateway::Transmit>(&action)) {
     transmit(bus_of(transmit_frame->bus),
              {transmit_frame->frame.data(), transmit_frame->frame.size()});
+  } else if (const auto* look = std::get_if<gateway::Look>(&action)) {
+    driver_.look(static_cast<std::size_t>(bus_of(look->bus)), carried_out_ == 1);
+    gateway_.handle_bus_looked(look->bus, schedule_.now());
   } else if (const auto* open_line = std::get_if<gateway::Open>(&action)) {
     open(bus_of(open_line->bus));
-  } else if (const auto* shut = std::get_if<gateway::Shut>(&action)) {
-    if (shut_due_.erase(bus_of(shut->bus)) == 0) {
-      oracle_.violation("shut", plan_.settings.buses[bus_of(shut->bus)].name);
-    }
+  } else if (const auto* shut_line = std::get_if<gateway::Shut>(&action)) {
+    shut(bus_of(shut_line->bus));
   } else if (const auto* pause = std::get_if<gateway::Pause>(&action)) {
     if (Client* client = find(pause->client)) {
       client->pause();
@@ -206,73 +240,6 @@ Client* World::find(ClientId number) {
     return client.is_connected() && client.number() == number;
   });
   return found == clients_.end() ? nullptr : &*found;
-}
-
-void World::transmit(std::size_t bus, Bytes frame) {
-  const Flight& flight = oracle_.transmitted(bus, frame);
-  if (auto* serial = std::get_if<SerialWire>(&wires_[bus])) {
-    serial->transmit(flight, frame);
-  } else {
-    std::get<FarServer>(wires_[bus]).transmit(flight);
-  }
-}
-
-void World::deliver(std::size_t bus, Bytes bytes) {
-  if (buses_[bus].open) {
-    if (trace_) {
-      trace(plan_.settings.buses[bus].name + " < " + Oracle::hex(bytes));
-    }
-    gateway_.handle_bus_bytes(id_of(bus), bytes, schedule_.now());
-    drain();
-  }
-}
-
-void World::open(std::size_t bus) {
-  schedule_.after(random_.duration(10us, 5ms), [this, bus, epoch = buses_[bus].epoch] {
-    BusState& state = buses_[bus];
-    if (epoch != state.epoch) {
-      return;  // nobody wants that line any more
-    }
-    const gateway::BusId id = id_of(bus);
-    if (schedule_.now() < state.away_until) {
-      report_.fault("open_refused");
-      oracle_.bus_lost(bus);
-      gateway_.handle_bus_lost(id, schedule_.now());
-    } else {
-      state.open = true;
-      std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
-      oracle_.bus_opened(bus);
-      gateway_.handle_bus_opened(id, schedule_.now());
-    }
-    drain();
-  });
-}
-
-void World::begin_losses(std::size_t bus) {
-  const Duration every = plan_.rates[bus].lost_every;
-  if (every == Duration{0}) {
-    return;
-  }
-  schedule_.after(random_.duration(every / 4, 2 * every), [this, bus] {
-    if (trouble_) {
-      lose(bus);
-      begin_losses(bus);
-    }
-  });
-}
-
-void World::lose(std::size_t bus) {
-  BusState& state = buses_[bus];
-  if (!state.open) {
-    return;
-  }
-  report_.fault("line_lost");
-  state.open = false;
-  state.away_until = schedule_.now() + random_.duration(0ms, 1s);
-  std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
-  oracle_.bus_lost(bus);
-  gateway_.handle_bus_lost(id_of(bus), schedule_.now());
-  drain();
 }
 
 }  // namespace mbgate::soak

@@ -3,11 +3,13 @@
 // faults until enough transmissions were seen, then a quiet one in which everything must finish.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <set>
 #include <variant>
 
 #include "soak/client.hpp"
+#include "soak/driver.hpp"
 #include "soak/far_server.hpp"
 #include "soak/reload.hpp"
 #include "soak/serial_wire.hpp"
@@ -20,13 +22,18 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
+  /// From now on its driver judges before it reads, which the oracle must see.
+  void break_promise() { driver_.break_promise(); }
   /// The whole run, until `transmissions` were seen and everything is over.
   Report run(std::uint64_t transmissions);
 
  private:
   using Wire = std::variant<SerialWire, FarServer>;
+  /// How a line that the process still has has ended.
+  enum class End : std::uint8_t { lost, closed, closed_after_answers };
   struct BusState {
-    bool open = false;
+    bool open = false;  ///< there is an adapter, and the process has it
+    End end = End::lost;
     Instant away_until = Instant::min();
     std::uint64_t epoch = 0;
   };
@@ -35,12 +42,19 @@ class World {
   static Oracle::Devices make_devices(const SoakPlan& plan, Random& random);
   bool step();
   void run_until(Instant limit);
+  void interrupt(Duration time);
+  Driver::Hands hands();
   void drain();
   void carry_out(const gateway::Action& action);
   void open(std::size_t bus);
+  void opened(std::size_t bus, bool refused);
   void lose(std::size_t bus);
+  void hang_up(std::size_t bus, bool answered);
+  void shut(std::size_t bus);
+  void lost(std::size_t bus);
   void begin_losses(std::size_t bus);
-  void deliver(std::size_t bus, Bytes bytes);
+  void deliver(std::size_t bus, const std::vector<std::uint8_t>& bytes);
+  void hand_in(std::size_t bus, Bytes bytes);
   void begin_reloads();
   void reload(const Reload& reload, const std::vector<bool>& absent);
   void take_effect(const Reload& reload, const std::vector<bool>& absent);
@@ -81,12 +95,15 @@ class World {
   std::set<ClientId> close_due_;    // and connections
   bool order_only_ = false;         // the actions are those to a reload that changes nothing
   gateway::Gateway gateway_;
+  Driver driver_;
   Client::Tools tools_;
   std::deque<Client> clients_;
   std::map<ClientId, Client*> numbers_;
   std::uint64_t last_number_ = 0;
   bool trouble_ = true;
   bool draining_ = false;
+  std::deque<gateway::Action> frames_;  ///< to be transmitted when nothing else is to be done
+  std::size_t carried_out_ = 0;         ///< since the last input: nothing delays a frame behind it
   bool trace_;
   unsigned steps_in_place_ = 0;  ///< since time last went on
 };

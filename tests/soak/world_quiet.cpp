@@ -9,6 +9,7 @@ using namespace std::chrono_literals;
 // Nothing goes wrong any more, and nobody asks for anything new.
 void World::calm_down() {
   trouble_ = false;
+  driver_.calm_down();
   for (Wire& wire : wires_) {
     std::visit([](auto& it) { it.calm_down(); }, wire);
   }

@@ -9,12 +9,14 @@ using namespace std::chrono_literals;
 void World::begin_reloads() {
   if (const auto pause = reloads_.pause()) {
     schedule_.after(*pause, [this] {
-      if (trouble_) {
-        const std::vector<bool> before = plan_.absent.buses;
-        oracle_.before_reload();
-        reload(reloads_.draw(), before);
-        begin_reloads();
-      }
+      driver_.post([this] {
+        if (trouble_) {
+          const std::vector<bool> before = plan_.absent.buses;
+          oracle_.before_reload();
+          reload(reloads_.draw(), before);
+          begin_reloads();
+        }
+      });
     });
   }
 }
@@ -62,6 +64,7 @@ void World::take_effect(const Reload& reload, const std::vector<bool>& absent) {
   for (const std::size_t bus : reload.lines) {
     buses_[bus].open = false;
     ++buses_[bus].epoch;
+    driver_.forget_line(bus);
     std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
     oracle_.line_given_up(bus);
     if (!absent[bus] && !plan_.absent.buses[bus]) {

@@ -29,6 +29,7 @@ inline Settings one_bus() {
   auto& line = settings.buses.emplace_back();
   line.name = "line-a";
   line.line.device = "/dev/ttyS0";
+  line.line.echo = false;
   line.listen_first = 0ms;
   line.timing.response_timeout = 100ms;
   line.timing.offline_after = 0;
@@ -95,6 +96,11 @@ class MachineRig {
     gateway.handle_bus_lost(BusId{bus}, now);
     drain();
   }
+  /// The far end of a connection closes it.
+  void close_line(std::uint32_t bus = 0) {
+    gateway.handle_bus_lost(BusId{bus}, now, bus::Loss::closed);
+    drain();
+  }
   void open_line(std::uint32_t bus = 0) {
     gateway.handle_bus_opened(BusId{bus}, now);
     drain();
@@ -110,9 +116,8 @@ class MachineRig {
   /// Lets time pass, stopping at every deadline on the way.
   void advance(Duration duration) {
     const Instant end = now + duration;
-    for (auto deadline = gateway.next_deadline(); deadline && *deadline <= end;
-         deadline = gateway.next_deadline()) {
-      now = std::max(now, *deadline);
+    for (auto wake = gateway.next_wake(); wake && wake->at <= end; wake = gateway.next_wake()) {
+      now = std::max(now, wake->at);
       gateway.handle_deadline(now);
       drain();
     }
@@ -154,6 +159,7 @@ class MachineRig {
     }
   }
   void take(const gateway::Shut& /*action*/) { ++shut; }
+  void take(const gateway::Look& action) { gateway.handle_bus_looked(action.bus, now); }
   void take(const gateway::Transmit& action) {
     const auto bus = static_cast<std::uint32_t>(action.bus);
     transmitted[bus].push_back(hex({action.frame.data(), action.frame.size()}));

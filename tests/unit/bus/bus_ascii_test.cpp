@@ -80,7 +80,7 @@ TEST_F(BusAscii, CountsTheCharactersOfAFrame) {
   open(ascii());
   submit(job(kRead));
   const Instant start = now_;
-  EXPECT_EQ(bus_->next_deadline(), start + kAsciiEmission + 100ms);
+  EXPECT_EQ(next_deadline(), start + kAsciiEmission + 100ms);
   advance(1s);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   EXPECT_EQ(ended_at_[0] - start, kAsciiEmission + 100ms);
@@ -91,7 +91,7 @@ TEST_F(BusAscii, CountsEightDataBitsToo) {
   eight.line.format.data_bits = 8;
   open(eight);
   submit(job(kRead));
-  EXPECT_EQ(bus_->next_deadline(), now_ + 9739584ns + 100ms);  // 187 bits
+  EXPECT_EQ(next_deadline(), now_ + 9739584ns + 100ms);  // 187 bits
 }
 
 TEST_F(BusAscii, AnAnswerThatBeganInTimeHasASecondForEachCharacter) {

@@ -70,7 +70,9 @@ TEST_F(BusBroadcast, SaysNothingOfTheDeviceThatHasTheAddress) {
 }
 
 TEST_F(BusBroadcast, AnAnswerToABroadcastIsStray) {
-  open(settings());
+  auto without_echo = settings();
+  without_echo.line.echo = false;
+  open(without_echo);
   submit(job("06 0000 0001", 0));
   line("00 06 00 00 00 01 49 DB");
   advance(1s);

@@ -76,25 +76,45 @@ class Bus : public testing::Test {
   }
   void advance(Duration duration) {
     const Instant end = now_ + duration;
-    for (auto at = bus_->next_deadline(); at && *at <= end; at = bus_->next_deadline()) {
+    for (auto at = next_deadline(); at && *at <= end; at = next_deadline()) {
       now_ = std::max(now_, *at);
       bus_->handle_deadline(now_);
       drain();
     }
     now_ = end;
   }
+  [[nodiscard]] std::optional<Instant> next_deadline() const {
+    const auto wake = bus_->next_wake();
+    return wake ? std::optional(wake->at) : std::nullopt;
+  }
   void drain() {
     while (const auto action = bus_->poll()) {
-      if (const auto* transmit = std::get_if<bus::TransmitFrame>(&*action)) {
+      if (std::holds_alternative<bus::LookAtLine>(*action)) {
+        if (!unread_.empty()) {
+          bus_->handle_bytes(unhex(std::exchange(unread_, {})), now_);
+        }
+        bus_->handle_looked(now_);
+      } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&*action)) {
         frames_.push_back(hex({transmit->frame.data(), transmit->frame.size()}));
         frame_times_.push_back(now_);
       } else if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
         endings_.push_back(ended->ending);
         ended_at_.push_back(now_);
+      } else if (std::holds_alternative<bus::OpenLine>(*action)) {
+        ++opens_;
       } else if (std::holds_alternative<bus::CloseLine>(*action)) {
         ++closes_;
+      } else if (const auto* news = std::get_if<bus::LineNotice>(&*action)) {
+        faults_.push_back(news->fault);
+      } else if (const auto* replace = std::get_if<bus::ReplaceLine>(&*action)) {
+        replaced_.push_back(replace->is_news);
       } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&*action)) {
         notices_.push_back(notice->kind);
+        last_notice_ = *notice;
+      } else if (std::holds_alternative<bus::NeverSilent>(*action)) {
+        ++never_silent_;
+      } else if (const auto* quality = std::get_if<bus::QualityNotice>(&*action)) {
+        qualities_.push_back(*quality);
       }
     }
   }
@@ -109,14 +129,21 @@ class Bus : public testing::Test {
   }
 
   Instant now_{};
+  std::string unread_;  ///< lies in the line's descriptor, and is read when the bus wants to look
   std::deque<bus::Job> jobs_;
   std::optional<bus::Bus> bus_;
   std::vector<std::string> frames_;
   std::vector<Instant> frame_times_;
   std::vector<Ending> endings_;
   std::vector<Instant> ended_at_;
+  unsigned opens_ = 0;
   unsigned closes_ = 0;
+  unsigned never_silent_ = 0;
+  std::vector<bool> replaced_;  // whether it was news
   std::vector<bus::DeviceNotice::Kind> notices_;
+  std::vector<bus::LineFault> faults_;
+  bus::DeviceNotice last_notice_{};
+  std::vector<bus::QualityNotice> qualities_;
 };
 
 }  // namespace mbgate::test

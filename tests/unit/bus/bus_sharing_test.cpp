@@ -235,16 +235,62 @@ TEST_F(BusSharing, IfTheMergedReadFailsItsPartsGoOneByOne) {
   EXPECT_EQ(response_of(jobs_[2]), "83 02");
 }
 
-TEST(SharedRead, BitsAreTakenOutOfTheirBytes) {
-  const auto whole = *modbus::Pdu::from(unhex("01 03 CD 6B 05"));  // 20 coils from 19 on
-  const modbus::TableRange range{modbus::Table::coils, 19, 20};
-  const auto part = [&](std::uint16_t first, std::uint16_t count) {
-    return hex(bus::part_of(whole, range, {modbus::Table::coils, first, count}).bytes());
+TEST_F(BusSharing, AMergedReadThatWasRefusedIsNotMergedAgainUntilItsDeviceWasOffline) {
+  auto breaking = sharing(true);
+  breaking.timing.offline_after = 1;
+  open(breaking);
+  const auto first_of_two = [&] {
+    occupy();
+    submit(job_of(0, kRead));
+    submit(job_of(1, "03 0001 0001"));
+    frames_.clear();
+    line(kStranger);
+    advance(5ms);
+    return frames_.empty() ? "none" : frames_[0];
   };
-  EXPECT_EQ(part(19, 20), "01 03 CD 6B 05");
-  EXPECT_EQ(part(27, 8), "01 01 6B");
-  EXPECT_EQ(part(20, 3), "01 01 06");
-  EXPECT_EQ(part(26, 9), "01 02 D7 00");
+  const auto refuse = [&](int count) {
+    for (int times = 0; times < count; ++times) {
+      advance(10ms);
+      line("01 83 02 C0 F1");
+    }
+    advance(10ms);
+  };
+  EXPECT_EQ(first_of_two(), "01 03 00 00 00 02 C4 0B");
+  refuse(3);  // the merged one, and its parts
+  EXPECT_EQ(first_of_two(), "01 03 00 00 00 01 84 0A");
+  refuse(2);
+  update(breaking, {});
+  EXPECT_EQ(first_of_two(), "01 03 00 00 00 02 C4 0B");
+  refuse(3);  // the merged one, and its parts
+  submit(job(kRead));
+  advance(3s);
+  EXPECT_TRUE(bus_->is_offline(1));
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);
+  advance(3s);
+  EXPECT_EQ(first_of_two(), "01 03 00 00 00 02 C4 0B");
+}
+
+TEST_F(BusSharing, WhileItStopsTheFailedMergedReadIsNotSentInParts) {
+  for (const bool refused : {true, false}) {
+    frames_.clear();
+    endings_.clear();
+    open(sharing(true));
+    occupy();
+    submit(job_of(0, kRead));
+    submit(job_of(1, "03 0001 0001"));
+    free_line();
+    bus_->stop(now_);
+    drain();
+    advance(10ms);
+    if (refused) {
+      line("01 83 02 C0 F1");
+    }
+    advance(1s);
+    EXPECT_THAT(frames_, SizeIs(1)) << refused;
+    EXPECT_THAT(endings_, ElementsAre(Ending::cancelled, Ending::cancelled)) << refused;
+  }
 }
 
 }  // namespace

@@ -94,5 +94,41 @@ TEST_F(BusTcp, AGapHoldsBackItsDevice) {
   EXPECT_EQ(until_next_frame(), 30ms);
 }
 
+TEST_F(BusTcp, WhatALostConnectionOwedIsNotWaitedForOnTheNextOne) {
+  auto slow = tcp();
+  slow.timing.quarantine = 10s;
+  open(slow);
+  const auto time_out = [this] {
+    submit(job(kRead));
+    advance(100ms);
+  };
+  time_out();
+  submit(job(kRead));
+  bus_->handle_lost(now_);
+  bus_->handle_opened(now_);
+  time_out();
+  answer(2, "01 03 02 12 34");
+  time_out();
+  answer(3, "01 03 02 12 34");
+  EXPECT_EQ(bus_->counters().late_responses, 2U);
+  EXPECT_EQ(bus_->counters().foreign_frames, 0U);
+}
+
+TEST_F(BusTcp, AnswersAfterALostConnectionAreNoLaterForIt) {
+  auto slow = tcp();
+  slow.timing.quarantine = 10s;
+  open(slow);
+  submit(job(kRead));
+  advance(100ms);
+  submit(job(kRead));
+  bus_->handle_lost(now_);
+  bus_->handle_opened(now_);
+  for (const std::size_t frame : {2U, 3U}) {
+    submit(job(kRead));
+    answer(frame, "01 03 02 12 34");
+  }
+  EXPECT_EQ(bus_->counters().responses, 2U);
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -22,6 +22,15 @@ class BusTcp : public Bus {
     line(frames_.at(frame).substr(0, 5) + " 00 00 00 " +
          hex(std::vector{static_cast<std::uint8_t>(body.size())}) + hex(body));
   }
+  /// The far end closes the connection.
+  void close() {
+    bus_->handle_lost(now_, bus::Loss::closed);
+    drain();
+  }
+  void reopen() {
+    bus_->handle_opened(now_);
+    drain();
+  }
   /// The units of the frames so far.
   [[nodiscard]] std::vector<int> units() const {
     std::vector<int> units;

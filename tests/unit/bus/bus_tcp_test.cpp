@@ -114,15 +114,33 @@ TEST_F(BusTcp, AnswersThatDoNotFitAreCountedAndTheTimeoutGoesOn) {
   submit(job("06 0000 0001"));
   const Instant start = now_;
   advance(50ms);
-  answer(0, "02 06 00 00 00 01");               // unit
   answer(0, "01 05 00 00 00 01");               // function
   answer(0, "01 06 00 00 00 01 00");            // length
   answer(0, "01 06 00 00 00 02");               // echo
   line("12 34 00 00 00 06 01 06 00 00 00 01");  // identifier
-  EXPECT_EQ(bus_->counters().stray_frames, 5U);
+  EXPECT_EQ(bus_->counters().stray_frames, 4U);
   advance(1s);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   EXPECT_EQ(ended_at_[0] - start, 100ms);
+}
+
+TEST_F(BusTcp, TheUnitOfAnAnswerDoesNotMatter) {
+  open(tcp());
+  submit(job(kRead, 7));
+  answer(0, "FF 03 02 12 34");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusTcp, TheUnitOfAnAnswerMattersIfAskedFor) {
+  auto checking = tcp();
+  checking.check_unit = true;
+  open(checking);
+  submit(job(kRead, 7));
+  answer(0, "FF 03 02 12 34");
+  EXPECT_THAT(endings_, IsEmpty());
+  EXPECT_EQ(bus_->counters().stray_frames, 1U);
+  answer(0, "07 03 02 12 34");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
 TEST_F(BusTcp, ALengthThatCannotBeEndsTheConnection) {
@@ -137,7 +155,7 @@ TEST_F(BusTcp, ALengthThatCannotBeEndsTheConnection) {
   EXPECT_FALSE(bus_->is_open());
   EXPECT_THAT(endings_, UnorderedElementsAre(Ending::answered, Ending::closed, Ending::closed));
   EXPECT_EQ(bus_->counters().losses, 1U);
-  EXPECT_EQ(*bus_->next_deadline() - now_, 100ms);
+  EXPECT_EQ(*next_deadline() - now_, 100ms);
 }
 
 TEST_F(BusTcp, AProtocolThatCannotBeEndsTheConnection) {
@@ -213,7 +231,7 @@ TEST_F(BusTcp, ShowsWhetherAnAnswerIsWaitedFor) {
 
 TEST_F(BusTcp, ABroadcastIsAnErrorOfOurs) {
   open(tcp());
-  EXPECT_DEATH(static_cast<void>(bus_->submit(job("06 0000 0001", 0), now_)), "");
+  EXPECT_DEATH(submit(job("06 0000 0001", 0)), "");
 }
 
 }  // namespace

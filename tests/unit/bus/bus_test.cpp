@@ -98,14 +98,14 @@ TEST_F(Bus, ALineThatDiesAtOnceIsReopenedLessAndLessOften) {
   std::vector<Duration> waits;
   for (int times = 0; times < 4; ++times) {
     bus_->handle_lost(now_);
-    waits.push_back(*bus_->next_deadline() - now_);
+    waits.push_back(*next_deadline() - now_);
     advance(waits.back());
     bus_->handle_opened(now_);
   }
   EXPECT_THAT(waits, ElementsAre(100ms, 200ms, 400ms, 800ms));
   advance(5s);
   bus_->handle_lost(now_);
-  EXPECT_EQ(*bus_->next_deadline() - now_, 100ms);
+  EXPECT_EQ(*next_deadline() - now_, 100ms);
 }
 
 TEST_F(Bus, LetsNothingComeBetweenTheTransactionsOfAJob) {

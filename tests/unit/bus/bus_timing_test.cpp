@@ -97,6 +97,49 @@ TEST_F(Bus, AnAnswerThatStopsHalfWayEndsTheWait) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
 }
 
+// A Wi-Fi device server passes an answer on in parts.
+TEST_F(Bus, AnAnswerMayPauseLongerBehindADeviceServer) {
+  auto remote = settings();
+  remote.line.remote = bus::Endpoint{"wifi", 4001};
+  open(remote);
+  submit(job(kRead));
+  advance(kEmission + 50ms);
+  line("01 03 02");
+  advance(150ms);
+  line("12 34 B5 33");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(Bus, FrameSlackSaysHowLongAnAnswerMayPause) {
+  auto slack = settings();
+  slack.frame_slack = 60ms;
+  open(slack);
+  submit(job(kRead));
+  advance(kEmission + 99ms);
+  line("01 03 02");
+  advance(60ms);
+  line("12 34 B5 33");
+  slack.frame_slack = 30ms;
+  update(slack, {});
+  advance(5ms);
+  submit(job(kRead));
+  advance(kEmission + 99ms);
+  line("01 03 02");
+  advance(60ms);
+  line("12 34 B5 33");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
+}
+
+TEST_F(Bus, CountsGlitchesBeforeTheAnswersOfADevice) {
+  open(settings());
+  submit(job(kRead));
+  advance(20ms);
+  line("FE F8 01 03 02 12 34 B5 33");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_EQ(bus_->device_counters(1).noise_bytes, 2U);
+  EXPECT_EQ(bus_->counters().noise_bytes, 2U);
+}
+
 TEST_F(Bus, SettlesAfterATimeoutBeforeTheNextRequest) {
   auto settling = settings();
   settling.settle = 50ms;

@@ -89,7 +89,7 @@ TEST_F(BusTurns, AClientsRequestsToAHeldDeviceKeepTheirOrder) {
   submit(job("06 0010 0001"));
   submit(job("03 0010 0001"));
   submit(job("06 0010 0002"));
-  EXPECT_EQ(bus_->next_deadline(), held_until_);
+  EXPECT_EQ(next_deadline(), held_until_);
   served(4s);
   ASSERT_THAT(frames_, SizeIs(3));
   EXPECT_EQ(frames_[0], "01 06 00 10 00 01 49 CF");
@@ -124,7 +124,7 @@ TEST_F(BusTurns, WhatWaitsBehindAJobThatIsTakenBackGoesAtOnce) {
   advance(100ms);
   EXPECT_THAT(frames_, IsEmpty());
   bus_->withdraw(held);
-  ASSERT_LE(bus_->next_deadline(), now_);
+  ASSERT_LE(next_deadline(), now_);
   bus_->handle_deadline(now_);
   drain();
   EXPECT_THAT(frames_, ElementsAre("00 06 00 00 00 01 49 DB"));

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/hex.hpp"
+
 namespace mbgate::test {
 namespace {
 
@@ -18,66 +20,76 @@ class Health : public testing::Test {
     return at(time) >= health_.held_until(timing_);
   }
 
+  static modbus::Request request(std::string_view pdu) {
+    return *modbus::Request::parse(*modbus::Pdu::from(unhex(pdu)));
+  }
+  [[nodiscard]] bool may_be_asked(const modbus::Request& asked, bus::Duration time) const {
+    return at(time) >= health_.held_until(asked.function(), timing_);
+  }
+
+  const std::vector<std::uint8_t> kAnswer = unhex("03 02 12 34");
+  const modbus::Request read_ = request("03 0000 0001");
+  const modbus::Request write_ = request("06 0000 0001");
   drive::DeviceTiming timing_;
   DeviceHealth health_;
 };
 
 TEST_F(Health, ADeviceThatOwesNothingIsNotHeldBack) {
   EXPECT_TRUE(may_be_asked(0s));
-  EXPECT_EQ(health_.owed(at(0s), timing_), 0U);
-  EXPECT_FALSE(health_.note_unexpected(at(1s), timing_));
+  EXPECT_EQ(health_.owed(3, at(0s), timing_), 0U);
+  EXPECT_FALSE(health_.note_unexpected(kAnswer, at(1s), timing_));
 }
 
 TEST_F(Health, AQuarantineCountsFromTheLastUnansweredTransmission) {
-  health_.note_unanswered(at(100ms), timing_);
-  EXPECT_FALSE(may_be_asked(199ms));
-  health_.note_unanswered(at(210ms), timing_);
-  EXPECT_EQ(health_.owed(at(220ms), timing_), 2U);
-  EXPECT_FALSE(may_be_asked(309ms));
-  EXPECT_TRUE(may_be_asked(310ms));
-  EXPECT_EQ(health_.owed(at(310ms), timing_), 0U);
+  health_.note_unanswered(read_, at(100ms), timing_);
+  EXPECT_FALSE(may_be_asked(219ms));
+  health_.note_unanswered(read_, at(210ms), timing_);
+  EXPECT_EQ(health_.owed(3, at(220ms), timing_), 2U);
+  EXPECT_FALSE(may_be_asked(329ms));
+  EXPECT_TRUE(may_be_asked(330ms));
+  EXPECT_EQ(health_.owed(3, at(330ms), timing_), 0U);
 }
 
 TEST_F(Health, ItsLengthCanBeSet) {
   timing_.quarantine = 500ms;
-  health_.note_unanswered(at(100ms), timing_);
-  EXPECT_FALSE(may_be_asked(599ms));
-  EXPECT_TRUE(may_be_asked(600ms));
+  health_.note_unanswered(read_, at(100ms), timing_);
+  EXPECT_FALSE(may_be_asked(619ms));
+  EXPECT_TRUE(may_be_asked(620ms));
 }
 
 TEST_F(Health, ItEndsWhenAllOwedAnswersWereSeen) {
-  health_.note_unanswered(at(100ms), timing_);
-  health_.note_unanswered(at(210ms), timing_);
-  const auto first = health_.note_unexpected(at(215ms), timing_);
+  health_.note_unanswered(read_, at(100ms), timing_);
+  health_.note_unanswered(read_, at(210ms), timing_);
+  const auto first = health_.note_unexpected(kAnswer, at(215ms), timing_);
   ASSERT_TRUE(first);
   EXPECT_EQ(first->lateness, 115ms);
   EXPECT_FALSE(may_be_asked(216ms));
-  const auto second = health_.note_unexpected(at(220ms), timing_);
+  const auto second = health_.note_unexpected(kAnswer, at(220ms), timing_);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->lateness, 10ms);
   EXPECT_TRUE(may_be_asked(221ms));
 }
 
 TEST_F(Health, AReadThatWasRepeatedAndThenAnsweredLeavesItHeldBack) {
-  health_.note_unanswered(at(100ms), timing_);
-  health_.note_answered(at(210ms), at(120ms));  // whose answer was it?
-  EXPECT_FALSE(may_be_asked(309ms));
-  EXPECT_TRUE(may_be_asked(310ms));
+  health_.note_unanswered(read_, at(100ms), timing_);
+  health_.note_answered({read_, kAnswer, at(210ms), 10ms}, at(120ms));  // whose answer was it?
+  EXPECT_FALSE(may_be_asked(329ms));
+  EXPECT_TRUE(may_be_asked(330ms));
 }
 
 TEST_F(Health, TheSecondAnswerProvesThatTheFirstWasLate) {
-  health_.note_unanswered(at(100ms), timing_);
-  health_.note_answered(at(210ms), at(190ms));
-  const auto late = health_.note_unexpected(at(195ms), timing_);
+  health_.note_unanswered(read_, at(100ms), timing_);
+  health_.note_answered({read_, kAnswer, at(210ms), 10ms}, at(190ms));
+  const auto late = health_.note_unexpected(kAnswer, at(195ms), timing_);
   ASSERT_TRUE(late);
   EXPECT_EQ(late->lateness, 90ms);
   EXPECT_TRUE(may_be_asked(196ms));
 }
 
 TEST_F(Health, ItGrowsToCoverWhatWasSeenAndShrinksAgain) {
-  health_.note_unanswered(at(100ms), timing_);
-  health_.note_asked();  // the quarantine was over
-  const auto late = health_.note_unexpected(at(500ms), timing_);
+  health_.note_unanswered(read_, at(100ms), timing_);
+  health_.note_asked(at(220ms), timing_);  // the quarantine was over
+  const auto late = health_.note_unexpected(kAnswer, at(500ms), timing_);
   ASSERT_TRUE(late);
   EXPECT_EQ(late->lateness, 400ms);
   EXPECT_TRUE(late->grew);
@@ -88,47 +100,112 @@ TEST_F(Health, ItGrowsToCoverWhatWasSeenAndShrinksAgain) {
 
 TEST_F(Health, ItGrowsNoFurtherThanAllowed) {
   timing_.quarantine_max = 300ms;
-  health_.note_unanswered(at(100ms), timing_);
-  EXPECT_TRUE(health_.note_unexpected(at(390ms), timing_));
+  health_.note_unanswered(read_, at(100ms), timing_);
+  EXPECT_TRUE(health_.note_unexpected(kAnswer, at(390ms), timing_));
   EXPECT_EQ(health_.quarantine(at(390ms), timing_), 300ms);
-  health_.note_unanswered(at(1s), timing_);
-  EXPECT_FALSE(health_.note_unexpected(at(1301ms), timing_));  // too late to be believed
+  health_.note_unanswered(read_, at(1s), timing_);
+  EXPECT_FALSE(health_.note_unexpected(kAnswer, at(1301ms), timing_));  // too late to be believed
 }
 
 TEST_F(Health, MoreAnswersCanBeOwedThanAreDated) {
   for (int times = 0; times < 13; ++times) {
-    health_.note_unanswered(at(100ms), timing_);
+    health_.note_unanswered(read_, at(100ms), timing_);
   }
   for (int times = 0; times < 12; ++times) {
-    EXPECT_TRUE(health_.note_unexpected(at(110ms), timing_));
+    EXPECT_TRUE(health_.note_unexpected(kAnswer, at(110ms), timing_));
     EXPECT_FALSE(may_be_asked(111ms)) << times;
   }
-  EXPECT_TRUE(health_.note_unexpected(at(110ms), timing_));
+  EXPECT_TRUE(health_.note_unexpected(kAnswer, at(110ms), timing_));
   EXPECT_TRUE(may_be_asked(111ms));
 }
 
 TEST_F(Health, ADamagedAnswerLeavesItHeldBackAndSaysNothingAboutWhetherItIsThere) {
-  health_.note_spoilt(at(100ms));
-  EXPECT_FALSE(may_be_asked(199ms));
-  EXPECT_TRUE(may_be_asked(200ms));
+  health_.note_spoilt(read_, at(100ms));
+  EXPECT_FALSE(may_be_asked(219ms));
+  EXPECT_TRUE(may_be_asked(220ms));
   EXPECT_EQ(health_.unanswered_in_row(), 0U);
 }
 
+TEST_F(Health, AFrameThatFitsNoOwedRequestProvesNothing) {
+  health_.note_unanswered(read_, at(100ms), timing_);
+  EXPECT_FALSE(health_.note_unexpected(unhex("03 04 12 34 56 78"), at(110ms), timing_));
+  EXPECT_FALSE(health_.note_unexpected(unhex("06 00 00 00 01"), at(110ms), timing_));
+  EXPECT_FALSE(health_.note_unexpected(unhex("86 02"), at(110ms), timing_));
+  EXPECT_TRUE(health_.note_unexpected(unhex("83 02"), at(110ms), timing_));
+}
+
+TEST_F(Health, WhatWasGivenUpIsForgottenWhenTheDeviceAnswersOthers) {
+  health_.note_unanswered(read_, at(100ms), timing_);
+  health_.note_asked(at(300ms), timing_);
+  health_.note_answered({write_, unhex("06 00 00 00 01"), at(400ms), 10ms}, at(310ms));
+  EXPECT_FALSE(health_.note_unexpected(kAnswer, at(320ms), timing_));
+}
+
+TEST_F(Health, AnAnswerThatSlippedByOneIsLearnedFrom) {
+  health_.note_unanswered(read_, at(100ms), timing_);
+  health_.note_asked(at(300ms), timing_);
+  health_.note_answered({read_, kAnswer, at(400ms), 10ms}, at(310ms));  // of the first one
+  const auto late = health_.note_unexpected(kAnswer, at(320ms), timing_);
+  ASSERT_TRUE(late);
+  EXPECT_TRUE(late->grew);
+  health_.note_answered({read_, kAnswer, at(500ms), 10ms}, at(410ms));
+  EXPECT_FALSE(health_.note_unexpected(kAnswer, at(420ms), timing_));
+}
+
+TEST_F(Health, ADeviceThatHasAnsweredSinceIsHeldBackForTheSameFunctionOnly) {
+  health_.note_unanswered(read_, at(100ms), timing_);
+  EXPECT_FALSE(may_be_asked(write_, 219ms));
+  health_.note_answered({read_, kAnswer, at(210ms), 8ms},
+                        at(120ms));  // the retry's, or the first's
+  EXPECT_FALSE(may_be_asked(write_, 151ms));
+  EXPECT_TRUE(may_be_asked(write_, 152ms));  // four times its longest answer later
+  EXPECT_FALSE(may_be_asked(read_, 329ms));
+  EXPECT_TRUE(may_be_asked(read_, 330ms));
+}
+
+TEST_F(Health, ARequestOfAnotherFunctionNeitherClearsNorReplacesADebt) {
+  health_.note_unanswered(read_, at(100ms), timing_);
+  health_.note_answered({read_, kAnswer, at(210ms), 1ms}, at(120ms));
+  health_.note_asked(at(140ms), timing_);
+  health_.note_answered({write_, unhex("06 00 00 00 01"), at(250ms), 1ms}, at(141ms));
+  EXPECT_EQ(health_.owed(3, at(142ms), timing_), 1U);
+  EXPECT_EQ(health_.owed(6, at(142ms), timing_), 0U);
+  EXPECT_FALSE(may_be_asked(read_, 329ms));
+  EXPECT_TRUE(may_be_asked(read_, 330ms));
+}
+
+TEST_F(Health, SilenceAgainHoldsEverythingBack) {
+  health_.note_unanswered(read_, at(100ms), timing_);
+  health_.note_answered({read_, kAnswer, at(210ms), 1ms}, at(120ms));
+  health_.note_unanswered(write_, at(300ms), timing_);
+  EXPECT_FALSE(may_be_asked(read_, 419ms));
+  EXPECT_TRUE(may_be_asked(read_, 420ms));
+}
+
+TEST_F(Health, WhatThereIsNoRoomForHoldsEverythingBack) {
+  for (int value = 0; value < 12; ++value) {
+    health_.note_unanswered(request("06 0000 00" + std::to_string(10 + value)), at(100ms), timing_);
+  }
+  health_.note_answered({read_, kAnswer, at(210ms), 1ms}, at(120ms));
+  EXPECT_FALSE(may_be_asked(read_, 219ms));
+  EXPECT_TRUE(may_be_asked(read_, 220ms));
+}
+
 TEST_F(Health, ADeviceGoesOfflineAndComesBack) {
-  EXPECT_FALSE(health_.note_unanswered(at(100ms), timing_));
-  EXPECT_FALSE(health_.note_unanswered(at(200ms), timing_));
-  EXPECT_TRUE(health_.note_unanswered(at(300ms), timing_));
+  EXPECT_FALSE(health_.note_unanswered(read_, at(100ms), timing_));
+  EXPECT_FALSE(health_.note_unanswered(read_, at(200ms), timing_));
+  EXPECT_TRUE(health_.note_unanswered(read_, at(300ms), timing_));
   EXPECT_TRUE(health_.is_offline());
-  EXPECT_FALSE(health_.note_unanswered(at(400ms), timing_));
-  EXPECT_TRUE(health_.note_answered(at(500ms), at(450ms)));
+  EXPECT_FALSE(health_.note_unanswered(read_, at(400ms), timing_));
+  EXPECT_TRUE(health_.note_answered({read_, kAnswer, at(500ms), 10ms}, at(450ms)));
   EXPECT_FALSE(health_.is_offline());
-  EXPECT_FALSE(health_.note_answered(at(600ms), at(550ms)));
+  EXPECT_FALSE(health_.note_answered({read_, kAnswer, at(600ms), 10ms}, at(550ms)));
 }
 
 TEST_F(Health, ALateAnswerBringsItBack) {
   timing_.offline_after = 1;
-  EXPECT_TRUE(health_.note_unanswered(at(100ms), timing_));
-  const auto late = health_.note_unexpected(at(150ms), timing_);
+  EXPECT_TRUE(health_.note_unanswered(read_, at(100ms), timing_));
+  const auto late = health_.note_unexpected(kAnswer, at(150ms), timing_);
   ASSERT_TRUE(late);
   EXPECT_TRUE(late->back);
   EXPECT_FALSE(health_.is_offline());
@@ -137,7 +214,7 @@ TEST_F(Health, ALateAnswerBringsItBack) {
 TEST_F(Health, OfflineCanBeTurnedOff) {
   timing_.offline_after = 0;
   for (int times = 0; times < 100; ++times) {
-    EXPECT_FALSE(health_.note_unanswered(at(100ms), timing_));
+    EXPECT_FALSE(health_.note_unanswered(read_, at(100ms), timing_));
   }
 }
 

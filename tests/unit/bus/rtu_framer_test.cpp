@@ -32,7 +32,7 @@ class RtuFramer : public testing::Test {
   Instant now_{10s};
   bus::BusCounters counters_;
   std::optional<bus::Transaction> transaction_;
-  bus::RtuFramer framer_{modbus::RtuTiming(modbus::Baud{19200}, {}), counters_};
+  bus::RtuFramer framer_{modbus::RtuTiming(modbus::Baud{19200}, {}), 20ms, counters_};
 };
 
 constexpr auto kRead = "03 001E 0002";
@@ -59,14 +59,6 @@ TEST_F(RtuFramer, TakesAnExceptionAtOnce) {
   expect(kRead);
   EXPECT_EQ(add("01 83 02 C0 F1"), Verdict::response);
   EXPECT_EQ(response(), "83 02");
-}
-
-TEST_F(RtuFramer, SkipsUpToTwoLeadingNoiseBytes) {
-  expect(kRead);
-  EXPECT_EQ(add(std::string("00 FF ") + kAnswer), Verdict::response);
-  EXPECT_EQ(counters_.noise_bytes, 2U);
-  expect(kRead);
-  EXPECT_EQ(add(std::string("00 FF 00 ") + kAnswer), Verdict::none);
 }
 
 TEST_F(RtuFramer, NoiseIsAllowedBeforeEachFrame) {
@@ -154,6 +146,24 @@ TEST_F(RtuFramer, UnknownFunctionsEndBySilenceWithAGoodCrc) {
   EXPECT_EQ(after(19ms), Verdict::none);
   EXPECT_EQ(after(1ms), Verdict::response);
   EXPECT_EQ(response(), "46 AA BB CC");
+}
+
+TEST_F(RtuFramer, AnAnswerMayPauseForTheSlackInAll) {
+  framer_.set_slack(200ms);
+  expect(kRead);
+  EXPECT_EQ(add("01 03 04"), Verdict::none);
+  EXPECT_EQ(after(100ms), Verdict::none);
+  EXPECT_EQ(add("00 03"), Verdict::none);
+  EXPECT_EQ(after(100ms), Verdict::none);
+  EXPECT_EQ(add("0D 40 0F 53"), Verdict::response);
+}
+
+TEST_F(RtuFramer, SlackIsTheSilenceThatABadCrcNeeds) {
+  framer_.set_slack(200ms);
+  expect(kRead);
+  EXPECT_EQ(add("01 03 04 00 03 0D 41 0F 53"), Verdict::none);
+  EXPECT_EQ(after(199ms), Verdict::none);
+  EXPECT_EQ(after(1ms), Verdict::damaged);
 }
 
 TEST_F(RtuFramer, GivesAnIncompleteAnswerUpAfterTheTimeOfItsBytes) {

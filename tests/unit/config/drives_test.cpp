@@ -43,7 +43,15 @@ TEST_F(Drives, HaveLinesOfEveryMode) {
   EXPECT_EQ(server.line.remote, (bus::Endpoint{"192.168.10.20", 1502}));
   EXPECT_EQ(server.line.device, "");
   EXPECT_EQ(server.outstanding, 16U);
-  EXPECT_EQ(settings.buses.at(3).outstanding, 1U);
+  EXPECT_TRUE(server.check_unit);
+  EXPECT_EQ(server.replace_after, 0U);
+  EXPECT_EQ(server.line.connection, (bus::ConnectionTimes{1s, 500ms, 2s}));
+  EXPECT_EQ(remote.line.connection, (bus::ConnectionTimes{4s, 2s, 60s}));
+  const auto& plain = settings.buses.at(3);
+  EXPECT_EQ(plain.outstanding, 1U);
+  EXPECT_FALSE(plain.check_unit);
+  EXPECT_EQ(plain.replace_after, 5U);
+  EXPECT_EQ(plain.line.connection, (bus::ConnectionTimes{4s, 2s, 15s}));
   EXPECT_EQ(settings.buses.at(4).line.framing, bus::Framing::rtu);
   EXPECT_EQ(settings.buses.at(4).line.remote, (bus::Endpoint{"servers.plant.example", 4002}));
   EXPECT_EQ(settings.buses.at(4).line.format.data_bits, 8U);

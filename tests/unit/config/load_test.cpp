@@ -95,6 +95,7 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(routed.name, "plant");
   EXPECT_EQ(routed.address, "::1");
   EXPECT_EQ(routed.port, 0);
+  EXPECT_TRUE(routed.freebind);
   EXPECT_EQ(routed.max_connections, 8U);
   EXPECT_EQ(routed.pipeline, 4U);
   EXPECT_TRUE(routed.ordered);
@@ -118,22 +119,37 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(bus.line.baud, modbus::Baud{9600});
   EXPECT_EQ(bus.line.format, (modbus::CharacterFormat{8, modbus::Parity::odd, 2}));
   EXPECT_EQ(bus.line.rs485, bus::Rs485::rts);
-  EXPECT_TRUE(bus.line.echo);
+  EXPECT_EQ(bus.line.echo, true);
   EXPECT_FALSE(bus.line.low_latency);
   EXPECT_EQ(bus.timing.response_timeout, 250ms);
   EXPECT_EQ(bus.timing.retries, 2U);
   EXPECT_EQ(bus.turnaround, 150ms);
   EXPECT_EQ(bus.frame_gap, 5ms);
+  EXPECT_EQ(bus.frame_slack, 30ms);
   EXPECT_EQ(bus.listen_first, 0s);
   EXPECT_EQ(bus.settle, 1ms);
   EXPECT_EQ(bus.queue, 10U);
   EXPECT_EQ(bus.burst, 3U);
   EXPECT_EQ(bus.stop_wait, 50ms);
+  EXPECT_EQ(bus.stop_deadline, 3s);
   EXPECT_FALSE(bus.coalesce);
   EXPECT_TRUE(bus.merge);
   EXPECT_EQ(bus.probe_share, 5U);
   EXPECT_EQ(bus.reopen_min, 200ms);
   EXPECT_EQ(bus.reopen_max, 2s);
+  EXPECT_EQ(bus.hung_after, 1min);
+  EXPECT_EQ(bus.hung_requests, 20U);
+  EXPECT_EQ(bus.hung_max, 5min);
+}
+
+TEST(LoadSettings, FillsTheDirectionControlOfTheKernel) {
+  const auto loaded = load(kFolder / "valid/rs485-kernel.toml");
+  ASSERT_TRUE(loaded.settings);
+  const auto& line = loaded.settings->buses.at(0).line;
+  EXPECT_EQ(line.rs485, bus::Rs485::kernel);
+  EXPECT_EQ(line.rs485_rts_on_send, false);
+  EXPECT_EQ(line.rs485_delay_before, 1ms);
+  EXPECT_EQ(line.rs485_delay_after, 100ms);
 }
 
 TEST(LoadSettings, LetsADeviceInheritFromItsBus) {
@@ -145,7 +161,7 @@ TEST(LoadSettings, LetsADeviceInheritFromItsBus) {
   EXPECT_EQ(own.timing.response_timeout, 100ms);
   EXPECT_EQ(own.timing.response_wait, 20ms);
   EXPECT_EQ(own.timing.gap, 3ms);
-  EXPECT_EQ(own.timing.retries, 0U);
+  EXPECT_EQ(own.timing.retries, 3U);
   EXPECT_TRUE(own.timing.retry_writes);
   const auto& inherited = loaded.settings->devices.at(1);
   EXPECT_EQ(inherited.timing.response_timeout, 250ms);

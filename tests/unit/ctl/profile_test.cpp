@@ -51,9 +51,9 @@ Writes that are never answered
   address  manual  written                     deaf for  line  name
   91       40092   & 0xFF00 other than 0x0000  2s        92    Restart
 
-Slow writes
-  address  manual  response timeout  line  name
-  90       40091   3s                91    Save
+Slow registers
+  table    address  manual  response timeout  line  name
+  holding  90       40091   3s                91    Save
 
 Communication registers, guarded unless allow_reconfigure = true
   table    address  manual  line  name

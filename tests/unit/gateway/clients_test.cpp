@@ -173,7 +173,8 @@ TEST(Gateway, AFullQueueMeans06ForTheNewestReadOfWhoHasTheMostWaiting) {
   settings.buses[0].queue = 2;
   MachineRig rig(settings);
   rig.connect(1);
-  rig.receive(1, read_request(1) + read_request(2) + read_request(3) + read_request(4));
+  rig.receive(1, read_request(1));
+  rig.receive(1, read_request(2) + read_request(3) + read_request(4));
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 03 01 83 06"));
 }
 

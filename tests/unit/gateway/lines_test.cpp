@@ -64,6 +64,38 @@ TEST(Gateway, AVanishedLineEndsWhatWasOnTheWireWith0BAndTheRestWith0A) {
   EXPECT_THAT(rig.take_transmitted(), SizeIs(1));
 }
 
+TEST(Gateway, OpensAnAdapterAgainThatHearsNothingAndSaysSoOnce) {
+  Settings settings = one_bus();
+  settings.buses[0].hung_requests = 2;
+  MachineRig rig(settings, false);
+  const auto open = [&] {
+    rig.gateway.handle_bus_opened(BusId{0}, rig.now, bus::LineKind::uart);
+    rig.advance(5ms);
+  };
+  open();
+  rig.connect(1);
+  for (int reopened = 1; reopened <= 2; ++reopened) {
+    rig.receive(1, kRead);
+    rig.advance(60s);
+    EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 83 0B"));
+    rig.opened.clear();
+    rig.take_transmitted();
+    rig.receive(1, kRead2);
+    EXPECT_THAT(rig.take_transmitted(), IsEmpty());
+    EXPECT_THAT(rig.opened, SizeIs(1));
+    EXPECT_EQ(rig.shut, static_cast<unsigned>(reopened));
+    open();
+    EXPECT_THAT(rig.take_transmitted(), SizeIs(1)) << "it waited for the line";
+    rig.advance(1s);
+    rig.take_sent(1);
+  }
+  EXPECT_THAT(rig.events,
+              ElementsAre("bus line-a is open",
+                          "bus line-a: nothing at all was heard for 60 s, in which 2 requests "
+                          "left; in case that the adapter hangs it is closed and opened again, now "
+                          "and ever less often until something is heard"));
+}
+
 TEST(Gateway, ListensBeforeItTransmitsAfterOpening) {
   Settings settings = one_bus();
   settings.buses[0].listen_first.reset();  // the longest response timeout: 100 ms
@@ -186,7 +218,7 @@ TEST(OwnUnit, ShowsDevicesThatDoNotAnswer) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 07 FF 04 04 00 03 00 01"));
   rig.receive(1, "0003 0000 0006 FF 04 2722 0002");
   // 500 ms behind a timeout 100 ms after 8 characters of 573 us
-  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 07 FF 04 04 00 01 01 C7"));
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 07 FF 04 04 00 01 01 DB"));
   rig.receive(1, "0004 0000 0006 FF 04 041C 0002");  // bus 0: reads that lost their place
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 04 00 00 00 07 FF 04 04 00 00 00 00"));
 }
@@ -204,6 +236,27 @@ TEST(OwnUnit, CountsAndClears) {
                                             "00 04 00 00 00 06 FF 08 00 0D 00 00"));
   rig.receive(1, "0005 0000 0006 FF 06 0000 0001");
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 86 01"));
+}
+
+TEST(Gateway, SaysWhetherALineHearsItself) {
+  Settings settings = one_bus();
+  settings.buses[0].line.echo.reset();
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 01 06 0000 0001");
+  rig.advance(10ms);
+  rig.line("01 06 00 00 00 01 48 0A");
+  rig.advance(10ms);
+  rig.receive(1, "0002 0000 0006 01 03 0000 0001");
+  rig.advance(10ms);
+  rig.line("01 03 00 00 00 01 84 0A");
+  EXPECT_THAT(
+      rig.events,
+      ElementsAre("bus line-a: a write was answered by its own repetition, and no read has "
+                  "shown yet whether that is an echo: until one has, it proves nothing (say "
+                  "echo = true or echo = false)",
+                  "bus line-a: the line hears what it sends; the echo is compared from now "
+                  "on (echo = true says so from the start)"));
 }
 
 }  // namespace

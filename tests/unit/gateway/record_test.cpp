@@ -47,9 +47,10 @@ TEST(Record, EveryInputIsALineThatCanBeReadAgain) {
       {ClientSent{ClientId{7}}, "1234567890123 sent 7"},
       {ClientHalfClosed{ClientId{7}}, "1234567890123 fin 7"},
       {ClientDisconnected{ClientId{7}}, "1234567890123 gone 7"},
-      {LineOpened{BusId{1}}, "1234567890123 opened 1"},
+      {LineOpened{BusId{1}}, "1234567890123 opened 1 virtual"},
       {LineBytes{BusId{1}, bytes}, "1234567890123 line 1 0001AB"},
       {LineLost{BusId{1}}, "1234567890123 lost 1"},
+      {LineLost{BusId{1}, bus::Loss::closed}, "1234567890123 closed 1"},
       {DeadlineReached{}, "1234567890123 time"},
       {ShutdownAsked{}, "1234567890123 shutdown"}};
   for (const auto& [input, line] : all) {
@@ -138,6 +139,7 @@ TEST(Record, AMachineDoesTheSameAgain) {
       {std::chrono::milliseconds(0), LineOpened{BusId{0}}},
       {std::chrono::milliseconds(9), ClientConnected{ClientId{0}, info}},
       {std::chrono::milliseconds(10), ClientBytes{ClientId{0}, request}},
+      {std::chrono::milliseconds(10), LineLooked{BusId{0}}},
       {std::chrono::milliseconds(10), DeadlineReached{}},
       {std::chrono::milliseconds(40), LineBytes{BusId{0}, answer}},
       {std::chrono::milliseconds(40), ClientSent{ClientId{0}}},

@@ -42,8 +42,10 @@ class Reload : public testing::Test {
  protected:
   Reload() {
     rig_.connect(1);
-    rig_.receive(1, read_request(1) + write_request(2) + write_request(3, 2));
-    rig_.receive(1, read_request(4, 11) + write_request(5, 11));
+    rig_.receive(1, read_request(1));
+    rig_.receive(1, write_request(2) + write_request(3, 2));
+    rig_.receive(1, read_request(4, 11));
+    rig_.receive(1, write_request(5, 11));
     EXPECT_THAT(take_requests(rig_), ElementsAre(kRead1));
     EXPECT_THAT(take_requests(rig_, 1), ElementsAre("0B 03 00 00 00 01"));
     rig_.advance(10ms);
@@ -145,6 +147,43 @@ TEST_F(Reload, KnowsADeviceByItsNameAndAddress) {
   EXPECT_THAT(rig_.take_sent(1), ElementsAre(busy(3, 2)));
 }
 
+/// Unit 2 was axis-y, and its write waits.
+TEST_F(Reload, TakesBackWhatWaitsOfAUnitThatLeadsToAnotherDevice) {
+  Settings changed = plant();
+  changed.routes[0].last_unit = 1;
+  auto& route = changed.routes.emplace_back(plant().routes[1]);
+  route.first_unit = route.last_unit = 2;
+  route.first_address = 11;
+  rig_.reload(changed);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(busy(3, 2)));
+  rig_.respond("01 03 02 00 01");
+  rig_.advance(10ms);
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kWrite1));
+}
+
+TEST_F(Reload, TakesBackWhatWaitsOfAUnitThatLeadsToAnotherAddressOrNowhere) {
+  Settings changed = plant();
+  changed.routes[0].first_unit = 2;
+  changed.routes[0].first_address = 3;
+  rig_.reload(changed);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(busy(2), busy(3, 2)));
+  changed.routes.pop_back();
+  rig_.reload(changed);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(busy(5, 11)));
+}
+
+TEST_F(Reload, TakesBackWhatWaitsOfABroadcastThatLeadsElsewhere) {
+  Settings changed = plant();
+  changed.routes.emplace_back().buses = {BusId{0}};  // unit 0
+  rig_.reload(changed);
+  rig_.receive(1, write_request(6, 0));
+  EXPECT_THAT(rig_.take_sent(1), IsEmpty());
+  changed.routes.back().device = 0;
+  changed.routes.back().first_address = 1;
+  rig_.reload(changed);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(busy(6, 0)));
+}
+
 TEST_F(Reload, TakesBackWhatWaitsOnARouteThatAsksForAnotherWordOrder) {
   Settings changed = plant();
   changed.routes[1].word_order = drive::WordOrder::big;
@@ -200,6 +239,7 @@ TEST(ReloadOfGuards, KeepsOwnersAndSendsFailsafeWritesIfNobodyMayWriteAnyMore) {
   rig.receive(2, write_request(2));
   EXPECT_THAT(rig.take_sent(2), ElementsAre(busy(2)));
   EXPECT_THAT(take_requests(rig), IsEmpty());
+  rig.connect(3, "192.0.2.3");  // asks nothing
   settings.routes[0].access = routing::Access::read_only;
   rig.reload(settings);
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));

@@ -126,7 +126,8 @@ TEST(PoliteStop, IsNotHeldByAWriteThatItsClientMayNeverMake) {
   settings.guards[0].writers = {*routing::Network::parse("192.0.2.9")};
   MachineRig rig(settings);
   rig.connect(1);
-  rig.receive(1, read_request(1) + read_request(2) + write_request(3) + stop_request(4));
+  rig.receive(1, read_request(1));
+  rig.receive(1, read_request(2) + write_request(3) + stop_request(4));
   rig.respond("01 03 02 00 01");
   rig.advance(10ms);
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop1));

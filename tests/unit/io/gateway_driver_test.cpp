@@ -131,6 +131,16 @@ TEST_F(GatewayDriverTest, CarriesARequestToASerialDeviceServer) {
   EXPECT_EQ(receive(client, kAnswer.size()), kAnswer);
 }
 
+TEST_F(GatewayDriverTest, AcceptsFromASocketThatComesLater) {
+  const PseudoTerminal terminal;
+  make_driver(terminal.path());
+  driver_->start();
+  tcp::acceptor acceptor = *bind_listener(context_, loopback_listener());
+  const TestClient client(context_, acceptor);
+  driver_->add_server(ListenerId{0}, std::move(acceptor));
+  EXPECT_TRUE(wait_for([&] { return driver_->status().clients == 1; }));
+}
+
 TEST_F(GatewayDriverTest, AnswersAClientThatHalfClosed) {
   const PseudoTerminal terminal;
   make_driver(terminal.path());

@@ -27,7 +27,7 @@ TEST(ListeningSocket, GivesItsOptionsToEveryConnection) {
   listener.tcp.keepalive_probes = 2;
   listener.tcp.user_timeout = std::chrono::milliseconds(4500);
   auto acceptor = bind_listener(context, listener);
-  ASSERT_TRUE(acceptor.has_value()) << acceptor.error();
+  ASSERT_TRUE(acceptor.has_value()) << acceptor.error().why;
   const TestClient client(context, *acceptor);
   tcp::socket accepted = acceptor->accept();
   const int socket = accepted.native_handle();
@@ -44,20 +44,21 @@ TEST(ListeningSocket, LeavesKeepaliveOffWhenItsTimeIsZero) {
   auto listener = loopback_listener();
   listener.tcp.keepalive_idle = bus::Duration::zero();
   auto acceptor = bind_listener(context, listener);
-  ASSERT_TRUE(acceptor.has_value()) << acceptor.error();
+  ASSERT_TRUE(acceptor.has_value()) << acceptor.error().why;
   EXPECT_EQ(option_of(acceptor->native_handle(), SOL_SOCKET, SO_KEEPALIVE), 0);
 }
 
 TEST(ListeningSocket, NamesListenerAndAddressWhenThePortIsTaken) {
   boost::asio::io_context context;
   const auto first = bind_listener(context, loopback_listener());
-  ASSERT_TRUE(first.has_value()) << first.error();
+  ASSERT_TRUE(first.has_value()) << first.error().why;
   auto listener = loopback_listener();
   listener.port = first->local_endpoint().port();
   const auto second = bind_listener(context, listener);
   ASSERT_FALSE(second.has_value());
-  EXPECT_EQ(second.error(), "listener \"test\": cannot listen on 127.0.0.1:" +
-                                std::to_string(listener.port) + ": Address already in use");
+  EXPECT_EQ(second.error().why, "listener \"test\": cannot listen on 127.0.0.1:" +
+                                    std::to_string(listener.port) + ": Address already in use");
+  EXPECT_FALSE(second.error().absent);
 }
 
 TEST(ListeningSocket, NamesAnAddressThatIsNone) {
@@ -66,8 +67,35 @@ TEST(ListeningSocket, NamesAnAddressThatIsNone) {
   listener.address = "plc.local";
   const auto acceptor = bind_listener(context, listener);
   ASSERT_FALSE(acceptor.has_value());
-  EXPECT_EQ(acceptor.error(),
+  EXPECT_EQ(acceptor.error().why,
             "listener \"test\": cannot listen on plc.local: this is no IPv4 or IPv6 address");
+}
+
+/// An address for documentation (RFC 5737), which no machine has.
+constexpr const char* kNobodys = "192.0.2.77";
+
+TEST(ListeningSocket, TellsAnAddressThatIsNotThereFromOtherFailures) {
+  boost::asio::io_context context;
+  auto listener = loopback_listener();
+  listener.address = kNobodys;
+  listener.port = 1502;
+  const auto acceptor = bind_listener(context, listener);
+  ASSERT_FALSE(acceptor.has_value());
+  EXPECT_EQ(acceptor.error().why,
+            "listener \"test\": cannot listen on 192.0.2.77:1502: Cannot assign requested address");
+  EXPECT_TRUE(acceptor.error().absent);
+}
+
+TEST(ListeningSocket, ListensOnAnAddressThatIsNotThereIfAskedTo) {
+  boost::asio::io_context context;
+  auto listener = loopback_listener();
+  listener.freebind = true;
+  for (const auto* address : {kNobodys, "2001:db8::77"}) {
+    listener.address = address;
+    const auto acceptor = bind_listener(context, listener);
+    ASSERT_TRUE(acceptor.has_value()) << acceptor.error().why;
+    EXPECT_EQ(acceptor->local_endpoint().address().to_string(), address);
+  }
 }
 
 TEST(ListeningSocket, OfIpv6LeavesThePortFreeForIpv4) {
@@ -76,12 +104,12 @@ TEST(ListeningSocket, OfIpv6LeavesThePortFreeForIpv4) {
   listener.address = "::";
   const auto v6 = bind_listener(context, listener);
   if (!v6) {
-    GTEST_SKIP() << "skipped: no IPv6 here: " << v6.error();
+    GTEST_SKIP() << "skipped: no IPv6 here: " << v6.error().why;
   }
   listener.address = "0.0.0.0";
   listener.port = v6->local_endpoint().port();
   const auto v4 = bind_listener(context, listener);
-  EXPECT_TRUE(v4.has_value()) << v4.error();
+  EXPECT_TRUE(v4.has_value()) << v4.error().why;
 }
 
 TEST(ListeningSocket, CanBeTakenOverFromSystemd) {
@@ -89,7 +117,7 @@ TEST(ListeningSocket, CanBeTakenOverFromSystemd) {
   UniqueFd inherited(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   ASSERT_EQ(::listen(inherited.get(), 8), 0);  // unbound: the kernel chooses a port
   auto acceptor = adopt_listener(context, loopback_listener(), std::move(inherited));
-  ASSERT_TRUE(acceptor.has_value()) << acceptor.error();
+  ASSERT_TRUE(acceptor.has_value()) << acceptor.error().why;
   const tcp::endpoint here(boost::asio::ip::address_v4::loopback(),
                            acceptor->local_endpoint().port());
   const TestClient client(context, here);
@@ -102,7 +130,7 @@ TEST(ListeningSocket, RefusesAnInheritedSocketThatDoesNotListen) {
   const auto acceptor = adopt_listener(context, loopback_listener(),
                                        UniqueFd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)));
   ASSERT_FALSE(acceptor.has_value());
-  EXPECT_EQ(acceptor.error(),
+  EXPECT_EQ(acceptor.error().why,
             "listener \"test\": cannot listen on the socket from systemd: it is no listening TCP "
             "socket");
 }

@@ -48,7 +48,7 @@ TEST_F(RecorderTest, WritesWhatItIsGivenInOrder) {
   recorder.note(gateway::DeadlineReached{}, kAt);
   EXPECT_TRUE(recorder.close(kPatience));
   recorder.note(gateway::DeadlineReached{}, kAt);
-  EXPECT_EQ(written(), "mbgate recording 1\n500 start\n500 opened 0\n< open 1\n500 time\n");
+  EXPECT_EQ(written(), "mbgate recording 1\n500 start\n500 opened 0 virtual\n< open 1\n500 time\n");
   EXPECT_TRUE(ended_.empty());
 }
 

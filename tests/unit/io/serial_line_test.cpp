@@ -16,7 +16,8 @@ namespace {
 
 class SerialLineTest : public testing::Test, public LineEvents {
  protected:
-  void line_opened(drive::BusId /*bus*/, const std::vector<std::string>& warnings) override {
+  void line_opened(drive::BusId /*bus*/, bus::LineKind /*kind*/,
+                   const std::vector<std::string>& warnings) override {
     ++opened_;
     warnings_ = warnings;
   }
@@ -24,6 +25,7 @@ class SerialLineTest : public testing::Test, public LineEvents {
     received_.append(bytes.begin(), bytes.end());
   }
   void line_lost(drive::BusId /*bus*/, const std::string& why) override { lost_.push_back(why); }
+  void line_closed(drive::BusId /*bus*/, const std::string& /*why*/) override { FAIL(); }
 
   void make_line(const std::string& path) {
     bus::LineSettings settings;
@@ -65,6 +67,18 @@ TEST_F(SerialLineTest, CarriesBytesBothWays) {
   ASSERT_TRUE(terminal.write(kFrame));
   ASSERT_TRUE(wait_for([&] { return received_.size() >= kFrame.size(); }));
   EXPECT_EQ(received_, kFrameText);
+}
+
+// Giving a line back takes its time on a thread of its own.
+TEST_F(SerialLineTest, CanBeOpenedAgainRightAfterItWasClosed) {
+  const PseudoTerminal terminal;
+  make_line(terminal.path());
+  ASSERT_TRUE(open_line());
+  for (int i = 0; i < 50; ++i) {
+    line_->close();
+    ASSERT_TRUE(open_line());
+    ASSERT_TRUE(lost_.empty()) << lost_[0];
+  }
 }
 
 TEST_F(SerialLineTest, SaysWhyItCannotBeOpened) {

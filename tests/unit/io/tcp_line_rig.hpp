@@ -63,7 +63,8 @@ inline std::string receive(tcp::socket& peer) {
 
 class TcpLineTest : public testing::Test, public LineEvents {
  protected:
-  void line_opened(drive::BusId /*bus*/, const std::vector<std::string>& warnings) override {
+  void line_opened(drive::BusId /*bus*/, bus::LineKind /*kind*/,
+                   const std::vector<std::string>& warnings) override {
     ++opened_;
     warnings_ = warnings;
   }
@@ -71,10 +72,15 @@ class TcpLineTest : public testing::Test, public LineEvents {
     received_.append(bytes.begin(), bytes.end());
   }
   void line_lost(drive::BusId /*bus*/, const std::string& why) override { lost_.push_back(why); }
+  void line_closed(drive::BusId /*bus*/, const std::string& why) override {
+    closed_.push_back(why);
+  }
 
   void make_line(const std::string& host, std::uint16_t port) {
-    line_.emplace(LineContext{context_, blocking_, *this}, drive::BusId{0},
-                  bus::Endpoint{host, port});
+    bus::LineSettings line;
+    line.remote = {host, port};
+    line.connection = times_;
+    line_.emplace(LineContext{context_, blocking_, *this}, drive::BusId{0}, line);
   }
   bool wait_for(const std::function<bool()>& happened) { return run_until(context_, happened); }
   /// The far end of a line that has been opened.
@@ -93,6 +99,8 @@ class TcpLineTest : public testing::Test, public LineEvents {
   int opened_ = 0;
   std::vector<std::string> warnings_;
   std::vector<std::string> lost_;
+  std::vector<std::string> closed_;
+  bus::ConnectionTimes times_;
   std::string received_;
 };
 

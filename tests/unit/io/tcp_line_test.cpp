@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tcp_line.hpp"
 
+#include <netinet/tcp.h>
+
 #include <boost/asio/write.hpp>
 
 #include "tcp_line_rig.hpp"
@@ -59,11 +61,12 @@ TEST_F(TcpLineTest, NoticesThatTheFarEndCloses) {
   ASSERT_NE(peer, nullptr);
   boost::asio::write(*peer, boost::asio::buffer(kFrame));
   peer->close();
-  ASSERT_TRUE(wait_for([&] { return !lost_.empty(); }));
+  ASSERT_TRUE(wait_for([&] { return !closed_.empty(); }));
   EXPECT_EQ(received_, kFrameText);
-  EXPECT_EQ(lost_, std::vector<std::string>{name_of(far.port()) +
-                                            ": the far end has closed the connection"});
-  EXPECT_EQ(line_->transmit(kFrame), name_of(far.port()) + ": the connection is not open");
+  EXPECT_EQ(closed_, std::vector<std::string>{name_of(far.port()) +
+                                              ": the far end has closed the connection"});
+  EXPECT_TRUE(lost_.empty());
+  EXPECT_EQ(line_->transmit(kFrame), std::nullopt);  // whoever wants that was told already
 }
 
 TEST_F(TcpLineTest, NoticesAReset) {
@@ -73,21 +76,50 @@ TEST_F(TcpLineTest, NoticesAReset) {
   ASSERT_NE(peer, nullptr);
   peer->set_option(tcp::socket::linger(true, 0));
   peer->close();
-  ASSERT_TRUE(wait_for([&] { return !lost_.empty(); }));
-  EXPECT_EQ(lost_, std::vector<std::string>{name_of(far.port()) + ": Connection reset by peer"});
+  ASSERT_TRUE(wait_for([&] { return !closed_.empty(); }));
+  EXPECT_EQ(closed_, std::vector<std::string>{name_of(far.port()) + ": Connection reset by peer"});
 }
 
-TEST_F(TcpLineTest, SaysThatItCannotSendOnAConnectionThatHasGone) {
+TEST_F(TcpLineTest, NoticesWhileItSendsThatTheFarEndHasClosed) {
   FarEnd far(context_);
   make_line("127.0.0.1", far.port());
   tcp::socket* const peer = connect(far);
   ASSERT_NE(peer, nullptr);
   peer->set_option(tcp::socket::linger(true, 0));
   peer->close();
-  EXPECT_EQ(line_->transmit(kFrame),
-            name_of(far.port()) + ": cannot send: Connection reset by peer");
-  context_.poll();
+  EXPECT_EQ(line_->transmit(kFrame), std::nullopt);
+  ASSERT_TRUE(wait_for([&] { return !closed_.empty(); }));
   EXPECT_TRUE(lost_.empty());
+}
+
+/// The descriptor of the line's connection to the port.
+int descriptor_to(std::uint16_t port) {
+  for (int descriptor = 0; descriptor < 1024; ++descriptor) {
+    sockaddr_in peer{};
+    socklen_t size = sizeof peer;
+    if (::getpeername(descriptor, reinterpret_cast<sockaddr*>(&peer), &size) == 0 &&
+        peer.sin_family == AF_INET && ntohs(peer.sin_port) == port) {
+      return descriptor;
+    }
+  }
+  return -1;
+}
+
+TEST_F(TcpLineTest, TakesItsTimesFromTheSettings) {
+  FarEnd far(context_);
+  times_.acknowledge_timeout = std::chrono::milliseconds(700);
+  times_.idle_probe = std::chrono::seconds(20);
+  make_line("127.0.0.1", far.port());
+  ASSERT_NE(connect(far), nullptr);
+  EXPECT_TRUE(warnings_.empty());
+  const auto option = [descriptor = descriptor_to(far.port())](int number) {
+    int value = 0;
+    socklen_t size = sizeof value;
+    EXPECT_EQ(::getsockopt(descriptor, IPPROTO_TCP, number, &value, &size), 0);
+    return value;
+  };
+  EXPECT_EQ(option(TCP_USER_TIMEOUT), 700);
+  EXPECT_EQ(option(TCP_KEEPIDLE) + option(TCP_KEEPINTVL), 20);
 }
 
 TEST_F(TcpLineTest, KeepsUnreadBytesFromTheNextConnection) {
@@ -111,7 +143,7 @@ TEST_F(TcpLineTest, OpensAgainAfterALoss) {
   tcp::socket* const first = connect(far);
   ASSERT_NE(first, nullptr);
   first->close();
-  ASSERT_TRUE(wait_for([&] { return lost_.size() == 1; }));
+  ASSERT_TRUE(wait_for([&] { return closed_.size() == 1; }));
   tcp::socket* const second = connect(far);
   ASSERT_NE(second, nullptr);
   ASSERT_EQ(line_->transmit(kFrame), std::nullopt);
@@ -142,6 +174,7 @@ TEST_F(TcpLineTest, GivesUpOnAFarEndThatDoesNotAnswer) {
                                     static_cast<socklen_t>(address.size()));
     ASSERT_TRUE(connected == 0 || errno == EINPROGRESS);
   }
+  times_.connect_timeout = std::chrono::milliseconds(300);
   make_line("127.0.0.1", far.port());
   line_->open();
   ASSERT_TRUE(wait_for([&] { return !lost_.empty(); }));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -29,7 +30,8 @@ class TcpServerTest : public testing::Test, public AcceptEvents {
   boost::asio::io_context context_;
   tcp::acceptor acceptor_ = *bind_listener(context_, loopback_listener());
   tcp::endpoint address_ = acceptor_.local_endpoint();
-  TcpServer server_{context_, gateway::ListenerId{3}, std::move(acceptor_), *this};
+  TcpServer server_{context_, gateway::ListenerId{3}, std::move(acceptor_), *this,
+                    std::numeric_limits<int>::max()};
   std::vector<AcceptedClient> accepted_;
   std::vector<int> failures_;
 };
@@ -93,6 +95,41 @@ TEST_F(TcpServerTest, SurvivesRunningOutOfDescriptors) {
   // The next one is served.
   const auto served = connect();
   EXPECT_TRUE(run_until(context_, [&] { return accepted_.size() == 2; }));
+}
+
+TEST_F(TcpServerTest, LeavesDescriptorsToOthers) {
+  tcp::acceptor acceptor = *bind_listener(context_, loopback_listener());
+  const auto address = acceptor.local_endpoint();
+  std::vector<std::unique_ptr<TestClient>> clients;
+  for (int i = 0; i < 5; ++i) {
+    clients.push_back(std::make_unique<TestClient>(context_, address));
+  }
+  const UniqueFd probe(::dup(0));
+  // The server's spare one takes the lowest, two clients the next ones.
+  TcpServer server(context_, gateway::ListenerId{3}, std::move(acceptor), *this, probe.get() + 4);
+  server.start();
+  ASSERT_TRUE(run_until(context_, [&] { return !failures_.empty(); }));
+  EXPECT_EQ(failures_[0], EMFILE);
+  EXPECT_EQ(accepted_.size(), 2U);
+  for (auto& client : accepted_) {
+    EXPECT_LT(client.socket.native_handle(), probe.get() + 4);
+  }
+  // The other three know.
+  std::size_t ended = 0;
+  EXPECT_TRUE(run_until(context_, [&] {
+    ended = 0;
+    for (const auto& client : clients) {
+      bool gone = false;
+      client->receive(&gone);
+      ended += gone ? 1 : 0;
+    }
+    return ended == 3;
+  }));
+  // Once descriptors are free again the next one is served.
+  clients.clear();
+  const TestClient served(context_, address);
+  EXPECT_TRUE(run_until(context_, [&] { return accepted_.size() == 3; }));
+  server.stop();
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <sys/ioctl.h>
 
 #include <cerrno>
+#include <chrono>
 
 namespace mbgate::io {
 namespace {
@@ -15,9 +16,11 @@ namespace {
 struct Driver {
   std::uint32_t supported = 0;
   std::uint32_t delay = 0;  ///< forced upon every setting
-  serial_rs485 state{};
+  serial_rs485 state{};     ///< at first, what the device tree says
+  int settings = 0;         ///< how often it was set
   int modem_lines = TIOCM_RTS;
   unsigned line_status = TIOCSER_TEMT;
+  bool knows_rs485 = true;
   bool knows_line_status = true;
 };
 
@@ -26,11 +29,19 @@ Driver driver;
 int driver_io_control(int /*fd*/, unsigned long request, void* argument) {
   switch (request) {
     case TIOCSRS485:
+      ++driver.settings;
       driver.state = *static_cast<serial_rs485*>(argument);
       driver.state.flags &= driver.supported;
-      driver.state.delay_rts_before_send = driver.delay;
+      if (driver.delay != 0) {
+        driver.state.delay_rts_before_send = driver.delay;
+      }
       return 0;
-    case TIOCGRS485: *static_cast<serial_rs485*>(argument) = driver.state; return 0;
+    case TIOCGRS485:
+      if (!driver.knows_rs485) {
+        break;
+      }
+      *static_cast<serial_rs485*>(argument) = driver.state;
+      return 0;
     case TIOCMBIS: driver.modem_lines |= *static_cast<int*>(argument); return 0;
     case TIOCMBIC: driver.modem_lines &= ~*static_cast<int*>(argument); return 0;
     case TIOCSERGETLSR:
@@ -55,28 +66,84 @@ bus::LineSettings line_with(bus::Rs485 rs485) {
 constexpr std::uint32_t kAll =
     SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND | SER_RS485_RTS_AFTER_SEND | SER_RS485_RX_DURING_TX;
 
-TEST(DirectionControl, ByTheKernelIsSetWithoutDelays) {
-  driver = {.supported = kAll};
-  EXPECT_EQ(set_direction_control(0, line_with(bus::Rs485::kernel), driver_io_control),
-            std::nullopt);
+/// What a driver has from the device tree: how its transceiver is wired, and how fast it is.
+Driver driver_with(std::uint32_t flags, std::uint32_t before, std::uint32_t after) {
+  Driver made{.supported = kAll};
+  made.state.flags = flags;
+  made.state.delay_rts_before_send = before;
+  made.state.delay_rts_after_send = after;
+  return made;
+}
+
+std::optional<std::string> set(const bus::LineSettings& line) {
+  return set_direction_control(0, line, driver_io_control);
+}
+
+TEST(DirectionControl, ByTheKernelRaisesRtsWithoutDelaysWhereNobodySaysOtherwise) {
+  driver = driver_with(0, 0, 0);
+  EXPECT_EQ(set(line_with(bus::Rs485::kernel)), std::nullopt);
   EXPECT_EQ(driver.state.flags, SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND);
   EXPECT_EQ(driver.state.delay_rts_before_send, 0U);
   EXPECT_EQ(driver.state.delay_rts_after_send, 0U);
 }
 
-TEST(DirectionControl, ByTheKernelReceivesWhileSendingWhenTheEchoIsWanted) {
-  driver = {.supported = kAll};
+TEST(DirectionControl, ByTheKernelKeepsPolarityAndDelaysOfTheDeviceTree) {
+  driver = driver_with(SER_RS485_RTS_AFTER_SEND, 2, 7);
+  EXPECT_EQ(set(line_with(bus::Rs485::kernel)), std::nullopt);
+  EXPECT_EQ(driver.state.flags, SER_RS485_ENABLED | SER_RS485_RTS_AFTER_SEND);
+  EXPECT_EQ(driver.state.delay_rts_before_send, 2U);
+  EXPECT_EQ(driver.state.delay_rts_after_send, 7U);
+}
+
+TEST(DirectionControl, ByTheKernelKeepsTheTerminationOfTheBus) {
+  driver = driver_with(SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND | SER_RS485_TERMINATE_BUS, 0, 0);
+  driver.supported |= SER_RS485_TERMINATE_BUS;
+  EXPECT_EQ(set(line_with(bus::Rs485::kernel)), std::nullopt);
+  EXPECT_EQ(driver.state.flags,
+            SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND | SER_RS485_TERMINATE_BUS);
+}
+
+TEST(DirectionControl, ByTheKernelDoesWhatTheKeysSay) {
+  driver = driver_with(SER_RS485_RTS_AFTER_SEND, 2, 7);
   auto line = line_with(bus::Rs485::kernel);
+  line.rs485_rts_on_send = true;
+  line.rs485_delay_after = std::chrono::milliseconds(0);
+  EXPECT_EQ(set(line), std::nullopt);
+  EXPECT_EQ(driver.state.flags, SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND);
+  EXPECT_EQ(driver.state.delay_rts_before_send, 2U) << "no key says otherwise";
+  EXPECT_EQ(driver.state.delay_rts_after_send, 0U);
+  line.rs485_rts_on_send = false;
+  line.rs485_delay_before = std::chrono::milliseconds(100);
+  EXPECT_EQ(set(line), std::nullopt);
+  EXPECT_EQ(driver.state.flags, SER_RS485_ENABLED | SER_RS485_RTS_AFTER_SEND);
+  EXPECT_EQ(driver.state.delay_rts_before_send, 100U);
+}
+
+TEST(DirectionControl, ByTheKernelReceivesWhileSendingOnlyWhenTheEchoIsWanted) {
+  driver = driver_with(SER_RS485_RTS_ON_SEND | SER_RS485_RX_DURING_TX, 0, 0);
+  auto line = line_with(bus::Rs485::kernel);
+  EXPECT_EQ(set(line), std::nullopt);
+  EXPECT_EQ(driver.state.flags, SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND);
   line.echo = true;
-  EXPECT_EQ(set_direction_control(0, line, driver_io_control), std::nullopt);
+  EXPECT_EQ(set(line), std::nullopt);
   EXPECT_EQ(driver.state.flags, SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND | SER_RS485_RX_DURING_TX);
 }
 
 TEST(DirectionControl, IsRefusedWhenTheKernelTookSomethingElse) {
   driver = {.supported = SER_RS485_ENABLED, .delay = 100};
-  EXPECT_EQ(set_direction_control(0, line_with(bus::Rs485::kernel), driver_io_control),
+  EXPECT_EQ(set(line_with(bus::Rs485::kernel)),
             "/dev/ttyS7: asked for RS-485 enabled, RTS on send, delays 0 and 0 ms; the driver took "
             "enabled, delays 100 and 0 ms");
+}
+
+TEST(DirectionControl, ByTheKernelNeedsADriverThatCanSayWhatItHas) {
+  driver = driver_with(0, 0, 0);
+  driver.knows_rs485 = false;
+  EXPECT_EQ(
+      set(line_with(bus::Rs485::kernel)),
+      "/dev/ttyS7: the driver has no RS-485 mode; use rs485 = \"off\" if the adapter switches "
+      "direction by itself, as most USB adapters do, or rs485 = \"rts\"");
+  EXPECT_EQ(driver.settings, 0);
 }
 
 TEST(DirectionControl, ByRtsBeginsWithReceiving) {

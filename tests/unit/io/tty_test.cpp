@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tty.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -96,6 +97,27 @@ TEST(Tty, SaysWhichGroupIsMissingWhenAccessIsDenied) {
   EXPECT_EQ(tty.error(), "cannot open " + path.string() +
                              ": Permission denied; the user that mbgated runs as must be in the "
                              "group dialout");
+}
+
+// systemd's device control, unlike the modes of a file, refuses with EPERM.
+TEST(Tty, NamesTheDropInWhenTheUnitDoesNotAllowTheDriver) {
+  const std::string name =
+      "cannot open /dev/ttyLP3: Operation not permitted; if systemd started mbgated, its unit does "
+      "not allow this driver, or the driver was loaded after the unit had started: run \"systemctl "
+      "edit mbgated\", paste the two lines \"[Service]\" and \"DeviceAllow=char-ttyLP rw\", then "
+      "run \"systemctl restart mbgated\"";
+  EXPECT_EQ(open_failure("/dev/ttyLP3", EPERM), name);
+}
+
+TEST(Tty, NamesTheDriverThatALinkLeadsTo) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("mbgate-links-" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  std::ofstream(folder / "ttyXRUSB12").put('x');
+  std::filesystem::create_symlink("ttyXRUSB12", folder / "usb-Exar_Corp-if00-port0");
+  const auto text = open_failure((folder / "usb-Exar_Corp-if00-port0").string(), EPERM);
+  std::filesystem::remove_all(folder);
+  EXPECT_THAT(text, testing::HasSubstr("\"DeviceAllow=char-ttyXRUSB rw\""));
 }
 
 TEST(Tty, RefusesKernelDirectionControlWhereTheDriverHasNone) {

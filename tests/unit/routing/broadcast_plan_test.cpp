@@ -125,6 +125,23 @@ TEST_F(Broadcasts, CommunicationRegistersAreRefused) {
   EXPECT_EQ(sent("06 0005 0001"), Texts{"0: 06 00 05 00 01"});
 }
 
+/// Some clients can only say unit 0.
+TEST_F(Broadcasts, ARouteThatNamesADeviceIsNone) {
+  devices = {moons(7, {}), aic()};
+  routes[0].device = 0;
+  routes[0].first_address = 7;
+  EXPECT_EQ(sent("03 0001 0002"), Texts{"7: 03 00 01 00 02"});
+  EXPECT_EQ(sent("06 0034 0002"), Texts{"7: 06 00 34 00 02"});
+  // Nobody may broadcast here, though unit 0 has a way to the bus.
+  routes.emplace_back();
+  routes[1].buses = {BusId{0}};
+  routes[1].first_unit = routes[1].last_unit = routes[1].first_address = 129;
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no way"});
+  devices = {moons(0, {})};  // a Modbus TCP server may have this address
+  routes[0].first_address = 0;
+  EXPECT_EQ(sent("03 0001 0002"), Texts{"0: 03 00 01 00 02"});
+}
+
 TEST_F(Broadcasts, TheAicsBroadcastAddressIsNoDevice) {
   listeners = {{BusId{0}}};
   devices = {aic(), moons(1, {})};

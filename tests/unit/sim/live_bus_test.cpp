@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <termios.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -102,6 +103,42 @@ TEST_F(LivePorts, CarryARequestAndItsAnswer) {
   EXPECT_EQ(hex(answer), kStatus);
   EXPECT_EQ(bus.counters_text(),
             "bus a: frames 1, answers 1, silence violations 0, collisions 0, bad CRC 0");
+}
+
+/// Sets the port as a client would that knows the classic rates only.
+void set_port(int port, speed_t rate, bool two_stop_bits) {
+  termios mode{};
+  ASSERT_EQ(::tcgetattr(port, &mode), 0);
+  ::cfsetspeed(&mode, rate);
+  mode.c_cflag =
+      two_stop_bits ? mode.c_cflag | CSTOPB : mode.c_cflag & ~static_cast<tcflag_t>(CSTOPB);
+  ASSERT_EQ(::tcsetattr(port, TCSANOW, &mode), 0);
+}
+
+TEST_F(LivePorts, AnswerAtTheirOwnRateAndStopBitsOnly) {
+  auto classic = settings();
+  classic.wire.baud = modbus::Baud{9600};
+  sim::LiveBus bus(classic);
+  ASSERT_EQ(bus.connect(), std::nullopt);
+  const sim::FileDescriptor port(::open(link_.c_str(), O_RDWR | O_NOCTTY));
+  const auto request = unhex(kReadStatus);
+  std::vector<std::string> said;
+  for (const auto& [rate, two_stop_bits] :
+       {std::pair(B19200, false), std::pair(B9600, true), std::pair(B9600, false)}) {
+    set_port(port.get(), rate, two_stop_bits);
+    ASSERT_EQ(::write(port.get(), request.data(), request.size()), 8);
+    ASSERT_TRUE(becomes_readable(bus.pty()->descriptor()));
+    bus.handle_readable(Instant(100ms));
+    while (const auto at = bus.next_event()) {
+      bus.handle_time(*at);
+    }
+    said.push_back(bus.counters_text());
+  }
+  EXPECT_EQ(said,
+            (std::vector<std::string>{
+                "bus a: frames 1, answers 0, silence violations 0, collisions 0, bad CRC 1",
+                "bus a: frames 2, answers 0, silence violations 0, collisions 0, bad CRC 2",
+                "bus a: frames 3, answers 1, silence violations 0, collisions 0, bad CRC 2"}));
 }
 
 TEST_F(LivePorts, CarryAnAsciiRequestInParts) {

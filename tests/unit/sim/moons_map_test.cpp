@@ -58,8 +58,7 @@ TEST(MoonsMaps, HoldInitialValuesThatMayBeWritten) {
 std::string read(MoonsDrive& drive, std::uint16_t first, std::uint8_t count) {
   std::vector<std::uint8_t> pdu{3, 0, 0, 0, count};
   modbus::store_be16(pdu, 1, first);
-  const auto response = drive.answer(*modbus::Pdu::from(pdu)).response;
-  return hex(response->bytes());
+  return answer_of(drive, hex(pdu));
 }
 
 TEST(MoonsMaps, ShowTheWordOrderWhereASeriesHasPr) {

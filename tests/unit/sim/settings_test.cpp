@@ -48,6 +48,7 @@ stop_bits = 2
 adapter_latency = "16ms"
 gap = "0ms"
 echo = true
+echo_delay = "8ms"
 paced = false
 [[device]]
 name = "x"
@@ -69,6 +70,7 @@ faults = { silent = true, answer_after = "400ms", bad_crc = true, wrong_unit = t
   EXPECT_EQ(wire.adapter_latency, 16ms);
   EXPECT_EQ(wire.gap, 0ms);
   EXPECT_TRUE(wire.echo);
+  EXPECT_EQ(wire.echo_delay, 8ms);
   EXPECT_FALSE(wire.paced);
   EXPECT_EQ(wire.clocking, sim::Clocking::real_time);
   const auto& device = loaded.settings->buses[0].devices[0];
@@ -122,6 +124,13 @@ sim.toml:15:17: error: response_wait: an AiC counts its waiting time in whole mi
 response_wait = "1.5ms"
                 ^
 )");
+}
+
+TEST(SimulatorSettings, RefusesADelayOfNoEcho) {
+  EXPECT_EQ(errors_of("[[bus]]\nname = \"a\"\nlink = \"a\"\necho_delay = \"8ms\"\n"),
+            "sim.toml:4:14: error: echo_delay: only a bus with echo = true has one\n"
+            "echo_delay = \"8ms\"\n"
+            "             ^\n");
 }
 
 TEST(SimulatorSettings, RefusesToSimulateNothing) {

@@ -155,6 +155,54 @@ TEST(Wire, EchoesTheGatewaysOwnTransmission) {
   EXPECT_EQ(rig.received(), kStatus);
 }
 
+TEST(Wire, DelaysTheEchoAndWhatComesBehindIt) {
+  auto settings = slow_line();
+  settings.echo = true;
+  settings.echo_delay = 20ms;
+  WireRig rig(settings, {moons(1)});
+  rig.transmit(kReadStatus, 0ms);
+  EXPECT_EQ(hex(rig.wire().advance(Instant(20999us))), "");
+  EXPECT_EQ(hex(rig.wire().advance(Instant(27999us))), "01 03 00 01 00 01 D5");
+  // By then the answer has been on the wire for long.
+  EXPECT_EQ(hex(rig.wire().advance(Instant(28ms))), std::string("CA ") + kStatus);
+}
+
+TEST(Wire, DrivesTakeNothingInAnotherModeThanTheirs) {
+  const sim::PortMode right{modbus::Baud{10000}, {8, modbus::Parity::none, 1}};
+  std::vector<sim::PortMode> wrong(5, right);
+  wrong[0].baud = modbus::Baud{9600};
+  wrong[1].format.parity = modbus::Parity::even;
+  wrong[2].format.parity = modbus::Parity::odd;
+  wrong[3].format.stop_bits = 2;
+  wrong[4].format.data_bits = 7;
+  for (const sim::PortMode& mode : wrong) {
+    WireRig rig(slow_line(), {moons(1)});
+    rig.wire().set_port(mode);
+    rig.transmit(kReadStatus, 0ms);
+    EXPECT_EQ(rig.received(), "");
+    EXPECT_EQ(rig.counters(), (sim::WireCounters{.frames = 1, .bad_crc = 1}));
+    EXPECT_THAT(rig.wire().frames()[0].heard_by, ElementsAre());
+    rig.wire().set_port(right);
+    rig.transmit(kReadStatus, 100ms);
+    EXPECT_EQ(rig.received(), kStatus);
+  }
+}
+
+TEST(Wire, ARateNearTheirsIsTheirs) {
+  WireRig rig(slow_line(), {moons(1)});
+  rig.wire().set_port({modbus::Baud{10200}, {8, modbus::Parity::none, 1}});
+  rig.transmit(kReadStatus, 0ms);
+  EXPECT_EQ(rig.received(), kStatus);
+}
+
+TEST(Wire, AnotherRateTakesItsOwnTime) {
+  WireRig rig(slow_line(), {moons(1)});
+  rig.wire().set_port({modbus::Baud{1000}, {8, modbus::Parity::none, 1}});
+  rig.transmit(kReadStatus, 0ms);
+  rig.run();
+  EXPECT_EQ(rig.wire().frames()[0].end, Instant(80ms));
+}
+
 TEST(Wire, HoldsBytesBackInTheAdapter) {
   auto settings = slow_line();
   settings.adapter_latency = 4ms;

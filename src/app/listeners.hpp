@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// The listening sockets of the service: those that systemd hands over, and those that we bind. A
+// listener whose address is not there (boot, DHCP, VRRP) is tried again while the others serve.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "app/log.hpp"
+#include "app/systemd.hpp"
+#include "gateway/settings.hpp"
+#include "io/listening_socket.hpp"
+
+namespace mbgate::app {
+
+/// Between two tries, doubling from the first to the longest.
+struct ListenerWaits {
+  std::chrono::milliseconds first{250};
+  std::chrono::milliseconds longest{5000};
+};
+
+class Listeners {
+ public:
+  using Acceptor = boost::asio::ip::tcp::acceptor;
+  /// io::bind_listener(), or what a test has in its place.
+  using Bind = std::function<Result<Acceptor, io::ListenFailure>(boost::asio::io_context&,
+                                                                 const gateway::ListenerSettings&)>;
+  /// Gets every socket that listens, at once or later.
+  using Take = std::function<void(gateway::ListenerId, Acceptor)>;
+
+  Listeners(boost::asio::io_context& context, Log& log, Take take, Bind bind = io::bind_listener,
+            ListenerWaits waits = {});
+  Listeners(const Listeners&) = delete;
+  Listeners& operator=(const Listeners&) = delete;
+  ~Listeners() = default;
+
+  /// Every listener listens, or waits for its address. False: one can do neither (its port is in
+  /// use, it may not have it), and the journal says why.
+  bool begin(const std::vector<gateway::ListenerSettings>& listeners,
+             std::vector<InheritedSocket> inherited);
+  /// Prints "listening NAME ADDRESS:PORT" for each socket, and tries those that wait again. Their
+  /// lines are printed when they listen.
+  void start();
+  void stop();
+  /// Those that wait for their address.
+  [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
+
+ private:
+  struct Waiting {
+    gateway::ListenerId id;
+    gateway::ListenerSettings listener;
+    std::string said;  ///< in the journal already
+  };
+
+  bool listen(gateway::ListenerId id, const gateway::ListenerSettings& listener,
+              std::vector<InheritedSocket>& inherited);
+  bool keep(gateway::ListenerId id, const gateway::ListenerSettings& listener,
+            Result<Acceptor, io::ListenFailure> acceptor);
+  void add(gateway::ListenerId id, const gateway::ListenerSettings& listener, Acceptor acceptor);
+  /// Does it listen now?
+  bool try_again(Waiting& waiting);
+  boost::asio::awaitable<void> try_on();
+
+  boost::asio::io_context& context_;
+  Log& log_;
+  Take take_;
+  Bind bind_;
+  ListenerWaits waits_;
+  boost::asio::steady_timer timer_;
+  bool started_ = false;
+  std::vector<std::string> lines_;  ///< to be printed once all are served
+  std::vector<Waiting> waiting_;
+};
+
+}  // namespace mbgate::app

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether the line of a bus is there, and when it is opened again.
+//
+// A line that could not be opened, or died, is opened again after a delay that doubles up to a
+// limit. A connection that its server has closed in good order rests: servers close what is idle,
+// and some close after each answer. It is opened again as soon as somebody asks, without a delay.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "bus/instant.hpp"
+#include "bus/settings.hpp"
+
+namespace mbgate::bus {
+
+/// How a line went.
+enum class Loss : std::uint8_t {
+  failed,  ///< it could not be opened, or it died
+  closed   ///< the far end of a connection has closed it
+};
+
+class LinkState {
+ public:
+  explicit LinkState(Duration reopen_min) : delay_(reopen_min) {}
+
+  [[nodiscard]] bool is_open() const { return state_ == State::open; }
+  /// There is none, and nobody knows when: nothing may wait for it.
+  [[nodiscard]] bool is_closed() const { return state_ == State::closed; }
+  /// It is opened when somebody asks, and not before.
+  [[nodiscard]] bool is_resting() const { return state_ == State::resting; }
+  /// As far as anybody knows it serves: it is open, or rests, or is just being opened after that.
+  [[nodiscard]] bool serves() const { return is_open() || is_resting() || state_ == State::waking; }
+  /// After restart(), until something becomes of it.
+  [[nodiscard]] bool is_reopening() const { return state_ == State::reopening; }
+
+  /// For the last time.
+  [[nodiscard]] Instant opened_at() const { return opened_at_; }
+
+  void note_opened(Instant now);
+  /// Schedules the next attempt.
+  void note_lost(const BusSettings& settings, Instant now);
+  /// `answered`: the far end is in good order.
+  void rest(const BusSettings& settings, bool answered);
+  /// An adapter hangs: it is being closed and opened again.
+  void restart() { state_ = State::reopening; }
+  /// After rest(): an attempt to open it runs.
+  void wake() { state_ = State::waking; }
+  /// No further attempts.
+  void stop() { reopen_at_.reset(); }
+  /// An attempt is due; true once for each.
+  bool take_due(Instant now);
+  [[nodiscard]] std::optional<Instant> next_attempt() const { return reopen_at_; }
+
+ private:
+  enum class State : std::uint8_t {
+    starting,  ///< the first attempt to open it runs
+    closed,    ///< the next attempt is scheduled or runs
+    open,
+    reopening,  ///< it hung, and an attempt to open it runs
+    resting,
+    waking  ///< it rested, and an attempt to open it runs
+  };
+
+  State state_ = State::starting;
+  Instant opened_at_;
+  std::optional<Instant> reopen_at_;
+  Duration delay_;
+};
+
+}  // namespace mbgate::bus

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bytes that came from a line and are not told apart yet, each with the instant at which it came:
+// a frame among them begins when its own first byte came.
+#pragma once
+
+#include <boost/container/static_vector.hpp>
+#include <cstddef>
+#include <cstdint>
+
+#include "bus/instant.hpp"
+#include "modbus/bytes.hpp"
+
+namespace mbgate::bus {
+
+/// A whole frame and what may stand before or behind it in the same piece.
+inline constexpr std::size_t kMostBuffered = 1024;
+
+class ReceivedBytes {
+ public:
+  /// False, and nothing is taken, if there is no room for all of them.
+  [[nodiscard]] bool add(modbus::Bytes bytes, Instant now) {
+    if (bytes_.size() + bytes.size() > bytes_.capacity()) {
+      return false;
+    }
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    came_.resize(bytes_.size(), now);
+    return true;
+  }
+  /// The first `count` of them, which it has.
+  void drop(std::size_t count) {
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(count));
+    came_.erase(came_.begin(), came_.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  void clear() {
+    bytes_.clear();
+    came_.clear();
+  }
+  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+  [[nodiscard]] modbus::Bytes bytes() const { return {bytes_.data(), bytes_.size()}; }
+  [[nodiscard]] Instant came_at(std::size_t at) const { return came_[at]; }
+
+ private:
+  boost::container::static_vector<std::uint8_t, kMostBuffered> bytes_;
+  boost::container::static_vector<Instant, kMostBuffered> came_;
+};
+
+}  // namespace mbgate::bus

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// A client's socket: what it has written and the process has not read yet, and what it gets.
+#include <algorithm>
+#include <utility>
+
+#include "gateway/limits.hpp"
+#include "soak/client.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+void Client::push(std::size_t bytes) {
+  socket_.insert(socket_.end(), unwritten_.begin(),
+                 unwritten_.begin() + static_cast<std::ptrdiff_t>(bytes));
+  unwritten_.erase(unwritten_.begin(), unwritten_.begin() + static_cast<std::ptrdiff_t>(bytes));
+  become_ready();
+}
+
+void Client::become_ready() {
+  if (paused_ || std::exchange(is_ready_, true)) {
+    return;
+  }
+  tools_.driver.client_ready([this, life = life_] {
+    if (life == life_ && connected_) {
+      is_ready_ = false;
+      feed();
+    }
+  });
+}
+
+// The gateway reads as long as it likes to.
+void Client::feed() {
+  while (connected_ && !paused_ && !socket_.empty()) {
+    read_some();
+  }
+  if (connected_ && !paused_ && socket_.empty()) {
+    tools_.oracle.paused(number_, false);
+  }
+  if (connected_ && !paused_ && half_closed_ && !fin_read_ && socket_.empty()) {
+    fin_read_ = true;
+    tools_.oracle.half_closed(number_);
+    tools_.gateway.handle_client_half_closed(number_, tools_.schedule.now());
+    tools_.drain();
+  }
+}
+
+void Client::read_some() {
+  const std::size_t size = std::min(socket_.size(), gateway::kClientReadSize);
+  const std::vector<std::uint8_t> piece(socket_.begin(),
+                                        socket_.begin() + static_cast<std::ptrdiff_t>(size));
+  socket_.erase(socket_.begin(), socket_.begin() + static_cast<std::ptrdiff_t>(size));
+  read_ += size;
+  for (Mark& mark : marks_) {
+    if (mark.begin >= read_) {
+      break;
+    }
+    if (!std::exchange(mark.has_begun, true)) {
+      tools_.oracle.begun(mark.id);
+    }
+  }
+  while (!marks_.empty() && marks_.front().end <= read_) {
+    tools_.oracle.delivered(number_, marks_.front().id);
+    marks_.pop_front();
+  }
+  tools_.gateway.handle_client_bytes(number_, piece, tools_.schedule.now(), socket_.size());
+  tools_.drain();
+}
+
+void Client::resume() {
+  paused_ = false;
+  tools_.driver.soon([this, life = life_] {
+    if (life != life_ || !connected_ || paused_) {
+      return;
+    }
+    if (socket_.empty()) {
+      tools_.gateway.handle_client_bytes(number_, {}, tools_.schedule.now(), 0);
+      tools_.drain();
+    }
+    feed();
+  });
+}
+
+void Client::take(Bytes adu) {
+  tools_.oracle.answered(number_, adu);
+  ++unconfirmed_;
+  if (!stalled_) {
+    tools_.driver.soon([this, life = life_] {
+      if (life == life_ && connected_ && !stalled_) {
+        confirm();
+      }
+    });
+  }
+}
+
+void Client::confirm() {
+  if (unconfirmed_ == 0) {
+    return;
+  }
+  --unconfirmed_;
+  tools_.oracle.answer_sent(number_);
+  tools_.gateway.handle_client_sent(number_, tools_.schedule.now());
+  tools_.drain();
+}
+
+}  // namespace mbgate::soak

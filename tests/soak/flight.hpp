@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What went over a wire, as the oracle keeps it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "drive/device.hpp"
+#include "soak/asked.hpp"
+
+namespace mbgate::soak {
+
+/// A transmission of the gateway.
+struct Flight {
+  std::uint64_t number = 0;
+  std::size_t bus = 0;
+  std::uint8_t address = 0;
+  std::uint16_t identifier = 0;  ///< on TCP buses
+  PduBytes pdu;
+  std::vector<std::uint64_t> asked;  ///< requests that it may be for
+  bool is_stop = false;
+  bool is_write = false;
+  bool is_broadcast = false;
+  bool repeats_read = false;
+  bool is_part = false;  ///< of several transactions that stay together
+  bool expects_answer = true;
+  /// A frame may have been taken for its answer that cannot be told from it.
+  bool is_uncertain = false;
+  Instant begin;
+  Instant end;
+  Instant deadline;            ///< the first byte of its answer must be there
+  Instant due;                 ///< the same if no stop cuts it
+  Instant quarantine_until;    ///< a later answer is still kept from others
+  drive::DeviceTiming timing;  ///< of its device when it was sent
+};
+
+/// A good frame that ends in a piece of bytes.
+struct HeardFrame {
+  std::uint8_t address = 0;
+  bool fits = true;          ///< it answers what was asked
+  bool is_nobodys = false;   ///< nobody here asked for it, or it was said before
+  std::uint64_t flight = 0;  ///< that it answers
+  Instant began;             ///< when its first byte reached the kernel
+};
+
+}  // namespace mbgate::soak

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the oracle asks of connections to Modbus TCP servers that are closed or swallow everything.
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr Duration kSilence = 30s;
+constexpr Duration kLatest = 2s;  // that the process may be
+
+}  // namespace
+
+void Oracle::tcp_closed(std::size_t bus) {
+  Book& book = books_[bus];
+  note_cut(book);
+  for (const std::uint64_t number : book.flying) {
+    const Flight* cut = flight(number);
+    if (cut == nullptr || schedule_.now() >= cut->deadline) {
+      continue;
+    }
+    for (const std::uint64_t id : cut->asked) {
+      if (const auto entry = open_.find(id); entry != open_.end()) {
+        entry->second->cut = schedule_.now();
+      }
+    }
+  }
+  rest(book);
+}
+
+void Oracle::tcp_replaced(std::size_t bus) {
+  Book& book = books_[bus];
+  const unsigned most = bus_settings(bus).replace_after;
+  if (!is_tcp(bus) || most == 0 || book.in_vain.size() < most ||
+      schedule_.now() < book.last_byte + kSilence) {
+    violation("tcp_replaced", bus_settings(bus).name);
+  }
+  ++book.count.losses;
+  note_cut(book);
+  rest(book);
+}
+
+void Oracle::rest(Book& book) {
+  book.open = false;
+  book.starting = book.rests = true;
+  book.flying.clear();
+  book.unheard.clear();
+  book.in_vain.clear();
+  book.early_stops.insert(book.early_stops.end(), book.stops.begin(), book.stops.end());
+  book.stops.clear();
+}
+
+// Who asks is not kept waiting, neither while a connection rests nor by one that swallows
+// everything.
+void Oracle::check_rest(std::size_t bus) {
+  Book& book = books_[bus];
+  if (book.rests && !book.opening && (book.waiting > 0 || !book.early_stops.empty())) {
+    violation("tcp_not_opened", bus_settings(bus).name);
+  }
+  const unsigned most = bus_settings(bus).replace_after;
+  if (most == 0 || book.in_vain.size() < most || !book.open) {
+    return;
+  }
+  const Flight* first = flight(book.in_vain.front());
+  const Flight* last = flight(book.in_vain[most - 1]);
+  if (first != nullptr && last != nullptr &&
+      schedule_.now() > std::max(first->begin + kSilence, last->due) + kLatest) {
+    violation("tcp_not_replaced", bus_settings(bus).name);
+    book.in_vain.clear();
+  }
+}
+
+// A read that nothing but the close has cut is asked once more.
+void Oracle::judge_cut(const Asked& asked) {
+  const auto& book = books_[asked.pieces.front().bus];
+  if (asked.is_read() && asked.cut && asked.flights == 1 && book.last_down < *asked.cut &&
+      schedule_.now() < asked.deadline - (asked.written - asked.earliest) &&
+      !may_be_offline(asked) && !asked.pieces.front().taken_back) {
+    violation("tcp_cut_read_failed", name(asked));
+  }
+}
+
+}  // namespace mbgate::soak

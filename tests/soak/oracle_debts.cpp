@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// What devices owe, what a frame that came says of it, and where nobody can tell.
+#include <algorithm>
+
+#include "bus/device_health.hpp"
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+namespace {
+
+constexpr int kAnswerTimes = 4;  // after so many answer times an owed answer was not just late
+
+/// Does an answer to the one look like one to the other? Writes repeat their address and value,
+/// reads say how much they bring.
+bool may_be_confused(const PduBytes& a, const PduBytes& b) {
+  const auto same = [&](std::size_t from, std::size_t to) {
+    return a.size() >= to && b.size() >= to &&
+           std::equal(a.begin() + static_cast<std::ptrdiff_t>(from),
+                      a.begin() + static_cast<std::ptrdiff_t>(to),
+                      b.begin() + static_cast<std::ptrdiff_t>(from));
+  };
+  if (a.front() != b.front()) {
+    return false;
+  }
+  switch (a.front()) {
+    case 0x01:
+    case 0x02:
+    case 0x03:
+    case 0x04:
+    case 0x17: return same(3, 5);  // the quantity to read
+    case 0x05:
+    case 0x06:
+    case 0x0F:
+    case 0x10: return same(1, 5);
+    case 0x16: return same(1, 7);
+    default: return true;
+  }
+}
+
+}  // namespace
+
+void Oracle::check_quarantine(const Flight& flight) {
+  Lane& lane = books_[flight.bus].lanes[flight.address];
+  // Each function has an end of its own: that of its last request.
+  const auto holds = [&](std::uint64_t number, std::uint8_t function) {
+    const Flight* owed = this->flight(number);
+    return owed != nullptr && owed->pdu.front() == function &&
+           schedule_.now() < owed->quarantine_until;
+  };
+  std::erase_if(lane.owed, [&, before = lane.owed](std::uint64_t number) {
+    const Flight* owed = this->flight(number);
+    return owed == nullptr || std::ranges::none_of(before, [&](std::uint64_t other) {
+             return holds(other, owed->pdu.front());
+           });
+  });
+  const auto blocks = [&](std::uint64_t number) {
+    const Flight* owed = this->flight(number);
+    return owed != nullptr && schedule_.now() < owed->quarantine_until &&
+           (owed->pdu.front() == flight.pdu.front() || !has_answered_since(lane, flight));
+  };
+  const auto blocking = std::ranges::find_if(lane.owed, blocks);
+  if (blocking != lane.owed.end() && !flight.is_stop && !flight.repeats_read) {
+    const Flight& owed = *this->flight(*blocking);
+    const auto us = [&](Instant at) {
+      return std::to_string((at - schedule_.now()) / std::chrono::microseconds(1)) + " us";
+    };
+    violation("quarantine", name(flight) + " while " + name(owed) + " is owed, sent " +
+                                us(owed.begin) + ", due " + us(owed.deadline) + ", until " +
+                                us(owed.quarantine_until));
+  }
+  if (flight.expects_answer) {
+    lane.answered_at.reset();
+    lane.owed.push_back(flight.number);
+    if (lane.owed.size() > bus::kMostOwed) {
+      lane.owed.pop_front();
+    }
+  }
+}
+
+// Then an answer that names another function can be taken for none that is owed. It is owed for
+// long enough not to be on the wire any more. Of the device's recent answer times only the last is
+// surely one.
+bool Oracle::has_answered_since(const Lane& lane, const Flight& flight) {
+  return lane.answered_at &&
+         flight.begin >=
+             *lane.answered_at + std::max<Duration>(kAdapterHolds, kAnswerTimes * lane.took);
+}
+
+// Nobody can tell which of several requests it answers: the quarantine counts from the last. One
+// that does not fit what was asked ends no wait and settles no debt.
+void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
+  note_uncertain(bus, frame);
+  const Flight* from = flight(frame.flight);
+  if (frame.flight == 0 || from == nullptr) {
+    return;
+  }
+  const Flight& asked = *from;
+  Book& book = books_[bus];
+  Lane& lane = book.lanes[frame.address];
+  const auto settle = [&](const auto& may_be) {
+    const auto settled = std::ranges::find_if(lane.owed, [&](std::uint64_t number) {
+      const Flight* it = flight(number);
+      return it == nullptr || may_be(*it);
+    });
+    const bool is_one = settled != lane.owed.end();
+    if (is_one) {
+      // What is owed no more, as a second copy or later than the quarantine, settles what may still
+      // be answered.
+      const bool is_owed = std::ranges::find(lane.owed, asked.number) != lane.owed.end();
+      if (Flight* it = flight(*settled); it != nullptr && (frame.is_nobodys || !is_owed)) {
+        it->is_uncertain = true;
+      }
+      lane.owed.erase(settled);
+    }
+    return is_one;
+  };
+  if (!frame.fits) {
+    // With another length it may be the answer to another request.
+    settle([&](const Flight& it) {
+      return it.number != asked.number && it.pdu.front() == asked.pdu.front();
+    });
+    return;
+  }
+  if (!lane.owed.empty() && flight(lane.owed.front()) != nullptr) {
+    book.answered = book.last_flight;
+  }
+  if (!lane.answered_at) {
+    lane.answered_at = schedule_.now();
+    // Its time is one of the device's answer times if nothing ended the wait for it before.
+    const bool is_in_time = book.last_flight == asked.number && frame.began < asked.deadline &&
+                            book.open_stops.empty() && !frame.is_nobodys;
+    lane.took = is_in_time ? std::max(frame.began - asked.end, Duration{0}) : Duration{0};
+  }
+  // It settles the oldest that it may be the answer to; those of another function stay owed.
+  if (!settle([&](const Flight& it) { return may_be_confused(it.pdu, asked.pdu); })) {
+    settle([&](const Flight& it) { return it.pdu.front() == asked.pdu.front(); });
+  }
+}
+
+// A frame that begins after a later request was rightly transmitted may be taken for the answer to
+// that: a second copy, or what a stranger asked for, if an adapter kept it, and what comes later
+// than the quarantine in force. So may the true answer to such a request afterwards.
+void Oracle::note_uncertain(std::size_t bus, const HeardFrame& frame) {
+  Book& book = books_[bus];
+  Flight* last = flight(book.last_flight);
+  const bool is_its_own = last != nullptr && last->number == frame.flight && !frame.is_nobodys;
+  if (last == nullptr || last->address != frame.address || is_its_own ||
+      frame.began < last->begin) {
+    return;
+  }
+  const Flight* from = flight(frame.flight);
+  const bool is_held = frame.is_nobodys || from == nullptr || from->is_uncertain;
+  if (!is_held && last->begin < from->quarantine_until) {
+    return;
+  }
+  last->is_uncertain = true;
+  Lane& lane = book.lanes[frame.address];
+  lane.uncertain_at = schedule_.now();
+  for (const std::uint64_t id : last->asked) {
+    if (const auto entry = open_.find(id); entry != open_.end()) {
+      entry->second->uncertain = is_held ? "behind_adapter" : "beyond_quarantine";
+    }
+  }
+  if (frame.flight == 0 && std::erase(lane.owed, last->number) > 0) {
+    book.answered = last->number;
+  }
+}
+
+bool Oracle::owes(std::size_t bus, std::uint8_t address) {
+  const Book& book = books_[bus];
+  const Flight* last = flight(book.last_flight);
+  return !book.lanes[address].owed.empty() ||
+         (last != nullptr && last->address == address && book.answered != last->number &&
+          schedule_.now() < last->deadline);
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the oracle asks of stops: before all else, soon, and even on a line that is never silent;
+// and whose turn it may be while something is repeated.
+#include <algorithm>
+#include <map>
+
+#include "modbus/rtu.hpp"
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Of such an answer, once damaged, any number of bytes may seem to be missing.
+bool is_of_unknown_length(const PduBytes& pdu) {
+  return !pdu.empty() && (pdu[0] == 0x11 || pdu[0] == 0x2B || pdu[0] == kOwnFunction);
+}
+
+}  // namespace
+
+// With `stop_cancels = false` the writes that were accepted before it go first.
+bool Oracle::lets_writes_go(const Asked& stop) const {
+  return !stop.stops_all && !devices_[*stop.door->device].settings().stop_cancels;
+}
+
+// Between two stops to a silent device one transaction of another goes. Whether its answer could be
+// read is not asked here.
+void Oracle::check_stops_first(const Flight& flight) {
+  if (flight.is_stop || is_tcp(flight.bus)) {
+    return;
+  }
+  const Book& book = books_[flight.bus];
+  for (const Asked* stop : book.stops) {
+    const std::uint8_t address = stop->pieces.front().address;
+    const bool gives_way = !stop->stops_all && address != flight.address &&
+                           book.lanes[address].stop_sent > book.last_other;
+    if (stop->accepted < schedule_.now() && !lets_writes_go(*stop) && is_surely_open(*stop) &&
+        !gives_way) {
+      violation("stop_overtaken", name(*stop) + " by " + name(flight));
+      return;
+    }
+  }
+}
+
+void Oracle::note_stops(const Flight& flight) {
+  Book& book = books_[flight.bus];
+  if (!flight.is_stop) {
+    book.last_other = flight.number;
+  } else if (flight.expects_answer) {
+    book.lanes[flight.address].stop_sent = flight.number;
+  }
+}
+
+// Between two tries of a read each other device has one turn at most; several parts that stay
+// together are one. A broadcast may make its device boot.
+void Oracle::check_turns(const Asked& read, const Flight& flight) {
+  std::map<std::uint8_t, unsigned> turns;
+  for (std::uint64_t number = read.last_alone + 1; number < flight.number; ++number) {
+    const Flight* other = this->flight(number);
+    if (other == nullptr || (other->bus == flight.bus && other->is_broadcast)) {
+      return;
+    }
+    if (other->bus == flight.bus && !other->is_stop && !other->is_part &&
+        ++turns[other->address] > 1) {
+      violation("turns", name(*other) + " between two tries of " + name(flight));
+      return;
+    }
+  }
+}
+
+Duration Oracle::stop_deadline(std::size_t bus) const {
+  const auto& settings = bus_settings(bus);
+  constexpr std::size_t kAsciiFrame = 513;
+  const Duration frame =
+      modbus::RtuTiming(settings.line.baud, settings.line.format)
+          .duration_of(settings.line.framing == bus::Framing::ascii ? kAsciiFrame
+                                                                    : modbus::kMaxRtuSize);
+  return settings.stop_deadline.value_or(
+      std::max<Duration>(2s, settings.stop_wait + frame + frame / 10));
+}
+
+// A stop that found no silence for so long is sent all the same, once.
+bool Oracle::may_break_silence(const Flight& flight) {
+  return std::ranges::any_of(flight.asked, [&](std::uint64_t id) {
+    const auto entry = open_.find(id);
+    if (entry == open_.end() || !entry->second->waits_from) {
+      return false;
+    }
+    const Asked& stop = *entry->second;
+    const Instant since = std::max(*stop.waits_from, books_[flight.bus].busy_since);
+    return stop.pieces.front().sent == 1 && flight.begin >= since + stop_deadline(flight.bus);
+  });
+}
+
+// A stop that waits goes when what runs has ended, or was cut at `stop_wait`; at its deadline in
+// any case.
+void Oracle::check_stops_waiting(std::size_t bus) {
+  const Book& book = books_[bus];
+  if (book.stops.empty() || is_tcp(bus)) {
+    return;
+  }
+  const Instant now = schedule_.now();
+  const auto& settings = bus_settings(bus);
+  const modbus::RtuTiming timing(settings.line.baud, settings.line.format);
+  const Duration silence = settings.frame_gap.value_or(timing.t3_5());
+  // What may hold a stop back: an own frame, a response that has begun, the turnaround delay.
+  const Flight* last = flight(book.last_flight);
+  const bool endless = last != nullptr && is_of_unknown_length(last->pdu);
+  const Duration rest = settings.line.framing == bus::Framing::ascii
+                            ? 1s
+                            : settings.frame_slack_or_default() +
+                                  (endless ? timing.duration_of(modbus::kMaxRtuSize) : Duration{0});
+  const Instant held = std::max({book.own_end, book.turnaround_end, book.held_until});
+  for (Asked* stop : book.stops) {
+    const Lane& lane = book.lanes[stop->pieces.front().address];
+    // To a device that was given up: nothing that runs is cut.
+    const bool is_patient =
+        !stop->stops_all && lane.stop_sent != 0 && is_past_offline(bus, lane) && last != nullptr;
+    const Instant from =
+        std::max({held, *stop->waits_from, is_patient ? last->due + rest : Instant::min()});
+    const Instant limit =
+        std::max(from, book.last_handed_in + rest) + settings.stop_wait + silence + 1us;
+    const Instant deadline = std::max(from, book.busy_since) + stop_deadline(bus) +
+                             settings.stop_wait + rest + timing.duration_of(modbus::kMaxRtuSize);
+    const bool is_overdue = now > deadline && now <= book.last_handed_in + silence;
+    if ((now > limit || is_overdue) && !stop->overdue_reported && !lets_writes_go(*stop) &&
+        is_surely_open(*stop)) {
+      stop->overdue_reported = true;
+      violation(is_overdue ? "stop_deadline" : "stop_late", name(*stop));
+    }
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// Between the wires and the gateway: what is transmitted and heard, and lines that come and go.
+#include "soak/world.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+void World::transmit(std::size_t bus, Bytes frame) {
+  const Flight& flight = oracle_.transmitted(bus, frame);
+  if (!buses_[bus].open) {
+    return;  // the process does not know it yet
+  }
+  if (auto* serial = std::get_if<SerialWire>(&wires_[bus])) {
+    serial->transmit(flight, frame);
+  } else {
+    std::get<FarServer>(wires_[bus]).transmit(flight);
+  }
+}
+
+void World::deliver(std::size_t bus, const std::vector<std::uint8_t>& bytes) {
+  if (buses_[bus].open) {
+    driver_.line_bytes(bus, bytes);
+  }
+}
+
+void World::hand_in(std::size_t bus, Bytes bytes) {
+  if (trace_) {
+    trace(plan_.settings.buses[bus].name + " < " + Oracle::hex(bytes));
+  }
+  oracle_.bytes_handed_in(bus);
+  gateway_.handle_bus_bytes(id_of(bus), bytes, schedule_.now());
+  drain();
+}
+
+void World::open(std::size_t bus) {
+  oracle_.bus_opening(bus);
+  schedule_.after(random_.duration(10us, 5ms), [this, bus, epoch = buses_[bus].epoch] {
+    BusState& state = buses_[bus];
+    if (epoch != state.epoch) {
+      return;  // nobody wants that line any more
+    }
+    const bool refused = schedule_.now() < state.away_until;
+    if (refused) {
+      report_.fault("open_refused");
+    } else {
+      state.open = true;
+      state.end = End::lost;
+      std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+      if (auto* server = std::get_if<FarServer>(&wires_[bus])) {
+        server->begin_connection();
+      }
+    }
+    driver_.post([this, bus, epoch, refused] {
+      if (epoch == buses_[bus].epoch) {
+        opened(bus, refused);
+      }
+    });
+  });
+}
+
+void World::opened(std::size_t bus, bool refused) {
+  if (refused) {
+    oracle_.bus_lost(bus);
+    gateway_.handle_bus_lost(id_of(bus), schedule_.now());
+  } else {
+    oracle_.bus_opened(bus);
+    gateway_.handle_bus_opened(id_of(bus), schedule_.now());
+    driver_.watch_line(bus);
+  }
+  drain();
+}
+
+// Because of a reload, or because nothing comes from a connection.
+void World::shut(std::size_t bus) {
+  if (shut_due_.erase(bus) == 0) {
+    report_.fault("replaced");
+    buses_[bus].open = false;
+    std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+    driver_.forget_line(bus);
+    oracle_.tcp_replaced(bus);
+  }
+}
+
+void World::hang_up(std::size_t bus, bool answered) {
+  BusState& state = buses_[bus];
+  if (state.open) {
+    state.open = false;
+    state.end = answered ? End::closed_after_answers : End::closed;
+    std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+    driver_.line_lost(bus);
+  }
+}
+
+// The process has noticed it.
+void World::lost(std::size_t bus) {
+  const End end = std::exchange(buses_[bus].end, End::lost);
+  end == End::closed_after_answers ? oracle_.tcp_closed(bus) : oracle_.bus_lost(bus);
+  gateway_.handle_bus_lost(id_of(bus), schedule_.now(),
+                           end == End::lost ? bus::Loss::failed : bus::Loss::closed);
+  drain();
+}
+
+void World::begin_losses(std::size_t bus) {
+  const Duration every = plan_.rates[bus].lost_every;
+  if (every == Duration{0}) {
+    return;
+  }
+  schedule_.after(random_.duration(every / 4, 2 * every), [this, bus] {
+    if (trouble_) {
+      lose(bus);
+      begin_losses(bus);
+    }
+  });
+}
+
+void World::lose(std::size_t bus) {
+  BusState& state = buses_[bus];
+  if (!state.open) {
+    return;
+  }
+  report_.fault("line_lost");
+  state.open = false;
+  state.away_until = schedule_.now() + random_.duration(0ms, 1s);
+  std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+  driver_.line_lost(bus);
+}
+
+}  // namespace mbgate::soak

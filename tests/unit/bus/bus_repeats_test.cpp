@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// While a read of one device waits for its next try, the others go on.
+#include "bus_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+constexpr auto kWrite = "06 0000 0001";
+
+class BusRepeats : public Bus {
+ protected:
+  void open_retrying(unsigned retries = 1) {
+    auto retrying = settings();
+    retrying.timing.retries = retries;
+    open(retrying);
+  }
+  /// The devices that requests go to within `limit`; 1 and 8 are silent, others refuse after 10 ms.
+  std::vector<int> served(Duration limit) {
+    std::vector<int> devices;
+    const Instant end = now_ + limit;
+    while (now_ < end) {
+      const std::size_t before = frames_.size();
+      advance(1ms);
+      if (frames_.size() > before) {
+        devices.push_back(answer());
+      }
+    }
+    return devices;
+  }
+  int answer() {
+    const auto request = unhex(frames_.back());
+    if (request[0] != 1 && request[0] != 8 && request[0] != 0) {
+      advance(9ms);
+      const std::vector<std::uint8_t> pdu{static_cast<std::uint8_t>(request[1] | 0x80U), 2};
+      const auto frame = modbus::encode_rtu(request[0], *modbus::Pdu::from(pdu));
+      bus_->handle_bytes({frame.data(), frame.size()}, now_);
+      drain();
+    }
+    return request[0];
+  }
+};
+
+TEST_F(BusRepeats, AWriteToAnotherDeviceDoesNotWaitForTheRepetitionOfARead) {
+  auto usual = settings();
+  usual.timing = {};
+  open(usual);
+  submit(job_of(1, kRead));
+  advance(100ms);
+  bus::Job& write = job_of(2, kWrite, 2);
+  submit(write);
+  advance(1s);
+  ASSERT_THAT(frames_, SizeIs(2));
+  EXPECT_EQ(frames_[1], "02 06 00 00 00 01 48 39");
+  EXPECT_LT(frame_times_[1] - frame_times_[0], 1010ms);
+  advance(10ms);
+  line("02 06 00 00 00 01 48 39");
+  advance(5ms);
+  ASSERT_THAT(frames_, SizeIs(3));
+  EXPECT_EQ(frames_[2], frames_[0]);
+}
+
+TEST_F(BusRepeats, WithNobodyElseWaitingAReadIsRepeatedAtOnce) {
+  open_retrying();
+  submit(job(kRead));
+  advance(kEmission + 100ms + kT35);
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
+TEST_F(BusRepeats, EachOtherDeviceHasOneTurnBetweenTwoTries) {
+  open_retrying();
+  submit(job_of(0, kRead, 1));
+  for (int times = 0; times < 3; ++times) {
+    submit(job_of(1, kRead, 2));
+    submit(job_of(2, kRead, 3));
+  }
+  EXPECT_EQ(answer(), 1);
+  EXPECT_THAT(served(500ms), ElementsAre(2, 3, 1, 2, 3, 2, 3));
+}
+
+TEST_F(BusRepeats, TwoSilentDevicesTakeTurns) {
+  open_retrying();
+  for (int times = 0; times < 2; ++times) {
+    submit(job_of(0, kRead, 1));
+    submit(job_of(1, kRead, 8));
+  }
+  submit(job_of(2, kRead, 2));
+  submit(job_of(2, kRead, 2));
+  EXPECT_EQ(answer(), 1);
+  EXPECT_THAT(served(400ms), ElementsAre(8, 2, 1, 8));
+}
+
+TEST_F(BusRepeats, WritesGoBeforeReadsBetweenTwoTries) {
+  open_retrying();
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, kRead, 2));
+  submit(job_of(2, kWrite, 3));
+  EXPECT_EQ(answer(), 1);
+  EXPECT_THAT(served(300ms), ElementsAre(3, 2, 1));
+}
+
+TEST_F(BusRepeats, TheTransactionsOfOneRequestStayTogether) {
+  open_retrying();
+  bus::Job& parts = job_of(0, kRead, 1);
+  add(parts, "03 0010 0001", 1);
+  submit(parts);
+  submit(job_of(1, kWrite, 2));
+  EXPECT_EQ(answer(), 1);
+  EXPECT_THAT(served(300ms), ElementsAre(1, 2));
+}
+
+TEST_F(BusRepeats, NothingOfTheSameDeviceOvertakesTheRead) {
+  open_retrying();
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, kWrite, 1));
+  EXPECT_EQ(answer(), 1);
+  advance(110ms);
+  EXPECT_EQ(frames_.back(), frames_.front());
+}
+
+TEST_F(BusRepeats, ABroadcastOfAnotherClientMayGoBetweenTwoTriesItsOwnMayNot) {
+  for (const std::uint32_t source : {0U, 1U}) {
+    open_retrying();
+    frames_.clear();
+    submit(job_of(0, kRead, 1));
+    submit(job_of(source, kWrite, 0));
+    EXPECT_EQ(answer(), 1);
+    EXPECT_THAT(served(400ms), source == 0 ? ElementsAre(1, 0) : ElementsAre(0, 1));
+  }
+}
+
+TEST_F(BusRepeats, ADeadlineThatPassesMeanwhileEndsTheRead) {
+  open_retrying();
+  bus::Job& read = job_of(0, kRead, 1);
+  read.deadline = now_ + 150ms;
+  submit(read);
+  submit(job_of(1, kRead, 8));
+  EXPECT_EQ(answer(), 1);
+  advance(300ms);
+  ASSERT_GE(endings_.size(), 1U);
+  EXPECT_EQ(endings_[0], Ending::expired);
+  EXPECT_EQ(ended_at_[0], read.deadline);
+  EXPECT_EQ(std::ranges::count(frames_, frames_[0]), 1);
+}
+
+TEST_F(BusRepeats, AfterStopNothingIsRepeated) {
+  open_retrying();
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, kRead, 8));
+  advance(110ms);
+  bus_->stop(now_);
+  drain();
+  advance(1s);
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bytes before an answer that are no part of it.
+#include <gtest/gtest.h>
+
+#include "bus/rtu_framer.hpp"
+#include "modbus/crc16.hpp"
+#include "support/hex.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using namespace std::chrono_literals;
+using bus::Duration;
+using bus::Instant;
+using bus::Verdict;
+
+constexpr auto kRead = "03 001E 0002";
+const std::string kAnswer = "01 03 04 00 03 0D 40 0F 53";
+
+/// With its CRC.
+std::string frame(std::string_view bytes) {
+  auto whole = unhex(bytes);
+  const auto crc = modbus::crc16(whole);
+  whole.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+  whole.push_back(static_cast<std::uint8_t>(crc >> 8U));
+  return hex(whole);
+}
+
+// 19200 8E1: 573 us a character, t3.5 = 2.005 ms.
+class RtuNoise : public testing::Test {
+ protected:
+  void expect(std::string_view request, std::uint8_t address = 1) {
+    const auto pdu = modbus::Pdu::from(unhex(request));
+    transaction_.emplace(bus::Transaction{address, *modbus::Request::parse(*pdu)});
+    framer_.expect(*transaction_);
+  }
+  Verdict add(std::string_view bytes) { return framer_.add(unhex(bytes), now_); }
+  /// One byte at a time, as fast as the line carries them.
+  Verdict trickle(std::string_view bytes) {
+    Verdict verdict = Verdict::none;
+    for (const std::uint8_t byte : unhex(bytes)) {
+      EXPECT_EQ(verdict, Verdict::none);
+      now_ += 573us;
+      verdict = framer_.add({&byte, 1}, now_);
+    }
+    return verdict;
+  }
+  Verdict after(Duration duration) {
+    now_ += duration;
+    return framer_.handle_deadline(now_);
+  }
+  std::string response() { return hex(framer_.response().bytes()); }
+
+  Instant now_{10s};
+  bus::BusCounters counters_;
+  std::optional<bus::Transaction> transaction_;
+  bus::RtuFramer framer_{modbus::RtuTiming(modbus::Baud{19200}, {}), 20ms, counters_};
+};
+
+TEST_F(RtuNoise, OfAnyValueIsSkipped) {
+  std::size_t skipped = 0;
+  for (const auto* noise : {"00", "FF", "FE", "F8", "C0", "80", "7F", "01", "03", "01 03", "FE 7F",
+                            "F8 01", "C0 10", "80 03 FF", "00 FF 00 FE F8 C0 80 7F"}) {
+    expect(kRead);
+    const Verdict verdict = add(noise + (" " + kAnswer));
+    EXPECT_EQ(verdict == Verdict::none ? after(20ms) : verdict, Verdict::response) << noise;
+    EXPECT_EQ(framer_.noise(), unhex(noise).size());
+    skipped += framer_.noise();
+    EXPECT_EQ(response(), "03 04 00 03 0D 40");
+  }
+  EXPECT_EQ(counters_.noise_bytes, skipped);
+  EXPECT_EQ(counters_.stray_bytes, 0U);
+}
+
+TEST_F(RtuNoise, IsSkippedByteByByteToo) {
+  for (const auto* noise : {"FE", "F8", "C0", "80", "7F", "80 C0 7F FE F8 00 FF 80"}) {
+    expect(kRead);
+    EXPECT_EQ(trickle(noise + (" " + kAnswer)), Verdict::response) << noise;
+  }
+}
+
+TEST_F(RtuNoise, OfMoreThanEightBytesIsNotSkipped) {
+  expect(kRead);
+  EXPECT_EQ(add("FE FE FE FE FE FE FE FE " + kAnswer), Verdict::response);
+  expect(kRead);
+  EXPECT_EQ(add("FE FE FE FE FE FE FE FE FE " + kAnswer), Verdict::none);
+  EXPECT_EQ(after(100ms), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+}
+
+TEST_F(RtuNoise, BeforeSilenceDoesNotCount) {
+  expect(kRead);
+  EXPECT_EQ(add("55 55 55 55 55 55 55 01"), Verdict::none);
+  now_ += 3ms;
+  EXPECT_EQ(add("FE FE FE FE FE FE FE " + kAnswer), Verdict::response);
+}
+
+TEST_F(RtuNoise, DoesNotDateTheAnswer) {
+  expect(kRead);
+  EXPECT_EQ(add("01"), Verdict::none);  // a glitch while we transmit, and like our device's address
+  now_ += 50ms;
+  const Instant began = now_;
+  EXPECT_EQ(add("FE 01 03 04 00 03"), Verdict::none);
+  now_ += 3ms;
+  EXPECT_EQ(add("0D 40 0F 53"), Verdict::response);
+  EXPECT_EQ(framer_.response_began(), began);
+}
+
+TEST_F(RtuNoise, BeforeAnExceptionNeedsSilenceBehindIt) {
+  expect(kRead);
+  EXPECT_EQ(add("FE 01 83 02 C0 F1"), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+  EXPECT_EQ(after(19ms), Verdict::none);
+  EXPECT_EQ(after(1ms), Verdict::response);
+  EXPECT_EQ(response(), "83 02");
+  expect(kRead);
+  EXPECT_EQ(add("FE 01 83 02 C0 F1 55"), Verdict::none);
+  EXPECT_EQ(after(20ms), Verdict::none);
+  EXPECT_EQ(counters_.stray_frames, 0U);
+}
+
+TEST_F(RtuNoise, BeforeAnUnknownFunctionIsNotSkipped) {
+  expect("46 01 02");
+  EXPECT_EQ(add("FE " + frame("01 46 AA BB")), Verdict::none);
+  EXPECT_EQ(after(100ms), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+}
+
+TEST_F(RtuNoise, BeforeADamagedAnswerIsToldFromIt) {
+  expect(kRead);
+  EXPECT_EQ(add("FE F8 01 03 04 00 03 0D 41 0F 53"), Verdict::none);
+  EXPECT_EQ(after(20ms), Verdict::damaged);
+  EXPECT_EQ(framer_.noise(), 2U);
+}
+
+TEST_F(RtuNoise, NothingIsTakenOutOfTheFrameOfAnotherUnit) {
+  const std::string outer = frame("05 03 0E " + kAnswer + " 11 22 33 44 55");
+  for (const bool at_once : {true, false}) {
+    expect(kRead);
+    EXPECT_EQ(at_once ? add(outer) : trickle(outer), Verdict::none);
+    EXPECT_EQ(after(100ms), Verdict::none);
+    EXPECT_EQ(framer_.take_stray()->address, 5);
+  }
+  EXPECT_EQ(counters_.stray_frames, 2U);
+}
+
+TEST_F(RtuNoise, WhatMayBeAPartOfAnotherFrameWaitsForSilence) {
+  expect(kRead);
+  EXPECT_EQ(add("05 03 0E " + kAnswer), Verdict::none);
+  EXPECT_EQ(after(19ms), Verdict::none);
+  EXPECT_EQ(after(1ms), Verdict::response);
+}
+
+// Without silence between, it answers what the other client asked.
+TEST_F(RtuNoise, WhatFollowsAnotherClientsRequestIsNoAnswer) {
+  for (const auto* request : {"01 03 001E 0002", "01 10 001E 0002 04 0001 0002", "05 11"}) {
+    expect(kRead);
+    EXPECT_EQ(add(frame(request) + " " + kAnswer), Verdict::none) << request;
+    EXPECT_EQ(after(100ms), Verdict::none);
+    EXPECT_FALSE(framer_.take_stray()->is_response);
+    framer_.listen();
+    EXPECT_TRUE(framer_.take_stray()->is_response);
+  }
+}
+
+TEST_F(RtuNoise, AStrayFrameBehindItMayBeOneByChanceOnly) {
+  framer_.listen();
+  EXPECT_EQ(add("FE F8 " + kAnswer), Verdict::none);
+  const auto after_noise = framer_.take_stray();
+  ASSERT_TRUE(after_noise);
+  EXPECT_TRUE(after_noise->after_noise);
+  now_ += 5ms;
+  EXPECT_EQ(add(kAnswer), Verdict::none);
+  EXPECT_FALSE(framer_.take_stray()->after_noise);
+}
+
+TEST_F(RtuNoise, NeverMakesAnAnswerOfACandidateUnderWay) {
+  expect("03 001E 0009");
+  // Eighteen bytes of data that hold a whole answer's beginning.
+  EXPECT_EQ(trickle(frame("01 03 12 01 03 12 01 03 12 01 03 12 01 03 12 01 03 12 01 03 12")),
+            Verdict::response);
+  EXPECT_EQ(framer_.noise(), 0U);
+}
+
+}  // namespace
+}  // namespace mbgate::test

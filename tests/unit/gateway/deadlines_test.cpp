@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// How long requests wait where no route says so.
+#include <gmock/gmock.h>
+
+#include <tuple>
+
+#include "support/machine_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr auto kDeadlineRead = "0007 0000 0006 01  03 001E 0002";
+constexpr auto kDeadlineWrite = "0008 0000 0006 01  06 007C 00E1";
+constexpr auto kDeadlineWriteFrame = "01 06 00 7C 00 E1 88 5A";
+
+TEST(Deadlines, RepeatsWritesWithAllOtherTimesAsTheyAre) {
+  Settings settings = one_bus();
+  settings.buses[0].timing = {};
+  drive::Device device{"axis", BusId{0}, 1, {}};
+  device.timing.retry_writes = true;
+  settings.devices = {device};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, kDeadlineWrite);
+  rig.advance(10s);
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre(kDeadlineWriteFrame, kDeadlineWriteFrame));
+}
+
+TEST(Deadlines, WritesWaitThreeResponseTimeoutsAndALittleReadsNoLess) {
+  for (const auto& [timeout, write, read] :
+       {std::tuple{1s, 3500ms, 5000ms}, std::tuple{2s, 6500ms, 6500ms}}) {
+    Settings settings = one_bus();
+    settings.buses[0].timing.response_timeout = timeout;
+    MachineRig rig(settings, false);  // the line is not there yet
+    rig.connect(1);
+    rig.receive(1, kDeadlineWrite);
+    rig.connect(2);
+    rig.receive(2, kDeadlineRead);
+    rig.advance(write - 1ms);
+    EXPECT_THAT(rig.take_sent(1), IsEmpty());
+    rig.advance(1ms);
+    EXPECT_THAT(rig.take_sent(1), ElementsAre("00 08 00 00 00 03 01 86 06"));
+    rig.advance(read - write - 1ms);
+    EXPECT_EQ(rig.take_sent(2).size(), read == write ? 1U : 0U);
+    rig.advance(1ms);
+    EXPECT_EQ(rig.take_sent(2).size(), read == write ? 0U : 1U);
+  }
+}
+
+}  // namespace
+}  // namespace mbgate::test
