@@ -29,7 +29,8 @@ std::filesystem::path gateway_config(const TemporaryFolder& folder, const PlantO
     text += "[[listen]]\nname = " + name(bus) + "\nport = 0\nbus = " + name(bus) + "\n" +
             options.listener + "\n";
     text += "[[bus]]\nname = " + name(bus) + "\ndevice = " + name(bus) +
-            "\nparity = \"none\"\nlisten_first = \"0ms\"\nresponse_timeout = \"300ms\"\n";
+            "\nparity = \"none\"\nlisten_first = \"0ms\"\nresponse_timeout = \"" +
+            options.response_timeout + "\"\n";
     text += options.paced ? "baud = " + std::to_string(options.baud) + "\n"
                           : "baud = 4000000\nframe_gap = \"0ms\"\n";
     text += options.bus + "\n";

@@ -23,6 +23,7 @@ struct Flight {
   bool is_broadcast = false;
   bool repeats_read = false;
   bool is_part = false;  ///< of several transactions that stay together
+  bool goes_before_stop = false;  ///< a stop to its device waits that lets it go first
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;

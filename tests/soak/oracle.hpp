@@ -274,7 +274,7 @@ class Oracle {
   // oracle_stops.cpp
   [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
   void check_stops_first(const Flight& flight);
-  void note_stops(const Flight& flight);
+  void note_stops(Flight& flight);
   void check_turns(const Asked& read, const Flight& flight);
   [[nodiscard]] Duration stop_deadline(std::size_t bus) const;
   [[nodiscard]] bool may_break_silence(const Flight& flight);
