@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Single reads that are to be repeated: meanwhile each other device may have a turn.
+// Requests of one transaction that are to be repeated: meanwhile each other device may have a turn.
 #include <algorithm>
 
 #include "bus/bus.hpp"
@@ -7,7 +7,7 @@
 namespace mbgate::bus {
 
 bool Bus::is_between_tries(const Job& job) {
-  return job.tries > 0 && !job.in_flight && job.is_single_read();
+  return job.tries > 0 && !job.in_flight && job.transactions.size() == 1;
 }
 
 bool Bus::is_within(const Bounds& bounds, const Job& job) {
@@ -20,7 +20,7 @@ bool Bus::is_within(const Bounds& bounds, const Job& job) {
   }) == nullptr);
 }
 
-// The read that waits for its next try for longest.
+// The one that waits for its next try for longest.
 Job* Bus::next_repeated(const Bounds& bounds, Instant now) {
   Job* next = nullptr;
   for (Job* job : running_) {
@@ -32,11 +32,12 @@ Job* Bus::next_repeated(const Bounds& bounds, Instant now) {
   return next;
 }
 
-// Between two tries of a read each other device has one turn at most.
+// Between two tries each other device has one turn at most.
 bool Bus::had_its_turn(const Job& job, Instant now) const {
   const std::uint64_t last_turn = devices_[job.transaction().address].last_turn;
-  return std::ranges::any_of(running_, [&](const Job* read) {
-    return is_between_tries(*read) && last_turn > read->turn && !is_held_back(*read, now);
+  return std::ranges::any_of(running_, [&](const Job* repeated) {
+    return is_between_tries(*repeated) && last_turn > repeated->turn &&
+           !is_held_back(*repeated, now);
   });
 }
 

@@ -78,7 +78,7 @@ void Bus::expire(Instant now) {
   }
 }
 
-// Repeats writes that failed, and goes on with jobs of several transactions.
+// Goes on with jobs of several transactions.
 void Bus::continue_running(Instant now) {
   const Job* stop = queue_.first_stop();
   for (Job* job : running_) {
@@ -91,10 +91,10 @@ void Bus::continue_running(Instant now) {
     if (stop != nullptr && job->address() != stop->address() && !job->is_broadcast()) {
       continue;  // the writes that the stop lets go first go before it
     }
-    if (is_between_tries(*job)) {
+    const Instant ready = ready_at(*job);
+    if (is_between_tries(*job) && !is_held_back(*job, now)) {
       continue;  // next_turn() has it
     }
-    const Instant ready = ready_at(*job);
     if (now < ready) {
       next_start_ = earlier(next_start_, Wake{ready, held_until(*job) < ready});
     } else if (in_flight() < most_running_ && has_looked()) {
@@ -109,7 +109,7 @@ std::size_t Bus::in_flight() const {
 }
 
 // Nothing comes between the transactions of a job, unless its device must be left alone meanwhile,
-// or a stop waits. A single read that is to be repeated keeps nobody waiting.
+// or a stop waits. One transaction that is to be repeated keeps nobody waiting.
 std::size_t Bus::occupied(Instant now) {
   const bool stop_waits = queue_.first_stop() != nullptr;
   return static_cast<std::size_t>(std::ranges::count_if(running_, [&](const Job* job) {
@@ -170,7 +170,7 @@ void Bus::look_for(JobClass job_class, Search& search, Instant now) {
 bool Bus::may_join(const Job& job) const {
   const auto is_of_same = [&](const Job* other) { return other->source == job.source; };
   return std::ranges::none_of(running_, [&](const Job* other) {
-    if (job.is_broadcast() && is_between_tries(*other)) {
+    if (job.is_broadcast() && other->is_single_read() && is_between_tries(*other)) {
       return is_of_same(other) || std::ranges::any_of(other->followers, is_of_same);
     }
     const bool meets =

@@ -22,8 +22,8 @@ struct Flight {
   bool is_write = false;
   bool is_broadcast = false;
   bool repeats_read = false;
-  bool is_part = false;  ///< of several transactions that stay together
-  bool goes_before_stop = false;  ///< a stop to its device waits that lets it go first
+  bool is_part = false;      ///< of several transactions that stay together
+  bool beside_stop = false;  ///< a stop waits that lets it go first, or gives way to it
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;

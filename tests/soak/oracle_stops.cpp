@@ -48,9 +48,7 @@ void Oracle::note_stops(Flight& flight) {
   Book& book = books_[flight.bus];
   if (!flight.is_stop) {
     book.last_other = flight.number;
-    flight.goes_before_stop = std::ranges::any_of(book.stops, [&](const Asked* stop) {
-      return stop->pieces.front().address == flight.address && lets_writes_go(*stop);
-    });
+    flight.beside_stop = !book.open_stops.empty();
   } else if (flight.expects_answer) {
     book.lanes[flight.address].stop_sent = flight.number;
   }
@@ -65,7 +63,7 @@ void Oracle::check_turns(const Asked& read, const Flight& flight) {
     if (other == nullptr || (other->bus == flight.bus && other->is_broadcast)) {
       return;
     }
-    if (other->bus == flight.bus && !other->is_stop && !other->is_part && !other->goes_before_stop &&
+    if (other->bus == flight.bus && !other->is_stop && !other->is_part && !other->beside_stop &&
         ++turns[other->address] > 1) {
       violation("turns", name(*other) + " between two tries of " + name(flight));
       return;

@@ -128,6 +128,40 @@ TEST_F(BusRepeats, ABroadcastOfAnotherClientMayGoBetweenTwoTriesItsOwnMayNot) {
   }
 }
 
+// The write may be repeated 20 ms after its timeout; the read has waited for longer.
+TEST_F(BusRepeats, AWriteThatIsRepeatedHasOneTurnBetweenTwoTriesOfAReadToo) {
+  auto repeating = settings();
+  repeating.timing.retries = 1;
+  repeating.timing.retry_writes = true;
+  repeating.timing.quarantine = 0ms;
+  open(repeating);
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, kWrite, 8));
+  EXPECT_EQ(answer(), 1);
+  for (std::uint8_t address = 2; address < 6; ++address) {
+    submit(job_of(address, kRead, address));
+  }
+  EXPECT_THAT(served(600ms), ElementsAre(8, 2, 3, 4, 5, 1, 8));
+}
+
+TEST_F(BusRepeats, AReadOfADeviceThatABroadcastMadeBootGoesOnWhenItHas) {
+  auto retrying = settings();
+  retrying.timing.retries = 1;
+  drive::Device booting{"booting", {}, 1, retrying.timing};
+  booting.profile.broadcast.form = drive::BroadcastForm::standard;
+  booting.profile.unanswered = {{{.address = 0, .mask = 0xFFFF, .value = 1}, 3s}};
+  open(retrying, {booting});
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, kWrite, 0));
+  EXPECT_EQ(answer(), 1);
+  advance(kEmission + 100ms + kT35);
+  ASSERT_THAT(frames_, SizeIs(2));                       // the broadcast
+  advance(4s);
+  ASSERT_THAT(frames_, SizeIs(3));
+  EXPECT_EQ(frames_[2], frames_[0]);
+  EXPECT_EQ(frame_times_[2] - frame_times_[1], kEmission + 3s);
+}
+
 TEST_F(BusRepeats, ADeadlineThatPassesMeanwhileEndsTheRead) {
   open_retrying();
   bus::Job& read = job_of(0, kRead, 1);
