@@ -36,6 +36,9 @@ bool DeviceHealth::note_unanswered(const modbus::Request& asked, Instant due,
 
 void DeviceHealth::owe(const modbus::Request& asked, Instant due) {
   answered_at_.reset();
+  if (forgotten_due_) {
+    forgotten_due_ = std::max(*forgotten_due_, due);
+  }
   const auto same = std::ranges::find_if(
       debts_, [&](const Debt& debt) { return !debt.given_up && debt.asked.pdu() == asked.pdu(); });
   if (same != debts_.end()) {
@@ -45,7 +48,8 @@ void DeviceHealth::owe(const modbus::Request& asked, Instant due) {
   }
   if (debts_.size() >= kMostOwed) {
     const auto given_up = std::ranges::find_if(debts_, &Debt::given_up);
-    const auto least = given_up == debts_.end() ? debts_.begin() : given_up;
+    const auto least =
+        given_up == debts_.end() ? std::ranges::min_element(debts_, {}, &Debt::last_due) : given_up;
     if (!least->given_up) {
       forgotten_due_ = std::max(forgotten_due_.value_or(least->last_due), least->last_due);
     }

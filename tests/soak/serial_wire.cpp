@@ -3,6 +3,7 @@
 #include "soak/serial_wire.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "modbus/ascii.hpp"
 #include "modbus/rtu.hpp"
@@ -288,10 +289,16 @@ void SerialWire::damage(Frame& frame) {
       }
       return;
     case 1: frame.erase(frame.begin() + place); return;
-    default:
-      // Not the last one, nor the colon: the frame itself would still be whole.
+    default: {
+      const Frame whole = frame;
       frame.insert(frame.begin() + 1 + place / 2, frame[static_cast<std::size_t>(1 + place / 2)]);
+      // Beside bytes that are alike, the frame itself is still whole.
+      if (std::ranges::equal(whole, std::span(frame).first(whole.size())) ||
+          std::ranges::equal(whole, std::span(frame).last(whole.size()))) {
+        frame[whole.size() / 2] ^= 0x40U;
+      }
       return;
+    }
   }
 }
 

@@ -191,6 +191,33 @@ TEST_F(Health, WhatThereIsNoRoomForHoldsEverythingBack) {
   EXPECT_TRUE(may_be_asked(read_, 220ms));
 }
 
+TEST_F(Health, WhatIsForgottenCountsFromTheLastUnansweredTransmissionToo) {
+  const auto write = [](int value) { return "06 0000 00" + std::to_string(value); };
+  for (int value = 10; value < 19; ++value) {
+    health_.note_unanswered(request(write(value)), at(100ms), timing_);
+  }
+  health_.note_unanswered(request(write(19)), at(150ms), timing_);
+  for (int value = 12; value < 20; ++value) {
+    EXPECT_TRUE(health_.note_unexpected(unhex(write(value)), at(160ms), timing_));
+  }
+  EXPECT_FALSE(may_be_asked(read_, 269ms));
+  EXPECT_TRUE(may_be_asked(read_, 270ms));
+}
+
+// A dead drive is sent a stop again and again, and other writes between.
+TEST_F(Health, WhatWasAskedLastIsRememberedThoughItWasAskedFirstToo) {
+  health_.note_unanswered(write_, at(100ms), timing_);
+  for (int value = 0; value < 7; ++value) {
+    health_.note_unanswered(request("06 0000 00" + std::to_string(10 + value)), at(110ms), timing_);
+  }
+  health_.note_unanswered(write_, at(120ms), timing_);
+  health_.note_unanswered(request("06 0000 0030"), at(130ms), timing_);
+  health_.note_answered({write_, unhex("06 0000 0001"), at(240ms), 1ms}, at(150ms));
+  EXPECT_EQ(health_.owed(6, at(150ms), timing_), 9U);  // of the two alike one more
+  EXPECT_FALSE(may_be_asked(write_, 359ms));
+  EXPECT_TRUE(may_be_asked(write_, 360ms));
+}
+
 TEST_F(Health, ADeviceGoesOfflineAndComesBack) {
   EXPECT_FALSE(health_.note_unanswered(read_, at(100ms), timing_));
   EXPECT_FALSE(health_.note_unanswered(read_, at(200ms), timing_));
