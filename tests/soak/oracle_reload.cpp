@@ -113,8 +113,9 @@ void Oracle::after_reload() {
     const gateway::BusSettings& settings = bus_settings(bus);
     book.room = std::max(book.room, book.waiting);
     if (book.own_end > schedule_.now() && book.turnaround_end > book.own_end) {
-      book.held_until = book.own_end + settings.turnaround;
-      book.turnaround_end = std::min(book.turnaround_end, book.held_until);
+      const Instant by_others = book.own_end + settings.turnaround;
+      book.held_until = std::max(book.turnaround_end, by_others);
+      book.turnaround_end = std::min(book.turnaround_end, by_others);
     }
     for (Asked* stop : book.stops) {
       if (settings.stop_wait != book.stop_wait_before) {
