@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Late responses over real ptys: a device answers its first client up to 300 ms after the response
 // timeout, while a second client asks for other registers of it, as many and by the same function,
-// so that nothing in the frames tells the answers apart. MBGATE_LATE_TRIES says how often.
+// so that nothing in the frames tells the answers apart. MBGATE_LATE_TRIES says how often. And
+// answers aimed at the end of the quarantine, when the second client's request leaves.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -17,6 +18,16 @@ using namespace std::chrono_literals;
 constexpr int kLines = 8;  // the first half without retries, the other half with one
 constexpr auto kResponseTimeout = 100ms;
 constexpr int kLongestLateness = 300;
+constexpr auto kQuarantine = 100ms;
+/// Counted as the devices do, from the end of the request. Adapters keep bytes for 20 ms.
+constexpr auto kEndOfQuarantine = kResponseTimeout + kQuarantine + 20ms;
+
+enum class Aim : std::uint8_t { anywhere, end_of_quarantine };
+
+int tries_or(int usual) {
+  const char* const wanted = std::getenv("MBGATE_LATE_TRIES");
+  return wanted == nullptr ? usual : std::atoi(wanted);
+}
 
 std::string hex16(unsigned value) {
   char text[8];
@@ -33,6 +44,8 @@ struct Tally {
   int second_exceptions = 0;
   int wrong = 0;
   int missing = 0;
+  int lay_there = 0;    // the late answer, 1 ms before the next request
+  int unavoidable = 0;  // of the others, those that were taken for the next one's answer
   void add(const Tally& other) {
     tries += other.tries;
     right += other.right;
@@ -40,6 +53,8 @@ struct Tally {
     second_exceptions += other.second_exceptions;
     wrong += other.wrong;
     missing += other.missing;
+    lay_there += other.lay_there;
+    unavoidable += other.unavoidable;
   }
 };
 
@@ -73,8 +88,8 @@ void judge(const std::optional<ByteString>& got, const Question& asked, unsigned
 
 class LateResponses : public testing::Test {
  protected:
-  void start(const std::string& quarantine) {
-    std::string text;
+  void start(const std::string& quarantine, const std::string& gateway = "") {
+    std::string text = gateway;
     for (int line = 0; line < kLines; ++line) {
       text += "[[listen]]\nname = \"" + line_name(line) + "\"\nport = 0\nbus = \"" +
               line_name(line) + "\"\n[[bus]]\nname = \"" + line_name(line) + "\"\ndevice = \"" +
@@ -88,7 +103,7 @@ class LateResponses : public testing::Test {
                      Process::Options{folder_.path(), {}});
   }
   /// Shares the tries among the lines, which work side by side.
-  Tally run(int tries) {
+  Tally run(int tries, Aim aimed = Aim::anywhere) {
     std::vector<std::uint16_t> ports;
     for (int line = 0; line < kLines; ++line) {
       ports.push_back(gateway_->port_of(line_name(line)));
@@ -96,12 +111,13 @@ class LateResponses : public testing::Test {
     std::vector<Tally> tallies(kLines);
     std::vector<std::thread> threads;
     for (int line = 0; line < kLines; ++line) {
-      threads.emplace_back([this, line, tries, port = ports[static_cast<std::size_t>(line)],
+      threads.emplace_back([this, line, tries, aimed, port = ports[static_cast<std::size_t>(line)],
                             &tally = tallies[static_cast<std::size_t>(line)]] {
         TcpClient first(port);
         TcpClient second(port);
-        for (int number = line; number < tries; number += kLines) {
-          attempt(line, number, first, second, tally);
+        for (int number = line; number < tries && !HasFailure(); number += kLines) {
+          aimed == Aim::end_of_quarantine ? aim(line, number, first, second, tally)
+                                          : attempt(line, number, first, second, tally);
         }
       });
     }
@@ -125,6 +141,30 @@ class LateResponses : public testing::Test {
     }
     std::printf("answers that the machine was too slow to give: %u\n", devices_.missed());
     return all;
+  }
+
+  // The answer comes when the next request may leave: from 4.5 ms before to 1.5 ms after it.
+  void aim(int line, int number, TcpClient& first, TcpClient& second, Tally& tally) {
+    const Question late{static_cast<unsigned>(number % 1000) * 10, 1};
+    const Question other{late.address + 20'000, 1};
+    const auto transaction = static_cast<unsigned>(number) & 0xFFFFU;
+    std::deque<ScriptedDevices::Delay> answers(static_cast<std::size_t>(retries_of(line)));
+    answers.emplace_back(kEndOfQuarantine + number / kLines * 790us % 6ms - 4500us);
+    devices_.plan(line, late.address, std::move(answers));
+    first.send(late.adu(transaction));
+    judge(first.receive(), late, transaction, tally.exceptions, tally);
+    second.send(other.adu(transaction));
+    const auto got = second.receive();
+    const auto lay_there = devices_.lay_in_the_line(line);
+    ASSERT_TRUE(lay_there);
+    ++tally.tries;
+    tally.lay_there += *lay_there ? 1 : 0;
+    if (!*lay_there && got && *got == late.answer(transaction)) {
+      ++tally.unavoidable;
+      std::this_thread::sleep_for(kEndOfQuarantine);  // nor whose answer the next one is
+    } else {
+      judge(got, other, transaction, tally.second_exceptions, tally);
+    }
   }
 
  private:
@@ -173,14 +213,29 @@ class LateResponses : public testing::Test {
 };
 
 TEST_F(LateResponses, AreNeverGivenToAnotherRequest) {
-  const char* const wanted = std::getenv("MBGATE_LATE_TRIES");
-  const int tries = wanted == nullptr ? 200 : std::atoi(wanted);
+  const int tries = tries_or(200);
   start("quarantine = \"500ms\"\n");
   const Tally tally = run(tries);
   EXPECT_EQ(tally.tries, tries);
   EXPECT_EQ(tally.wrong, 0);
   EXPECT_EQ(tally.missing, 0);
   EXPECT_EQ(tally.second_exceptions, 0);
+}
+
+// What the kernel had before the next request was transmitted is no answer to that; what came in
+// the same instant, no gateway can tell.
+TEST_F(LateResponses, ThatLieInTheLineAreNoAnswerToTheNextRequest) {
+  const int tries = tries_or(48);
+  for (const char* wake_early : {"0ms", "100us", "1ms"}) {
+    start("quarantine = \"100ms\"\nquarantine_max = \"100ms\"\noffline_after = 0\n",
+          std::string("[gateway]\nwake_early = \"") + wake_early + "\"\n");
+    const Tally tally = run(tries, Aim::end_of_quarantine);
+    std::printf("wake_early %s: %d lay there 1 ms before, %d came too close to tell\n", wake_early,
+                tally.lay_there, tally.unavoidable);
+    EXPECT_EQ(tally.tries, tries);
+    EXPECT_EQ(tally.wrong, 0) << wake_early;
+    EXPECT_EQ(tally.missing, 0) << wake_early;
+  }
 }
 
 // Without what is tested, the test sees it.

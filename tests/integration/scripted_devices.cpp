@@ -4,11 +4,14 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <pty.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <stdexcept>
+
+#include "integration/process.hpp"
 
 namespace mbgate::test {
 namespace {
@@ -70,7 +73,18 @@ std::string ScriptedDevices::path(int line) const {
 
 void ScriptedDevices::plan(int line, unsigned address, std::deque<Delay> delays) {
   const std::lock_guard lock(mutex_);
-  lines_[static_cast<std::size_t>(line)].plans[address] = std::move(delays);
+  Line& planned = lines_[static_cast<std::size_t>(line)];
+  planned.to_come += static_cast<unsigned>(
+      std::ranges::count_if(delays, [](const Delay& delay) { return delay.has_value(); }));
+  planned.plans[address] = std::move(delays);
+}
+
+std::optional<bool> ScriptedDevices::lay_in_the_line(int line) {
+  const Line& asked = lines_[static_cast<std::size_t>(line)];
+  std::unique_lock lock(mutex_);
+  const bool is_known =
+      planned_given_.wait_for(lock, kPatience, [&] { return asked.to_come == 0; });
+  return is_known ? std::optional(asked.lay_there) : std::nullopt;
 }
 
 unsigned ScriptedDevices::requests(int line) const {
@@ -127,10 +141,12 @@ void ScriptedDevices::take_request(Line& line) {
   const unsigned address = word_at(bytes, 2);
   const unsigned count = word_at(bytes, 4);
   Delay delay = kUsualDelay;
+  bool is_planned = false;
   {
     const std::lock_guard lock(mutex_);
     auto& delays = line.plans[address];
-    if (!delays.empty()) {
+    is_planned = !delays.empty();
+    if (is_planned) {
       delay = delays.front();
       delays.pop_front();
     }
@@ -151,7 +167,7 @@ void ScriptedDevices::take_request(Line& line) {
   if (!line.pending.empty()) {
     due = std::max(due, line.pending.back().due);
   }
-  line.pending.push_back({due, std::move(frame)});
+  line.pending.push_back({due, std::move(frame), is_planned, number});
 }
 
 void ScriptedDevices::answer_due(Line& line) {
@@ -162,8 +178,22 @@ void ScriptedDevices::answer_due(Line& line) {
         now < answer.due + kTooLate && write(line.far, answer.frame.data(), answer.frame.size()) ==
                                            static_cast<ssize_t>(answer.frame.size());
     missed_ += given ? 0U : 1U;
+    if (answer.is_planned) {
+      note_planned(line, answer.request);
+    }
     line.pending.pop_front();
   }
+}
+
+// What the near side wrote within this millisecond, it may have written before the answer came.
+void ScriptedDevices::note_planned(Line& line, unsigned request) {
+  std::this_thread::sleep_for(1ms);
+  int waiting = 0;
+  ioctl(line.far, FIONREAD, &waiting);
+  const std::lock_guard lock(mutex_);
+  line.lay_there = waiting == 0 && line.received.empty() && line.requests == request;
+  --line.to_come;
+  planned_given_.notify_all();
 }
 
 }  // namespace mbgate::test

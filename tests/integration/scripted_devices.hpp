@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -19,7 +20,7 @@ class ScriptedDevices {
  public:
   using Clock = std::chrono::steady_clock;
   using Delay =
-      std::optional<std::chrono::milliseconds>;  ///< from the end of the request; or never
+      std::optional<std::chrono::microseconds>;  ///< from the end of the request; or never
 
   /// Reads of this register are answered with the number of requests that the server had so far.
   static constexpr unsigned kRequests = 0xFFFF;
@@ -35,6 +36,9 @@ class ScriptedDevices {
   [[nodiscard]] std::string path(int line) const;
   /// How the next requests that begin at the address are answered, in turn; others after 2 ms.
   void plan(int line, unsigned address, std::deque<Delay> delays);
+  /// Did the last planned answer of this line lie in it for 1 ms before another request came?
+  /// Waits until it is known; nothing if this takes longer than anything may.
+  [[nodiscard]] std::optional<bool> lay_in_the_line(int line);
   [[nodiscard]] unsigned requests(int line) const;
   /// Answers that this machine was too slow to give in time; they were not given.
   [[nodiscard]] unsigned missed() const { return missed_; }
@@ -43,6 +47,8 @@ class ScriptedDevices {
   struct Pending {
     Clock::time_point due;
     std::vector<unsigned char> frame;
+    bool is_planned;
+    unsigned request;  ///< its number
   };
   struct Line {
     int far = -1;
@@ -52,16 +58,20 @@ class ScriptedDevices {
     std::deque<Pending> pending;
     std::map<unsigned, std::deque<Delay>> plans;
     std::atomic<unsigned> requests{0};
+    unsigned to_come = 0;    ///< planned answers
+    bool lay_there = false;  ///< the last one, before another request
   };
 
   void serve();
   void read_requests(Line& line);
   void take_request(Line& line);
   void answer_due(Line& line);
+  void note_planned(Line& line, unsigned request);
   [[nodiscard]] int wait_ms() const;
 
   std::deque<Line> lines_;
-  std::mutex mutex_;  // of the plans
+  std::mutex mutex_;  // of the plans and of what became of them
+  std::condition_variable planned_given_;
   std::atomic<bool> stop_{false};
   std::atomic<unsigned> missed_{0};
   std::thread thread_;

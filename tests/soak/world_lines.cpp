@@ -95,6 +95,7 @@ void World::hang_up(std::size_t bus, bool answered) {
 // The process has noticed it.
 void World::lost(std::size_t bus) {
   const End end = std::exchange(buses_[bus].end, End::lost);
+  order_only_ = false;  // what this leads to is not the other order's doing
   end == End::closed_after_answers ? oracle_.tcp_closed(bus) : oracle_.bus_lost(bus);
   gateway_.handle_bus_lost(id_of(bus), schedule_.now(),
                            end == End::lost ? bus::Loss::failed : bus::Loss::closed);
