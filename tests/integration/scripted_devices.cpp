@@ -79,12 +79,15 @@ void ScriptedDevices::plan(int line, unsigned address, std::deque<Delay> delays)
   planned.plans[address] = std::move(delays);
 }
 
-std::optional<bool> ScriptedDevices::lay_in_the_line(int line) {
-  const Line& asked = lines_[static_cast<std::size_t>(line)];
+bool ScriptedDevices::all_given(int line) {
   std::unique_lock lock(mutex_);
-  const bool is_known =
-      planned_given_.wait_for(lock, kPatience, [&] { return asked.to_come == 0; });
-  return is_known ? std::optional(asked.lay_there) : std::nullopt;
+  return planned_given_.wait_for(
+      lock, kPatience, [&] { return lines_[static_cast<std::size_t>(line)].to_come == 0; });
+}
+
+std::optional<ScriptedDevices::Clock::time_point> ScriptedDevices::readable_at(int line) {
+  const std::lock_guard lock(mutex_);
+  return lines_[static_cast<std::size_t>(line)].readable_at;
 }
 
 unsigned ScriptedDevices::requests(int line) const {
@@ -101,6 +104,9 @@ void ScriptedDevices::serve() {
     poll(watched.data(), watched.size(), wait_ms());
     for (Line& line : lines_) {
       read_requests(line);
+      if (line.watch) {
+        watch_planned(line);
+      }
       answer_due(line);
     }
   }
@@ -110,6 +116,7 @@ void ScriptedDevices::serve() {
 int ScriptedDevices::wait_ms() const {
   int wait = kIdleWait;
   for (const Line& line : lines_) {
+    wait = line.watch ? 0 : wait;
     if (!line.pending.empty()) {
       const auto left = line.pending.front().due - Clock::now();
       const auto whole = std::chrono::floor<std::chrono::milliseconds>(left).count();
@@ -179,20 +186,25 @@ void ScriptedDevices::answer_due(Line& line) {
                                            static_cast<ssize_t>(answer.frame.size());
     missed_ += given ? 0U : 1U;
     if (answer.is_planned) {
-      note_planned(line, answer.request);
+      line.watch = {answer.request, now};
     }
     line.pending.pop_front();
   }
 }
 
-// What the near side wrote within this millisecond, it may have written before the answer came.
-void ScriptedDevices::note_planned(Line& line, unsigned request) {
-  std::this_thread::sleep_for(1ms);
-  int waiting = 0;
-  ioctl(line.far, FIONREAD, &waiting);
+// The kernel hands bytes over when it comes to it; what it does not show was read at once.
+void ScriptedDevices::watch_planned(Line& line) {
+  const auto now = Clock::now();
+  const bool is_asked = line.requests != line.watch->request || !line.received.empty();
+  int bytes = 0;
+  ioctl(line.near, FIONREAD, &bytes);
+  if (!is_asked && bytes == 0 && now < line.watch->since + kTooLate) {
+    return;
+  }
   const std::lock_guard lock(mutex_);
-  line.lay_there = waiting == 0 && line.received.empty() && line.requests == request;
+  line.readable_at = is_asked ? std::nullopt : std::optional(now);
   --line.to_come;
+  line.watch.reset();
   planned_given_.notify_all();
 }
 

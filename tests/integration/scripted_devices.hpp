@@ -36,9 +36,10 @@ class ScriptedDevices {
   [[nodiscard]] std::string path(int line) const;
   /// How the next requests that begin at the address are answered, in turn; others after 2 ms.
   void plan(int line, unsigned address, std::deque<Delay> delays);
-  /// Did the last planned answer of this line lie in it for 1 ms before another request came?
-  /// Waits until it is known; nothing if this takes longer than anything may.
-  [[nodiscard]] std::optional<bool> lay_in_the_line(int line);
+  /// Waits until all planned answers were given; false if this takes longer than anything may.
+  [[nodiscard]] bool all_given(int line);
+  /// When the near side could read the last planned answer; nothing if another request came first.
+  [[nodiscard]] std::optional<Clock::time_point> readable_at(int line);
   [[nodiscard]] unsigned requests(int line) const;
   /// Answers that this machine was too slow to give in time; they were not given.
   [[nodiscard]] unsigned missed() const { return missed_; }
@@ -50,6 +51,10 @@ class ScriptedDevices {
     bool is_planned;
     unsigned request;  ///< its number
   };
+  struct Watch {
+    unsigned request;  ///< the last one before the answer
+    Clock::time_point since;
+  };
   struct Line {
     int far = -1;
     int near = -1;
@@ -58,15 +63,16 @@ class ScriptedDevices {
     std::deque<Pending> pending;
     std::map<unsigned, std::deque<Delay>> plans;
     std::atomic<unsigned> requests{0};
-    unsigned to_come = 0;    ///< planned answers
-    bool lay_there = false;  ///< the last one, before another request
+    unsigned to_come = 0;        ///< planned answers
+    std::optional<Watch> watch;  ///< of the last one
+    std::optional<Clock::time_point> readable_at;
   };
 
   void serve();
   void read_requests(Line& line);
   void take_request(Line& line);
   void answer_due(Line& line);
-  void note_planned(Line& line, unsigned request);
+  void watch_planned(Line& line);
   [[nodiscard]] int wait_ms() const;
 
   std::deque<Line> lines_;
