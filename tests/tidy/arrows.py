@@ -79,8 +79,6 @@ TO_BE_SPLIT = {
     "tests/soak/oracle_wire.cpp": 306,
     "tests/soak/plan.cpp": 309,
     "tests/unit/bus/bus_late_test.cpp": 324,
-    "tests/unit/gateway/failsafe_test.cpp": 418,
-    "tests/unit/gateway/requests_test.cpp": 307,
 }
 
 
