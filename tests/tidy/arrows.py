@@ -78,7 +78,6 @@ TO_BE_SPLIT = {
     "tests/soak/oracle.hpp": 318,
     "tests/soak/oracle_wire.cpp": 306,
     "tests/soak/plan.cpp": 309,
-    "tests/unit/bus/bus_late_test.cpp": 324,
 }
 
 

@@ -9,11 +9,6 @@ constexpr auto kWrite = "06 0000 0001";
 
 class BusRepeats : public Bus {
  protected:
-  void open_retrying(unsigned retries = 1) {
-    auto retrying = settings();
-    retrying.timing.retries = retries;
-    open(retrying);
-  }
   /// The devices that requests go to within `limit`; 1 and 8 are silent, others refuse after 10 ms.
   std::vector<int> served(Duration limit) {
     std::vector<int> devices;

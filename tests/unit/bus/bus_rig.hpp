@@ -21,9 +21,13 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 inline constexpr auto kRead = "03 0000 0001";
+inline constexpr auto kReadFrame = "01 03 00 00 00 01 84 0A";
 inline constexpr auto kAnswer = "01 03 02 12 34 B5 33";
-inline constexpr auto kT35 = 2005209ns;       // 38.5 bits, rounded up
-inline constexpr auto kEmission = 4583334ns;  // 88 bits, rounded up
+inline constexpr auto kOther = "03 0010 0001";  // the same shape as kRead
+inline constexpr auto kOtherFrame = "01 03 00 10 00 01 85 CF";
+inline constexpr auto kOtherDevice = "02 03 00 00 00 01 84 39";  // kRead there
+inline constexpr auto kT35 = 2005209ns;                          // 38.5 bits, rounded up
+inline constexpr auto kEmission = 4583334ns;                     // 88 bits, rounded up
 
 class Bus : public testing::Test {
  protected:
@@ -33,6 +37,12 @@ class Bus : public testing::Test {
     bus_->handle_opened(now_);
     drain();
     advance(5ms);
+  }
+  /// Reads are sent twice.
+  void open_retrying() {
+    auto retrying = settings();
+    retrying.timing.retries = 1;
+    open(retrying);
   }
   void update(const bus::BusSettings& settings, const std::vector<drive::Device>& devices) {
     bus_->update(settings, devices, now_);

@@ -150,6 +150,26 @@ TEST_F(Bus, SettlesAfterATimeoutBeforeTheNextRequest) {
   EXPECT_EQ(until_next_frame(), 50ms);
 }
 
+TEST_F(Bus, OnlyTheEndOfASilenceMayBeWokenForEarly) {
+  open(settings());
+  line(kAnswer);
+  submit(job(kRead));
+  EXPECT_TRUE(bus_->next_wake()->ends_silence);
+  advance(5ms);
+  EXPECT_FALSE(bus_->next_wake()->ends_silence);  // the response timeout
+  time_out();
+  submit(job_of(1, kOther));
+  EXPECT_FALSE(bus_->next_wake()->ends_silence);  // the quarantine
+}
+
+TEST_F(Bus, BytesThatAreNoFrameAreDrainedBeforeTheNextTransmission) {
+  open(settings());
+  line("12 34 56");
+  EXPECT_EQ(bus_->line_state(now_), bus::LineState::draining);
+  submit(job(kRead));
+  EXPECT_EQ(until_next_frame(), kT35);
+}
+
 TEST_F(Bus, ListensAsLongAsTheSlowestAddressMayTake) {
   auto slow_bus = settings();
   slow_bus.timing.response_timeout = 700ms;

@@ -16,9 +16,9 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 constexpr auto kReadPdu = "03 0000 0001";
-constexpr auto kReadFrame = "01 03 00 00 00 01 84 0A";
+constexpr auto kSentRead = "01 03 00 00 00 01 84 0A";
 constexpr auto kWritePdu = "06 0000 0001";
-constexpr auto kWriteFrame = "01 06 00 00 00 01 48 0A";
+constexpr auto kSentWrite = "01 06 00 00 00 01 48 0A";
 
 class Echo : public testing::Test {
  protected:
@@ -54,7 +54,7 @@ TEST_F(Echo, IsTakenOutWhereItIsSaidToBe) {
   send(kWritePdu);
   EXPECT_EQ(take("01 06 00"), "|");
   EXPECT_EQ(take("00 00 01 48 0A 01 86"), "|01 86");
-  EXPECT_EQ(take(kWriteFrame), std::string("|") + kWriteFrame);  // the answer
+  EXPECT_EQ(take(kSentWrite), std::string("|") + kSentWrite);  // the answer
   EXPECT_FALSE(echo_->is_spoilt());
   EXPECT_THAT(faults_, IsEmpty());
 }
@@ -69,13 +69,13 @@ TEST_F(Echo, ThatDiffersSpoilsWhatFollows) {
   EXPECT_EQ(counters_.stray_bytes, 6U);
   send(kReadPdu);
   EXPECT_FALSE(echo_->is_spoilt());
-  EXPECT_EQ(take(kReadFrame), "|");
+  EXPECT_EQ(take(kSentRead), "|");
 }
 
 TEST_F(Echo, IsNotLookedForWhereItIsSaidNotToBe) {
   begin(false);
   send(kReadPdu);
-  EXPECT_EQ(take(kReadFrame), std::string("|") + kReadFrame);
+  EXPECT_EQ(take(kSentRead), std::string("|") + kSentRead);
   EXPECT_FALSE(echo_->is_learned());
   EXPECT_THAT(faults_, IsEmpty());
 }
@@ -90,7 +90,7 @@ TEST_F(Echo, IsFoundWhereNobodyHasSaid) {
   EXPECT_TRUE(echo_->was_shown());
   EXPECT_THAT(faults_, ElementsAre(LineFault::echo_found));
   send(kWritePdu);
-  EXPECT_EQ(take(kWriteFrame), "|");
+  EXPECT_EQ(take(kSentWrite), "|");
 }
 
 TEST_F(Echo, IsHeldBackUntilWhatComesIsSomethingElse) {
@@ -99,7 +99,7 @@ TEST_F(Echo, IsHeldBackUntilWhatComesIsSomethingElse) {
   EXPECT_EQ(take("01 03", Instant(5ms)), "|");
   EXPECT_EQ(take("02 12", Instant(7ms)), "01 03|02 12");
   EXPECT_EQ(since_, Instant(5ms));
-  EXPECT_EQ(take(kReadFrame), std::string("|") + kReadFrame);
+  EXPECT_EQ(take(kSentRead), std::string("|") + kSentRead);
   EXPECT_TRUE(echo_->is_unknown());
 }
 
@@ -120,7 +120,7 @@ TEST_F(Echo, IsHeldBackNoLongerThanItIsWaitedFor) {
 TEST_F(Echo, ThatMayBeTheAnswerIsGivenOnUntilThereIsOne) {
   begin(std::nullopt);
   send(kWritePdu);
-  EXPECT_EQ(take(kWriteFrame), std::string("|") + kWriteFrame);
+  EXPECT_EQ(take(kSentWrite), std::string("|") + kSentWrite);
   EXPECT_TRUE(echo_->is_repetition(pdu(kWritePdu)));
   EXPECT_FALSE(echo_->is_repetition(pdu("06 0000 0002")));
   echo_->find();
