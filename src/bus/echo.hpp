@@ -54,7 +54,8 @@ class Echo {
   void find();
   /// Such a response was taken for the answer, because nothing was seen that speaks against it.
   void note_unproven();
-  /// A response was taken: an echo would have come before it.
+  /// A response was taken, and nothing at all came before it: an echo would have. What did come may
+  /// be a damaged one.
   void note_answered();
 
  private:

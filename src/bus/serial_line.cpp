@@ -215,7 +215,9 @@ void SerialLine::judge(Verdict verdict, Instant now) {
   switch (verdict) {
     case Verdict::none: return;
     case Verdict::response:
-      echo_.note_answered();
+      if (framer_.came_first()) {
+        echo_.note_answered();
+      }
       transaction_->response = framer_.response();
       end(LineEnd::How::response);
       return;

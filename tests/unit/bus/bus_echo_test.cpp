@@ -68,6 +68,32 @@ TEST_F(BusEcho, AReadWithoutItShowsThatThereIsNone) {
   EXPECT_THAT(faults_, IsEmpty());
 }
 
+// It was damaged, or something else came; and then, at once or later, the answer.
+TEST_F(BusEcho, AReadShowsThatThereIsNoneOnlyIfNothingComesBeforeItsAnswer) {
+  const std::string answer = kAnswer;
+  for (const std::string& before :
+       {std::string("01 03 00 00 00 01 84 0B"), std::string("00"),
+        std::string("02 06 00 00 00 01 48 39"), std::string("01 03 00 00")}) {
+    for (const Duration pause : {0ms, 4ms}) {
+      endings_.clear();
+      faults_.clear();
+      open_as(bus::LineKind::virtual_line);
+      submit(job(kRead));
+      advance(10ms);
+      line(before + (pause == 0ms ? answer : ""));
+      advance(pause);
+      if (pause > 0ms) {
+        line(answer);
+      }
+      advance(400ms);
+      submit(job(kWritePdu));
+      advance(10ms);
+      line(kRepetition);
+      EXPECT_THAT(faults_, ElementsAre(Fault::echo_unproven)) << before;
+    }
+  }
+}
+
 TEST_F(BusEcho, WhatBeginsLikeItButEndsOtherwiseIsAnAnswer) {
   open_as(bus::LineKind::virtual_line);
   submit(job("01 0100 0008"));
