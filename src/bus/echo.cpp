@@ -101,7 +101,7 @@ Echo::Heard Echo::look_for(modbus::Bytes bytes, Instant now) {
 
 Echo::Held Echo::release() {
   Held held;
-  if (state_ != State::present && seen_ > 0) {
+  if (state_ != State::present && seen_ > 0 && is_awaited()) {
     held = {{expected_.begin(), expected_.begin() + static_cast<std::ptrdiff_t>(seen_)},
             held_since_};
     forget();

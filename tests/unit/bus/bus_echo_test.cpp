@@ -197,6 +197,22 @@ TEST_F(BusEcho, IsLearnedAnewWhenItIsNotThereAnyMore) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
 }
 
+// The spoilt echo was all that came; it is not to be made up from what was sent.
+TEST_F(BusEcho, ThatDifferedIsNotHeardAgainWhenTheTimeIsOver) {
+  open_as(bus::LineKind::uart);
+  submit(job(kRead));
+  advance(10ms);
+  line(std::string(kReadEcho) + kAnswer);
+  advance(10ms);
+  submit(job(kWritePdu));
+  advance(10ms);
+  line(kRefusal);  // without an echo
+  time_out();
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed));
+  EXPECT_EQ(bus_->counters().stray_frames, 0U);
+}
+
 TEST_F(BusEcho, IsNotClaimedWhileAnIdenticalAnswerIsOwed) {
   drive::Device axis;
   axis.profile.stops = {{.address = 0, .value = 1}};

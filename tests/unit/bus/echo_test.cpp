@@ -72,6 +72,15 @@ TEST_F(Echo, ThatDiffersSpoilsWhatFollows) {
   EXPECT_EQ(take(kSentRead), "|");
 }
 
+TEST_F(Echo, ThatDifferedIsNotGivenOnLater) {
+  begin(std::nullopt);
+  echo_->find();
+  send(kWritePdu);
+  EXPECT_EQ(take("01 86 02 C3 A1"), "|");
+  EXPECT_TRUE(echo_->is_unknown());
+  EXPECT_EQ(release(), "");
+}
+
 TEST_F(Echo, IsNotLookedForWhereItIsSaidNotToBe) {
   begin(false);
   send(kReadPdu);
