@@ -9,6 +9,9 @@
 namespace mbgate::bus {
 namespace {
 
+// After the response timeout, as answers (quarantine_max). What comes later cannot be excluded.
+constexpr Duration kEchoOwed = std::chrono::seconds(10);
+
 // Can the echo of this be mistaken for the answer to it? Of 05, 06, 22 and 08/00 it always is one.
 bool looks_like_answer(const Transaction& transaction) {
   const auto fit = modbus::check_response(transaction.request, transaction.request.pdu().bytes());
@@ -30,6 +33,7 @@ void Echo::open() {
   if (learns_) {
     state_ = State::unknown;
   }
+  owed_.clear();
   shown_ = unproven_told_ = false;
 }
 
@@ -38,7 +42,10 @@ void Echo::forget() {
   seen_ = 0;
 }
 
-void Echo::expect(const Transaction& transaction, const FrameBytes& frame) {
+void Echo::expect(const Transaction& transaction, const FrameBytes& frame, Instant now,
+                  Instant due) {
+  owe(now);
+  due_ = due;
   if (state_ != State::present && is_awaited()) {
     counters_.stray_bytes += seen_;  // it was held back for an echo that it was not
   }
@@ -49,6 +56,21 @@ void Echo::expect(const Transaction& transaction, const FrameBytes& frame) {
   if (state_ == State::present || (learns_ && !may_answer_)) {
     expected_ = frame;
   }
+}
+
+// What was sent last, if nothing of its echo has come.
+void Echo::owe(Instant now) {
+  if (state_ != State::present || now > due_ + kEchoOwed) {
+    owed_.clear();
+    return;
+  }
+  if (!may_answer_ || seen_ > 0 || !is_awaited()) {
+    return;
+  }
+  if (owed_.size() == owed_.capacity()) {
+    owed_.erase(owed_.begin());
+  }
+  owed_.push_back(expected_);
 }
 
 Echo::Heard Echo::take(modbus::Bytes bytes, Instant now) {
@@ -69,6 +91,9 @@ std::optional<std::size_t> Echo::matching(modbus::Bytes bytes) const {
 Echo::Heard Echo::compare(modbus::Bytes bytes) {
   if (const auto count = matching(bytes)) {
     seen_ += *count;
+    if (!is_awaited()) {
+      owed_.erase(owed_.begin(), std::ranges::find(owed_, expected_));
+    }
     return {{}, bytes.subspan(*count)};
   }
   seen_ = expected_.size();
@@ -111,6 +136,18 @@ Echo::Held Echo::release() {
 
 bool Echo::is_repetition(const modbus::Pdu& response) const {
   return may_answer_ && response == asked_->request.pdu();
+}
+
+bool Echo::is_owed(const modbus::Pdu& response) const {
+  return is_repetition(response) && std::ranges::find(owed_, expected_) != owed_.end();
+}
+
+bool Echo::take_owed(const modbus::Pdu& response) {
+  const bool owed = is_owed(response);
+  if (owed) {
+    owed_.erase(std::ranges::find(owed_, expected_));
+  }
+  return owed;
 }
 
 void Echo::find() {

@@ -84,7 +84,7 @@ FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming
       (transaction.boot_time ? turnaround_ : timing.response_timeout + timing.response_wait);
   response_deadline_ = response_due_;
   heard_ = 0;
-  echo_.expect(transaction, frame);
+  echo_.expect(transaction, frame, now, response_due_);
   if (transaction.is_broadcast()) {
     turnaround_until_ = emission_ends_ + turnaround_;
     framer_.listen();
@@ -158,9 +158,18 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
   judge(framer_.add(bytes, now), now);
 }
 
-// What begins before the request has left a paced line answers nothing.
+// It may be a late echo; what begins before the request has left a paced line answers nothing; and
+// an owed answer begins before the device can have answered this request, or says no to any one.
+bool SerialLine::is_no_answer() const {
+  return echo_.is_owed(framer_.response()) ||
+         (paced_ && framer_.response_began() < emission_ends_) ||
+         (owed_ > 0 && (is_early() || may_refuse_another()));
+}
+
 Verdict SerialLine::refuse(Instant now) {
-  if (owed_ > 0) {
+  if (echo_.take_owed(framer_.response())) {
+    ++counters_.stray_frames;
+  } else if (owed_ > 0) {
     // It is one of those that the device owes.
     --owed_;
     refused_.add({transaction_->address, framer_.response()});
@@ -202,11 +211,7 @@ Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
 }
 
 void SerialLine::judge(Verdict verdict, Instant now) {
-  while (verdict == Verdict::response && paced_ && framer_.response_began() < emission_ends_) {
-    verdict = refuse(now);
-  }
-  while (verdict == Verdict::response && owed_ > 0 && (is_early() || may_refuse_another())) {
-    // It began before the device can have answered this request, or says no to any request.
+  while (verdict == Verdict::response && is_no_answer()) {
     verdict = refuse(now);
   }
   if (verdict == Verdict::response) {

@@ -60,6 +60,7 @@ class SerialLine {
 
  private:
   void judge_held(const Echo::Held& held, Instant now);
+  [[nodiscard]] bool is_no_answer() const;
   Verdict refuse(Instant now);
   Verdict settle_echo(Verdict verdict, Instant now);
   void judge(Verdict verdict, Instant now);

@@ -213,6 +213,71 @@ TEST_F(BusEcho, ThatDifferedIsNotHeardAgainWhenTheTimeIsOver) {
   EXPECT_EQ(bus_->counters().stray_frames, 0U);
 }
 
+/// A device that is stopped by kWritePdu, which is repeated if it is not answered.
+class BusLateEcho : public Bus {
+ protected:
+  void open_with_stop() {
+    drive::Device axis;
+    axis.profile.stops = {{.address = 0, .value = 1}};
+    axis.timing = settings().timing;
+    auto hearing = settings();
+    hearing.line.echo = true;
+    open(hearing, {axis});
+  }
+  /// A stop whose echo did not come in time; its repetition has left.
+  void repeat_stop() {
+    submit(job(kWritePdu));
+    advance(kEmission + 103ms + kEmission);
+    ASSERT_THAT(frames_, SizeIs(2));
+  }
+};
+
+TEST_F(BusLateEcho, IsNotTheAnswerToTheSameRequest) {
+  open_with_stop();
+  repeat_stop();
+  line(kRepetition);  // late
+  advance(2ms);
+  line(kRepetition);  // in time
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_EQ(bus_->counters().echo_mismatches, 0U);
+}
+
+TEST_F(BusLateEcho, MayComeInTheSamePieceAsTheOther) {
+  open_with_stop();
+  repeat_stop();
+  line(std::string(kRepetition) + kRepetition);
+  EXPECT_THAT(endings_, IsEmpty());
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+// Nobody can tell its answer from the echo that was lost.
+TEST_F(BusLateEcho, ThatWasLostCostsOneAnswer) {
+  open_with_stop();
+  repeat_stop();
+  line(std::string(kRepetition) + kRepetition);  // the echo and the answer
+  time_out();
+  EXPECT_THAT(endings_, IsEmpty());
+  ASSERT_THAT(frames_, SizeIs(3));
+  advance(kEmission);
+  line(std::string(kRepetition) + kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusLateEcho, ThatComesBetweenIsNotOwedAnyMore) {
+  open_with_stop();
+  submit(job(kWritePdu));
+  advance(kEmission + 101ms);  // the silence before the repetition runs
+  line(kRepetition);
+  advance(2 * kEmission);
+  ASSERT_THAT(frames_, SizeIs(2));
+  line(std::string(kRepetition) + kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
 TEST_F(BusEcho, IsNotClaimedWhileAnIdenticalAnswerIsOwed) {
   drive::Device axis;
   axis.profile.stops = {{.address = 0, .value = 1}};

@@ -23,11 +23,11 @@ constexpr auto kSentWrite = "01 06 00 00 00 01 48 0A";
 class Echo : public testing::Test {
  protected:
   void begin(std::optional<bool> setting) { echo_.emplace(setting, counters_, faults_); }
-  void send(std::string_view request) {
+  void send(std::string_view request, Instant now = {}) {
     const auto pdu = modbus::Pdu::from(unhex(request));
     transaction_.emplace(bus::Transaction{1, *modbus::Request::parse(*pdu)});
     const auto frame = modbus::encode_rtu(1, *pdu);
-    echo_->expect(*transaction_, {frame.begin(), frame.end()});
+    echo_->expect(*transaction_, {frame.begin(), frame.end()}, now, now + 1s);
   }
   /// What is given on: what was held back until now, a bar, and the rest.
   std::string take(std::string_view bytes, Instant now = {}) {
@@ -151,6 +151,62 @@ TEST_F(Echo, IsNotThereIfAReadIsAnsweredWithoutIt) {
   echo_->note_answered();
   EXPECT_FALSE(echo_->is_unknown());
   EXPECT_FALSE(echo_->was_shown());
+}
+
+TEST_F(Echo, ThatDidNotComeIsOwedOnce) {
+  begin(true);
+  send(kWritePdu);
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+  EXPECT_FALSE(echo_->is_owed(pdu("06 0000 0002")));
+  EXPECT_TRUE(echo_->is_owed(pdu(kWritePdu)));
+  EXPECT_TRUE(echo_->take_owed(pdu(kWritePdu)));
+  EXPECT_FALSE(echo_->take_owed(pdu(kWritePdu)));
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+  EXPECT_FALSE(echo_->is_owed(pdu(kWritePdu)));
+}
+
+TEST_F(Echo, IsOwedForEachRequestThatWasSent) {
+  begin(true);
+  send(kWritePdu);
+  send("06 0000 0002");
+  send(kWritePdu);
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+  EXPECT_TRUE(echo_->take_owed(pdu(kWritePdu)));
+  EXPECT_TRUE(echo_->take_owed(pdu(kWritePdu)));
+  EXPECT_FALSE(echo_->take_owed(pdu(kWritePdu)));
+}
+
+TEST_F(Echo, IsNotOwedIfThatOfALaterRequestHasCome) {
+  begin(true);
+  send(kWritePdu);
+  send(kReadPdu);
+  EXPECT_EQ(take(kSentRead), "|");
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+  EXPECT_FALSE(echo_->is_owed(pdu(kWritePdu)));
+}
+
+TEST_F(Echo, IsNotOwedForEver) {
+  for (const auto& [later, owed] : {std::pair{11s, true}, std::pair{12s, false}}) {
+    begin(true);
+    send(kWritePdu, Instant(0s));
+    send(kWritePdu, Instant(later));
+    EXPECT_EQ(take(kSentWrite), "|");
+    EXPECT_EQ(echo_->is_owed(pdu(kWritePdu)), owed);
+  }
+}
+
+TEST_F(Echo, IsNotOwedWhenTheLineWasOpenedAnew) {
+  begin(true);
+  send(kWritePdu);
+  send(kWritePdu);
+  echo_->open();
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+  EXPECT_FALSE(echo_->is_owed(pdu(kWritePdu)));
 }
 
 TEST_F(Echo, IsUnknownAgainWhenTheLineIsOpened) {
