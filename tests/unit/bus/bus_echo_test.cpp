@@ -9,7 +9,6 @@ using Fault = bus::LineFault;
 
 constexpr auto kWritePdu = "06 0000 0001";
 constexpr auto kRepetition = "01 06 00 00 00 01 48 0A";  // the frame, its echo, and its answer
-constexpr auto kReadEcho = "01 03 00 00 00 01 84 0A";
 constexpr auto kRefusal = "01 86 02 C3 A1";
 
 class BusEcho : public Bus {
@@ -22,6 +21,14 @@ class BusEcho : public Bus {
     bus_->handle_opened(now_, kind);
     drain();
     advance(5ms);
+  }
+  /// A read shows that the line hears itself.
+  void open_and_learn(bus::LineKind kind) {
+    open_as(kind);
+    submit(job(kRead));
+    advance(10ms);
+    line(std::string(kReadFrame) + kAnswer);
+    advance(10ms);
   }
 };
 
@@ -180,11 +187,7 @@ TEST_F(BusEcho, AFittingReadAnswerBeforeThatIsSaidOnce) {
 }
 
 TEST_F(BusEcho, IsLearnedAnewWhenItIsNotThereAnyMore) {
-  open_as(bus::LineKind::virtual_line);
-  submit(job(kRead));
-  advance(10ms);
-  line(std::string(kReadEcho) + kAnswer);
-  advance(10ms);
+  open_and_learn(bus::LineKind::virtual_line);
   submit(job(kRead));
   advance(10ms);
   line(kAnswer);  // without an echo
@@ -199,11 +202,7 @@ TEST_F(BusEcho, IsLearnedAnewWhenItIsNotThereAnyMore) {
 
 // The spoilt echo was all that came; it is not to be made up from what was sent.
 TEST_F(BusEcho, ThatDifferedIsNotHeardAgainWhenTheTimeIsOver) {
-  open_as(bus::LineKind::uart);
-  submit(job(kRead));
-  advance(10ms);
-  line(std::string(kReadEcho) + kAnswer);
-  advance(10ms);
+  open_and_learn(bus::LineKind::uart);
   submit(job(kWritePdu));
   advance(10ms);
   line(kRefusal);  // without an echo

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <deque>
+#include <functional>
 
 #include "bus/bus.hpp"
 #include "support/hex.hpp"
@@ -136,6 +137,28 @@ class Bus : public testing::Test {
     const Instant start = now_;
     advance(limit);
     return frames_.size() > before ? frame_times_[before] - start : Duration::max();
+  }
+
+  /// The devices that requests go to within `limit`. `answer` plays each, and says its address.
+  std::vector<int> served(Duration limit, const std::function<int()>& answer) {
+    std::vector<int> devices;
+    const Instant end = now_ + limit;
+    while (now_ < end) {
+      const std::size_t before = frames_.size();
+      advance(1ms);
+      if (frames_.size() > before) {
+        devices.push_back(answer());
+      }
+    }
+    return devices;
+  }
+  /// The device refuses the function that it was asked for, which is an answer too.
+  void refuse(std::uint8_t address, std::uint8_t function = 3) {
+    const std::vector<std::uint8_t> pdu{static_cast<std::uint8_t>(function | modbus::kExceptionBit),
+                                        2};
+    const auto frame = modbus::encode_rtu(address, *modbus::Pdu::from(pdu));
+    bus_->handle_bytes({frame.data(), frame.size()}, now_);
+    drain();
   }
 
   Instant now_{};

@@ -97,36 +97,36 @@ TEST_F(Bus, AnAnswerThatStopsHalfWayEndsTheWait) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
 }
 
+class BusPauses : public Bus {
+ protected:
+  /// A read whose answer begins so long after it has left, and pauses.
+  void read_with_pause(Duration pause, Duration began = 99ms) {
+    submit(job(kRead));
+    advance(kEmission + began);
+    line("01 03 02");
+    advance(pause);
+    line("12 34 B5 33");
+  }
+};
+
 // A Wi-Fi device server passes an answer on in parts.
-TEST_F(Bus, AnAnswerMayPauseLongerBehindADeviceServer) {
+TEST_F(BusPauses, AnAnswerMayPauseLongerBehindADeviceServer) {
   auto remote = settings();
   remote.line.remote = bus::Endpoint{"wifi", 4001};
   open(remote);
-  submit(job(kRead));
-  advance(kEmission + 50ms);
-  line("01 03 02");
-  advance(150ms);
-  line("12 34 B5 33");
+  read_with_pause(150ms, 50ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
-TEST_F(Bus, FrameSlackSaysHowLongAnAnswerMayPause) {
+TEST_F(BusPauses, FrameSlackSaysHowLongAnAnswerMayPause) {
   auto slack = settings();
   slack.frame_slack = 60ms;
   open(slack);
-  submit(job(kRead));
-  advance(kEmission + 99ms);
-  line("01 03 02");
-  advance(60ms);
-  line("12 34 B5 33");
+  read_with_pause(60ms);
   slack.frame_slack = 30ms;
   update(slack, {});
   advance(5ms);
-  submit(job(kRead));
-  advance(kEmission + 99ms);
-  line("01 03 02");
-  advance(60ms);
-  line("12 34 B5 33");
+  read_with_pause(60ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
 }
 

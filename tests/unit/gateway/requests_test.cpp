@@ -76,17 +76,28 @@ TEST(Gateway, TransmitsAWriteToASilentDeviceOnce) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 08 00 00 00 03 01 86 0B"));
 }
 
-TEST(Gateway, RepeatsWritesOnlyOfDevicesThatSayItIsSafe) {
-  Settings settings = one_bus();
+/// What becomes of kWrite on this bus if the device keeps silent, and says that it may be repeated.
+Lines written_to_silent(Settings settings, const drive::DeviceTiming& timing) {
   drive::Device device{"axis", BusId{0}, 1, {}};
-  device.timing.response_timeout = 50ms;
+  device.timing = timing;
   device.timing.retry_writes = true;
   settings.devices = {device};
   MachineRig rig(settings);
   rig.connect(1);
   rig.receive(1, kWrite);
   rig.advance(10s);
-  EXPECT_THAT(rig.take_transmitted(), ElementsAre(kWriteFrame, kWriteFrame));
+  return rig.take_transmitted();
+}
+
+TEST(Gateway, RepeatsWritesOnlyOfDevicesThatSayItIsSafe) {
+  EXPECT_THAT(written_to_silent(one_bus(), {.response_timeout = 50ms}),
+              ElementsAre(kWriteFrame, kWriteFrame));
+}
+
+TEST(Gateway, RepeatsWritesWithAllOtherTimesAsTheyAre) {
+  Settings settings = one_bus();
+  settings.buses[0].timing = {};
+  EXPECT_THAT(written_to_silent(settings, {}), ElementsAre(kWriteFrame, kWriteFrame));
 }
 
 TEST(Gateway, RefusesWhatCannotBeOrMayNotBe) {
