@@ -29,6 +29,7 @@ void AsciiFramer::expect(const Transaction& transaction) {
   listen();
   transaction_ = &transaction;
   restarts_ = 0;
+  taken_ = 0;
   response_.reset();
   const auto frame = modbus::encode_ascii(transaction.address, transaction.request.pdu());
   std::copy_n(frame.begin(), start_.size(), start_.begin());
@@ -74,6 +75,7 @@ Verdict AsciiFramer::again(Instant now) {
 }
 
 Verdict AsciiFramer::take(std::uint8_t character, Instant now) {
+  ++taken_;
   if (character == modbus::kAsciiStart || buffer_.size() == buffer_.capacity()) {
     restarts_ += in_progress() ? 1U : 0U;
     discard();
@@ -87,6 +89,7 @@ Verdict AsciiFramer::take(std::uint8_t character, Instant now) {
   }
   if (buffer_.empty()) {
     began_ = now;
+    began_first_ = taken_ == 1;
   }
   buffer_.push_back(character);
   return character == modbus::kAsciiEnd ? judge() : Verdict::none;

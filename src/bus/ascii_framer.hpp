@@ -45,6 +45,8 @@ class AsciiFramer {
   [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
   /// When the first character of the response came.
   [[nodiscard]] Instant response_began() const { return began_; }
+  /// Nothing at all came before the response since expect().
+  [[nodiscard]] bool came_first() const { return began_first_; }
   /// Where a frame begins is told by its ':'.
   [[nodiscard]] static std::size_t noise() { return 0; }
   /// A good frame that answers nothing that was asked, each once.
@@ -64,8 +66,10 @@ class AsciiFramer {
   Instant last_character_;
   unsigned restarts_ = 0;  // of what seemed to be the answer
   std::optional<modbus::Pdu> response_;
-  Instant began_;            // the frame in the buffer, or the last one
-  modbus::AsciiBytes rest_;  // what came behind the response
+  Instant began_;             // the frame in the buffer, or the last one
+  bool began_first_ = false;  // of all since expect()
+  std::size_t taken_ = 0;     // characters since then
+  modbus::AsciiBytes rest_;   // what came behind the response
   Strays<kMostStrays> strays_;
 };
 

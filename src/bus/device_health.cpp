@@ -34,7 +34,7 @@ bool DeviceHealth::note_unanswered(const modbus::Request& asked, Instant due,
   return true;
 }
 
-void DeviceHealth::owe(const modbus::Request& asked, Instant due) {
+DeviceHealth::Debt& DeviceHealth::owe(const modbus::Request& asked, Instant due) {
   answered_at_.reset();
   if (forgotten_due_) {
     forgotten_due_ = std::max(*forgotten_due_, due);
@@ -44,7 +44,7 @@ void DeviceHealth::owe(const modbus::Request& asked, Instant due) {
   if (same != debts_.end()) {
     ++same->count;
     same->last_due = std::max(same->last_due, due);
-    return;
+    return *same;
   }
   if (debts_.size() >= kMostOwed) {
     const auto given_up = std::ranges::find_if(debts_, &Debt::given_up);
@@ -55,7 +55,7 @@ void DeviceHealth::owe(const modbus::Request& asked, Instant due) {
     }
     debts_.erase(least);
   }
-  debts_.push_back({asked, 1, due, due});
+  return debts_.emplace_back(Debt{asked, 1, due, due});
 }
 
 bool DeviceHealth::note_answered(const Answered& answered, Instant now) {
@@ -77,11 +77,8 @@ bool DeviceHealth::note_answered(const Answered& answered, Instant now) {
     } else {
       debts_.erase(replaced);
     }
-    owe(answered.asked, answered.due);
-    const auto owed = std::ranges::find_if(debts_, [&](const Debt& debt) {
-      return !debt.given_up && debt.asked.pdu() == answered.asked.pdu();
-    });
-    owed->suspected = std::max(owed->suspected, suspected);
+    Debt& owed = owe(answered.asked, answered.due);
+    owed.suspected = std::max(owed.suspected, suspected);
   }
   answered_at_ = now;
   return answer_seen();

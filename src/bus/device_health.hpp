@@ -93,7 +93,7 @@ class DeviceHealth {
     bool doubtful = false;  ///< given up, and something that fits it was taken for another answer
   };
 
-  void owe(const modbus::Request& asked, Instant due);
+  Debt& owe(const modbus::Request& asked, Instant due);
   bool answer_seen();
   void note_took(Duration took, Instant now);
   [[nodiscard]] Instant end_of(const Debt& debt, const Timing& timing) const;

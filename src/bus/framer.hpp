@@ -57,6 +57,9 @@ class Framer {
   [[nodiscard]] Instant response_began() const {
     return std::visit([](const auto& framer) { return framer.response_began(); }, framer_);
   }
+  [[nodiscard]] bool came_first() const {
+    return std::visit([](const auto& framer) { return framer.came_first(); }, framer_);
+  }
   [[nodiscard]] std::size_t noise() const {
     return std::visit([](const auto& framer) { return framer.noise(); }, framer_);
   }

@@ -54,5 +54,11 @@ enum class LineFault : std::uint8_t {
 };
 /// Those that were noticed and not told yet.
 using LineFaults = boost::container::static_vector<LineFault, 8>;
+/// Forgotten if there is no room for it.
+inline void note_fault(LineFaults& faults, LineFault fault) {
+  if (faults.size() < faults.capacity()) {
+    faults.push_back(fault);
+  }
+}
 
 }  // namespace mbgate::bus

@@ -21,6 +21,7 @@ RtuFramer::RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounter
 void RtuFramer::expect(const Transaction& transaction) {
   listen();
   transaction_ = &transaction;
+  given_ = 0;
   response_.reset();
 }
 
@@ -57,6 +58,7 @@ void RtuFramer::discard() {
 Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
   const bool silence_before = now - last_byte_ >= timing_.t3_5();
   last_byte_ = now;
+  given_ += bytes.size();
   if (silence_before && !in_progress()) {
     // What stands here was not the answer, and a new frame begins.
     give_up_buffer();
@@ -199,6 +201,7 @@ RtuFramer::Found RtuFramer::look_at_candidate(const Look& look) {
 RtuFramer::Found RtuFramer::accept(const Look& look, std::size_t size) {
   response_ = modbus::Pdu::from(bytes_from(look.at).subspan(1, size - modbus::kRtuOverhead));
   response_began_ = buffer_.came_at(look.at);
+  came_first_ = look.at == 0 && buffer_.size() == given_;
   noise_ = look.at;
   counters_.noise_bytes += look.at;
   buffer_.drop(look.at + size);

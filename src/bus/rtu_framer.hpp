@@ -51,6 +51,8 @@ class RtuFramer {
   [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
   /// When the first byte of the response came.
   [[nodiscard]] Instant response_began() const { return response_began_; }
+  /// Nothing at all came before the response since expect().
+  [[nodiscard]] bool came_first() const { return came_first_; }
   /// Bytes before the response, or before the damaged one, that were no part of it.
   [[nodiscard]] std::size_t noise() const { return noise_; }
   /// A good frame that answers nothing that was asked, each once.
@@ -106,9 +108,11 @@ class RtuFramer {
   Instant last_byte_;
   Answer answer_ = Answer::not_begun;
   std::size_t answer_at_ = 0;  // its place among the bytes
+  std::size_t given_ = 0;      // bytes since expect()
   bool discarding_ = false;    // the buffer is no frame: everything until silence is stray
   std::optional<modbus::Pdu> response_;
   Instant response_began_;
+  bool came_first_ = false;
   std::size_t noise_ = 0;
   Strays<kMostStrays> strays_;
 };

@@ -25,12 +25,6 @@ constexpr int kEarlyPart = 8;  // of the response wait
 // A USB adapter may keep an echo for so long (its latency timer, and a busy host).
 constexpr Duration kEchoKept = std::chrono::milliseconds(20);
 
-// Can the echo of this be mistaken for the answer to it? Of 05, 06, 22 and 08/00 it always is one.
-bool looks_like_answer(const Transaction& transaction) {
-  const auto fit = modbus::check_response(transaction.request, transaction.request.pdu().bytes());
-  return !transaction.is_broadcast() && fit == modbus::ResponseFit::normal;
-}
-
 }  // namespace
 
 SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters)
@@ -39,21 +33,16 @@ SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCo
       turnaround_(settings.turnaround),
       settle_(settings.settle),
       listen_first_(listen_first),
-      echo_(!settings.line.echo   ? Echo::unknown
-            : *settings.line.echo ? Echo::present
-                                  : Echo::absent),
-      learns_echo_(!settings.line.echo),
       paced_setting_(settings.line.paced),
       counters_(counters),
+      echo_(settings.line.echo, counters, faults_),
       framer_(settings, timing_, counters) {}
 
 void SerialLine::open(Instant now, LineKind kind) {
   abort();
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
-  if (learns_echo_) {
-    echo_ = Echo::unknown;  // it may be another adapter
-  }
-  unproven_told_ = unpaced_told_ = echo_shown_ = false;
+  echo_.open();
+  unpaced_told_ = false;
   quiet_since_ = now;
   busy_since_ = now;
   emission_ends_ = now;
@@ -95,8 +84,7 @@ FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming
       (transaction.boot_time ? turnaround_ : timing.response_timeout + timing.response_wait);
   response_deadline_ = response_due_;
   heard_ = 0;
-  echo_may_answer_ = looks_like_answer(transaction);
-  expect_echo(frame);
+  echo_.expect(transaction, frame, now, response_due_);
   if (transaction.is_broadcast()) {
     turnaround_until_ = emission_ends_ + turnaround_;
     framer_.listen();
@@ -113,8 +101,7 @@ void SerialLine::limit_wait(const Transaction& /*transaction*/, Instant instant,
 void SerialLine::abort() {
   framer_.listen();
   transaction_ = nullptr;
-  echo_expected_.clear();
-  echo_seen_ = 0;
+  echo_.forget();
   end_.reset();
 }
 
@@ -139,73 +126,10 @@ bool SerialLine::may_refuse_another() const {
   return transaction_->request.writes() && framer_.response().is_exception();
 }
 
-void SerialLine::expect_echo(const FrameBytes& frame) {
-  if (echo_ != Echo::present && echo_seen_ < echo_expected_.size()) {
-    counters_.stray_bytes += echo_seen_;  // it was held back for an echo that it was not
+void SerialLine::judge_held(const Echo::Held& held, Instant now) {
+  if (!held.bytes.empty()) {
+    judge(framer_.add({held.bytes.data(), held.bytes.size()}, held.since), now);
   }
-  echo_seen_ = 0;
-  echo_spoilt_ = false;
-  echo_expected_.clear();
-  if (echo_ == Echo::present || (learns_echo_ && !echo_may_answer_)) {
-    echo_expected_ = frame;
-  }
-}
-
-void SerialLine::note(LineFault fault) {
-  if (faults_.size() < faults_.capacity()) {
-    faults_.push_back(fault);
-  }
-}
-
-void SerialLine::find_echo() {
-  echo_ = Echo::present;
-  echo_shown_ = true;
-  note(LineFault::echo_found);
-}
-
-// As long as what comes may be the echo of what was sent, it is held back: if it is, no answer to
-// that can look so, and the line hears itself.
-modbus::Bytes SerialLine::look_for_echo(modbus::Bytes bytes, Instant now) {
-  const std::size_t count = std::min(bytes.size(), echo_expected_.size() - echo_seen_);
-  const auto expected = echo_expected_.begin() + static_cast<std::ptrdiff_t>(echo_seen_);
-  if (!std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count), expected)) {
-    release_held(now);
-    return bytes;
-  }
-  held_since_ = echo_seen_ == 0 ? now : held_since_;
-  echo_seen_ += count;
-  if (echo_seen_ == echo_expected_.size()) {
-    find_echo();
-  }
-  return bytes.subspan(count);
-}
-
-void SerialLine::release_held(Instant now) {
-  const FrameBytes held(echo_expected_.begin(),
-                        echo_expected_.begin() + static_cast<std::ptrdiff_t>(echo_seen_));
-  echo_expected_.clear();
-  echo_seen_ = 0;
-  if (!held.empty()) {
-    judge(framer_.add({held.data(), held.size()}, held_since_), now);
-  }
-}
-
-modbus::Bytes SerialLine::compare_echo(modbus::Bytes bytes) {
-  const std::size_t count = std::min(bytes.size(), echo_expected_.size() - echo_seen_);
-  const auto expected = echo_expected_.begin() + static_cast<std::ptrdiff_t>(echo_seen_);
-  if (std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count), expected)) {
-    echo_seen_ += count;
-    return bytes.subspan(count);
-  }
-  echo_seen_ = echo_expected_.size();
-  echo_spoilt_ = true;
-  note(LineFault::echo_differed);
-  if (learns_echo_) {
-    echo_ = Echo::unknown;  // the next read shows again what it is
-  }
-  ++counters_.echo_mismatches;
-  counters_.stray_bytes += bytes.size();
-  return {};
 }
 
 void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
@@ -216,14 +140,14 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
     busy_since_ = now;
   }
   quiet_since_ = std::max(quiet_since_, now);
-  if (echo_seen_ < echo_expected_.size()) {
-    bytes = echo_ == Echo::present ? compare_echo(bytes) : look_for_echo(bytes, now);
-  }
+  const Echo::Heard heard = echo_.take(bytes, now);
+  judge_held(heard.held, now);
+  bytes = heard.bytes;
   if (bytes.empty()) {
     return;
   }
   draining_ = draining_ || transaction_ == nullptr;
-  if (echo_spoilt_) {
+  if (echo_.is_spoilt()) {
     counters_.stray_bytes += bytes.size();
     return;
   }
@@ -234,61 +158,60 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
   judge(framer_.add(bytes, now), now);
 }
 
-// What begins before the request has left a paced line answers nothing.
+// It may be a late echo; what begins before the request has left a paced line answers nothing; and
+// an owed answer begins before the device can have answered this request, or says no to any one.
+bool SerialLine::is_no_answer() const {
+  return echo_.is_owed(framer_.response()) ||
+         (paced_ && framer_.response_began() < emission_ends_) ||
+         (owed_ > 0 && (is_early() || may_refuse_another()));
+}
+
 Verdict SerialLine::refuse(Instant now) {
-  if (owed_ > 0) {
+  if (echo_.take_owed(framer_.response())) {
+    ++counters_.stray_frames;
+  } else if (owed_ > 0) {
     // It is one of those that the device owes.
     --owed_;
     refused_.add({transaction_->address, framer_.response()});
-  } else if (learns_echo_ && repeats_request()) {
-    find_echo();
+  } else if (echo_.is_learned() && echo_.is_repetition(framer_.response())) {
+    echo_.find();
   } else {
     ++counters_.stray_frames;
     if (transaction_->request.is_read() && !std::exchange(unpaced_told_, true)) {
-      note(LineFault::answered_while_sending);
+      note_fault(faults_, LineFault::answered_while_sending);
     }
   }
   return framer_.again(now);
 }
 
-bool SerialLine::repeats_request() const {
-  return echo_may_answer_ && framer_.response() == transaction_->request.pdu();
-}
-
 // Until a read has shown whether the line hears itself, a repetition that comes at once may be an
 // echo. If something else that fits stands behind it, it was; alone it is taken.
 Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
-  if (echo_ != Echo::unknown || !repeats_request() ||
+  if (!echo_.is_unknown() || !echo_.is_repetition(framer_.response()) ||
       framer_.response_began() > emission_ends_ + kEchoKept) {
     return verdict;
   }
-  if (echo_shown_ || transaction_->request.is_read()) {
+  if (echo_.was_shown() || transaction_->request.is_read()) {
     // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
     const Verdict behind = framer_.again(now);
     if (behind == Verdict::response && owed_ == 0) {
-      find_echo();
+      echo_.find();
     }
     return behind;
   }
   const modbus::Pdu repetition = framer_.response();
   if (owed_ == 0 && framer_.again(now) == Verdict::response) {
-    find_echo();
+    echo_.find();
     return Verdict::response;
   }
-  if (!std::exchange(unproven_told_, true)) {
-    note(LineFault::echo_unproven);
-  }
+  echo_.note_unproven();
   transaction_->response = repetition;
   end(LineEnd::How::response);
   return Verdict::none;
 }
 
 void SerialLine::judge(Verdict verdict, Instant now) {
-  while (verdict == Verdict::response && paced_ && framer_.response_began() < emission_ends_) {
-    verdict = refuse(now);
-  }
-  while (verdict == Verdict::response && owed_ > 0 && (is_early() || may_refuse_another())) {
-    // It began before the device can have answered this request, or says no to any request.
+  while (verdict == Verdict::response && is_no_answer()) {
     verdict = refuse(now);
   }
   if (verdict == Verdict::response) {
@@ -297,8 +220,8 @@ void SerialLine::judge(Verdict verdict, Instant now) {
   switch (verdict) {
     case Verdict::none: return;
     case Verdict::response:
-      if (learns_echo_ && !echo_may_answer_ && echo_ == Echo::unknown) {
-        echo_ = Echo::absent;  // it would have come before
+      if (framer_.came_first()) {
+        echo_.note_answered();
       }
       transaction_->response = framer_.response();
       end(LineEnd::How::response);
@@ -320,8 +243,8 @@ void SerialLine::handle_deadline(Instant now) {
     }
     return;
   }
-  if (now >= response_deadline_ && echo_ != Echo::present && echo_seen_ > 0) {
-    release_held(now);  // it has begun to answer, or it was nothing
+  if (now >= response_deadline_) {
+    judge_held(echo_.release(), now);  // it has begun to answer, or it was nothing
     if (transaction_ == nullptr) {
       return;
     }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bus/counters.hpp"
+#include "bus/echo.hpp"
 #include "bus/framer.hpp"
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
@@ -17,6 +18,8 @@ namespace mbgate::bus {
 class SerialLine {
  public:
   SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters);
+  SerialLine(const SerialLine&) = delete;  // its parts refer to each other
+  SerialLine& operator=(const SerialLine&) = delete;
 
   /// The line was opened: listening begins, nothing of before counts any more.
   void open(Instant now, LineKind kind);
@@ -56,15 +59,10 @@ class SerialLine {
   [[nodiscard]] LineState state(Instant now) const;
 
  private:
-  void expect_echo(const FrameBytes& frame);
-  modbus::Bytes compare_echo(modbus::Bytes bytes);
-  modbus::Bytes look_for_echo(modbus::Bytes bytes, Instant now);
-  void release_held(Instant now);
-  [[nodiscard]] bool repeats_request() const;
+  void judge_held(const Echo::Held& held, Instant now);
+  [[nodiscard]] bool is_no_answer() const;
   Verdict refuse(Instant now);
   Verdict settle_echo(Verdict verdict, Instant now);
-  void find_echo();
-  void note(LineFault fault);
   void judge(Verdict verdict, Instant now);
   [[nodiscard]] bool is_early() const;
   [[nodiscard]] bool may_refuse_another() const;
@@ -75,12 +73,11 @@ class SerialLine {
   Duration turnaround_;
   Duration settle_;
   Duration listen_first_;
-  enum class Echo : std::uint8_t { absent, present, unknown };
-  Echo echo_;
-  bool learns_echo_;  // nobody said whether there is one
   std::optional<bool> paced_setting_;
   bool paced_ = false;
   BusCounters& counters_;
+  LineFaults faults_;
+  Echo echo_;
   Framer framer_;
 
   Instant quiet_since_;  // the last byte in either direction
@@ -90,22 +87,14 @@ class SerialLine {
   Instant turnaround_until_;
   Transaction* transaction_ = nullptr;
   Instant emission_ends_;
-  Instant response_due_;          // the end of the response timeout
-  Instant response_deadline_;     // the same, or earlier because a stop waits
-  Duration response_wait_{0};     // the device holds its answer back for so long
-  unsigned owed_ = 0;             // answers to earlier requests that may still come
-  Strays<kMostStrays> refused_;   // of these, those that came, and were not told yet
-  bool draining_ = false;         // what came last was no response: it must end first
-  bool echo_may_answer_ = false;  // what was sent last looks like the answer to it
-  FrameBytes echo_expected_;
-  Instant held_since_;  // the first byte of what may be an echo, and is not given to the framer yet
-  std::size_t echo_seen_ = 0;
-  bool echo_spoilt_ = false;  // what follows cannot be told from the rest of the echo
-  std::size_t heard_ = 0;     // bytes since the last own frame had left
-  Instant heard_at_;          // the first of them
-  LineFaults faults_;
-  bool echo_shown_ = false;  // since the line was opened
-  bool unproven_told_ = false;
+  Instant response_due_;         // the end of the response timeout
+  Instant response_deadline_;    // the same, or earlier because a stop waits
+  Duration response_wait_{0};    // the device holds its answer back for so long
+  unsigned owed_ = 0;            // answers to earlier requests that may still come
+  Strays<kMostStrays> refused_;  // of these, those that came, and were not told yet
+  bool draining_ = false;        // what came last was no response: it must end first
+  std::size_t heard_ = 0;        // bytes since the last own frame had left
+  Instant heard_at_;             // the first of them
   bool unpaced_told_ = false;
   std::optional<LineEnd> end_;
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/gateway_driver.hpp"
 
-#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <chrono>
 #include <utility>
@@ -9,8 +8,6 @@
 
 #include "io/clock.hpp"
 #include "io/descriptors.hpp"
-#include "io/serial_line.hpp"
-#include "io/tcp_line.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -24,21 +21,6 @@ constexpr std::chrono::seconds kCloseLimit{1};
 /// The same at the end of the process: with the machine's own 1.5 s it makes less than 2 s.
 constexpr std::chrono::milliseconds kFlushLimit{250};
 
-routing::ClientAddress address_of(const boost::asio::ip::tcp::endpoint& peer) {
-  const auto address = peer.address();
-  const auto v6 = address.is_v6() ? address.to_v6()
-                                  : boost::asio::ip::make_address_v6(boost::asio::ip::v4_mapped,
-                                                                     address.to_v4());
-  return routing::ClientAddress(v6.to_bytes());
-}
-
-std::unique_ptr<Line> make_line(LineContext context, BusId bus, const bus::LineSettings& line) {
-  if (line.remote) {
-    return std::make_unique<TcpLine>(context, bus, line);
-  }
-  return std::make_unique<SerialLine>(context, bus, line);
-}
-
 }  // namespace
 
 GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings settings,
@@ -50,13 +32,7 @@ GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings
       gateway_(std::move(settings), started_),
       timer_(context),
       blocking_(context),
-      hangups_(context,
-               [this](std::uint64_t key, Hangup hangup) {
-                 if (auto* const client = connection(ClientId{key})) {
-                   client->handle_hangup(hangup);
-                 }
-               }),
-      connection_context_{context, hangups_, *this, {}},
+      clients_(context, *this),
       flush_timer_(context) {
   if (recorder_ != nullptr) {
     recorder_->begin(started_);
@@ -96,13 +72,10 @@ void GatewayDriver::shutdown() {
 }
 
 void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) {
-  const auto id = static_cast<ClientId>(next_client_++);
-  const auto added =
-      std::make_shared<TcpConnection>(connection_context_, id, std::move(client.socket));
-  connections_.emplace(id, added);
-  feed(gateway::ClientConnected{id, {listener, address_of(client.peer), client.bytes_waiting}});
+  const ClientId id = clients_.add(std::move(client.socket));
+  feed(gateway::ClientConnected{id, {listener, client.address(), client.bytes_waiting}});
   carry_out_actions();
-  if (connection(id) != nullptr) {
+  if (auto* const added = clients_.find(id)) {
     added->start();
   }
   observer_.on_status_changed();
@@ -128,15 +101,15 @@ void GatewayDriver::client_half_closed(ClientId client) {
 }
 
 void GatewayDriver::client_disconnected(ClientId client) {
-  connections_.erase(client);
+  clients_.note_disconnected(client);
   feed(gateway::ClientDisconnected{client});
   carry_out_actions();
   observer_.on_status_changed();
 }
 
 void GatewayDriver::client_closed(ClientId /*client*/) {
-  --closing_;
-  if (phase_ == Phase::flushing && closing_ == 0) {
+  clients_.note_closed();
+  if (phase_ == Phase::flushing && !clients_.are_closing()) {
     finish();
   }
 }
@@ -245,7 +218,7 @@ void GatewayDriver::wait_for_end_of_silence(const gateway::Wake& wake) {
 }
 
 void GatewayDriver::carry_out(const gateway::Send& action) {
-  auto* const client = connection(action.client);
+  auto* const client = clients_.find(action.client);
   if (client == nullptr) {
     return;
   }
@@ -257,20 +230,20 @@ void GatewayDriver::carry_out(const gateway::Send& action) {
 }
 
 void GatewayDriver::carry_out(const gateway::Pause& action) {
-  auto* const client = connection(action.client);
+  auto* const client = clients_.find(action.client);
   if (client != nullptr && !client->pause()) {
     drop(action.client);
   }
 }
 
 void GatewayDriver::carry_out(const gateway::Resume& action) {
-  if (auto* const client = connection(action.client)) {
+  if (auto* const client = clients_.find(action.client)) {
     client->resume();
   }
 }
 
 void GatewayDriver::carry_out(const gateway::Close& action) {
-  close_connection(action.client, kCloseLimit);
+  clients_.close(action.client, kCloseLimit);
   observer_.on_status_changed();
 }
 
@@ -294,14 +267,9 @@ void GatewayDriver::carry_out(const gateway::Shut& action) { line(action.bus).cl
 void GatewayDriver::carry_out(const gateway::Report& action) { observer_.on_event(action.event); }
 
 void GatewayDriver::carry_out(const gateway::Finished& /*action*/) {
-  std::vector<ClientId> remaining;
-  std::ranges::transform(connections_, std::back_inserter(remaining),
-                         [](const auto& entry) { return entry.first; });
-  for (const ClientId client : remaining) {
-    close_connection(client, kFlushLimit);
-  }
+  clients_.close_all(kFlushLimit);
   phase_ = Phase::flushing;
-  flush_timer_.expires_after(closing_ == 0 ? std::chrono::milliseconds(0) : kFlushLimit);
+  flush_timer_.expires_after(clients_.are_closing() ? kFlushLimit : std::chrono::milliseconds(0));
   flush_timer_.async_wait([this](const boost::system::error_code& error) {
     if (!error) {
       finish();
@@ -310,17 +278,9 @@ void GatewayDriver::carry_out(const gateway::Finished& /*action*/) {
 }
 
 void GatewayDriver::drop(ClientId client) {
-  if (const auto entry = connections_.extract(client)) {
-    entry.mapped()->abort();
+  if (clients_.abort(client)) {
     feed(gateway::ClientDisconnected{client});
     observer_.on_status_changed();
-  }
-}
-
-void GatewayDriver::close_connection(ClientId client, bus::Duration limit) {
-  if (const auto entry = connections_.extract(client)) {
-    ++closing_;
-    entry.mapped()->close(limit);
   }
 }
 
@@ -328,11 +288,6 @@ void GatewayDriver::finish() {
   if (std::exchange(phase_, Phase::finished) != Phase::finished) {
     observer_.on_finished();
   }
-}
-
-TcpConnection* GatewayDriver::connection(ClientId client) {
-  const auto entry = connections_.find(client);
-  return entry == connections_.end() ? nullptr : entry->second.get();
 }
 
 }  // namespace mbgate::io

@@ -10,17 +10,15 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "gateway/action.hpp"
 #include "gateway/gateway.hpp"
 #include "gateway/input.hpp"
 #include "io/blocking_calls.hpp"
-#include "io/hangup_watch.hpp"
+#include "io/client_connections.hpp"
 #include "io/line.hpp"
 #include "io/recorder.hpp"
-#include "io/tcp_connection.hpp"
 #include "io/tcp_server.hpp"
 
 namespace mbgate::io {
@@ -96,9 +94,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void carry_out(const gateway::Report& action);
   void carry_out(const gateway::Finished& action);
   void drop(gateway::ClientId client);
-  void close_connection(gateway::ClientId client, bus::Duration limit);
   void finish();
-  TcpConnection* connection(gateway::ClientId client);
   Line& line(gateway::BusId bus) { return *lines_[static_cast<std::size_t>(bus)]; }
 
   boost::asio::io_context& context_;
@@ -112,13 +108,9 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   /// Bytes that lay in the lines at one instant are handed in with it, before what it judges.
   std::optional<gateway::Instant> reading_at_;
   BlockingCalls blocking_;
-  HangupWatch hangups_;
-  ConnectionContext connection_context_;
+  ClientConnections clients_;
   std::vector<std::unique_ptr<Line>> lines_;
   std::vector<std::unique_ptr<TcpServer>> servers_;
-  std::unordered_map<gateway::ClientId, std::shared_ptr<TcpConnection>> connections_;
-  std::uint64_t next_client_ = 0;
-  std::size_t closing_ = 0;  ///< connections that still send what was queued
   enum class Phase : std::uint8_t { starting, serving, flushing, finished };
   Phase phase_ = Phase::starting;
   boost::asio::steady_timer flush_timer_;

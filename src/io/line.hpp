@@ -4,6 +4,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,5 +58,9 @@ class Line {
   /// Also ends an opening. Nothing is reported until the next open().
   virtual void close() = 0;
 };
+
+/// What these settings ask for: a TCP connection if they name a remote end, else a serial line.
+std::unique_ptr<Line> make_line(LineContext context, drive::BusId bus,
+                                const bus::LineSettings& line);
 
 }  // namespace mbgate::io

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "io/read_waiting.hpp"
 #include "io/supervise.hpp"
 #include "io/tty_direction.hpp"
 
@@ -41,8 +42,6 @@ Result<OpenTty, std::string> open_once_closed(const bus::LineSettings& settings,
   }
   return open_tty(settings);
 }
-
-bool would_block(int error) { return error == EAGAIN || error == EINTR; }
 
 std::size_t bytes_in(int fd) {
   int count = 0;
@@ -182,23 +181,18 @@ void SerialLine::read_now() {
   }
 }
 
-/// At most so many bytes, which is less than what comes if somebody never stops.
 void SerialLine::read(std::size_t left) {
-  const unsigned generation = generation_;
-  while (left > 0 && generation == generation_) {
-    const ssize_t count =
-        ::read(descriptor_.native_handle(), buffer_.data(), std::min(left, buffer_.size()));
-    if (count < 0 && would_block(errno)) {
-      return;
-    }
-    if (count <= 0) {
-      lose_reading(count == 0 ? boost::asio::error::make_error_code(boost::asio::error::eof)
-                              : boost::system::error_code(errno, boost::system::system_category()));
-      return;
-    }
-    const auto bytes = static_cast<std::size_t>(count);
-    left -= std::min(left, bytes);
-    context_.events.line_bytes(bus_, modbus::Bytes(buffer_).first(bytes));
+  const auto error = read_waiting(
+      buffer_, left,
+      [fd = descriptor_.native_handle()](auto room) {
+        return ::read(fd, room.data(), room.size());
+      },
+      [this, generation = generation_](modbus::Bytes bytes) {
+        context_.events.line_bytes(bus_, bytes);
+        return generation == generation_;
+      });
+  if (error) {
+    lose_reading(error);
   }
 }
 

@@ -17,6 +17,7 @@
 #include <utility>
 #include <variant>
 
+#include "io/read_waiting.hpp"
 #include "io/supervise.hpp"
 #include "io/tcp_options.hpp"
 
@@ -32,7 +33,6 @@ constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
 
 /// A kernel that does not take a frame holds hundreds of others that the far end does not read.
 constexpr std::chrono::milliseconds kTakeLimit{1000};
-bool would_block(int error) { return error == EAGAIN || error == EINTR; }
 
 bool has_far_end_closed(int error) { return error == ECONNRESET || error == EPIPE; }
 
@@ -221,22 +221,17 @@ void TcpLine::read_now() {
     return;
   }
   error_code ignored;
-  std::size_t left = std::max<std::size_t>(socket_.available(ignored), 1);
-  const unsigned generation = generation_;
-  while (left > 0 && generation == generation_) {
-    const ssize_t count = ::recv(socket_.native_handle(), buffer_.data(),
-                                 std::min(left, buffer_.size()), MSG_DONTWAIT);
-    if (count < 0 && would_block(errno)) {
-      return;
-    }
-    if (count <= 0) {
-      note_end(count == 0 ? boost::asio::error::make_error_code(boost::asio::error::eof)
-                          : error_code(errno, boost::system::system_category()));
-      return;
-    }
-    const auto bytes = static_cast<std::size_t>(count);
-    left -= std::min(left, bytes);
-    context_.events.line_bytes(bus_, modbus::Bytes(buffer_).first(bytes));
+  const auto error = read_waiting(
+      buffer_, std::max<std::size_t>(socket_.available(ignored), 1),
+      [fd = socket_.native_handle()](auto room) {
+        return ::recv(fd, room.data(), room.size(), MSG_DONTWAIT);
+      },
+      [this, generation = generation_](modbus::Bytes bytes) {
+        context_.events.line_bytes(bus_, bytes);
+        return generation == generation_;
+      });
+  if (error) {
+    note_end(error);
   }
 }
 

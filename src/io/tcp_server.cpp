@@ -45,6 +45,14 @@ int accept_socket(int listening, tcp::endpoint& peer) {
 
 }  // namespace
 
+routing::ClientAddress AcceptedClient::address() const {
+  const auto from = peer.address();
+  const auto v6 = from.is_v6()
+                      ? from.to_v6()
+                      : boost::asio::ip::make_address_v6(boost::asio::ip::v4_mapped, from.to_v4());
+  return routing::ClientAddress(v6.to_bytes());
+}
+
 TcpServer::TcpServer(boost::asio::io_context& context, gateway::ListenerId listener,
                      tcp::acceptor acceptor, AcceptEvents& events, int end)
     : context_(context),

@@ -12,6 +12,7 @@
 
 #include "gateway/settings.hpp"
 #include "io/unique_fd.hpp"
+#include "routing/client_address.hpp"
 
 namespace mbgate::io {
 
@@ -20,6 +21,9 @@ struct AcceptedClient {
   boost::asio::ip::tcp::endpoint peer;
   /// Bytes that could be read at accept; counted by accept_waiting() only, else 0.
   std::size_t bytes_waiting = 0;
+
+  /// The peer's, as the machine knows addresses.
+  [[nodiscard]] routing::ClientAddress address() const;
 };
 
 class AcceptEvents {

@@ -1,38 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/ascii_framer.hpp"
 
-#include <gtest/gtest.h>
-
-#include "support/hex.hpp"
+#include "framer_rig.hpp"
 
 namespace mbgate::test {
 namespace {
 
-using namespace std::chrono_literals;
-using bus::Duration;
-using bus::Instant;
-using bus::Verdict;
-
-class AsciiFramer : public testing::Test {
+class AsciiFramer : public FramerRig<bus::AsciiFramer> {
  protected:
-  void expect(std::string_view request, std::uint8_t address = 1) {
-    const auto pdu = modbus::Pdu::from(unhex(request));
-    transaction_.emplace(bus::Transaction{address, *modbus::Request::parse(*pdu)});
-    framer_.expect(*transaction_);
-  }
   Verdict add(std::string_view text) {
-    return framer_.add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, now_);
+    return FramerRig::add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
-  Verdict after(Duration duration) {
-    now_ += duration;
-    return framer_.handle_deadline(now_);
-  }
-  std::string response() { return hex(framer_.response().bytes()); }
-
-  Instant now_{10s};
-  bus::BusCounters counters_;
-  std::optional<bus::Transaction> transaction_;
-  bus::AsciiFramer framer_{counters_};
 };
 
 constexpr auto kRead = "03 0000 0001";

@@ -43,6 +43,25 @@ TEST_F(BusAscii, AsksAndIsAnswered) {
   EXPECT_EQ(hex(read.transactions[0].response->bytes()), "03 02 12 34");
 }
 
+TEST_F(BusAscii, AReadShowsThatThereIsNoEchoOnlyIfNothingComesBeforeItsAnswer) {
+  auto learning = ascii();
+  learning.line.echo = std::nullopt;
+  for (const std::string before : {"", ":010300000001FC\r\n", "\r\n", ":0103"}) {
+    faults_.clear();
+    open(learning);
+    submit(job(kRead));
+    advance(20ms);
+    text(before + kAsciiAnswer);
+    advance(10ms);
+    submit(job("06 0000 0001"));
+    advance(20ms);
+    text(":010600000001F8\r\n");
+    EXPECT_EQ(faults_, std::vector(before.empty() ? 0U : 1U, bus::LineFault::echo_unproven))
+        << before;
+    advance(10ms);
+  }
+}
+
 // The specification asks ASCII for none; a drive may still hold the line after its line feed.
 TEST_F(BusAscii, KeepsTheSilenceOfRtu) {
   open(ascii());

@@ -25,11 +25,6 @@ class BusDeadStops : public Bus {
   [[nodiscard]] std::size_t stops_sent() const {
     return static_cast<std::size_t>(std::ranges::count(frames_, kHaltFrame));
   }
-  void refuse(std::uint8_t address) {
-    const auto answer = modbus::encode_rtu(address, *modbus::Pdu::from(unhex("83 02")));
-    bus_->handle_bytes({answer.data(), answer.size()}, now_);
-    drain();
-  }
   /// A whole series of tries was in vain, and the device is offline.
   void give_up_axis() {
     submit(job(kHalt));

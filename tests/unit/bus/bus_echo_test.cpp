@@ -9,7 +9,6 @@ using Fault = bus::LineFault;
 
 constexpr auto kWritePdu = "06 0000 0001";
 constexpr auto kRepetition = "01 06 00 00 00 01 48 0A";  // the frame, its echo, and its answer
-constexpr auto kReadEcho = "01 03 00 00 00 01 84 0A";
 constexpr auto kRefusal = "01 86 02 C3 A1";
 
 class BusEcho : public Bus {
@@ -22,6 +21,14 @@ class BusEcho : public Bus {
     bus_->handle_opened(now_, kind);
     drain();
     advance(5ms);
+  }
+  /// A read shows that the line hears itself.
+  void open_and_learn(bus::LineKind kind) {
+    open_as(kind);
+    submit(job(kRead));
+    advance(10ms);
+    line(std::string(kReadFrame) + kAnswer);
+    advance(10ms);
   }
 };
 
@@ -66,6 +73,32 @@ TEST_F(BusEcho, AReadWithoutItShowsThatThereIsNone) {
   line(kRepetition);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
   EXPECT_THAT(faults_, IsEmpty());
+}
+
+// It was damaged, or something else came; and then, at once or later, the answer.
+TEST_F(BusEcho, AReadShowsThatThereIsNoneOnlyIfNothingComesBeforeItsAnswer) {
+  const std::string answer = kAnswer;
+  for (const std::string& before :
+       {std::string("01 03 00 00 00 01 84 0B"), std::string("00"),
+        std::string("02 06 00 00 00 01 48 39"), std::string("01 03 00 00")}) {
+    for (const Duration pause : {0ms, 4ms}) {
+      endings_.clear();
+      faults_.clear();
+      open_as(bus::LineKind::virtual_line);
+      submit(job(kRead));
+      advance(10ms);
+      line(before + (pause == 0ms ? answer : ""));
+      advance(pause);
+      if (pause > 0ms) {
+        line(answer);
+      }
+      advance(400ms);
+      submit(job(kWritePdu));
+      advance(10ms);
+      line(kRepetition);
+      EXPECT_THAT(faults_, ElementsAre(Fault::echo_unproven)) << before;
+    }
+  }
 }
 
 TEST_F(BusEcho, WhatBeginsLikeItButEndsOtherwiseIsAnAnswer) {
@@ -154,11 +187,7 @@ TEST_F(BusEcho, AFittingReadAnswerBeforeThatIsSaidOnce) {
 }
 
 TEST_F(BusEcho, IsLearnedAnewWhenItIsNotThereAnyMore) {
-  open_as(bus::LineKind::virtual_line);
-  submit(job(kRead));
-  advance(10ms);
-  line(std::string(kReadEcho) + kAnswer);
-  advance(10ms);
+  open_and_learn(bus::LineKind::virtual_line);
   submit(job(kRead));
   advance(10ms);
   line(kAnswer);  // without an echo
@@ -169,6 +198,83 @@ TEST_F(BusEcho, IsLearnedAnewWhenItIsNotThereAnyMore) {
   advance(10ms);
   line(kAnswer);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
+}
+
+// The spoilt echo was all that came; it is not to be made up from what was sent.
+TEST_F(BusEcho, ThatDifferedIsNotHeardAgainWhenTheTimeIsOver) {
+  open_and_learn(bus::LineKind::uart);
+  submit(job(kWritePdu));
+  advance(10ms);
+  line(kRefusal);  // without an echo
+  time_out();
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed));
+  EXPECT_EQ(bus_->counters().stray_frames, 0U);
+}
+
+/// A device that is stopped by kWritePdu, which is repeated if it is not answered.
+class BusLateEcho : public Bus {
+ protected:
+  void open_with_stop() {
+    drive::Device axis;
+    axis.profile.stops = {{.address = 0, .value = 1}};
+    axis.timing = settings().timing;
+    auto hearing = settings();
+    hearing.line.echo = true;
+    open(hearing, {axis});
+  }
+  /// A stop whose echo did not come in time; its repetition has left.
+  void repeat_stop() {
+    submit(job(kWritePdu));
+    advance(kEmission + 103ms + kEmission);
+    ASSERT_THAT(frames_, SizeIs(2));
+  }
+};
+
+TEST_F(BusLateEcho, IsNotTheAnswerToTheSameRequest) {
+  open_with_stop();
+  repeat_stop();
+  line(kRepetition);  // late
+  advance(2ms);
+  line(kRepetition);  // in time
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_EQ(bus_->counters().echo_mismatches, 0U);
+}
+
+TEST_F(BusLateEcho, MayComeInTheSamePieceAsTheOther) {
+  open_with_stop();
+  repeat_stop();
+  line(std::string(kRepetition) + kRepetition);
+  EXPECT_THAT(endings_, IsEmpty());
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+// Nobody can tell its answer from the echo that was lost.
+TEST_F(BusLateEcho, ThatWasLostCostsOneAnswer) {
+  open_with_stop();
+  repeat_stop();
+  line(std::string(kRepetition) + kRepetition);  // the echo and the answer
+  time_out();
+  EXPECT_THAT(endings_, IsEmpty());
+  ASSERT_THAT(frames_, SizeIs(3));
+  advance(kEmission);
+  line(std::string(kRepetition) + kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusLateEcho, ThatComesBetweenIsNotOwedAnyMore) {
+  open_with_stop();
+  submit(job(kWritePdu));
+  advance(kEmission + 101ms);  // the silence before the repetition runs
+  line(kRepetition);
+  advance(2 * kEmission);
+  ASSERT_THAT(frames_, SizeIs(2));
+  line(std::string(kRepetition) + kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
 TEST_F(BusEcho, IsNotClaimedWhileAnIdenticalAnswerIsOwed) {

@@ -9,32 +9,15 @@ constexpr auto kWrite = "06 0000 0001";
 
 class BusRepeats : public Bus {
  protected:
-  void open_retrying(unsigned retries = 1) {
-    auto retrying = settings();
-    retrying.timing.retries = retries;
-    open(retrying);
-  }
   /// The devices that requests go to within `limit`; 1 and 8 are silent, others refuse after 10 ms.
   std::vector<int> served(Duration limit) {
-    std::vector<int> devices;
-    const Instant end = now_ + limit;
-    while (now_ < end) {
-      const std::size_t before = frames_.size();
-      advance(1ms);
-      if (frames_.size() > before) {
-        devices.push_back(answer());
-      }
-    }
-    return devices;
+    return Bus::served(limit, [this] { return answer(); });
   }
   int answer() {
     const auto request = unhex(frames_.back());
     if (request[0] != 1 && request[0] != 8 && request[0] != 0) {
       advance(9ms);
-      const std::vector<std::uint8_t> pdu{static_cast<std::uint8_t>(request[1] | 0x80U), 2};
-      const auto frame = modbus::encode_rtu(request[0], *modbus::Pdu::from(pdu));
-      bus_->handle_bytes({frame.data(), frame.size()}, now_);
-      drain();
+      refuse(request[0], request[1]);
     }
     return request[0];
   }

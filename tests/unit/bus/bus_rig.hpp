@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <deque>
+#include <functional>
 
 #include "bus/bus.hpp"
 #include "support/hex.hpp"
@@ -21,9 +22,13 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 inline constexpr auto kRead = "03 0000 0001";
+inline constexpr auto kReadFrame = "01 03 00 00 00 01 84 0A";
 inline constexpr auto kAnswer = "01 03 02 12 34 B5 33";
-inline constexpr auto kT35 = 2005209ns;       // 38.5 bits, rounded up
-inline constexpr auto kEmission = 4583334ns;  // 88 bits, rounded up
+inline constexpr auto kOther = "03 0010 0001";  // the same shape as kRead
+inline constexpr auto kOtherFrame = "01 03 00 10 00 01 85 CF";
+inline constexpr auto kOtherDevice = "02 03 00 00 00 01 84 39";  // kRead there
+inline constexpr auto kT35 = 2005209ns;                          // 38.5 bits, rounded up
+inline constexpr auto kEmission = 4583334ns;                     // 88 bits, rounded up
 
 class Bus : public testing::Test {
  protected:
@@ -33,6 +38,12 @@ class Bus : public testing::Test {
     bus_->handle_opened(now_);
     drain();
     advance(5ms);
+  }
+  /// Reads are sent twice.
+  void open_retrying() {
+    auto retrying = settings();
+    retrying.timing.retries = 1;
+    open(retrying);
   }
   void update(const bus::BusSettings& settings, const std::vector<drive::Device>& devices) {
     bus_->update(settings, devices, now_);
@@ -126,6 +137,28 @@ class Bus : public testing::Test {
     const Instant start = now_;
     advance(limit);
     return frames_.size() > before ? frame_times_[before] - start : Duration::max();
+  }
+
+  /// The devices that requests go to within `limit`. `answer` plays each, and says its address.
+  std::vector<int> served(Duration limit, const std::function<int()>& answer) {
+    std::vector<int> devices;
+    const Instant end = now_ + limit;
+    while (now_ < end) {
+      const std::size_t before = frames_.size();
+      advance(1ms);
+      if (frames_.size() > before) {
+        devices.push_back(answer());
+      }
+    }
+    return devices;
+  }
+  /// The device refuses the function that it was asked for, which is an answer too.
+  void refuse(std::uint8_t address, std::uint8_t function = 3) {
+    const std::vector<std::uint8_t> pdu{static_cast<std::uint8_t>(function | modbus::kExceptionBit),
+                                        2};
+    const auto frame = modbus::encode_rtu(address, *modbus::Pdu::from(pdu));
+    bus_->handle_bytes({frame.data(), frame.size()}, now_);
+    drain();
   }
 
   Instant now_{};

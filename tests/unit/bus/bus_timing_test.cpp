@@ -97,36 +97,36 @@ TEST_F(Bus, AnAnswerThatStopsHalfWayEndsTheWait) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
 }
 
+class BusPauses : public Bus {
+ protected:
+  /// A read whose answer begins so long after it has left, and pauses.
+  void read_with_pause(Duration pause, Duration began = 99ms) {
+    submit(job(kRead));
+    advance(kEmission + began);
+    line("01 03 02");
+    advance(pause);
+    line("12 34 B5 33");
+  }
+};
+
 // A Wi-Fi device server passes an answer on in parts.
-TEST_F(Bus, AnAnswerMayPauseLongerBehindADeviceServer) {
+TEST_F(BusPauses, AnAnswerMayPauseLongerBehindADeviceServer) {
   auto remote = settings();
   remote.line.remote = bus::Endpoint{"wifi", 4001};
   open(remote);
-  submit(job(kRead));
-  advance(kEmission + 50ms);
-  line("01 03 02");
-  advance(150ms);
-  line("12 34 B5 33");
+  read_with_pause(150ms, 50ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
-TEST_F(Bus, FrameSlackSaysHowLongAnAnswerMayPause) {
+TEST_F(BusPauses, FrameSlackSaysHowLongAnAnswerMayPause) {
   auto slack = settings();
   slack.frame_slack = 60ms;
   open(slack);
-  submit(job(kRead));
-  advance(kEmission + 99ms);
-  line("01 03 02");
-  advance(60ms);
-  line("12 34 B5 33");
+  read_with_pause(60ms);
   slack.frame_slack = 30ms;
   update(slack, {});
   advance(5ms);
-  submit(job(kRead));
-  advance(kEmission + 99ms);
-  line("01 03 02");
-  advance(60ms);
-  line("12 34 B5 33");
+  read_with_pause(60ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
 }
 
@@ -148,6 +148,26 @@ TEST_F(Bus, SettlesAfterATimeoutBeforeTheNextRequest) {
   submit(job(kRead, 2));
   time_out();
   EXPECT_EQ(until_next_frame(), 50ms);
+}
+
+TEST_F(Bus, OnlyTheEndOfASilenceMayBeWokenForEarly) {
+  open(settings());
+  line(kAnswer);
+  submit(job(kRead));
+  EXPECT_TRUE(bus_->next_wake()->ends_silence);
+  advance(5ms);
+  EXPECT_FALSE(bus_->next_wake()->ends_silence);  // the response timeout
+  time_out();
+  submit(job_of(1, kOther));
+  EXPECT_FALSE(bus_->next_wake()->ends_silence);  // the quarantine
+}
+
+TEST_F(Bus, BytesThatAreNoFrameAreDrainedBeforeTheNextTransmission) {
+  open(settings());
+  line("12 34 56");
+  EXPECT_EQ(bus_->line_state(now_), bus::LineState::draining);
+  submit(job(kRead));
+  EXPECT_EQ(until_next_frame(), kT35);
 }
 
 TEST_F(Bus, ListensAsLongAsTheSlowestAddressMayTake) {

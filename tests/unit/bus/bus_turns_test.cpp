@@ -30,26 +30,14 @@ class BusTurns : public Bus {
     submit(job_of(9, kRead, 9));
     advance(10ms);
   }
-  /// An exception is an answer too.
-  void refuse(std::uint8_t address) {
-    const auto answer = modbus::encode_rtu(address, *modbus::Pdu::from(unhex("83 02")));
-    bus_->handle_bytes({answer.data(), answer.size()}, now_);
-    drain();
-  }
   /// The devices that requests go to within `limit`; each answers after 10 ms.
   std::vector<int> served(Duration limit) {
-    std::vector<int> devices;
-    const Instant end = now_ + limit;
-    while (now_ < end) {
-      const std::size_t before = frames_.size();
-      advance(1ms);
-      if (frames_.size() > before) {
-        devices.push_back(unhex(frames_.back())[0]);
-        advance(9ms);
-        refuse(unhex(frames_.back())[0]);
-      }
-    }
-    return devices;
+    return Bus::served(limit, [this] {
+      advance(9ms);
+      const std::uint8_t address = unhex(frames_.back())[0];
+      refuse(address);
+      return address;
+    });
   }
   Instant held_until_;
 };

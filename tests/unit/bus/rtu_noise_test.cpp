@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bytes before an answer that are no part of it.
-#include <gtest/gtest.h>
-
-#include "bus/rtu_framer.hpp"
 #include "modbus/crc16.hpp"
-#include "support/hex.hpp"
+#include "rtu_framer_rig.hpp"
 
 namespace mbgate::test {
 namespace {
-
-using namespace std::chrono_literals;
-using bus::Duration;
-using bus::Instant;
-using bus::Verdict;
 
 constexpr auto kRead = "03 001E 0002";
 const std::string kAnswer = "01 03 04 00 03 0D 40 0F 53";
@@ -26,15 +18,8 @@ std::string frame(std::string_view bytes) {
   return hex(whole);
 }
 
-// 19200 8E1: 573 us a character, t3.5 = 2.005 ms.
-class RtuNoise : public testing::Test {
+class RtuNoise : public RtuRig {
  protected:
-  void expect(std::string_view request, std::uint8_t address = 1) {
-    const auto pdu = modbus::Pdu::from(unhex(request));
-    transaction_.emplace(bus::Transaction{address, *modbus::Request::parse(*pdu)});
-    framer_.expect(*transaction_);
-  }
-  Verdict add(std::string_view bytes) { return framer_.add(unhex(bytes), now_); }
   /// One byte at a time, as fast as the line carries them.
   Verdict trickle(std::string_view bytes) {
     Verdict verdict = Verdict::none;
@@ -45,16 +30,6 @@ class RtuNoise : public testing::Test {
     }
     return verdict;
   }
-  Verdict after(Duration duration) {
-    now_ += duration;
-    return framer_.handle_deadline(now_);
-  }
-  std::string response() { return hex(framer_.response().bytes()); }
-
-  Instant now_{10s};
-  bus::BusCounters counters_;
-  std::optional<bus::Transaction> transaction_;
-  bus::RtuFramer framer_{modbus::RtuTiming(modbus::Baud{19200}, {}), 20ms, counters_};
 };
 
 TEST_F(RtuNoise, OfAnyValueIsSkipped) {

@@ -14,20 +14,6 @@ using testing::IsEmpty;
 
 constexpr auto kDeadlineRead = "0007 0000 0006 01  03 001E 0002";
 constexpr auto kDeadlineWrite = "0008 0000 0006 01  06 007C 00E1";
-constexpr auto kDeadlineWriteFrame = "01 06 00 7C 00 E1 88 5A";
-
-TEST(Deadlines, RepeatsWritesWithAllOtherTimesAsTheyAre) {
-  Settings settings = one_bus();
-  settings.buses[0].timing = {};
-  drive::Device device{"axis", BusId{0}, 1, {}};
-  device.timing.retry_writes = true;
-  settings.devices = {device};
-  MachineRig rig(settings);
-  rig.connect(1);
-  rig.receive(1, kDeadlineWrite);
-  rig.advance(10s);
-  EXPECT_THAT(rig.take_transmitted(), ElementsAre(kDeadlineWriteFrame, kDeadlineWriteFrame));
-}
 
 TEST(Deadlines, WritesWaitThreeResponseTimeoutsAndALittleReadsNoLess) {
   for (const auto& [timeout, write, read] :

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Unit 0: what every device of a bus, or of several, hears.
+#include <gmock/gmock.h>
+
+#include "support/machine_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST(Gateway, BroadcastsWritesAndKeepsTheTurnaroundDelay) {
+  Settings settings = one_bus();
+  settings.routes.clear();
+  settings.listeners[0].bus = BusId{0};
+  settings.listeners[0].broadcast = true;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 00 06 007C 00E1  0002 0000 0006 01 03 0000 0001");
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre("00 06 00 7C 00 E1 89 8B"));
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+  rig.advance(5ms);  // the frame has left the wire after 4.583 ms
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 00 06 00 7C 00 E1"));
+  rig.advance(99ms);
+  EXPECT_THAT(rig.take_transmitted(), IsEmpty());
+  rig.advance(1ms);
+  EXPECT_EQ(rig.take_transmitted().size(), 1U);
+  rig.respond("01 03 02 00 05");
+  rig.take_sent(1);
+  rig.receive(1, "0003 0000 0006 00 03 0000 0001");  // nobody could answer a read
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 03 00 83 01"));
+}
+
+TEST(Gateway, BroadcastsToSeveralBusesAndAnswersWhenAllHaveTransmitted) {
+  Settings settings = one_bus();
+  settings.buses.push_back(settings.buses[0]);
+  settings.routes.clear();
+  auto& route = settings.routes.emplace_back();
+  route.buses = {BusId{0}, BusId{1}};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 00 06 007C 00E1");
+  EXPECT_EQ(rig.take_transmitted(0).size() + rig.take_transmitted(1).size(), 2U);
+  rig.advance(5ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 00 06 00 7C 00 E1"));
+  rig.lose_line(1);
+  rig.receive(1, "0002 0000 0006 00 06 007C 00E1");
+  rig.advance(200ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 00 86 0A"));
+}
+
+}  // namespace
+}  // namespace mbgate::test
