@@ -122,6 +122,8 @@ struct SoakPlan {
 };
 
 SoakPlan draw_plan(Random& random);
+/// Listeners, routes and the doors that they make.
+void draw_doors(SoakPlan& plan, Random& random);
 /// The default deadlines, or those of its route.
 void set_deadlines(const SoakPlan& plan, Door& door);
 /// The unit of a door as it would lead to another device, which a reload may bring about.
