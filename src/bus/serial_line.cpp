@@ -94,7 +94,7 @@ FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming
       emission_ends_ +
       (transaction.boot_time ? turnaround_ : timing.response_timeout + timing.response_wait);
   response_deadline_ = response_due_;
-  heard_ = 0;
+  heard_ = came_ = 0;
   echo_may_answer_ = looks_like_answer(transaction);
   expect_echo(frame);
   if (transaction.is_broadcast()) {
@@ -144,7 +144,7 @@ void SerialLine::expect_echo(const FrameBytes& frame) {
     counters_.stray_bytes += echo_seen_;  // it was held back for an echo that it was not
   }
   echo_seen_ = 0;
-  echo_spoilt_ = false;
+  echo_spoilt_ = echo_passed_ = false;
   echo_expected_.clear();
   if (echo_ == Echo::present || (learns_echo_ && !echo_may_answer_)) {
     echo_expected_ = frame;
@@ -197,7 +197,8 @@ modbus::Bytes SerialLine::compare_echo(modbus::Bytes bytes) {
     echo_seen_ += count;
     return bytes.subspan(count);
   }
-  echo_seen_ = echo_expected_.size();
+  echo_expected_.clear();  // it never came, and is not to be held for it
+  echo_seen_ = 0;
   echo_spoilt_ = true;
   note(LineFault::echo_differed);
   if (learns_echo_) {
@@ -216,6 +217,7 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
     busy_since_ = now;
   }
   quiet_since_ = std::max(quiet_since_, now);
+  came_ += bytes.size();
   if (echo_seen_ < echo_expected_.size()) {
     bytes = echo_ == Echo::present ? compare_echo(bytes) : look_for_echo(bytes, now);
   }
@@ -236,12 +238,17 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
 
 // What begins before the request has left a paced line answers nothing.
 Verdict SerialLine::refuse(Instant now) {
-  if (owed_ > 0) {
+  if (learns_echo_ && repeats_request() && (owed_ == 0 || echo_ == Echo::unknown)) {
+    if (owed_ == 0) {
+      find_echo();
+    } else {
+      ++counters_.stray_frames;  // an echo, or what is owed: that stays owed
+    }
+    echo_passed_ = true;
+  } else if (owed_ > 0) {
     // It is one of those that the device owes.
     --owed_;
     refused_.add({transaction_->address, framer_.response()});
-  } else if (learns_echo_ && repeats_request()) {
-    find_echo();
   } else {
     ++counters_.stray_frames;
     if (transaction_->request.is_read() && !std::exchange(unpaced_told_, true)) {
@@ -258,12 +265,19 @@ bool SerialLine::repeats_request() const {
 // Until a read has shown whether the line hears itself, a repetition that comes at once may be an
 // echo. If something else that fits stands behind it, it was; alone it is taken.
 Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
-  if (echo_ != Echo::unknown || !repeats_request() ||
-      framer_.response_began() > emission_ends_ + kEchoKept) {
+  // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
+  const bool is_echo = echo_shown_ || transaction_->request.is_read();
+  const bool is_late = framer_.response_began() > emission_ends_ + kEchoKept;
+  if (echo_ != Echo::unknown || !repeats_request() || (is_late && !is_echo)) {
     return verdict;
   }
-  if (echo_shown_ || transaction_->request.is_read()) {
-    // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
+  if (is_echo && std::exchange(echo_passed_, true)) {
+    if (owed_ == 0) {
+      find_echo();  // two came, and only one of them can be the echo
+    }
+    return verdict;
+  }
+  if (is_echo) {
     const Verdict behind = framer_.again(now);
     if (behind == Verdict::response && owed_ == 0) {
       find_echo();
@@ -283,6 +297,13 @@ Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
   return Verdict::none;
 }
 
+// An echo would have come before the answer. What came beside it may be the rest of one; and where
+// one was heard, it was lost this time.
+bool SerialLine::shows_no_echo() const {
+  return echo_ == Echo::unknown && !echo_shown_ &&
+         came_ == framer_.encode(transaction_->address, framer_.response()).size();
+}
+
 void SerialLine::judge(Verdict verdict, Instant now) {
   while (verdict == Verdict::response && paced_ && framer_.response_began() < emission_ends_) {
     verdict = refuse(now);
@@ -297,8 +318,8 @@ void SerialLine::judge(Verdict verdict, Instant now) {
   switch (verdict) {
     case Verdict::none: return;
     case Verdict::response:
-      if (learns_echo_ && !echo_may_answer_ && echo_ == Echo::unknown) {
-        echo_ = Echo::absent;  // it would have come before
+      if (learns_echo_ && !echo_may_answer_ && shows_no_echo()) {
+        echo_ = Echo::absent;
       }
       transaction_->response = framer_.response();
       end(LineEnd::How::response);

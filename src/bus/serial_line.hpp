@@ -63,6 +63,7 @@ class SerialLine {
   [[nodiscard]] bool repeats_request() const;
   Verdict refuse(Instant now);
   Verdict settle_echo(Verdict verdict, Instant now);
+  [[nodiscard]] bool shows_no_echo() const;
   void find_echo();
   void note(LineFault fault);
   void judge(Verdict verdict, Instant now);
@@ -100,8 +101,10 @@ class SerialLine {
   FrameBytes echo_expected_;
   Instant held_since_;  // the first byte of what may be an echo, and is not given to the framer yet
   std::size_t echo_seen_ = 0;
+  bool echo_passed_ = false;  // a repetition came that was taken for the echo
   bool echo_spoilt_ = false;  // what follows cannot be told from the rest of the echo
-  std::size_t heard_ = 0;     // bytes since the last own frame had left
+  std::size_t came_ = 0;      // bytes since the last own frame began
+  std::size_t heard_ = 0;     // since it had left
   Instant heard_at_;          // the first of them
   LineFaults faults_;
   bool echo_shown_ = false;  // since the line was opened

@@ -109,6 +109,97 @@ TEST_F(BusEcho, ARepetitionThatComesLaterThanAnAdapterKeepsOneIsNoEcho) {
   EXPECT_THAT(faults_, IsEmpty());
 }
 
+// The reader was late: an echo has no other end than the wait for the answer.
+TEST_F(BusEcho, OnceShownALateRepetitionIsNoAnswerEither) {
+  open_as(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(10ms);
+  line(std::string(kReadEcho) + kAnswer);
+  advance(10ms);
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);  // without an echo
+  time_out();
+  ASSERT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed));
+  advance(400ms);
+  submit(job(kWritePdu));
+  advance(kEmission + 21ms);
+  line(kRepetition);
+  time_out();
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::no_answer));
+}
+
+TEST_F(BusEcho, OnceShownAReadThatLacksItDoesNotSayThatThereIsNone) {
+  open_as(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(10ms);
+  line(std::string(kReadEcho) + kAnswer);
+  for (int times = 0; times < 2; ++times) {
+    advance(400ms);
+    submit(job(kRead));
+    advance(10ms);
+    line(kAnswer);  // without an echo
+    time_out();
+  }
+  ASSERT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
+  advance(400ms);
+  submit(job(kWritePdu));
+  advance(10ms);
+  line(kRepetition);
+  time_out();
+  EXPECT_THAT(endings_, SizeIs(4));
+  EXPECT_EQ(endings_.back(), Ending::no_answer);
+}
+
+TEST_F(BusEcho, AReadWhoseEchoWasDamagedShowsNothing) {
+  open_as(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(10ms);
+  line("01 03 00 00 00 11 84 0A");
+  advance(10ms);
+  line(kAnswer);
+  advance(10ms);
+  submit(job(kWritePdu));
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_unproven));
+}
+
+TEST_F(BusEcho, WhereItIsNotCertainAnyMoreTheSecondRepetitionIsTheAnswer) {
+  open_as(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(10ms);
+  line(std::string(kReadEcho) + kAnswer);
+  advance(400ms);
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);  // without an echo
+  time_out();
+  advance(400ms);
+  submit(job(kWritePdu));
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_THAT(endings_, SizeIs(2));
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed, Fault::echo_found));
+}
+
+TEST_F(BusEcho, OneThatDifferedIsNotHeardAtTheDeadline) {
+  open_as(bus::LineKind::uart);
+  submit(job(kRead));
+  advance(10ms);
+  line(std::string(kReadEcho) + kAnswer);
+  advance(400ms);
+  submit(job(kWritePdu));
+  advance(2ms);
+  line("C0 28 E7 2A");
+  time_out();
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed));
+}
+
 TEST_F(BusEcho, WhatStandsBehindARepetitionIsTheAnswer) {
   open_as(bus::LineKind::virtual_line);
   submit(job(kWritePdu));
