@@ -48,6 +48,7 @@ void DeviceHealth::owe(const modbus::Request& asked, Instant due) {
     const auto least = given_up == debts_.end() ? debts_.begin() : given_up;
     if (!least->given_up) {
       forgotten_due_ = std::max(forgotten_due_.value_or(least->last_due), least->last_due);
+      forgotten_.set(least->asked.function());
     }
     debts_.erase(least);
   }
@@ -78,6 +79,8 @@ bool DeviceHealth::note_answered(const Answered& answered, Instant now) {
       return !debt.given_up && debt.asked.pdu() == answered.asked.pdu();
     });
     owed->suspected = std::max(owed->suspected, suspected);
+  } else if (forgotten_.test(answered.asked.function())) {
+    owe(answered.asked, answered.due);  // it may be the answer to what is not known any more
   }
   answered_at_ = now;
   return answer_seen();
@@ -105,6 +108,7 @@ void DeviceHealth::note_asked(Instant now, const Timing& timing) {
   }
   if (forgotten_due_ && now >= held_until(timing)) {
     forgotten_due_.reset();
+    forgotten_.reset();
   }
 }
 
