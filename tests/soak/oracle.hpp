@@ -70,15 +70,22 @@ class Oracle {
   void excepted(const Flight& flight, std::uint8_t code);
   /// The line heard it differently than it was sent: no answer to it counts.
   void echo_spoilt(const Flight& flight);
+  /// Nothing of it is heard.
+  void echo_lost(const Flight& flight);
   /// Bytes have reached the kernel, where the gateway can read them.
-  void bytes_came(std::size_t bus) {
+  void bytes_came(std::size_t bus, std::size_t size) {
     books_[bus].last_byte = schedule_.now();
+    books_[bus].came += size;
     books_[bus].in_vain.clear();
   }
   /// It has read them.
   void bytes_handed_in(std::size_t bus);
   /// A whole good frame has reached the kernel.
   void frame_came(std::size_t bus, const HeardFrame& frame);
+  /// The end of an echo has reached the kernel.
+  void echo_came(std::size_t bus, const HeardEcho& echo) { books_[bus].unread_echo = echo; }
+  /// The gateway says something about the line.
+  void line_news(std::size_t bus, bus::LineFault fault);
   /// The TCP answer with the identifier was handed to it.
   void tcp_answer_came(std::uint64_t number);
   /// An answer of the device may still be taken for one to the gateway.
@@ -191,7 +198,19 @@ class Oracle {
   void cut_flying(const Book& book);
   void cut(Flight& flight) const;
   void set_times(Flight& flight);
+  void settle(std::size_t bus, const HeardFrame& frame);
   void note_uncertain(std::size_t bus, const HeardFrame& frame);
+
+  // oracle_echo.cpp
+  void read_frames(std::size_t bus);
+  [[nodiscard]] bool is_for_last(const Book& book, const HeardFrame& frame);
+  void note_heard(Book& book, const HeardFrame& frame);
+  void read_echo(std::size_t bus);
+  void note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEcho& echo);
+  [[nodiscard]] bool began_while_sending(std::size_t bus, Instant began) const;
+  void judge_heard(const Asked& asked);
+  [[nodiscard]] bool is_excused(const Asked& asked);
+  void forget_line(Book& book, std::size_t bus);
 
   // oracle_stops.cpp
   [[nodiscard]] bool lets_writes_go(const Asked& stop) const;

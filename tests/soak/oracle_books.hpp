@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "soak/asked.hpp"
+#include "soak/flight.hpp"
 
 namespace mbgate::soak {
 
@@ -21,6 +22,7 @@ struct BusCount {
   std::uint64_t spoilt_echoes = 0;
   std::uint64_t asking = 0;       ///< transmissions that are to be answered
   std::uint64_t interrupted = 0;  ///< of these, at most so many were cut by a loss
+  std::uint64_t excused = 0;      ///< others whose echo may have been taken for an answer
 };
 
 /// A connection of a client.
@@ -87,7 +89,20 @@ struct Book {
   std::size_t room = 0;                 ///< more than the queue's limit may still wait from before
   Instant last_merge = Instant::min();  ///< reads accepted until then may be merged
   Duration stop_wait_before{0};
+  Instant stop_wait_from = Instant::min();  ///< it is what it is
   BusCount count;
+  // Of the own transmission that was last:
+  std::size_t came = 0;  ///< bytes that have reached the kernel since its beginning
+  Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
+  std::vector<HeardFrame> unread;               ///< good frames in the kernel
+  std::optional<HeardEcho> unread_echo;
+  bool is_strange = false;  ///< what came looks like an echo, and is none
+  // Of the line, since it was opened:
+  bool echo_proven = false;
+  bool echo_lost = false;  ///< one that would have proven it did not come at all
+  bool told_unproven = false;
+  bool told_while_sending = false;
+  bool must_tell_unproven = false;
 };
 
 /// A request that is over.

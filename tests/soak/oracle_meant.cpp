@@ -112,6 +112,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
     }
   }
   mine.repeats_read = mine.repeats_read || (asked.is_read() && asked.last_sent == flight.pdu);
+  mine.repeats_write = mine.repeats_write || (asked.changes() && piece.sent > 0);
   mine.is_part = mine.is_part || (asked.pieces.size() > 1 && asked.kind != Kind::broadcast);
   if (alone && mine.repeats_read && asked.last_alone != 0 && !mine.is_part && !is_tcp(flight.bus)) {
     check_turns(asked, flight);
@@ -125,6 +126,9 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   // What has become due in this instant joins one that is due already, or goes on its own.
   const bool may_have_joined = asked.failsafe && !alone && asked.accepted == schedule_.now();
   piece.sent += may_have_joined ? 0U : 1U;
+  if (asked.is_stop() && piece.sent == 1) {
+    mine.stop_from = std::min(mine.stop_from.value_or(asked.accepted), asked.accepted);
+  }
   leave_queue(asked.pieces.size() == 1 || asked.kind == Kind::broadcast ? piece
                                                                         : asked.pieces.front());
   asked.maybe_on_wire = true;

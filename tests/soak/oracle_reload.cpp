@@ -116,10 +116,10 @@ void Oracle::after_reload() {
       book.held_until = book.own_end + settings.turnaround;
       book.turnaround_end = std::min(book.turnaround_end, book.held_until);
     }
+    if (settings.stop_wait != book.stop_wait_before) {
+      book.stop_wait_from = schedule_.now();
+    }
     for (Asked* stop : book.stops) {
-      if (settings.stop_wait != book.stop_wait_before) {
-        stop->waits_from = schedule_.now();
-      }
       cancel_for_waiting_stop(*stop);
     }
     cut_flying(book);

@@ -37,6 +37,7 @@ void Oracle::bus_opened(std::size_t bus) {
   Book& book = books_[bus];
   book.open = true;
   book.starting = false;
+  book.busy_since = schedule_.now();
   for (Asked* stop : std::exchange(book.early_stops, {})) {
     stop->waits_from = schedule_.now();
     book.stops.push_back(stop);
@@ -47,6 +48,7 @@ void Oracle::bus_opened(std::size_t bus) {
   book.opening = false;
   book.in_vain.clear();
   failsafe_line_back(book);
+  forget_line(book, bus);
   book.last_byte = schedule_.now();
   book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
   for (Lane& lane : book.lanes) {
@@ -104,6 +106,10 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
   set_times(flight);
+  flight.size = frame.size();
+  book.came = 0;
+  book.read_while_sending = Instant::min();
+  book.is_strange = false;
   note_counts(flight);
   if (is_tcp(bus) && flight.expects_answer) {
     book.in_vain.push_back(flight.number);
@@ -155,7 +161,11 @@ void Oracle::executed(const Flight& flight) {
   }
 }
 
+// Where the settings do not say that there is one, the answer behind it may be taken.
 void Oracle::echo_spoilt(const Flight& flight) {
+  if (!bus_settings(flight.bus).line.echo.value_or(false)) {
+    return;
+  }
   ++books_[flight.bus].count.spoilt_echoes;
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {

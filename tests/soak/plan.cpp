@@ -109,7 +109,7 @@ void Draw::draw_rates(const bus::BusSettings& bus) {
       *rate = some(most);
     }
     rates.late *= random_.one_of({1U, 4U, 8U});  // it is what the quarantine is for
-    rates.wrong_echo = bus.line.echo.value_or(false) ? some(most) : 0;
+    rates.echo_damaged = bus.line.echo.value_or(false) ? some(most) : 0;
     const auto every = [&](Duration least, Duration longest) {
       return random_.chance(500) ? random_.duration(least, longest) : Duration{0};
     };
@@ -182,6 +182,10 @@ void Draw::add_device(std::size_t bus, std::uint8_t address) {
 
 }  // namespace
 
-SoakPlan draw_plan(Random& random) { return Draw(random).make(); }
+SoakPlan draw_plan(Random& random, std::uint64_t seed) {
+  SoakPlan plan = Draw(random).make();
+  draw_lines(plan, seed);
+  return plan;
+}
 
 }  // namespace mbgate::soak

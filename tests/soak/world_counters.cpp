@@ -57,10 +57,9 @@ void World::compare(const std::string& what, std::uint64_t shown, std::uint64_t 
   }
 }
 
-void World::compare_ends(const std::string& name, std::uint64_t ends,
-                         const BusCount& count) {
+void World::compare_ends(const std::string& name, std::uint64_t ends, const BusCount& count) {
   compare(name + ": responses, timeouts and bad CRCs", ends,
-          count.asking - std::min(count.asking, count.interrupted), count.asking);
+          count.asking - std::min(count.asking, count.interrupted), count.asking + count.excused);
 }
 
 void World::check_head(Client& client) {
