@@ -223,6 +223,7 @@ class Oracle {
 
   // oracle_counts.cpp
   void note_counts(const Flight& flight);
+  void note_excused(const Flight& flight);
   void note_interrupted(Book& book);
   void note_cut(Book& book);
 

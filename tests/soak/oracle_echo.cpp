@@ -156,9 +156,7 @@ void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEc
                  : is_late        ? "late_echo"
                                   : kUnproven;
   report_.fault(frame.excuse);
-  for (BusCount* count : {&book.count, &book.lanes[flight.address].count}) {
-    count->excused += flight.expects_answer ? 0U : 1U;
-  }
+  note_excused(flight);
   settle(bus, frame);
 }
 
