@@ -52,6 +52,7 @@ DeviceHealth::Debt& DeviceHealth::owe(const modbus::Request& asked, Instant due)
         given_up == debts_.end() ? std::ranges::min_element(debts_, {}, &Debt::last_due) : given_up;
     if (!least->given_up) {
       forgotten_due_ = std::max(forgotten_due_.value_or(least->last_due), least->last_due);
+      forgotten_.set(least->asked.function());
     }
     debts_.erase(least);
   }
@@ -79,6 +80,8 @@ bool DeviceHealth::note_answered(const Answered& answered, Instant now) {
     }
     Debt& owed = owe(answered.asked, answered.due);
     owed.suspected = std::max(owed.suspected, suspected);
+  } else if (forgotten_.test(answered.asked.function())) {
+    owe(answered.asked, answered.due);  // it may be the answer to what is not known any more
   }
   answered_at_ = now;
   return answer_seen();
@@ -106,6 +109,7 @@ void DeviceHealth::note_asked(Instant now, const Timing& timing) {
   }
   if (forgotten_due_ && now >= held_until(timing)) {
     forgotten_due_.reset();
+    forgotten_.reset();
   }
 }
 

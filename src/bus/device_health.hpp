@@ -13,6 +13,7 @@
 // now and then is for it, until it answers.
 #pragma once
 
+#include <bitset>
 #include <optional>
 #include <vector>
 
@@ -101,6 +102,7 @@ class DeviceHealth {
 
   std::vector<Debt> debts_;               // oldest first
   std::optional<Instant> forgotten_due_;  // of a debt for which there was no room
+  std::bitset<256> forgotten_;            // functions of such debts
   /// Since its last unanswered transmission the device has answered, last at this instant.
   std::optional<Instant> answered_at_;
   Duration longest_answer_{0};  // of this while, and of the one before

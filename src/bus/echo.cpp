@@ -52,7 +52,7 @@ void Echo::expect(const Transaction& transaction, const FrameBytes& frame, Insta
   forget();
   asked_ = &transaction;
   may_answer_ = looks_like_answer(transaction);
-  spoilt_ = false;
+  spoilt_ = passed_ = false;
   if (state_ == State::present || (learns_ && !may_answer_)) {
     expected_ = frame;
   }
@@ -163,7 +163,7 @@ void Echo::note_unproven() {
 }
 
 void Echo::note_answered() {
-  if (learns_ && !may_answer_ && state_ == State::unknown) {
+  if (learns_ && !may_answer_ && !shown_ && state_ == State::unknown) {
     state_ = State::absent;
   }
 }

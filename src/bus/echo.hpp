@@ -13,6 +13,7 @@
 
 #include <boost/container/static_vector.hpp>
 #include <optional>
+#include <utility>
 
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
@@ -63,12 +64,14 @@ class Echo {
   [[nodiscard]] bool was_shown() const { return shown_; }
   [[nodiscard]] bool is_learned() const { return learns_; }
   [[nodiscard]] bool is_unknown() const { return state_ == State::unknown; }
+  /// Such a response is taken for the echo. True: another one was before it.
+  bool pass() { return std::exchange(passed_, true); }
   /// There is one: it was seen.
   void find();
   /// Such a response was taken for the answer, because nothing was seen that speaks against it.
   void note_unproven();
   /// A response was taken, and nothing at all came before it: an echo would have. What did come may
-  /// be a damaged one.
+  /// be a damaged one; and where one was heard, it was lost this time.
   void note_answered();
 
  private:
@@ -93,7 +96,8 @@ class Echo {
   Instant due_;         // when what was sent last should have been answered
   Instant held_since_;  // the first byte of what may be an echo, and is not given on yet
   bool spoilt_ = false;
-  bool shown_ = false;  // since the line was opened
+  bool passed_ = false;  // a repetition came that was taken for the echo
+  bool shown_ = false;   // since the line was opened
   bool unproven_told_ = false;
 };
 

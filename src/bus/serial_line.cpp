@@ -19,12 +19,6 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
   return *modbus::Pdu::from(bytes);
 }
 
-// Less than this is no proof: clocks differ, and so does what a drive counts its wait from.
-constexpr int kEarlyPart = 8;  // of the response wait
-
-// A USB adapter may keep an echo for so long (its latency timer, and a busy host).
-constexpr Duration kEchoKept = std::chrono::milliseconds(20);
-
 }  // namespace
 
 SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters)
@@ -116,22 +110,6 @@ void SerialLine::end(LineEnd::How how) {
   framer_.listen();
 }
 
-bool SerialLine::is_early() const {
-  return framer_.response_began() < emission_ends_ + response_wait_ - response_wait_ / kEarlyPart;
-}
-
-// While an answer is owed, of all writes only stops are sent. An exception names no address: it may
-// be the answer to the write that was stopped.
-bool SerialLine::may_refuse_another() const {
-  return transaction_->request.writes() && framer_.response().is_exception();
-}
-
-void SerialLine::judge_held(const Echo::Held& held, Instant now) {
-  if (!held.bytes.empty()) {
-    judge(framer_.add({held.bytes.data(), held.bytes.size()}, held.since), now);
-  }
-}
-
 void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
   if (framer_.awaits_silence()) {
     handle_deadline(now);  // if silence has ended a frame already, these bytes are no part of it
@@ -156,81 +134,6 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
     heard_ += bytes.size();
   }
   judge(framer_.add(bytes, now), now);
-}
-
-// It may be a late echo; what begins before the request has left a paced line answers nothing; and
-// an owed answer begins before the device can have answered this request, or says no to any one.
-bool SerialLine::is_no_answer() const {
-  return echo_.is_owed(framer_.response()) ||
-         (paced_ && framer_.response_began() < emission_ends_) ||
-         (owed_ > 0 && (is_early() || may_refuse_another()));
-}
-
-Verdict SerialLine::refuse(Instant now) {
-  if (echo_.take_owed(framer_.response())) {
-    ++counters_.stray_frames;
-  } else if (owed_ > 0) {
-    // It is one of those that the device owes.
-    --owed_;
-    refused_.add({transaction_->address, framer_.response()});
-  } else if (echo_.is_learned() && echo_.is_repetition(framer_.response())) {
-    echo_.find();
-  } else {
-    ++counters_.stray_frames;
-    if (transaction_->request.is_read() && !std::exchange(unpaced_told_, true)) {
-      note_fault(faults_, LineFault::answered_while_sending);
-    }
-  }
-  return framer_.again(now);
-}
-
-// Until a read has shown whether the line hears itself, a repetition that comes at once may be an
-// echo. If something else that fits stands behind it, it was; alone it is taken.
-Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
-  if (!echo_.is_unknown() || !echo_.is_repetition(framer_.response()) ||
-      framer_.response_began() > emission_ends_ + kEchoKept) {
-    return verdict;
-  }
-  if (echo_.was_shown() || transaction_->request.is_read()) {
-    // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
-    const Verdict behind = framer_.again(now);
-    if (behind == Verdict::response && owed_ == 0) {
-      echo_.find();
-    }
-    return behind;
-  }
-  const modbus::Pdu repetition = framer_.response();
-  if (owed_ == 0 && framer_.again(now) == Verdict::response) {
-    echo_.find();
-    return Verdict::response;
-  }
-  echo_.note_unproven();
-  transaction_->response = repetition;
-  end(LineEnd::How::response);
-  return Verdict::none;
-}
-
-void SerialLine::judge(Verdict verdict, Instant now) {
-  while (verdict == Verdict::response && is_no_answer()) {
-    verdict = refuse(now);
-  }
-  if (verdict == Verdict::response) {
-    verdict = settle_echo(verdict, now);
-  }
-  switch (verdict) {
-    case Verdict::none: return;
-    case Verdict::response:
-      if (framer_.came_first()) {
-        echo_.note_answered();
-      }
-      transaction_->response = framer_.response();
-      end(LineEnd::How::response);
-      return;
-    case Verdict::damaged:
-      draining_ = true;
-      end(LineEnd::How::damaged);
-      return;
-  }
 }
 
 void SerialLine::handle_deadline(Instant now) {

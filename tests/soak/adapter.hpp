@@ -5,6 +5,7 @@
 
 #include <deque>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "soak/flight.hpp"
@@ -17,6 +18,7 @@ namespace mbgate::soak {
 struct Heard {
   std::vector<std::uint8_t> bytes;
   std::vector<HeardFrame> frames;
+  std::optional<HeardEcho> echo{};  ///< that ends here
 };
 
 class Adapter {

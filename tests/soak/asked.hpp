@@ -28,6 +28,7 @@ struct Piece {
   bool counted = false;             ///< among those that wait for their bus
   std::optional<Instant> doomed{};  ///< of a broadcast: a stop has taken it back
   Span done{};                      ///< when it was carried out, the first and the last time
+  bool answered = false;            ///< an answer came that the gateway may have taken
   bool taken_back = false;  ///< other settings give it another meaning: nothing more of it is sent
 };
 
@@ -77,6 +78,8 @@ struct Asked {
   PduBytes last_sent;                 ///< as it looked on the wire
   std::uint64_t last_alone = 0;       ///< its last flight, if that was for nobody else; else 0
   unsigned flights = 0;               ///< that it was among
+  bool echoed = false;                ///< what looks like its answer was its echo
+  bool hurried = false;               ///< its answer began before it had left a paced line
   unsigned spoilt = 0;                ///< of these, heard differently than they were sent
   std::optional<Instant> cut;         ///< its server has closed the connection meanwhile
   bool maybe_on_wire = false;

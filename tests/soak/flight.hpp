@@ -22,11 +22,13 @@ struct Flight {
   bool is_write = false;
   bool is_broadcast = false;
   bool repeats_read = false;
-  bool is_part = false;      ///< of several transactions that stay together
-  bool beside_stop = false;  ///< a stop waits that lets it go first, or gives way to it
+  std::optional<Instant> stop_from{};  ///< a stop that was not tried before waits since then
+  bool is_part = false;                ///< of several transactions that stay together
+  bool beside_stop = false;            ///< a stop waits that lets it go first, or gives way to it
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;
+  std::size_t size = 0;  ///< of its frame
   Instant begin;
   Instant end;
   Instant deadline;            ///< the first byte of its answer must be there
@@ -35,6 +37,9 @@ struct Flight {
   drive::DeviceTiming timing;  ///< of its device when it was sent
 };
 
+/// Does an answer to the one look like one to the other?
+bool may_be_confused(const PduBytes& a, const PduBytes& b);
+
 /// A good frame that ends in a piece of bytes.
 struct HeardFrame {
   std::uint8_t address = 0;
@@ -42,6 +47,18 @@ struct HeardFrame {
   bool is_nobodys = false;   ///< nobody here asked for it, or it was said before
   std::uint64_t flight = 0;  ///< that it answers
   Instant began;             ///< when its first byte reached the kernel
+  bool is_refused = false;   ///< it came too early to be an answer to what was asked last
+  bool waits = false;        ///< what it is depends on when the gateway reads it
+  /// It may be taken for an answer, because of this.
+  const char* excuse = nullptr;
+};
+
+/// What a line has heard of an own transmission.
+struct HeardEcho {
+  std::uint64_t flight = 0;
+  std::size_t size = 0;
+  bool is_whole = true;  ///< and as it was sent
+  Instant began;         ///< when its first byte reached the kernel
 };
 
 }  // namespace mbgate::soak

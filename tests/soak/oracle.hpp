@@ -14,6 +14,7 @@
 #include "soak/device.hpp"
 #include "soak/failsafe_watch.hpp"
 #include "soak/flight.hpp"
+#include "soak/oracle_books.hpp"
 #include "soak/report.hpp"
 #include "soak/schedule.hpp"
 #include "soak/writer_rules.hpp"
@@ -69,15 +70,22 @@ class Oracle {
   void excepted(const Flight& flight, std::uint8_t code);
   /// The line heard it differently than it was sent: no answer to it counts.
   void echo_spoilt(const Flight& flight);
+  /// Nothing of it is heard.
+  void echo_lost(const Flight& flight);
   /// Bytes have reached the kernel, where the gateway can read them.
-  void bytes_came(std::size_t bus) {
+  void bytes_came(std::size_t bus, std::size_t size) {
     books_[bus].last_byte = schedule_.now();
+    books_[bus].came += size;
     books_[bus].in_vain.clear();
   }
   /// It has read them.
   void bytes_handed_in(std::size_t bus);
   /// A whole good frame has reached the kernel.
   void frame_came(std::size_t bus, const HeardFrame& frame);
+  /// The end of an echo has reached the kernel.
+  void echo_came(std::size_t bus, const HeardEcho& echo) { books_[bus].unread_echo = echo; }
+  /// The gateway says something about the line.
+  void line_news(std::size_t bus, bus::LineFault fault);
   /// The TCP answer with the identifier was handed to it.
   void tcp_answer_came(std::uint64_t number);
   /// An answer of the device may still be taken for one to the gateway.
@@ -110,15 +118,6 @@ class Oracle {
   void trace() { traced_ = true; }
   void violation(const std::string& kind, const std::string& text) const;
 
-  struct BusCount {
-    std::uint64_t transmissions = 0;
-    std::uint64_t broadcasts = 0;
-    std::uint64_t losses = 0;
-    std::uint64_t stops = 0;
-    std::uint64_t spoilt_echoes = 0;
-    std::uint64_t asking = 0;       ///< transmissions that are to be answered
-    std::uint64_t interrupted = 0;  ///< of these, at most so many were cut by a loss
-  };
   /// Since its line is what it is.
   [[nodiscard]] const BusCount& count(std::size_t bus) const { return books_[bus].count; }
   [[nodiscard]] const BusCount& count(std::size_t bus, std::uint8_t address) const {
@@ -129,76 +128,6 @@ class Oracle {
   [[nodiscard]] std::uint64_t perhaps_accepted() const { return perhaps_accepted_; }
 
  private:
-  struct Session {
-    std::size_t listener = 0;
-    bool ordered = false;  ///< as it was at the beginning
-    bool half_closed = false;
-    bool ahead = false;  ///< places may be taken for free a little early
-    std::optional<Instant> paused_since;
-    std::size_t outstanding = 0;
-    std::deque<std::uint64_t> backlog;  ///< delivered, not accepted
-    std::deque<std::uint64_t> taken;    ///< stops that were accepted before others in front of them
-    std::deque<std::uint64_t> order;    ///< accepted, not answered
-    std::unordered_map<std::uint16_t, std::uint64_t> by_transaction;
-    std::deque<std::uint16_t> answered;  ///< the last transactions that are done
-    std::deque<std::uint16_t> silent;    ///< done without a reply; a failure may still be told
-  };
-  /// An address on a bus.
-  struct Lane {
-    std::optional<std::size_t> device;
-    std::vector<Asked*> open;
-    std::deque<std::uint64_t> owed;         ///< transmissions that no good frame has answered
-    std::optional<Instant> answered_at;     ///< since the last transmission that is to be
-    Duration took{0};                       ///< that answer, since the end of the request
-    Instant last_offline = Instant::min();  ///< it may have been offline then
-    unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
-    BusCount count;
-    bool stays_offline = false;  ///< it was perhaps offline when other settings came
-    Instant last_write_event = Instant::min();
-    Instant last_stop = Instant::min();
-    std::map<PduBytes, Instant> stops_done;  ///< when the device carried each out last
-    Instant uncertain_at = Instant::min();   ///< nobody can tell what a frame of then answered
-    std::uint64_t stop_sent = 0;             ///< the last one sent to it
-  };
-  struct Book {
-    std::array<Lane, 256> lanes;
-    bool open = false;
-    bool starting = true;  ///< it has not been opened yet: requests wait
-    bool rests = false;    ///< the same, because its server has closed the connection
-    bool opening = false;
-    std::vector<std::uint64_t> in_vain;  ///< to a server from which nothing has come since
-    Instant last_down = Instant::min();
-    Instant last_full = Instant::min();
-    Instant last_stop = Instant::min();
-    Instant own_end = Instant::min();
-    Instant last_byte = Instant::min();
-    Instant last_handed_in = Instant::min();
-    Instant turnaround_end = Instant::min();
-    Instant held_until = Instant::min();  ///< the same by settings that came meanwhile
-    std::size_t waiting = 0;              ///< requests that are surely in its queue
-    std::size_t present = 0;              ///< requests that may be
-    std::vector<Asked*> stops;            ///< that wait
-    std::vector<Asked*> open_stops;       ///< that wait or were sent
-    std::vector<Asked*> early_stops;      ///< that wait for the line to be opened first
-    std::vector<std::uint64_t> flying;    ///< on TCP buses
-    std::vector<std::uint64_t> unheard;   ///< the same, as if no stop cut anything
-    std::uint64_t last_flight = 0;
-    std::uint64_t last_other = 0;         ///< the last one that was no stop
-    Instant busy_since = Instant::min();  ///< no silence since then
-    std::uint64_t answered = 0;           ///< by a frame that fits
-    std::size_t room = 0;  ///< more than the queue's limit may still wait from before
-    Instant last_merge = Instant::min();  ///< reads accepted until then may be merged
-    Duration stop_wait_before{0};
-    BusCount count;
-  };
-  struct Done {
-    std::uint64_t id;
-    std::size_t bus;
-    std::uint8_t address;
-    PduBytes pdu;
-    std::string how;
-  };
-
   // oracle_clients.cpp
   void accept_backlog(Session& session);
   void look_ahead(Session& session);
@@ -269,7 +198,19 @@ class Oracle {
   void cut_flying(const Book& book);
   void cut(Flight& flight) const;
   void set_times(Flight& flight);
+  void settle(std::size_t bus, const HeardFrame& frame);
   void note_uncertain(std::size_t bus, const HeardFrame& frame);
+
+  // oracle_echo.cpp
+  void read_frames(std::size_t bus);
+  [[nodiscard]] bool is_for_last(const Book& book, const HeardFrame& frame);
+  void note_heard(Book& book, const HeardFrame& frame);
+  void read_echo(std::size_t bus);
+  void note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEcho& echo);
+  [[nodiscard]] bool began_while_sending(std::size_t bus, Instant began) const;
+  void judge_heard(const Asked& asked);
+  [[nodiscard]] bool is_excused(const Asked& asked);
+  void forget_line(Book& book, std::size_t bus);
 
   // oracle_stops.cpp
   [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
@@ -282,6 +223,7 @@ class Oracle {
 
   // oracle_counts.cpp
   void note_counts(const Flight& flight);
+  void note_excused(const Flight& flight);
   void note_interrupted(Book& book);
   void note_cut(Book& book);
 

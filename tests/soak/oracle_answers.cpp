@@ -43,6 +43,7 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
   } else {
     judge_content(asked, pdu);
     judge_done(asked);
+    judge_heard(asked);
     judge_place(asked);
     if (asked.kind != Kind::broadcast && !asked.silent && asked.maybe_on_wire) {
       device_answered(asked);
@@ -199,7 +200,7 @@ void Oracle::judge_done(const Asked& asked) {
     }
     violation("write_not_done", name(asked));
   }
-  if (asked.kind == Kind::stop && !done && !was_stopped(asked)) {
+  if (asked.kind == Kind::stop && !done && !was_stopped(asked) && !is_excused(asked)) {
     violation("stop_not_done", name(asked));
   }
 }

@@ -16,6 +16,15 @@ void Oracle::note_counts(const Flight& flight) {
   lane.unanswered += flight.expects_answer ? 1U : 0U;
 }
 
+// Its echo may have been taken for an answer that nobody gives.
+void Oracle::note_excused(const Flight& flight) {
+  Book& book = books_[flight.bus];
+  const bool is_counted = flight.expects_answer || flight.is_broadcast;
+  for (BusCount* count : {&book.count, &book.lanes[flight.address].count}) {
+    count->excused += is_counted ? 0U : 1U;
+  }
+}
+
 // Whether what was sent last still waited for its answer is not known.
 void Oracle::note_interrupted(Book& book) {
   book.count.losses += book.open || book.rests ? 1U : 0U;

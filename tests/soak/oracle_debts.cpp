@@ -10,8 +10,9 @@ namespace {
 
 constexpr int kAnswerTimes = 4;  // after so many answer times an owed answer was not just late
 
-/// Does an answer to the one look like one to the other? Writes repeat their address and value,
-/// reads say how much they bring.
+}  // namespace
+
+// Writes repeat their address and value, reads say how much they bring.
 bool may_be_confused(const PduBytes& a, const PduBytes& b) {
   const auto same = [&](std::size_t from, std::size_t to) {
     return a.size() >= to && b.size() >= to &&
@@ -36,8 +37,6 @@ bool may_be_confused(const PduBytes& a, const PduBytes& b) {
     default: return true;
   }
 }
-
-}  // namespace
 
 void Oracle::check_quarantine(const Flight& flight) {
   Lane& lane = books_[flight.bus].lanes[flight.address];
@@ -88,7 +87,7 @@ bool Oracle::has_answered_since(const Lane& lane, const Flight& flight) {
 
 // Nobody can tell which of several requests it answers: the quarantine counts from the last. One
 // that does not fit what was asked ends no wait and settles no debt.
-void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
+void Oracle::settle(std::size_t bus, const HeardFrame& frame) {
   note_uncertain(bus, frame);
   const Flight* from = flight(frame.flight);
   if (frame.flight == 0 || from == nullptr) {
@@ -114,6 +113,13 @@ void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
     }
     return is_one;
   };
+  if (frame.is_refused) {
+    // If an earlier one is owed, it is that.
+    settle([&](const Flight& it) {
+      return it.number != book.last_flight && may_be_confused(it.pdu, asked.pdu);
+    });
+    return;
+  }
   if (!frame.fits) {
     // With another length it may be the answer to another request.
     settle([&](const Flight& it) {
@@ -158,7 +164,9 @@ void Oracle::note_uncertain(std::size_t bus, const HeardFrame& frame) {
   lane.uncertain_at = schedule_.now();
   for (const std::uint64_t id : last->asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
-      entry->second->uncertain = is_held ? "behind_adapter" : "beyond_quarantine";
+      entry->second->uncertain = frame.excuse != nullptr ? frame.excuse
+                                 : is_held               ? "behind_adapter"
+                                                         : "beyond_quarantine";
     }
   }
   if (frame.flight == 0 && std::erase(lane.owed, last->number) > 0) {

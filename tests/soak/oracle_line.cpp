@@ -49,6 +49,8 @@ void Oracle::check_silence(const Flight& flight) {
   } else if ((flight.begin < book.own_end + silence || flight.begin < book.last_byte + silence) &&
              !may_break_silence(flight)) {
     violation("silence", name(flight));
+  } else if (flight.begin < book.last_byte + silence) {
+    report_.fault("stop_forced");
   }
   if (flight.begin < book.turnaround_end) {
     violation("turnaround", name(flight));
@@ -57,6 +59,10 @@ void Oracle::check_silence(const Flight& flight) {
 
 void Oracle::bytes_handed_in(std::size_t bus) {
   Book& book = books_[bus];
+  if (!is_tcp(bus)) {
+    read_frames(bus);
+    read_echo(bus);
+  }
   const auto& settings = bus_settings(bus);
   const Duration silence = settings.frame_gap.value_or(
       modbus::RtuTiming(settings.line.baud, settings.line.format).t3_5());

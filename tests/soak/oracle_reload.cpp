@@ -117,10 +117,10 @@ void Oracle::after_reload() {
       book.held_until = std::max(book.turnaround_end, by_others);
       book.turnaround_end = std::min(book.turnaround_end, by_others);
     }
+    if (settings.stop_wait != book.stop_wait_before) {
+      book.stop_wait_from = schedule_.now();
+    }
     for (Asked* stop : book.stops) {
-      if (settings.stop_wait != book.stop_wait_before) {
-        stop->waits_from = schedule_.now();
-      }
       cancel_for_waiting_stop(*stop);
     }
     cut_flying(book);

@@ -55,7 +55,7 @@ void Oracle::note_stops(Flight& flight) {
 }
 
 // Between two tries of a read each other device has one turn at most; several parts that stay
-// together are one. A broadcast may make its device boot.
+// together are one, and so are the tries of a write. A broadcast may make its device boot.
 void Oracle::check_turns(const Asked& read, const Flight& flight) {
   std::map<std::uint8_t, unsigned> turns;
   for (std::uint64_t number = read.last_alone + 1; number < flight.number; ++number) {
@@ -84,15 +84,9 @@ Duration Oracle::stop_deadline(std::size_t bus) const {
 
 // A stop that found no silence for so long is sent all the same, once.
 bool Oracle::may_break_silence(const Flight& flight) {
-  return std::ranges::any_of(flight.asked, [&](std::uint64_t id) {
-    const auto entry = open_.find(id);
-    if (entry == open_.end() || !entry->second->waits_from) {
-      return false;
-    }
-    const Asked& stop = *entry->second;
-    const Instant since = std::max(*stop.waits_from, books_[flight.bus].busy_since);
-    return stop.pieces.front().sent == 1 && flight.begin >= since + stop_deadline(flight.bus);
-  });
+  return flight.stop_from &&
+         flight.begin >=
+             std::max(*flight.stop_from, books_[flight.bus].busy_since) + stop_deadline(flight.bus);
 }
 
 // A stop that waits goes when what runs has ended, or was cut at `stop_wait`; at its deadline in
@@ -119,8 +113,8 @@ void Oracle::check_stops_waiting(std::size_t bus) {
     // To a device that was given up: nothing that runs is cut.
     const bool is_patient =
         !stop->stops_all && lane.stop_sent != 0 && is_past_offline(bus, lane) && last != nullptr;
-    const Instant from =
-        std::max({held, *stop->waits_from, is_patient ? last->due + rest : Instant::min()});
+    const Instant from = std::max({held, *stop->waits_from, book.stop_wait_from,
+                                   is_patient ? last->due + rest : Instant::min()});
     const Instant limit =
         std::max(from, book.last_handed_in + rest) + settings.stop_wait + silence + 1us;
     const Instant deadline = std::max(from, book.busy_since) + stop_deadline(bus) +

@@ -62,8 +62,11 @@ struct FaultRates {
   unsigned babble = 0;
   unsigned exception = 0;
   unsigned early = 0;
-  unsigned request_damaged = 0;     ///< of requests
-  unsigned wrong_echo = 0;          ///< of requests
+  unsigned request_damaged = 0;  ///< of requests
+  unsigned echo_damaged = 0;     ///< of requests, as the following
+  unsigned echo_lost = 0;
+  unsigned echo_cut = 0;            ///< something of it is missing
+  unsigned prompt = 0;              ///< carried out and answered before it has left
   unsigned unknown_identifier = 0;  ///< of TCP answers: one more of nobody's goes before
   unsigned other_unit = 0;          ///< of TCP answers
   unsigned closes_after = 0;        ///< of TCP answers: the server closes the connection then
@@ -74,6 +77,7 @@ struct FaultRates {
   Duration foreign_every{0};
   Duration lost_every{0};
   Duration dead_every{0};
+  Duration babbles_every{0};  ///< a line is never silent, for seconds
 };
 
 /// How a client behaves.
@@ -105,11 +109,14 @@ struct Absent {
 };
 
 struct SoakPlan {
+  std::uint64_t seed = 0;
   gateway::Settings settings;  ///< in force, in the plan's own order
   Absent absent;
   std::vector<Door> doors;
   std::vector<FaultRates> rates;               ///< by bus
   std::vector<AdapterKind> adapters;           ///< by bus
+  std::vector<bus::LineKind> kinds;            ///< by bus, what its line is opened as
+  std::vector<bool> echoes;                    ///< by bus: its line really hears itself
   std::vector<std::vector<unsigned>> writers;  ///< by device, the hosts that its guard lists
   std::vector<std::vector<std::vector<std::uint8_t>>> failsafe;  ///< by device, the PDUs
   std::vector<Manners> clients;
@@ -121,7 +128,14 @@ struct SoakPlan {
   bool beyond = false;  ///< devices are later than the quarantine: misdeliveries are counted apart
 };
 
-SoakPlan draw_plan(Random& random);
+SoakPlan draw_plan(Random& random, std::uint64_t seed);
+/// What is behind the serial lines, and what the settings say of it.
+void draw_lines(SoakPlan& plan, std::uint64_t seed);
+void draw_line_kind(SoakPlan& plan, std::size_t bus, Random& random);
+/// Nothing that began before a request has left answers it.
+bool is_paced(const SoakPlan& plan, std::size_t bus);
+/// Listeners, routes and the doors that they make.
+void draw_doors(SoakPlan& plan, Random& random);
 /// The default deadlines, or those of its route.
 void set_deadlines(const SoakPlan& plan, Door& door);
 /// The unit of a door as it would lead to another device, which a reload may bring about.

@@ -9,6 +9,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
+constexpr std::uint64_t kLinesChance = 0x4C494E4553ULL;
 constexpr std::uint64_t kOwnChance = 0x52454C4F4144ULL;  // apart from the plant's
 
 }  // namespace
@@ -18,6 +19,7 @@ Reloads::Reloads(SoakPlan& plan, Oracle::Devices& devices, const Oracle& oracle,
       devices_(devices),
       oracle_(oracle),
       random_(seed ^ kOwnChance),
+      lines_(seed ^ kLinesChance),
       arrangement_(plan) {
   // Who may write, and whether anybody is left, is a question of its own.
   const auto is_guarded = [](const gateway::DeviceGuard& guard) {

@@ -77,6 +77,7 @@ class Reloads {
   Oracle::Devices& devices_;
   const Oracle& oracle_;
   Random random_;
+  Random lines_;
   Duration every_{0};
   Reload reload_;
   std::vector<Meaning> meanings_;                   // in force

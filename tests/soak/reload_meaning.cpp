@@ -85,11 +85,16 @@ bool Reloads::change_line(std::size_t index) {
     ++line.remote->port;
   } else {
     const auto before = line;
+    const bool echoes = plan_.echoes[index];
+    const bus::LineKind kind = plan_.kinds[index];
     line.baud = modbus::Baud{
         random_.one_of<std::uint32_t>({9600, 19200, 38400, 57600, 115200, 230400, 921600})};
     line.framing = random_.one_of({bus::Framing::rtu, bus::Framing::rtu, bus::Framing::ascii});
     line.echo = random_.chance(200);
+    draw_line_kind(plan_, index, lines_);
     if (line == before) {
+      plan_.echoes[index] = echoes;
+      plan_.kinds[index] = kind;
       return false;
     }
   }

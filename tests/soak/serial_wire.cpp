@@ -14,6 +14,7 @@ using namespace std::chrono_literals;
 using modbus::Pdu;
 
 namespace {
+constexpr std::uint64_t kEchoChance = 0x57495245ULL;  // apart from the plant's
 constexpr std::uint8_t kNobodyFrom = 60;
 constexpr std::uint8_t kNobodyTo = 240;
 }  // namespace
@@ -27,7 +28,8 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
       silence_(settings_.frame_gap.value_or(timing_.t3_5())),
       ascii_(settings_.line.framing == bus::Framing::ascii),
       adapter_(around.plan.adapters[bus], around.schedule, around.random,
-               [this](const Heard& heard) { hand_over(heard); }) {
+               [this](const Heard& heard) { hand_over(heard); }),
+      echo_random_(around.plan.seed ^ (kEchoChance + bus)) {
   for (SoakDevice& device : around.devices) {
     if (static_cast<std::size_t>(device.settings().bus) == bus) {
       devices_.push_back(&device);
@@ -42,6 +44,8 @@ void SerialWire::reset() {
   talks_until_.clear();
   asked_until_.clear();
   own_end_ = Instant::min();
+  echo_.reset();
+  babbles_until_ = Instant::min();
   timing_ = modbus::RtuTiming(settings_.line.baud, settings_.line.format);
   silence_ = settings_.frame_gap.value_or(timing_.t3_5());
   ascii_ = settings_.line.framing == bus::Framing::ascii;
@@ -84,18 +88,18 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
       around_.report.fault("collision");
     }
   }
-  around_.schedule.at(flight.end, [this, epoch = epoch_, number = flight.number,
-                                   bytes = Frame(frame.begin(), frame.end())] {
+  own_damaged_ = own_damaged_ || is_babbling();
+  const auto prompt = prompt_end(flight);
+  is_prompt_ = prompt.has_value();
+  begin_echo(flight, {frame.begin(), frame.end()});
+  around_.schedule.at(prompt.value_or(flight.end), [this, epoch = epoch_, number = flight.number] {
     if (epoch == epoch_) {
-      heard(number, bytes);
+      heard(number);
     }
   });
 }
 
-void SerialWire::heard(std::uint64_t number, const Frame& frame) {
-  if (settings_.line.echo.value_or(false)) {
-    echo(number, frame);
-  }
+void SerialWire::heard(std::uint64_t number) {
   Flight* flight = around_.oracle.flight(number);
   if (own_damaged_ || flight == nullptr || flight->pdu.empty() ||
       happens(rates_.request_damaged, "request_damaged")) {
@@ -120,17 +124,6 @@ void SerialWire::heard(std::uint64_t number, const Frame& frame) {
     return;
   }
   answer(*device, *flight, *request);
-}
-
-void SerialWire::echo(std::uint64_t number, const Frame& frame) {
-  Frame bytes = frame;
-  if (own_damaged_ || happens(rates_.wrong_echo, "wrong_echo")) {
-    bytes[around_.random.below(bytes.size())] ^= 0x10U;
-    if (const Flight* flight = around_.oracle.flight(number)) {
-      around_.oracle.echo_spoilt(*flight);
-    }
-  }
-  adapter_.take({std::move(bytes), {}}, adapter_.arrival());
 }
 
 void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& request) {
@@ -163,6 +156,9 @@ void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& req
   if (timing.response_wait > Duration{0} && happens(rates_.early, "early")) {
     wait = 300us;
   }
+  if (is_prompt_ && !slow) {
+    wait = echo_random_.duration(0us, 2ms);
+  }
   answer_with_fault(device, flight, *pdu, now + wait);
 }
 
@@ -192,9 +188,8 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
     return;
   }
   const bool may_glitch = !excess && !ascii_ && !opaque_ && !pdu.is_exception();
-  if (may_glitch && happens(rates_.glitch, "glitch")) {
-    begin_with_glitch(frame);
-  }
+  const std::size_t lead =
+      may_glitch && happens(rates_.glitch, "glitch") ? begin_with_glitch(frame) : 0;
   const bool paused = !excess && happens(rates_.pieces, "pieces");
   const Duration slack = settings_.frame_slack_or_default();
   const Instant over = begin + timing_.duration_of(frame.size()) + slack + 20ms;
@@ -206,7 +201,7 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
       excess   ? Chunks::fine
       : paused ? Chunks::paused
                : Chunks::usual,
-      {address, excess ? 2U : 1U, 0, true, flight.number});
+      {address, excess ? 2U : 1U, 0, true, flight.number, lead});
 }
 
 // All of it is there when the quarantine ends, often only just; or, in plans of that kind, later.

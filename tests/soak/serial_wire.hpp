@@ -18,6 +18,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 
 #include "soak/adapter.hpp"
 #include "soak/surroundings.hpp"
@@ -34,6 +35,7 @@ class SerialWire {
   /// From now on nothing goes wrong any more.
   void calm_down() {
     rates_ = FaultRates{};
+    babbles_until_ = Instant::min();
     adapter_.calm_down();
   }
   void begin_trouble();
@@ -49,6 +51,14 @@ class SerialWire {
     bool fits = true;                     ///< they answer what was asked
     std::uint64_t flight = 0;             ///< that they answer; none if a stranger asked
     std::size_t lead = 0;                 ///< bytes before them
+  };
+  struct OwnEcho {
+    std::uint64_t flight = 0;
+    Frame bytes;
+    std::size_t heard = 0;
+    bool is_whole = true;
+    bool is_spoilt = false;  ///< one byte is another
+    Instant began{};
   };
   enum class Spoilt : std::uint8_t { no, unreadable, misfit };
   struct Message {
@@ -68,15 +78,24 @@ class SerialWire {
     Instant frame_began{};  ///< when the first byte of the present frame will reach the kernel
   };
 
-  void heard(std::uint64_t number, const Frame& frame);
-  void echo(std::uint64_t number, const Frame& frame);
+  void heard(std::uint64_t number);
+  // wire_echo.cpp
+  void begin_echo(const Flight& flight, const Frame& frame);
+  void spoil_echo(const Flight& flight);
+  void hear_echo(std::uint64_t number, std::size_t until);
+  [[nodiscard]] bool happens_to_echo(unsigned permille, const char* kind);
+  [[nodiscard]] std::optional<Instant> prompt_end(const Flight& flight);
+  void begin_babble();
+  void babble_on(std::uint64_t epoch);
+  [[nodiscard]] bool is_babbling() const;
+
   void answer(SoakDevice& device, const Flight& flight, const modbus::Pdu& request);
   void answer_with_fault(SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu,
                          Instant begin);
   void answer_late(SoakDevice& device, const Flight& flight, const Frame& frame, Instant begin);
   Spoilt spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
   void damage(Frame& frame);
-  void begin_with_glitch(Frame& frame);
+  std::size_t begin_with_glitch(Frame& frame);
   void append_excess(Frame& frame);
   void say(Frame bytes, Instant begin, Chunks chunks, const Content& content);
   void begin_message(std::uint64_t id);
@@ -108,6 +127,10 @@ class SerialWire {
   std::uint64_t epoch_ = 0;  ///< grows when the adapter is pulled out
   Instant own_end_ = Instant::min();
   bool own_damaged_ = false;
+  bool is_prompt_ = false;  ///< what was transmitted last is answered before it has left
+  Random echo_random_;
+  std::optional<OwnEcho> echo_;  ///< of what was transmitted last
+  Instant babbles_until_ = Instant::min();
   bool opaque_ = false;  ///< only silence ends the answer to what was transmitted last
 };
 

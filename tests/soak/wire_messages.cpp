@@ -52,8 +52,8 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& c
 void SerialWire::begin_message(std::uint64_t id) {
   const Instant now = around_.schedule.now();
   Message& message = messages_.at(id);
-  bool collides = own_end_ > now;
-  own_damaged_ = own_damaged_ || collides;
+  bool collides = (own_end_ > now && !is_prompt_) || is_babbling();
+  own_damaged_ = own_damaged_ || (own_end_ > now && !is_prompt_);
   for (auto& [other_id, other] : messages_) {
     if (other_id != id && other.begin <= now && other.end > now) {
       collides = true;
@@ -112,23 +112,28 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
 }
 
 void SerialWire::hand_over(const Heard& heard) {
-  around_.oracle.bytes_came(bus_);
+  around_.oracle.bytes_came(bus_, heard.bytes.size());
   for (const HeardFrame& frame : heard.frames) {
     around_.oracle.frame_came(bus_, frame);
-    if (frame.fits && frame.flight != 0) {
+    if (frame.fits && frame.flight != 0 && frame.began >= own_end_) {
       asked_until_.erase(frame.address);
     }
+  }
+  if (heard.echo) {
+    around_.oracle.echo_came(bus_, *heard.echo);
   }
   around_.deliver(bus_, heard.bytes);
 }
 
 // What a line without bias picks up, or a driver that turns on.
-void SerialWire::begin_with_glitch(Frame& frame) {
-  for (unsigned count = around_.random.between(1U, 8U); count > 0; --count) {
+std::size_t SerialWire::begin_with_glitch(Frame& frame) {
+  const std::size_t size = around_.random.between(1U, 8U);
+  for (std::size_t count = size; count > 0; --count) {
     frame.insert(frame.begin(), around_.random.one_of<std::uint8_t>(
                                     {0xFE, 0xF8, 0xC0, 0x80, 0x7F, 0x00, 0xFF,
                                      static_cast<std::uint8_t>(around_.random.below(256))}));
   }
+  return size;
 }
 
 void SerialWire::append_excess(Frame& frame) {
@@ -139,7 +144,7 @@ void SerialWire::append_excess(Frame& frame) {
 
 bool SerialWire::is_busy() const {
   const Instant now = around_.schedule.now();
-  return own_end_ > now || std::ranges::any_of(messages_, [&](const auto& entry) {
+  return own_end_ > now || is_babbling() || std::ranges::any_of(messages_, [&](const auto& entry) {
            return entry.second.begin <= now;
          });
 }
@@ -155,6 +160,7 @@ void SerialWire::begin_trouble() {
   later(rates_.noise_every, &SerialWire::make_noise);
   later(rates_.foreign_every, &SerialWire::ask_as_stranger);
   later(rates_.dead_every, &SerialWire::kill_a_device);
+  later(rates_.babbles_every, &SerialWire::begin_babble);
 }
 
 void SerialWire::make_noise() {

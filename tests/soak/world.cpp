@@ -29,7 +29,7 @@ Oracle::Devices World::make_devices(const SoakPlan& plan, Random& random) {
 
 World::World(std::uint64_t seed, bool trace)
     : random_(seed),
-      plan_(draw_plan(random_)),
+      plan_(draw_plan(random_, seed)),
       devices_(make_devices(plan_, random_)),
       oracle_(plan_, devices_, schedule_, report_),
       asking_(plan_, random_),
@@ -211,6 +211,10 @@ void World::carry_out(const gateway::Action& action) {
   } else if (const auto* transmit_frame = std::get_if<gateway::Transmit>(&action)) {
     transmit(bus_of(transmit_frame->bus),
              {transmit_frame->frame.data(), transmit_frame->frame.size()});
+  } else if (const auto* report = std::get_if<gateway::Report>(&action)) {
+    if (const auto* news = std::get_if<gateway::LineNews>(&report->event)) {
+      oracle_.line_news(bus_of(news->bus), news->fault);
+    }
   } else if (const auto* look = std::get_if<gateway::Look>(&action)) {
     driver_.look(static_cast<std::size_t>(bus_of(look->bus)), carried_out_ == 1);
     gateway_.handle_bus_looked(look->bus, schedule_.now());

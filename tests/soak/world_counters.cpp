@@ -57,10 +57,9 @@ void World::compare(const std::string& what, std::uint64_t shown, std::uint64_t 
   }
 }
 
-void World::compare_ends(const std::string& name, std::uint64_t ends,
-                         const Oracle::BusCount& count) {
+void World::compare_ends(const std::string& name, std::uint64_t ends, const BusCount& count) {
   compare(name + ": responses, timeouts and bad CRCs", ends,
-          count.asking - std::min(count.asking, count.interrupted), count.asking);
+          count.asking - std::min(count.asking, count.interrupted), count.asking + count.excused);
 }
 
 void World::check_head(Client& client) {
@@ -80,7 +79,7 @@ void World::check_bus(Client& client, std::size_t bus) {
   const std::string& name = plan_.settings.buses[bus].name;
   const PduBytes& pdu =
       own_registers(client, kBusesAt + kBusSize * static_cast<std::size_t>(id_of(bus)), kBusSize);
-  const Oracle::BusCount& count = oracle_.count(bus);
+  const BusCount& count = oracle_.count(bus);
   const std::uint64_t responses = long_at(pdu, 4);
   compare(name + ": open", word_at(pdu, 0), 1);
   compare(name + ": waiting", word_at(pdu, 1), 0);
@@ -104,7 +103,7 @@ void World::check_device(Client& client, std::size_t index) {
     return;
   }
   const PduBytes& pdu = own_registers(client, kDevicesAt + kDeviceSize * *place, kDeviceSize);
-  const Oracle::BusCount& count = oracle_.count(bus, device.address);
+  const BusCount& count = oracle_.count(bus, device.address);
   compare(device.name + ": bus", word_at(pdu, 0), static_cast<std::size_t>(id_of(bus)) + 1);
   compare(device.name + ": address", word_at(pdu, 1), device.address);
   compare(device.name + ": state", word_at(pdu, 2), 1);

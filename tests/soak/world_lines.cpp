@@ -64,8 +64,15 @@ void World::opened(std::size_t bus, bool refused) {
     oracle_.bus_lost(bus);
     gateway_.handle_bus_lost(id_of(bus), schedule_.now());
   } else {
+    const auto& line = plan_.settings.buses[bus].line;
+    trace(plan_.settings.buses[bus].name + ": echo = " +
+          (!line.echo   ? "auto"
+           : *line.echo ? "true"
+                        : "false") +
+          (plan_.echoes[bus] ? ", it is there" : ", there is none") +
+          (is_paced(plan_, bus) ? ", paced" : ", not paced"));
     oracle_.bus_opened(bus);
-    gateway_.handle_bus_opened(id_of(bus), schedule_.now());
+    gateway_.handle_bus_opened(id_of(bus), schedule_.now(), plan_.kinds[bus]);
     driver_.watch_line(bus);
   }
   drain();

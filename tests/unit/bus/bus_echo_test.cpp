@@ -1,36 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lines that may hear themselves, and what comes before a request has left.
-#include "bus_rig.hpp"
+#include "echo_rig.hpp"
 
 namespace mbgate::test {
 namespace {
 
 using Fault = bus::LineFault;
-
-constexpr auto kWritePdu = "06 0000 0001";
-constexpr auto kRepetition = "01 06 00 00 00 01 48 0A";  // the frame, its echo, and its answer
-constexpr auto kRefusal = "01 86 02 C3 A1";
-
-class BusEcho : public Bus {
- protected:
-  void open_as(bus::LineKind kind, std::optional<bool> echo = {}) {
-    auto learning = settings();
-    learning.line.echo = echo;
-    bus_.emplace(learning, std::vector<drive::Device>{});
-    bus_->start();
-    bus_->handle_opened(now_, kind);
-    drain();
-    advance(5ms);
-  }
-  /// A read shows that the line hears itself.
-  void open_and_learn(bus::LineKind kind) {
-    open_as(kind);
-    submit(job(kRead));
-    advance(10ms);
-    line(std::string(kReadFrame) + kAnswer);
-    advance(10ms);
-  }
-};
 
 TEST_F(BusEcho, AReadProvesIt) {
   open_as(bus::LineKind::virtual_line);
@@ -184,115 +159,6 @@ TEST_F(BusEcho, AFittingReadAnswerBeforeThatIsSaidOnce) {
   }
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
   EXPECT_THAT(faults_, ElementsAre(Fault::answered_while_sending));
-}
-
-TEST_F(BusEcho, IsLearnedAnewWhenItIsNotThereAnyMore) {
-  open_and_learn(bus::LineKind::virtual_line);
-  submit(job(kRead));
-  advance(10ms);
-  line(kAnswer);  // without an echo
-  time_out();
-  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed));
-  advance(400ms);
-  submit(job(kRead));
-  advance(10ms);
-  line(kAnswer);
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
-}
-
-// The spoilt echo was all that came; it is not to be made up from what was sent.
-TEST_F(BusEcho, ThatDifferedIsNotHeardAgainWhenTheTimeIsOver) {
-  open_and_learn(bus::LineKind::uart);
-  submit(job(kWritePdu));
-  advance(10ms);
-  line(kRefusal);  // without an echo
-  time_out();
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
-  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed));
-  EXPECT_EQ(bus_->counters().stray_frames, 0U);
-}
-
-/// A device that is stopped by kWritePdu, which is repeated if it is not answered.
-class BusLateEcho : public Bus {
- protected:
-  void open_with_stop() {
-    drive::Device axis;
-    axis.profile.stops = {{.address = 0, .value = 1}};
-    axis.timing = settings().timing;
-    auto hearing = settings();
-    hearing.line.echo = true;
-    open(hearing, {axis});
-  }
-  /// A stop whose echo did not come in time; its repetition has left.
-  void repeat_stop() {
-    submit(job(kWritePdu));
-    advance(kEmission + 103ms + kEmission);
-    ASSERT_THAT(frames_, SizeIs(2));
-  }
-};
-
-TEST_F(BusLateEcho, IsNotTheAnswerToTheSameRequest) {
-  open_with_stop();
-  repeat_stop();
-  line(kRepetition);  // late
-  advance(2ms);
-  line(kRepetition);  // in time
-  EXPECT_THAT(endings_, IsEmpty());
-  advance(10ms);
-  line(kRepetition);
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-  EXPECT_EQ(bus_->counters().echo_mismatches, 0U);
-}
-
-TEST_F(BusLateEcho, MayComeInTheSamePieceAsTheOther) {
-  open_with_stop();
-  repeat_stop();
-  line(std::string(kRepetition) + kRepetition);
-  EXPECT_THAT(endings_, IsEmpty());
-  line(kRepetition);
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-}
-
-// Nobody can tell its answer from the echo that was lost.
-TEST_F(BusLateEcho, ThatWasLostCostsOneAnswer) {
-  open_with_stop();
-  repeat_stop();
-  line(std::string(kRepetition) + kRepetition);  // the echo and the answer
-  time_out();
-  EXPECT_THAT(endings_, IsEmpty());
-  ASSERT_THAT(frames_, SizeIs(3));
-  advance(kEmission);
-  line(std::string(kRepetition) + kRepetition);
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-}
-
-TEST_F(BusLateEcho, ThatComesBetweenIsNotOwedAnyMore) {
-  open_with_stop();
-  submit(job(kWritePdu));
-  advance(kEmission + 101ms);  // the silence before the repetition runs
-  line(kRepetition);
-  advance(2 * kEmission);
-  ASSERT_THAT(frames_, SizeIs(2));
-  line(std::string(kRepetition) + kRepetition);
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-}
-
-TEST_F(BusEcho, IsNotClaimedWhileAnIdenticalAnswerIsOwed) {
-  drive::Device axis;
-  axis.profile.stops = {{.address = 0, .value = 1}};
-  axis.timing = settings().timing;
-  auto learning = settings();
-  learning.line.paced = true;
-  open(learning, {axis});
-  submit(job(kWritePdu));
-  advance(kEmission + 103ms);  // unanswered: repeated
-  ASSERT_THAT(frames_, SizeIs(2));
-  line(kRepetition);  // late
-  EXPECT_THAT(faults_, IsEmpty());
-  EXPECT_THAT(endings_, IsEmpty());
-  advance(10ms);
-  line(kRepetition);
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
 }  // namespace

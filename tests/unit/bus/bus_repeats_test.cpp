@@ -138,7 +138,7 @@ TEST_F(BusRepeats, AReadOfADeviceThatABroadcastMadeBootGoesOnWhenItHas) {
   submit(job_of(1, kWrite, 0));
   EXPECT_EQ(answer(), 1);
   advance(kEmission + 100ms + kT35);
-  ASSERT_THAT(frames_, SizeIs(2));                       // the broadcast
+  ASSERT_THAT(frames_, SizeIs(2));  // the broadcast
   advance(4s);
   ASSERT_THAT(frames_, SizeIs(3));
   EXPECT_EQ(frames_[2], frames_[0]);

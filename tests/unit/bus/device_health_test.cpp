@@ -218,6 +218,16 @@ TEST_F(Health, WhatWasAskedLastIsRememberedThoughItWasAskedFirstToo) {
   EXPECT_TRUE(may_be_asked(write_, 360ms));
 }
 
+TEST_F(Health, AnAnswerMayBeThatToARequestForWhichThereWasNoRoom) {
+  for (int value = 0; value < 12; ++value) {
+    health_.note_unanswered(request("06 0000 00" + std::to_string(10 + value)), at(100ms), timing_);
+  }
+  const auto echo = unhex("06 0000 0010");
+  health_.note_answered({request("06 0000 0010"), echo, at(210ms), 1ms}, at(120ms));
+  EXPECT_FALSE(may_be_asked(write_, 329ms));
+  EXPECT_TRUE(may_be_asked(write_, 330ms));
+}
+
 TEST_F(Health, ADeviceGoesOfflineAndComesBack) {
   EXPECT_FALSE(health_.note_unanswered(read_, at(100ms), timing_));
   EXPECT_FALSE(health_.note_unanswered(read_, at(200ms), timing_));

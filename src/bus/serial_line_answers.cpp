@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether what a line has brought is the answer: not what is owed, what is an echo, or what came
+// before it can have been one.
+#include <utility>
+
+#include "bus/serial_line.hpp"
+
+namespace mbgate::bus {
+namespace {
+
+// Less than this is no proof: clocks differ, and so does what a drive counts its wait from.
+constexpr int kEarlyPart = 8;  // of the response wait
+
+// A USB adapter may keep an echo for so long (its latency timer, and a busy host).
+constexpr Duration kEchoKept = std::chrono::milliseconds(20);
+
+}  // namespace
+
+bool SerialLine::is_early() const {
+  return framer_.response_began() < emission_ends_ + response_wait_ - response_wait_ / kEarlyPart;
+}
+
+// While an answer is owed, of all writes only stops are sent. An exception names no address: it may
+// be the answer to the write that was stopped.
+bool SerialLine::may_refuse_another() const {
+  return transaction_->request.writes() && framer_.response().is_exception();
+}
+
+void SerialLine::judge_held(const Echo::Held& held, Instant now) {
+  if (!held.bytes.empty()) {
+    judge(framer_.add({held.bytes.data(), held.bytes.size()}, held.since), now);
+  }
+}
+
+// It may be a late echo; what begins before the request has left a paced line answers nothing; and
+// an owed answer begins before the device can have answered this request, or says no to any one.
+bool SerialLine::is_no_answer() const {
+  return echo_.is_owed(framer_.response()) ||
+         (paced_ && framer_.response_began() < emission_ends_) ||
+         (owed_ > 0 && (is_early() || may_refuse_another()));
+}
+
+Verdict SerialLine::refuse(Instant now) {
+  if (echo_.take_owed(framer_.response())) {
+    ++counters_.stray_frames;
+  } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
+             (owed_ == 0 || echo_.is_unknown())) {
+    if (owed_ == 0) {
+      echo_.find();
+    } else {
+      ++counters_.stray_frames;  // an echo, or what is owed: that stays owed
+    }
+    echo_.pass();
+  } else if (owed_ > 0) {
+    // It is one of those that the device owes.
+    --owed_;
+    refused_.add({transaction_->address, framer_.response()});
+  } else {
+    ++counters_.stray_frames;
+    if (transaction_->request.is_read() && !std::exchange(unpaced_told_, true)) {
+      note_fault(faults_, LineFault::answered_while_sending);
+    }
+  }
+  return framer_.again(now);
+}
+
+// Until a read has shown whether the line hears itself, a repetition that comes at once may be an
+// echo. If something else that fits stands behind it, it was; alone it is taken.
+Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
+  // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
+  const bool is_echo = echo_.was_shown() || transaction_->request.is_read();
+  const bool is_late = framer_.response_began() > emission_ends_ + kEchoKept;
+  if (!echo_.is_unknown() || !echo_.is_repetition(framer_.response()) || (is_late && !is_echo)) {
+    return verdict;
+  }
+  if (is_echo && echo_.pass()) {
+    if (owed_ == 0) {
+      echo_.find();  // two came, and only one of them can be the echo
+    }
+    return verdict;
+  }
+  if (is_echo) {
+    const Verdict behind = framer_.again(now);
+    if (behind == Verdict::response && owed_ == 0) {
+      echo_.find();
+    }
+    return behind;
+  }
+  const modbus::Pdu repetition = framer_.response();
+  if (owed_ == 0 && framer_.again(now) == Verdict::response) {
+    echo_.find();
+    return Verdict::response;
+  }
+  echo_.note_unproven();
+  transaction_->response = repetition;
+  end(LineEnd::How::response);
+  return Verdict::none;
+}
+
+void SerialLine::judge(Verdict verdict, Instant now) {
+  while (verdict == Verdict::response && is_no_answer()) {
+    verdict = refuse(now);
+  }
+  if (verdict == Verdict::response) {
+    verdict = settle_echo(verdict, now);
+  }
+  switch (verdict) {
+    case Verdict::none: return;
+    case Verdict::response:
+      if (framer_.came_first()) {
+        echo_.note_answered();
+      }
+      transaction_->response = framer_.response();
+      end(LineEnd::How::response);
+      return;
+    case Verdict::damaged:
+      draining_ = true;
+      end(LineEnd::How::damaged);
+      return;
+  }
+}
+
+}  // namespace mbgate::bus

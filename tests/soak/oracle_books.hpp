@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the oracle keeps of connections, lines and the addresses on them.
+#pragma once
+
+#include <array>
+#include <deque>
+#include <map>
+#include <string>
+#include <unordered_map>
+
+#include "soak/asked.hpp"
+#include "soak/flight.hpp"
+
+namespace mbgate::soak {
+
+/// What is compared with the gateway's own counters.
+struct BusCount {
+  std::uint64_t transmissions = 0;
+  std::uint64_t broadcasts = 0;
+  std::uint64_t losses = 0;
+  std::uint64_t stops = 0;
+  std::uint64_t spoilt_echoes = 0;
+  std::uint64_t asking = 0;       ///< transmissions that are to be answered
+  std::uint64_t interrupted = 0;  ///< of these, at most so many were cut by a loss
+  std::uint64_t excused = 0;      ///< others whose echo may have been taken for an answer
+};
+
+/// A connection of a client.
+struct Session {
+  std::size_t listener = 0;
+  bool ordered = false;  ///< as it was at the beginning
+  bool half_closed = false;
+  bool ahead = false;  ///< places may be taken for free a little early
+  std::optional<Instant> paused_since;
+  std::size_t outstanding = 0;
+  std::deque<std::uint64_t> backlog;  ///< delivered, not accepted
+  std::deque<std::uint64_t> taken;    ///< stops that were accepted before others in front of them
+  std::deque<std::uint64_t> order;    ///< accepted, not answered
+  std::unordered_map<std::uint16_t, std::uint64_t> by_transaction;
+  std::deque<std::uint16_t> answered;  ///< the last transactions that are done
+  std::deque<std::uint16_t> silent;    ///< done without a reply; a failure may still be told
+};
+
+/// An address on a bus.
+struct Lane {
+  std::optional<std::size_t> device;
+  std::vector<Asked*> open;
+  std::deque<std::uint64_t> owed;         ///< transmissions that no good frame has answered
+  std::optional<Instant> answered_at;     ///< since the last transmission that is to be
+  Duration took{0};                       ///< that answer, since the end of the request
+  Instant last_offline = Instant::min();  ///< it may have been offline then
+  unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
+  BusCount count;
+  bool stays_offline = false;  ///< it was perhaps offline when other settings came
+  Instant last_write_event = Instant::min();
+  Instant last_stop = Instant::min();
+  std::map<PduBytes, Instant> stops_done;  ///< when the device carried each out last
+  Instant uncertain_at = Instant::min();   ///< nobody can tell what a frame of then answered
+  std::uint64_t stop_sent = 0;             ///< the last one sent to it
+};
+
+/// A bus.
+struct Book {
+  std::array<Lane, 256> lanes;
+  bool open = false;
+  bool starting = true;  ///< it has not been opened yet: requests wait
+  bool rests = false;    ///< the same, because its server has closed the connection
+  bool opening = false;
+  std::vector<std::uint64_t> in_vain;  ///< to a server from which nothing has come since
+  Instant last_down = Instant::min();
+  Instant last_full = Instant::min();
+  Instant last_stop = Instant::min();
+  Instant own_end = Instant::min();
+  Instant last_byte = Instant::min();
+  Instant last_handed_in = Instant::min();
+  Instant turnaround_end = Instant::min();
+  Instant held_until = Instant::min();  ///< the same by settings that came meanwhile
+  std::size_t waiting = 0;              ///< requests that are surely in its queue
+  std::size_t present = 0;              ///< requests that may be
+  std::vector<Asked*> stops;            ///< that wait
+  std::vector<Asked*> open_stops;       ///< that wait or were sent
+  std::vector<Asked*> early_stops;      ///< that wait for the line to be opened first
+  std::vector<std::uint64_t> flying;    ///< on TCP buses
+  std::vector<std::uint64_t> unheard;   ///< the same, as if no stop cut anything
+  std::uint64_t last_flight = 0;
+  std::uint64_t last_other = 0;         ///< the last one that was no stop
+  Instant busy_since = Instant::min();  ///< no silence since then
+  std::uint64_t answered = 0;           ///< by a frame that fits
+  std::size_t room = 0;                 ///< more than the queue's limit may still wait from before
+  Instant last_merge = Instant::min();  ///< reads accepted until then may be merged
+  Duration stop_wait_before{0};
+  Instant stop_wait_from = Instant::min();  ///< it is what it is
+  BusCount count;
+  // Of the own transmission that was last:
+  std::size_t came = 0;  ///< bytes that have reached the kernel since its beginning
+  Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
+  std::vector<HeardFrame> unread;               ///< good frames in the kernel
+  std::optional<HeardEcho> unread_echo;
+  bool is_strange = false;  ///< what came looks like an echo, and is none
+  // Of the line, since it was opened:
+  bool echo_proven = false;
+  bool echo_lost = false;  ///< one that would have proven it did not come at all
+  bool told_unproven = false;
+  bool told_while_sending = false;
+  bool must_tell_unproven = false;
+};
+
+/// A request that is over.
+struct Done {
+  std::uint64_t id;
+  std::size_t bus;
+  std::uint8_t address;
+  PduBytes pdu;
+  std::string how;
+};
+
+}  // namespace mbgate::soak

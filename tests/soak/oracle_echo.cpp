@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a line hears of itself, and what begins before a request has left: when an echo may be taken
+// for an answer, and when it must not.
+//
+// The echo of 05, 06, 22 and of a function of the maker's own looks like the answer. On an
+// `echo = "auto"` line it may be taken for it until the echo of anything else came whole; where the
+// settings deny an echo that there is, always; where they say that there is one, never; and nowhere
+// if the line is paced and it was read before the computed end of the request. That of some reads
+// of bits looks like an answer too: only settings that deny it make it one.
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+namespace {
+
+// As many bits as three bytes show, from 768 on: the address begins with the byte count.
+bool looks_like_bits(const PduBytes& pdu) {
+  constexpr std::uint8_t kBytes = 3;
+  return (pdu[0] == 0x01 || pdu[0] == 0x02) && pdu[1] == kBytes &&
+         (modbus::load_be16(pdu, 3) + 7U) / 8U == kBytes;
+}
+
+constexpr const char* kUnproven = "unproven_echo";
+
+bool looks_like_answer(const Flight& flight) {
+  const std::uint8_t function = flight.pdu.front();
+  return !flight.is_broadcast && (function == 0x05 || function == 0x06 || function == 0x16 ||
+                                  function == kOwnFunction || looks_like_bits(flight.pdu));
+}
+
+}  // namespace
+
+void Oracle::forget_line(Book& book, std::size_t bus) {
+  if (book.must_tell_unproven && !book.told_unproven) {
+    violation("not_told", "an answer that may be an echo on " + bus_settings(bus).name);
+  }
+  book.unread.clear();
+  book.unread_echo.reset();
+  book.echo_proven = book.echo_lost = false;
+  book.told_unproven = book.told_while_sending = book.must_tell_unproven = false;
+}
+
+// The first byte was read before the computed end of the own transmission.
+bool Oracle::began_while_sending(std::size_t bus, Instant began) const {
+  return is_paced(plan_, bus) && began <= books_[bus].read_while_sending;
+}
+
+// What it is shows only when it is read.
+void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
+  Book& book = books_[bus];
+  if (is_tcp(bus)) {
+    settle(bus, frame);
+    return;
+  }
+  book.unread.push_back(frame);
+  if (is_paced(plan_, bus) && schedule_.now() < book.own_end) {
+    book.unread.back().waits = true;
+  } else if (!began_while_sending(bus, frame.began)) {
+    settle(bus, frame);
+  } else {
+    book.unread.back().waits = true;
+  }
+}
+
+void Oracle::read_frames(std::size_t bus) {
+  Book& book = books_[bus];
+  if (schedule_.now() < book.own_end) {
+    book.read_while_sending = schedule_.now();
+  }
+  for (HeardFrame& frame : std::exchange(book.unread, {})) {
+    frame.is_refused = is_for_last(book, frame) && began_while_sending(bus, frame.began);
+    book.is_strange = book.is_strange || frame.is_refused || frame.is_nobodys;
+    if (frame.waits) {
+      settle(bus, frame);
+    }
+    note_heard(book, frame);
+  }
+}
+
+// The gateway may take it for the answer to what it has transmitted last.
+bool Oracle::is_for_last(const Book& book, const HeardFrame& frame) {
+  const Flight* last = flight(book.last_flight);
+  const Flight* from = flight(frame.flight);
+  return frame.fits && last != nullptr && last->address == frame.address &&
+         frame.began >= last->begin && (from == nullptr || may_be_confused(from->pdu, last->pdu));
+}
+
+void Oracle::note_heard(Book& book, const HeardFrame& frame) {
+  if (!is_for_last(book, frame)) {
+    return;
+  }
+  const Flight* last = flight(book.last_flight);
+  // It is taken for the echo, and that for the answer: both are the same, and one is the device's.
+  const bool stands_for_echo = plan_.echoes[last->bus] && looks_like_answer(*last) &&
+                               bus_settings(last->bus).line.echo.value_or(true);
+  for (const std::uint64_t id : last->asked) {
+    const auto entry = open_.find(id);
+    if (entry == open_.end()) {
+      continue;
+    }
+    Asked& asked = *entry->second;
+    asked.hurried = asked.hurried || frame.is_refused;
+    for (Piece& piece : asked.pieces) {
+      if ((!frame.is_refused || stands_for_echo) && fits(asked, piece, *last)) {
+        piece.answered = true;
+      }
+    }
+  }
+}
+
+void Oracle::read_echo(std::size_t bus) {
+  Book& book = books_[bus];
+  const auto echo = std::exchange(book.unread_echo, std::nullopt);
+  Flight* last = flight(book.last_flight);
+  if (!echo || last == nullptr || last->number != echo->flight) {
+    return;
+  }
+  if (looks_like_answer(*last)) {
+    if (echo->is_whole) {
+      note_echo_for_answer(bus, *last, *echo);
+    }
+    return;
+  }
+  // Nothing stood before it, and the wait for the answer was not over yet.
+  const bool is_plain = echo->is_whole && book.came == echo->size && book.open_stops.empty() &&
+                        (last->is_broadcast || schedule_.now() < last->deadline);
+  if (is_plain && !bus_settings(bus).line.echo && !std::exchange(book.echo_proven, true)) {
+    report_.fault("echo_proven");
+  }
+}
+
+void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEcho& echo) {
+  Book& book = books_[bus];
+  const auto& setting = bus_settings(bus).line.echo;
+  for (const std::uint64_t id : flight.asked) {
+    if (const auto entry = open_.find(id); entry != open_.end()) {
+      entry->second->echoed = true;
+    }
+  }
+  HeardFrame frame{flight.address, true, true, flight.number, echo.began};
+  frame.is_refused = began_while_sending(bus, echo.began);
+  if (setting.value_or(false) || book.echo_proven || (!setting && !flight.is_write) ||
+      frame.is_refused) {
+    report_.fault("echo_refused");
+    if (setting && !*setting) {
+      // It may be one that is owed; what has come behind it has paid for that then.
+      frame.is_refused = book.answered != flight.number;
+      settle(bus, frame);
+    }
+    return;
+  }
+  const bool is_late = schedule_.now() > flight.end + kAdapterHolds;
+  frame.excuse = setting          ? "denied_echo"
+                 : book.echo_lost ? "echo_after_a_lost_one"
+                 : is_late        ? "late_echo"
+                                  : kUnproven;
+  report_.fault(frame.excuse);
+  note_excused(flight);
+  settle(bus, frame);
+}
+
+// A read that was answered, and nothing came of its echo: it shows that there is none.
+void Oracle::echo_lost(const Flight& flight) {
+  Book& book = books_[flight.bus];
+  book.echo_lost = book.echo_lost || !looks_like_answer(flight);
+}
+
+// An echo may be its answer, by what the line has shown.
+bool Oracle::is_excused(const Asked& asked) {
+  return asked.echoed && is_apart(asked, "acknowledged_stop_");
+}
+
+// A good answer was heard after its request had left, or before on a line that is not paced.
+void Oracle::judge_heard(const Asked& asked) {
+  const bool is_asked = asked.kind != Kind::broadcast && asked.kind != Kind::own && !asked.silent &&
+                        asked.maybe_on_wire && !asked.pieces.empty();
+  if (!is_asked || is_tcp(asked.pieces.front().bus) ||
+      std::ranges::all_of(asked.pieces, &Piece::answered)) {
+    return;
+  }
+  const bool may_be_cached =
+      asked.is_read() &&
+      std::max(asked.cache, devices_[*asked.door->device].settings().cache) > Duration{0};
+  if (may_be_cached) {
+    return;
+  }
+  if (is_apart(asked, "answered_")) {
+    books_[asked.pieces.front().bus].must_tell_unproven |= asked.uncertain == kUnproven;
+    return;
+  }
+  const char* kind = asked.echoed    ? "echo_taken"
+                     : asked.hurried ? "answered_while_sending"
+                                     : "answer_unheard";
+  violation(kind, name(asked));
+}
+
+void Oracle::line_news(std::size_t bus, bus::LineFault fault) {
+  Book& book = books_[bus];
+  const auto once = [&](bool& told, const char* kind) {
+    report_.fault(kind);
+    if (std::exchange(told, true)) {
+      violation("told_twice", std::string(kind) + " of " + bus_settings(bus).name);
+    }
+  };
+  if (fault == bus::LineFault::echo_found) {
+    report_.fault("told_echo_found");
+    if (!plan_.echoes[bus] && !book.is_strange) {
+      violation("echo_claimed", bus_settings(bus).name);
+    }
+  } else if (fault == bus::LineFault::echo_unproven) {
+    once(book.told_unproven, "told_echo_unproven");
+  } else if (fault == bus::LineFault::answered_while_sending) {
+    once(book.told_while_sending, "told_answered_while_sending");
+    if (!is_paced(plan_, bus)) {
+      violation("told_wrongly", bus_settings(bus).name);
+    }
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which request a transmission is for, and whether it may be transmitted now.
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) const {
+  if (piece.pdu == flight.pdu) {
+    return true;
+  }
+  const bool may_merge = bus_settings(flight.bus).merge ||
+                         (asked.is_accepted && asked.accepted <= books_[flight.bus].last_merge);
+  if (!may_merge || !asked.is_read() || asked.pieces.size() > 1 ||
+      piece.pdu.front() != flight.pdu.front() || flight.pdu.size() != 5) {
+    return false;
+  }
+  const unsigned first = modbus::load_be16(piece.pdu, 1);
+  const unsigned merged = modbus::load_be16(flight.pdu, 1);
+  return first >= merged &&
+         first + modbus::load_be16(piece.pdu, 3) <= merged + modbus::load_be16(flight.pdu, 3);
+}
+
+// Why the piece may not be transmitted now; nothing if it may.
+std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
+  const Instant now = schedule_.now();
+  const drive::DeviceTiming timing =
+      asked.door->device ? devices_[*asked.door->device].settings().timing : drive::DeviceTiming{};
+  if (piece.taken_back) {
+    return "other_meaning";
+  }
+  if (asked.is_stop()) {
+    const bool is_shared = (modbus::load_be16(piece.pdu, 3) & 0xFFFU) == 0xFFFU;
+    const bool repeated = !asked.stops_all && piece.pdu[2] == (kStopRegister & 0xFFU);
+    const unsigned repeats = repeated ? std::max(asked.stop_retries, timing.stop_retries) : 0;
+    if (asked.failsafe) {
+      return piece.sent >= (1 + repeats) * failsafes_like(asked, piece) ? "failsafe_too_often" : "";
+    }
+    return asked.surely_on_wire && !is_shared && piece.sent > repeats ? "stop_too_often" : "";
+  }
+  if (!asked.is_accepted) {
+    return "pipeline";
+  }
+  if (asked.dropped && piece.sent == 0) {
+    return "for_half_closed_client";
+  }
+  if (now >= asked.deadline) {
+    return "late_command";
+  }
+  const auto doomed = asked.doomed ? asked.doomed : piece.doomed;
+  if (doomed && now > *doomed && piece.sent == 0) {
+    return "cancelled_write";
+  }
+  const bool once = asked.changes() && !asked.retry_writes;
+  if (asked.changes() && piece.sent > (once ? 0 : asked.retries)) {
+    return "write_twice";
+  }
+  return "";
+}
+
+// Takes the requests that the frame may be for and speaks against none of them.
+void Oracle::attribute(Flight& flight) {
+  const Lane& lane = books_[flight.bus].lanes[flight.address];
+  std::vector<std::pair<Asked*, Piece*>> meant;
+  std::string against;
+  for (Asked* asked : lane.open) {
+    for (Piece& piece : asked->pieces) {
+      if (piece.bus != flight.bus || !fits(*asked, piece, flight)) {
+        continue;
+      }
+      const std::string reason = objection(*asked, piece);
+      if (reason.empty()) {
+        meant.emplace_back(asked, &piece);
+        break;
+      }
+      if (against.empty()) {
+        against = reason + "|" + name(*asked);
+      }
+    }
+  }
+  if (meant.empty() && !against.empty()) {
+    const auto border = against.find('|');
+    violation(against.substr(0, border), name(flight) + " for " + against.substr(border + 1));
+  } else if (meant.empty()) {
+    unknown_transmission(flight);
+  }
+  for (const auto& [asked, piece] : meant) {
+    flight.asked.push_back(asked->id);
+    note_sent(*asked, *piece, flight, meant.size() == 1);
+  }
+}
+
+void Oracle::unknown_transmission(const Flight& flight) {
+  for (auto done = done_.rbegin(); done != done_.rend(); ++done) {
+    if (done->bus == flight.bus && done->address == flight.address && done->pdu == flight.pdu) {
+      violation(done->how, name(flight));
+      return;
+    }
+  }
+  violation("unknown_transmission", name(flight));
+}
+
+void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone) {
+  Flight& mine = const_cast<Flight&>(flight);
+  mine.is_stop = mine.is_stop || asked.is_stop();
+  mine.expects_answer = mine.expects_answer && !asked.silent && asked.kind != Kind::broadcast;
+  if (alone && !asked.maybe_on_wire && !asked.is_stop()) {
+    check_order(asked, flight);
+    if (const std::string owner = writers_.sent(asked, schedule_.now()); !owner.empty()) {
+      violation("writer", name(asked) + ", but " + owner);
+    }
+  }
+  mine.repeats_read = mine.repeats_read || (asked.is_read() && asked.last_sent == flight.pdu);
+  mine.is_part = mine.is_part || (asked.pieces.size() > 1 && asked.kind != Kind::broadcast);
+  if (alone && mine.repeats_read && asked.last_alone != 0 && !mine.is_part && !is_tcp(flight.bus)) {
+    check_turns(asked, flight);
+  }
+  asked.last_alone = alone ? flight.number : 0;
+  asked.last_sent = flight.pdu;
+  if (asked.failsafe && asked.flights == 0 && books_[piece.bus].last_down >= asked.accepted) {
+    report_.fault("failsafe_sent_later");
+  }
+  ++asked.flights;
+  // What has become due in this instant joins one that is due already, or goes on its own.
+  const bool may_have_joined = asked.failsafe && !alone && asked.accepted == schedule_.now();
+  piece.sent += may_have_joined ? 0U : 1U;
+  if (asked.is_stop() && piece.sent == 1) {
+    mine.stop_from = std::min(mine.stop_from.value_or(asked.accepted), asked.accepted);
+  }
+  leave_queue(asked.pieces.size() == 1 || asked.kind == Kind::broadcast ? piece
+                                                                        : asked.pieces.front());
+  asked.maybe_on_wire = true;
+  asked.surely_on_wire = asked.surely_on_wire || alone;
+  note_write_event(asked, flight.bus);
+  std::erase(books_[flight.bus].stops, &asked);
+  if (!asked.replies &&
+      std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {
+    end_without_reply(asked);
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// Echoes that were damaged, lost or late, and what the line is taken for then.
+#include "echo_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using Fault = bus::LineFault;
+
+// The reader was late: an echo has no other end than the wait for the answer.
+TEST_F(BusEcho, OnceShownALateRepetitionIsNoAnswerEither) {
+  open_as(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(10ms);
+  line(std::string(kReadFrame) + kAnswer);
+  advance(10ms);
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);  // without an echo
+  time_out();
+  ASSERT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed));
+  advance(400ms);
+  submit(job(kWritePdu));
+  advance(kEmission + 21ms);
+  line(kRepetition);
+  time_out();
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::no_answer));
+}
+
+TEST_F(BusEcho, OnceShownAReadThatLacksItDoesNotSayThatThereIsNone) {
+  open_as(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(10ms);
+  line(std::string(kReadFrame) + kAnswer);
+  for (int times = 0; times < 2; ++times) {
+    advance(400ms);
+    submit(job(kRead));
+    advance(10ms);
+    line(kAnswer);  // without an echo
+    time_out();
+  }
+  ASSERT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
+  advance(400ms);
+  submit(job(kWritePdu));
+  advance(10ms);
+  line(kRepetition);
+  time_out();
+  EXPECT_THAT(endings_, SizeIs(4));
+  EXPECT_EQ(endings_.back(), Ending::no_answer);
+}
+
+TEST_F(BusEcho, WhereItIsNotCertainAnyMoreTheSecondRepetitionIsTheAnswer) {
+  open_as(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(10ms);
+  line(std::string(kReadFrame) + kAnswer);
+  advance(400ms);
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);  // without an echo
+  time_out();
+  advance(400ms);
+  submit(job(kWritePdu));
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_THAT(endings_, SizeIs(2));
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed, Fault::echo_found));
+}
+
+TEST_F(BusEcho, IsLearnedAnewWhenItIsNotThereAnyMore) {
+  open_and_learn(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);  // without an echo
+  time_out();
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed));
+  advance(400ms);
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
+}
+
+// The spoilt echo was all that came; it is not to be made up from what was sent.
+TEST_F(BusEcho, ThatDifferedIsNotHeardAgainWhenTheTimeIsOver) {
+  open_and_learn(bus::LineKind::uart);
+  submit(job(kWritePdu));
+  advance(10ms);
+  line(kRefusal);  // without an echo
+  time_out();
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed));
+  EXPECT_EQ(bus_->counters().stray_frames, 0U);
+}
+
+/// A device that is stopped by kWritePdu, which is repeated if it is not answered.
+class BusLateEcho : public Bus {
+ protected:
+  void open_with_stop() {
+    drive::Device axis;
+    axis.profile.stops = {{.address = 0, .value = 1}};
+    axis.timing = settings().timing;
+    auto hearing = settings();
+    hearing.line.echo = true;
+    open(hearing, {axis});
+  }
+  /// A stop whose echo did not come in time; its repetition has left.
+  void repeat_stop() {
+    submit(job(kWritePdu));
+    advance(kEmission + 103ms + kEmission);
+    ASSERT_THAT(frames_, SizeIs(2));
+  }
+};
+
+TEST_F(BusLateEcho, IsNotTheAnswerToTheSameRequest) {
+  open_with_stop();
+  repeat_stop();
+  line(kRepetition);  // late
+  advance(2ms);
+  line(kRepetition);  // in time
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_EQ(bus_->counters().echo_mismatches, 0U);
+}
+
+TEST_F(BusLateEcho, MayComeInTheSamePieceAsTheOther) {
+  open_with_stop();
+  repeat_stop();
+  line(std::string(kRepetition) + kRepetition);
+  EXPECT_THAT(endings_, IsEmpty());
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+// Nobody can tell its answer from the echo that was lost.
+TEST_F(BusLateEcho, ThatWasLostCostsOneAnswer) {
+  open_with_stop();
+  repeat_stop();
+  line(std::string(kRepetition) + kRepetition);  // the echo and the answer
+  time_out();
+  EXPECT_THAT(endings_, IsEmpty());
+  ASSERT_THAT(frames_, SizeIs(3));
+  advance(kEmission);
+  line(std::string(kRepetition) + kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusLateEcho, ThatComesBetweenIsNotOwedAnyMore) {
+  open_with_stop();
+  submit(job(kWritePdu));
+  advance(kEmission + 101ms);  // the silence before the repetition runs
+  line(kRepetition);
+  advance(2 * kEmission);
+  ASSERT_THAT(frames_, SizeIs(2));
+  line(std::string(kRepetition) + kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusEcho, IsNotClaimedWhileAnIdenticalAnswerIsOwed) {
+  drive::Device axis;
+  axis.profile.stops = {{.address = 0, .value = 1}};
+  axis.timing = settings().timing;
+  auto learning = settings();
+  learning.line.paced = true;
+  open(learning, {axis});
+  submit(job(kWritePdu));
+  advance(kEmission + 103ms);  // unanswered: repeated
+  ASSERT_THAT(frames_, SizeIs(2));
+  line(kRepetition);  // late
+  EXPECT_THAT(faults_, IsEmpty());
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+}  // namespace
+}  // namespace mbgate::test
