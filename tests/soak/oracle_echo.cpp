@@ -186,7 +186,9 @@ void Oracle::judge_heard(const Asked& asked) {
     return;
   }
   if (is_apart(asked, "answered_")) {
-    books_[asked.pieces.front().bus].must_tell_unproven |= asked.uncertain == kUnproven;
+    Book& book = books_[asked.pieces.front().bus];
+    const bool is_of_this_line = asked.accepted >= book.last_down;  // it may have been opened since
+    book.must_tell_unproven |= is_of_this_line && asked.uncertain == kUnproven;
     return;
   }
   const char* kind = asked.echoed    ? "echo_taken"
