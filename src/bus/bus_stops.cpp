@@ -235,7 +235,9 @@ bool Bus::waits_patiently(const Job& stop) const {
 std::optional<Bus::Choice> Bus::turn_before(const Job& stop, Instant now) {
   const Job* waits = queue_.find_stop([this](const Job& it) { return must_let_writes_go(it); });
   const Bounds bounds{waits, true};
-  const Instant limit = std::max(stop.waits_since, line_.ready_for_stop_at()) + settings_.stop_wait;
+  const Instant limit =
+      std::min(std::max(stop.waits_since, line_.ready_for_stop_at()) + settings_.stop_wait,
+               stop_overdue_at(stop));
   std::optional<Choice> turn;
   const auto part = std::ranges::find_if(running_, [&](const Job* job) {
     return !job->in_flight && !is_between_tries(*job) && !is_held_back(*job, now) &&

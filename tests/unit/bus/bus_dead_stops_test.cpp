@@ -172,6 +172,18 @@ TEST_F(BusDeadStops, OnALineThatIsNeverSilentAStopGoesAtItsDeadline) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
 }
 
+TEST_F(BusDeadStops, AtItsDeadlineItWaitsForNobodyElsesTurn) {
+  open_axis(breaking());
+  give_up_axis();
+  babble(10ms);
+  submit(job(kHalt));
+  submit(job_of(1, kRead, 2));
+  const Instant since = now_;
+  babble(2100ms);
+  ASSERT_EQ(stops_sent(), 1U);
+  EXPECT_EQ(frame_times_.back() - since, 2s);
+}
+
 TEST_F(BusDeadStops, ItsRepetitionsUseTheFirstSilence) {
   open_axis(settings());
   advance(1s);
