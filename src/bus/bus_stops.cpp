@@ -112,14 +112,16 @@ Job* Bus::in_the_way_of(const Job& stop) const {
 // A write that is let go first has the line as the stop itself would, and as much time for its
 // answer as any running transaction; but while such writes are held back (quarantine, `gap`, boot
 // time, `settle`) they hold the stop for `stop_wait` at most, all together. If the next one cannot
-// begin in that time, all that wait are taken back at once: they must not follow the stop.
+// begin in that time, all that wait are taken back at once: they must not follow the stop. So are
+// they where the line is never silent, and the stop's deadline is over.
 void Bus::take_back_held_writes(Instant now) {
   const Job* stop = queue_.first_stop();
   if (stop == nullptr || !must_let_writes_go(*stop) || in_the_way_of(*stop) != nullptr) {
     return;
   }
   const auto next = next_before(*stop, now);
-  if (!next || stop->held_by_writes + held_by(*stop, *next) > settings_.stop_wait) {
+  if (!next || now >= stop_overdue_at(*stop) ||
+      stop->held_by_writes + held_by(*stop, *next) > settings_.stop_wait) {
     overtake_writes(*stop, true);
     end_over(now);
   }
