@@ -222,7 +222,7 @@ class Bus {
   [[nodiscard]] Job* next_stop();
   bool transmit_stop(Job& stop, Instant now);
   [[nodiscard]] Instant stop_overdue_at(const Job& stop) const;
-  [[nodiscard]] bool gives_way(const Job& stop) const;
+  [[nodiscard]] bool gives_way(const Job& stop, Instant now) const;
   [[nodiscard]] bool waits_patiently(const Job& stop) const;
   std::optional<Choice> turn_before(const Job& stop, Instant now);
   void handle_stop_failure(Job& stop, Instant now);

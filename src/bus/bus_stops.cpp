@@ -132,14 +132,14 @@ bool Bus::send_stops(Instant now) {
   const auto can_go = [this](const Job& stop) {
     return !must_let_writes_go(stop) && in_the_way_of(stop) == nullptr;
   };
-  const auto goes_first = [&](const Job& stop) { return can_go(stop) && !gives_way(stop); };
+  const auto goes_first = [&](const Job& stop) { return can_go(stop) && !gives_way(stop, now); };
   for (;;) {
     Job* stop = queue_.find_stop(goes_first);
     stop = stop != nullptr ? stop : queue_.find_stop(can_go);
     if (stop == nullptr) {
       return true;
     }
-    const auto turn = gives_way(*stop) ? turn_before(*stop, now) : std::nullopt;
+    const auto turn = gives_way(*stop, now) ? turn_before(*stop, now) : std::nullopt;
     if (turn && turn->at > now) {
       next_start_ = earlier(next_start_, Wake{turn->at, held_until(*turn->job) < turn->at});
       return false;
@@ -221,9 +221,11 @@ Instant Bus::stop_overdue_at(const Job& stop) const {
 }
 
 // A device that left its last stop unanswered does not get the next one before another device had a
-// turn: a client that repeats a stop to a dead drive would have the bus for itself.
-bool Bus::gives_way(const Job& stop) const {
-  return !stop.is_broadcast() && devices_[stop.address()].last_stop_turn > other_turn_;
+// turn: a client that repeats a stop to a dead drive would have the bus for itself. But on a line
+// that is never silent that turn would never come.
+bool Bus::gives_way(const Job& stop, Instant now) const {
+  return !stop.is_broadcast() && devices_[stop.address()].last_stop_turn > other_turn_ &&
+         now < stop_overdue_at(stop);
 }
 
 // Nothing that runs is cut for a stop to a device that is offline and was given up.
@@ -237,9 +239,7 @@ bool Bus::waits_patiently(const Job& stop) const {
 std::optional<Bus::Choice> Bus::turn_before(const Job& stop, Instant now) {
   const Job* waits = queue_.find_stop([this](const Job& it) { return must_let_writes_go(it); });
   const Bounds bounds{waits, true};
-  const Instant limit =
-      std::min(std::max(stop.waits_since, line_.ready_for_stop_at()) + settings_.stop_wait,
-               stop_overdue_at(stop));
+  const Instant limit = std::max(stop.waits_since, line_.ready_for_stop_at()) + settings_.stop_wait;
   std::optional<Choice> turn;
   const auto part = std::ranges::find_if(running_, [&](const Job* job) {
     return !job->in_flight && !is_between_tries(*job) && !is_held_back(*job, now) &&
