@@ -227,6 +227,7 @@ class Bus {
   std::optional<Choice> turn_before(const Job& stop, Instant now);
   void handle_stop_failure(Job& stop, Instant now);
   void repeat_stop(Job& stop, Instant now);
+  void part_from_untried(Job& stop);
   void give_up_stop(Job& stop);
 
   // bus_ends.cpp: what becomes of a transmission

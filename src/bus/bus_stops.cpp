@@ -197,6 +197,7 @@ bool Bus::transmit_stop(Job& stop, Instant now) {
     }
     if (stop.tries > 0) {
       queue_.remove(stop);
+      part_from_untried(stop);
       give_up_stop(stop);
       return true;
     }
@@ -272,6 +273,18 @@ void Bus::repeat_stop(Job& stop, Instant now) {
   std::erase(running_, &stop);
   stop.waits_since = now;
   queue_.push_again(stop);
+}
+
+// Those that joined it after its last transmission are still to be transmitted once.
+void Bus::part_from_untried(Job& stop) {
+  const auto untried = std::ranges::stable_partition(stop.followers, &Job::was_on_wire);
+  if (untried.empty()) {
+    return;
+  }
+  Job& heir = *untried.front();
+  heir.followers.assign(untried.begin() + 1, untried.end());
+  stop.followers.erase(untried.begin(), untried.end());
+  queue_.push_again(heir);
 }
 
 void Bus::give_up_stop(Job& stop) {

@@ -175,6 +175,25 @@ TEST_F(BusDeadStops, OnALineThatIsNeverSilentAStopGoesAtItsDeadline) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
 }
 
+// The first one was tried and is not repeated on such a line; the second one joined it since then.
+TEST_F(BusDeadStops, AnIdenticalOneThatWasNotTriedYetGoesAtADeadlineOfItsOwn) {
+  open_axis(settings());
+  babble(10ms);
+  submit(job(kHalt));
+  babble(2200ms);
+  ASSERT_EQ(stops_sent(), 1U);
+  const Instant since = now_;
+  submit(job_of(1, kHalt));
+  babble(2s);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  babble(200ms);
+  ASSERT_EQ(stops_sent(), 2U);
+  EXPECT_EQ(frame_times_[1] - since, 2s);
+  babble(3s);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
+  EXPECT_TRUE(jobs_.back().was_on_wire);
+}
+
 TEST_F(BusDeadStops, AtItsDeadlineItWaitsForNobodyElsesTurn) {
   open_axis(breaking());
   give_up_axis();
