@@ -19,6 +19,7 @@ struct Heard {
   std::vector<std::uint8_t> bytes;
   std::vector<HeardFrame> frames;
   std::optional<HeardEcho> echo{};  ///< that ends here
+  bool strange_request = false;     ///< of another client, ends here
 };
 
 class Adapter {

@@ -82,6 +82,8 @@ class Oracle {
   void bytes_handed_in(std::size_t bus);
   /// A whole good frame has reached the kernel.
   void frame_came(std::size_t bus, const HeardFrame& frame);
+  /// The request of another client has reached the kernel.
+  void stranger_asked(std::size_t bus) { books_[bus].unread_stranger = true; }
   /// The end of an echo has reached the kernel.
   void echo_came(std::size_t bus, const HeardEcho& echo) { books_[bus].unread_echo = echo; }
   /// The gateway says something about the line.

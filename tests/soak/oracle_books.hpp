@@ -96,7 +96,8 @@ struct Book {
   Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
   std::vector<HeardFrame> unread;               ///< good frames in the kernel
   std::optional<HeardEcho> unread_echo;
-  bool is_strange = false;  ///< what came looks like an echo, and is none
+  bool unread_stranger = false;  ///< the request of another client
+  bool is_strange = false;       ///< what came looks like an echo, and is none
   // Of the line, since it was opened:
   bool echo_proven = false;
   bool echo_lost = false;  ///< one that would have proven it did not come at all

@@ -68,6 +68,7 @@ void Oracle::read_frames(std::size_t bus) {
   if (schedule_.now() < book.own_end) {
     book.read_while_sending = schedule_.now();
   }
+  book.is_strange = book.is_strange || std::exchange(book.unread_stranger, false);
   for (HeardFrame& frame : std::exchange(book.unread, {})) {
     frame.is_refused = is_for_last(book, frame) && began_while_sending(bus, frame.began);
     book.is_strange = book.is_strange || frame.is_refused || frame.is_nobodys;

@@ -88,6 +88,7 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
                      message.bytes.begin() + static_cast<std::ptrdiff_t>(until));
   const Instant arrival = adapter_.arrival();
   const std::size_t lead = message.content.lead;
+  heard.strange_request = message.heard < lead && until >= lead;
   if (message.heard <= lead || (message.heard - lead) % message.frame == 0) {
     message.frame_began = arrival;
   }
@@ -118,6 +119,9 @@ void SerialWire::hand_over(const Heard& heard) {
     if (frame.fits && frame.flight != 0 && frame.began >= own_end_) {
       asked_until_.erase(frame.address);
     }
+  }
+  if (heard.strange_request) {
+    around_.oracle.stranger_asked(bus_);
   }
   if (heard.echo) {
     around_.oracle.echo_came(bus_, *heard.echo);
