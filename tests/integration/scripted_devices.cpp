@@ -194,10 +194,10 @@ void ScriptedDevices::answer_due(Line& line) {
 
 // The kernel hands bytes over when it comes to it; what it does not show was read at once.
 void ScriptedDevices::watch_planned(Line& line) {
-  const auto now = Clock::now();
   const bool is_asked = line.requests != line.watch->request || !line.received.empty();
   int bytes = 0;
   ioctl(line.near, FIONREAD, &bytes);
+  const auto now = Clock::now();  // not before: the kernel has them by then
   if (!is_asked && bytes == 0 && now < line.watch->since + kTooLate) {
     return;
   }
