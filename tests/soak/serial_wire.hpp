@@ -101,7 +101,7 @@ class SerialWire {
   void begin_message(std::uint64_t id);
   void hear(std::uint64_t id, std::size_t until);
   void hand_over(const Heard& heard);
-  void garble(Message& message);
+  std::optional<std::uint8_t> garble(Message& message);
   [[nodiscard]] Frame encode(std::uint8_t address, const modbus::Pdu& pdu) const;
   [[nodiscard]] SoakDevice* device_at(std::uint8_t address);
   [[nodiscard]] bool is_busy() const;

@@ -105,7 +105,9 @@ void SerialWire::begin_babble() {
     return;
   }
   later(rates_.babbles_every, &SerialWire::begin_babble);
-  if (!is_babbling()) {
+  const bool is_on_its_way = std::ranges::any_of(
+      messages_, [&](const auto& entry) { return entry.second.end <= around_.schedule.now(); });
+  if (!is_babbling() && !is_on_its_way) {  // nothing overtakes what was on the line before
     around_.report.fault("never_silent");
     babbles_until_ = around_.schedule.now() + echo_random_.duration(2500ms, 7s);
     babble_on(epoch_);
@@ -114,21 +116,25 @@ void SerialWire::begin_babble() {
 
 bool SerialWire::is_babbling() const { return around_.schedule.now() < babbles_until_; }
 
-// No byte of it stands in any frame.
+// Its bytes complete no frame that it cuts.
 void SerialWire::babble_on(std::uint64_t epoch) {
   if (!is_babbling() || epoch != epoch_) {
     return;
   }
   const Instant now = around_.schedule.now();
+  std::optional<std::uint8_t> lost;
   own_damaged_ = own_damaged_ || own_end_ > now;
   for (auto& [id, message] : messages_) {
     if (message.begin <= now && message.end > now) {
-      garble(message);
+      lost = garble(message);
     }
   }
   Heard heard;
   for (unsigned count = echo_random_.between(1U, 4U); count > 0; --count) {
     heard.bytes.push_back(echo_random_.one_of<std::uint8_t>({0xFE, 0xFF}));
+  }
+  if (heard.bytes.front() == lost) {
+    heard.bytes.front() ^= 1U;
   }
   const Instant arrival = adapter_.arrival();
   adapter_.take(std::move(heard), arrival);

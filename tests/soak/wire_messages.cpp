@@ -52,33 +52,40 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& c
 void SerialWire::begin_message(std::uint64_t id) {
   const Instant now = around_.schedule.now();
   Message& message = messages_.at(id);
+  std::optional<std::uint8_t> lost;
   bool collides = (own_end_ > now && !is_prompt_) || is_babbling();
   own_damaged_ = own_damaged_ || (own_end_ > now && !is_prompt_);
   for (auto& [other_id, other] : messages_) {
     if (other_id != id && other.begin <= now && other.end > now) {
       collides = true;
-      garble(other);
+      lost = garble(other);
     }
   }
   if (collides) {
     garble(message);
     around_.report.fault("collision");
   }
+  if (message.bytes.front() == lost) {
+    message.bytes.front() ^= 1U;
+  }
 }
 
-// From now on nobody can read it.
-void SerialWire::garble(Message& message) {
+// From now on nobody can read it. Returns the byte that is lost first: it must not come from
+// elsewhere by chance.
+std::optional<std::uint8_t> SerialWire::garble(Message& message) {
   const Duration past = around_.schedule.now() - message.begin;
   const auto from =
       static_cast<std::size_t>(std::max<Duration>(past, Duration{0}) / message.character);
   const std::size_t good = std::max(from, message.heard);
   message.content.copies =
       std::min(message.content.copies, message.ended(good) - message.ended(message.heard));
+  const auto lost = good < message.bytes.size() ? std::optional(message.bytes[good]) : std::nullopt;
   for (std::size_t at = good; at < message.bytes.size(); ++at) {
     // What cannot stand in a frame, or another byte than it was: by chance nothing stays whole.
     message.bytes[at] = static_cast<std::uint8_t>(
         ascii_ ? message.bytes[at] | 0x80U : message.bytes[at] ^ around_.random.between(1U, 255U));
   }
+  return lost;
 }
 
 void SerialWire::hear(std::uint64_t id, std::size_t until) {
