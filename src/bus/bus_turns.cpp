@@ -231,9 +231,12 @@ void Bus::transmit(Job& job, Instant now) {
   }
   Transaction& transaction = job.on_wire();
   const drive::DeviceTiming timing = note_transmission(job, transaction, now);
-  const unsigned owed = quarantines_ ? devices_[transaction.address].health.owed(
-                                           transaction.request.function(), now, timing)
-                                     : 0U;
+  OwedAnswers owed;
+  if (quarantines_) {
+    const DeviceHealth& health = devices_[transaction.address].health;
+    owed.count = health.owed(transaction.request.function(), now, timing);
+    owed.alike = health.owed_alike(transaction.request, now, timing);
+  }
   actions_.push(TransmitFrame{line_.begin(transaction, timing, owed, now)});
   if (stop != nullptr) {
     line_.limit_wait(transaction, stop->waits_since + settings_.stop_wait, settings_.stop_wait);
@@ -265,6 +268,9 @@ drive::DeviceTiming Bus::note_transmission(Job& job, Transaction& transaction, I
       counters_.probes += job.is_probe ? 1U : 0U;
     }
     entry.health.note_asked(now, entry.timing());
+    if (job.job_class == JobClass::write && !transaction.request.is_read()) {
+      entry.health.note_written();
+    }
     if (!transaction.may_stay_silent()) {
       adapter_.note_request();
     }

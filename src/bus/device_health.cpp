@@ -39,8 +39,9 @@ DeviceHealth::Debt& DeviceHealth::owe(const modbus::Request& asked, Instant due)
   if (forgotten_due_) {
     forgotten_due_ = std::max(*forgotten_due_, due);
   }
-  const auto same = std::ranges::find_if(
-      debts_, [&](const Debt& debt) { return !debt.given_up && debt.asked.pdu() == asked.pdu(); });
+  const auto same = std::ranges::find_if(debts_, [&](const Debt& debt) {
+    return !debt.given_up && !debt.outdated && debt.asked.pdu() == asked.pdu();
+  });
   if (same != debts_.end()) {
     ++same->count;
     same->last_due = std::max(same->last_due, due);
@@ -113,6 +114,10 @@ void DeviceHealth::note_asked(Instant now, const Timing& timing) {
   }
 }
 
+void DeviceHealth::note_written() {
+  std::ranges::for_each(debts_, [](Debt& debt) { debt.outdated = true; });
+}
+
 std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(modbus::Bytes response, Instant now,
                                                                 const Timing& timing) {
   const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
@@ -154,6 +159,21 @@ unsigned DeviceHealth::owed(std::uint8_t function, Instant now, const Timing& ti
   unsigned count = 0;
   for (const Debt& debt : debts_) {
     count += !debt.given_up && debt.asked.function() == function ? debt.count : 0U;
+  }
+  return count;
+}
+
+unsigned DeviceHealth::owed_alike(const modbus::Request& write, Instant now,
+                                  const Timing& timing) const {
+  if (!write.writes() || now >= held_until(write.function(), timing)) {
+    return 0;
+  }
+  unsigned count = 0;
+  for (const Debt& debt : debts_) {
+    const bool other = debt.outdated || debt.asked.pdu() != write.pdu();
+    const bool alike =
+        !debt.given_up && other && fits(write, modbus::echo_response(debt.asked).bytes());
+    count += alike ? debt.count : 0U;
   }
   return count;
 }

@@ -52,6 +52,9 @@ class DeviceHealth {
   /// Something goes to the device: what it owed until now, and is no reason to hold anything back
   /// any more, is given up.
   void note_asked(Instant now, const Timing& timing);
+  /// A write that is no stop goes to the device: an answer to an earlier request tells nothing of
+  /// the same one after it.
+  void note_written();
   /// What a frame that nobody waits for tells.
   struct Late {
     Duration lateness;
@@ -64,6 +67,10 @@ class DeviceHealth {
 
   /// How many answers to requests of this function may still be outstanding.
   [[nodiscard]] unsigned owed(std::uint8_t function, Instant now, const Timing& timing) const;
+  /// How many of them look the same as the answer to this write, and do not say that it was done:
+  /// they are to other ones (the answer to 15 and 16 names no value), or from before another write.
+  [[nodiscard]] unsigned owed_alike(const modbus::Request& write, Instant now,
+                                    const Timing& timing) const;
   /// A request of this function, unless it is a stop or the same read once more, is not sent to the
   /// device before.
   [[nodiscard]] Instant held_until(std::uint8_t function, const Timing& timing) const;
@@ -91,6 +98,7 @@ class DeviceHealth {
     /// One of them came so late if another one comes too.
     Duration suspected{0};
     bool given_up = false;  ///< holds nothing back, but an answer to it still proves lateness
+    bool outdated = false;  ///< another write has gone to the device since
     bool doubtful = false;  ///< given up, and something that fits it was taken for another answer
   };
 

@@ -31,7 +31,7 @@ class Line {
   [[nodiscard]] std::optional<Instant> busy_since() const {
     return std::visit([](const auto& line) { return line.busy_since(); }, line_);
   }
-  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, unsigned owed,
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
                    Instant now) {
     return std::visit([&](auto& line) { return line.begin(transaction, timing, owed, now); },
                       line_);

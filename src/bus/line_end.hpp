@@ -24,6 +24,12 @@ enum class LineState : std::uint8_t {
 /// The state's name for status displays.
 std::string_view to_text(LineState state);
 
+/// Answers of a device to earlier requests of the same function that may still come.
+struct OwedAnswers {
+  unsigned count = 0;
+  unsigned alike = 0;  ///< of these, those that look as if a write were done that may not be
+};
+
 /// How a transmission ended.
 struct LineEnd {
   enum class How : std::uint8_t {

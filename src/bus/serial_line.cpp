@@ -63,7 +63,7 @@ Instant SerialLine::ready_for_stop_at() const {
 }
 
 FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming& timing,
-                             unsigned owed, Instant now) {
+                             OwedAnswers owed, Instant now) {
   const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
   transaction_ = &transaction;
   end_.reset();

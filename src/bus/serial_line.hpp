@@ -35,9 +35,9 @@ class SerialLine {
   /// ended, ready_for_stop_at() tells.
   [[nodiscard]] std::optional<Instant> busy_since() const { return busy_since_; }
   /// Starts to transmit now; no other transaction may be running, and `transaction`, which gets the
-  /// response, must outlive its end. The device owes `owed` answers: so many that begin before
-  /// their time are refused. Returns the frame.
-  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, unsigned owed,
+  /// response, must outlive its end. The device owes `owed`: so many answers are refused that begin
+  /// before their time, or may be those to another write. Returns the frame.
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
                    Instant now);
   /// The running transaction counts as timed out at `instant`, but not before it has left and had
   /// `least` for its response, unless this has begun by then.
@@ -65,7 +65,7 @@ class SerialLine {
   Verdict settle_echo(Verdict verdict, Instant now);
   void judge(Verdict verdict, Instant now);
   [[nodiscard]] bool is_early() const;
-  [[nodiscard]] bool may_refuse_another() const;
+  [[nodiscard]] bool may_answer_another() const;
   void end(LineEnd::How how);
 
   modbus::RtuTiming timing_;
@@ -90,7 +90,7 @@ class SerialLine {
   Instant response_due_;         // the end of the response timeout
   Instant response_deadline_;    // the same, or earlier because a stop waits
   Duration response_wait_{0};    // the device holds its answer back for so long
-  unsigned owed_ = 0;            // answers to earlier requests that may still come
+  OwedAnswers owed_;             // those that may still come
   Strays<kMostStrays> refused_;  // of these, those that came, and were not told yet
   bool draining_ = false;        // what came last was no response: it must end first
   std::size_t heard_ = 0;        // bytes since the last own frame had left

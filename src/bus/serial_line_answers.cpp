@@ -20,10 +20,10 @@ bool SerialLine::is_early() const {
   return framer_.response_began() < emission_ends_ + response_wait_ - response_wait_ / kEarlyPart;
 }
 
-// While an answer is owed, of all writes only stops are sent. An exception names no address: it may
-// be the answer to the write that was stopped.
-bool SerialLine::may_refuse_another() const {
-  return transaction_->request.writes() && framer_.response().is_exception();
+// While an answer is owed, of all writes only stops are sent. An exception names no address, and
+// the answer to 15 or 16 no value: it may be the answer to the write that was stopped.
+bool SerialLine::may_answer_another() const {
+  return transaction_->request.writes() && (framer_.response().is_exception() || owed_.alike > 0);
 }
 
 void SerialLine::judge_held(const Echo::Held& held, Instant now) {
@@ -33,27 +33,26 @@ void SerialLine::judge_held(const Echo::Held& held, Instant now) {
 }
 
 // It may be a late echo; what begins before the request has left a paced line answers nothing; and
-// an owed answer begins before the device can have answered this request, or says no to any one.
+// an owed answer begins before the device can have answered this request, or fits another one too.
 bool SerialLine::is_no_answer() const {
   return echo_.is_owed(framer_.response()) ||
          (paced_ && framer_.response_began() < emission_ends_) ||
-         (owed_ > 0 && (is_early() || may_refuse_another()));
+         (owed_.count > 0 && (is_early() || may_answer_another()));
 }
 
 Verdict SerialLine::refuse(Instant now) {
   if (echo_.take_owed(framer_.response())) {
     ++counters_.stray_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
-             (owed_ == 0 || echo_.is_unknown())) {
-    if (owed_ == 0) {
+             (owed_.count == 0 || echo_.is_unknown()) && !echo_.pass()) {
+    if (owed_.count == 0) {
       echo_.find();
     } else {
       ++counters_.stray_frames;  // an echo, or what is owed: that stays owed
     }
-    echo_.pass();
-  } else if (owed_ > 0) {
-    // It is one of those that the device owes.
-    --owed_;
+  } else if (owed_.count > 0) {
+    --owed_.count;
+    owed_.alike -= owed_.alike > 0 && !framer_.response().is_exception() ? 1U : 0U;
     refused_.add({transaction_->address, framer_.response()});
   } else {
     ++counters_.stray_frames;
@@ -74,20 +73,20 @@ Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
     return verdict;
   }
   if (is_echo && echo_.pass()) {
-    if (owed_ == 0) {
+    if (owed_.count == 0) {
       echo_.find();  // two came, and only one of them can be the echo
     }
     return verdict;
   }
   if (is_echo) {
     const Verdict behind = framer_.again(now);
-    if (behind == Verdict::response && owed_ == 0) {
+    if (behind == Verdict::response && owed_.count == 0) {
       echo_.find();
     }
     return behind;
   }
   const modbus::Pdu repetition = framer_.response();
-  if (owed_ == 0 && framer_.again(now) == Verdict::response) {
+  if (owed_.count == 0 && framer_.again(now) == Verdict::response) {
     echo_.find();
     return Verdict::response;
   }

@@ -38,7 +38,7 @@ void TcpLine::limit_wait(const Transaction& transaction, Instant instant, Durati
 }
 
 FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& timing,
-                          unsigned /*owed*/, Instant now) {
+                          OwedAnswers /*owed*/, Instant now) {
   if (transaction.is_broadcast()) {
     std::abort();  // routing refuses them
   }
