@@ -223,6 +223,7 @@ class Bus {
   bool transmit_stop(Job& stop, Instant now);
   [[nodiscard]] Instant stop_overdue_at(const Job& stop) const;
   [[nodiscard]] bool gives_way(const Job& stop, Instant now) const;
+  [[nodiscard]] bool was_passed(const Job& stop) const;
   [[nodiscard]] bool waits_patiently(const Job& stop) const;
   std::optional<Choice> turn_before(const Job& stop, Instant now);
   void handle_stop_failure(Job& stop, Instant now);
@@ -267,6 +268,8 @@ class Bus {
   unsigned writes_in_row_ = 0;           // transmitted since the last read
   std::uint64_t turn_ = 0;               // of the last transmission
   std::uint64_t other_turn_ = 0;         // of the last one that was no stop
+  std::uint8_t last_address_ = 0;        // that of the last turn
+  std::uint64_t turn_of_others_ = 0;     // the last one of another address than that
   const Job* let_by_ = nullptr;          // on the wire between two tries of a stop
   Instant next_probe_ = Instant::min();  // of all devices, while somebody else asks
   std::size_t others_ = 0;               // jobs that are here and no probes

@@ -132,7 +132,9 @@ bool Bus::send_stops(Instant now) {
   const auto can_go = [this](const Job& stop) {
     return !must_let_writes_go(stop) && in_the_way_of(stop) == nullptr;
   };
-  const auto goes_first = [&](const Job& stop) { return can_go(stop) && !gives_way(stop, now); };
+  const auto goes_first = [&](const Job& stop) {
+    return can_go(stop) && (!gives_way(stop, now) || was_passed(stop));
+  };
   for (;;) {
     Job* stop = queue_.find_stop(goes_first);
     stop = stop != nullptr ? stop : queue_.find_stop(can_go);
@@ -227,6 +229,13 @@ Instant Bus::stop_overdue_at(const Job& stop) const {
 bool Bus::gives_way(const Job& stop, Instant now) const {
   return !stop.is_broadcast() && devices_[stop.address()].last_stop_turn > other_turn_ &&
          now < stop_overdue_at(stop);
+}
+
+// Since its device left its last stop unanswered, something else was transmitted, if only another
+// stop: of those it lets no more go first.
+bool Bus::was_passed(const Job& stop) const {
+  const bool was_last = last_address_ == stop.address();
+  return devices_[stop.address()].last_stop_turn < (was_last ? turn_of_others_ : turn_);
 }
 
 // Nothing that runs is cut for a stop to a device that is offline and was given up.

@@ -244,6 +244,9 @@ void Bus::transmit(Job& job, Instant now) {
 }
 
 void Bus::note_turn(Job& job, DeviceEntry& entry) {
+  const std::uint8_t address = job.transaction().address;
+  turn_of_others_ = last_address_ == address ? turn_of_others_ : turn_;
+  last_address_ = address;
   job.turn = ++turn_;
   if (job.job_class != JobClass::stop) {
     entry.last_turn = other_turn_ = turn_;
