@@ -175,6 +175,20 @@ TEST_F(BusDeadStops, OnALineThatIsNeverSilentAStopGoesAtItsDeadline) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
 }
 
+TEST_F(BusDeadStops, StopsToOthersWithoutEndKeepItWaitingForOneOfThem) {
+  open_axis(settings());
+  submit(job(kHalt));
+  advance(1ms);
+  submit(job(kHalt, 2));
+  time_out();
+  for (int times = 0; times < 4; ++times) {
+    advance(5ms);
+    submit(job(kHalt, 2));
+    line("02 06 00 7C 00 E1 88 69");
+  }
+  EXPECT_GE(stops_sent(), 2U);
+}
+
 // The first one was tried and is not repeated on such a line; the second one joined it since then.
 TEST_F(BusDeadStops, AnIdenticalOneThatWasNotTriedYetGoesAtADeadlineOfItsOwn) {
   open_axis(settings());
