@@ -92,10 +92,10 @@ Verdict AsciiFramer::take(std::uint8_t character, Instant now) {
     began_first_ = taken_ == 1;
   }
   buffer_.push_back(character);
-  return character == modbus::kAsciiEnd ? judge() : Verdict::none;
+  return character == modbus::kAsciiEnd ? judge(now) : Verdict::none;
 }
 
-Verdict AsciiFramer::judge() {
+Verdict AsciiFramer::judge(Instant now) {
   const auto content = modbus::ascii_content({buffer_.data(), buffer_.size()});
   if (!content) {
     discard();
@@ -118,7 +118,7 @@ Verdict AsciiFramer::judge() {
     return Verdict::response;
   }
   ++counters_.stray_frames;
-  strays_.add({bytes[0], *modbus::Pdu::from(pdu)});
+  strays_.add({bytes[0], *modbus::Pdu::from(pdu), now});
   return Verdict::none;
 }
 

@@ -54,7 +54,7 @@ class AsciiFramer {
 
  private:
   Verdict take(std::uint8_t character, Instant now);
-  Verdict judge();
+  Verdict judge(Instant now);
   /// Counts what has been gathered as stray and forgets it.
   void discard();
 

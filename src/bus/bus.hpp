@@ -236,8 +236,8 @@ class Bus {
   void handle_response(Job& job, const LineEnd& end, Instant now);
   void handle_silence(Job& job, const LineEnd& end, Instant now);
   void handle_failure(Job& job, Instant now);
-  void handle_stray(const Stray& stray, Instant now);
-  void note_foreign(const Stray& stray, Instant now);
+  void handle_stray(const Stray& stray);
+  void note_foreign(const Stray& stray);
   void note_quality(const LineEnd& end, std::uint8_t address);
   void tell_quality(std::uint8_t address);
   void note_probe(Job& job, Instant now);

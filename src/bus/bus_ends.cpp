@@ -183,15 +183,15 @@ void Bus::handle_failure(Job& job, Instant now) {
 }
 
 // A good frame came that answers nothing that is asked now.
-void Bus::handle_stray(const Stray& stray, Instant now) {
+void Bus::handle_stray(const Stray& stray) {
   const std::uint8_t address = stray.address;
   DeviceEntry& entry = devices_[address];
   frame_heard_ = true;
-  const auto late = stray.is_response
-                        ? entry.health.note_unexpected(stray.pdu.bytes(), now, entry.timing())
-                        : std::optional<DeviceHealth::Late>();
+  const auto late = stray.is_response ? entry.health.note_unexpected(stray.pdu.bytes(), stray.came,
+                                                                     entry.timing())
+                                      : std::optional<DeviceHealth::Late>();
   if (!late) {
-    note_foreign(stray, now);
+    note_foreign(stray);
     return;
   }
   ++counters_.late_responses;
@@ -199,12 +199,12 @@ void Bus::handle_stray(const Stray& stray, Instant now) {
   entry.note_heard();
   if (late->grew) {
     actions_.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
-                               entry.health.quarantine(now, entry.timing())});
+                               entry.health.quarantine(stray.came, entry.timing())});
   }
   if (late->back) {
     notify(DeviceNotice::Kind::back, address);
     quality_[address].note_heard();  // it was asked by probes only: no matter of its timeout
-  } else {
+  } else if (late->lateness > Duration{0}) {  // else what stood before it was in its way
     quality_[address].note_late(late->lateness, entry.timing().response_timeout);
     tell_quality(address);
   }
@@ -213,7 +213,8 @@ void Bus::handle_stray(const Stray& stray, Instant now) {
 // A request that somebody else sent, or a frame of a device that has owed nothing for so long that
 // it can be no late answer: another client is on this line, or another device at this address. What
 // a line had in store when it was opened says nothing.
-void Bus::note_foreign(const Stray& stray, Instant now) {
+void Bus::note_foreign(const Stray& stray) {
+  const Instant now = stray.came;
   const std::uint8_t address = stray.address;
   DeviceEntry& entry = devices_[address];
   const Duration longest = entry.timing().quarantine_max;

@@ -35,18 +35,18 @@ void RtuFramer::listen() {
 // Silence, or a new question, has ended what stands here. It may have been a frame whose length
 // cannot be known, such as another client's request.
 void RtuFramer::give_up_buffer() {
-  if (modbus::decode_rtu(buffer_.bytes())) {
-    note_stray(buffer_.bytes(), false);
+  if (!std::exchange(answers_another_, false) && modbus::decode_rtu(buffer_.bytes())) {
+    note_stray(0, buffer_.size());
   } else {
     counters_.stray_bytes += buffer_.size();
   }
   buffer_.clear();
 }
 
-void RtuFramer::note_stray(modbus::Bytes frame, bool after_noise) {
+void RtuFramer::note_stray(std::size_t at, std::size_t size) {
   ++counters_.stray_frames;
-  strays_.add({frame[0], *modbus::Pdu::from(frame.subspan(1, frame.size() - modbus::kRtuOverhead)),
-               after_noise});
+  const modbus::Bytes pdu = bytes_from(at).subspan(1, size - modbus::kRtuOverhead);
+  strays_.add({bytes_from(at)[0], *modbus::Pdu::from(pdu), buffer_.came_at(at + size - 1), at > 0});
 }
 
 // What stands here is not the answer. It is kept until silence tells what it was.
@@ -210,7 +210,7 @@ RtuFramer::Found RtuFramer::accept(const Look& look, std::size_t size) {
 }
 
 void RtuFramer::consume(std::size_t at, std::size_t size) {
-  note_stray(bytes_from(at).first(size), at > 0);
+  note_stray(at, size);
   counters_.noise_bytes += at;
   buffer_.drop(at + size);
 }
@@ -230,7 +230,7 @@ RtuFramer::Found RtuFramer::look_at_stranger(const Look& look) {
       return Found::nothing;  // it may be a part of what has begun further ahead
     }
     consume(look.at, (good_response ? response : request).bytes + modbus::kRtuOverhead);
-    discarding_ = !good_response;
+    discarding_ = answers_another_ = !good_response;
     return Found::consumed;
   }
   // No device has such an address. The broadcast one is what noise looks like most often.

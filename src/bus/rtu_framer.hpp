@@ -98,7 +98,7 @@ class RtuFramer {
   }
   [[nodiscard]] modbus::PduLength candidate_length(modbus::Bytes bytes) const;
   Verdict end_by_silence();
-  void note_stray(modbus::Bytes frame, bool after_noise);
+  void note_stray(std::size_t at, std::size_t size);
 
   modbus::RtuTiming timing_;
   Duration slack_;
@@ -107,9 +107,10 @@ class RtuFramer {
   ReceivedBytes buffer_;
   Instant last_byte_;
   Answer answer_ = Answer::not_begun;
-  std::size_t answer_at_ = 0;  // its place among the bytes
-  std::size_t given_ = 0;      // bytes since expect()
-  bool discarding_ = false;    // the buffer is no frame: everything until silence is stray
+  std::size_t answer_at_ = 0;     // its place among the bytes
+  std::size_t given_ = 0;         // bytes since expect()
+  bool answers_another_ = false;  // what stands here follows another client's request
+  bool discarding_ = false;       // the buffer is no frame: everything until silence is stray
   std::optional<modbus::Pdu> response_;
   Instant response_began_;
   bool came_first_ = false;

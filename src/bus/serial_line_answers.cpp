@@ -41,6 +41,8 @@ bool SerialLine::is_no_answer() const {
 }
 
 Verdict SerialLine::refuse(Instant now) {
+  const bool is_echo_of_now = paced_ && framer_.response_began() < emission_ends_ &&
+                              echo_.is_repetition(framer_.response());
   if (echo_.take_owed(framer_.response())) {
     ++counters_.stray_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
@@ -50,10 +52,10 @@ Verdict SerialLine::refuse(Instant now) {
     } else {
       ++counters_.stray_frames;  // an echo, or what is owed: that stays owed
     }
-  } else if (owed_.count > 0) {
+  } else if (owed_.count > 0 && !is_echo_of_now) {
     --owed_.count;
     owed_.alike -= owed_.alike > 0 && !framer_.response().is_exception() ? 1U : 0U;
-    refused_.add({transaction_->address, framer_.response()});
+    refused_.add({transaction_->address, framer_.response(), now});
   } else {
     ++counters_.stray_frames;
     if (transaction_->request.is_read() && !std::exchange(unpaced_told_, true)) {

@@ -118,7 +118,7 @@ void TcpLine::match(const modbus::MbapAdu& answer, Instant now) {
         std::ranges::find(expired_, answer.header.transaction, &Expired::identifier);
     if (expired != expired_.end() && is_unit_right(answer.header.unit, expired->address)) {
       note_answer(now);
-      strays_.add({expired->address, answer.pdu});
+      strays_.add({expired->address, answer.pdu, now});
       expired_.erase(expired);
     }
     return;

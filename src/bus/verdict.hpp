@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "bus/instant.hpp"
 #include "modbus/request_length.hpp"
 #include "modbus/response.hpp"
 
@@ -22,9 +23,10 @@ struct Stray {
   bool is_response;  ///< it has the length of one
   bool is_request;   ///< it can be nothing else
   bool after_noise;  ///< other bytes stood before it: it may be a frame by chance only
+  Instant came;      ///< its last byte; what it was may be known only later
 
-  Stray(std::uint8_t from, const modbus::Pdu& heard, bool noisy = false)
-      : address(from), pdu(heard), after_noise(noisy) {
+  Stray(std::uint8_t from, const modbus::Pdu& heard, Instant when, bool noisy = false)
+      : address(from), pdu(heard), after_noise(noisy), came(when) {
     is_response = is_whole(modbus::response_length(pdu.bytes()));
     is_request = !is_response && is_whole(modbus::request_length(pdu.bytes())) &&
                  modbus::Request::parse(pdu).has_value();

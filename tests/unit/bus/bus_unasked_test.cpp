@@ -66,6 +66,24 @@ TEST_F(BusUnasked, AnotherClientsRequestIsNoAnswer) {
   EXPECT_EQ(bus_->counters().late_responses, 0U);
 }
 
+// It may be the answer to that: it says nothing of what is owed.
+TEST_F(BusUnasked, AnAnswerBehindAnotherClientsRequestIsNotCalledLate) {
+  open(settings());
+  for (int times = 0; times < 2; ++times) {
+    submit(job(kRead));
+    advance(10ms);
+    line(std::string("09 03 00 00 00 01 85 42") + kAnswer);
+    advance(5s);
+  }
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
+  EXPECT_EQ(std::ranges::count(notices_, Kind::late), 0);
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);
+  EXPECT_EQ(endings_.back(), Ending::answered);
+  EXPECT_EQ(std::ranges::count(notices_, Kind::late), 0);
+}
+
 TEST_F(BusUnasked, AFrameOfAnotherLengthIsNoLateAnswer) {
   open(settings());
   submit(job(kRead));
