@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Echoes that were damaged, lost or late, and what the line is taken for then.
 #include "echo_rig.hpp"
+#include "stop_axis.hpp"
 
 namespace mbgate::test {
 namespace {
@@ -177,6 +178,26 @@ TEST_F(BusEcho, IsNotClaimedWhileAnIdenticalAnswerIsOwed) {
   advance(10ms);
   line(kRepetition);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+// Nobody has said so, and the drive is dead: its stop comes back, and is repeated.
+TEST_F(BusEcho, OfAStopOnAPacedLineIsNoLateAnswerToTheOneBefore) {
+  auto denying = settings();
+  denying.line.echo = false;
+  denying.timing.offline_after = 2;
+  bus_.emplace(denying, std::vector<drive::Device>{axis(denying)});
+  bus_->start();
+  bus_->handle_opened(now_, bus::LineKind::uart);
+  drain();
+  advance(5ms);
+  submit(job(kStop));
+  for (int tries = 0; tries < 4; ++tries) {
+    advance(1ms);
+    line(kStopFrame);
+    advance(kEmission + 100ms - 1ms);
+  }
+  EXPECT_TRUE(bus_->is_offline(1));
+  EXPECT_EQ(bus_->counters().late_responses, 0U);
 }
 
 }  // namespace
