@@ -127,7 +127,7 @@ TEST(Plan, ReadOnlyRoutesAndClientsMayOnlyRead) {
   EXPECT_EQ(plan.error(), ExceptionCode::illegal_function);
 }
 
-// Its answer is no diagnostic's (6.8.1 has no 21): it could not be told from noise.
+// Its answer has another form than that of the other diagnostics, and would be taken for no answer.
 TEST(Plan, RefusesTheStatisticsOfModbusPlus) {
   Route route = window_route();
   route.functions = routing::FunctionRules::all();
