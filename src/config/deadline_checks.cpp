@@ -55,13 +55,17 @@ bool writes_reach(const Route& route, const drive::Device& device) {
   return route.may_write() && route.leads_to(device);
 }
 
-/// Is there a way for writes to it that states no deadline?
-bool is_reached_by_default(const Settings& settings, const drive::Device& device) {
+/// Transparent listeners have no deadline of their own.
+bool is_reached_by_listener(const Settings& settings, const drive::Device& device) {
   return std::ranges::any_of(settings.listeners,
-                             [&](const auto& listener) { return listener.bus == device.bus; }) ||
-         std::ranges::any_of(settings.routes, [&](const Route& route) {
-           return !route.deadline && writes_reach(route, device);
-         });
+                             [&](const auto& listener) { return listener.bus == device.bus; });
+}
+
+/// Is there a route for writes to it that states no deadline?
+bool is_reached_by_default(const Settings& settings, const drive::Device& device) {
+  return std::ranges::any_of(settings.routes, [&](const Route& route) {
+    return !route.deadline && writes_reach(route, device);
+  });
 }
 
 /// `retry_writes` that can do nothing, because the deadline ends before a write may be repeated.
@@ -82,16 +86,20 @@ void check_repeated_writes(Draft& draft, std::size_t at) {
            to_text(deadline) + " after it came";
   };
   const auto standard = gateway::write_deadline(longest_response_timeout(settings, device.bus));
-  if (standard <= after && is_reached_by_default(settings, device)) {
-    draft.devices[at].error("retry_writes",
-                            "does nothing: " + explain(standard) +
-                                "; make the quarantine shorter, or give its routes a deadline");
+  const bool by_listener = is_reached_by_listener(settings, device);
+  if (standard <= after && (by_listener || is_reached_by_default(settings, device))) {
+    // What a listener leads to is not helped by routes.
+    const auto other =
+        by_listener ? "" : ", or give its routes a deadline of more than " + to_text(after);
+    draft.devices[at].error("retry_writes", "does nothing: " + explain(standard) +
+                                                "; make the quarantine shorter" + other);
   }
   for (std::size_t i = 0; i < draft.routes.size(); ++i) {
     const auto& route = settings.routes[i];
     if (route.deadline && *route.deadline <= after && writes_reach(route, device)) {
       draft.routes[i].error("deadline", "makes retry_writes of " + in_quotes(device.name) +
-                                            " do nothing: " + explain(*route.deadline));
+                                            " do nothing: " + explain(*route.deadline) +
+                                            "; make it more than " + to_text(after));
     }
   }
 }

@@ -30,15 +30,36 @@ void check_rate(TomlTable& table, const bus::LineSettings& line) {
   }
 }
 
-/// "./line-a" says itself that it is meant.
+/// ttyS0, ttyUSB0, ttyACM0, ttyAMA0, ttymxc0: what the kernel calls a serial port.
+bool is_kernel_name(std::string_view name) {
+  return name.starts_with("tty") && name.back() >= '0' && name.back() <= '9';
+}
+
+/// Where a device of this relative path will be.
+std::string below_dev(std::string_view path) {
+  const auto name = path.substr(path.rfind('/') + 1);
+  if (is_kernel_name(name)) {
+    return "/dev/" + std::string(name);
+  }
+  constexpr std::string_view kDev = "dev/";
+  return "/dev/" + std::string(path.substr(path.starts_with(kDev) ? kDev.size() : 0));
+}
+
+/// "./line-a" says itself that it is meant; "./ttyUSB0" is what a shell in /dev completes.
+bool is_meant(std::string_view path) {
+  return (path.starts_with("./") || path.starts_with("../")) &&
+         !is_kernel_name(path.substr(path.rfind('/') + 1));
+}
+
 void check_path(TomlTable& table, const bus::LineSettings& line) {
   const std::string_view device = line.device;
-  const bool relative = !device.empty() && !device.starts_with('/') && !device.starts_with("./") &&
-                        !device.starts_with("../") && device.find("://") == std::string_view::npos;
-  if (relative) {
+  const bool relative =
+      !device.empty() && !device.starts_with('/') && device.find("://") == std::string_view::npos;
+  if (relative && !is_meant(device)) {
     table.warning("device", in_quotes(device) +
-                                " lies below the folder that mbgated is started in; did you mean " +
-                                in_quotes("/dev/" + line.device) + "?");
+                                " is looked for from the folder that mbgated is started in; did "
+                                "you mean " +
+                                in_quotes(below_dev(device)) + "?");
   }
 }
 

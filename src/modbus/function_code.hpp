@@ -54,6 +54,9 @@ constexpr bool is_broadcast_function(std::uint8_t function) {
 inline constexpr std::uint16_t kRestartCommunications = 0x01;
 inline constexpr std::uint16_t kForceListenOnly = 0x04;
 
+/// The sub-function of 08 for Modbus Plus: its answer is longer than its request.
+inline constexpr std::uint16_t kModbusPlusStatistics = 0x15;
+
 /// The standard's name, lower case; unknown and user-defined functions give an empty text.
 std::string_view function_name(std::uint8_t function);
 

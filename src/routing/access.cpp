@@ -11,7 +11,8 @@ bool passes(const FunctionRules& rules, const modbus::Pdu& pdu) {
   }
   if (function == 0x08 && pdu.size() >= 3) {
     const std::uint16_t sub_function = modbus::load_be16(pdu.bytes(), 1);
-    return (sub_function != modbus::kRestartCommunications || rules.restart_communications) &&
+    return sub_function != modbus::kModbusPlusStatistics &&
+           (sub_function != modbus::kRestartCommunications || rules.restart_communications) &&
            (sub_function != modbus::kForceListenOnly || rules.force_listen_only);
   }
   return true;

@@ -13,8 +13,8 @@ struct ClientRights {
   bool read_only = false;
 };
 
-/// Function codes, sub-functions of 08, read-only routes and clients; broadcasts are 05, 06, 15, 16
-/// only.
+/// Function codes, sub-functions of 08 (21 never), read-only routes and clients; broadcasts are 05,
+/// 06, 15, 16 only.
 [[nodiscard]] bool is_allowed(const Way& way, ClientRights rights, const modbus::Pdu& pdu);
 
 }  // namespace mbgate::routing

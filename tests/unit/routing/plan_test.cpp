@@ -127,6 +127,17 @@ TEST(Plan, ReadOnlyRoutesAndClientsMayOnlyRead) {
   EXPECT_EQ(plan.error(), ExceptionCode::illegal_function);
 }
 
+// Its answer has another form than that of the other diagnostics, and would be taken for no answer.
+TEST(Plan, RefusesTheStatisticsOfModbusPlus) {
+  Route route = window_route();
+  route.functions = routing::FunctionRules::all();
+  route.windows.clear();
+  EXPECT_EQ(on_the_bus(route, "08 0014 0000"), "08 00 14 00 00");
+  EXPECT_EQ(on_the_bus(route, "08 0015 0003"), modbus::exception_text(1));
+  EXPECT_EQ(on_the_bus(route, "08 0015 0004"), modbus::exception_text(1));
+  EXPECT_EQ(on_the_bus(route, "08 0016 0000"), "08 00 16 00 00");
+}
+
 TEST(RouteTable, MapsRangesOfUnitsToAddresses) {
   Route range;
   range.first_unit = 100;
