@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // When the gateway can first have taken a request, and what that means for others.
 #include <algorithm>
+#include <utility>
 
 #include "bus/bus_queue.hpp"
 #include "gateway/limits.hpp"
@@ -165,13 +166,18 @@ void Oracle::note_write_event(const Asked& asked, std::optional<std::size_t> bus
   if (!asked.changes() || asked.refused || asked.ordered || !(asked.surely_on_wire || waited)) {
     return;
   }
+  const auto note = [&](Lane& lane) {
+    if (lane.last_write_event != schedule_.now()) {
+      lane.earlier_write_event = std::exchange(lane.last_write_event, schedule_.now());
+    }
+  };
   for (const Piece& piece : asked.pieces) {
     if (asked.kind != Kind::broadcast) {
-      books_[piece.bus].lanes[piece.address].last_write_event = schedule_.now();
+      note(books_[piece.bus].lanes[piece.address]);
     } else if (piece.bus == bus || (!bus && asked.pieces.size() == 1)) {
       // Where it was one of several, its part may have ended before the others.
       for (Lane& lane : books_[piece.bus].lanes) {
-        lane.last_write_event = schedule_.now();
+        note(lane);
       }
     }
   }

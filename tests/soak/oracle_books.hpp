@@ -53,6 +53,7 @@ struct Lane {
   BusCount count;
   bool stays_offline = false;  ///< it was perhaps offline when other settings came
   Instant last_write_event = Instant::min();
+  Instant earlier_write_event = Instant::min();  ///< the last one of an earlier instant
   Instant last_stop = Instant::min();
   std::map<PduBytes, Instant> stops_done;  ///< when the device carried each out last
   Instant uncertain_at = Instant::min();   ///< nobody can tell what a frame of then answered
