@@ -12,14 +12,14 @@
 namespace mbgate::test {
 
 struct PlantOptions {
-  bool paced = false;           ///< false: no wire time, no frame gap
-  unsigned baud = 115200;       ///< of the gateway's ports, if paced; the drives have 115200
+  bool paced = false;      ///< false: no wire time, no frame gap
+  unsigned baud = 115200;  ///< of the gateway's ports, if paced; the drives have 115200
   std::string response_timeout = "300ms";
-  std::string listener{};       ///< further keys of every [[listen]]
-  std::string bus{};            ///< further keys of every [[bus]]
-  std::string simulated_bus{};  ///< further keys of every simulated [[bus]]
-  std::string device{};         ///< further keys of every simulated [[device]]
-  std::string simulator{};      ///< further top-level keys of the simulator
+  std::string listener{};                ///< further keys of every [[listen]]
+  std::string bus{};                     ///< further keys of every [[bus]]
+  std::string simulated_bus{};           ///< further keys of every simulated [[bus]]
+  std::string device{};                  ///< further keys of every simulated [[device]]
+  std::string simulator{};               ///< further top-level keys of the simulator
   std::vector<std::string> arguments{};  ///< further arguments of mbgated
 };
 

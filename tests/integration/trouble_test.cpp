@@ -184,8 +184,8 @@ TEST(Plant, AClientThatNeverReadsCostsNoMemoryAndNobodyElseAnything) {
   EXPECT_LT(resident_memory(plant.gateway.pid()), before + 32'000'000U);
 }
 
-// The read keeps the bus busy for long enough that the gateway sees the client leave meanwhile, even
-// where the machine is busy too.
+// The read keeps the bus busy for long enough that the gateway sees the client leave meanwhile,
+// even where the machine is busy too.
 TEST(Plant, ADepartedClientsWaitingWriteIsNeverOnTheWire) {
   PlantOptions options;
   options.response_timeout = "1500ms";

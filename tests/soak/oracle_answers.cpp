@@ -175,10 +175,10 @@ Span Oracle::span_of(const Asked& asked) const {
   if (cache > Duration{0} && !asked.identity) {
     const Lane& lane = books_[asked.pieces.front().bus].lanes[asked.pieces.front().address];
     // Of what happens in one instant nobody outside can tell what came first.
-    const Instant last_write =
-        lane.last_write_event < asked.accepted      ? lane.last_write_event
-        : lane.earlier_write_event < asked.accepted ? lane.earlier_write_event
-                                                    : Instant::min();
+    const Instant last_write = lane.last_write_event < asked.accepted ? lane.last_write_event
+                               : lane.earlier_write_event < asked.accepted
+                                   ? lane.earlier_write_event
+                                   : Instant::min();
     first = std::max(asked.accepted - cache, last_write);
     for (const Asked* write : lane.open) {
       if (write->changes() && !write->ordered && !write->client_gone &&
