@@ -10,11 +10,7 @@ using Fault = bus::LineFault;
 
 // The reader was late: an echo has no other end than the wait for the answer.
 TEST_F(BusEcho, OnceShownALateRepetitionIsNoAnswerEither) {
-  open_as(bus::LineKind::virtual_line);
-  submit(job(kRead));
-  advance(10ms);
-  line(std::string(kReadFrame) + kAnswer);
-  advance(10ms);
+  open_and_learn(bus::LineKind::virtual_line);
   submit(job(kRead));
   advance(10ms);
   line(kAnswer);  // without an echo
@@ -29,10 +25,7 @@ TEST_F(BusEcho, OnceShownALateRepetitionIsNoAnswerEither) {
 }
 
 TEST_F(BusEcho, OnceShownAReadThatLacksItDoesNotSayThatThereIsNone) {
-  open_as(bus::LineKind::virtual_line);
-  submit(job(kRead));
-  advance(10ms);
-  line(std::string(kReadFrame) + kAnswer);
+  open_and_learn(bus::LineKind::virtual_line);
   for (int times = 0; times < 2; ++times) {
     advance(400ms);
     submit(job(kRead));
@@ -51,10 +44,7 @@ TEST_F(BusEcho, OnceShownAReadThatLacksItDoesNotSayThatThereIsNone) {
 }
 
 TEST_F(BusEcho, WhereItIsNotCertainAnyMoreTheSecondRepetitionIsTheAnswer) {
-  open_as(bus::LineKind::virtual_line);
-  submit(job(kRead));
-  advance(10ms);
-  line(std::string(kReadFrame) + kAnswer);
+  open_and_learn(bus::LineKind::virtual_line);
   advance(400ms);
   submit(job(kRead));
   advance(10ms);
