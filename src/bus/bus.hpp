@@ -277,6 +277,7 @@ class Bus {
   Instant others_gone_at_ = Instant::min();
   bool never_silent_reported_ = false;
   bool foreign_reported_ = false;
+  bool echo_denied_reported_ = false;
   bool replacement_reported_ = false;
   LineQuality quality_;
   bool frame_heard_ = false;  // a stray one, since a transmission ended last

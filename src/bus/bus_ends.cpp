@@ -223,6 +223,10 @@ void Bus::note_foreign(const Stray& stray) {
   const bool is_asked = asked != running_.end();
   const bool is_own =
       is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(), stray.pdu.bytes());
+  if (is_own && stray.is_request && settings_.line.echo == false &&
+      !std::exchange(echo_denied_reported_, true)) {
+    actions_.push(LineNotice{LineFault::echo_denied});
+  }
   if (stray.after_noise || is_own || now < link_.opened_at() + longest) {
     return;
   }

@@ -12,6 +12,7 @@ void Bus::handle_opened(Instant now, LineKind kind) {
   adapter_.open(kind, now);
   devices_.forget_what_was_read();
   foreign_reported_ = false;
+  echo_denied_reported_ = false;
   never_silent_reported_ = false;
   quality_.forget();
   line_.open(now, kind);

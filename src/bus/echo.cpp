@@ -12,6 +12,9 @@ namespace {
 // After the response timeout, as answers (quarantine_max). What comes later cannot be excluded.
 constexpr Duration kEchoOwed = std::chrono::seconds(10);
 
+// One may be lost; after so many answers in a row that came without one there is none.
+constexpr unsigned kMostLost = 8;
+
 // Can the echo of this be mistaken for the answer to it? Of 05, 06, 22 and 08/00 it always is one.
 bool looks_like_answer(const Transaction& transaction) {
   const auto fit = modbus::check_response(transaction.request, transaction.request.pdu().bytes());
@@ -153,6 +156,7 @@ bool Echo::take_owed(const modbus::Pdu& response) {
 void Echo::find() {
   state_ = State::present;
   shown_ = true;
+  lost_ = 0;
   note_fault(faults_, LineFault::echo_found);
 }
 
@@ -163,8 +167,12 @@ void Echo::note_unproven() {
 }
 
 void Echo::note_answered() {
-  if (learns_ && !may_answer_ && !shown_ && state_ == State::unknown) {
-    state_ = State::absent;
+  if (!learns_ || may_answer_ || state_ != State::unknown || (shown_ && ++lost_ < kMostLost)) {
+    return;
+  }
+  state_ = State::absent;
+  if (std::exchange(shown_, false)) {
+    note_fault(faults_, LineFault::echo_gone);
   }
 }
 

@@ -71,7 +71,7 @@ class Echo {
   /// Such a response was taken for the answer, because nothing was seen that speaks against it.
   void note_unproven();
   /// A response was taken, and nothing at all came before it: an echo would have. What did come may
-  /// be a damaged one; and where one was heard, it was lost this time.
+  /// be a damaged one; and where one was heard, it was lost this time, but not many times in a row.
   void note_answered();
 
  private:
@@ -98,6 +98,7 @@ class Echo {
   bool spoilt_ = false;
   bool passed_ = false;  // a repetition came that was taken for the echo
   bool shown_ = false;   // since the line was opened
+  unsigned lost_ = 0;    // since one was shown: reads that were answered without one
   bool unproven_told_ = false;
 };
 

@@ -52,6 +52,8 @@ enum class LineFault : std::uint8_t {
   echo_differed,  ///< an own transmission was heard differently than it was sent
   framing_lost,   ///< where the next frame begins cannot be known any more
   echo_found,     ///< the line hears itself: from now on echoes are compared
+  echo_gone,      ///< it was found, and none has come with the last answers
+  echo_denied,    ///< the line hears itself, and the settings say that it does not
   /// The answer to a write looks like its echo, and nothing has shown yet whether there is one.
   echo_unproven,
   /// A fitting answer began before its request had left, and was not taken.

@@ -141,8 +141,12 @@ std::string fault_text(bus::LineFault fault) {
              "from the start)";
     case bus::LineFault::echo_unproven:
       return "a write was answered by its own repetition, and no read has shown yet whether that "
-             "is "
-             "an echo: until one has, it proves nothing (say echo = true or echo = false)";
+             "is an echo: until one has, it proves nothing (say echo = true or echo = false)";
+    case bus::LineFault::echo_gone:
+      return "no echo came with the last answers: the line does not hear what it sends (any more)";
+    case bus::LineFault::echo_denied:
+      return "the line hears what it sends: say echo = true, for with echo = false the echo of a "
+             "write is taken for its answer";
     case bus::LineFault::unanswered: return "nothing comes from the far end";
     case bus::LineFault::answered_while_sending:
       return "an answer began before its request was sent whole, and was not taken; if the adapter "

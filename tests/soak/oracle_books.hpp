@@ -105,6 +105,8 @@ struct Book {
   bool told_unproven = false;
   bool told_while_sending = false;
   bool must_tell_unproven = false;
+  bool told_denied = false;
+  bool must_tell_denied = false;
 };
 
 /// A request that is over.

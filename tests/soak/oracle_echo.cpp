@@ -29,16 +29,26 @@ bool looks_like_answer(const Flight& flight) {
                                   function == kOwnFunction || looks_like_bits(flight.pdu));
 }
 
+// The request for registers has five bytes; as a response it would say so by its byte count.
+bool is_no_response(const PduBytes& pdu) {
+  constexpr std::uint8_t kBytes = 3;
+  return (pdu[0] == 0x03 || pdu[0] == 0x04) && pdu[1] != kBytes;
+}
+
 }  // namespace
 
 void Oracle::forget_line(Book& book, std::size_t bus) {
   if (book.must_tell_unproven && !book.told_unproven) {
     violation("not_told", "an answer that may be an echo on " + bus_settings(bus).name);
   }
+  if (book.must_tell_denied && !book.told_denied) {
+    violation("not_told", "an echo that the settings deny on " + bus_settings(bus).name);
+  }
   book.unread.clear();
   book.unread_echo.reset();
   book.echo_proven = book.echo_lost = false;
   book.told_unproven = book.told_while_sending = book.must_tell_unproven = false;
+  book.told_denied = book.must_tell_denied = false;
 }
 
 // The first byte was read before the computed end of the own transmission.
@@ -129,6 +139,8 @@ void Oracle::read_echo(std::size_t bus) {
   if (is_plain && !bus_settings(bus).line.echo && !std::exchange(book.echo_proven, true)) {
     report_.fault("echo_proven");
   }
+  book.must_tell_denied |= is_plain && bus_settings(bus).line.echo == false &&
+                           !last->is_broadcast && is_no_response(last->pdu);
 }
 
 void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEcho& echo) {
@@ -210,6 +222,16 @@ void Oracle::line_news(std::size_t bus, bus::LineFault fault) {
     report_.fault("told_echo_found");
     if (!plan_.echoes[bus] && !book.is_strange) {
       violation("echo_claimed", bus_settings(bus).name);
+    }
+  } else if (fault == bus::LineFault::echo_gone) {
+    report_.fault("told_echo_gone");
+    if (plan_.echoes[bus]) {
+      violation("told_wrongly", "no echo on " + bus_settings(bus).name);
+    }
+  } else if (fault == bus::LineFault::echo_denied) {
+    once(book.told_denied, "told_echo_denied");
+    if (!plan_.echoes[bus] || bus_settings(bus).line.echo != false) {
+      violation("told_wrongly", "a denied echo on " + bus_settings(bus).name);
     }
   } else if (fault == bus::LineFault::echo_unproven) {
     once(book.told_unproven, "told_echo_unproven");

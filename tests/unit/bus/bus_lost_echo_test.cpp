@@ -43,6 +43,38 @@ TEST_F(BusEcho, OnceShownAReadThatLacksItDoesNotSayThatThereIsNone) {
   EXPECT_EQ(endings_.back(), Ending::no_answer);
 }
 
+// What was taken for an echo was none, or the adapter was set otherwise.
+TEST_F(BusEcho, IsNotThereAnyMoreAfterManyAnswersThatLackIt) {
+  open_and_learn(bus::LineKind::virtual_line);
+  for (int times = 0; times < 9; ++times) {
+    advance(400ms);
+    submit(job(kRead));
+    advance(10ms);
+    line(kAnswer);  // without an echo
+    time_out();
+  }
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed, Fault::echo_gone));
+  advance(400ms);
+  submit(job(kWritePdu));
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_EQ(endings_.back(), Ending::answered);
+}
+
+TEST_F(BusEcho, IsToldOnceWhereTheSettingsDenyIt) {
+  open_as(bus::LineKind::uart, false);
+  for (int times = 0; times < 2; ++times) {
+    submit(job(kRead));
+    advance(1ms);
+    line(kReadFrame);
+    advance(10ms);
+    line(kAnswer);
+    advance(10ms);
+  }
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_denied));
+}
+
 TEST_F(BusEcho, WhereItIsNotCertainAnyMoreTheSecondRepetitionIsTheAnswer) {
   open_and_learn(bus::LineKind::virtual_line);
   advance(400ms);
