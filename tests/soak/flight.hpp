@@ -59,6 +59,7 @@ struct HeardEcho {
   std::size_t size = 0;
   bool is_whole = true;  ///< and as it was sent
   Instant began;         ///< when its first byte reached the kernel
+  bool in_one = true;    ///< all of it came at once
 };
 
 }  // namespace mbgate::soak

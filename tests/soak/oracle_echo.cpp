@@ -139,7 +139,7 @@ void Oracle::read_echo(std::size_t bus) {
   if (is_plain && !bus_settings(bus).line.echo && !std::exchange(book.echo_proven, true)) {
     report_.fault("echo_proven");
   }
-  book.must_tell_denied |= is_plain && bus_settings(bus).line.echo == false &&
+  book.must_tell_denied |= is_plain && echo->in_one && bus_settings(bus).line.echo == false &&
                            !last->is_broadcast && is_no_response(last->pdu);
 }
 

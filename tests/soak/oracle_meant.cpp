@@ -125,7 +125,8 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   // What has become due in this instant joins one that is due already, or goes on its own.
   const bool may_have_joined = asked.failsafe && !alone && asked.accepted == schedule_.now();
   piece.sent += may_have_joined ? 0U : 1U;
-  if (asked.is_stop() && piece.sent == 1) {
+  // Of several that wait only one may have been transmitted before.
+  if (asked.is_stop() && (piece.sent == 1 || !asked.surely_on_wire)) {
     mine.stop_from = std::min(mine.stop_from.value_or(asked.accepted), asked.accepted);
   }
   leave_queue(asked.pieces.size() == 1 || asked.kind == Kind::broadcast ? piece

@@ -112,6 +112,9 @@ void Oracle::after_reload() {
     Book& book = books_[bus];
     const gateway::BusSettings& settings = bus_settings(bus);
     book.room = std::max(book.room, book.waiting);
+    if (book.present > settings.queue) {
+      book.last_full = schedule_.now();  // it has become smaller than what waits
+    }
     if (book.own_end > schedule_.now() && book.turnaround_end > book.own_end) {
       const Instant by_others = book.own_end + settings.turnaround;
       book.held_until = std::max(book.turnaround_end, by_others);

@@ -257,6 +257,7 @@ SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t 
   }
   if (happens(rates_.damaged, "damaged")) {
     damage(frame);
+    lose_crc(frame, 0);
     return Spoilt::unreadable;
   }
   if (!pdu.is_exception() && pdu.function() <= 4 && pdu.size() < 240 &&

@@ -95,6 +95,7 @@ class SerialWire {
   void answer_late(SoakDevice& device, const Flight& flight, const Frame& frame, Instant begin);
   Spoilt spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
   void damage(Frame& frame);
+  void lose_crc(std::vector<std::uint8_t>& damaged, std::size_t from) const;
   std::size_t begin_with_glitch(Frame& frame);
   void append_excess(Frame& frame);
   void say(Frame bytes, Instant begin, Chunks chunks, const Content& content);

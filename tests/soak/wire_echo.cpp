@@ -74,10 +74,11 @@ void SerialWire::hear_echo(std::uint64_t number, std::size_t until) {
     }
   }
   const Instant arrival = adapter_.arrival();
-  echo.began = echo.heard == 0 ? arrival : echo.began;
+  const bool in_one = echo.heard == 0;
+  echo.began = in_one ? arrival : echo.began;
   echo.heard = until;
   if (until == echo.bytes.size()) {
-    heard.echo = HeardEcho{number, until, echo.is_whole, echo.began};
+    heard.echo = HeardEcho{number, until, echo.is_whole, echo.began, in_one};
     echo_.reset();
   }
   adapter_.take(std::move(heard), arrival);

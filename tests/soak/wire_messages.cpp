@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "modbus/rtu.hpp"
 #include "soak/serial_wire.hpp"
 
 namespace mbgate::soak {
@@ -85,7 +86,17 @@ std::optional<std::uint8_t> SerialWire::garble(Message& message) {
     message.bytes[at] = static_cast<std::uint8_t>(
         ascii_ ? message.bytes[at] | 0x80U : message.bytes[at] ^ around_.random.between(1U, 255U));
   }
+  lose_crc(message.bytes, good);
   return lost;
+}
+
+// Damage that leaves a good CRC, once in 65,536 times, could be seen by nobody.
+void SerialWire::lose_crc(std::vector<std::uint8_t>& damaged, std::size_t from) const {
+  for (std::size_t size = from + 1; !ascii_ && size <= damaged.size(); ++size) {
+    if (modbus::has_good_crc(Bytes(damaged).first(size))) {
+      damaged[size - 1] ^= 1U;
+    }
+  }
 }
 
 void SerialWire::hear(std::uint64_t id, std::size_t until) {
