@@ -23,7 +23,9 @@ void Bus::handle_lost(Instant now, Loss loss) {
   if (link_.is_resting()) {
     return;  // nobody has asked for a line
   }
-  if (loss == Loss::closed && link_.is_open() && line_.has_answered() && !stopping_) {
+  const bool in_order =
+      line_.has_answered() || (line_.is_unused() && !link_.is_new(settings_, now));
+  if (loss == Loss::closed && link_.is_open() && in_order && !stopping_) {
     line_.note_closed(now);
     rest(now);
     return;

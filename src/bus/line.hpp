@@ -65,6 +65,11 @@ class Line {
     const auto* tcp = std::get_if<TcpLine>(&line_);
     return tcp != nullptr && tcp->has_answered();
   }
+  /// Nothing was asked on the open connection. Never on a serial line.
+  [[nodiscard]] bool is_unused() const {
+    const auto* tcp = std::get_if<TcpLine>(&line_);
+    return tcp != nullptr && tcp->is_unused();
+  }
   void note_closed(Instant now) {
     if (auto* tcp = std::get_if<TcpLine>(&line_)) {
       tcp->note_closed(now);

@@ -18,9 +18,12 @@ constexpr unsigned kLeastLate = 4;  // of these
 constexpr int kLateMargin = 4;      // a quarter more than what was seen
 constexpr Duration kTimeoutStep = std::chrono::milliseconds(10);
 
+// A device takes about the same time for each answer; noise comes at any time. Of answers whose
+// times differ more, more are needed.
 constexpr unsigned kLeastUnreadable = 5;
-// A device takes about the same time for each answer; noise comes at any time.
 constexpr Duration kSameTime = std::chrono::milliseconds(20);
+constexpr unsigned kLeastScattered = 12;
+constexpr Duration kScattered = std::chrono::milliseconds(60);
 
 }  // namespace
 
@@ -71,7 +74,7 @@ void AnswerQuality::note_unreadable(Duration after, unsigned unasked) {
   note_ended(false);
   const Duration first = std::min(first_after_, after);
   const Duration last = std::max(last_after_, after);
-  if (unreadable_in_row_ == 0 || last - first > kSameTime || unasked != unasked_before_) {
+  if (unreadable_in_row_ == 0 || last - first > kScattered || unasked != unasked_before_) {
     unreadable_in_row_ = 1;
     first_after_ = last_after_ = after;
     unasked_before_ = unasked;
@@ -102,12 +105,16 @@ void AnswerQuality::forget() {
   has_answered_ = answered;
 }
 
+unsigned AnswerQuality::least_unreadable() const {
+  return last_after_ - first_after_ <= kSameTime ? kLeastUnreadable : kLeastScattered;
+}
+
 void AnswerQuality::judge() {
   const auto late = static_cast<unsigned>(std::popcount(requests_));
   const bool was_late = verdict_.quality == Quality::late;
   if (crcs_.is_bad()) {
     verdict_ = crcs_.verdict();
-  } else if (!has_framed_ && unreadable_in_row_ >= kLeastUnreadable) {
+  } else if (!has_framed_ && unreadable_in_row_ >= least_unreadable()) {
     verdict_ = {Quality::no_frame, unreadable_in_row_, unreadable_in_row_};
   } else if (late >= kLeastLate || (was_late && late > 0)) {
     verdict_ = {Quality::late, late, most_requests_, lateness_, needed_};

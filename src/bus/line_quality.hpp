@@ -84,6 +84,7 @@ class AnswerQuality {
 
  private:
   void note_ended(bool in_time);
+  [[nodiscard]] unsigned least_unreadable() const;
   void judge();
 
   CrcShare crcs_;

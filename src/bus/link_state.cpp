@@ -17,7 +17,7 @@ void LinkState::note_opened(Instant now) {
 }
 
 void LinkState::note_lost(const BusSettings& settings, Instant now) {
-  if (is_open() && now - opened_at_ >= settings.reopen_max) {
+  if (is_open() && !is_new(settings, now)) {
     // A line that dies as soon as it is open gets no such favour.
     delay_ = settings.reopen_min;
   }

@@ -37,6 +37,11 @@ class LinkState {
   /// For the last time.
   [[nodiscard]] Instant opened_at() const { return opened_at_; }
 
+  /// It is open, and not for long enough to say that it serves.
+  [[nodiscard]] bool is_new(const BusSettings& settings, Instant now) const {
+    return now - opened_at_ < settings.reopen_max;
+  }
+
   void note_opened(Instant now);
   /// Schedules the next attempt.
   void note_lost(const BusSettings& settings, Instant now);

@@ -63,6 +63,8 @@ class TcpLine {
   void abort();
   /// Something that was asked on this connection was answered, in time or late.
   [[nodiscard]] bool has_answered() const { return has_answered_; }
+  /// Nothing was asked on this connection.
+  [[nodiscard]] bool is_unused() const { return !unheard_since_ && !has_answered_; }
   /// The far end has closed the connection.
   void note_closed(Instant now);
 

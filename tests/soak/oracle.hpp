@@ -56,6 +56,8 @@ class Oracle {
 
   // oracle_wire.cpp
   void bus_opened(std::size_t bus);
+  /// The connection that a server has closed now was open for long, and nothing was asked on it.
+  [[nodiscard]] bool was_idle(std::size_t bus) const;
   void bus_lost(std::size_t bus);
   /// The gateway wants the line.
   void bus_opening(std::size_t bus) { books_[bus].opening = true; }

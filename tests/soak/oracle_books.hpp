@@ -100,6 +100,8 @@ struct Book {
   bool unread_stranger = false;  ///< the request of another client
   bool is_strange = false;       ///< what came looks like an echo, and is none
   // Of the line, since it was opened:
+  Instant opened = Instant::min();
+  bool is_unused = true;  ///< nothing was transmitted
   bool echo_proven = false;
   bool echo_lost = false;  ///< one that would have proven it did not come at all
   bool told_unproven = false;

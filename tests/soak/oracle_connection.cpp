@@ -32,6 +32,11 @@ void Oracle::tcp_closed(std::size_t bus) {
   rest(book);
 }
 
+bool Oracle::was_idle(std::size_t bus) const {
+  const Book& book = books_[bus];
+  return book.is_unused && schedule_.now() >= book.opened + bus_settings(bus).reopen_max;
+}
+
 void Oracle::tcp_replaced(std::size_t bus) {
   Book& book = books_[bus];
   const unsigned most = bus_settings(bus).replace_after;

@@ -49,6 +49,8 @@ void Oracle::bus_opened(std::size_t bus) {
   book.in_vain.clear();
   failsafe_line_back(book);
   forget_line(book, bus);
+  book.opened = schedule_.now();
+  book.is_unused = true;
   book.last_byte = schedule_.now();
   book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
   for (Lane& lane : book.lanes) {
@@ -107,6 +109,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
   set_times(flight);
   flight.size = frame.size();
+  book.is_unused = false;
   book.came = 0;
   book.read_while_sending = Instant::min();
   book.is_strange = false;

@@ -103,7 +103,9 @@ void World::hang_up(std::size_t bus, bool answered) {
 void World::lost(std::size_t bus) {
   const End end = std::exchange(buses_[bus].end, End::lost);
   order_only_ = false;  // what this leads to is not the other order's doing
-  end == End::closed_after_answers ? oracle_.tcp_closed(bus) : oracle_.bus_lost(bus);
+  const bool in_order =
+      end == End::closed_after_answers || (end == End::closed && oracle_.was_idle(bus));
+  in_order ? oracle_.tcp_closed(bus) : oracle_.bus_lost(bus);
   gateway_.handle_bus_lost(id_of(bus), schedule_.now(),
                            end == End::lost ? bus::Loss::failed : bus::Loss::closed);
   drain();

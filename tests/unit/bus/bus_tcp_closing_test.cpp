@@ -36,6 +36,28 @@ TEST_F(BusTcpClosing, AConnectionThatHasAnsweredIsOpenedAgainWhenSomebodyAsks) {
   EXPECT_EQ(bus_->counters().losses, 0U);
 }
 
+// Servers close what is idle.
+TEST_F(BusTcpClosing, SoIsOneOnWhichNothingWasAsked) {
+  open(tcp());
+  advance(60s);
+  close();
+  EXPECT_EQ(next_deadline(), std::nullopt);
+  EXPECT_TRUE(bus_->is_open());
+  submit(job(kRead));
+  reopen();
+  answer_last();
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_EQ(bus_->counters().losses, 0U);
+}
+
+TEST_F(BusTcpClosing, OneThatWasClosedAtOnceIsBackedOffFrom) {
+  open(tcp());
+  advance(10ms);
+  close();
+  EXPECT_EQ(bus_->counters().losses, 1U);
+  EXPECT_NE(next_deadline(), std::nullopt);
+}
+
 TEST_F(BusTcpClosing, AReadThatACloseCutsIsAskedOnceMore) {
   open(tcp());
   ask_and_answer();

@@ -76,6 +76,17 @@ TEST_F(LineQuality, BytesAfterEachRequestAndNeverAFrame) {
   EXPECT_EQ(verdict().quality, Quality::good);
 }
 
+// A drive that answers when its program comes round.
+TEST_F(LineQuality, WhereTheTimesDifferMoreAreNeeded) {
+  for (int at = 0; at < 11; ++at) {
+    quality_[1].note_unreadable(at % 3 * 25ms, 0);
+  }
+  EXPECT_EQ(verdict().quality, Quality::unknown);
+  quality_[1].note_unreadable(10ms, 0);
+  EXPECT_EQ(verdict().quality, Quality::no_frame);
+  EXPECT_EQ(verdict().of, 12U);
+}
+
 // Noise comes at any time, and while nobody asks too; a device that was understood speaks right.
 TEST_F(LineQuality, WhatNoiseOrDamageCouldExplainIsNotSaid) {
   for (int at = 0; at < 20; ++at) {
