@@ -271,31 +271,4 @@ SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t 
   return Spoilt::no;
 }
 
-void SerialWire::damage(Frame& frame) {
-  Random& random = around_.random;
-  const auto place = static_cast<std::ptrdiff_t>(random.below(frame.size()));
-  switch (random.between(0U, 2U)) {
-    case 0:
-      for (unsigned bits = ascii_ ? 1 : random.between(1U, 3U); bits > 0; --bits) {
-        // Each in a byte of its own: the same bit twice would be no damage; nor would a digit of
-        // the other case.
-        auto& byte = frame[(static_cast<std::size_t>(place) + bits) % frame.size()];
-        byte =
-            static_cast<std::uint8_t>(byte ^ (1U << (ascii_ ? random.below(5) : random.below(8))));
-      }
-      return;
-    case 1: frame.erase(frame.begin() + place); return;
-    default: {
-      const Frame whole = frame;
-      frame.insert(frame.begin() + 1 + place / 2, frame[static_cast<std::size_t>(1 + place / 2)]);
-      // Beside bytes that are alike, the frame itself is still whole.
-      if (std::ranges::equal(whole, std::span(frame).first(whole.size())) ||
-          std::ranges::equal(whole, std::span(frame).last(whole.size()))) {
-        frame[whole.size() / 2] ^= 0x40U;
-      }
-      return;
-    }
-  }
-}
-
 }  // namespace mbgate::soak
