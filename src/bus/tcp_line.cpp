@@ -22,7 +22,7 @@ bool is_foreign(modbus::Bytes stream) {
 void TcpLine::open(Instant now, LineKind /*kind*/) {
   abort();
   quiet_since_ = now;
-  has_answered_ = false;
+  was_asked_ = has_answered_ = false;
   closes_by_ = Instant::min();
 }
 
@@ -46,6 +46,7 @@ FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& t
   const Instant due = now + timing.response_timeout + timing.response_wait;
   flights_.push_back({identifier, &transaction, now, due, due});
   quiet_since_ = now;
+  was_asked_ = true;
   unheard_since_ = unheard_since_.value_or(now);
   const modbus::MbapBytes adu =
       modbus::encode({{identifier, transaction.address}, transaction.request.pdu()});

@@ -64,7 +64,7 @@ class TcpLine {
   /// Something that was asked on this connection was answered, in time or late.
   [[nodiscard]] bool has_answered() const { return has_answered_; }
   /// Nothing was asked on this connection.
-  [[nodiscard]] bool is_unused() const { return !unheard_since_ && !has_answered_; }
+  [[nodiscard]] bool is_unused() const { return !was_asked_; }
   /// The far end has closed the connection.
   void note_closed(Instant now);
 
@@ -115,6 +115,7 @@ class TcpLine {
   Instant quiet_since_;                   // the last byte in either direction
   std::optional<Instant> unheard_since_;  // the first request since the last byte that came
   unsigned unanswered_ = 0;               // of these requests, those that timed out
+  bool was_asked_ = false;
   bool has_answered_ = false;
   Instant answered_at_;
   bool closes_after_answer_ = false;  // the connection before was closed right after an answer

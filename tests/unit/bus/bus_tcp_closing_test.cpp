@@ -50,6 +50,15 @@ TEST_F(BusTcpClosing, SoIsOneOnWhichNothingWasAsked) {
   EXPECT_EQ(bus_->counters().losses, 0U);
 }
 
+TEST_F(BusTcpClosing, OneOnWhichSomethingElseCameThanAnAnswerIsLost) {
+  open(tcp());
+  submit(job(kRead));
+  line("7F FF 00 00 00 05 01 03 02 12 34");
+  advance(60s);
+  close();
+  EXPECT_EQ(bus_->counters().losses, 1U);
+}
+
 TEST_F(BusTcpClosing, OneThatWasClosedAtOnceIsBackedOffFrom) {
   open(tcp());
   advance(10ms);
