@@ -110,8 +110,8 @@ void SoakDevice::mask(const Request& request, Instant now) {
   const modbus::Bytes bytes = request.pdu().bytes();
   const std::uint16_t address = request.writes()->range.first;
   const unsigned before = registers_.read(Table::holding_registers, address, now);
-  const unsigned keep = modbus::load_be16(bytes, 3);
-  const unsigned set = modbus::load_be16(bytes, 5);
+  const unsigned keep = spec::word_at(bytes, 3);
+  const unsigned set = spec::word_at(bytes, 5);
   if (!is_live(Table::holding_registers, address)) {
     registers_.write(address, static_cast<std::uint16_t>((before & keep) | (set & ~keep)), now);
   }

@@ -8,6 +8,7 @@
 #include "drive/device.hpp"
 #include "modbus/pdu.hpp"
 #include "soak/registers.hpp"
+#include "soak/specification.hpp"
 
 namespace mbgate::soak {
 

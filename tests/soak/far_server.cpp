@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "modbus/mbap.hpp"
-
 namespace mbgate::soak {
 
 using namespace std::chrono_literals;
@@ -130,7 +128,7 @@ void FarServer::answer(std::uint64_t number, std::uint16_t identifier, std::uint
   const bool is_other = happens(rates_.other_unit, "other_unit");
   const auto shown = static_cast<std::uint8_t>(is_other ? unit ^ 0xFFU : unit);
   const auto append = [&](std::uint16_t with) {
-    const auto adu = modbus::encode(modbus::MbapAdu{{with, shown}, pdu});
+    const auto adu = spec::tcp_adu(with, shown, pdu.bytes());
     stream_.insert(stream_.end(), adu.begin(), adu.end());
   };
   if (happens(rates_.unknown_identifier, "unknown_identifier")) {

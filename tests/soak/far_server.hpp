@@ -4,6 +4,7 @@
 // idle, after an answer or at once, or swallow everything. Nothing is damaged on the way.
 #pragma once
 
+#include "soak/specification.hpp"
 #include "soak/surroundings.hpp"
 
 namespace mbgate::soak {

@@ -37,6 +37,11 @@ struct Flight {
   drive::DeviceTiming timing;  ///< of its device when it was sent
 };
 
+/// Of an answer that names another function than was asked for.
+constexpr std::uint8_t mistaken(std::uint8_t function) {
+  return static_cast<std::uint8_t>(function ^ 0x05U);
+}
+
 /// Does an answer to the one look like one to the other?
 bool may_be_confused(const PduBytes& a, const PduBytes& b);
 

@@ -17,6 +17,7 @@
 #include "soak/oracle_books.hpp"
 #include "soak/report.hpp"
 #include "soak/schedule.hpp"
+#include "soak/specification.hpp"
 #include "soak/writer_rules.hpp"
 
 namespace mbgate::soak {
@@ -142,6 +143,7 @@ class Oracle {
   void begin_failsafe();
   void drop_failsafe(std::size_t device);
   void failsafe_line_back(Book& book);
+  [[nodiscard]] bool waits_for_line(const Asked& asked) const;
   void check_failsafe(const Asked& asked);
   [[nodiscard]] unsigned failsafes_like(const Asked& asked, const Piece& piece) const;
   void cancel_for_stop(const Asked& stop);

@@ -212,9 +212,8 @@ void Oracle::answered(ClientId client, Bytes adu) {
     return;
   }
   Session& session = entry->second;
-  const std::uint16_t transaction = modbus::load_be16(adu, 0);
-  if (adu.size() < 9 || modbus::load_be16(adu, 2) != 0 ||
-      modbus::load_be16(adu, 4) != adu.size() - 6) {
+  const std::uint16_t transaction = spec::word_at(adu, 0);
+  if (adu.size() < 9 || spec::word_at(adu, 2) != 0 || spec::word_at(adu, 4) != adu.size() - 6) {
     violation("malformed_answer", "an answer of " + std::to_string(adu.size()) + " bytes");
     return;
   }

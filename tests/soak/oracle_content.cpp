@@ -46,7 +46,7 @@ void Oracle::judge_identity(const Asked& asked, Bytes pdu) {
   const Span span = span_of(asked);
   const Registers& registers = devices_[*asked.door->device].registers();
   for (std::size_t at = 0; at < count; ++at) {
-    const std::uint16_t value = modbus::load_be16(pdu, head + (at + 1) * step - 2);
+    const std::uint16_t value = spec::word_at(pdu, head + (at + 1) * step - 2);
     if (!registers.held(Table::input_registers, static_cast<unsigned>(at), value, span)) {
       wrong_data(asked, "part " + std::to_string(at) + " of the identity");
       return;
@@ -64,9 +64,9 @@ void Oracle::judge_data(const Asked& asked, Bytes pdu) {
   const Registers& registers = devices_[*asked.door->device].registers();
   for (unsigned at = 0; at < check.count; ++at) {
     const unsigned shown = check.first + at;
-    const std::uint16_t value = modbus::load_be16(pdu, 2 + 2 * std::size_t{at});
+    const std::uint16_t value = spec::word_at(pdu, 2 + 2 * std::size_t{at});
     if (is_in_pair(check.table, shown) && pair_of(shown) == shown && at + 1 < check.count) {
-      const std::uint32_t next = modbus::load_be16(pdu, 4 + 2 * std::size_t{at});
+      const std::uint32_t next = spec::word_at(pdu, 4 + 2 * std::size_t{at});
       const std::uint32_t words =
           check.swapped ? (next << 16U) | value : (std::uint32_t{value} << 16U) | next;
       if (!registers.pair_held(shown, words, span)) {

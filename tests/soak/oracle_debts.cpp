@@ -155,8 +155,9 @@ void Oracle::note_uncertain(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   const Flight* from = flight(frame.flight);
-  // An answer of another function than was asked for is one that nothing owes.
-  const bool is_strange = !frame.fits && from != nullptr && from->pdu.front() != last->pdu.front();
+  // An answer of another function than was asked for is one that nobody owes.
+  const bool is_strange =
+      !frame.fits && from != nullptr && mistaken(from->pdu.front()) == last->pdu.front();
   const bool is_held = frame.is_nobodys || is_strange || from == nullptr || from->is_uncertain;
   if (!is_held && last->begin < from->quarantine_until) {
     return;

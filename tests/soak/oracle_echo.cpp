@@ -18,7 +18,7 @@ namespace {
 bool looks_like_bits(const PduBytes& pdu) {
   constexpr std::uint8_t kBytes = 3;
   return (pdu[0] == 0x01 || pdu[0] == 0x02) && pdu[1] == kBytes &&
-         (modbus::load_be16(pdu, 3) + 7U) / 8U == kBytes;
+         (spec::word_at(pdu, 3) + 7U) / 8U == kBytes;
 }
 
 constexpr const char* kUnproven = "unproven_echo";

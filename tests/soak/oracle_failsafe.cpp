@@ -71,11 +71,15 @@ void Oracle::failsafe_line_back(Book& book) {
   }
 }
 
-// Once it is due, only a line that is away excuses that it is not sent.
-void Oracle::check_failsafe(const Asked& asked) {
+// Once it is due, only a line that is away, or has just come back, excuses that it is not sent.
+bool Oracle::waits_for_line(const Asked& asked) const {
   const Book& book = books_[asked.pieces.front().bus];
-  if (asked.failsafe && asked.flights == 0 && !asked.dropped && book.open &&
-      schedule_.now() > std::max(book.last_down, asked.accepted) + kFailsafeWait) {
+  const bool is_late = schedule_.now() > std::max(book.last_down, asked.accepted) + kFailsafeWait;
+  return asked.failsafe && !asked.dropped && (!book.open || (asked.flights == 0 && !is_late));
+}
+
+void Oracle::check_failsafe(const Asked& asked) {
+  if (asked.failsafe && asked.flights == 0 && !asked.dropped && !waits_for_line(asked)) {
     violation("failsafe_missing", name(asked));
   }
 }
@@ -85,9 +89,7 @@ void Oracle::forget_gone_stops() {
   std::vector<Asked*> over;
   for (const auto& [id, asked] : open_) {
     const bool done = asked->failsafe && asked->flights > 0;
-    const bool waits_for_line =
-        asked->failsafe && !asked->dropped && !books_[asked->pieces.front().bus].open;
-    if (asked->client_gone && !waits_for_line &&
+    if (asked->client_gone && !waits_for_line(*asked) &&
         schedule_.now() > asked->accepted + (done ? kFailsafeLife : kStopLife)) {
       over.push_back(asked.get());
     }

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "bus/device_health.hpp"
-#include "modbus/rtu.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -38,8 +37,7 @@ void Oracle::check_order(const Asked& asked, const Flight& flight) {
 void Oracle::check_silence(const Flight& flight) {
   const Book& book = books_[flight.bus];
   const auto& settings = bus_settings(flight.bus);
-  const modbus::RtuTiming timing(settings.line.baud, settings.line.format);
-  Duration silence = settings.frame_gap.value_or(timing.t3_5());
+  Duration silence = spec::silence_of(settings);
   const auto& device = book.lanes[flight.address].device;
   if (device && !flight.is_stop) {
     silence += devices_[*device].settings().timing.gap;
@@ -64,8 +62,7 @@ void Oracle::bytes_handed_in(std::size_t bus) {
     read_echo(bus);
   }
   const auto& settings = bus_settings(bus);
-  const Duration silence = settings.frame_gap.value_or(
-      modbus::RtuTiming(settings.line.baud, settings.line.format).t3_5());
+  const Duration silence = spec::silence_of(settings);
   const Instant now = schedule_.now();
   if (now > std::max(book.last_handed_in, book.own_end) + silence) {
     book.busy_since = now;
@@ -127,19 +124,18 @@ void Oracle::set_times(Flight& flight) {
   if (lane.device) {
     const drive::Device& device = devices_[*lane.device].settings();
     flight.timing = timing = device.timing;
-    timing.quarantine = device.timing.quarantine_or_default();
+    timing.quarantine = spec::quarantine_of(device.timing);
     if (is_slow(flight.pdu)) {
       timing.response_timeout =
           std::max(timing.response_timeout, device.profile.slow.front().response_timeout);
     }
-    longest = std::max(timing.response_timeout, timing.probe_timeout_or_default());
+    longest = std::max(timing.response_timeout, spec::probe_timeout_of(timing));
     if (is_past_offline(flight.bus, lane)) {
-      timing.response_timeout =
-          std::min(timing.response_timeout, timing.probe_timeout_or_default());
+      timing.response_timeout = std::min(timing.response_timeout, spec::probe_timeout_of(timing));
     }
   }
   flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
-  flight.quarantine_until = flight.deadline + timing.quarantine_or_default() + kAdapterHolds;
+  flight.quarantine_until = flight.deadline + spec::quarantine_of(timing) + kAdapterHolds;
   flight.due = flight.end + longest + timing.response_wait;
   if (is_tcp(flight.bus)) {
     cut(flight);

@@ -16,10 +16,10 @@ bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) 
       piece.pdu.front() != flight.pdu.front() || flight.pdu.size() != 5) {
     return false;
   }
-  const unsigned first = modbus::load_be16(piece.pdu, 1);
-  const unsigned merged = modbus::load_be16(flight.pdu, 1);
+  const unsigned first = spec::word_at(piece.pdu, 1);
+  const unsigned merged = spec::word_at(flight.pdu, 1);
   return first >= merged &&
-         first + modbus::load_be16(piece.pdu, 3) <= merged + modbus::load_be16(flight.pdu, 3);
+         first + spec::word_at(piece.pdu, 3) <= merged + spec::word_at(flight.pdu, 3);
 }
 
 // Why the piece may not be transmitted now; nothing if it may.
@@ -31,7 +31,7 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
     return "other_meaning";
   }
   if (asked.is_stop()) {
-    const bool is_shared = (modbus::load_be16(piece.pdu, 3) & 0xFFFU) == 0xFFFU;
+    const bool is_shared = (spec::word_at(piece.pdu, 3) & 0xFFFU) == 0xFFFU;
     const bool repeated = !asked.stops_all && piece.pdu[2] == (kStopRegister & 0xFFU);
     const unsigned repeats = repeated ? std::max(asked.stop_retries, timing.stop_retries) : 0;
     if (asked.failsafe) {

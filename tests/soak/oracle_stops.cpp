@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <map>
 
-#include "modbus/rtu.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -72,14 +71,7 @@ void Oracle::check_turns(const Asked& read, const Flight& flight) {
 }
 
 Duration Oracle::stop_deadline(std::size_t bus) const {
-  const auto& settings = bus_settings(bus);
-  constexpr std::size_t kAsciiFrame = 513;
-  const Duration frame =
-      modbus::RtuTiming(settings.line.baud, settings.line.format)
-          .duration_of(settings.line.framing == bus::Framing::ascii ? kAsciiFrame
-                                                                    : modbus::kMaxRtuSize);
-  return settings.stop_deadline.value_or(
-      std::max<Duration>(2s, settings.stop_wait + frame + frame / 10));
+  return spec::stop_deadline_of(bus_settings(bus));
 }
 
 // A stop that found no silence for so long is sent all the same, once.
@@ -98,15 +90,15 @@ void Oracle::check_stops_waiting(std::size_t bus) {
   }
   const Instant now = schedule_.now();
   const auto& settings = bus_settings(bus);
-  const modbus::RtuTiming timing(settings.line.baud, settings.line.format);
-  const Duration silence = settings.frame_gap.value_or(timing.t3_5());
+  const spec::WireTimes times(settings.line);
+  const Duration silence = spec::silence_of(settings);
   // What may hold a stop back: an own frame, a response that has begun, the turnaround delay.
   const Flight* last = flight(book.last_flight);
   const bool endless = last != nullptr && is_of_unknown_length(last->pdu);
-  const Duration rest = settings.line.framing == bus::Framing::ascii
-                            ? 1s
-                            : settings.frame_slack_or_default() +
-                                  (endless ? timing.duration_of(modbus::kMaxRtuSize) : Duration{0});
+  const Duration rest =
+      settings.line.framing == bus::Framing::ascii
+          ? 1s
+          : spec::slack_of(settings) + (endless ? times.of(spec::kRtuFrame) : Duration{0});
   const Instant held = std::max({book.own_end, book.turnaround_end, book.held_until});
   for (Asked* stop : book.stops) {
     const Lane& lane = book.lanes[stop->pieces.front().address];
@@ -118,7 +110,7 @@ void Oracle::check_stops_waiting(std::size_t bus) {
     const Instant limit =
         std::max(from, book.last_handed_in + rest) + settings.stop_wait + silence + 1us;
     const Instant deadline = std::max(from, book.busy_since) + stop_deadline(bus) +
-                             settings.stop_wait + rest + timing.duration_of(modbus::kMaxRtuSize);
+                             settings.stop_wait + rest + times.of(spec::kRtuFrame);
     const bool is_overdue = now > deadline && now <= book.last_handed_in + silence;
     if ((now > limit || is_overdue) && !stop->overdue_reported && !lets_writes_go(*stop) &&
         is_surely_open(*stop)) {

@@ -3,8 +3,6 @@
 // made of it.
 #include <algorithm>
 
-#include "modbus/ascii.hpp"
-#include "modbus/rtu.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -98,7 +96,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   flight.end = flight.begin;
   if (!is_tcp(bus)) {
     const auto& line = bus_settings(bus).line;
-    flight.end += modbus::RtuTiming(line.baud, line.format).duration_of(frame.size());
+    flight.end += spec::WireTimes(line).of(frame.size());
   }
   flight.is_write = !is_read_function(flight.pdu.front());
   flight.is_broadcast = flight.address == 0 && !is_tcp(bus);
@@ -129,21 +127,21 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
 
 bool Oracle::take_apart(Bytes frame, Flight& flight) {
   if (is_tcp(flight.bus)) {
-    if (frame.size() < 8 || modbus::load_be16(frame, 2) != 0 ||
-        modbus::load_be16(frame, 4) != frame.size() - 6) {
+    if (frame.size() < 8 || spec::word_at(frame, 2) != 0 ||
+        spec::word_at(frame, 4) != frame.size() - 6) {
       return false;
     }
-    flight.identifier = modbus::load_be16(frame, 0);
+    flight.identifier = spec::word_at(frame, 0);
     flight.address = frame[6];
     flight.pdu.assign(frame.begin() + 7, frame.end());
     return true;
   }
   const auto adu = bus_settings(flight.bus).line.framing == bus::Framing::ascii
-                       ? modbus::decode_ascii(frame)
-                       : modbus::decode_rtu(frame);
+                       ? spec::read_ascii(frame)
+                       : spec::read_rtu(frame);
   if (adu) {
     flight.address = adu->address;
-    flight.pdu.assign(adu->pdu.bytes().begin(), adu->pdu.bytes().end());
+    flight.pdu = adu->pdu;
   }
   return adu.has_value();
 }

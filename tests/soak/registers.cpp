@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soak/registers.hpp"
 
+#include "soak/specification.hpp"
+
 namespace mbgate::soak {
 namespace {
 
@@ -25,8 +27,8 @@ std::uint16_t half(std::uint32_t words, unsigned address) {
 
 bool is_slow(modbus::Bytes request) {
   const auto reaches = [&](std::size_t field, bool one) {
-    const unsigned count = one ? 1 : modbus::load_be16(request, field + 2);
-    return modbus::load_be16(request, field) + count > kSlowFrom;
+    const unsigned count = one ? 1 : spec::word_at(request, field + 2);
+    return spec::word_at(request, field) + count > kSlowFrom;
   };
   switch (request[0]) {
     case 0x06:

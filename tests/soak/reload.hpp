@@ -10,6 +10,7 @@
 
 #include "soak/arrangement.hpp"
 #include "soak/oracle.hpp"
+#include "soak/specification.hpp"
 
 namespace mbgate::soak {
 

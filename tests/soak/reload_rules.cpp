@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reloads that change times and limits: no request is answered otherwise than it would have been,
 // but sooner or later.
-#include "modbus/rtu_timing.hpp"
 #include "soak/reload.hpp"
 
 namespace mbgate::soak {
@@ -81,8 +80,7 @@ bool Reloads::change_rules(std::size_t index) {
       if (bus.line.framing == bus::Framing::tcp) {
         bus.outstanding = random_.between(1, 4);
       } else {
-        const Duration gap =
-            bus.frame_gap.value_or(modbus::RtuTiming(bus.line.baud, bus.line.format).t3_5());
+        const Duration gap = spec::silence_of(bus);
         bus.frame_gap = random_.duration(gap, std::max<Duration>(gap, 6ms));
       }
   }

@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <span>
 
-#include "modbus/ascii.hpp"
-#include "modbus/rtu.hpp"
-
 namespace mbgate::soak {
 
 using namespace std::chrono_literals;
@@ -17,6 +14,7 @@ namespace {
 constexpr std::uint64_t kEchoChance = 0x57495245ULL;  // apart from the plant's
 constexpr std::uint8_t kNobodyFrom = 60;
 constexpr std::uint8_t kNobodyTo = 240;
+constexpr unsigned kRefusesLate = 300;  // permille of writes that are answered late
 }  // namespace
 
 SerialWire::SerialWire(std::size_t bus, Surroundings& around)
@@ -24,8 +22,8 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
       around_(around),
       settings_(around.plan.settings.buses[bus]),
       rates_(around.plan.rates[bus]),
-      timing_(settings_.line.baud, settings_.line.format),
-      silence_(settings_.frame_gap.value_or(timing_.t3_5())),
+      timing_(settings_.line),
+      silence_(spec::silence_of(settings_)),
       ascii_(settings_.line.framing == bus::Framing::ascii),
       adapter_(around.plan.adapters[bus], around.schedule, around.random,
                [this](const Heard& heard) { hand_over(heard); }),
@@ -46,8 +44,8 @@ void SerialWire::reset() {
   own_end_ = Instant::min();
   echo_.reset();
   babbles_until_ = Instant::min();
-  timing_ = modbus::RtuTiming(settings_.line.baud, settings_.line.format);
-  silence_ = settings_.frame_gap.value_or(timing_.t3_5());
+  timing_ = spec::WireTimes(settings_.line);
+  silence_ = spec::silence_of(settings_);
   ascii_ = settings_.line.framing == bus::Framing::ascii;
 }
 
@@ -60,12 +58,7 @@ bool SerialWire::happens(unsigned permille, const char* kind) {
 }
 
 SerialWire::Frame SerialWire::encode(std::uint8_t address, const Pdu& pdu) const {
-  if (ascii_) {
-    const auto bytes = modbus::encode_ascii(address, pdu);
-    return {bytes.begin(), bytes.end()};
-  }
-  const auto bytes = modbus::encode_rtu(address, pdu);
-  return {bytes.begin(), bytes.end()};
+  return ascii_ ? spec::ascii_frame(address, pdu.bytes()) : spec::rtu_frame(address, pdu.bytes());
 }
 
 SoakDevice* SerialWire::device_at(std::uint8_t address) {
@@ -169,6 +162,12 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
   auto& busy = talks_until_[address];
   begin = std::max(begin, busy + silence_);
   if (happens(rates_.late, "late")) {
+    const bool may_refuse = flight.is_write && !flight.is_stop && flight.expects_answer;
+    if (may_refuse && !pdu.is_exception() && happens_to_echo(kRefusesLate, "late_exception")) {
+      constexpr std::uint8_t kFailure = 0x04;
+      around_.oracle.excepted(flight, kFailure);
+      frame = encode(address, Pdu::exception(pdu.function(), modbus::ExceptionCode{kFailure}));
+    }
     answer_late(device, flight, frame, begin);
     return;
   }
@@ -191,12 +190,12 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
   const std::size_t lead =
       may_glitch && happens(rates_.glitch, "glitch") ? begin_with_glitch(frame) : 0;
   const bool paused = !excess && happens(rates_.pieces, "pieces");
-  const Duration slack = settings_.frame_slack_or_default();
-  const Instant over = begin + timing_.duration_of(frame.size()) + slack + 20ms;
+  const Duration slack = spec::slack_of(settings_);
+  const Instant over = begin + timing_.of(frame.size()) + slack + 20ms;
   if (over > flight.quarantine_until && busy > around_.schedule.now() && !around_.plan.beyond) {
     return;  // it still had to say something else, and would come too late by now
   }
-  busy = begin + timing_.duration_of(frame.size()) + (paused ? slack : Duration{0});
+  busy = begin + timing_.of(frame.size()) + (paused ? slack : Duration{0});
   say(std::move(frame), begin,
       excess   ? Chunks::fine
       : paused ? Chunks::paused
@@ -208,7 +207,7 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
 void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Frame& frame,
                              Instant begin) {
   const Duration held = around_.plan.adapters[bus_] == AdapterKind::uart ? 0ms : kAdapterHolds;
-  const Duration length = timing_.duration_of(frame.size()) + 1ms + held;
+  const Duration length = timing_.of(frame.size()) + 1ms + held;
   Instant last = flight.quarantine_until - length;
   if (around_.plan.beyond) {
     last += 2 * (flight.quarantine_until - flight.end);
@@ -245,7 +244,7 @@ SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t 
   }
   if (happens(rates_.wrong_function, "wrong_function")) {
     std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
-    bytes[0] = static_cast<std::uint8_t>(bytes[0] ^ 0x05U);
+    bytes[0] = mistaken(bytes[0]);
     frame = encode(address, *Pdu::from(bytes));
     return Spoilt::misfit;
   }

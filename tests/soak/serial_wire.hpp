@@ -21,6 +21,7 @@
 #include <optional>
 
 #include "soak/adapter.hpp"
+#include "soak/specification.hpp"
 #include "soak/surroundings.hpp"
 
 namespace mbgate::soak {
@@ -116,7 +117,7 @@ class SerialWire {
   Surroundings& around_;
   const gateway::BusSettings& settings_;
   FaultRates rates_;
-  modbus::RtuTiming timing_;
+  spec::WireTimes timing_;
   Duration silence_;
   bool ascii_;
   Adapter adapter_;

@@ -44,10 +44,9 @@ void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {
     return;
   }
   const Duration step = echo_random_.duration(500us, 4ms);
-  const std::size_t most =
-      std::max<std::size_t>(1, static_cast<std::size_t>(step / timing_.duration_of(1)));
+  const std::size_t most = std::max<std::size_t>(1, static_cast<std::size_t>(step / timing_.of(1)));
   for (std::size_t until = std::min(most, size); until < size; until += most) {
-    at(flight.begin + timing_.duration_of(until), until);
+    at(flight.begin + timing_.of(until), until);
   }
   at(flight.end, size);
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "modbus/rtu.hpp"
 #include "soak/serial_wire.hpp"
 
 namespace mbgate::soak {
@@ -16,9 +15,9 @@ using modbus::Pdu;
 void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& content) {
   Random& random = around_.random;
   const std::uint64_t id = ++ids_;
-  const Duration character = timing_.duration_of(1);
+  const Duration character = timing_.of(1);
   Duration paused{0};
-  const Duration most_paused = ascii_ ? 1s : settings_.frame_slack_or_default() - 3ms;
+  const Duration most_paused = ascii_ ? 1s : spec::slack_of(settings_) - 3ms;
   const Duration step =
       chunks == Chunks::fine ? std::max(silence_ / 3, character) : random.duration(500us, 4ms);
   const auto most = std::max<std::size_t>(1, static_cast<std::size_t>(step / character));
@@ -30,7 +29,7 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& c
       const Duration pause = random.duration(1ms, 8ms) * (ascii_ ? 1 : random.one_of({1, 1, 25}));
       paused = std::min(paused + pause, most_paused);
     }
-    last = begin + timing_.duration_of(at) + paused;
+    last = begin + timing_.of(at) + paused;
     const Instant due = last + (chunks == Chunks::usual ? random.duration(0us, 300us) : 0us);
     deliveries.emplace_back(deliveries.empty() ? due : std::max(due, deliveries.back().first), at);
   }
@@ -120,7 +119,7 @@ void SerialWire::damage(Frame& frame) {
 // Damage that leaves a good CRC, once in 65,536 times, could be seen by nobody.
 void SerialWire::lose_crc(std::vector<std::uint8_t>& damaged, std::size_t from) const {
   for (std::size_t size = from + 1; !ascii_ && size <= damaged.size(); ++size) {
-    if (modbus::has_good_crc(Bytes(damaged).first(size))) {
+    if (spec::ends_in_its_crc(Bytes(damaged).first(size))) {
       damaged[size - 1] ^= 1U;
     }
   }
@@ -250,7 +249,7 @@ void SerialWire::ask_as_stranger() {
   const std::size_t lead = both.size();
   const Frame reply = encode(address, *device.carry_out(request, around_.schedule.now()).answer);
   both.insert(both.end(), reply.begin(), reply.end());
-  talks_until_[address] = around_.schedule.now() + timing_.duration_of(both.size());
+  talks_until_[address] = around_.schedule.now() + timing_.of(both.size());
   say(std::move(both), around_.schedule.now(), Chunks::fine, {address, 1, 0, true, 0, lead});
 }
 

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames, requests and times, written once more from the Modbus specifications: nothing that the
+// gateway computes them with is what it is judged by, or what its devices understand.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "bus/settings.hpp"
+#include "drive/device.hpp"
+
+namespace mbgate::soak::spec {
+
+using Bytes = std::span<const std::uint8_t>;
+using Octets = std::vector<std::uint8_t>;
+using Duration = std::chrono::nanoseconds;
+
+/// An address and a PDU.
+struct Adu {
+  std::uint8_t address;
+  Octets pdu;
+};
+
+/// Of the longest RTU frame, and of the longest ASCII frame (Serial Line V1.02, 2.5.1 and 2.5.2).
+inline constexpr std::size_t kRtuFrame = 256;
+inline constexpr std::size_t kAsciiFrame = 513;
+
+/// The word at a place, high byte first (Application Protocol V1.1b3, 4.2).
+std::uint16_t word_at(Bytes bytes, std::size_t at);
+
+/// Serial Line V1.02, 6.2.2.
+std::uint16_t crc(Bytes bytes);
+/// Does the frame end in the CRC of what stands before?
+bool ends_in_its_crc(Bytes frame);
+
+Octets rtu_frame(std::uint8_t address, Bytes pdu);
+Octets ascii_frame(std::uint8_t address, Bytes pdu);
+/// Messaging on TCP/IP V1.0b, 3.1.3.
+Octets tcp_adu(std::uint16_t identifier, std::uint8_t unit, Bytes pdu);
+
+/// Nothing if it is no such frame.
+std::optional<Adu> read_rtu(Bytes frame);
+std::optional<Adu> read_ascii(Bytes frame);
+
+/// How long characters take on a line.
+class WireTimes {
+ public:
+  explicit WireTimes(const bus::LineSettings& line);
+  /// One after the other.
+  [[nodiscard]] Duration of(std::size_t characters) const;
+  /// t3.5: 3.5 characters, above 19200 baud 1.75 ms (Serial Line V1.02, 2.5.1.1).
+  [[nodiscard]] Duration silence() const;
+
+ private:
+  std::uint64_t bits_;  // of a character
+  std::uint64_t baud_;
+};
+
+/// What is asked for between frames.
+Duration silence_of(const bus::BusSettings& bus);
+/// Within an answer.
+Duration slack_of(const bus::BusSettings& bus);
+/// Until a stop goes out though the line was never silent.
+Duration stop_deadline_of(const bus::BusSettings& bus);
+Duration quarantine_of(const drive::DeviceTiming& timing);
+Duration probe_timeout_of(const drive::DeviceTiming& timing);
+
+}  // namespace mbgate::soak::spec
