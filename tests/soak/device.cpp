@@ -3,69 +3,80 @@
 
 #include <array>
 
-#include "modbus/response.hpp"
-
 namespace mbgate::soak {
 
 using modbus::Pdu;
-using modbus::Request;
 
 namespace {
 
-bool is_within(const std::optional<modbus::AddressField>& field) {
-  if (!field) {
-    return true;
-  }
-  const Table table = field->range.table;
-  const bool bits = table == Table::coils || table == Table::discrete_inputs;
-  return drive::end_of(field->range) <= (bits ? kCoils : kRegisters);
+constexpr std::uint8_t kIllegalFunction = 1;
+constexpr std::uint8_t kIllegalAddress = 2;
+constexpr std::uint8_t kIllegalValue = 3;
+
+bool is_bits(Table table) { return table == Table::coils || table == Table::discrete_inputs; }
+
+bool is_within(const std::optional<spec::Range>& range) {
+  return !range || range->first + range->count <= (is_bits(range->table) ? kCoils : kRegisters);
+}
+
+Pdu exception(spec::Bytes request, std::uint8_t code) {
+  const std::array<std::uint8_t, 2> bytes{static_cast<std::uint8_t>(request[0] | 0x80U), code};
+  return *Pdu::from(bytes);
+}
+
+// 05, 06 and 22 are repeated; of 15 and 16 address and quantity are (6.5, 6.6, 6.11, 6.12, 6.16).
+Pdu acknowledgement(spec::Bytes request) {
+  constexpr std::size_t kHead = 5;
+  const bool is_run = request[0] == 0x0F || request[0] == 0x10;
+  return *Pdu::from(is_run ? request.first(kHead) : request);
 }
 
 }  // namespace
 
 SoakDevice::Outcome SoakDevice::carry_out(const Pdu& pdu, Instant now) {
-  const auto request = Request::parse(pdu);
-  if (!request) {
-    return {Pdu::exception(pdu.function(), request.error())};
+  const spec::Bytes request = pdu.bytes();
+  const auto fields = spec::fields_of(request);
+  if (!fields) {
+    return {exception(request, kIllegalValue)};
   }
-  if (!is_within(request->reads()) || !is_within(request->writes())) {
-    return {Pdu::exception(pdu.function(), modbus::ExceptionCode::illegal_data_address)};
+  if (!is_within(fields->reads) || !is_within(fields->writes)) {
+    return {exception(request, kIllegalAddress)};
   }
-  if (request->writes()) {
-    write(*request, now);
-    if (settings_.silent_after(*request)) {
-      die_until(now + *settings_.silent_after(*request));
+  if (fields->writes) {
+    write(request, *fields, now);
+    if (request[0] == 0x06 && fields->writes->first == kSilentRegister && request[3] >> 4U == 7U) {
+      die_until(now + settings_.profile.unanswered.front().after);
       return {};
     }
   }
-  return {answer_to(*request, now), is_slow(pdu.bytes())};
+  return {answer_to(request, *fields, now), is_slow(request)};
 }
 
-Pdu SoakDevice::answer_to(const Request& request, Instant now) const {
-  if (request.reads()) {
-    return read(request, now);
+Pdu SoakDevice::answer_to(spec::Bytes request, const spec::Fields& fields, Instant now) const {
+  if (fields.reads) {
+    return read(request, *fields.reads, now);
   }
-  if (request.function() == 0x11 || request.function() == 0x2B) {
+  if (request[0] == 0x11 || request[0] == 0x2B) {
     return identify(request, now);
   }
-  if (request.function() == kOwnFunction && request.pdu().bytes()[1] != kKnownCommand) {
-    return Pdu::exception(kOwnFunction, modbus::ExceptionCode::illegal_function);
+  if (request[0] == kOwnFunction && request[1] != kKnownCommand) {
+    return exception(request, kIllegalFunction);
   }
-  return modbus::echo_response(request);
+  return acknowledgement(request);
 }
 
 // 17 and 43/14: nobody knows before how much it is. Input registers, so that it can be told when it
 // was asked, and of whom.
-Pdu SoakDevice::identify(const Request& request, Instant now) const {
+Pdu SoakDevice::identify(spec::Bytes request, Instant now) const {
   const auto value = [&](unsigned at) { return registers_.read(Table::input_registers, at, now); };
   const auto low = [](unsigned word) { return static_cast<std::uint8_t>(word & 0xFFU); };
   const unsigned count = 1U + value(0) % kMostIdentity;
   std::vector<std::uint8_t> bytes{0x11, low(2 * count)};
-  if (request.function() == 0x2B) {
+  if (request[0] == 0x2B) {
     bytes = {0x2B, 0x0E, 0x01, 0x01, 0, 0, low(count)};
   }
   for (unsigned at = 0; at < count; ++at) {
-    if (request.function() == 0x2B) {
+    if (request[0] == 0x2B) {
       bytes.push_back(low(at));
       bytes.push_back(2);
     }
@@ -75,62 +86,58 @@ Pdu SoakDevice::identify(const Request& request, Instant now) const {
   return *Pdu::from(bytes);
 }
 
-Pdu SoakDevice::read(const Request& request, Instant now) const {
-  const modbus::TableRange& range = request.reads()->range;
-  std::array<std::uint8_t, modbus::kMaxPduSize> bytes{};
-  bytes[0] = request.function();
-  const bool bits = range.table == Table::coils || range.table == Table::discrete_inputs;
+Pdu SoakDevice::read(spec::Bytes request, const spec::Range& range, Instant now) const {
+  const bool bits = is_bits(range.table);
   const std::size_t size = bits ? (range.count + 7U) / 8U : range.count * 2U;
+  std::vector<std::uint8_t> bytes(2 + size);
+  bytes[0] = request[0];
   bytes[1] = static_cast<std::uint8_t>(size);
   for (unsigned at = 0; at < range.count; ++at) {
     const unsigned value = registers_.read(range.table, range.first + at, now);
     if (bits) {
       bytes[2 + at / 8] = static_cast<std::uint8_t>(bytes[2 + at / 8] | (value << (at % 8)));
     } else {
-      modbus::store_be16(bytes, 2 + 2 * std::size_t{at}, static_cast<std::uint16_t>(value));
+      bytes[2 + 2 * std::size_t{at}] = static_cast<std::uint8_t>(value >> 8U);
+      bytes[3 + 2 * std::size_t{at}] = static_cast<std::uint8_t>(value & 0xFFU);
     }
   }
-  return *Pdu::from(modbus::Bytes(bytes).first(2 + size));
+  return *Pdu::from(bytes);
 }
 
-void SoakDevice::write(const Request& request, Instant now) {
-  const modbus::TableRange& range = request.writes()->range;
-  if (request.function() == 0x16) {
-    mask(request, now);
-  } else if (range.table == Table::holding_registers) {
-    write_registers(request, now);
+void SoakDevice::write(spec::Bytes request, const spec::Fields& fields, Instant now) {
+  if (request[0] == 0x16) {
+    mask(fields, now);
+  } else if (fields.writes->table == Table::holding_registers) {
+    write_registers(fields, now);
   } else {
-    for (std::uint32_t at = range.first; at < drive::end_of(range); ++at) {
-      registers_.write_coil(at, request.written(static_cast<std::uint16_t>(at)) != 0, now);
+    for (unsigned at = 0; at < fields.writes->count; ++at) {
+      registers_.write_coil(fields.writes->first + at, fields.words[at] != 0, now);
     }
   }
 }
 
-void SoakDevice::mask(const Request& request, Instant now) {
-  const modbus::Bytes bytes = request.pdu().bytes();
-  const std::uint16_t address = request.writes()->range.first;
+void SoakDevice::mask(const spec::Fields& fields, Instant now) {
+  const unsigned address = fields.writes->first;
   const unsigned before = registers_.read(Table::holding_registers, address, now);
-  const unsigned keep = spec::word_at(bytes, 3);
-  const unsigned set = spec::word_at(bytes, 5);
+  const unsigned keep = fields.words[0];
+  const unsigned set = fields.words[1];
   if (!is_live(Table::holding_registers, address)) {
     registers_.write(address, static_cast<std::uint16_t>((before & keep) | (set & ~keep)), now);
   }
 }
 
-void SoakDevice::write_registers(const Request& request, Instant now) {
-  const modbus::TableRange& range = request.writes()->range;
-  for (std::uint32_t at = range.first; at < drive::end_of(range); ++at) {
-    const auto address = static_cast<std::uint16_t>(at);
+void SoakDevice::write_registers(const spec::Fields& fields, Instant now) {
+  const spec::Range& range = *fields.writes;
+  for (unsigned at = 0; at < range.count; ++at) {
+    const unsigned address = range.first + at;
     const bool whole =
-        is_in_pair(range.table, at) && pair_of(at) == at && at + 1 < drive::end_of(range);
+        is_in_pair(range.table, address) && pair_of(address) == address && at + 1 < range.count;
     if (whole) {
-      registers_.write_pair(at,
-                            (std::uint32_t{*request.written(address)} << 16U) |
-                                *request.written(static_cast<std::uint16_t>(at + 1)),
+      registers_.write_pair(address, std::uint32_t{fields.words[at]} << 16U | fields.words[at + 1],
                             now);
       ++at;
-    } else if (!is_live(range.table, at)) {
-      registers_.write(at, *request.written(address), now);
+    } else if (!is_live(range.table, address)) {
+      registers_.write(address, fields.words[at], now);
     }
   }
 }

@@ -33,12 +33,13 @@ class SoakDevice {
   Outcome carry_out(const modbus::Pdu& request, Instant now);
 
  private:
-  [[nodiscard]] modbus::Pdu answer_to(const modbus::Request& request, Instant now) const;
-  [[nodiscard]] modbus::Pdu read(const modbus::Request& request, Instant now) const;
-  [[nodiscard]] modbus::Pdu identify(const modbus::Request& request, Instant now) const;
-  void write(const modbus::Request& request, Instant now);
-  void write_registers(const modbus::Request& request, Instant now);
-  void mask(const modbus::Request& request, Instant now);
+  [[nodiscard]] modbus::Pdu answer_to(spec::Bytes request, const spec::Fields& fields,
+                                      Instant now) const;
+  [[nodiscard]] modbus::Pdu read(spec::Bytes request, const spec::Range& range, Instant now) const;
+  [[nodiscard]] modbus::Pdu identify(spec::Bytes request, Instant now) const;
+  void write(spec::Bytes request, const spec::Fields& fields, Instant now);
+  void write_registers(const spec::Fields& fields, Instant now);
+  void mask(const spec::Fields& fields, Instant now);
 
   drive::Device settings_;
   Registers registers_;

@@ -8,6 +8,7 @@ namespace mbgate::soak::spec {
 namespace {
 
 using namespace std::chrono_literals;
+using modbus::Table;
 
 constexpr std::uint64_t kSecond = 1'000'000'000;
 
@@ -16,6 +17,68 @@ std::uint64_t rounded_up(std::uint64_t dividend, std::uint64_t divisor) {
 }
 
 std::uint8_t low(unsigned value) { return static_cast<std::uint8_t>(value & 0xFFU); }
+
+// 6.1 to 6.4, 6.11, 6.12 and 6.17.
+constexpr unsigned kMostBits = 2000;
+constexpr unsigned kMostRegisters = 125;
+constexpr unsigned kMostCoils = 1968;
+constexpr unsigned kMostWritten = 123;
+constexpr unsigned kMostWrittenBeside = 121;
+
+bool is_within(unsigned count, unsigned most) { return count >= 1 && count <= most; }
+
+Range holding(Bytes pdu, std::size_t at, unsigned count) {
+  return {Table::holding_registers, word_at(pdu, at), count};
+}
+
+std::optional<Fields> read_fields(Bytes pdu, Table table, unsigned most) {
+  if (pdu.size() != 5 || !is_within(word_at(pdu, 3), most)) {
+    return std::nullopt;
+  }
+  return Fields{.reads = Range{table, word_at(pdu, 1), word_at(pdu, 3)}};
+}
+
+// Address, quantity, byte count, registers.
+std::optional<Fields> write_fields(Bytes pdu, std::size_t at, unsigned most) {
+  const std::size_t data = at + 5;
+  if (pdu.size() < data) {
+    return std::nullopt;
+  }
+  const unsigned count = word_at(pdu, at + 2);
+  if (!is_within(count, most) || pdu[at + 4] != 2 * count || pdu.size() != data + 2 * count) {
+    return std::nullopt;
+  }
+  Fields fields{.writes = holding(pdu, at, count)};
+  for (std::size_t word = 0; word < count; ++word) {
+    fields.words.push_back(word_at(pdu, data + 2 * word));
+  }
+  return fields;
+}
+
+std::optional<Fields> coil_fields(Bytes pdu) {
+  if (pdu.size() != 5 || (pdu[3] != 0 && pdu[3] != 0xFF) || pdu[4] != 0) {
+    return std::nullopt;
+  }
+  const bool on = pdu[3] == 0xFF;
+  return Fields{.writes = Range{Table::coils, word_at(pdu, 1), 1}, .words = {std::uint16_t{on}}};
+}
+
+std::optional<Fields> coils_fields(Bytes pdu) {
+  if (pdu.size() < 6) {
+    return std::nullopt;
+  }
+  const unsigned count = word_at(pdu, 3);
+  const unsigned bytes = (count + 7) / 8;
+  if (!is_within(count, kMostCoils) || pdu[5] != bytes || pdu.size() != 6 + bytes) {
+    return std::nullopt;
+  }
+  Fields fields{.writes = Range{Table::coils, word_at(pdu, 1), count}};
+  for (std::size_t coil = 0; coil < count; ++coil) {
+    const unsigned byte = pdu[6 + coil / 8];
+    fields.words.push_back(static_cast<std::uint16_t>(byte >> coil % 8 & 1U));
+  }
+  return fields;
+}
 
 // What a low byte becomes by eight shifts, each of which takes the polynomial if a bit falls out.
 constexpr auto kShifted = [] {
@@ -54,6 +117,35 @@ std::optional<unsigned> digit(std::uint8_t character) {
 
 std::uint16_t word_at(Bytes bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] * 256U + bytes[at + 1]);
+}
+
+std::optional<Fields> fields_of(Bytes pdu) {
+  switch (pdu[0]) {
+    case 0x01: return read_fields(pdu, Table::coils, kMostBits);
+    case 0x02: return read_fields(pdu, Table::discrete_inputs, kMostBits);
+    case 0x03: return read_fields(pdu, Table::holding_registers, kMostRegisters);
+    case 0x04: return read_fields(pdu, Table::input_registers, kMostRegisters);
+    case 0x05: return coil_fields(pdu);
+    case 0x06:
+      return pdu.size() != 5
+                 ? std::nullopt
+                 : std::optional(Fields{.writes = holding(pdu, 1, 1), .words = {word_at(pdu, 3)}});
+    case 0x0F: return coils_fields(pdu);
+    case 0x10: return write_fields(pdu, 1, kMostWritten);
+    case 0x16:
+      return pdu.size() != 7 ? std::nullopt
+                             : std::optional(Fields{.writes = holding(pdu, 1, 1),
+                                                    .words = {word_at(pdu, 3), word_at(pdu, 5)}});
+    case 0x17: {
+      auto fields = pdu.size() < 10 ? std::nullopt : write_fields(pdu, 5, kMostWrittenBeside);
+      if (!fields || !is_within(word_at(pdu, 3), kMostRegisters)) {
+        return std::nullopt;
+      }
+      fields->reads = holding(pdu, 1, word_at(pdu, 3));
+      return fields;
+    }
+    default: return Fields{};
+  }
 }
 
 std::uint16_t crc(Bytes bytes) {

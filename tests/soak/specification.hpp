@@ -24,12 +24,28 @@ struct Adu {
   Octets pdu;
 };
 
+struct Range {
+  modbus::Table table;
+  unsigned first;
+  unsigned count;
+};
+/// What a request is about (Application Protocol V1.1b3, 6.1 to 6.17).
+struct Fields {
+  std::optional<Range> reads{};
+  std::optional<Range> writes{};
+  std::vector<std::uint16_t> words{};  ///< that it writes; of a coil 0 or 1, of 22 both masks
+};
+
 /// Of the longest RTU frame, and of the longest ASCII frame (Serial Line V1.02, 2.5.1 and 2.5.2).
 inline constexpr std::size_t kRtuFrame = 256;
 inline constexpr std::size_t kAsciiFrame = 513;
 
 /// The word at a place, high byte first (Application Protocol V1.1b3, 4.2).
 std::uint16_t word_at(Bytes bytes, std::size_t at);
+
+/// Nothing: its length does not fit, or it asks for too much. Of functions that name no table both
+/// are empty.
+std::optional<Fields> fields_of(Bytes pdu);
 
 /// Serial Line V1.02, 6.2.2.
 std::uint16_t crc(Bytes bytes);
