@@ -8,10 +8,7 @@
 namespace mbgate::bus {
 namespace {
 
-// Drivers that turn on, and what a line without bias picks up between two frames.
-constexpr std::size_t kMostNoise = 8;
 using Kind = modbus::PduLength::Kind;
-using modbus::ResponseFit;
 
 }  // namespace
 
@@ -35,12 +32,26 @@ void RtuFramer::listen() {
 // Silence, or a new question, has ended what stands here. It may have been a frame whose length
 // cannot be known, such as another client's request.
 void RtuFramer::give_up_buffer() {
-  if (!std::exchange(answers_another_, false) && modbus::decode_rtu(buffer_.bytes())) {
+  const bool is_told = !std::exchange(answers_another_, false);
+  if (is_told && modbus::decode_rtu(buffer_.bytes())) {
     note_stray(0, buffer_.size());
   } else {
     counters_.stray_bytes += buffer_.size();
+    if (is_told && !discarding_ && buffer_.size() > 0) {
+      cut_.keep(buffer_.bytes(), buffer_.came_at(buffer_.size() - 1), slack_);
+    }
   }
   buffer_.clear();
+}
+
+// The rest of a frame whose beginning was given up.
+void RtuFramer::join_cut(Instant now) {
+  if (const auto joined = cut_.complete(buffer_.bytes(), now, slack_)) {
+    ++counters_.stray_frames;
+    strays_.add({joined->frame.address, joined->frame.pdu, now});
+    buffer_.drop(joined->taken);
+    discarding_ = false;
+  }
 }
 
 void RtuFramer::note_stray(std::size_t at, std::size_t size) {
@@ -74,6 +85,7 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
     buffer_.clear();
     discard();
   }
+  join_cut(now);
   return discarding_ ? Verdict::none : search(false);
 }
 
@@ -97,149 +109,6 @@ Verdict RtuFramer::search(bool silence) {
       case Found::answer: return Verdict::none;
     }
   }
-}
-
-// Nothing: no frame begins here, whatever may come.
-RtuFramer::Found RtuFramer::look(bool silence) {
-  Look look{.silence = silence};
-  for (; look.at < buffer_.size() && look.at <= kMostNoise; ++look.at) {
-    const Found found = look_at(look);
-    if (found == Found::unfinished) {
-      look.unfinished = true;
-    } else if (found != Found::nothing) {
-      return found;
-    }
-  }
-  return look.unfinished || (buffer_.size() <= kMostNoise && !silence) ? Found::unfinished
-                                                                       : Found::nothing;
-}
-
-RtuFramer::Found RtuFramer::look_at(const Look& look) {
-  const modbus::Bytes bytes = bytes_from(look.at);
-  const bool right_unit = transaction_ != nullptr && bytes[0] == transaction_->address;
-  if (bytes.size() == 1) {
-    return right_unit ? found(look, Answer::incomplete) : Found::unfinished;
-  }
-  if (right_unit && may_begin_answer(look)) {
-    const Found found = look_at_candidate(look);
-    if (found != Found::nothing) {
-      return found;
-    }
-  }
-  return look_at_stranger(look);
-}
-
-// Its function is right, and its byte count does not say already that it is no answer to what was
-// asked.
-bool RtuFramer::may_begin_answer(const Look& look) const {
-  const modbus::Bytes bytes = bytes_from(look.at);
-  if ((bytes[1] & ~modbus::kExceptionBit) != transaction_->request.function()) {
-    return false;
-  }
-  const modbus::PduLength expected = modbus::expected_response_length(transaction_->request);
-  if (is_exception(bytes)) {
-    return look.at == 0 || expected.kind != Kind::opaque;
-  }
-  const modbus::PduLength own = modbus::response_length(bytes.subspan(1));
-  if (own.kind == Kind::opaque && expected.kind == Kind::opaque) {
-    return look.at == 0;
-  }
-  return own.kind != Kind::known || expected.kind != Kind::known || own.bytes == expected.bytes;
-}
-
-modbus::PduLength RtuFramer::candidate_length(modbus::Bytes bytes) const {
-  if (bytes.size() < 2) {
-    return modbus::expected_response_length(transaction_->request);
-  }
-  const modbus::PduLength own = modbus::response_length(bytes.subspan(1));
-  return own.kind == Kind::opaque ? modbus::expected_response_length(transaction_->request) : own;
-}
-
-// The answer may have begun here. If silence is all that follows, what is incomplete is none.
-RtuFramer::Found RtuFramer::found(const Look& look, Answer answer) {
-  if (answer == Answer::incomplete && look.silence) {
-    return Found::nothing;
-  }
-  answer_ = answer;
-  answer_at_ = look.at;
-  return Found::answer;
-}
-
-RtuFramer::Found RtuFramer::look_at_candidate(const Look& look) {
-  const modbus::Bytes bytes = bytes_from(look.at);
-  const modbus::PduLength length = candidate_length(bytes);
-  if (length.kind != Kind::known) {
-    return found(look, length.kind == Kind::opaque ? Answer::opaque : Answer::incomplete);
-  }
-  const std::size_t size = length.bytes + modbus::kRtuOverhead;
-  if (size > modbus::kMaxRtuSize) {
-    return Found::nothing;
-  }
-  if (bytes.size() < size) {
-    return found(look, Answer::incomplete);
-  }
-  const ResponseFit fit =
-      modbus::check_response(transaction_->request, bytes.subspan(1, length.bytes));
-  if (!modbus::has_good_crc(bytes.first(size))) {
-    const bool complete = bytes.size() == size && fit != ResponseFit::wrong_length;
-    return complete ? found(look, Answer::bad_crc) : Found::nothing;
-  }
-  const bool short_one = look.at > 0 && is_exception(bytes);
-  if (short_one && bytes.size() > size) {
-    return Found::nothing;
-  }
-  if ((look.unfinished || short_one) && !look.silence) {
-    return found(look, Answer::unsure);
-  }
-  if (is_fitting(fit)) {
-    return accept(look, size);
-  }
-  consume(look.at, size);
-  return Found::consumed;
-}
-
-RtuFramer::Found RtuFramer::accept(const Look& look, std::size_t size) {
-  response_ = modbus::Pdu::from(bytes_from(look.at).subspan(1, size - modbus::kRtuOverhead));
-  response_began_ = buffer_.came_at(look.at);
-  came_first_ = look.at == 0 && buffer_.size() == given_;
-  noise_ = look.at;
-  counters_.noise_bytes += look.at;
-  buffer_.drop(look.at + size);
-  answer_ = Answer::not_begun;
-  return Found::response;
-}
-
-void RtuFramer::consume(std::size_t at, std::size_t size) {
-  note_stray(at, size);
-  counters_.noise_bytes += at;
-  buffer_.drop(at + size);
-}
-
-// A frame that is no answer, perhaps of another unit. Another client's request is one too: what
-// comes behind it, without a silence, answers that.
-RtuFramer::Found RtuFramer::look_at_stranger(const Look& look) {
-  const modbus::Bytes bytes = bytes_from(look.at);
-  if (look.at > 0 && is_exception(bytes)) {
-    return Found::nothing;  // so short that anything may look like it
-  }
-  const modbus::PduLength response = modbus::response_length(bytes.subspan(1));
-  const modbus::PduLength request = modbus::request_length(bytes.subspan(1));
-  const bool good_response = is_good(bytes, response);
-  if (good_response || is_good_request(bytes, request)) {
-    if (look.unfinished && !look.silence) {
-      return Found::nothing;  // it may be a part of what has begun further ahead
-    }
-    consume(look.at, (good_response ? response : request).bytes + modbus::kRtuOverhead);
-    discarding_ = answers_another_ = !good_response;
-    return Found::consumed;
-  }
-  // No device has such an address. The broadcast one is what noise looks like most often.
-  const bool has_unit =
-      bytes[0] != modbus::kBroadcastAddress && bytes[0] <= modbus::kMaxDeviceAddress;
-  return has_unit && !look.silence &&
-                 (may_become_whole(bytes, response) || may_become_whole(bytes, request))
-             ? Found::unfinished
-             : Found::nothing;
 }
 
 std::optional<Instant> RtuFramer::next_deadline() const {

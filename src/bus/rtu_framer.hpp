@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "bus/counters.hpp"
+#include "bus/cut_frame.hpp"
 #include "bus/instant.hpp"
 #include "bus/job.hpp"
 #include "bus/received_bytes.hpp"
@@ -84,6 +85,7 @@ class RtuFramer {
   /// Counts what is left as stray and forgets it, until the next silence.
   void discard();
   void give_up_buffer();
+  void join_cut(Instant now);
   Verdict search(bool silence);
   Found look(bool silence);
   Found look_at(const Look& look);
@@ -115,6 +117,7 @@ class RtuFramer {
   Instant response_began_;
   bool came_first_ = false;
   std::size_t noise_ = 0;
+  CutFrame cut_;
   Strays<kMostStrays> strays_;
 };
 

@@ -130,6 +130,51 @@ TEST_F(RtuFramer, AnAnswerMayPauseForTheSlackInAll) {
   EXPECT_EQ(add("0D 40 0F 53"), Verdict::response);
 }
 
+// An adapter hands on what it has every 16 ms: a late answer is cut as any other is.
+TEST_F(RtuFramer, AFrameThatNobodyWaitsForMayPauseForTheSlackToo) {
+  framer_.listen();
+  add("01 03 04 00");
+  after(16ms);
+  add("03 0D");
+  after(16ms);
+  add("40 0F 53");
+  const auto stray = framer_.take_stray();
+  ASSERT_TRUE(stray);
+  EXPECT_EQ(stray->address, 1);
+  EXPECT_TRUE(stray->is_response);
+  EXPECT_EQ(hex(stray->pdu.bytes()), "03 04 00 03 0D 40");
+  EXPECT_EQ(stray->came, now_);
+  EXPECT_FALSE(framer_.take_stray());
+}
+
+TEST_F(RtuFramer, WhatComesBehindTheRestOfACutFrameIsSearched) {
+  framer_.listen();
+  add("02 03 04 00");
+  after(5ms);
+  expect(kRead);
+  EXPECT_EQ(add("03 0D"), Verdict::none);
+  EXPECT_EQ(add("40 3C 53 01 03 04 00 03 0D 40 0F 53"), Verdict::response);
+  EXPECT_EQ(response(), "03 04 00 03 0D 40");
+  ASSERT_TRUE(framer_.take_stray());
+}
+
+TEST_F(RtuFramer, AFrameThatPausesForLongerIsNone) {
+  framer_.listen();
+  add("01 03 04 00");
+  after(21ms);
+  add("03 0D 40 0F 53");
+  EXPECT_FALSE(framer_.take_stray());
+}
+
+TEST_F(RtuFramer, WhatWasCutIsNoPartOfTheAnswerBehindIt) {
+  framer_.listen();
+  add("01 03 04 00");
+  after(5ms);
+  expect(kRead);
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+  EXPECT_FALSE(framer_.take_stray());
+}
+
 TEST_F(RtuFramer, SlackIsTheSilenceThatABadCrcNeeds) {
   framer_.set_slack(200ms);
   expect(kRead);

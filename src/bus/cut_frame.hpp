@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The beginning of a frame that nobody waits for, and whose rest an adapter hands over only after
+// its pause: a late answer crosses the latency timer of an FTDI as any other does.
+#pragma once
+
+#include <boost/container/static_vector.hpp>
+
+#include "bus/instant.hpp"
+#include "modbus/rtu.hpp"
+
+namespace mbgate::bus {
+
+class CutFrame {
+ public:
+  /// Silence has come behind these bytes (at least one), the last of which came at `last`. They are kept if they,
+  /// or with what is kept already, may be the beginning of a frame.
+  void keep(modbus::Bytes bytes, Instant last, Duration slack);
+  /// A good frame that begins with what is kept, if these bytes complete it not later than `slack`
+  /// after that; it is kept no longer.
+  struct Joined {
+    modbus::RtuAdu frame;
+    std::size_t taken;  ///< of these bytes
+  };
+  std::optional<Joined> complete(modbus::Bytes bytes, Instant now, Duration slack);
+
+ private:
+  boost::container::static_vector<std::uint8_t, modbus::kMaxRtuSize> kept_;
+  Instant last_;
+};
+
+}  // namespace mbgate::bus
