@@ -49,9 +49,12 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
     return std::nullopt;
   }
   const std::size_t size = (good_response ? response : request).bytes + modbus::kRtuOverhead;
-  const std::size_t taken = size - kept_.size();
+  const std::size_t before = kept_.size();
   kept_.clear();
-  return Joined{*modbus::decode_rtu(all.first(size)), taken};
+  if (size <= before) {
+    return std::nullopt;  // it was whole already, and was seen or given up
+  }
+  return Joined{*modbus::decode_rtu(all.first(size)), size - before};
 }
 
 }  // namespace mbgate::bus

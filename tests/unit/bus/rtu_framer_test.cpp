@@ -166,6 +166,17 @@ TEST_F(RtuFramer, AFrameThatPausesForLongerIsNone) {
   EXPECT_FALSE(framer_.take_stray());
 }
 
+// Behind an answer nothing is searched any more: a whole frame may stand there, and more.
+TEST_F(RtuFramer, AFrameThatWasWholeIsNotJoined) {
+  expect(kRead);
+  EXPECT_EQ(add(std::string(kAnswer) + "06 10 00 7A 00 04 E1 A4 06 06 00 96 50 02"),
+            Verdict::response);
+  framer_.listen();
+  after(1ms);
+  add("6C E2 4C 95 1D");
+  EXPECT_FALSE(framer_.take_stray());
+}
+
 TEST_F(RtuFramer, WhatWasCutIsNoPartOfTheAnswerBehindIt) {
   framer_.listen();
   add("01 03 04 00");
