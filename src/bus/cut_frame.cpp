@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/cut_frame.hpp"
 
+#include <algorithm>
+
 #include "bus/rtu_shape.hpp"
-#include "modbus/request_length.hpp"
-#include "modbus/response.hpp"
 
 namespace mbgate::bus {
-namespace {
-
-bool may_begin_frame(modbus::Bytes bytes) {
-  const bool has_unit =
-      bytes[0] != modbus::kBroadcastAddress && bytes[0] <= modbus::kMaxDeviceAddress;
-  return has_unit && (may_become_whole(bytes, modbus::response_length(bytes.subspan(1))) ||
-                      may_become_whole(bytes, modbus::request_length(bytes.subspan(1))));
-}
-
-}  // namespace
 
 void CutFrame::keep(modbus::Bytes bytes, Instant last, Duration slack) {
   if (last - last_ <= slack && kept_.size() + bytes.size() <= kept_.capacity()) {
@@ -34,27 +24,26 @@ void CutFrame::keep(modbus::Bytes bytes, Instant last, Duration slack) {
 
 std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant now,
                                                    Duration slack) {
-  if (kept_.empty() || now - last_ > slack) {
+  if (now - last_ > slack) {
     kept_.clear();
+  }
+  if (kept_.empty() || bytes.empty()) {
     return std::nullopt;
   }
   const std::size_t more = std::min(bytes.size(), kept_.capacity() - kept_.size());
   auto joined = kept_;
   joined.insert(joined.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(more));
   const modbus::Bytes all{joined.data(), joined.size()};
-  const modbus::PduLength response = modbus::response_length(all.subspan(1));
-  const modbus::PduLength request = modbus::request_length(all.subspan(1));
-  const bool good_response = is_good(all, response);
-  if (!good_response && !is_good_request(all, request)) {
+  const auto frame = good_frame(all);
+  if (!frame) {
     return std::nullopt;
   }
-  const std::size_t size = (good_response ? response : request).bytes + modbus::kRtuOverhead;
   const std::size_t before = kept_.size();
   kept_.clear();
-  if (size <= before) {
+  if (frame->size <= before) {
     return std::nullopt;  // it was whole already, and was seen or given up
   }
-  return Joined{*modbus::decode_rtu(all.first(size)), size - before};
+  return Joined{*modbus::decode_rtu(all.first(frame->size)), frame->size - before};
 }
 
 }  // namespace mbgate::bus

@@ -12,8 +12,8 @@ namespace mbgate::bus {
 
 class CutFrame {
  public:
-  /// Silence has come behind these bytes (at least one), the last of which came at `last`. They are kept if they,
-  /// or with what is kept already, may be the beginning of a frame.
+  /// Silence has come behind these bytes (at least one), the last of which came at `last`. They are
+  /// kept if they, or with what is kept already, may be the beginning of a frame.
   void keep(modbus::Bytes bytes, Instant last, Duration slack);
   /// A good frame that begins with what is kept, if these bytes complete it not later than `slack`
   /// after that; it is kept no longer.

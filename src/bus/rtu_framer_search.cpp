@@ -138,24 +138,15 @@ RtuFramer::Found RtuFramer::look_at_stranger(const Look& look) {
   if (look.at > 0 && is_exception(bytes)) {
     return Found::nothing;  // so short that anything may look like it
   }
-  const modbus::PduLength response = modbus::response_length(bytes.subspan(1));
-  const modbus::PduLength request = modbus::request_length(bytes.subspan(1));
-  const bool good_response = is_good(bytes, response);
-  if (good_response || is_good_request(bytes, request)) {
+  if (const auto frame = good_frame(bytes)) {
     if (look.unfinished && !look.silence) {
       return Found::nothing;  // it may be a part of what has begun further ahead
     }
-    consume(look.at, (good_response ? response : request).bytes + modbus::kRtuOverhead);
-    discarding_ = answers_another_ = !good_response;
+    consume(look.at, frame->size);
+    discarding_ = answers_another_ = !frame->is_response;
     return Found::consumed;
   }
-  // No device has such an address. The broadcast one is what noise looks like most often.
-  const bool has_unit =
-      bytes[0] != modbus::kBroadcastAddress && bytes[0] <= modbus::kMaxDeviceAddress;
-  return has_unit && !look.silence &&
-                 (may_become_whole(bytes, response) || may_become_whole(bytes, request))
-             ? Found::unfinished
-             : Found::nothing;
+  return !look.silence && may_begin_frame(bytes) ? Found::unfinished : Found::nothing;
 }
 
 }  // namespace mbgate::bus

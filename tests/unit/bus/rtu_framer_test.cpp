@@ -166,6 +166,14 @@ TEST_F(RtuFramer, AFrameThatPausesForLongerIsNone) {
   EXPECT_FALSE(framer_.take_stray());
 }
 
+TEST_F(RtuFramer, OneByteMayBeAllThatWasCutOff) {
+  framer_.listen();
+  add("01");
+  after(16ms);
+  add("03 04 00 03 0D 40 0F 53");
+  ASSERT_TRUE(framer_.take_stray());
+}
+
 // Behind an answer nothing is searched any more: a whole frame may stand there, and more.
 TEST_F(RtuFramer, AFrameThatWasWholeIsNotJoined) {
   expect(kRead);
