@@ -16,6 +16,11 @@ bool holds_one_of(const std::vector<std::uint16_t>& wanted, const Transaction& t
          std::ranges::find(wanted, modbus::load_be16(response.bytes(), kData)) != wanted.end();
 }
 
+bool is_still_asked_for(const drive::Device& device, const std::vector<std::uint16_t>& wanted) {
+  const auto* stated = device.stated_order();
+  return stated != nullptr && *stated == wanted;
+}
+
 }  // namespace
 
 void Bus::handle_end(const LineEnd& end, Instant now) {
@@ -121,8 +126,10 @@ void Bus::handle_response(Job& job, const LineEnd& end, Instant now) {
   }
   const Transaction& transaction = job.transaction();
   if (transaction.must_hold != nullptr) {
-    entry.setting_known = holds_one_of(*transaction.must_hold, transaction);
-    if (!entry.setting_known) {
+    const bool holds = holds_one_of(*transaction.must_hold, transaction);
+    // Other settings, which came meanwhile, may expect another one.
+    entry.setting_known = holds && is_still_asked_for(*entry.device, *transaction.must_hold);
+    if (!holds) {
       finish(job, Ending::mismatched);
       return;
     }

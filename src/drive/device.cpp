@@ -25,6 +25,14 @@ bool Device::is_stop(const modbus::Request& request) const {
                              [&](const WriteMatch& stop) { return writes_only(request, stop); });
 }
 
+const std::vector<std::uint16_t>* Device::stated_order() const {
+  const auto& setting = profile.word_order_register;
+  if (!setting) {
+    return nullptr;
+  }
+  return word_order == WordOrder::big ? &setting->big : &setting->little;
+}
+
 std::optional<Duration> Device::silent_after(const modbus::Request& request) const {
   for (const UnansweredWrite& unanswered : profile.unanswered) {
     if (writes(request, unanswered.match)) {

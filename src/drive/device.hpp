@@ -83,6 +83,9 @@ struct Device {
     return word_order == other.word_order && opcode_order == other.opcode_order &&
            profile == other.profile;
   }
+  /// What the profile's register for the word order holds if the drive has the one that is stated;
+  /// nothing where the profile names no such register.
+  [[nodiscard]] const std::vector<std::uint16_t>* stated_order() const;
   /// The boot time that follows a request which is never answered; nothing for others.
   [[nodiscard]] std::optional<Duration> silent_after(const modbus::Request& request) const;
 };

@@ -42,6 +42,44 @@ PduLength identification(Bytes prefix) {
   return known(end);
 }
 
+// 20: of each group a length, the reference type and as many registers as were asked for; the
+// request names them in sub-requests of seven bytes (6.14).
+constexpr std::size_t kRecordRequest = 7;
+constexpr std::size_t kFileReferenceType = 6;
+
+std::size_t file_group_size(Bytes request, std::size_t sub_request) {
+  return std::size_t{2} + std::size_t{load_be16(request, sub_request + 5)} * 2U;
+}
+
+std::size_t file_record_size(Bytes request) {
+  std::size_t size = 2;
+  for (std::size_t at = 2; at < request.size(); at += kRecordRequest) {
+    size += file_group_size(request, at);
+  }
+  return size;
+}
+
+bool fits_file_record(Bytes request, Bytes response) {
+  if (response.size() != file_record_size(request)) {
+    return false;
+  }
+  std::size_t group = 2;
+  for (std::size_t at = 2; at < request.size(); at += kRecordRequest) {
+    const std::size_t size = file_group_size(request, at);
+    if (response[group] != size - 1 || response[group + 1] != kFileReferenceType) {
+      return false;
+    }
+    group += size;
+  }
+  return true;
+}
+
+// 24: the byte count counts the FIFO count and the registers behind it (6.18).
+bool fits_fifo(Bytes response) {
+  return response.size() >= 5 &&
+         load_be16(response, 1) == std::size_t{2} + std::size_t{load_be16(response, 3)} * 2U;
+}
+
 bool repeats(Bytes request, Bytes response, std::size_t bytes) {
   return std::ranges::equal(request.first(bytes), response.first(bytes));
 }
@@ -124,6 +162,8 @@ ResponseFit check_response(const Request& request, Bytes response) {
     case 0x10: echo = repeats(asked, response, 5); break;
     case 0x15:
     case 0x16: echo = repeats(asked, response, asked.size()); break;
+    case 0x14: echo = fits_file_record(asked, response); break;
+    case 0x18: echo = fits_fifo(response); break;
     // 08/00 returns its data, the other sub-functions data of their own (6.8).
     case 0x08: echo = repeats(asked, response, load_be16(asked, 1) == 0 ? asked.size() : 3); break;
     case 0x2B: echo = response.size() >= 2 && response[1] == asked[1]; break;

@@ -92,11 +92,10 @@ std::optional<ExceptionCode> Plan::add_broadcast(const Way& way, const Request& 
 // verify_word_order: before values are written the drive's own setting is read, in the same job, so
 // that what the client sends next stays behind it.
 void Plan::add_question(const drive::Device& device) {
-  const auto& setting = *device.profile.word_order_register;
-  PlannedTransaction question{
-      device.bus, device.address,
-      modbus::make_read({modbus::Table::holding_registers, setting.address, 1})};
-  question.must_hold = device.word_order == drive::WordOrder::big ? &setting.big : &setting.little;
+  const std::uint16_t address = device.profile.word_order_register->address;
+  PlannedTransaction question{device.bus, device.address,
+                              modbus::make_read({modbus::Table::holding_registers, address, 1})};
+  question.must_hold = device.stated_order();
   transactions_.push_back(std::move(question));
 }
 

@@ -150,6 +150,13 @@ const std::vector<std::uint16_t> kSetting{0x1234};
 
 class BusSettings : public Bus {
  protected:
+  /// Its word order is stated, and register 0 holds 1234 if it has that.
+  static drive::Device stated() {
+    auto device = stepper(settings());
+    device.word_order = drive::WordOrder::big;
+    device.profile.word_order_register = drive::WordOrderRegister{0, kSetting, {}};
+    return device;
+  }
   /// A write with a question before it: register 0 must hold 1234.
   bus::Job& asking() {
     bus::Job& write = job(kRead);
@@ -176,7 +183,7 @@ class BusSettings : public Bus {
 };
 
 TEST_F(BusSettings, AreAskedForOnceAndAgainAfterSilenceOrAnotherLine) {
-  open(settings(), {stepper(settings())});
+  open(settings(), {stated()});
   EXPECT_TRUE(is_asked());
   EXPECT_FALSE(is_asked());
   submit(job("06 0001 0001"));
@@ -191,7 +198,7 @@ TEST_F(BusSettings, AreAskedForOnceAndAgainAfterSilenceOrAnotherLine) {
 }
 
 TEST_F(BusSettings, AnUnansweredWriteBehindItsQuestionMakesItUncertain) {
-  open(settings(), {stepper(settings())});
+  open(settings(), {stated()});
   submit(asking());
   line(kAnswer);
   advance(1s);  // the write itself is not answered
@@ -200,7 +207,7 @@ TEST_F(BusSettings, AnUnansweredWriteBehindItsQuestionMakesItUncertain) {
 }
 
 TEST_F(BusSettings, AWriteThatWaitsBehindAChangeOfTheSettingAsksAgain) {
-  auto device = stepper(settings());
+  auto device = stated();
   device.profile.communication = {{modbus::Table::holding_registers, 1, 1}};
   open(settings(), {device});
   EXPECT_TRUE(is_asked());
@@ -213,7 +220,7 @@ TEST_F(BusSettings, AWriteThatWaitsBehindAChangeOfTheSettingAsksAgain) {
 }
 
 TEST_F(BusSettings, AnotherAnswerEndsTheJobBeforeItsWrite) {
-  open(settings(), {stepper(settings())});
+  open(settings(), {stated()});
   bus::Job& write = asking();
   submit(write);
   line("01 03 02 00 05 78 47");

@@ -259,29 +259,5 @@ TEST(ReloadOfListeners, CanTakeAllOfThemAway) {
   EXPECT_THAT(rig.take_sent(1), IsEmpty());
 }
 
-TEST(ReloadOfDrives, LetsRequestsEndByTheSettingsTheyBeganWith) {
-  Settings settings = stop_plant(16);
-  auto& device = settings.devices[0];
-  device.word_order = drive::WordOrder::little;
-  device.verify_word_order = true;
-  device.profile.values.add({modbus::Table::holding_registers, 30});
-  device.profile.word_order_register = drive::WordOrderRegister{9, {5}, {133}};
-  settings.routes[0].last_unit = 1;
-  settings.routes[0].device = 0;
-  settings.routes[0].word_order = drive::WordOrder::big;
-  MachineRig rig(settings);
-  rig.connect(1);
-  rig.receive(1, "0001 0000 000B 01 10 001E 0002 04 0001 0002");
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 09 00 01"));
-  for (int times = 0; times < 3; ++times) {
-    rig.reload(settings);
-  }
-  rig.respond("01 03 02 00 85");
-  rig.advance(10ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 10 00 1E 00 02 04 00 02 00 01"));
-  rig.respond("01 10 00 1E 00 02");
-  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 01 10 00 1E 00 02"));
-}
-
 }  // namespace
 }  // namespace mbgate::test

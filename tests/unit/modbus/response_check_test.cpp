@@ -105,6 +105,27 @@ TEST(CheckResponse, CountedAnswersMustBeWhole) {
   EXPECT_EQ(check("0B", "0B FF FF 01 08"), normal);
 }
 
+// An echo of the request has the right length, but is no answer to it.
+TEST(CheckResponse, FileRecordsAreThoseThatWereAskedFor) {
+  const auto* request = "14 07 06 00 04 00 01 00 02";
+  EXPECT_EQ(check(request, "14 06 05 06 0D FE 00 20"), normal);
+  EXPECT_EQ(check(request, request), wrong_echo);
+  EXPECT_EQ(check(request, "14 04 03 06 0D FE"), wrong_echo);
+  EXPECT_EQ(check(request, "14 06 05 07 0D FE 00 20"), wrong_echo);
+  EXPECT_EQ(check("14 0E 06 00 04 00 01 00 01 06 00 03 00 09 00 02",
+                  "14 0A 03 06 0D FE 05 06 33 CD 00 40"),
+            normal);
+  EXPECT_EQ(check("14 0E 06 00 04 00 01 00 01 06 00 03 00 09 00 02",
+                  "14 0A 05 06 0D FE 00 20 03 06 33 CD"),
+            wrong_echo);
+}
+
+TEST(CheckResponse, TheByteCountOfAQueueFitsItsCount) {
+  EXPECT_EQ(check("18 00 00", "18 00 02 00 00"), normal);
+  EXPECT_EQ(check("18 00 00", "18 00 00"), wrong_echo);
+  EXPECT_EQ(check("18 04 DE", "18 00 04 00 02 01 B8"), wrong_echo);
+}
+
 TEST(CheckResponse, DeviceIdentificationMustBeWholeAndOfItsType) {
   EXPECT_EQ(check("2B 0E 01 00", "2B 0E 01 01 00 00 01 00 02 41 42"), normal);
   EXPECT_EQ(check("2B 0E 01 00", "2B 0E 01 01 00 00 01 00 02 41"), wrong_length);
