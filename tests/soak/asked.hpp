@@ -30,6 +30,7 @@ struct Piece {
   Span done{};                      ///< when it was carried out, the first and the last time
   bool answered = false;            ///< an answer came that the gateway may have taken
   bool taken_back = false;  ///< other settings give it another meaning: nothing more of it is sent
+  bool asks_order = false;  ///< it reads the drive's word order before values are written
 };
 
 /// What an answer must show.
@@ -54,10 +55,15 @@ struct Asked {
   std::vector<Piece> pieces;
   std::optional<std::uint8_t> refused;  ///< the gateway itself must answer this exception
   std::optional<ReadCheck> check;
-  bool failsafe = false;   ///< the gateway's own, sent as a stop
-  bool stops_all = false;  ///< a broadcast that is a stop
-  bool identity = false;   ///< it asks the device who it is
-  bool unlisted = false;   ///< by the device's `writer`; it may also be taken back by a stop
+  bool failsafe = false;      ///< the gateway's own, sent as a stop
+  bool stops_all = false;     ///< a broadcast that is a stop
+  bool identity = false;      ///< it asks the device who it is
+  bool is_shared = false;     ///< a stop that is like others
+  bool is_repeated = false;   ///< a stop of the drive's, which is repeated without a fitting echo
+  bool has_no_table = false;  ///< its answer repeats all of it
+  bool other_order = false;   ///< the drive turns out to have another word order: 04, not written
+  bool any_code = false;      ///< of the gateway's own unit: it may be refused
+  bool unlisted = false;      ///< by the device's `writer`; it may also be taken back by a stop
   bool replies = true;
   bool silent = false;  ///< the device never answers it; the gateway does
 
@@ -99,5 +105,10 @@ struct Asked {
   [[nodiscard]] bool is_read() const { return kind == Kind::read; }
   [[nodiscard]] bool changes() const { return kind != Kind::read && kind != Kind::own; }
 };
+
+/// Several parts of a request may go to one bus: it waits there as one.
+inline bool is_first_on_its_bus(const Asked& asked, const Piece& piece) {
+  return &piece == &asked.pieces.front() || piece.bus != (&piece - 1)->bus;
+}
 
 }  // namespace mbgate::soak

@@ -6,19 +6,6 @@
 #include "soak/pdus.hpp"
 
 namespace mbgate::soak {
-namespace {
-
-unsigned read_function(Table table) {
-  switch (table) {
-    case Table::coils: return 1;
-    case Table::discrete_inputs: return 2;
-    case Table::holding_registers: return 3;
-    case Table::input_registers: return 4;
-  }
-  return 0;
-}
-
-}  // namespace
 
 Asking::Asking(const SoakPlan& plan, Random& random)
     : plan_(plan),
@@ -49,7 +36,7 @@ Asked Asking::make(const Manners& manners) {
     return door.route ? for_nobody(door) : own_read(0, 4);
   }
   if (random_.chance(manners.malformed)) {
-    return malformed(door);
+    return random_.chance(200) ? own() : malformed(door);
   }
   if (random_.chance(manners.broadcasts)) {
     if (const Door* all = door_of(manners.listener, true); all != nullptr && !all->absent) {
@@ -86,57 +73,6 @@ Asked Asking::own_read(std::uint16_t first, std::uint16_t count) {
   return asked;
 }
 
-Asked Asking::read(const Door& door, bool popular) {
-  Asked asked = begin(door, Kind::read);
-  if (popular) {
-    plan_read(asked, Table::holding_registers, kLiveFrom, 4);
-    return asked;
-  }
-  const unsigned kind = random_.between(0U, 19U);
-  if (kind == 0) {
-    return identity(door);
-  }
-  if (kind <= 3) {
-    return read_bits(door);
-  }
-  if (kind <= 6) {
-    plan_read(asked, Table::input_registers, random_.between(0U, 70U), random_.between(1U, 30U));
-  } else {
-    const unsigned count =
-        random_.chance(100) ? random_.between(30U, 120U) : random_.between(1U, 12U);
-    plan_read(asked, Table::holding_registers, random_.between(0U, kRegisters - count), count);
-  }
-  return asked;
-}
-
-void Asking::plan_read(Asked& asked, Table table, unsigned first, unsigned count) const {
-  const Door& door = *asked.door;
-  asked.check = ReadCheck{table, static_cast<std::uint16_t>(first),
-                          static_cast<std::uint16_t>(count), door.swapped};
-  const bool window = door.windowed && table == Table::input_registers;
-  unsigned shown = first;
-  if (door.windowed) {
-    shown += window ? kInputWindow : kHoldingWindow;
-  }
-  asked.pdu = fields(window ? 3 : read_function(table), shown, count);
-  unsigned end = first + count;
-  if (door.swapped && is_in_pair(table, first)) {
-    first = pair_of(first);
-  }
-  if (door.swapped && is_in_pair(table, end - 1)) {
-    end = pair_of(end - 1) + 2U;
-  }
-  const unsigned limit = door.routed ? device_of(asked).profile.limits.read_from(table) : 2000U;
-  while (first < end) {
-    unsigned stop = std::min(end, first + limit);
-    if (door.routed && stop < end && is_in_pair(table, stop) && pair_of(stop) != stop) {
-      --stop;
-    }
-    add_piece(asked, fields(read_function(table), first, stop - first));
-    first = stop;
-  }
-}
-
 void Asking::add_piece(Asked& asked, PduBytes pdu) const {
   asked.pieces.push_back(
       {asked.door->buses.front(), device_of(asked).address, std::move(pdu), 0, false, false});
@@ -146,39 +82,6 @@ std::uint16_t Asking::next_value(const Asked& asked, unsigned address) {
   return ++counters_[*asked.door->device].at(address);
 }
 
-Asked Asking::write(const Door& door) {
-  Asked asked = begin(door, Kind::write);
-  if (random_.chance(350)) {
-    rare_write(asked);
-    refuse_if_read_only(asked);
-    return asked;
-  }
-  const unsigned kind = random_.between(0U, 19U);
-  if (kind < 8) {
-    const unsigned address = random_.between(0U, kLiveFrom - 1U);
-    single(asked, address, next_value(asked, address));
-  } else if (kind < 9) {
-    const unsigned address = kSlowFrom + random_.between(0U, 3U);
-    single(asked, address, next_value(asked, address));
-  } else if (kind < 11) {
-    // Of a value, the register that it will have on the wire is what must be unique.
-    const unsigned address = random_.between<unsigned>(kPairsFrom, kPairsEnd - 1);
-    single(asked, address, next_value(asked, door.swapped ? partner_of(address) : address));
-  } else if (kind < 12) {
-    asked.silent = true;
-    single(asked, kSilentRegister,
-           static_cast<std::uint16_t>(0x7000U | (next_value(asked, kSilentRegister) & 0xFFFU)));
-  } else if (kind < 16) {
-    const unsigned count = random_.between(1U, 10U);
-    multiple(asked, random_.between(0U, kLiveFrom - count), count);
-  } else {
-    const unsigned pairs = random_.between(1U, 3U);
-    multiple(asked, kPairsFrom + 2 * random_.between(0U, 20U - pairs), 2 * pairs);
-  }
-  refuse_if_read_only(asked);
-  return asked;
-}
-
 void Asking::refuse_if_read_only(Asked& asked) {
   if (asked.door->read_only) {
     asked.refused = 1;
@@ -186,77 +89,46 @@ void Asking::refuse_if_read_only(Asked& asked) {
   }
 }
 
-void Asking::single(Asked& asked, unsigned address, std::uint16_t value) const {
+// Functions that the profile does not name are refused where the route names none itself. What is
+// beyond its windows is said before.
+void Asking::check_functions(Asked& asked) const {
   const Door& door = *asked.door;
-  const bool moved = door.swapped && is_in_pair(Table::holding_registers, address);
-  asked.pdu = fields(6, address + (door.windowed ? kHoldingWindow : 0U), value);
-  add_piece(asked, fields(6, moved ? partner_of(address) : address, value));
-}
-
-void Asking::multiple(Asked& asked, unsigned first, unsigned count) {
-  const Door& door = *asked.door;
-  std::vector<std::uint16_t> device_words;
-  for (unsigned at = 0; at < count; ++at) {
-    device_words.push_back(next_value(asked, first + at));
-  }
-  std::vector<std::uint16_t> client_words = device_words;
-  const bool pairs = is_in_pair(Table::holding_registers, first);
-  if (door.swapped && pairs) {
-    for (unsigned at = 0; at < count; at += 2) {
-      std::swap(client_words[at], client_words[at + 1]);
-    }
-  }
-  asked.pdu = multiple_pdu(first + (door.windowed ? kHoldingWindow : 0U), client_words);
-  const drive::Device& device = device_of(asked);
-  unsigned limit = door.routed ? device.profile.limits.write_registers : 123U;
-  if (pairs) {
-    limit &= ~1U;
-  }
-  if (count > limit && !device.split_writes) {
-    asked.refused = 3;
+  if (!door.routed || asked.refused == 1 || asked.refused == 2) {
     return;
   }
-  for (unsigned at = 0; at < count; at += limit) {
-    const unsigned end = std::min(count, at + limit);
-    add_piece(asked,
-              multiple_pdu(first + at, {device_words.begin() + at, device_words.begin() + end}));
+  const auto& known = device_of(asked).profile.functions;
+  const bool all_known = (asked.pdu[0] == 0x03 || known.test(asked.pdu[0])) &&
+                         std::ranges::all_of(asked.pieces, [&](const Piece& piece) {
+                           return known.test(piece.pdu[0]);
+                         });
+  if (!all_known) {
+    asked.refused = 1;
+    asked.pieces.clear();
   }
 }
 
-Asked Asking::stop(const Door& door) {
-  if (door.read_only) {
-    return read(door, false);
-  }
-  Asked asked = begin(door, Kind::stop);
-  const bool same = random_.chance(300);
-  single(asked, kStopRegister,
-         static_cast<std::uint16_t>(0x5000U |
-                                    (same ? 0xFFFU : next_value(asked, kStopRegister) % 0xFFEU)));
-  return asked;
-}
-
-Asked Asking::broadcast(const Door& door) {
-  Asked asked = begin(door, Kind::broadcast);
-  asked.replies = door.replies;
-  asked.stops_all = random_.chance(400);
-  ++broadcasts_;
-  asked.pdu = fields(6, kBroadcastRegister, broadcasts_);
-  if (asked.stops_all) {
-    // Of those that get no reply nobody could tell when each has ended.
-    const bool same = door.replies && random_.chance(300);
-    asked.pdu = fields(6, kStopRegister, 0x5000U | (same ? 0xFFFU : broadcasts_ % 0xFFEU));
-  }
-  for (const std::size_t bus : door.buses) {
-    asked.pieces.push_back({bus, 0, asked.pdu, 0, false, false});
+// The gateway answers itself, rightly or with an exception, and passes nothing on.
+Asked Asking::own() {
+  constexpr unsigned kEchoes = 0;
+  Asked asked = own_read(0, 4);
+  asked.any_code = true;
+  switch (random_.between(0U, 5U)) {
+    case 0: asked.pdu = fields(8, random_.one_of({kEchoes, 2U, 11U, 12U, 14U, 18U, 19U}), 0); break;
+    case 1:
+      asked.pdu = {0x2B, 0x0E, low(random_.between(0U, 5U)), low(random_.between(0U, 8U))};
+      break;
+    case 2: asked.pdu = fields(random_.one_of({1U, 3U, 6U}), 0, 1); break;
+    case 3: asked.pdu = {0x11}; break;
+    default: asked.pdu = fields(4, random_.between(0U, 0xFFFFU), random_.between(1U, 125U)); break;
   }
   return asked;
 }
 
 Asked Asking::malformed(const Door& door) {
   Asked asked = begin(door, Kind::read);
-  const unsigned address = door.windowed ? kHoldingWindow : 0U;
+  const unsigned address = door.holding_at;
   asked.refused = 3;
-  switch (random_.between(0U, 5U)) {
+  switch (random_.between(0U, 10U)) {
     case 0: asked.pdu = fields(3, address, 0); break;
     case 1: asked.pdu = fields(3, address, 126); break;
     case 2: asked.pdu = {3, 0, 0, 0}; break;
@@ -268,10 +140,29 @@ Asked Asking::malformed(const Door& door) {
       asked.pdu = fields(0x83, address, 1);
       asked.refused = 1;
       break;
+    case 5: asked.pdu = {0x10, 0, 0, 0, 2, 3, 1, 1, 1}; break;
+    case 6: asked.pdu = fields(5, 1, 0x1234); break;
+    case 7:
+      asked.pdu = fields(8, random_.one_of({1U, 4U, 21U}), 0);
+      asked.refused = 1;
+      break;
+    case 8:
+      asked.pdu = fields(0, 0, 0);
+      asked.refused = 1;
+      break;
+    case 9:
+      // Over the end of a window, or of the table.
+      asked.pdu = fields(3, door.windowed ? door.holding_at + kRegisters - 1U : 0xFFFFU, 2);
+      asked.refused = 2;
+      break;
     default:
       asked.unit = 251;  // no route has it, and no serial line
       asked.pdu = fields(3, address, 1);
       asked.refused = 0x0A;
+      return asked;
+  }
+  if (asked.refused == 3 && door.read_only && (asked.pdu[0] == 0x10 || asked.pdu[0] == 5)) {
+    asked.refused = 1;
   }
   return asked;
 }

@@ -10,6 +10,12 @@
 
 namespace mbgate::soak {
 
+using Words = std::vector<std::uint16_t>;
+
+/// Where a request that begins at `first` must end at the latest: within the limit, not beyond a
+/// parameter group, and never in a value that does not begin there.
+unsigned end_of_piece(Table table, unsigned first, unsigned end, unsigned limit);
+
 class Asking {
  public:
   Asking(const SoakPlan& plan, Random& random);
@@ -23,33 +29,45 @@ class Asking {
 
  private:
   const Door* door_of(std::size_t listener, bool broadcast);
-  Asked read(const Door& door, bool popular);
-  Asked write(const Door& door);
-  Asked stop(const Door& door);
-  Asked broadcast(const Door& door);
   Asked malformed(const Door& door);
   Asked for_nobody(const Door& door);
+  Asked own();
   static void refuse_if_read_only(Asked& asked);
-  // asking_functions.cpp: what is asked more seldom.
+  void check_functions(Asked& asked) const;
+  // asking_reads.cpp
+  Asked read(const Door& door, bool popular);
   Asked identity(const Door& door);
   Asked read_bits(const Door& door);
-  void rare_write(Asked& asked);
-  void coil(Asked& asked);
-  void coils(Asked& asked);
+  void plan_read(Asked& asked, modbus::Table table, unsigned first, unsigned count) const;
+  // asking_writes.cpp: registers.
+  Asked write(const Door& door);
+  void write_somewhere(Asked& asked);
   void mask(Asked& asked);
-  void half_values(Asked& asked);
   void read_and_write(Asked& asked);
-  void own_function(Asked& asked);
+  void opcode(Asked& asked);
   void single(Asked& asked, unsigned address, std::uint16_t value) const;
   void multiple(Asked& asked, unsigned first, unsigned count);
-  void plan_read(Asked& asked, modbus::Table table, unsigned first, unsigned count) const;
+  void plan_write(Asked& asked, unsigned first, const Words& words) const;
+  void add_writes(Asked& asked, unsigned first, const Words& words, bool together) const;
+  void add_singles(Asked& asked, unsigned first, const Words& words) const;
+  void ask_for_order(Asked& asked, unsigned first, unsigned count) const;
+  // asking_others.cpp: what is written seldom, stops, and what is for all.
+  void coil(Asked& asked);
+  void coils(Asked& asked);
+  void own_function(Asked& asked);
+  void file_record(Asked& asked);
+  void diagnostics(Asked& asked);
+  void add_whole(Asked& asked) const;
+  Asked stop(const Door& door);
+  Asked broadcast(const Door& door);
+  void pick_broadcast(Asked& asked);
   void add_piece(Asked& asked, PduBytes pdu) const;
   [[nodiscard]] const drive::Device& device_of(const Asked& asked) const {
     return plan_.settings.devices[*asked.door->device];
   }
   std::uint16_t next_value(const Asked& asked, unsigned address);
 
-  /// Behind those of the registers, those of a device's coils and of its own function.
+  /// Behind those of the registers, those of a device's coils and of what else it is told.
   static constexpr unsigned kCoil = kRegisters;
   static constexpr unsigned kRunOfCoils = kRegisters + 1;
   static constexpr unsigned kOwnCommand = kRegisters + 2;

@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "soak/identity.hpp"
+
 namespace mbgate::soak {
 
 using modbus::Pdu;
@@ -17,6 +19,13 @@ bool is_bits(Table table) { return table == Table::coils || table == Table::disc
 
 bool is_within(const std::optional<spec::Range>& range) {
   return !range || range->first + range->count <= (is_bits(range->table) ? kCoils : kRegisters);
+}
+
+// 06 or 16 of 7xxx.
+bool is_silent(const spec::Fields& fields) {
+  return !fields.reads && fields.writes->table == Table::holding_registers &&
+         fields.writes->first == kSilentRegister && fields.writes->count == 1 &&
+         fields.words.size() == 1 && fields.words[0] >> 12U == 7U;
 }
 
 Pdu exception(spec::Bytes request, std::uint8_t code) {
@@ -44,7 +53,7 @@ SoakDevice::Outcome SoakDevice::carry_out(const Pdu& pdu, Instant now) {
   }
   if (fields->writes) {
     write(request, *fields, now);
-    if (request[0] == 0x06 && fields->writes->first == kSilentRegister && request[3] >> 4U == 7U) {
+    if (is_silent(*fields)) {
       die_until(now + settings_.profile.unanswered.front().after);
       return {};
     }
@@ -56,7 +65,7 @@ Pdu SoakDevice::answer_to(spec::Bytes request, const spec::Fields& fields, Insta
   if (fields.reads) {
     return read(request, *fields.reads, now);
   }
-  if (request[0] == 0x11 || request[0] == 0x2B) {
+  if (asks_identity(request[0])) {
     return identify(request, now);
   }
   if (request[0] == kOwnFunction && request[1] != kKnownCommand) {
@@ -65,28 +74,20 @@ Pdu SoakDevice::answer_to(spec::Bytes request, const spec::Fields& fields, Insta
   return acknowledgement(request);
 }
 
-// 17 and 43/14: nobody knows before how much it is. Input registers, so that it can be told when it
-// was asked, and of whom.
+// Nobody knows before how much it is.
 Pdu SoakDevice::identify(spec::Bytes request, Instant now) const {
-  const auto value = [&](unsigned at) { return registers_.read(Table::input_registers, at, now); };
-  const auto low = [](unsigned word) { return static_cast<std::uint8_t>(word & 0xFFU); };
-  const unsigned count = 1U + value(0) % kMostIdentity;
-  std::vector<std::uint8_t> bytes{0x11, low(2 * count)};
-  if (request[0] == 0x2B) {
-    bytes = {0x2B, 0x0E, 0x01, 0x01, 0, 0, low(count)};
-  }
-  for (unsigned at = 0; at < count; ++at) {
-    if (request[0] == 0x2B) {
-      bytes.push_back(low(at));
-      bytes.push_back(2);
-    }
-    bytes.push_back(low(value(at) >> 8U));
-    bytes.push_back(low(value(at)));
-  }
-  return *Pdu::from(bytes);
+  const auto value = [&](unsigned at, std::size_t /*place*/) {
+    return registers_.read(Table::input_registers, at, now);
+  };
+  return *Pdu::from(
+      identity_answer(request, shown_by(request, 1U + value(0, 0) % kMostIdentity), value));
 }
 
-Pdu SoakDevice::read(spec::Bytes request, const spec::Range& range, Instant now) const {
+Pdu SoakDevice::read(spec::Bytes request, const spec::Range& asked, Instant now) const {
+  spec::Range range = asked;
+  if (range.table == Table::input_registers && settings_.profile.input_as_holding) {
+    range.table = Table::holding_registers;
+  }
   const bool bits = is_bits(range.table);
   const std::size_t size = bits ? (range.count + 7U) / 8U : range.count * 2U;
   std::vector<std::uint8_t> bytes(2 + size);

@@ -14,8 +14,11 @@ namespace mbgate::soak {
 
 class SoakDevice {
  public:
-  SoakDevice(const drive::Device& settings, std::uint64_t salt)
-      : settings_(settings), registers_(salt) {}
+  SoakDevice(const drive::Device& settings, drive::WordOrder own_order, std::uint64_t salt)
+      : settings_(settings), registers_(salt) {
+    registers_.write(kOrderRegister, own_order == drive::WordOrder::big ? kBigOrder : kLittleOrder,
+                     Instant::min());
+  }
 
   [[nodiscard]] const drive::Device& settings() const { return settings_; }
   /// The drive is the same; what is said of it, and its address, are others.
@@ -35,7 +38,7 @@ class SoakDevice {
  private:
   [[nodiscard]] modbus::Pdu answer_to(spec::Bytes request, const spec::Fields& fields,
                                       Instant now) const;
-  [[nodiscard]] modbus::Pdu read(spec::Bytes request, const spec::Range& range, Instant now) const;
+  [[nodiscard]] modbus::Pdu read(spec::Bytes request, const spec::Range& asked, Instant now) const;
   [[nodiscard]] modbus::Pdu identify(spec::Bytes request, Instant now) const;
   void write(spec::Bytes request, const spec::Fields& fields, Instant now);
   void write_registers(const spec::Fields& fields, Instant now);

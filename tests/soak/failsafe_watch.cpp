@@ -111,6 +111,7 @@ std::vector<Asked> FailsafeWatch::take_due(Instant now) {
       Asked& asked = due.emplace_back();
       asked.kind = Kind::stop;
       asked.failsafe = true;
+      asked.is_repeated = spec::word_at(write, 1) == kStopRegister;
       asked.client_gone = true;
       asked.door = &watch.door;
       asked.pdu = write;

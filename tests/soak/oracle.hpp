@@ -148,6 +148,8 @@ class Oracle {
   [[nodiscard]] unsigned failsafes_like(const Asked& asked, const Piece& piece) const;
   void cancel_for_stop(const Asked& stop);
   void doom_broadcasts(const Asked& stop, std::size_t bus);
+  [[nodiscard]] bool reaches(const Asked& stop, std::size_t bus, std::uint8_t form) const;
+  [[nodiscard]] std::vector<Asked*> broadcasts_on(std::size_t bus);
   [[nodiscard]] bool may_wait(const Asked& stop) const;
   void close(Asked& asked, const std::string& how);
   void end_without_reply(Asked& asked);
@@ -166,6 +168,7 @@ class Oracle {
 
   // oracle_answers.cpp
   void judge(Asked& asked, Bytes pdu);
+  [[nodiscard]] static bool was_asked_before_reload(const Asked& asked);
   void device_answered(const Asked& asked);
   void judge_exception(const Asked& asked, std::uint8_t code);
   void judge_busy(const Asked& asked);
@@ -194,6 +197,7 @@ class Oracle {
   [[nodiscard]] static bool has_answered_since(const Lane& lane, const Flight& flight);
   void attribute(Flight& flight);
   bool fits(const Asked& asked, const Piece& piece, const Flight& flight) const;
+  [[nodiscard]] bool is_behind_failure(const Asked& asked, const Piece& piece) const;
   [[nodiscard]] std::string objection(const Asked& asked, const Piece& piece) const;
   void unknown_transmission(const Flight& flight);
   void note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone);

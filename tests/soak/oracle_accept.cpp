@@ -97,7 +97,7 @@ void Oracle::accept(Asked& asked) {
   for (Piece& piece : asked.pieces) {
     Book& book = books_[piece.bus];
     const bool is_one_too_many = asked.is_stop() && book.open_stops.size() >= bus::kRoomForStops;
-    if (&piece == &asked.pieces.front() || piece.bus != asked.pieces.front().bus) {
+    if (is_first_on_its_bus(asked, piece)) {
       if (book.present >= bus_settings(piece.bus).queue || is_one_too_many) {
         book.last_full = schedule_.now();
       }
@@ -148,11 +148,33 @@ void Oracle::cancel_for_stop(const Asked& stop) {
   }
 }
 
+// Does a device that the stop is for hear broadcasts of this form?
+bool Oracle::reaches(const Asked& stop, std::size_t bus, std::uint8_t form) const {
+  if (stop.stops_all) {
+    return std::ranges::any_of(
+        stop.pieces, [&](const Piece& piece) { return piece.bus == bus && piece.address == form; });
+  }
+  const auto& broadcast = devices_[*stop.door->device].settings().profile.broadcast;
+  return (broadcast.form == drive::BroadcastForm::autonics) == (form == kAutonicsAddress);
+}
+
+// In either form; each once.
+std::vector<Asked*> Oracle::broadcasts_on(std::size_t bus) {
+  std::vector<Asked*> found = books_[bus].lanes[0].open;
+  for (Asked* asked : books_[bus].lanes[kAutonicsAddress].open) {
+    if (std::ranges::find(found, asked) == found.end()) {
+      found.push_back(asked);
+    }
+  }
+  return found;
+}
+
 // They are writes to every device of the bus; on other buses they go on.
 void Oracle::doom_broadcasts(const Asked& stop, std::size_t bus) {
-  for (Asked* asked : books_[bus].lanes[0].open) {
+  for (Asked* asked : broadcasts_on(bus)) {
     for (Piece& piece : asked->pieces) {
-      const bool stopped = asked->kind == Kind::broadcast && !asked->stops_all && piece.bus == bus;
+      const bool stopped = asked->kind == Kind::broadcast && !asked->stops_all &&
+                           piece.bus == bus && reaches(stop, bus, piece.address);
       if (stopped && !piece.doomed && !lets_writes_go(stop)) {
         piece.doomed = schedule_.now();
       }

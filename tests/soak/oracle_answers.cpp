@@ -8,6 +8,7 @@
 namespace mbgate::soak {
 namespace {
 
+constexpr std::uint8_t kFailure = 0x04;
 constexpr std::uint8_t kBusy = 0x06;
 constexpr std::uint8_t kNoPath = 0x0A;
 constexpr std::uint8_t kNoResponse = 0x0B;
@@ -36,7 +37,7 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
   ++report_.answers;
   if (pdu[0] != function) {
     violation("wrong_function", "function " + std::to_string(pdu[0]) + " for " + name(asked));
-  } else if (asked.refused) {
+  } else if (asked.refused || asked.other_order) {
     violation("not_refused", name(asked));
   } else if (asked.kind == Kind::own) {
     own_answer_.assign(pdu.begin(), pdu.end());
@@ -68,6 +69,9 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     return;
   }
   if (asked.kind == Kind::own) {
+    if (asked.any_code) {
+      return;
+    }
     violation("wrong_refusal", code_text(code) + " of the gateway's own unit");
     return;
   }
@@ -77,7 +81,8 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     case kNoResponse: judge_no_response(asked); return;
     default: break;
   }
-  if (!asked.device_exceptions.test(code)) {
+  if (!asked.device_exceptions.test(code) &&
+      !(code == kFailure && was_asked_before_reload(asked))) {
     if (is_apart(asked, "misdelivered_")) {
       return;
     }
@@ -85,6 +90,13 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     return;
   }
   device_answered(asked);
+}
+
+// What the drive said of its word order was compared with settings that came meanwhile.
+bool Oracle::was_asked_before_reload(const Asked& asked) {
+  return std::ranges::any_of(asked.pieces, [](const Piece& piece) {
+    return piece.asks_order && piece.executed && piece.taken_back;
+  });
 }
 
 void Oracle::device_answered(const Asked& asked) {
@@ -129,7 +141,8 @@ void Oracle::judge_busy(const Asked& asked) {
   const bool reason = expired || may_be_stopped(asked) ||
                       writers_.may_be_held(asked, schedule_.now()) || asked.dropped ||
                       asked.doomed || std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
-                        return piece.taken_back || books_[piece.bus].last_full >= asked.accepted;
+                        return piece.taken_back || books_[piece.bus].last_full >= asked.accepted ||
+                               (piece.asks_order && piece.sent > 0);
                       });
   if (!reason) {
     violation(
@@ -168,7 +181,7 @@ void Oracle::judge_no_response(const Asked& asked) {
 // Between these instants the device must have held what the answer shows.
 Span Oracle::span_of(const Asked& asked) const {
   if (asked.changes()) {
-    return asked.pieces.front().done;  // 23 reads when it has written
+    return asked.pieces.back().done;  // 23 reads when it has written
   }
   const Duration cache = std::max(asked.cache, devices_[*asked.door->device].settings().cache);
   Instant first = asked.accepted;
@@ -194,8 +207,12 @@ void Oracle::judge_done(const Asked& asked) {
   if (asked.is_read()) {
     return;
   }
-  const bool sent = std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; });
-  const bool done = std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.executed; });
+  const auto all = [&](const auto& is_so) {
+    return std::ranges::all_of(asked.pieces,
+                               [&](const Piece& it) { return it.asks_order || is_so(it); });
+  };
+  const bool sent = all([](const Piece& it) { return it.sent > 0; });
+  const bool done = all([](const Piece& it) { return it.executed; });
   const bool must_be_done = !asked.silent && asked.kind == Kind::write;
   if (!sent || (!done && must_be_done)) {
     if (is_apart(asked, "acknowledged_")) {

@@ -51,6 +51,7 @@ struct Lane {
   Instant last_offline = Instant::min();  ///< it may have been offline then
   unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
   BusCount count;
+  bool knows_order = false;    ///< its drive was asked for its word order
   bool stays_offline = false;  ///< it was perhaps offline when other settings came
   Instant last_write_event = Instant::min();
   Instant earlier_write_event = Instant::min();  ///< the last one of an earlier instant

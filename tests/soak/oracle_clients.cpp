@@ -171,13 +171,12 @@ void Oracle::closed(ClientId client) {
 }
 
 void Oracle::close(Asked& asked, const std::string& how) {
-  bool present = asked.is_accepted && !asked.refused;
+  const bool present = asked.is_accepted && !asked.refused;
   for (Piece& piece : asked.pieces) {
     Book& book = books_[piece.bus];
     leave_queue(piece);
-    if (present) {
+    if (present && is_first_on_its_bus(asked, piece)) {
       --book.present;
-      present = asked.kind == Kind::broadcast;
     }
     std::erase(book.lanes[piece.address].open, &asked);
     if (std::ranges::find(book.open_stops, &asked) != book.open_stops.end()) {

@@ -2,6 +2,7 @@
 // The oracle's judgement of what an answer shows.
 #include <algorithm>
 
+#include "soak/identity.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -18,14 +19,14 @@ void Oracle::judge_content(const Asked& asked, Bytes pdu) {
   }
 }
 
-// 05, 06, 15 and 16 repeat four bytes, 22 and the maker's own function everything.
+// 05, 06, 15 and 16 repeat four bytes, 22 and those that name no table everything.
 void Oracle::judge_echo(const Asked& asked, Bytes pdu) {
-  const bool whole = asked.pdu.front() == 0x16 || asked.pdu.front() == kOwnFunction;
+  const bool whole = asked.pdu.front() == 0x16 || asked.has_no_table;
   const std::size_t size = whole ? asked.pdu.size() : std::min<std::size_t>(asked.pdu.size(), 5);
   if (pdu.size() == size && std::equal(pdu.begin(), pdu.end(), asked.pdu.begin())) {
     return;
   }
-  if (asked.pdu.front() == kOwnFunction) {
+  if (asked.has_no_table) {
     wrong_data(asked, hex(pdu));  // nobody but its client can know what it should be
   } else {
     violation("wrong_echo", name(asked));
@@ -34,23 +35,29 @@ void Oracle::judge_echo(const Asked& asked, Bytes pdu) {
 
 // Input registers of the device, as many as it likes.
 void Oracle::judge_identity(const Asked& asked, Bytes pdu) {
-  const bool objects = pdu[0] == 0x2B;
-  const std::size_t head = objects ? 7 : 2;
-  const std::size_t step = objects ? 4 : 2;
-  const std::size_t count = pdu.size() < head + step ? 0 : (pdu.size() - head) / step;
-  const std::size_t told = objects ? pdu[head - 1] : pdu[head - 1] / 2U;
-  if (count == 0 || count > kMostIdentity || told != count || pdu.size() != head + count * step) {
-    violation("wrong_length", std::to_string(pdu.size()) + " bytes for " + name(asked));
-    return;
-  }
   const Span span = span_of(asked);
   const Registers& registers = devices_[*asked.door->device].registers();
-  for (std::size_t at = 0; at < count; ++at) {
-    const std::uint16_t value = spec::word_at(pdu, head + (at + 1) * step - 2);
-    if (!registers.held(Table::input_registers, static_cast<unsigned>(at), value, span)) {
-      wrong_data(asked, "part " + std::to_string(at) + " of the identity");
-      return;
-    }
+  const spec::Bytes request = asked.pieces.front().pdu;
+  const auto no_word = [](unsigned, std::size_t) { return 0U; };
+  unsigned count = shown_by(request, kMostIdentity);
+  while (count > 1 && identity_answer(request, count, no_word).size() > pdu.size()) {
+    --count;
+  }
+  bool held = true;
+  const auto shown = [&](unsigned address, std::size_t at) {
+    const auto value =
+        static_cast<std::uint16_t>(request[0] == 0x07 ? pdu[at] : spec::word_at(pdu, at));
+    held =
+        held && (request[0] == 0x07 ? registers.low_held(Table::input_registers, address,
+                                                         static_cast<std::uint8_t>(value), span)
+                                    : registers.held(Table::input_registers, address, value, span));
+    return unsigned{value};
+  };
+  if (identity_answer(request, count, no_word).size() != pdu.size() ||
+      !std::ranges::equal(identity_answer(request, count, shown), pdu)) {
+    violation("wrong_length", hex(pdu) + " for " + name(asked));
+  } else if (!held) {
+    wrong_data(asked, "identity " + hex(pdu));
   }
 }
 
@@ -77,7 +84,7 @@ void Oracle::judge_data(const Asked& asked, Bytes pdu) {
       continue;
     }
     const unsigned address =
-        check.swapped && is_in_pair(check.table, shown) ? partner_of(shown) : shown;
+        check.swapped && is_in_value(check.table, shown) ? partner_of(shown) : shown;
     if (!registers.held(check.table, address, value, span)) {
       const std::uint16_t held = registers.read(check.table, address, schedule_.now());
       wrong_data(asked, "register " + std::to_string(address) + " shows " + std::to_string(value) +

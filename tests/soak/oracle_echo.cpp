@@ -2,11 +2,12 @@
 // What a line hears of itself, and what begins before a request has left: when an echo may be taken
 // for an answer, and when it must not.
 //
-// The echo of 05, 06, 22 and of a function of the maker's own looks like the answer. On an
+// The echo of 05, 06, 08, 21, 22 and of a function of the maker's own looks like the answer. On an
 // `echo = "auto"` line it may be taken for it until the echo of anything else came whole; where the
 // settings deny an echo that there is, always; where they say that there is one, never; and nowhere
 // if the line is paced and it was read before the computed end of the request. That of some reads
-// of bits looks like an answer too: only settings that deny it make it one.
+// of bits looks like an answer too: only settings that deny it make it one. Answers to requests
+// without fields may begin as their echoes would: these prove nothing.
 #include <algorithm>
 
 #include "soak/oracle.hpp"
@@ -25,7 +26,8 @@ constexpr const char* kUnproven = "unproven_echo";
 
 bool looks_like_answer(const Flight& flight) {
   const std::uint8_t function = flight.pdu.front();
-  return !flight.is_broadcast && (function == 0x05 || function == 0x06 || function == 0x16 ||
+  return !flight.is_broadcast && (flight.pdu.size() == 1 || function == 0x05 || function == 0x06 ||
+                                  function == 0x08 || function == 0x15 || function == 0x16 ||
                                   function == kOwnFunction || looks_like_bits(flight.pdu));
 }
 
@@ -189,7 +191,8 @@ void Oracle::judge_heard(const Asked& asked) {
   const bool is_asked = asked.kind != Kind::broadcast && asked.kind != Kind::own && !asked.silent &&
                         asked.maybe_on_wire && !asked.pieces.empty();
   if (!is_asked || is_tcp(asked.pieces.front().bus) ||
-      std::ranges::all_of(asked.pieces, &Piece::answered)) {
+      std::ranges::all_of(asked.pieces,
+                          [](const Piece& it) { return it.answered || it.asks_order; })) {
     return;
   }
   const bool may_be_cached =

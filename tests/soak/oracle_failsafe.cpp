@@ -27,7 +27,7 @@ void Oracle::begin_failsafe() {
 
 // Of those that are repeated, and were due more than once, nobody can tell which is sent.
 unsigned Oracle::failsafes_like(const Asked& asked, const Piece& piece) const {
-  if (piece.pdu[2] != (kStopRegister & 0xFFU)) {
+  if (!asked.is_repeated) {
     return 1;
   }
   return static_cast<unsigned>(std::ranges::count_if(

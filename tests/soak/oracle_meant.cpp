@@ -22,6 +22,17 @@ bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) 
          first + spec::word_at(piece.pdu, 3) <= merged + spec::word_at(flight.pdu, 3);
 }
 
+// A part of several goes only when those before it were carried out. Which word order the drive has
+// may be known from an earlier question.
+bool Oracle::is_behind_failure(const Asked& asked, const Piece& piece) const {
+  if (asked.kind == Kind::broadcast || &piece == &asked.pieces.front()) {
+    return false;
+  }
+  const Piece& before = *(&piece - 1);
+  return !before.executed &&
+         !(before.asks_order && books_[piece.bus].lanes[piece.address].knows_order);
+}
+
 // Why the piece may not be transmitted now; nothing if it may.
 std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
   const Instant now = schedule_.now();
@@ -31,13 +42,12 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
     return "other_meaning";
   }
   if (asked.is_stop()) {
-    const bool is_shared = (spec::word_at(piece.pdu, 3) & 0xFFFU) == 0xFFFU;
-    const bool repeated = !asked.stops_all && piece.pdu[2] == (kStopRegister & 0xFFU);
-    const unsigned repeats = repeated ? std::max(asked.stop_retries, timing.stop_retries) : 0;
+    const unsigned repeats =
+        asked.is_repeated ? std::max(asked.stop_retries, timing.stop_retries) : 0;
     if (asked.failsafe) {
       return piece.sent >= (1 + repeats) * failsafes_like(asked, piece) ? "failsafe_too_often" : "";
     }
-    return asked.surely_on_wire && !is_shared && piece.sent > repeats ? "stop_too_often" : "";
+    return asked.surely_on_wire && !asked.is_shared && piece.sent > repeats ? "stop_too_often" : "";
   }
   if (!asked.is_accepted) {
     return "pipeline";
@@ -53,7 +63,13 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
     return "cancelled_write";
   }
   const bool once = asked.changes() && !asked.retry_writes;
-  if (asked.changes() && piece.sent > (once ? 0 : asked.retries)) {
+  if (asked.other_order && !piece.asks_order) {
+    return "written_in_other_order";
+  }
+  if (is_behind_failure(asked, piece) && !is_apart(asked, "continued_")) {
+    return "part_after_failure";
+  }
+  if (asked.changes() && !piece.asks_order && piece.sent > (once ? 0 : asked.retries)) {
     return "write_twice";
   }
   return "";
@@ -111,7 +127,8 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
       violation("writer", name(asked) + ", but " + owner);
     }
   }
-  mine.repeats_read = mine.repeats_read || (asked.is_read() && asked.last_sent == flight.pdu);
+  mine.repeats_read =
+      mine.repeats_read || ((asked.is_read() || piece.asks_order) && asked.last_sent == flight.pdu);
   mine.is_part = mine.is_part || (asked.pieces.size() > 1 && asked.kind != Kind::broadcast);
   if (alone && mine.repeats_read && asked.last_alone != 0 && !mine.is_part && !is_tcp(flight.bus)) {
     check_turns(asked, flight);
@@ -132,7 +149,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   leave_queue(asked.pieces.size() == 1 || asked.kind == Kind::broadcast ? piece
                                                                         : asked.pieces.front());
   asked.maybe_on_wire = true;
-  asked.surely_on_wire = asked.surely_on_wire || alone;
+  asked.surely_on_wire = asked.surely_on_wire || (alone && !piece.asks_order);
   note_write_event(asked, flight.bus);
   std::erase(books_[flight.bus].stops, &asked);
   if (!asked.replies &&

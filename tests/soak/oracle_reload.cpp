@@ -88,12 +88,11 @@ void Oracle::take_back(Asked& asked, std::size_t bus) {
 }
 
 void Oracle::take_back(std::size_t bus, std::uint8_t address) {
-  for (const std::uint8_t lane : {address, std::uint8_t{0}}) {
-    for (Asked* asked : books_[bus].lanes[lane].open) {
-      if (lane == address || asked->kind == Kind::broadcast) {
-        take_back(*asked, bus);
-      }
-    }
+  for (Asked* asked : books_[bus].lanes[address].open) {
+    take_back(*asked, bus);
+  }
+  for (Asked* asked : broadcasts_on(bus)) {
+    take_back(*asked, bus);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "soak/identity.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -14,7 +15,7 @@ namespace {
 
 /// Of such an answer, once damaged, any number of bytes may seem to be missing.
 bool is_of_unknown_length(const PduBytes& pdu) {
-  return !pdu.empty() && (pdu[0] == 0x11 || pdu[0] == 0x2B || pdu[0] == kOwnFunction);
+  return !pdu.empty() && (asks_identity(pdu[0]) || pdu[0] == kOwnFunction);
 }
 
 }  // namespace

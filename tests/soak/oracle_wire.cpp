@@ -3,6 +3,7 @@
 // made of it.
 #include <algorithm>
 
+#include "soak/identity.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -10,9 +11,10 @@ namespace {
 
 using namespace std::chrono_literals;
 constexpr std::size_t kFlightsKept = 2000;
+constexpr std::uint8_t kDeviceFailure = 0x04;
 
 bool is_read_function(std::uint8_t function) {
-  return (function >= 1 && function <= 4) || function == 0x11 || function == 0x2B;
+  return (function >= 1 && function <= 4) || asks_identity(function);
 }
 
 }  // namespace
@@ -99,7 +101,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
     flight.end += spec::WireTimes(line).of(frame.size());
   }
   flight.is_write = !is_read_function(flight.pdu.front());
-  flight.is_broadcast = flight.address == 0 && !is_tcp(bus);
+  flight.is_broadcast = !is_tcp(bus) && is_for_all(plan_, bus, flight.address);
   cut_flying(book);
   attribute(flight);
   check_stops_first(flight);
@@ -154,6 +156,12 @@ void Oracle::executed(const Flight& flight) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
       for (Piece& piece : entry->second->pieces) {
         if (piece.pdu == flight.pdu) {
+          if (piece.asks_order) {
+            books_[flight.bus].lanes[flight.address].knows_order = true;
+            if (entry->second->other_order) {
+              entry->second->device_exceptions.set(kDeviceFailure);
+            }
+          }
           piece.done = {piece.executed ? piece.done.first : schedule_.now(), schedule_.now()};
           piece.executed = true;
         }
@@ -181,6 +189,11 @@ void Oracle::excepted(const Flight& flight, std::uint8_t code) {
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
       entry->second->device_exceptions.set(code);
+      for (const Piece& piece : entry->second->pieces) {
+        if (piece.asks_order && piece.pdu == flight.pdu) {
+          entry->second->device_exceptions.set(kDeviceFailure);  // it did not say the right one
+        }
+      }
     }
   }
 }

@@ -150,10 +150,24 @@ drive::DeviceTiming Draw::draw_timing() {
 
 drive::Profile Draw::draw_profile() {
   drive::Profile profile;
-  for (unsigned first = kPairsFrom; first < kPairsEnd; first += 2) {
-    profile.values.add({Table::holding_registers, static_cast<std::uint16_t>(first), 2, false});
+  for (unsigned at = 0; at < kRegisters; ++at) {
+    if (is_in_value(Table::holding_registers, at) && value_begin(at) == at) {
+      profile.values.add({Table::holding_registers, static_cast<std::uint16_t>(at),
+                          static_cast<std::uint16_t>(value_end(at) - at),
+                          is_motion(Table::holding_registers, at)});
+    }
   }
+  constexpr unsigned kGroup = 4;
+  for (unsigned at = kGroupsFrom; at < kGroupsEnd; at += kGroup) {
+    profile.groups.push_back({Table::holding_registers, static_cast<std::uint16_t>(at), kGroup});
+  }
+  profile.write_only.push_back(
+      {Table::holding_registers, kWriteOnlyFrom, kMotionFrom - kWriteOnlyFrom});
+  profile.communication.push_back({Table::holding_registers, kCommunicationRegister, 1});
+  profile.word_order_register = {kOrderRegister, {kBigOrder}, {kLittleOrder}};
+  profile.position_opcodes = {kOpcodeRegister, {kPositionOpcode}, kOpcodeRegister + 1};
   profile.stops.push_back({Table::holding_registers, kStopRegister, 0xF000, 0x5000});
+  profile.stops.push_back({Table::coils, kStopCoil, 0xFFFF, 0xFF00});
   profile.unanswered.push_back(
       {{Table::holding_registers, kSilentRegister, 0xF000, 0x7000}, random_.duration(10ms, 200ms)});
   profile.slow.push_back(
@@ -162,9 +176,23 @@ drive::Profile Draw::draw_profile() {
     const auto most = random_.between<std::uint16_t>(4, 64);
     profile.limits.read = {2000, 2000, most, most};
     profile.limits.write_coils = static_cast<std::uint16_t>(16U * random_.between(1U, 6U));
-    profile.limits.write_registers = random_.between<std::uint16_t>(2, 8);
+    profile.limits.write_registers = random_.between<std::uint16_t>(4, 8);
   }
+  if (random_.chance(300)) {
+    profile.functions.reset(random_.one_of<std::size_t>(
+        {0x07, 0x08, 0x0B, 0x0C, 0x11, 0x14, 0x15, 0x16, 0x17, 0x18, 0x2B, kOwnFunction}));
+  }
+  profile.input_as_holding = random_.chance(150);
   return profile;
+}
+
+// It takes what the manual lists, and so many registers at once.
+void be_autonics(drive::Broadcast& broadcast) {
+  broadcast.form = drive::BroadcastForm::autonics;
+  broadcast.most_registers = kMostOfAutonics;
+  broadcast.allowed = {{Table::holding_registers, kStopRegister, 3},
+                       {Table::holding_registers, kBroadcastRun, kMostOfBroadcastRun},
+                       {Table::coils, kStopCoil, kCoils - kStopCoil}};
 }
 
 void Draw::add_device(std::size_t bus, std::uint8_t address) {
@@ -178,6 +206,21 @@ void Draw::add_device(std::size_t bus, std::uint8_t address) {
   device.split_writes = random_.chance(500);
   device.stop_cancels = random_.chance(800);
   device.cache = random_.chance(250) ? random_.duration(5ms, 200ms) : 0ms;
+  if (random_.chance(300)) {
+    device.write_function = random_.one_of<std::uint8_t>({6, 16});
+  }
+  device.split_values = random_.chance(500);
+  device.allow_reconfigure = random_.chance(500);
+  if (random_.chance(500)) {
+    device.opcode_order = random_.one_of({WordOrder::big, WordOrder::little});
+  }
+  device.verify_word_order = random_.chance(200);
+  const bool lies = device.verify_word_order && random_.chance(200);
+  plan_.own_orders.push_back(lies == (*device.word_order == WordOrder::big) ? WordOrder::little
+                                                                            : WordOrder::big);
+  if (plan_.settings.buses[bus].line.framing != Framing::tcp && random_.chance(150)) {
+    be_autonics(device.profile.broadcast);
+  }
 }
 
 }  // namespace

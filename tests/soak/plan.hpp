@@ -12,10 +12,7 @@
 
 namespace mbgate::soak {
 
-/// Client addresses of the windows: the first shows holding registers, the second input registers.
-inline constexpr std::uint16_t kHoldingWindow = 1000;
-inline constexpr std::uint16_t kInputWindow = 3000;
-inline constexpr std::uint16_t kInputs = 100;
+inline constexpr std::uint16_t kInputs = 100;  ///< input registers that a window shows
 inline constexpr unsigned kMostHosts = 12;
 
 /// A unit of a listener, as its clients see it.
@@ -24,8 +21,13 @@ struct Door {
   std::uint8_t unit = 0;
   std::optional<std::size_t> device;  ///< none: a broadcast
   std::vector<std::size_t> buses;
-  bool routed = false;       ///< what the device's profile says is done
-  bool windowed = false;     ///< only the two windows can be reached
+  bool routed = false;      ///< what the device's profile says is done
+  bool windowed = false;    ///< only its windows can be reached
+  bool shows_coils = true;  ///< one of them shows coils
+  /// Client addresses of the first register and coil; inputs are shown as holding registers.
+  unsigned holding_at = 0;
+  unsigned input_at = 0;
+  unsigned coils_at = 0;
   bool names_order = false;  ///< of words: no value may be cut by a write
   bool swapped = false;      ///< the client sees the words of values the other way round
   bool read_only = false;
@@ -33,6 +35,7 @@ struct Door {
   Duration write_deadline{0};
   bool replies = true;                 ///< broadcasts: the client gets an echo
   std::optional<std::size_t> route{};  ///< none: a transparent listener's
+  bool in_range = false;               ///< of a route that leads to addresses, not to a device
   bool absent = false;                 ///< it leads nowhere at present, or another one has its unit
 };
 
@@ -117,6 +120,7 @@ struct SoakPlan {
   std::vector<AdapterKind> adapters;           ///< by bus
   std::vector<bus::LineKind> kinds;            ///< by bus, what its line is opened as
   std::vector<bool> echoes;                    ///< by bus: its line really hears itself
+  std::vector<drive::WordOrder> own_orders;    ///< by device: what the drive itself is set to
   std::vector<std::vector<unsigned>> writers;  ///< by device, the hosts that its guard lists
   std::vector<std::vector<std::vector<std::uint8_t>>> failsafe;  ///< by device, the PDUs
   std::vector<Manners> clients;
@@ -134,6 +138,8 @@ void draw_lines(SoakPlan& plan, std::uint64_t seed);
 void draw_line_kind(SoakPlan& plan, std::size_t bus, Random& random);
 /// Nothing that began before a request has left answers it.
 bool is_paced(const SoakPlan& plan, std::size_t bus);
+/// Does everybody on the bus listen there, or every AiC?
+bool is_for_all(const SoakPlan& plan, std::size_t bus, std::uint8_t address);
 /// Listeners, routes and the doors that they make.
 void draw_doors(SoakPlan& plan, Random& random);
 /// The default deadlines, or those of its route.

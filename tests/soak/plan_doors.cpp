@@ -11,6 +11,8 @@ namespace {
 using namespace std::chrono_literals;
 using drive::WordOrder;
 
+constexpr unsigned kLastUnit = 200;
+
 class Doors {
  public:
   Doors(SoakPlan& plan, Random& random) : plan_(plan), random_(random) {}
@@ -28,6 +30,8 @@ class Doors {
   void add_listeners();
   void add_doors();
   void add_routes(std::size_t device);
+  void add_windows(routing::Route& route, Door& door);
+  void add_range(std::size_t bus);
   void add_broadcasts();
   [[nodiscard]] bool is_tcp(std::size_t bus) const {
     return plan_.settings.buses[bus].line.framing == bus::Framing::tcp;
@@ -71,6 +75,11 @@ void Doors::add_doors() {
       }
     }
   }
+  for (std::size_t bus = 0; bus < settings.buses.size(); ++bus) {
+    if (random_.chance(300)) {
+      add_range(bus);
+    }
+  }
   add_broadcasts();
 }
 
@@ -85,19 +94,15 @@ void Doors::add_routes(std::size_t index) {
     if (random_.chance(600)) {
       route.word_order = random_.one_of({WordOrder::big, WordOrder::little});
     }
-    if (random_.chance(300)) {
-      route.windows = {
-          {Table::holding_registers, kHoldingWindow, kRegisters, Table::holding_registers, 0},
-          {Table::holding_registers, kInputWindow, kInputs, Table::input_registers, 0}};
-      route.functions = routing::FunctionRules::rewritable();
-    }
     route.access = random_.chance(100) ? routing::Access::read_only : routing::Access::read_write;
     if (random_.chance(500)) {
       route.deadline = random_.duration(50ms, 3s);
     }
     Door door{0, route.first_unit, index, {static_cast<std::size_t>(device.bus)}};
     door.routed = true;
-    door.windowed = !route.windows.empty();
+    if (random_.chance(300)) {
+      add_windows(route, door);
+    }
     door.names_order = route.word_order.has_value();
     door.swapped = route.word_order && *route.word_order != *device.word_order;
     door.read_only = route.access == routing::Access::read_only;
@@ -110,6 +115,57 @@ void Doors::add_routes(std::size_t index) {
       if (has_twin) {
         add_twin(plan_, door, other);
       }
+    }
+  }
+}
+
+// Anywhere, up to the last address; input registers are shown as holding registers.
+void Doors::add_windows(routing::Route& route, Door& door) {
+  constexpr unsigned kEnd = 0x10000;
+  constexpr unsigned kMiddle = kEnd / 2;
+  door.windowed = true;
+  door.holding_at = random_.one_of({0U, random_.between(1U, kMiddle - kRegisters)});
+  door.input_at = random_.one_of({kEnd - kInputs, random_.between(kMiddle, kEnd - kInputs)});
+  route.windows = {{Table::holding_registers, static_cast<std::uint16_t>(door.holding_at),
+                    kRegisters, Table::holding_registers, 0},
+                   {Table::holding_registers, static_cast<std::uint16_t>(door.input_at), kInputs,
+                    Table::input_registers, 0}};
+  door.shows_coils = random_.chance(500);
+  if (door.shows_coils) {
+    door.coils_at = random_.one_of({kEnd - kCoils, random_.between(0U, kEnd - kCoils)});
+    route.windows.push_back(
+        {Table::coils, static_cast<std::uint16_t>(door.coils_at), kCoils, Table::coils, 0});
+  }
+  route.functions = routing::FunctionRules::rewritable();
+}
+
+// One route to all addresses of a bus that a device has, and those between.
+void Doors::add_range(std::size_t bus) {
+  std::vector<std::size_t> on_it;
+  for (std::size_t index = 0; index < plan_.settings.devices.size(); ++index) {
+    if (static_cast<std::size_t>(plan_.settings.devices[index].bus) == bus) {
+      on_it.push_back(index);
+    }
+  }
+  const std::uint8_t first = plan_.settings.devices[on_it.front()].address;
+  const std::uint8_t last = plan_.settings.devices[on_it.back()].address;
+  if (next_unit_ + (last - first) > kLastUnit) {
+    return;
+  }
+  auto& route = plan_.settings.routes.emplace_back();
+  route.first_unit = next_unit_;
+  route.last_unit = static_cast<std::uint8_t>(next_unit_ + (last - first));
+  next_unit_ = static_cast<std::uint8_t>(route.last_unit + 1);
+  route.buses = {drive::BusId{static_cast<std::uint32_t>(bus)}};
+  route.first_address = first;
+  for (const std::size_t index : on_it) {
+    const std::uint8_t address = plan_.settings.devices[index].address;
+    Door door{0, static_cast<std::uint8_t>(route.first_unit + (address - first)), index, {bus}};
+    door.route = plan_.settings.routes.size() - 1;
+    door.in_range = true;
+    set_deadlines(plan_, door);
+    for (; !plan_.settings.listeners[door.listener].bus; ++door.listener) {
+      plan_.doors.push_back(door);
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "soak/plan.hpp"
+#include "soak/registers.hpp"
 
 namespace mbgate::soak {
 
@@ -35,6 +36,15 @@ void draw_faults(SoakPlan& plan, std::size_t bus, Random& random) {
 
 bool is_paced(const SoakPlan& plan, std::size_t bus) {
   return plan.settings.buses[bus].line.paced.value_or(plan.kinds[bus] == LineKind::uart);
+}
+
+bool is_for_all(const SoakPlan& plan, std::size_t bus, std::uint8_t address) {
+  return address == 0 ||
+         (address == kAutonicsAddress &&
+          std::ranges::any_of(plan.settings.devices, [&](const drive::Device& device) {
+            return static_cast<std::size_t>(device.bus) == bus &&
+                   device.profile.broadcast.form == drive::BroadcastForm::autonics;
+          }));
 }
 
 // Settings that deny an echo are wrong where there is one: where the line is paced it comes before

@@ -28,7 +28,8 @@ std::uint16_t half(std::uint32_t words, unsigned address) {
 bool is_slow(modbus::Bytes request) {
   const auto reaches = [&](std::size_t field, bool one) {
     const unsigned count = one ? 1 : spec::word_at(request, field + 2);
-    return spec::word_at(request, field) + count > kSlowFrom;
+    const unsigned first = spec::word_at(request, field);
+    return first < kSlowEnd && first + count > kSlowFrom;
   };
   switch (request[0]) {
     case 0x06:
@@ -121,6 +122,16 @@ bool Registers::held(Table table, unsigned address, std::uint16_t value, Span sp
   return any(history(address), span, [&](std::uint32_t words) {
     return value == (is_in_pair(table, address) ? half(words, address) : word(words));
   });
+}
+
+bool Registers::low_held(Table table, unsigned address, std::uint8_t value, Span span) const {
+  constexpr unsigned kHighBytes = 256;
+  for (unsigned upper = 0; upper < kHighBytes; ++upper) {
+    if (held(table, address, static_cast<std::uint16_t>(upper * kHighBytes + value), span)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 bool Registers::pair_held(unsigned first, std::uint32_t words, Span span) const {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a soak device holds, and what it held at any earlier instant, so that the oracle knows which
-// data a read may show. Holding registers 0 to 39 and 160 to 163 hold what was written, 40 to 99
-// change by themselves every millisecond, 100 to 139 are 20 values of two registers each, which are
-// one thing in every respect; input registers change by themselves, coils hold what was written,
-// and discrete inputs never change.
+// data a read may show. Holding registers 40 to 99 and all input registers change by themselves
+// every millisecond; the others hold what was written, and so do coils; discrete inputs never
+// change. Values of two registers are one thing in every respect.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -29,9 +29,33 @@ inline constexpr std::uint16_t kBroadcastRegister = 152;
 inline constexpr std::uint16_t kFailsafeRegister = 153;  ///< and the next; written by nobody else
 inline constexpr std::uint16_t kFailsafeStop = 0x5FFE;   ///< to the register of stops
 inline constexpr std::uint16_t kSlowFrom = 160;          ///< and those behind it are slow
-inline constexpr std::uint16_t kRegisters = 164;
-inline constexpr std::uint16_t kCoils = 1024;
+inline constexpr std::uint16_t kSlowEnd = 164;
+inline constexpr std::uint16_t kQuadsFrom = 164;  ///< values of four registers
+inline constexpr std::uint16_t kQuadsEnd = 176;
+inline constexpr std::uint16_t kGroupsFrom = 176;  ///< parameter groups of four registers each
+inline constexpr std::uint16_t kGroupsEnd = 188;
+inline constexpr std::uint16_t kWriteOnlyFrom = 188;
+inline constexpr std::uint16_t kMotionFrom = 192;  ///< values of two whose write starts motion
+inline constexpr std::uint16_t kMotionEnd = 196;
+inline constexpr std::uint16_t kCommunicationRegister = 196;
+inline constexpr std::uint16_t kOrderRegister = 197;  ///< the drive's own word order; never written
+inline constexpr std::uint16_t kBigOrder = 5;
+inline constexpr std::uint16_t kLittleOrder = 133;
+inline constexpr std::uint16_t kOpcodeRegister = 198;  ///< and a position in the two behind it
+inline constexpr std::uint16_t kPositionOpcode = 0x98;
+inline constexpr std::uint16_t kBroadcastRun = 201;
+inline constexpr std::uint16_t kMostOfBroadcastRun = 3;
+inline constexpr std::uint16_t kRegisters = 204;
 inline constexpr std::uint16_t kFirstRunOfCoils = 512;  ///< those below are written one by one
+inline constexpr std::uint16_t kRunsOfCoilsEnd = 1024;
+inline constexpr std::uint16_t kStopCoil = 1024;  ///< FF00 stops
+inline constexpr std::uint16_t kBroadcastCoil = 1025;
+inline constexpr std::uint16_t kBroadcastCoils = 1026;  ///< and 15 behind it
+inline constexpr std::uint16_t kCoils = 1042;
+
+/// Autonics AiC manual, section 2.13: where all of them listen, with the function OR 0x80.
+inline constexpr std::uint8_t kAutonicsAddress = 129;
+inline constexpr std::uint8_t kMostOfAutonics = 2;  ///< registers of a broadcast
 
 inline constexpr std::uint8_t kOwnFunction = 0x41;  ///< of the device's maker; it counts as a write
 inline constexpr std::uint8_t kKnownCommand = 1;    ///< of it; others are refused with 01
@@ -40,8 +64,18 @@ inline constexpr std::uint16_t kMostIdentity = 8;   ///< input registers in the 
 /// Does the request read or write a register that is slow?
 bool is_slow(modbus::Bytes request);
 
+constexpr bool is_motion(Table table, unsigned address) {
+  return table == Table::holding_registers && address >= kMotionFrom && address < kMotionEnd;
+}
 constexpr bool is_in_pair(Table table, unsigned address) {
-  return table == Table::holding_registers && address >= kPairsFrom && address < kPairsEnd;
+  return is_motion(table, address) ||
+         (table == Table::holding_registers && address >= kPairsFrom && address < kPairsEnd);
+}
+constexpr bool is_in_quad(Table table, unsigned address) {
+  return table == Table::holding_registers && address >= kQuadsFrom && address < kQuadsEnd;
+}
+constexpr bool is_in_value(Table table, unsigned address) {
+  return is_in_pair(table, address) || is_in_quad(table, address);
 }
 constexpr bool is_live(Table table, unsigned address) {
   return table == Table::input_registers ||
@@ -51,8 +85,20 @@ constexpr bool is_live(Table table, unsigned address) {
 constexpr std::uint16_t pair_of(unsigned address) {
   return static_cast<std::uint16_t>(address & ~1U);
 }
+/// The first register of the value that the register belongs to, and the one behind its last.
+constexpr unsigned value_begin(unsigned address) {
+  return is_in_quad(Table::holding_registers, address) ? address & ~3U : address & ~1U;
+}
+constexpr unsigned value_end(unsigned address) {
+  return value_begin(address) + (is_in_quad(Table::holding_registers, address) ? 4U : 2U);
+}
+/// Where its content stands in the other word order.
 constexpr std::uint16_t partner_of(unsigned address) {
-  return static_cast<std::uint16_t>(address ^ 1U);
+  return static_cast<std::uint16_t>(value_begin(address) + value_end(address) - 1 - address);
+}
+/// Would a border between two registers cut a value?
+constexpr bool cuts_value(unsigned border) {
+  return is_in_value(Table::holding_registers, border) && value_begin(border) != border;
 }
 
 /// From `first` to `last`, both included.
@@ -72,6 +118,8 @@ class Registers {
   void write_coil(unsigned address, bool value, Instant at);
   /// Did the register hold the value at some instant of the span?
   [[nodiscard]] bool held(Table table, unsigned address, std::uint16_t value, Span span) const;
+  /// The same, of the low byte alone.
+  [[nodiscard]] bool low_held(Table table, unsigned address, std::uint8_t value, Span span) const;
   /// Did the value hold both words at one instant? The lower address is in the high half.
   [[nodiscard]] bool pair_held(unsigned first, std::uint32_t words, Span span) const;
 

@@ -9,6 +9,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
+constexpr int kUnitOfNobody = 250;
 constexpr std::uint64_t kLinesChance = 0x4C494E4553ULL;
 constexpr std::uint64_t kOwnChance = 0x52454C4F4144ULL;  // apart from the plant's
 
@@ -134,9 +135,14 @@ void Reloads::refresh_doors() {
     door.absent = door.route && plan_.absent.routes[*door.route];
     if (door.device) {
       const drive::Device& device = plan_.settings.devices[*door.device];
-      door.absent = door.absent || plan_.absent.devices[*door.device] ||
-                    (door.route && plan_.settings.routes[*door.route].device != door.device);
-      if (door.route) {
+      door.absent = door.absent || plan_.absent.devices[*door.device];
+      if (door.in_range) {
+        const routing::Route& route = plan_.settings.routes[*door.route];
+        const int unit = route.first_unit + device.address - route.first_address;
+        door.absent = door.absent || unit < route.first_unit || unit > route.last_unit;
+        door.unit = static_cast<std::uint8_t>(door.absent ? kUnitOfNobody : unit);
+      } else if (door.route) {
+        door.absent = door.absent || plan_.settings.routes[*door.route].device != door.device;
         const auto& order = plan_.settings.routes[*door.route].word_order;
         door.names_order = order.has_value();
         door.swapped = order && *order != *device.word_order;

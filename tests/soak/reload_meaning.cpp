@@ -51,7 +51,7 @@ bool Reloads::change_device(std::size_t index) {
       while (limits.read.back() == before) {
         limits.read[2] = limits.read[3] = random_.between<std::uint16_t>(4, 64);
       }
-      limits.write_registers = random_.between<std::uint16_t>(2, 8);
+      limits.write_registers = random_.between<std::uint16_t>(4, 8);
       break;
     }
     default:
@@ -122,7 +122,7 @@ bool Reloads::turn_route(std::size_t index) {
   const bool settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
     return door.route != index || oracle_.is_settled(door);
   });
-  if (other == plan_.doors.end() || !settled || plan_.absent.routes[index]) {
+  if (!route.device || other == plan_.doors.end() || !settled || plan_.absent.routes[index]) {
     return false;
   }
   route.device = other->device;

@@ -100,11 +100,7 @@ void SerialWire::heard(std::uint64_t number) {
   }
   const auto request = Pdu::from(flight->pdu);
   if (flight->is_broadcast) {
-    for (SoakDevice* device : devices_) {
-      if (!device->is_dead(around_.schedule.now())) {
-        device->carry_out(*request, around_.schedule.now());
-      }
-    }
+    carry_out_all(*flight);
     around_.oracle.executed(*flight);
     return;
   }
@@ -117,6 +113,20 @@ void SerialWire::heard(std::uint64_t number) {
     return;
   }
   answer(*device, *flight, *request);
+}
+
+// Each device hears the form of its kind.
+void SerialWire::carry_out_all(const Flight& flight) {
+  const bool is_for_autonics = flight.address != 0;
+  std::vector<std::uint8_t> pdu = flight.pdu;
+  pdu[0] = static_cast<std::uint8_t>(is_for_autonics ? pdu[0] & 0x7FU : pdu[0]);
+  for (SoakDevice* device : devices_) {
+    const bool listens = is_for_autonics == (device->settings().profile.broadcast.form ==
+                                             drive::BroadcastForm::autonics);
+    if (listens && !device->is_dead(around_.schedule.now())) {
+      device->carry_out(*Pdu::from(pdu), around_.schedule.now());
+    }
+  }
 }
 
 void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& request) {

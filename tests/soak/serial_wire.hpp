@@ -80,6 +80,7 @@ class SerialWire {
   };
 
   void heard(std::uint64_t number);
+  void carry_out_all(const Flight& flight);
   // wire_echo.cpp
   void begin_echo(const Flight& flight, const Frame& frame);
   void spoil_echo(const Flight& flight);

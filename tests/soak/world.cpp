@@ -21,8 +21,9 @@ constexpr std::uint64_t kDriversChance = 0x445249564552ULL;  // apart from the p
 
 Oracle::Devices World::make_devices(const SoakPlan& plan, Random& random) {
   Oracle::Devices devices;
-  for (const drive::Device& device : plan.settings.devices) {
-    devices.emplace_back(device, random.below(~std::uint64_t{0}));
+  for (std::size_t at = 0; at < plan.settings.devices.size(); ++at) {
+    devices.emplace_back(plan.settings.devices[at], plan.own_orders[at],
+                         random.below(~std::uint64_t{0}));
   }
   return devices;
 }

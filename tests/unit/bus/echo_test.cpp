@@ -72,6 +72,15 @@ TEST_F(Echo, ThatDiffersSpoilsWhatFollows) {
   EXPECT_EQ(take(kSentRead), "|");
 }
 
+// The status 41 (hex) of unit 1 makes an answer that begins with 01 07 41 E2, as its request does.
+TEST_F(Echo, IsNotProvenByAnAnswerThatBeginsLikeARequestWithoutFields) {
+  begin(std::nullopt);
+  send("07");
+  EXPECT_EQ(take("01 07 41 E2 00"), "|01 07 41 E2 00");
+  EXPECT_TRUE(echo_->is_unknown());
+  EXPECT_THAT(faults_, IsEmpty());
+}
+
 TEST_F(Echo, ThatDifferedIsNotGivenOnLater) {
   begin(std::nullopt);
   echo_->find();
