@@ -21,6 +21,7 @@ void Gateway::handle_client_connected(ClientId client, const ClientInfo& info, I
   if (added && entry->second.listener().idle_timeout > Duration{0}) {
     arm(client, entry->second, now + entry->second.listener().idle_timeout);
   }
+  settle(now);  // whoever made room for it may have been the last that may write
 }
 
 bool Gateway::admit(const ClientInfo& info) {

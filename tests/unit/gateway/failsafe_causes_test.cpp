@@ -91,6 +91,17 @@ TEST(SilentWriters, AreThoseToWhomNoAnswerIsOwed) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
+// Nothing else needs to happen first.
+TEST(DisplacedWriter, HasGoneAsSoonAsAnotherHasItsPlace) {
+  Settings settings = watched_plant();
+  settings.listeners[0].max_connections = 1;
+  MachineRig rig(settings);
+  rig.connect(1);
+  ask(rig, 1);
+  rig.connect(2);
+  EXPECT_THAT(take_requests(rig), testing::ElementsAre(kStop1));
+}
+
 TEST(ListedWriter, IsTheOnlyOneThatKeepsFailsafeWritesBack) {
   Settings settings = watched_plant();
   settings.guards[0].writer = gateway::WriterRule::listed;
