@@ -31,6 +31,8 @@ const Door* Asking::door_of(std::size_t listener, bool broadcast) {
 }
 
 Asked Asking::make(const Manners& manners) {
+  const auto& readers = plan_.readers[manners.listener];
+  may_only_read_ = std::ranges::find(readers, manners.host) != readers.end();
   const Door& door = *door_of(manners.listener, false);
   if (door.absent) {
     return door.route ? for_nobody(door) : own_read(0, 4);
@@ -53,6 +55,7 @@ Asked Asking::make(const Manners& manners) {
 }
 
 Asked Asking::fresh_read(const Door& door) {
+  may_only_read_ = false;
   Asked asked = begin(door, Kind::read);
   plan_read(asked, Table::holding_registers, kLiveFrom, 4);
   return asked;
@@ -82,8 +85,8 @@ std::uint16_t Asking::next_value(const Asked& asked, unsigned address) {
   return ++counters_[*asked.door->device].at(address);
 }
 
-void Asking::refuse_if_read_only(Asked& asked) {
-  if (asked.door->read_only) {
+void Asking::refuse_if_read_only(Asked& asked) const {
+  if (asked.door->read_only || may_only_read_) {
     asked.refused = 1;
     asked.pieces.clear();
   }
@@ -161,7 +164,8 @@ Asked Asking::malformed(const Door& door) {
       asked.refused = 0x0A;
       return asked;
   }
-  if (asked.refused == 3 && door.read_only && (asked.pdu[0] == 0x10 || asked.pdu[0] == 5)) {
+  if (asked.refused == 3 && (door.read_only || may_only_read_) &&
+      (asked.pdu[0] == 0x10 || asked.pdu[0] == 5)) {
     asked.refused = 1;
   }
   return asked;

@@ -32,7 +32,7 @@ class Asking {
   Asked malformed(const Door& door);
   Asked for_nobody(const Door& door);
   Asked own();
-  static void refuse_if_read_only(Asked& asked);
+  void refuse_if_read_only(Asked& asked) const;
   void check_functions(Asked& asked) const;
   // asking_reads.cpp
   Asked read(const Door& door, bool popular);
@@ -79,6 +79,7 @@ class Asking {
   std::vector<std::vector<const Door*>> device_doors_;  // by listener
   std::vector<std::vector<const Door*>> broadcast_doors_;
   std::uint16_t broadcasts_ = 0;
+  bool may_only_read_ = false;  // who asks at present
 };
 
 }  // namespace mbgate::soak

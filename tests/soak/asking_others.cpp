@@ -115,7 +115,7 @@ void Asking::add_whole(Asked& asked) const {
 
 // By a register or a coil. Those of a coil are all alike, and so are some of the others.
 Asked Asking::stop(const Door& door) {
-  if (door.read_only) {
+  if (door.read_only || may_only_read_) {
     return read(door, false);
   }
   Asked asked = begin(door, Kind::stop);
@@ -166,8 +166,10 @@ Asked Asking::broadcast(const Door& door) {
       asked.pieces.push_back({bus, kAutonicsAddress, std::move(pdu), 0, false, false});
     }
   }
-  if (asked.pieces.empty()) {
-    asked.refused = 2;
+  if (may_only_read_ || asked.pieces.empty()) {
+    asked.refused = may_only_read_ ? 1 : 2;
+    asked.stops_all = false;
+    asked.pieces.clear();
   }
   return asked;
 }

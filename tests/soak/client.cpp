@@ -14,6 +14,8 @@ namespace {
 
 constexpr Duration kLongestCut = 5ms;  // from one part of a request to the next
 
+}  // namespace
+
 routing::ClientAddress address_of(unsigned host) {
   routing::ClientAddress::Octets octets{};
   octets[10] = octets[11] = 0xFF;
@@ -22,10 +24,9 @@ routing::ClientAddress address_of(unsigned host) {
   return routing::ClientAddress(octets);
 }
 
-}  // namespace
-
 void Client::begin() {
-  tools_.schedule.after(tools_.random.duration(0ms, 200ms), [this] {
+  const Duration latest = manners_.waits_at_start ? 5ms : 200ms;
+  tools_.schedule.after(tools_.random.duration(0ms, latest), [this] {
     tools_.driver.client_ready([this] {
       connect();
       plan_next();
@@ -46,16 +47,27 @@ void Client::connect() {
   ++life_;
   connected_ = true;
   vanished_ = is_ready_ = paused_ = stalled_ = half_closed_ = fin_read_ = false;
+  is_silent_ = framing_lost_ = false;
+  hangs_since_.reset();
+  active_ = tools_.schedule.now();
   unconfirmed_ = 0;
   made_ = read_ = 0;
   unwritten_.clear();
   socket_.clear();
   marks_.clear();
   tools_.oracle.connect(number_, manners_.listener, manners_.host);
-  tools_.gateway.handle_client_connected(number_, {*listener, address_of(manners_.host), 0},
-                                         tools_.schedule.now());
+  write_before_the_start();
+  const std::size_t most = tools_.settings.listeners[manners_.listener].max_connections;
+  const auto present = static_cast<std::size_t>(std::ranges::count_if(
+      tools_.all, [&](const Client& it) { return it.connected_ && it.shares_listener(*this); }));
+  is_connecting_ = true;
+  tools_.full = present > most ? manners_.listener : kNoListener;
+  tools_.gateway.handle_client_connected(
+      number_, {*listener, address_of(manners_.host), socket_.size()}, tools_.schedule.now());
   tools_.drain();
-  if (connected_ && !is_welcome()) {
+  tools_.full = kNoListener;
+  is_connecting_ = false;
+  if (connected_ && (!is_welcome() || tools_.is_stopping)) {
     tools_.oracle.violation("let_in", "a client that is not allowed");
   }
 }
@@ -70,7 +82,7 @@ void Client::plan_next() {
 
 void Client::act() {
   Random& random = tools_.random;
-  if (!connected_ || vanished_) {
+  if (!connected_ || vanished_ || is_silent_) {
     return;
   }
   if (random.chance(manners_.vanishes)) {
@@ -79,6 +91,23 @@ void Client::act() {
   }
   if (random.chance(manners_.half_closes)) {
     half_close();
+    return;
+  }
+  if (!half_closed_ && random.chance(manners_.hangs)) {
+    hang();
+    return;
+  }
+  if (!half_closed_ && random.chance(manners_.loses_framing)) {
+    lose_framing();
+    return;
+  }
+  if (random.chance(manners_.rests)) {
+    is_silent_ = true;
+    const Duration limit = tools_.settings.listeners[manners_.listener].idle_timeout;
+    if (limit > Duration{0}) {
+      tools_.report.fault("rest");
+      be_closed_after(limit, "idle_timeout");
+    }
     return;
   }
   if (!stalled_ && random.chance(manners_.stalls)) {
@@ -186,6 +215,13 @@ void Client::be_gone() {
   reconnect_later();
 }
 
+void Client::leave() {
+  asking_ = false;
+  if (connected_) {
+    be_gone();
+  }
+}
+
 void Client::half_close() {
   tools_.report.fault("half_close");
   push(unwritten_.size());
@@ -205,12 +241,14 @@ void Client::half_close() {
 }
 
 void Client::closed_by_gateway() {
-  if (!half_closed_ && is_welcome()) {
+  const bool is_excused = may_be_closed();
+  tools_.report.framing_lost += framing_lost_ ? 1U : 0U;
+  if (!half_closed_ && is_welcome() && !is_excused) {
     tools_.oracle.violation("closed", "the gateway closed client " +
                                           std::to_string(static_cast<std::uint64_t>(number_)));
   }
   connected_ = false;
-  tools_.oracle.closed(number_);
+  is_excused ? tools_.oracle.gone(number_, kClosed) : tools_.oracle.closed(number_);
   reconnect_later();
 }
 

@@ -14,6 +14,9 @@
 
 namespace mbgate::soak {
 
+routing::ClientAddress address_of(unsigned host);
+inline constexpr std::size_t kNoListener = ~std::size_t{0};
+
 class Client {
  public:
   struct Tools {
@@ -30,18 +33,25 @@ class Client {
     std::function<std::optional<gateway::ListenerId>(std::size_t)> listener;
     /// Does the listener let the address in?
     std::function<bool(std::size_t, const routing::ClientAddress&)> is_welcome;
+    const gateway::Settings& settings;  ///< of the plan
+    std::deque<Client>& all;
+    std::size_t& full;  ///< the listener where somebody makes room at this instant
+    bool& is_stopping;  ///< the gateway was told to stop
   };
   Client(const Manners& manners, Tools& tools) : manners_(manners), tools_(tools) {}
 
   /// Connects some time, and behaves as it is used to until it is told to stop.
   void begin();
   void end_asking() { asking_ = false; }
+  /// It goes for good.
+  void leave();
   /// Takes all answers from now on.
   void end_stall();
 
   [[nodiscard]] ClientId number() const { return number_; }
   /// As the process knows it.
   [[nodiscard]] bool is_connected() const { return connected_; }
+  [[nodiscard]] const Manners& manners() const { return manners_; }
 
   // What the gateway asks for.
   void take(Bytes adu);
@@ -53,6 +63,9 @@ class Client {
   void closed_by_gateway();
   /// Other settings: the gateway will close it.
   void give_up();
+  [[nodiscard]] bool shares_listener(const Client& other) const {
+    return manners_.listener == other.manners_.listener;
+  }
   /// Is there a listener for it, which lets it in?
   [[nodiscard]] bool is_welcome() const;
 
@@ -61,6 +74,15 @@ class Client {
   std::uint64_t write(Asked asked);
 
  private:
+  // client_ends.cpp
+  void write_before_the_start();
+  void hang();
+  void lose_framing();
+  void be_closed_after(Duration time, const char* kind);
+  [[nodiscard]] bool may_be_closed() const;
+  [[nodiscard]] bool may_be_displaced() const;
+  [[nodiscard]] bool is_idle() const;
+  [[nodiscard]] bool is_kept() const;
   void act();
   void ask_some();
   void put_foreign();
@@ -86,7 +108,13 @@ class Client {
   bool stalled_ = false;
   bool half_closed_ = false;
   bool fin_read_ = false;
-  std::uint64_t life_ = 0;  ///< of the connection; events of an earlier one are void
+  bool is_silent_ = false;  ///< it asks for nothing any more
+  bool framing_lost_ = false;
+  bool is_connecting_ = false;          ///< at this instant
+  std::optional<Instant> hangs_since_;  ///< the gateway may have the beginning of a request
+  Duration frame_timeout_{0};           ///< as it was then
+  Instant active_ = Instant::min();     ///< when the gateway read something or saw it taken
+  std::uint64_t life_ = 0;              ///< of the connection; events of an earlier one are void
   std::uint16_t transactions_ = 0;
   std::size_t unconfirmed_ = 0;
   std::deque<std::uint8_t> unwritten_;  ///< the client still has it

@@ -50,6 +50,10 @@ void Client::read_some() {
   const std::vector<std::uint8_t> piece(socket_.begin(),
                                         socket_.begin() + static_cast<std::ptrdiff_t>(size));
   socket_.erase(socket_.begin(), socket_.begin() + static_cast<std::ptrdiff_t>(size));
+  active_ = tools_.schedule.now();
+  if (hangs_since_ && *hangs_since_ == Instant::max()) {
+    hangs_since_ = active_;
+  }
   read_ += size;
   for (Mark& mark : marks_) {
     if (mark.begin >= read_) {
@@ -98,6 +102,7 @@ void Client::confirm() {
     return;
   }
   --unconfirmed_;
+  active_ = tools_.schedule.now();
   tools_.oracle.answer_sent(number_);
   tools_.gateway.handle_client_sent(number_, tools_.schedule.now());
   tools_.drain();

@@ -93,6 +93,32 @@ void FailsafeWatch::gone(ClientId client) {
   }
 }
 
+void FailsafeWatch::add_writes(std::vector<Asked>& due, const Watch& watch, Instant now) const {
+  for (const PduBytes& write : watch.writes) {
+    Asked& asked = due.emplace_back();
+    asked.kind = Kind::stop;
+    asked.failsafe = true;
+    asked.is_repeated = spec::word_at(write, 1) == kStopRegister;
+    asked.client_gone = true;
+    asked.door = &watch.door;
+    asked.pdu = write;
+    asked.written = asked.earliest = now;
+    asked.pieces.push_back({watch.door.buses.front(), address_of(watch), write, 0, false, false});
+  }
+}
+
+// To those that somebody may have written to since.
+std::vector<Asked> FailsafeWatch::take_at_exit(Instant now) {
+  std::vector<Asked> due;
+  for (Watch& watch : watches_) {
+    if (!std::exchange(watch.sent, true) &&
+        plan_.settings.guards[*watch.door.device].failsafe_on_exit) {
+      add_writes(due, watch, now);
+    }
+  }
+  return due;
+}
+
 std::vector<Asked> FailsafeWatch::take_due(Instant now) {
   std::vector<Asked> due;
   if (now < next_) {
@@ -107,16 +133,8 @@ std::vector<Asked> FailsafeWatch::take_due(Instant now) {
     if (watch.quiet > Duration{0} && watch.clients > 0 && watch.waiting == 0 && !watch.sent) {
       next_ = std::min(next_, watch.active + watch.quiet);
     }
-    for (const PduBytes& write : watch.due ? watch.writes : std::vector<PduBytes>()) {
-      Asked& asked = due.emplace_back();
-      asked.kind = Kind::stop;
-      asked.failsafe = true;
-      asked.is_repeated = spec::word_at(write, 1) == kStopRegister;
-      asked.client_gone = true;
-      asked.door = &watch.door;
-      asked.pdu = write;
-      asked.written = asked.earliest = now;
-      asked.pieces.push_back({watch.door.buses.front(), address_of(watch), write, 0, false, false});
+    if (watch.due) {
+      add_writes(due, watch, now);
     }
     watch.due = false;
   }

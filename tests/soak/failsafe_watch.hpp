@@ -24,6 +24,8 @@ class FailsafeWatch {
   void gone(ClientId client);
   /// What has become due, as requests of a client that is gone; each is given once.
   std::vector<Asked> take_due(Instant now);
+  /// What is sent because the gateway stops.
+  std::vector<Asked> take_at_exit(Instant now);
 
  private:
   struct Watch {
@@ -47,6 +49,7 @@ class FailsafeWatch {
   };
 
   void note_activity(Watch& watch, Instant now);
+  void add_writes(std::vector<Asked>& due, const Watch& watch, Instant now) const;
   [[nodiscard]] std::uint8_t address_of(const Watch& watch) const {
     return plan_.settings.devices[*watch.door.device].address;
   }

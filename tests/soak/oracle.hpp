@@ -24,6 +24,7 @@ namespace mbgate::soak {
 
 using gateway::ClientId;
 using modbus::Bytes;
+constexpr const char* kClosed = "for_closed_client";       ///< by the gateway
 constexpr Duration kStopLife = std::chrono::seconds(120);  ///< hundreds may wait on a slow line
 
 class Oracle {
@@ -43,17 +44,29 @@ class Oracle {
   /// What it writes from then on counts as old as the pause, until its socket was seen empty.
   void paused(ClientId client, bool is_paused);
   void half_closed(ClientId client);
-  void gone(ClientId client);
+  void gone(ClientId client, const char* how = "for_gone_client");
   /// The gateway has closed a half-closed connection: nothing of it may be open.
   void closed(ClientId client);
   void answered(ClientId client, Bytes adu);
   [[nodiscard]] std::size_t open_of(ClientId client) const;
+  /// Does the gateway surely have a request of it that it has not answered, or not yet sent?
+  [[nodiscard]] bool has_outstanding(ClientId client) const;
+  /// Has it surely none?
+  [[nodiscard]] bool is_idle(ClientId client) const;
   /// Is the transaction identifier in use?
   [[nodiscard]] bool is_open(ClientId client, std::uint16_t transaction) const;
   /// Requests with a good answer so far: a glance for the quiet phase.
   [[nodiscard]] bool was_answered_well(std::uint64_t id) const { return well_ && *well_ == id; }
   /// The data of the last answer of the gateway's own unit.
   [[nodiscard]] const PduBytes& own_answer() const { return own_answer_; }
+
+  // oracle_shutdown.cpp
+  /// The gateway is told to stop.
+  void begin_shutdown();
+  /// It says that it has.
+  void finished();
+  /// It must have by now.
+  void check_stopped();
 
   // oracle_wire.cpp
   void bus_opened(std::size_t bus);
@@ -264,6 +277,8 @@ class Oracle {
   std::uint64_t flight_count_ = 0;
   std::optional<std::uint64_t> well_;
   PduBytes own_answer_;
+  std::optional<Instant> stopping_;  ///< since then
+  bool finished_ = false;
   bool traced_ = false;
 };
 

@@ -11,7 +11,7 @@ namespace mbgate::soak {
 
 void Oracle::accept_backlog(Session& session) {
   const std::size_t pipeline = plan_.settings.listeners[session.listener].pipeline;
-  while (session.outstanding < pipeline) {
+  while (session.outstanding < pipeline || stopping_) {
     std::erase_if(session.taken, [&](std::uint64_t id) {
       return session.backlog.empty() || id <= session.backlog.front();
     });

@@ -62,7 +62,8 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
 
 void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
   if (asked.refused) {
-    const bool taken_back = asked.dropped || (asked.unlisted && may_be_stopped(asked));
+    const bool taken_back =
+        asked.dropped || (asked.unlisted && (stopping_ || may_be_stopped(asked)));
     if (*asked.refused != code && !(taken_back && code == kBusy)) {
       violation("wrong_refusal", code_text(code) + " for " + name(asked));
     }
@@ -138,7 +139,7 @@ void Oracle::judge_busy(const Asked& asked) {
   }
   const bool expired = asked.deadline != Instant::max() &&
                        schedule_.now() >= asked.deadline - (asked.written - asked.earliest);
-  const bool reason = expired || may_be_stopped(asked) ||
+  const bool reason = stopping_ || expired || may_be_stopped(asked) ||
                       writers_.may_be_held(asked, schedule_.now()) || asked.dropped ||
                       asked.doomed || std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
                         return piece.taken_back || books_[piece.bus].last_full >= asked.accepted ||

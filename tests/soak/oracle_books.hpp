@@ -98,6 +98,7 @@ struct Book {
   Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
   std::vector<HeardFrame> unread;               ///< good frames in the kernel
   std::optional<HeardEcho> unread_echo;
+  std::size_t stops_at_end = 0;  ///< transmitted since the gateway was told to stop
   bool unread_stranger = false;  ///< the request of another client
   bool is_strange = false;       ///< what came looks like an echo, and is none
   // Of the line, since it was opened:
@@ -119,6 +120,7 @@ struct Done {
   std::uint8_t address;
   PduBytes pdu;
   std::string how;
+  Instant at;
 };
 
 }  // namespace mbgate::soak

@@ -103,7 +103,7 @@ void Oracle::half_closed(ClientId client) {
   }
 }
 
-void Oracle::gone(ClientId client) {
+void Oracle::gone(ClientId client, const char* how) {
   const auto entry = sessions_.find(client);
   if (entry == sessions_.end()) {
     return;
@@ -124,7 +124,7 @@ void Oracle::gone(ClientId client) {
       continue;
     }
     perhaps_accepted_ += asked.ahead && !asked.surely_on_wire ? 1U : 0U;
-    close(asked, "for_gone_client");
+    close(asked, how);
   }
   sessions_.erase(entry);
   failsafe_.gone(client);
@@ -185,7 +185,8 @@ void Oracle::close(Asked& asked, const std::string& how) {
     }
     std::erase(book.stops, &asked);
     std::erase(book.early_stops, &asked);
-    done_.push_back({asked.id, piece.bus, piece.address, std::move(piece.pdu), how});
+    done_.push_back(
+        {asked.id, piece.bus, piece.address, std::move(piece.pdu), how, schedule_.now()});
   }
   while (done_.size() > kDoneKept) {
     done_.pop_front();
@@ -201,6 +202,19 @@ bool Oracle::is_open(ClientId client, std::uint16_t transaction) const {
 std::size_t Oracle::open_of(ClientId client) const {
   const auto entry = sessions_.find(client);
   return entry == sessions_.end() ? 0 : entry->second.by_transaction.size();
+}
+
+bool Oracle::is_idle(ClientId client) const {
+  const auto entry = sessions_.find(client);
+  return entry != sessions_.end() && entry->second.by_transaction.empty() &&
+         entry->second.outstanding == 0 && !entry->second.ahead;
+}
+
+bool Oracle::has_outstanding(ClientId client) const {
+  const auto entry = sessions_.find(client);
+  return entry != sessions_.end() &&
+         std::ranges::any_of(entry->second.order,
+                             [&](std::uint64_t id) { return !open_.at(id)->refused; });
 }
 
 void Oracle::answered(ClientId client, Bytes adu) {

@@ -63,6 +63,9 @@ void Oracle::rest(Book& book) {
 // everything.
 void Oracle::check_rest(std::size_t bus) {
   Book& book = books_[bus];
+  if (stopping_) {
+    return;
+  }
   if (book.rests && !book.opening && (book.waiting > 0 || !book.early_stops.empty())) {
     violation("tcp_not_opened", bus_settings(bus).name);
   }
@@ -82,7 +85,8 @@ void Oracle::check_rest(std::size_t bus) {
 // A read that nothing but the close has cut is asked once more.
 void Oracle::judge_cut(const Asked& asked) {
   const auto& book = books_[asked.pieces.front().bus];
-  if (asked.is_read() && asked.cut && asked.flights == 1 && book.last_down < *asked.cut &&
+  if (!stopping_ && asked.is_read() && asked.cut && asked.flights == 1 &&
+      book.last_down < *asked.cut &&
       schedule_.now() < asked.deadline - (asked.written - asked.earliest) &&
       !may_be_offline(asked) && !asked.pieces.front().taken_back) {
     violation("tcp_cut_read_failed", name(asked));

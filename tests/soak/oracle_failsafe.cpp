@@ -14,6 +14,9 @@ constexpr Duration kFailsafeWait = std::chrono::seconds(4);   // behind others o
 
 // What is due goes as a stop of a client that has gone.
 void Oracle::begin_failsafe() {
+  if (stopping_) {
+    return;
+  }
   for (Asked& due : failsafe_.take_due(schedule_.now())) {
     due.id = ++ids_;
     ++failsafes_;

@@ -46,6 +46,7 @@ void Oracle::check_stops_first(const Flight& flight) {
 
 void Oracle::note_stops(Flight& flight) {
   Book& book = books_[flight.bus];
+  book.stops_at_end += stopping_ && flight.is_stop ? 1U : 0U;
   if (!flight.is_stop) {
     book.last_other = flight.number;
     flight.beside_stop = !book.open_stops.empty();
@@ -86,7 +87,7 @@ bool Oracle::may_break_silence(const Flight& flight) {
 // any case.
 void Oracle::check_stops_waiting(std::size_t bus) {
   const Book& book = books_[bus];
-  if (book.stops.empty() || is_tcp(bus)) {
+  if (book.stops.empty() || is_tcp(bus) || finished_) {
     return;
   }
   const Instant now = schedule_.now();

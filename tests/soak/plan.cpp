@@ -228,6 +228,7 @@ void Draw::add_device(std::size_t bus, std::uint8_t address) {
 SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   SoakPlan plan = Draw(random).make();
   draw_lines(plan, seed);
+  draw_limits(plan, seed);
   return plan;
 }
 

@@ -14,6 +14,7 @@ namespace mbgate::soak {
 
 inline constexpr std::uint16_t kInputs = 100;  ///< input registers that a window shows
 inline constexpr unsigned kMostHosts = 12;
+inline constexpr Duration kLeastFrameTimeout = std::chrono::seconds(1);
 
 /// A unit of a listener, as its clients see it.
 struct Door {
@@ -100,7 +101,11 @@ struct Manners {
   unsigned vanishes = 0;
   unsigned half_closes = 0;
   std::uint16_t same_reads = 0;  ///< thousandths that ask for what everybody asks for
-  bool never_asks = false;       ///< a probe: it connects, and goes again
+  unsigned hangs = 0;          ///< thousandths of its bursts, as the following: it stops within one
+  unsigned loses_framing = 0;  ///< what it writes is no MBAP any more
+  unsigned rests = 0;          ///< it asks for nothing any more
+  bool waits_at_start = false;  ///< it has written before the gateway was ready
+  bool never_asks = false;      ///< a probe: it connects, and goes again
 };
 
 /// What the settings in force do not name, by its place in the plan; it comes back some time.
@@ -129,6 +134,8 @@ struct SoakPlan {
   /// taken, and nobody outside knows when that was of stops that were read ahead, and behind
   /// broadcasts without an answer: nobody sends any in these plants, and their driver is punctual.
   bool silence = false;
+  std::vector<std::vector<unsigned>> readers;  ///< by listener, the hosts that may not write there
+  bool stops_early = false;  ///< the gateway is told to stop in the midst of everything
   bool beyond = false;  ///< devices are later than the quarantine: misdeliveries are counted apart
 };
 
@@ -146,9 +153,13 @@ void draw_doors(SoakPlan& plan, Random& random);
 void set_deadlines(const SoakPlan& plan, Door& door);
 /// The unit of a door as it would lead to another device, which a reload may bring about.
 void add_twin(SoakPlan& plan, Door door, std::size_t device);
+/// The address of a client's host alone.
+routing::Network network_of(unsigned host);
 /// What its devices' guards allow.
 void draw_guards(SoakPlan& plan, Random& random);
-/// Its last step: who asks, and how.
+/// How many may connect to listeners, how long they may be silent, and who may only read.
+void draw_limits(SoakPlan& plan, std::uint64_t seed);
+/// Its last step but for lines and limits: who asks, and how.
 void draw_clients(SoakPlan& plan, Random& random);
 
 }  // namespace mbgate::soak

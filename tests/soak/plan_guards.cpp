@@ -8,13 +8,9 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
-namespace {
-
 routing::Network network_of(unsigned host) {
   return *routing::Network::parse("10.0.0." + std::to_string(host + 1));
 }
-
-}  // namespace
 
 void draw_guards(SoakPlan& plan, Random& random) {
   auto& settings = plan.settings;

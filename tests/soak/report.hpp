@@ -13,6 +13,7 @@ namespace mbgate::soak {
 
 struct Report {
   std::uint64_t transmissions = 0;
+  std::uint64_t framing_lost = 0;  ///< connections that were closed for that
   std::uint64_t requests = 0;
   std::uint64_t answers = 0;  ///< positive ones
   std::uint64_t exceptions = 0;

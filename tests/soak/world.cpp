@@ -14,6 +14,7 @@ namespace {
 
 constexpr Duration kLongestRun = std::chrono::hours(20);
 constexpr Duration kQuiet = 60s;
+constexpr Duration kAlone = 15s;  // until failsafe writes are sent
 constexpr unsigned kMostStepsInPlace = 100'000;
 constexpr std::uint64_t kDriversChance = 0x445249564552ULL;  // apart from the plant's
 
@@ -59,7 +60,11 @@ World::World(std::uint64_t seed, bool trace)
              [this](std::size_t it, const routing::ClientAddress& address) {
                const auto& allow = plan_.settings.listeners[it].allow;
                return allow.empty() || routing::contains(allow, address);
-             }},
+             },
+             plan_.settings,
+             clients_,
+             full_,
+             is_stopping_},
       trace_(trace) {
   if (trace) {
     oracle_.trace();
@@ -88,12 +93,22 @@ Report World::run(std::uint64_t transmissions) {
       break;
     }
   }
-  calm_down();
-  run_until(schedule_.now() + kQuiet);
-  restore();
-  oracle_.check_finished();
-  check_back();
-  check_counters();
+  if (plan_.stops_early) {
+    shut_down();
+  } else {
+    calm_down();
+    run_until(schedule_.now() + kQuiet);
+    for (Client& client : clients_) {
+      client.leave();
+    }
+    run_until(schedule_.now() + kAlone);
+    restore();
+    oracle_.check_finished();
+    check_back();
+    run_until(schedule_.now() + kAlone);
+    check_counters();
+    shut_down();
+  }
   report_.virtual_time = schedule_.now() - begun;
   return report_;
 }
@@ -231,6 +246,8 @@ void World::carry_out(const gateway::Action& action) {
     if (Client* client = find(resume->client)) {
       client->resume();
     }
+  } else if (std::holds_alternative<gateway::Finished>(action)) {
+    oracle_.finished();
   } else if (const auto* close = std::get_if<gateway::Close>(&action)) {
     if (Client* client = find(close->client)) {
       client->closed_by_gateway();

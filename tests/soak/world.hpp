@@ -66,6 +66,7 @@ class World {
   void transmit(std::size_t bus, Bytes frame);
   Client* find(ClientId number);
   void calm_down();
+  void shut_down();
   void check_back();
   void check_counters();
   void check_head(Client& client);
@@ -102,6 +103,8 @@ class World {
   std::uint64_t last_number_ = 0;
   bool trouble_ = true;
   bool draining_ = false;
+  bool is_stopping_ = false;
+  std::size_t full_ = kNoListener;      ///< where somebody makes room for another at this instant
   std::deque<gateway::Action> frames_;  ///< to be transmitted when nothing else is to be done
   std::size_t carried_out_ = 0;         ///< since the last input: nothing delays a frame behind it
   bool trace_;

@@ -6,6 +6,12 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+constexpr Duration kUntilStopped = 2200ms;
+
+}  // namespace
+
 // Nothing goes wrong any more, and nobody asks for anything new.
 void World::calm_down() {
   trouble_ = false;
@@ -22,6 +28,17 @@ void World::calm_down() {
   }
 }
 
+// Everything goes on as before, and goes wrong, but that the gateway stops.
+void World::shut_down() {
+  trace("shut down");
+  is_stopping_ = true;
+  oracle_.begin_shutdown();
+  gateway_.handle_shutdown(schedule_.now());
+  drain();
+  run_until(schedule_.now() + kUntilStopped);
+  oracle_.check_stopped();
+}
+
 // Every device answers within its probe interval, and rightly.
 void World::check_back() {
   constexpr int kTries = 20;
@@ -32,13 +49,18 @@ void World::check_back() {
     Manners manners;
     manners.listener = door.listener;
     Client& client = clients_.emplace_back(manners, tools_);
-    client.connect();
+    client.end_asking();
     bool well = false;
     for (int tries = 0; tries < kTries && !well; ++tries) {
+      client.connect();  // it was perhaps closed because it was idle
+      if (!client.is_connected()) {
+        break;
+      }
       const std::uint64_t id = client.write(asking_.fresh_read(door));
       run_until(schedule_.now() + 500ms);
       well = oracle_.was_answered_well(id);
     }
+    client.leave();
     if (!well) {
       oracle_.violation("not_back", plan_.settings.devices[*door.device].name);
     }

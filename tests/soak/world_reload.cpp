@@ -10,7 +10,7 @@ void World::begin_reloads() {
   if (const auto pause = reloads_.pause()) {
     schedule_.after(*pause, [this] {
       driver_.post([this] {
-        if (trouble_) {
+        if (trouble_ && !is_stopping_) {
           const std::vector<bool> before = plan_.absent.buses;
           oracle_.before_reload();
           reload(reloads_.draw(), before);

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one seed's listeners put up with: so many connections, so long a silence; who may only read;
+// clients that hang. With a chance of its own, so that plants and clients stay those of the seed.
+#include <algorithm>
+
+#include "soak/pdus.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::uint64_t kLimitsChance = 0x4C494D495453ULL;
+
+void draw_listener(SoakPlan& plan, gateway::ListenerSettings& listener, Random& random) {
+  if (random.chance(250)) {
+    listener.max_connections = random.one_of<std::size_t>({1, 2, 4, 8});
+    for (unsigned host = 0; host < kMostHosts; ++host) {
+      if (random.chance(200)) {
+        listener.keep.push_back(network_of(host));
+      }
+    }
+  }
+  if (random.chance(300)) {
+    listener.idle_timeout = random.duration(300ms, 3s);
+  }
+  if (random.chance(500)) {
+    listener.frame_timeout = random.duration(kLeastFrameTimeout, 3s);
+  }
+  std::vector<unsigned>& readers = plan.readers.emplace_back();
+  // Who is gone, of those that may write, is a question of its own.
+  const bool is_guarded =
+      std::ranges::any_of(plan.failsafe, [](const auto& it) { return !it.empty(); });
+  for (unsigned host = 0; !is_guarded && host < kMostHosts && random.chance(300); host += 3) {
+    readers.push_back(host);
+    listener.read_only.push_back(network_of(host));
+  }
+}
+
+}  // namespace
+
+void draw_limits(SoakPlan& plan, std::uint64_t seed) {
+  Random random(seed ^ kLimitsChance);
+  for (gateway::ListenerSettings& listener : plan.settings.listeners) {
+    draw_listener(plan, listener, random);
+  }
+  for (gateway::DeviceGuard& guard : plan.settings.guards) {
+    guard.failsafe_on_exit = !guard.failsafe.empty() && random.chance(400);
+  }
+  plan.stops_early = random.chance(300);
+  for (Manners& manners : plan.clients) {
+    const bool is_odd = !plan.silence && random.chance(300);
+    manners.hangs = is_odd ? random.one_of({0U, 3U, 20U}) : 0;
+    manners.loses_framing = is_odd ? random.one_of({0U, 3U, 20U}) : 0;
+    manners.rests = is_odd ? random.one_of({0U, 20U}) : 0;
+    manners.waits_at_start = !manners.never_asks && random.chance(200);
+  }
+}
+
+}  // namespace mbgate::soak
