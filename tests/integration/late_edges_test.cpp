@@ -75,14 +75,14 @@ class LateEdges : public LateRig {
     answers.emplace_back(kEndOfQuarantine + number / kLateLines * 790us % 6ms - 4500us);
     devices_.plan(line, late.address, std::move(answers));
     ask(line, first, late, place);
-    judge(line, first.receive(), late, place, tally.exceptions, tally);
+    judge(line, first.receive(), {late, place}, tally.exceptions, tally);
     ask(line, second, other, place);
     const auto got = second.receive();
     const bool is_confused = got && *got == late.answer(place);
     if (is_confused) {
       forget(line, other);
     } else {
-      judge(line, got, other, place, tally.second_exceptions, tally);
+      judge(line, got, {other, place}, tally.second_exceptions, tally);
     }
     ASSERT_TRUE(devices_.all_given(line));
     {

@@ -48,11 +48,11 @@ class LateResponses : public LateRig {
     if (!got) {
       got = first.receive();
     }
-    judge(line, got, late, transaction, tally.exceptions, tally);
+    judge(line, got, {late, transaction}, tally.exceptions, tally);
     // A busy machine's device may be late with this one too; it is asked again then.
     for (const int right = tally.right; tally.right == right && tally.missing == 0;) {
       const int exceptions = tally.second_exceptions;
-      judge(line, second.receive(), other, transaction, tally.second_exceptions, tally);
+      judge(line, second.receive(), {other, transaction}, tally.second_exceptions, tally);
       if (tally.second_exceptions == exceptions) {
         return;
       }

@@ -13,8 +13,9 @@ bool LateRig::is_promised(int line, const ByteString& got) const {
   return its == asked.end() || now <= its->second + kResponseTimeout + quarantine_;
 }
 
-void LateRig::judge(int line, const std::optional<ByteString>& got, const Question& asked,
-                    unsigned transaction, int& exceptions, Tally& tally) {
+void LateRig::judge(int line, const std::optional<ByteString>& got, const Expected& expected,
+                    int& exceptions, Tally& tally) {
+  const auto& [asked, transaction] = expected;
   if (!got) {
     ++tally.missing;
   } else if (*got == asked.answer(transaction)) {
@@ -47,11 +48,13 @@ void LateRig::start(std::chrono::milliseconds quarantine, const std::string& bus
 
 Tally LateRig::run(int tries, const Attempt& attempt) {
   std::vector<std::uint16_t> ports;
+  ports.reserve(kLateLines);
   for (int line = 0; line < kLateLines; ++line) {
     ports.push_back(gateway_->port_of(name_of(line)));
   }
   std::vector<Tally> tallies(kLateLines);
   std::vector<std::thread> threads;
+  threads.reserve(kLateLines);
   for (int line = 0; line < kLateLines; ++line) {
     threads.emplace_back([line, tries, &attempt, port = ports[static_cast<std::size_t>(line)],
                           &tally = tallies[static_cast<std::size_t>(line)]] {

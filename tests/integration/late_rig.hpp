@@ -60,6 +60,11 @@ struct Question {
   }
 };
 
+struct Expected {
+  const Question& asked;
+  unsigned transaction;
+};
+
 class LateRig : public testing::Test {
  protected:
   /// What is done on a line with its two clients.
@@ -79,8 +84,8 @@ class LateRig : public testing::Test {
   /// What another request of the line was answered with is wrong if it came within the quarantine
   /// of that. The gateway's clock for that started later than ours and it took the answer before
   /// we saw it, so this is wrong on a busy machine too; what came later is counted apart.
-  void judge(int line, const std::optional<ByteString>& got, const Question& asked,
-             unsigned transaction, int& exceptions, Tally& tally);
+  void judge(int line, const std::optional<ByteString>& got, const Expected& expected,
+             int& exceptions, Tally& tally);
   /// It got another one's answer and nobody could tell: where its own one goes, nobody can either.
   void forget(int line, const Question& question) {
     asked_[static_cast<std::size_t>(line)][question.address] = {};

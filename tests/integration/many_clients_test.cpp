@@ -127,7 +127,7 @@ TEST_F(ManyClients, ShareABusEquallyThoughOneHasTwoHundredRequestsWaiting) {
       ++got[number];
     }
   }
-  const auto least = std::min_element(got.begin(), got.end());
+  const auto least = std::ranges::min_element(got);
   std::printf("when one had its %u: the least %u, the greedy one %u\n", kRounds, *least, got[0]);
   EXPECT_GE(*least, kRounds - 1);
 }
