@@ -102,7 +102,7 @@ class DriveSuite : public testing::TestWithParam<FarEnd> {
     const auto bus = [](const std::string& name, const std::string& device) {
       return "[[bus]]\nname = \"" + name + "\"\ndevice = \"" + device +
              "\"\nbaud = 115200\nparity = \"none\"\nlisten_first = \"0ms\"\n"
-             "response_timeout = \"2s\"\n";
+             "response_timeout = \"20s\"\n";
     };
     const auto config =
         folder_.write("mbgate.toml", kLines + bus("line-a", line_a) + bus("line-b", line_b));

@@ -14,9 +14,6 @@
 namespace mbgate::test {
 namespace {
 
-/// After so long without another request there will be none.
-constexpr int kGatherLimitMs = 250;
-
 unsigned word(const std::uint8_t* bytes) { return (unsigned{bytes[0]} << 8U) + bytes[1]; }
 
 bool is_write(unsigned function) { return function != 0x03 && function != 0x04; }
@@ -68,7 +65,7 @@ bool FarServer::serve_once() {
   for (const int connection : connections_) {
     watched.push_back({connection, POLLIN, 0});
   }
-  if (poll(watched.data(), watched.size(), waiting_.empty() ? -1 : kGatherLimitMs) == 0) {
+  if (poll(watched.data(), watched.size(), waiting_.empty() ? -1 : gather_limit_ms_.load()) == 0) {
     answer_all();
     return true;
   }

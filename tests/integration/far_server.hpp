@@ -43,8 +43,11 @@ class FarServer {
   FarServer& operator=(const FarServer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// Answers only when so many requests are there, or when no more come; the last one first.
-  void gather(std::size_t count) { gather_ = count; }
+  /// Answers only when so many requests are there, or no more came for so long; the last one first.
+  void gather(std::size_t count, int limit_ms) {
+    gather_limit_ms_ = limit_ms;
+    gather_ = count;
+  }
   /// Closes a connection after each answer.
   void close_after_answers() { closes_after_answers_ = true; }
   /// Closes what it accepts.
@@ -88,6 +91,7 @@ class FarServer {
   std::vector<Query> waiting_;
   std::optional<Query> late_;
   std::atomic<std::size_t> gather_{1};
+  std::atomic<int> gather_limit_ms_{-1};
   std::atomic<bool> closes_after_answers_{false};
   std::atomic<bool> closes_at_once_{false};
   std::atomic<int> unit_{-1};  ///< none: as the request

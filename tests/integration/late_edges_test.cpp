@@ -74,13 +74,15 @@ class LateEdges : public LateRig {
     std::deque<ScriptedDevices::Delay> answers(static_cast<std::size_t>(retries_of(line)));
     answers.emplace_back(kEndOfQuarantine + number / kLateLines * 790us % 6ms - 4500us);
     devices_.plan(line, late.address, std::move(answers));
-    first.send(late.adu(place));
-    judge(first.receive(), late, place, tally.exceptions, tally);
-    second.send(other.adu(place));
+    ask(line, first, late, place);
+    judge(line, first.receive(), {late, place}, tally.exceptions, tally);
+    ask(line, second, other, place);
     const auto got = second.receive();
     const bool is_confused = got && *got == late.answer(place);
-    if (!is_confused) {
-      judge(got, other, place, tally.second_exceptions, tally);
+    if (is_confused) {
+      forget(line, other);
+    } else {
+      judge(line, got, {other, place}, tally.second_exceptions, tally);
     }
     ASSERT_TRUE(devices_.all_given(line));
     {
@@ -88,28 +90,20 @@ class LateEdges : public LateRig {
       aimed_.push_back({line, place, devices_.readable_at(line), is_confused});
     }
     if (!got || *got != other.answer(place)) {
-      std::this_thread::sleep_for(kEndOfQuarantine);  // its own answer is still to come
+      // Its own answer is still to come; what that does to later ones is not judged.
+      std::this_thread::sleep_for(kEndOfQuarantine);
     }
   }
-  std::mutex mutex_;
-  std::vector<Aimed> aimed_;
-};
-
-// What could be read before the machine looked is no answer to what it transmitted then; what came
-// in the same instant, no gateway can tell.
-TEST_F(LateEdges, WhatLiesInTheLineIsNoAnswerToTheNextRequest) {
-  const int tries = tries_or(48);
-  for (const char* wake_early : {"0ms", "100us", "1ms"}) {
-    start("quarantine = \"100ms\"\nquarantine_max = \"100ms\"\noffline_after = 0\n",
-          std::string("[gateway]\nwake_early = \"") + wake_early + "\"\n",
-          {"--record", "late.rec"});
+  void aim_all(const std::string& wake_early, int& lay_there) {
+    const int tries = tries_or(48);
+    start(100ms, "quarantine = \"100ms\"\nquarantine_max = \"100ms\"\noffline_after = 0\n",
+          "[gateway]\nwake_early = \"" + wake_early + "\"\n", {"--record", "late.rec"});
     aimed_.clear();
     const Tally tally = run(tries, [this](auto&&... with) { aim(with...); });
     gateway_->signal(SIGTERM);
     ASSERT_EQ(gateway_->wait_for_exit(), 0);
     const Looks looks(folder_.path() / "late.rec");
     std::filesystem::remove(folder_.path() / "late.rec");
-    int lay_there = 0;
     int wrong = 0;
     int unavoidable = 0;
     for (const Aimed& it : aimed_) {
@@ -123,10 +117,27 @@ TEST_F(LateEdges, WhatLiesInTheLineIsNoAnswerToTheNextRequest) {
     std::printf(
         "wake_early %s: %d lay there before the look, of these %d WRONG; %d came too late "
         "to tell\n",
-        wake_early, lay_there, wrong, unavoidable);
+        wake_early.c_str(), lay_there, wrong, unavoidable);
     ASSERT_EQ(tally.tries, tries);
     EXPECT_EQ(tally.wrong + wrong, 0) << wake_early;
     EXPECT_EQ(tally.missing, 0) << wake_early;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Aimed> aimed_;
+};
+
+// What could be read before the machine looked is no answer to what it transmitted then; what came
+// in the same instant, no gateway can tell.
+TEST_F(LateEdges, WhatLiesInTheLineIsNoAnswerToTheNextRequest) {
+  for (const char* wake_early : {"0ms", "100us", "1ms"}) {
+    // On a machine so busy that every answer came after the look, nothing was shown yet.
+    int lay_there = 0;
+    for (int times = 0; lay_there == 0 && times < 20; ++times) {
+      aim_all(wake_early, lay_there);
+      ASSERT_FALSE(HasFailure());
+    }
     EXPECT_GT(lay_there, 0) << wake_early;
   }
 }

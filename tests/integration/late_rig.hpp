@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 #include <functional>
+#include <map>
 
 #include "integration/plant.hpp"
 #include "integration/scripted_devices.hpp"
@@ -30,6 +32,7 @@ struct Tally {
   int exceptions = 0;  ///< of the first client; the second one's are counted apart
   int second_exceptions = 0;
   int wrong = 0;
+  int too_late = 0;  ///< answers to earlier requests, but later than the quarantine promises
   int missing = 0;
   void add(const Tally& other) {
     tries += other.tries;
@@ -37,6 +40,7 @@ struct Tally {
     exceptions += other.exceptions;
     second_exceptions += other.second_exceptions;
     wrong += other.wrong;
+    too_late += other.too_late;
     missing += other.missing;
   }
 };
@@ -56,6 +60,11 @@ struct Question {
   }
 };
 
+struct Expected {
+  const Question& asked;
+  unsigned transaction;
+};
+
 class LateRig : public testing::Test {
  protected:
   /// What is done on a line with its two clients.
@@ -68,17 +77,36 @@ class LateRig : public testing::Test {
   }
   static std::string name_of(int line) { return "line-" + std::to_string(line); }
   static int retries_of(int line) { return line < kLateLines / 2 ? 0 : 1; }
-  static void judge(const std::optional<ByteString>& got, const Question& asked,
-                    unsigned transaction, int& exceptions, Tally& tally);
+  void ask(int line, TcpClient& client, const Question& question, unsigned transaction) {
+    asked_[static_cast<std::size_t>(line)][question.address] = ScriptedDevices::Clock::now();
+    client.send(question.adu(transaction));
+  }
+  /// What another request of the line was answered with is wrong if it came within the quarantine
+  /// of that. The gateway's clock for that started later than ours and it took the answer before
+  /// we saw it, so this is wrong on a busy machine too; what came later is counted apart.
+  void judge(int line, const std::optional<ByteString>& got, const Expected& expected,
+             int& exceptions, Tally& tally);
+  /// It got another one's answer and nobody could tell: where its own one goes, nobody can either.
+  void forget(int line, const Question& question) {
+    asked_[static_cast<std::size_t>(line)][question.address] = {};
+  }
 
-  void start(const std::string& bus, const std::string& gateway = "",
-             const std::vector<std::string>& arguments = {});
+  /// The quarantine is what judge() holds the gateway to.
+  void start(std::chrono::milliseconds quarantine, const std::string& bus,
+             const std::string& gateway = "", const std::vector<std::string>& arguments = {});
   /// Shares the tries among the lines, which work side by side.
   Tally run(int tries, const Attempt& attempt);
 
   TemporaryFolder folder_;
   ScriptedDevices devices_{kLateLines};
   std::optional<Process> gateway_;
+
+ private:
+  using Asked = std::map<unsigned, ScriptedDevices::Clock::time_point>;  ///< by address, the last
+  [[nodiscard]] bool is_promised(int line, const ByteString& got) const;
+
+  std::chrono::milliseconds quarantine_{0};
+  std::array<Asked, kLateLines> asked_;  ///< each line has a thread of its own
 };
 
 }  // namespace mbgate::test

@@ -19,7 +19,7 @@ class Libmodbus : public testing::Test {
     const auto bus = [](const std::string& name, const RtuServer& server) {
       return "[[bus]]\nname = \"" + name + "\"\ndevice = \"" + server.path() +
              "\"\nbaud = 115200\nparity = \"none\"\nlisten_first = \"0ms\"\n"
-             "response_timeout = \"2s\"\n";
+             "response_timeout = \"20s\"\n";
     };
     const auto config = folder_.write(
         "mbgate.toml",
@@ -34,7 +34,7 @@ class Libmodbus : public testing::Test {
   Context client(int unit) const {
     Context context(modbus_new_tcp("127.0.0.1", port_));
     modbus_set_slave(context.get(), unit);
-    modbus_set_response_timeout(context.get(), 20, 0);
+    modbus_set_response_timeout(context.get(), 60, 0);
     EXPECT_EQ(modbus_connect(context.get()), 0) << modbus_strerror(errno);
     return context;
   }

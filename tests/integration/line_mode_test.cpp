@@ -21,8 +21,10 @@ constexpr auto kNoAnswer = "83 0B";
 
 TEST(LineMode, DrivesAnswerAtTheirOwnBaudRateAndStopBitsOnly) {
   EXPECT_EQ(read_answer({.paced = true}), kRegisters);
-  EXPECT_EQ(read_answer({.paced = true, .baud = 57600}), kNoAnswer);
-  EXPECT_EQ(read_answer({.paced = true, .bus = "stop_bits = 2"}), kNoAnswer);
+  const std::string soon = "300ms";
+  EXPECT_EQ(read_answer({.paced = true, .baud = 57600, .response_timeout = soon}), kNoAnswer);
+  EXPECT_EQ(read_answer({.paced = true, .response_timeout = soon, .bus = "stop_bits = 2"}),
+            kNoAnswer);
 }
 
 TEST(LineMode, AnAdapterThatHearsItselfIsServed) {

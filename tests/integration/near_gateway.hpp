@@ -15,8 +15,8 @@ inline constexpr unsigned kUnit = 1;
 /// Register 10 of the far server.
 inline constexpr auto kRead = "03 000A 0001";
 
-inline constexpr auto kPatient = "response_timeout = \"10s\"";
-inline constexpr auto kPatientWithFour = "response_timeout = \"10s\"\noutstanding = 4";
+inline constexpr auto kPatient = "response_timeout = \"20s\"";
+inline constexpr auto kPatientWithFour = "response_timeout = \"20s\"\noutstanding = 4";
 inline constexpr auto kImpatient = "response_timeout = \"500ms\"";
 
 /// The answer without its transaction identifier; "" if there is none.
@@ -29,17 +29,20 @@ inline std::string ask(TcpClient& client, std::string_view pdu, unsigned unit = 
   return pdu_of(client.receive());
 }
 
-// Asks until the answer is no exception any more: the connection is there. Bounded by tries.
-inline bool serves(TcpClient& client) {
-  for (int attempt = 0; attempt < 400; ++attempt) {
-    const std::string answer = ask(client, kRead);
-    if (answer.empty() || !answer.starts_with('8')) {
-      return !answer.empty();
+/// Asks until the answer is no exception any more: the connection is there, and the server was in
+/// time. The last exception if that takes longer than anything may.
+inline std::string ask_until_answered(TcpClient& client, std::string_view pdu) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  for (;;) {
+    std::string answer = ask(client, pdu);
+    if (!answer.starts_with('8') || std::chrono::steady_clock::now() > end) {
+      return answer;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(25));
   }
-  return false;
 }
+
+inline bool serves(TcpClient& client) { return ask_until_answered(client, kRead).starts_with('0'); }
 
 /// A gateway with one bus: the listener "far" is bound to it, and unit 5 of the listener "routed"
 /// is the one device on it.

@@ -14,7 +14,8 @@ namespace mbgate::test {
 struct PlantOptions {
   bool paced = false;      ///< false: no wire time, no frame gap
   unsigned baud = 115200;  ///< of the gateway's ports, if paced; the drives have 115200
-  std::string response_timeout = "300ms";
+  /// Longer than any machine is busy; shorter only where nobody is to answer.
+  std::string response_timeout = "20s";
   std::string listener{};                ///< further keys of every [[listen]]
   std::string bus{};                     ///< further keys of every [[bus]]
   std::string simulated_bus{};           ///< further keys of every simulated [[bus]]

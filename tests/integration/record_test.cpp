@@ -54,6 +54,7 @@ TEST(Recording, IsReplayedByteForByte) {
   PlantOptions options;
   options.arguments = {"--record", "plant.rec"};
   options.simulator = "reopen_after = \"200ms\"";
+  options.response_timeout = "300ms";
   Plant plant(options);
   traffic(plant);
   plant.simulator.signal(SIGUSR2);  // pulls every adapter out for a moment

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Modbus RTU servers on ptys whose answers come exactly when the test wants them, or never. One
-// server a line; it answers in the order of the requests, function 03 only.
+// Modbus RTU servers on ptys whose answers come when the test wants them, or as soon after that as
+// the machine lets them, or never. One server a line; it answers in the order of the requests,
+// function 03 only.
 #pragma once
 
 #include <atomic>
@@ -34,6 +35,8 @@ class ScriptedDevices {
 
   /// The path of the near side.
   [[nodiscard]] std::string path(int line) const;
+  /// Keeps all answers back from now on, or no longer. They are not late then.
+  void hold(bool holds) { holds_ = holds; }
   /// How the next requests that begin at the address are answered, in turn; others after 2 ms.
   void plan(int line, unsigned address, std::deque<Delay> delays);
   /// Waits until all planned answers were given; false if this takes longer than anything may.
@@ -41,8 +44,6 @@ class ScriptedDevices {
   /// When the near side could read the last planned answer; nothing if another request came first.
   [[nodiscard]] std::optional<Clock::time_point> readable_at(int line);
   [[nodiscard]] unsigned requests(int line) const;
-  /// Answers that this machine was too slow to give in time; they were not given.
-  [[nodiscard]] unsigned missed() const { return missed_; }
 
  private:
   struct Pending {
@@ -79,7 +80,7 @@ class ScriptedDevices {
   std::mutex mutex_;  // of the plans and of what became of them
   std::condition_variable planned_given_;
   std::atomic<bool> stop_{false};
-  std::atomic<unsigned> missed_{0};
+  std::atomic<bool> holds_{false};
   std::thread thread_;
 };
 

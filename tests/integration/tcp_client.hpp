@@ -31,9 +31,9 @@ class TcpClient {
   bool send(const ByteString& bytes) const;
   void half_close() const;
   /// The next whole ADU; nothing if the peer closed or none came within the limit.
-  std::optional<ByteString> receive(int limit_ms = 20'000);
+  std::optional<ByteString> receive(int limit_ms = 60'000);
   /// Has the peer closed the connection within the limit? Throws answers away.
-  bool is_closed(int limit_ms = 20'000);
+  bool is_closed(int limit_ms = 60'000);
   [[nodiscard]] int descriptor() const { return socket_; }
 
  private:

@@ -35,7 +35,7 @@ class ListenersTest : public testing::Test {
     log_.emplace(false, write_end_.get());
   }
   std::string written() {
-    log_->flush(std::chrono::seconds(10));
+    log_->flush(std::chrono::seconds(60));
     std::string text(65536, '\0');
     const ssize_t count = ::read(read_end_.get(), text.data(), text.size());
     text.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
@@ -61,7 +61,7 @@ class ListenersTest : public testing::Test {
     };
   }
   void run_until_taken(std::size_t count) {
-    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (taken_.size() < count && std::chrono::steady_clock::now() < limit) {
       context_.restart();
       context_.run_one_for(std::chrono::milliseconds(20));

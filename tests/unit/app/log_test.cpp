@@ -13,7 +13,7 @@
 namespace mbgate::app {
 namespace {
 
-constexpr std::chrono::seconds kLimit{10};
+constexpr std::chrono::seconds kLimit{60};
 
 /// A pipe that a log writes to.
 class LogTest : public testing::Test {

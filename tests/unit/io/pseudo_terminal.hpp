@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <stdlib.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <array>
@@ -38,6 +39,12 @@ class PseudoTerminal {
     std::array<char, 512> buffer{};
     const ssize_t count = ::read(device_side_.get(), buffer.data(), buffer.size());
     return count > 0 ? std::string(buffer.data(), static_cast<std::size_t>(count)) : std::string();
+  }
+  /// Bytes that can be read at once.
+  [[nodiscard]] std::size_t waiting() const {
+    int count = 0;
+    ::ioctl(device_side_.get(), FIONREAD, &count);
+    return static_cast<std::size_t>(count);
   }
   /// The adapter is pulled out.
   void unplug() { device_side_.reset(); }

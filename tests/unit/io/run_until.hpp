@@ -8,9 +8,9 @@
 
 namespace mbgate::io {
 
-/// False if `happened` is still false after ten seconds.
+/// False if `happened` is still false after a minute.
 inline bool run_until(boost::asio::io_context& context, const std::function<bool()>& happened) {
-  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (!happened()) {
     if (std::chrono::steady_clock::now() >= limit) {
       return false;

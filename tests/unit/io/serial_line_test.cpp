@@ -135,8 +135,9 @@ TEST_F(SerialLineTest, FinishesAFrameThatTheDriverTakesInParts) {
 }
 
 /// Another holder of a line fills it up, so that no byte of ours is taken; nothing if only root may
-/// do that. The kernel moves bytes from buffer to buffer on its own time and so makes room again:
-/// the line is full when it has taken nothing for a while.
+/// do that. The kernel moves bytes from the buffer of the line to that of its reader on its own
+/// time and so makes room again: the line is full when both have taken nothing for a while, and the
+/// reader's has no room.
 std::optional<std::size_t> fill(const PseudoTerminal& terminal) {
   const UniqueFd filler(
       ::open(terminal.path().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
@@ -144,9 +145,10 @@ std::optional<std::size_t> fill(const PseudoTerminal& terminal) {
     return std::nullopt;
   }
   constexpr int kRefusals = 20;
+  constexpr std::size_t kReadersRoom = 4095;  // N_TTY_BUF_SIZE less one
   std::size_t filled = 0;
   const std::array<char, 1024> filling{};
-  for (int refused = 0; refused < kRefusals;) {
+  for (int refused = 0; refused < kRefusals || terminal.waiting() < kReadersRoom;) {
     const ssize_t count = ::write(filler.get(), filling.data(), filling.size());
     if (count > 0) {
       filled += static_cast<std::size_t>(count);

@@ -13,7 +13,7 @@ namespace {
 
 using boost::asio::ip::tcp;
 
-constexpr auto kLimit = std::chrono::seconds(5);
+constexpr auto kLimit = std::chrono::seconds(60);
 constexpr gateway::ClientId kClient{42};
 
 class TcpConnectionTest : public testing::Test, public ConnectionEvents {
