@@ -32,9 +32,11 @@ ROOT = HERE.parents[1]
 PARTS = ("CMakeLists.txt", "src", "tests", "bench", "conf")
 SKIPPED = 77  # what ctest takes for a test that could not be run
 # What takes more memory, or more seconds of the processor, does not end by itself.
-LIMITS = ["prlimit", f"--as={4 << 30}", "--cpu=1800"]
+MOST_MEMORY = 4 << 30
+MOST_SECONDS = 900
 SOAK = ["-DCMAKE_BUILD_TYPE=Release"]
-UNIT = ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O0 -g0", "-DCMAKE_UNITY_BUILD=ON"]
+UNIT = ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O0 -g0", "-DCMAKE_UNITY_BUILD=ON",
+        *(["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else [])]
 PROGRAMS = ("modbus_tests", "drive_tests", "routing_tests", "bus_tests", "gateway_tests", "simulation_tests",
             "drives_tests")
 
@@ -45,7 +47,8 @@ def run(command, **options):
 
 
 def limited(command):
-    return run([*(LIMITS if shutil.which(LIMITS[0]) else []), *command])
+    limits = ["prlimit", f"--as={MOST_MEMORY}", f"--cpu={MOST_SECONDS}"] if shutil.which("prlimit") else []
+    return run([*limits, *command])
 
 
 def git_apply(tree, patch, *options):
@@ -105,25 +108,31 @@ class Copy:
     def build_soak(self, jobs=1):
         return self.build(self.soak, SOAK, ["gateway_soak"], jobs)
 
-    def failing_tests(self, jobs=1):
-        """The names of the unit tests that fail, and of the programs that die."""
-        trouble = self.build(self.unit, UNIT, PROGRAMS, jobs)
+    def failing_tests(self, program):
+        """The names of those that fail, or of the program, if it dies."""
+        trouble = self.build(self.unit, UNIT, [program])
         if trouble:
-            return {f"(the unit tests do not build) {trouble[-500:]}"}
-        failing = set()
-        for program in PROGRAMS:
-            made = limited([self.unit / "bin" / program, "--gtest_brief=1"])
-            names = failed_tests(made.stdout)
-            failing |= names or ({program} if made.returncode != 0 else set())
-        return failing
+            return {f"({program} does not build)"}
+        made = limited([self.unit / "bin" / program, "--gtest_brief=1"])
+        return failed_tests(made.stdout) or ({program} if made.returncode != 0 else set())
 
     def unit_tests(self, patch):
-        """Those that fail because of the patch, which is applied."""
+        """Those that fail because of the patch, which is applied: of the first program of which any do."""
         if self.failing is None:
             git_apply(self.tree, patch, "--reverse")
-            self.failing = self.failing_tests()
+            self.failing = set().union(*(self.failing_tests(program) for program in PROGRAMS))
             git_apply(self.tree, patch)
-        return sorted(self.failing_tests() - self.failing)
+        for program in nearest_first(patch):
+            failing = self.failing_tests(program) - self.failing
+            if failing:
+                return sorted(failing)
+        return []
+
+
+def nearest_first(patch):
+    """The test programs, that of the room that the patch breaks before the others."""
+    room = re.search(r"^\+\+\+ b/src/(\w+)/", patch.read_text(encoding="utf-8"), re.MULTILINE)
+    return sorted(PROGRAMS, key=lambda it: not room or it != f"{room.group(1)}_tests")
 
 
 def failed_tests(text):
@@ -195,7 +204,8 @@ def try_patch(patch, copy, options):
             is_for_them = expected == "unit_test"
             return f"| {patch.stem} | {'unit tests' if is_for_them else 'MISSED'}{note} | | |", is_for_them
         failing = copy.unit_tests(patch)
-        return f"| {patch.stem} | {', '.join(failing) or 'MISSED'}{note} | | |", bool(failing)
+        more = f" and {len(failing) - 2} more" if len(failing) > 2 else ""
+        return f"| {patch.stem} | {', '.join(failing[:2]) or 'MISSED'}{more}{note} | | |", bool(failing)
     finally:
         git_apply(copy.tree, patch, "--reverse")
 
