@@ -283,5 +283,15 @@ TEST(ReloadOfDrives, LetsRequestsEndByTheSettingsTheyBeganWith) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 01 10 00 1E 00 02"));
 }
 
+TEST(Reload, ANewIdleTimeoutHoldsForClientsThatAreThere) {
+  MachineRig rig;
+  rig.connect(1);
+  Settings settings = one_bus();
+  settings.listeners[0].idle_timeout = 60s;
+  rig.reload(settings);
+  rig.advance(60s);
+  EXPECT_TRUE(rig.closed.contains(1));
+}
+
 }  // namespace
 }  // namespace mbgate::test
