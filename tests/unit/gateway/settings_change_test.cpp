@@ -283,7 +283,7 @@ TEST(ReloadOfDrives, LetsRequestsEndByTheSettingsTheyBeganWith) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 01 10 00 1E 00 02"));
 }
 
-TEST(Reload, ANewIdleTimeoutHoldsForClientsThatAreThere) {
+TEST_F(Reload, ANewIdleTimeoutHoldsForClientsThatAreThere) {
   MachineRig rig;
   rig.connect(1);
   Settings settings = one_bus();
