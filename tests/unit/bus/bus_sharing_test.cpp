@@ -130,18 +130,6 @@ TEST_F(BusSharing, TheOthersGoOnWhenTheOneThatLedHasGone) {
   EXPECT_EQ(response_of(jobs_[2]), "03 02 12 34");
 }
 
-TEST_F(BusSharing, WhoInheritsARepeatedReadHasTheTriesThatAreLeft) {
-  auto retrying = sharing();
-  retrying.timing.retries = 2;
-  let_two_wait(retrying);
-  advance(110ms);
-  ASSERT_THAT(frames_, SizeIs(2));
-  jobs_[1].abandoned = true;
-  advance(1s);
-  EXPECT_THAT(frames_, SizeIs(3));
-  EXPECT_THAT(endings_, ElementsAre(Ending::cancelled, Ending::no_answer));
-}
-
 TEST_F(BusSharing, EachKeepsItsOwnDeadline) {
   auto retrying = sharing();
   retrying.timing.retries = 1;
