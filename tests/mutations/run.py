@@ -1,18 +1,22 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Breaks copies of the product on purpose and shows that the soak's oracle notices.
+"""Breaks copies of the product on purpose and shows that the soak's oracle notices, or else the unit tests.
 
-usage: run.py [--check] [--build FOLDER] [--seeds N] [--transactions N] [--jobs N] [NAME...]   (default: every patch)
+usage: run.py [--check] [--unit-tests] [--build FOLDER] [--seeds N] [--transactions N] [--tries N] [--jobs N] [NAME...]
 
-Each patch names in its first line the kind of violation that it must cause, or "any". The tree is copied, one patch at
-a time is applied to the copy, gateway_soak is built there and run; a line of the table of tests/README.md is printed for
-each. Where the first seeds show nothing, others are tried. Copy and build are kept in --build, so that only what a patch
-changes is compiled again, by ccache where there is one. --check only says whether every patch still applies.
+Each patch names in its first line the kind of violation that it must cause, "any" of them, "died" if it must kill the
+soak, or "unit_test" if only a unit test sees it. The tree is copied for each job, one patch at a time is applied to a
+copy, gateway_soak is built there and run; a line of the table of tests/README.md is printed for each, with the seed that
+shows it first. Where the first seeds show nothing, others are tried. With --unit-tests the unit and simulation tests are
+built and run for what the soak has missed, and the failing ones are named. Copies and builds are kept in --build, so that
+only what a patch changes is compiled again, by ccache where there is one. --check only says whether every patch still
+applies.
 
 Exits 1 if a violation did not show, or a patch does not apply.
 """
 
 import argparse
+import concurrent.futures
 import os
 import pathlib
 import re
@@ -20,17 +24,31 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
+from typing import NamedTuple
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PARTS = ("CMakeLists.txt", "src", "tests", "bench", "conf")
-# How often more seeds are tried for a violation that the first ones did not show.
-MORE_TRIES = 4
 SKIPPED = 77  # what ctest takes for a test that could not be run
+# What takes more memory, or more seconds of the processor, does not end by itself.
+MOST_MEMORY = 4 << 30
+MOST_SECONDS = 900
+SOAK = ["-DCMAKE_BUILD_TYPE=Release"]
+UNIT = ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O0 -g0", "-DCMAKE_UNITY_BUILD=ON",
+        *(["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else [])]
+PROGRAMS = ("modbus_tests", "drive_tests", "routing_tests", "bus_tests", "gateway_tests", "simulation_tests",
+            "drives_tests")
 
 
 def run(command, **options):
-    return subprocess.run(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, **options)
+    return subprocess.run(command, text=True, errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+                          **options)
+
+
+def limited(command):
+    limits = ["prlimit", f"--as={MOST_MEMORY}", f"--cpu={MOST_SECONDS}"] if shutil.which("prlimit") else []
+    return run([*limits, *command])
 
 
 def git_apply(tree, patch, *options):
@@ -66,64 +84,151 @@ def synchronize(tree):
             (tree / name).write_bytes(content)
 
 
-def build(tree, folder, jobs):
-    """What went wrong; nothing if nothing did."""
-    surroundings = os.environ | {"CCACHE_BASEDIR": str(tree), "CCACHE_NOHASHDIR": "1"}
-    if not (folder / "build.ninja").exists():
-        launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-        made = run(["cmake", "-S", tree, "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", *launcher])
-        if made.returncode != 0:
-            return made.stdout
-    made = run(["ninja", "-C", folder, *(["-j", str(jobs)] if jobs else []), "gateway_soak"], env=surroundings)
-    return made.stdout if made.returncode != 0 else ""
+class Copy:
+    """A copy of the tree in which one patch at a time is tried."""
 
+    def __init__(self, work):
+        self.tree = work / "tree"
+        self.soak = self.tree / "build/mutation"  # as deep as the builds of the presets: ccache knows their objects
+        self.unit = self.tree / "build/unit"
+        self.failing = None  # unit tests that fail without any patch
+        synchronize(self.tree)
 
-def violations(folder, first, options):
-    """How often each kind of violation was seen, and in which seed first. Of a soak that died only what it had told."""
-    soak = run([folder / "bin" / "gateway_soak", "--seed", str(first), "--seeds", str(options.seeds),
-                "--transactions", str(options.transactions)])
-    seeds, told = {}, {}
-    for seed, kind in re.findall(r"^seed (\d+): (\w+): ", soak.stdout, re.MULTILINE):
-        seeds.setdefault(kind, seed)
-        told[kind] = told.get(kind, 0) + 1
-    line = re.findall(r"^  violations: (.*)$", soak.stdout, re.MULTILINE)
-    if not line:
-        print(f"    the soak died: {soak.stdout.strip().splitlines()[-1:]}", file=sys.stderr, flush=True)
-        return told, seeds
-    words = line[-1].split() if line[-1] != "none" else []
-    return dict(zip(words[::2], map(int, words[1::2]))), seeds
+    def build(self, folder, how, targets, jobs=1):
+        """What went wrong; nothing if nothing did."""
+        surroundings = os.environ | {"CCACHE_BASEDIR": str(self.tree), "CCACHE_NOHASHDIR": "1"}
+        if not (folder / "build.ninja").exists():
+            launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+            made = run(["cmake", "-S", self.tree, "-B", folder, "-G", "Ninja", *how, *launcher])
+            if made.returncode != 0:
+                return made.stdout
+        made = run(["ninja", "-C", folder, "-j", str(jobs), *targets], env=surroundings)
+        return made.stdout if made.returncode != 0 else ""
 
+    def build_soak(self, jobs=1):
+        return self.build(self.soak, SOAK, ["gateway_soak"], jobs)
 
-def see(expected, folder, options):
-    """The violation, a text that says how often it was seen, and all that was; no text if it was not."""
-    seen = {}
-    for attempt in range(1 + MORE_TRIES):
-        seen, seeds = violations(folder, 1 + attempt * options.seeds, options)
-        kind = max(seen, key=seen.get, default=expected) if expected == "any" else expected
-        if kind in seen:
-            return kind, str(seen[kind]) if attempt == 0 else f"first in seed {seeds.get(kind, '?')}", seen
-    return expected, "", seen
-
-
-def try_patch(patch, tree, folder, options):
-    """Prints a line of the table; true if the violation showed."""
-    applied = git_apply(tree, patch)
-    if applied.returncode != 0:
-        print(f"{patch.stem}: does not apply any more\n{applied.stdout}", flush=True)
-        return False
-    try:
-        trouble = build(tree, folder, options.jobs)
+    def failing_tests(self, program):
+        """The names of those that fail, or of the program, if it dies."""
+        trouble = self.build(self.unit, UNIT, [program])
         if trouble:
-            print(f"{patch.stem}: does not build\n{trouble}", flush=True)
-            return False
-        kind, count, seen = see(expected_of(patch), folder, options)
+            return {f"({program} does not build)"}
+        made = limited([self.unit / "bin" / program, "--gtest_brief=1"])
+        return failed_tests(made.stdout) or ({program} if made.returncode != 0 else set())
+
+    def unit_tests(self, patch):
+        """Those that fail because of the patch, which is applied: of the first program of which any do."""
+        if self.failing is None:
+            git_apply(self.tree, patch, "--reverse")
+            self.failing = set().union(*(self.failing_tests(program) for program in PROGRAMS))
+            git_apply(self.tree, patch)
+        for program in nearest_first(patch):
+            failing = self.failing_tests(program) - self.failing
+            if failing:
+                return sorted(failing)
+        return []
+
+
+def nearest_first(patch):
+    """The test programs, that of the room that the patch breaks before the others."""
+    room = re.search(r"^\+\+\+ b/src/(\w+)/", patch.read_text(encoding="utf-8"), re.MULTILINE)
+    return sorted(PROGRAMS, key=lambda it: not room or it != f"{room.group(1)}_tests")
+
+
+def failed_tests(text):
+    return set(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", text, re.MULTILINE))
+
+
+class Seen(NamedTuple):
+    """What a soak has told: how often each kind of violation was seen, and in which seed first. Of one that died only what
+    it had told by then."""
+
+    counts: dict
+    seeds: dict
+    died: bool
+
+
+def seen_in(text):
+    seeds, told = {}, {}
+    for seed, kind in re.findall(r"^seed (\d+): (\w+): ", text, re.MULTILINE):
+        seeds.setdefault(kind, int(seed))
+        told[kind] = told.get(kind, 0) + 1
+    line = re.findall(r"^  violations: (.*)$", text, re.MULTILINE)
+    if not line:
+        return Seen(told, seeds, True)
+    words = line[-1].split() if line[-1] != "none" else []
+    return Seen(dict(zip(words[::2], map(int, words[1::2]))), seeds, False)
+
+
+def kind_of(expected, seen):
+    """The violation that shows the patch, or nothing. Of any of them, the one that is seen first."""
+    if expected == "died":
+        return "died" if seen.died else None
+    if expected not in ("any", "unit_test"):
+        return expected if expected in seen.counts else None
+    return min(seen.counts, key=lambda kind: (seen.seeds.get(kind, sys.maxsize), -seen.counts[kind]), default=None)
+
+
+def soak(copy, first, options):
+    return seen_in(limited([copy.soak / "bin/gateway_soak", "--seed", str(first), "--seeds", str(options.seeds),
+                            "--transactions", str(options.transactions)]).stdout)
+
+
+def see(expected, copy, options):
+    """The violation, the seed that shows it first, how often it was seen in the first seeds; and whether a soak died."""
+    died = False
+    for attempt in range(options.tries):
+        seen = soak(copy, 1 + attempt * options.seeds, options)
+        died = died or seen.died
+        kind = kind_of(expected, seen)
+        if kind:
+            return kind, seen.seeds.get(kind, "?"), seen.counts.get(kind, 1) if attempt == 0 else 0, died
+    return None, None, 0, died
+
+
+def try_patch(patch, copy, options):
+    """A line of the table; and whether the patch was seen."""
+    applied = git_apply(copy.tree, patch)
+    if applied.returncode != 0:
+        return f"{patch.stem}: does not apply any more\n{applied.stdout}", False
+    try:
+        trouble = copy.build_soak()
+        if trouble:
+            return f"{patch.stem}: does not build\n{trouble}", False
+        expected = expected_of(patch)
+        kind, seed, count, died = see(expected, copy, options)
+        note = " (a soak died)" if died and kind != "died" else ""
+        if kind:
+            return f"| {patch.stem} | {kind}{note} | {seed} | {count} |", True
+        if not options.unit_tests:
+            is_for_them = expected == "unit_test"
+            return f"| {patch.stem} | {'unit tests' if is_for_them else 'MISSED'}{note} | | |", is_for_them
+        failing = copy.unit_tests(patch)
+        more = f" and {len(failing) - 2} more" if len(failing) > 2 else ""
+        return f"| {patch.stem} | {', '.join(failing[:2]) or 'MISSED'}{more}{note} | | |", bool(failing)
     finally:
-        git_apply(tree, patch, "--reverse")
-    print(f"| {patch.stem} | {kind} | {count or 'MISSED'} |", flush=True)
-    others = ", ".join(f"{it} {number}" for it, number in seen.items() if it != kind)
-    if others:
-        print(f"    beside it: {others}", file=sys.stderr, flush=True)
-    return bool(count)
+        git_apply(copy.tree, patch, "--reverse")
+
+
+def try_all(patches, copies, options):
+    """Prints the table, in the order in which it comes to be; true if all were seen."""
+    waiting = list(reversed(patches))
+    lock = threading.Lock()
+
+    def work_off(copy):
+        good = True
+        while True:
+            with lock:
+                if not waiting:
+                    return good
+                patch = waiting.pop()
+            line, seen = try_patch(patch, copy, options)
+            good = good and seen
+            with lock:
+                print(line, flush=True)
+
+    with concurrent.futures.ThreadPoolExecutor(len(copies)) as pool:
+        return all(list(pool.map(work_off, copies)))
 
 
 def check(patches):
@@ -131,51 +236,59 @@ def check(patches):
     if shutil.which("git") is None:
         print("there is no git, which applies them")
         return SKIPPED
-    known = "".join(file.read_text(encoding="utf-8") for file in sorted((ROOT / "tests/soak").glob("*.cpp")))
+    known = "".join(file.read_text(encoding="utf-8") for file in sorted((ROOT / "tests/soak").glob("*.?pp")))
     good = True
     for patch in patches:
         applied = git_apply(ROOT, patch, "--check")
+        expected = expected_of(patch)
         if applied.returncode != 0:
             print(f"{patch.stem}: does not apply any more\n{applied.stdout}")
             good = False
-        elif expected_of(patch) != "any" and f'"{expected_of(patch)}"' not in known:
-            print(f"{patch.stem}: the soak knows no violation {expected_of(patch)}")
+        elif expected not in ("any", "died", "unit_test") and f'"{expected}"' not in known:
+            print(f"{patch.stem}: the soak knows no violation {expected}")
+            good = False
     print(f"{len(patches)} patches: {'all apply' if good else 'not all apply'}")
     return 0 if good else 1
 
 
-def main():
+def options_of(patches):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="only say whether the patches apply")
-    parser.add_argument("--build", type=pathlib.Path, help="keeps copy and build here")
+    parser.add_argument("--unit-tests", action="store_true", help="for what the soak has missed")
+    parser.add_argument("--build", type=pathlib.Path, help="keeps copies and builds here")
     parser.add_argument("--seeds", type=int, default=100)
     parser.add_argument("--transactions", type=int, default=500)
-    parser.add_argument("--jobs", type=int, help="of the compiler at a time")
+    parser.add_argument("--tries", type=int, default=5, help="so often so many seeds, until one shows it")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="patches that are tried at a time")
     parser.add_argument("names", nargs="*")
     options = parser.parse_args()
-    patches = sorted(HERE.glob("*.patch"))
     unknown = set(options.names) - {patch.stem for patch in patches}
     if unknown:
         parser.error(f"no such patch: {', '.join(sorted(unknown))}")
+    return options
+
+
+def main():
+    patches = sorted(HERE.glob("*.patch"))
+    options = options_of(patches)
     patches = [patch for patch in patches if not options.names or patch.stem in options.names]
     if options.check:
         return check(patches)
     work = (options.build or pathlib.Path(tempfile.mkdtemp(prefix="mbgate-mutations-"))).resolve()
-    tree = work / "tree"
-    folder = tree / "build/mutation"  # as deep as the builds of the presets, so that ccache knows their objects
-    synchronize(tree)
-    trouble = build(tree, folder, options.jobs)
-    if trouble:
-        sys.exit(f"the copy does not build\n{trouble}")
-    unbroken, _ = violations(folder, 1, options)
-    if unbroken:
+    copies = [Copy(work / str(number)) for number in range(min(options.jobs, len(patches)))]
+    for copy in copies:
+        trouble = copy.build_soak(options.jobs)
+        if trouble:
+            sys.exit(f"the copy does not build\n{trouble}")
+    unbroken = soak(copies[0], 1, options)
+    if unbroken.counts or unbroken.died:
         print(f"WARNING: without any patch there is already {unbroken}", flush=True)
-    print(f"| patch | violation | seen in seeds 1 to {options.seeds}, {options.transactions} transactions each |\n|---|---|---|",
-          flush=True)
-    missed = sum(not try_patch(patch, tree, folder, options) for patch in patches)
+    print(f"| patch | seen by | first in seed | in seeds 1 to {options.seeds}, {options.transactions} transactions each |\n"
+          "|---|---|---|---|", flush=True)
+    good = try_all(patches, copies, options)
     if options.build is None:
         shutil.rmtree(work)
-    return 1 if missed else 0
+    return 0 if good else 1
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr Duration kLatest = 3s;  // that the process may be, and more
+constexpr Duration kLatestClose = 3s;  // that the process may be, and more
 constexpr Duration kMostTries = 60s;
 constexpr Duration kLongestFrameTimeout = 10s;  // that a reload may bring
 
@@ -80,14 +80,14 @@ void Client::be_closed_after(Duration time, const char* kind) {
     const Instant now = tools_.schedule.now();
     const Duration limit = hangs_since_ ? std::max<Duration>(frame_timeout_, kLongestFrameTimeout)
                                         : tools_.settings.listeners[manners_.listener].idle_timeout;
-    if (is_idle() && !paused_ && socket_.empty() && now > active_ + limit + kLatest) {
+    if (is_idle() && !paused_ && socket_.empty() && now > active_ + limit + kLatestClose) {
       tools_.oracle.violation(
           kind, "the gateway keeps client " + std::to_string(static_cast<std::uint64_t>(number_)));
     } else if (now < until) {
       be_closed_after(1s, kind);
     }
   };
-  tools_.schedule.after(time + kLatest, look);
+  tools_.schedule.after(time + kLatestClose, look);
 }
 
 bool Client::is_idle() const { return unconfirmed_ == 0 && tools_.oracle.is_idle(number_); }

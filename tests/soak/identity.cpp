@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soak/identity.hpp"
 
+#include "soak/pdus.hpp"
+
 namespace mbgate::soak {
 namespace {
 
 using spec::Octets;
 using Word = std::function<unsigned(unsigned, std::size_t)>;
-
-std::uint8_t low(unsigned value) { return static_cast<std::uint8_t>(value & 0xFFU); }
 
 void append(Octets& answer, unsigned from, unsigned count, const Word& word) {
   for (unsigned at = 0; at < count; ++at) {

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <chrono>
 #include <cstdio>
+#include <exception>
+#include <new>
 #include <string_view>
 
 #include "soak/world.hpp"
@@ -49,6 +51,23 @@ bool parse(int count, char** arguments, Options& options) {
   return true;
 }
 
+// What is thrown ends a seed, not the run.
+mbgate::soak::Report run(std::uint64_t seed, const Options& options) {
+  mbgate::soak::Report report;
+  try {
+    mbgate::soak::World world(seed, options.trace);
+    if (options.breaks_promise) {
+      world.break_promise();
+    }
+    report = world.run(options.transactions);
+  } catch (const std::bad_alloc&) {
+    report.violation("no_progress", "the gateway takes memory without end");
+  } catch (const std::exception& error) {
+    report.violation("thrown", error.what());
+  }
+  return report;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -66,11 +85,7 @@ int main(int count, char** arguments) {
   std::uint64_t failed = 0;
   const auto begun = std::chrono::steady_clock::now();
   for (std::uint64_t seed = options.seed; seed < options.seed + options.seeds; ++seed) {
-    mbgate::soak::World world(seed, options.trace);
-    if (options.breaks_promise) {
-      world.break_promise();
-    }
-    const mbgate::soak::Report report = world.run(options.transactions);
+    const mbgate::soak::Report report = run(seed, options);
     total.add(report);
     if (options.verbose) {
       std::printf("seed %llu: %s", static_cast<unsigned long long>(seed), report.summary().c_str());

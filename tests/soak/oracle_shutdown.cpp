@@ -10,8 +10,8 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr Duration kGrace = 1500ms;
-constexpr Duration kLatest = 600ms;   // that the process may be
-constexpr std::size_t kFewStops = 3;  // there is time for so many
+constexpr Duration kLatestEnd = 600ms;  // that the process may be
+constexpr std::size_t kFewStops = 3;    // there is time for so many
 
 }  // namespace
 
@@ -31,7 +31,7 @@ void Oracle::begin_shutdown() {
 
 void Oracle::finished() {
   finished_ = true;
-  if (!stopping_ || schedule_.now() > *stopping_ + kGrace + kLatest) {
+  if (!stopping_ || schedule_.now() > *stopping_ + kGrace + kLatestEnd) {
     violation("finished_late", "the gateway");
   }
 }

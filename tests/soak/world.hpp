@@ -40,6 +40,7 @@ class World {
 
   void trace(const std::string& text) const;
   static Oracle::Devices make_devices(const SoakPlan& plan, Random& random);
+  [[nodiscard]] bool makes_progress(const char* busy_with);
   bool step();
   void run_until(Instant limit);
   void interrupt(Duration time);
@@ -65,6 +66,7 @@ class World {
   }
   void transmit(std::size_t bus, Bytes frame);
   Client* find(ClientId number);
+  void come_to_rest();
   void calm_down();
   void shut_down();
   void check_back();
@@ -108,7 +110,9 @@ class World {
   std::deque<gateway::Action> frames_;  ///< to be transmitted when nothing else is to be done
   std::size_t carried_out_ = 0;         ///< since the last input: nothing delays a frame behind it
   bool trace_;
-  unsigned steps_in_place_ = 0;  ///< since time last went on
+  Instant place_ = Instant::min();
+  unsigned done_in_place_ = 0;  ///< since then
+  bool stuck_ = false;          ///< it makes no progress: the run is over
 };
 
 }  // namespace mbgate::soak

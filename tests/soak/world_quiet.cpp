@@ -8,6 +8,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
+constexpr Duration kQuiet = 60s;
+constexpr Duration kAlone = 15s;  // until failsafe writes are sent
 constexpr Duration kUntilStopped = 2200ms;
 
 }  // namespace
@@ -25,6 +27,23 @@ void World::calm_down() {
   for (Client& client : clients_) {
     client.end_asking();
     client.end_stall();
+  }
+}
+
+// Nothing goes wrong any more until everything is over; then all must be well again.
+void World::come_to_rest() {
+  calm_down();
+  run_until(schedule_.now() + kQuiet);
+  for (Client& client : clients_) {
+    client.leave();
+  }
+  run_until(schedule_.now() + kAlone);
+  restore();
+  if (!stuck_) {
+    oracle_.check_finished();
+    check_back();
+    run_until(schedule_.now() + kAlone);
+    check_counters();
   }
 }
 

@@ -109,5 +109,22 @@ TEST_F(BusRepeatedRead, NoBroadcastComesBetweenThePartsOfAJobThatIsHeldBack) {
   EXPECT_EQ(frames_[2], kOtherDevice);
 }
 
+TEST_F(BusRepeatedRead, WhoInheritsItHasTheTriesThatAreLeft) {
+  auto retrying = settings();
+  retrying.timing.retries = 2;
+  retrying.coalesce = true;
+  open(retrying);
+  submit(job_of(9, "03 0010 0001", 2));
+  submit(job_of(0, kRead));
+  submit(job_of(1, kRead));  // both wait, and go as one
+  line("02 03 02 12 34 F1 33");
+  advance(150ms);
+  ASSERT_THAT(frames_, ElementsAre("02 03 00 10 00 01 85 FC", kReadFrame, kReadFrame));
+  jobs_[1].abandoned = true;
+  advance(1s);
+  EXPECT_THAT(frames_, SizeIs(4));
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::cancelled, Ending::no_answer));
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -102,6 +102,35 @@ TEST(Gateway, ClosesAClientWhosePartialAduGetsTooOld) {
               ElementsAre("listener plant: client 192.0.2.1 closed: a request stayed incomplete"));
 }
 
+TEST(Gateway, EachPartialAduHasItsOwnFrameTimeout) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, "0001 0000");
+  rig.advance(1s);
+  rig.receive(1, "0006 FA 03 0000 0001");  // whole, and answered at once
+  rig.advance(4s);
+  rig.receive(1, "0002 0000");
+  rig.advance(9s);
+  EXPECT_FALSE(rig.closed.contains(1));
+  rig.advance(1s);
+  EXPECT_TRUE(rig.closed.contains(1));
+}
+
+TEST(Gateway, AClientThatWaitsForAnAnswerIsNotIdle) {
+  Settings settings = one_bus();
+  settings.listeners[0].idle_timeout = 50ms;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1));
+  rig.advance(90ms);
+  EXPECT_FALSE(rig.closed.contains(1));
+  rig.respond("01 03 02 00 01");
+  rig.advance(49ms);
+  EXPECT_FALSE(rig.closed.contains(1));
+  rig.advance(1ms);
+  EXPECT_TRUE(rig.closed.contains(1));
+}
+
 TEST(Gateway, ClosesIdleClientsAfterTheIdleTimeout) {
   Settings settings = one_bus();
   settings.listeners[0].idle_timeout = 60s;

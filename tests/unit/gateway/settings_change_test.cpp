@@ -259,5 +259,15 @@ TEST(ReloadOfListeners, CanTakeAllOfThemAway) {
   EXPECT_THAT(rig.take_sent(1), IsEmpty());
 }
 
+TEST_F(Reload, ANewIdleTimeoutHoldsForClientsThatAreThere) {
+  MachineRig rig;
+  rig.connect(1);
+  Settings settings = one_bus();
+  settings.listeners[0].idle_timeout = 60s;
+  rig.reload(settings);
+  rig.advance(60s);
+  EXPECT_TRUE(rig.closed.contains(1));
+}
+
 }  // namespace
 }  // namespace mbgate::test

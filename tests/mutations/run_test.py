@@ -1,0 +1,63 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""What is read out of a soak's words: which violation, in which seed first, and that it died."""
+
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import run  # noqa: E402
+
+TWO_SEEDS = """seed 4: silence: 2 us too early
+seed 4: silence: 3 us too early
+seed 4: quarantine: too early
+replay: gateway_soak --seed 4 --transactions 500
+seed 7: misdelivered: not what was asked
+100 seeds, 2 with violations: 50000 transactions
+  violations: misdelivered 9 quarantine 1 silence 12
+  1.0 s, 50000 transactions a second
+"""
+NOTHING = "100 seeds, 0 with violations: 50000 transactions\n  violations: none\n  1.0 s\n"
+DEAD = "seed 3: no_progress: the gateway's deadline stays in the past\nSegmentation fault\n"
+
+
+class ASoakTells(unittest.TestCase):
+    def test_how_often_each_violation_was_seen_and_in_which_seed_first(self):
+        seen = run.seen_in(TWO_SEEDS)
+        self.assertEqual(seen.counts, {"misdelivered": 9, "quarantine": 1, "silence": 12})
+        self.assertEqual(seen.seeds, {"silence": 4, "quarantine": 4, "misdelivered": 7})
+        self.assertFalse(seen.died)
+
+    def test_nothing(self):
+        self.assertEqual(run.seen_in(NOTHING), run.Seen({}, {}, False))
+
+    def test_that_it_died_and_what_it_had_told(self):
+        self.assertEqual(run.seen_in(DEAD), run.Seen({"no_progress": 1}, {"no_progress": 3}, True))
+        self.assertEqual(run.seen_in(""), run.Seen({}, {}, True))
+
+
+class APatchIsSeen(unittest.TestCase):
+    def test_by_the_violation_that_it_names_alone(self):
+        self.assertEqual(run.kind_of("quarantine", run.seen_in(TWO_SEEDS)), "quarantine")
+        self.assertIsNone(run.kind_of("turnaround", run.seen_in(TWO_SEEDS)))
+
+    def test_by_the_first_of_any(self):
+        self.assertEqual(run.kind_of("any", run.seen_in(TWO_SEEDS)), "silence")
+        self.assertIsNone(run.kind_of("any", run.seen_in(NOTHING)))
+
+    def test_by_a_dead_soak_only_if_it_expects_that(self):
+        self.assertEqual(run.kind_of("died", run.seen_in("")), "died")
+        self.assertIsNone(run.kind_of("died", run.seen_in(NOTHING)))
+        self.assertIsNone(run.kind_of("any", run.seen_in("")))
+
+
+class AUnitTestFails(unittest.TestCase):
+    def test_and_is_named_once(self):
+        text = "[  FAILED  ] Bus.Waits (3 ms)\n[  FAILED  ] 1 test, listed below:\n[  FAILED  ] Bus.Waits\n"
+        self.assertEqual(run.failed_tests(text), {"Bus.Waits"})
+
+
+if __name__ == "__main__":
+    unittest.main()
