@@ -16,12 +16,7 @@ constexpr Duration kEchoOwed = std::chrono::seconds(10);
 constexpr unsigned kMostLost = 8;
 
 // Can the echo of this be mistaken for the answer to it? Of 05, 06, 22 and 08/00 it always is one.
-// An answer to 07, 11, 12 or 17, which have no fields, may begin as the echo would: with data where
-// that has its CRC.
 bool looks_like_answer(const Transaction& transaction) {
-  if (transaction.request.pdu().size() == 1) {
-    return true;
-  }
   const auto fit = modbus::check_response(transaction.request, transaction.request.pdu().bytes());
   return !transaction.is_broadcast() && fit == modbus::ResponseFit::normal;
 }
@@ -126,7 +121,11 @@ Echo::Heard Echo::look_for(modbus::Bytes bytes, Instant now) {
   }
   held_since_ = seen_ == 0 ? now : held_since_;
   seen_ += *count;
-  if (!is_awaited()) {
+  // An answer to 07, 11, 12 or 17, which have no fields, may begin as the echo does: with data
+  // where that has its CRC. Then nothing is known: it is neither an answer nor does it prove an
+  // echo.
+  const bool is_sure = asked_->request.pdu().size() > 1;
+  if (!is_awaited() && is_sure) {
     find();
   }
   return {{}, bytes.subspan(*count)};

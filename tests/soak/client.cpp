@@ -73,11 +73,12 @@ void Client::connect() {
 }
 
 void Client::plan_next() {
-  tools_.schedule.after(tools_.random.duration(100us, manners_.pause), [this, life = life_] {
-    if (life == life_ && asking_) {
-      act();
-    }
-  });
+  tools_.schedule.after(tools_.random.duration(manners_.least_pause, manners_.pause),
+                        [this, life = life_] {
+                          if (life == life_ && asking_) {
+                            act();
+                          }
+                        });
 }
 
 void Client::act() {

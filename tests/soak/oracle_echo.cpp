@@ -26,9 +26,9 @@ constexpr const char* kUnproven = "unproven_echo";
 
 bool looks_like_answer(const Flight& flight) {
   const std::uint8_t function = flight.pdu.front();
-  return !flight.is_broadcast && (flight.pdu.size() == 1 || function == 0x05 || function == 0x06 ||
-                                  function == 0x08 || function == 0x15 || function == 0x16 ||
-                                  function == kOwnFunction || looks_like_bits(flight.pdu));
+  return !flight.is_broadcast &&
+         (function == 0x05 || function == 0x06 || function == 0x08 || function == 0x15 ||
+          function == 0x16 || function == kOwnFunction || looks_like_bits(flight.pdu));
 }
 
 // The request for registers has five bytes; as a response it would say so by its byte count.
@@ -127,6 +127,9 @@ void Oracle::read_echo(std::size_t bus) {
   const auto echo = std::exchange(book.unread_echo, std::nullopt);
   Flight* last = flight(book.last_flight);
   if (!echo || last == nullptr || last->number != echo->flight) {
+    return;
+  }
+  if (last->pdu.size() == 1) {
     return;
   }
   if (looks_like_answer(*last)) {

@@ -100,7 +100,7 @@ void Draw::add_bus(std::size_t index) {
 void Draw::draw_rates(const bus::BusSettings& bus) {
   FaultRates rates;
   if (!random_.chance(100)) {
-    const unsigned most = random_.one_of({3U, 10U, 30U, 60U});
+    const unsigned most = random_.one_of({10U, 30U, 60U, 150U});
     for (unsigned* rate :
          {&rates.late, &rates.twice, &rates.never, &rates.garbage, &rates.wrong_unit,
           &rates.wrong_function, &rates.bad_crc, &rates.damaged, &rates.pieces, &rates.glitch,

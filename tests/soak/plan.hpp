@@ -91,7 +91,8 @@ struct Manners {
   unsigned burst = 1;        ///< requests at once, at most
   unsigned outstanding = 1;  ///< it waits for answers beyond
   Duration pause{0};         ///< between bursts, at most
-  unsigned writes = 0;       ///< thousandths of its requests
+  Duration least_pause = std::chrono::microseconds(100);
+  unsigned writes = 0;  ///< thousandths of its requests
   unsigned stops = 0;
   unsigned broadcasts = 0;
   unsigned malformed = 0;

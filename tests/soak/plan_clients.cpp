@@ -16,6 +16,8 @@ unsigned some(Random& random, unsigned most) {
 
 void draw_clients(SoakPlan& plan, Random& random) {
   const unsigned hosts = random.between(1U, kMostHosts);
+  // Most plants are calm: what is asked is mostly transmitted. Others are crowded.
+  const bool is_calm = random.chance(750);
   for (unsigned count = random.one_of({2U, 6U, 12U, 30U}); count > 0; --count) {
     Manners manners;
     manners.listener = random.below(plan.settings.listeners.size());
@@ -23,6 +25,12 @@ void draw_clients(SoakPlan& plan, Random& random) {
     manners.burst = random.one_of({1U, 1U, 4U, 20U});
     manners.outstanding = random.one_of({1U, 4U, 40U, 100U});
     manners.pause = random.one_of<Duration>({1ms, 20ms, 200ms, 1s});
+    if (is_calm) {
+      manners.burst = random.one_of({1U, 1U, 2U});
+      manners.outstanding = random.one_of({1U, 1U, 2U, 4U});
+      manners.pause = random.one_of<Duration>({20ms, 50ms, 200ms, 1s});
+      manners.least_pause = 5ms;
+    }
     manners.writes = random.one_of({0U, 100U, 300U, 800U});
     manners.stops = random.one_of({0U, 0U, 10U, 60U});
     manners.broadcasts = random.one_of({0U, 0U, 10U, 50U});
@@ -39,6 +47,8 @@ void draw_clients(SoakPlan& plan, Random& random) {
     plan.clients.push_back(manners);
     if (random.chance(150)) {
       manners.never_asks = true;
+      manners.least_pause = 20ms;
+      manners.pause = 1s;
       manners.vanishes = 200;
       plan.clients.push_back(manners);
     }

@@ -15,6 +15,7 @@ using bus::LineKind;
 namespace {
 
 constexpr std::uint64_t kLinesOwnChance = 0x4543484FULL;  // apart from the plant's
+constexpr std::uint64_t kWiresChance = 0x57495245ULL;
 
 unsigned up_to(Random& random, unsigned most) {
   return random.chance(300) ? 0 : static_cast<unsigned>(random.below(most + 1));
@@ -66,8 +67,33 @@ void draw_line_kind(SoakPlan& plan, std::size_t bus, Random& random) {
   }
 }
 
+// Slow lines, other characters, device servers in the network.
+void draw_wire(SoakPlan& plan, std::size_t bus, Random& random) {
+  bus::BusSettings& settings = plan.settings.buses[bus];
+  bus::LineSettings& line = settings.line;
+  if (random.chance(120)) {
+    line.baud = modbus::Baud{random.one_of<std::uint32_t>({1200, 2400, 4800})};
+    settings.stop_wait = random.duration(300ms, 900ms);  // a stop has left by then
+  }
+  if (random.chance(500)) {
+    line.format.parity =
+        random.one_of({modbus::Parity::none, modbus::Parity::even, modbus::Parity::odd});
+    line.format.stop_bits = random.one_of<std::uint8_t>({1, 2});
+    const bool is_short = line.framing == bus::Framing::ascii && random.chance(700);
+    line.format.data_bits = is_short ? 7 : 8;
+  }
+  if (random.chance(120)) {
+    line.remote = bus::Endpoint{"server", 4001};
+    plan.kinds[bus] = LineKind::virtual_line;
+    plan.echoes[bus] = false;
+    line.echo.reset();
+    line.paced.reset();
+  }
+}
+
 void draw_lines(SoakPlan& plan, std::uint64_t seed) {
   Random random(seed ^ kLinesOwnChance);
+  Random wires(seed ^ kWiresChance);
   const std::size_t buses = plan.settings.buses.size();
   plan.seed = seed;
   plan.echoes.resize(buses);
@@ -79,6 +105,7 @@ void draw_lines(SoakPlan& plan, std::uint64_t seed) {
     }
     settings.hung_after = 0ms;  // who asks offline devices only would have it reopened
     draw_line_kind(plan, bus, random);
+    draw_wire(plan, bus, wires);
     const FaultRates& rates = plan.rates[bus];
     const bool is_calm = rates.noise_every == 0ms && rates.foreign_every == 0ms &&
                          rates.lost_every == 0ms && random.chance(500);

@@ -81,7 +81,7 @@ bool Reloads::change_line(std::size_t index) {
     return false;
   }
   bus::LineSettings& line = plan_.settings.buses[index].line;
-  if (line.framing == bus::Framing::tcp) {
+  if (line.remote) {
     ++line.remote->port;
   } else {
     const auto before = line;

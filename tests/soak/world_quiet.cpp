@@ -69,6 +69,9 @@ void World::check_back() {
     manners.listener = door.listener;
     Client& client = clients_.emplace_back(manners, tools_);
     client.end_asking();
+    const auto& line = plan_.settings.buses[door.buses.front()].line;
+    const bool is_slow = line.baud < modbus::Baud{9600};
+    const Duration patience = is_slow ? 2s : 500ms;
     bool well = false;
     for (int tries = 0; tries < kTries && !well; ++tries) {
       client.connect();  // it was perhaps closed because it was idle
@@ -76,7 +79,7 @@ void World::check_back() {
         break;
       }
       const std::uint64_t id = client.write(asking_.fresh_read(door));
-      run_until(schedule_.now() + 500ms);
+      run_until(schedule_.now() + patience);
       well = oracle_.was_answered_well(id);
     }
     client.leave();
