@@ -5,6 +5,20 @@
 #include <cstdio>
 
 namespace mbgate::explore {
+namespace {
+
+// The state with its slack.
+Digest with(const Digest& state, const Slack& slack) {
+  StateHash hash{Instant{}};
+  hash.add(state.first);
+  hash.add(state.second);
+  hash.add(slack.faults);
+  hash.add(slack.delays);
+  hash.add(slack.is_undisturbed);
+  return hash.digest();
+}
+
+}  // namespace
 
 Findings Explorer::run() {
   auto world = again();
@@ -55,12 +69,28 @@ bool Explorer::go_down(World& world) {
   return enter(world);
 }
 
+// It was gone through with as much slack, or more.
+bool Explorer::is_covered(const Digest& state, const Slack& slack) const {
+  for (unsigned faults = slack.faults; faults <= bounds_.faults; ++faults) {
+    for (unsigned delays = slack.delays; delays <= bounds_.delays; ++delays) {
+      if (known_.has(with(state, {faults, delays, true})) ||
+          (!slack.is_undisturbed && known_.has(with(state, {faults, delays, false})))) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 bool Explorer::enter(World& world) {
   if (merging_ != Merging::off) {
     const Digest state = world.digest();
-    const bool is_new = known_.add(state);
+    const bool is_new = !is_covered(state, world.slack());
+    if (is_new) {
+      known_.add(with(state, world.slack()));
+    }
     if (merging_ == Merging::compared) {
-      compare(state, world, is_new);
+      compare(with(state, world.slack()), world);
     }
     if (!is_new) {
       ++findings_.merged;
@@ -106,7 +136,7 @@ Digest Explorer::behaviour_of(World& world) const {
     hash.add(choice.ask.client);
     hash.add(choice.ask.device);
     hash.add(choice.ask.word);
-    for (const Digest& part : {next->seen(), next->digest()}) {
+    for (const Digest& part : {next->seen(), with(next->digest(), next->slack())}) {
       hash.add(part.first);
       hash.add(part.second);
     }
@@ -115,10 +145,10 @@ Digest Explorer::behaviour_of(World& world) const {
   return hash.digest();
 }
 
-void Explorer::compare(const Digest& state, World& world, bool is_new) {
+void Explorer::compare(const Digest& state, World& world) {
   const Digest behaviour = behaviour_of(world);
   const auto [known, added] = behaviours_.try_emplace(state, behaviour);
-  if (!is_new && known->second != behaviour) {
+  if (!added && known->second != behaviour) {
     note_violation("merging: a state behaves otherwise than when it was reached first");
   }
 }

@@ -27,6 +27,7 @@ class KnownStates {
     ++size_;
     return true;
   }
+  [[nodiscard]] bool has(const Digest& state) const { return places_[place_of(state)] == state; }
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t bytes() const { return places_.size() * sizeof(Digest); }
 
@@ -34,13 +35,14 @@ class KnownStates {
   static constexpr std::size_t kFirstSize = 1U << 16U;
 
   // Its own place, or the empty one where it belongs. The digest of nothing is no state's.
-  Digest& find(const Digest& state) {
+  [[nodiscard]] std::size_t place_of(const Digest& state) const {
     std::size_t at = (state.first ^ state.first >> 32U) & (places_.size() - 1);
     while (places_[at] != Digest{} && places_[at] != state) {
       at = (at + 1) & (places_.size() - 1);
     }
-    return places_[at];
+    return at;
   }
+  Digest& find(const Digest& state) { return places_[place_of(state)]; }
   void grow() {
     std::vector<Digest> before(2 * places_.size());
     before.swap(places_);

@@ -38,6 +38,7 @@ struct Request {
   Instant since;            ///< it was taken
   Instant deadline;
   unsigned sent = 0;              ///< transmissions that it had a part in
+  int rivals = 1;                 ///< it, and other writes and stops that were open beside it
   std::uint64_t must_follow = 0;  ///< what is read was asked after this: an acknowledged write
 };
 

@@ -54,10 +54,11 @@ bool read_value(std::string_view name, std::string_view text, Options& options) 
   if (!read_number(text, number)) {
     return false;
   }
-  unsigned* bound = name == "--requests" ? &options.bounds.requests
-                    : name == "--faults" ? &options.bounds.faults
-                    : name == "--delays" ? &options.bounds.delays
-                                         : nullptr;
+  unsigned* bound = name == "--requests"   ? &options.bounds.requests
+                    : name == "--faults"   ? &options.bounds.faults
+                    : name == "--delays"   ? &options.bounds.delays
+                    : name == "--instants" ? &options.bounds.instants
+                                           : nullptr;
   if (bound != nullptr) {
     *bound = static_cast<unsigned>(number);
     return number <= kSlots;
@@ -69,7 +70,9 @@ bool read_value(std::string_view name, std::string_view text, Options& options) 
 bool parse(int count, char** arguments, Options& options) {
   for (int at = 1; at < count; ++at) {
     const std::string_view name = arguments[at];
-    if (name == "--unmerged" || name == "--compare") {
+    if (name == "--forms") {
+      options.bounds.forms = true;
+    } else if (name == "--unmerged" || name == "--compare") {
       options.merging = name == "--compare" ? Merging::compared : Merging::off;
     } else if (at + 1 == count || !read_value(name, arguments[++at], options)) {
       return false;
@@ -88,7 +91,7 @@ std::string to_text(const Path& path) {
 
 /// True: nothing is violated.
 bool explore(const Plant& plant, const Options& options) {
-  const auto& [requests, faults, delays] = options.bounds;
+  const auto& [requests, faults, delays, forms, instants] = options.bounds;
   const auto begun = std::chrono::steady_clock::now();
   Explorer explorer(plant, options.bounds, options.merging);
   if (options.most > 0) {
@@ -97,10 +100,12 @@ bool explore(const Plant& plant, const Options& options) {
   const Findings found = explorer.run();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
   std::printf(
-      "%s: %u requests, %u faults, %u delays: %s, %llu states, %llu transitions, %llu merged, "
+      "%s: %u requests, %u faults%s, %u delays, %u instants an edge: %s, %llu states, %llu "
+      "transitions, %llu merged, "
       "%llu ends, %zu deep, %llu violations, %.1f s, %.0f MB\n",
-      std::string(plant.name).c_str(), requests, faults, delays,
-      found.complete ? "complete" : "NOT COMPLETE", static_cast<unsigned long long>(found.states),
+      std::string(plant.name).c_str(), requests, faults, forms ? " of all forms" : "", delays,
+      instants, found.complete ? "complete" : "NOT COMPLETE",
+      static_cast<unsigned long long>(found.states),
       static_cast<unsigned long long>(found.transitions),
       static_cast<unsigned long long>(found.merged), static_cast<unsigned long long>(found.ends),
       found.deepest, static_cast<unsigned long long>(found.violated), took.count(),
@@ -109,8 +114,10 @@ bool explore(const Plant& plant, const Options& options) {
     std::printf("\nVIOLATION %s\n", violation.what.c_str());
     static_cast<void>(replay(plant, options.bounds, violation.path));
     std::printf(
-        "replay: gateway_explore --world %s --requests %u --faults %u --delays %u --replay %s\n",
-        std::string(plant.name).c_str(), requests, faults, delays, to_text(violation.path).c_str());
+        "replay: gateway_explore --world %s --requests %u --faults %u --delays %u%s --instants %u "
+        "--replay %s\n",
+        std::string(plant.name).c_str(), requests, faults, delays, forms ? " --forms" : "",
+        instants, to_text(violation.path).c_str());
   }
   std::fflush(stdout);
   return found.violations.empty();
@@ -118,7 +125,9 @@ bool explore(const Plant& plant, const Options& options) {
 
 void print_usage() {
   std::fputs(
-      "usage: gateway_explore [--world NAME|all] [--requests N] [--faults N] [--delays N]\n"
+      "usage: gateway_explore [--world NAME|all] [--requests N] [--faults N] [--delays N] "
+      "[--forms]\n"
+      "                       [--instants 1|2|3]"
       "                       [--most STATES] [--unmerged|--compare] [--replay PATH]\n"
       "Explores all that may happen with so many requests, faults and delays of the driver at\n"
       "most. --compare: each state that is reached once more must behave as it did before.\n"

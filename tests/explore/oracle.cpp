@@ -49,6 +49,13 @@ void Oracle::note_taken(std::uint8_t client, Instant now) {
     request.deadline = ask.word == Word::stop ? Instant::max() : now + deadline_of(plant_, ask);
     request.was_offline = is_offline(ask.device);
     request.must_follow = books_[ask.device].done;
+    for (Request& other : requests_) {
+      if (&other != &request && other.open && other.taken && !other.ask.is_read() &&
+          !ask.is_read()) {
+        ++other.rivals;
+        ++request.rivals;
+      }
+    }
     if (ask.word != Word::stop) {
       continue;
     }
@@ -135,7 +142,7 @@ void Oracle::note_heard(Flight& flight, Instant now) {
     book.held_until = std::max(book.held_until, waited_for->due + hold_);
     is_disturbed_ = true;
   }
-  longest_took_ = std::max(longest_took_, now - waited_for->left);
+  book.longest_took = std::max(book.longest_took, now - waited_for->left);
   book.answered_at = now;
   running_.reset();
 }
@@ -143,7 +150,7 @@ void Oracle::note_heard(Flight& flight, Instant now) {
 // Of another function something may go to a device that has answered since, once what is owed was
 // not just late.
 Instant Oracle::other_function_at(const Book& book) const {
-  return *book.answered_at + std::max(kAdapterKeeps, kAnswerTimes * longest_took_);
+  return *book.answered_at + std::max(kAdapterKeeps, kAnswerTimes * book.longest_took);
 }
 
 void Oracle::add_edges(std::vector<Instant>& edges, bool may_be_asked) const {
@@ -159,7 +166,9 @@ void Oracle::add_edges(std::vector<Instant>& edges, bool may_be_asked) const {
       edges.push_back(book.offline_at + timing().probe_interval);
     }
   }
-  edges.push_back(silent_at());
+  if (!is_running()) {
+    edges.push_back(silent_at());
+  }
 }
 
 void Oracle::add_deadlines(std::vector<Instant>& edges) const {
@@ -186,7 +195,7 @@ void Oracle::read(StateHash& hash) const {
       continue;
     }
     const auto& [open, taken, cancelled, stop_behind, was_offline, ask, event, since, deadline,
-                 sent, must_follow] = request;
+                 sent, rivals, must_follow] = request;
     for (const bool flag : {taken, cancelled, stop_behind, was_offline}) {
       hash.add(flag);
     }
@@ -197,6 +206,7 @@ void Oracle::read(StateHash& hash) const {
     hash.ordered(Order::event, plant_.device().cache > Duration{0} ? must_follow : 0);
     hash.add(sent);
     if (ask.word == Word::stop) {
+      hash.add(rivals);
       hash.since(since, kFarPast);
     } else if (taken) {
       hash.deadline(deadline);
@@ -227,9 +237,10 @@ void Oracle::read(StateHash& hash) const {
       hash.since(left, plant_.device().cache);
     }
   }
-  for (const auto& [held_until, answered_at, stop_unanswered, unanswered, offline_at, is_stopped,
-                    done] : books_) {
+  for (const auto& [held_until, answered_at, longest_took, stop_unanswered, unanswered, offline_at,
+                    is_stopped, done] : books_) {
     hash.add(is_stopped);
+    hash.add(std::clamp(longest_took, kAdapterKeeps / kAnswerTimes, longest_that_counts(timing())));
     hash.until(held_until);
     if (held_until > hash.now()) {
       hash.add(answered_at.has_value());
@@ -241,9 +252,6 @@ void Oracle::read(StateHash& hash) const {
     hash.ordered(Order::event, plant_.device().cache > Duration{0} ? done : 0);
   }
   hash.since(quiet_, silence_ + Duration{1});
-  hash.add(std::max(longest_took_, kAdapterKeeps / kAnswerTimes));
-  hash.add(has_slept_);
-  hash.add(is_disturbed_);
 }
 
 }  // namespace mbgate::explore

@@ -55,6 +55,10 @@ class Oracle {
   /// The end of the silence behind what was heard last.
   [[nodiscard]] Instant silent_at() const { return quiet_ + silence_; }
   [[nodiscard]] Duration silence() const { return silence_; }
+  /// Something was not answered in time, or the driver was late: requests may have to wait.
+  [[nodiscard]] bool is_disturbed() const { return is_disturbed_ || has_slept_; }
+  /// An answer is waited for.
+  [[nodiscard]] bool is_running() const { return running_.has_value(); }
   /// Instants at which something that is about requests to come changes.
   void add_edges(std::vector<Instant>& edges, bool may_be_asked) const;
   /// Of requests that are open.
@@ -66,6 +70,7 @@ class Oracle {
   struct Book {
     Instant held_until = Instant::min();   ///< by its last unanswered transmission
     std::optional<Instant> answered_at{};  ///< since then
+    Duration longest_took{0};              ///< an answer of it
     bool stop_unanswered = false;          ///< the last thing that it was told
     unsigned unanswered = 0;               ///< in a row
     Instant offline_at = Instant::min();
@@ -114,7 +119,6 @@ class Oracle {
   std::optional<std::uint16_t> cut_;
   std::optional<std::size_t> running_;  ///< the transmission that is waited for
   Instant quiet_ = Instant::min();
-  Duration longest_took_{0};
   bool has_slept_ = false;
   std::uint64_t events_ = 0;
   bool is_disturbed_ = false;

@@ -151,14 +151,12 @@ void Oracle::check_waiting(const Request& request, Instant now) {
     }
     return;
   }
-  const auto others = static_cast<int>(std::ranges::count_if(
-      requests_, [&](const Request& it) { return it.open && it.taken && !it.ask.is_read(); }));
   const Duration cut = plant_.bus().stop_wait + slack_ + kFrames;
-  if (request.sent == 0 && now > request.since + others * cut + delay) {
+  if (request.sent == 0 && now > request.since + request.rivals * cut + delay) {
     report("a stop waits for too long");
   }
   const int tries = 1 + static_cast<int>(timing().stop_retries);
-  if (now > request.since + others * tries * (timeout + cut) + delay) {
+  if (now > request.since + request.rivals * tries * (timeout + cut) + delay) {
     report("unanswered: a stop, after all its tries");
   }
 }

@@ -30,6 +30,7 @@ gateway::Settings usual() {
   route.last_unit = kDevices;
   route.first_address = 1;
   route.buses = {drive::BusId{0}};
+  route.deadline = 10s;  // none that is ever reached
   return settings;
 }
 
@@ -48,7 +49,7 @@ auto each_device(Change change) {
 
 std::vector<Plant> make_plants() {
   return {
-      plant("usual", "everything by default: one retry, quarantine as long as the timeout",
+      plant("usual", "one retry, quarantine as long as the timeout, no deadline is reached",
             [](gateway::Settings&) {}),
       plant("no-retries", "retries = 0",
             each_device([](drive::Device& device) { device.timing.retries = 0; })),
@@ -60,6 +61,8 @@ std::vector<Plant> make_plants() {
               device.timing.retries = 0;
               device.timing.offline_after = 1;
             })),
+      plant("deadlines", "deadlines by default",
+            [](gateway::Settings& settings) { settings.routes.front().deadline.reset(); }),
       plant("deadline", "deadline = 400ms",
             [](gateway::Settings& settings) { settings.routes.front().deadline = 400ms; }),
       plant("echo", "echo = auto",

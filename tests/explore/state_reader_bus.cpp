@@ -210,8 +210,10 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
     hash.since(answered_at.value_or(hash.now()), kFarPast);
   }
   // Four times as long is what is asked for, and no less than what an adapter keeps.
-  hash.add(std::max(longest_answer, bus::kAdapterKeeps / 4));
-  hash.add(learned);
+  hash.add(
+      std::clamp(longest_answer, bus::kAdapterKeeps / 4, explore::longest_that_counts(timing)));
+  explore::require(learned <= explore::kMostLearned, "answers are not that late");
+  hash.add(std::max(learned, timing.quarantine_or_default()));  // the longer one is in force
   if (timing.offline_after != 0) {
     hash.add(unanswered_in_row);
   }

@@ -131,6 +131,7 @@ void World::ask(const Ask& ask) {
   --left_.requests;
   clients_ = std::max<std::uint8_t>(clients_, ask.client + 1U);
   devices_ = std::max<std::uint8_t>(devices_, ask.device + 1U);
+  has_read_ = has_read_ || ask.is_read();
   const std::size_t slot = oracle_.note_asked(ask, now_);
   const Octets pdu = pdu_of(ask.word, static_cast<std::uint16_t>(kFirstValue + slot));
   const Octets adu = soak::spec::tcp_adu(static_cast<std::uint16_t>(slot),
@@ -250,8 +251,6 @@ Digest World::digest() {
   StateReader::read(gateway_, hash);
   oracle_.read(hash);
   hash.add(left_.requests);
-  hash.add(left_.faults);
-  hash.add(left_.delays);
   for (const Octets& socket : sockets_) {
     hash.add(std::span(socket));
   }
@@ -265,6 +264,7 @@ Digest World::digest() {
   hash.since(asleep_since_.value_or(now_), kFarPast);
   hash.add(clients_);
   hash.add(devices_);
+  hash.add(has_read_);
   return hash.digest();
 }
 

@@ -17,6 +17,17 @@ struct Bounds {
   unsigned requests = 0;
   unsigned faults = 0;
   unsigned delays = 0;
+  bool forms = false;  ///< answers come damaged, twice and in halves too, not only late or never
+  /// 3: just before, at and just after each edge; 2: not after it; 1: at it only.
+  unsigned instants = 3;
+};
+
+/// What may still go wrong. The more may, the more may happen; and what is asked for is the
+/// stricter the less went wrong before.
+struct Slack {
+  unsigned faults = 0;
+  unsigned delays = 0;
+  bool is_undisturbed = false;
 };
 
 enum class Act : std::uint8_t {
@@ -52,8 +63,11 @@ class World {
   [[nodiscard]] const std::string& violation() const { return oracle_.violation(); }
   /// More went wrong than may: this is not to be explored.
   [[nodiscard]] bool is_beyond() const { return is_beyond_; }
-  /// Two worlds with the same digest have the same future.
+  /// Two worlds with the same digest and slack have the same future.
   [[nodiscard]] Digest digest();
+  [[nodiscard]] Slack slack() const {
+    return {left_.faults, left_.delays, !oracle_.is_disturbed()};
+  }
   /// What was seen from outside since the last choice: frames and answers, less the numbers that
   /// only tell transmissions apart.
   [[nodiscard]] Digest seen();
@@ -105,7 +119,8 @@ class World {
   bool is_left_ = false;  ///< nobody has asked since these came
   std::optional<Instant> asleep_since_;
   std::uint8_t clients_ = 0;  ///< that have asked,
-  std::uint8_t devices_ = 0;  ///< and that were asked
+  std::uint8_t devices_ = 0;  ///< and that were asked,
+  bool has_read_ = false;     ///< what
   std::vector<gateway::ClientId> written_;
   StateHash seen_;
 };

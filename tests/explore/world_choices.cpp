@@ -70,8 +70,7 @@ std::optional<Instant> World::next_instant() const {
   for (const Flight& flight : oracle_.flights()) {
     if (flight.outstanding) {
       instants.push_back(flight.left + kAnswering);
-      edges.push_back(flight.due);
-      edges.push_back(oracle_.end_of(flight));
+      edges.push_back(flight.late ? oracle_.end_of(flight) : flight.due);
     }
     if (flight.rest_comes) {
       edges.push_back(*flight.half_at + oracle_.silence());
@@ -85,8 +84,15 @@ std::optional<Instant> World::next_instant() const {
     instants.push_back(*asleep_since_ + kLatest);
   }
   for (const Instant edge : edges) {
-    if (edge + kAnInstant > now_) {
-      instants.insert(instants.end(), {edge - kAnInstant, edge, edge + kAnInstant});
+    if (edge + kAnInstant <= now_) {
+      continue;
+    }
+    instants.push_back(edge);
+    if (left_.instants > 1) {
+      instants.push_back(edge - kAnInstant);
+    }
+    if (left_.instants > 2) {
+      instants.push_back(edge + kAnInstant);
     }
   }
   std::erase_if(instants, [&](Instant it) { return it <= now_; });
@@ -97,7 +103,7 @@ std::optional<Instant> World::next_instant() const {
   return asleep_since_ && next > *asleep_since_ + kLatest ? std::nullopt : std::optional(next);
 }
 
-// Devices are alike, and so are clients: who is first does not matter.
+// Devices are alike, and so are clients and the two reads: which is first does not matter.
 void World::add_asks(std::vector<Choice>& choices) const {
   if (left_.requests == 0) {
     return;
@@ -107,7 +113,9 @@ void World::add_asks(std::vector<Choice>& choices) const {
   for (std::uint8_t client = 0; client < clients; ++client) {
     for (std::uint8_t device = 0; device < devices; ++device) {
       for (std::uint8_t word = 0; word < kWords; ++word) {
-        choices.push_back({Act::ask, 0, {client, device, static_cast<Word>(word)}});
+        if (has_read_ || static_cast<Word>(word) != Word::read_b) {
+          choices.push_back({Act::ask, 0, {client, device, static_cast<Word>(word)}});
+        }
       }
     }
   }
@@ -123,10 +131,11 @@ void World::add_answers(std::vector<Choice>& choices) const {
       continue;
     }
     choices.push_back({Act::answer, flight.serial});
-    if (left_.requests > 0 && !asleep_since_) {
+    // While something runs, nothing is transmitted, and the order makes no difference.
+    if (left_.requests > 0 && !asleep_since_ && !oracle_.is_running()) {
       choices.push_back({Act::leave, flight.serial});
     }
-    if (cost_of(flight) < left_.faults) {
+    if (left_.forms && cost_of(flight) < left_.faults) {
       choices.push_back({Act::damaged, flight.serial});
       choices.push_back({Act::twice, flight.serial});
       if (!asleep_since_) {
@@ -168,18 +177,17 @@ std::vector<Choice> World::choices() {
     add_bunch(choices);
     return choices;
   }
+  // What uses up nothing comes first: what is found there need not be gone through with less slack.
+  add_answers(choices);
+  add_asks(choices);
   if (may_pass()) {
     choices.push_back({Act::pass});
   }
-  if (asleep_since_) {
-    if (now_ > *asleep_since_) {
-      choices.push_back({Act::wake});
-    }
-  } else if (is_due() && left_.delays > 0) {
+  if (asleep_since_ && now_ > *asleep_since_) {
+    choices.push_back({Act::wake});
+  } else if (!asleep_since_ && is_due() && left_.delays > 0) {
     choices.push_back({Act::sleep});
   }
-  add_answers(choices);
-  add_asks(choices);
   if (choices.empty() || (left_.requests > 0 && !is_due() && !next_instant())) {
     oracle_.note_end();
   }
