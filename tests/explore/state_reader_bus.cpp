@@ -11,8 +11,8 @@ using explore::Order;
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   // Settings: settings, longest, most_running, quarantines. Counted or told only: counters,
   // never_silent, foreign, echo_denied, replacement, quality, frame_heard. Watches real adapters
-  // only: adapter. Empty when the machine was asked for its actions: actions. `pumped_at` is when
-  // what waits behind a job that is taken back may go: at once.
+  // only: adapter. Empty when the machine was asked for its actions: actions. What waits
+  // behind a job that is taken back may go since `pumped_at`: at once.
   auto& [settings, devices, longest, counters, line, queue, stopping, running, most_running,
          quarantines, sequence, writes_in_row, turn, other_turn, last_address, turn_of_others,
          let_by, next_probe, others, free_probes, others_gone_at, never_silent, foreign,
@@ -41,6 +41,7 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   if (may_be_offline) {
     hash.until(next_probe);
     hash.since(others_gone_at, settings.timing.probe_interval);
+    hash.since(pumped_at, settings.timing.probe_interval);  // the others may be gone since then
   }
   read(link, hash);
   hash.add(running.size());
