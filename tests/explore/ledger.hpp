@@ -54,6 +54,7 @@ struct Flight {
   bool late = false;                 ///< it did not come in time, which was counted as a fault
   bool spoilt = false;               ///< it came damaged, or not whole
   bool heard = false;                ///< it was handed in, good
+  bool cut = false;                  ///< a stop may have ended the wait for it
   bool in_time = false;              ///< while it was waited for
   std::optional<Instant> half_at{};  ///< its first half came
   bool rest_comes = false;           ///< and the other one may still come

@@ -103,13 +103,25 @@ bool Oracle::is_waited_for(const Flight& flight) {
          looks_alike(other->word, flight.word);
 }
 
+// A stop waits for no longer.
+bool Oracle::is_cut_at(Instant now) const {
+  return std::ranges::any_of(requests_, [&](const Request& it) {
+    return it.open && it.taken && it.ask.word == Word::stop &&
+           now >= it.since + plant_.bus().stop_wait;
+  });
+}
+
 bool Oracle::is_begun(const Flight& flight, Instant now) const {
   return flight.rest_comes && now < rest_end_of(flight);
 }
 
 void Oracle::note_judged(Instant now) {
-  const Flight* flight = running();
-  if (flight != nullptr && now >= flight->due && !is_begun(*flight, now)) {
+  Flight* flight = running();
+  if (flight == nullptr || is_begun(*flight, now)) {
+    return;
+  }
+  flight->cut = flight->cut || is_cut_at(now);
+  if (now >= flight->due) {
     end_running(now, true);
   }
 }
@@ -137,8 +149,8 @@ void Oracle::note_heard(Flight& flight, Instant now) {
     return;
   }
   const Flight* waited_for = running();
-  flight.in_time = waited_for == &flight;
-  if (!flight.in_time) {  // nobody can tell, and the other one may still come
+  flight.in_time = waited_for == &flight && !flight.cut;
+  if (waited_for != &flight) {  // nobody can tell, and the other one may still come
     book.held_until = std::max(book.held_until, waited_for->due + hold_);
     is_disturbed_ = true;
   }
@@ -217,14 +229,14 @@ void Oracle::read(StateHash& hash) const {
       continue;
     }
     const auto& [serial, device, word, value, event, left, due, outstanding, late, spoilt, heard,
-                 in_time, half_at, rest_comes] = flight;
+                 cut, in_time, half_at, rest_comes] = flight;
     hash.add(plant_.device().cache > Duration{0} ? serial : 0);
     hash.add(device);
     hash.add(word);
     hash.add(value);
     hash.ordered(Order::event, event);
     for (const bool flag :
-         {outstanding, late, spoilt, heard, in_time, rest_comes, running_ == serial}) {
+         {outstanding, late, spoilt, heard, cut, in_time, rest_comes, running_ == serial}) {
       hash.add(flag);
     }
     if (rest_comes) {

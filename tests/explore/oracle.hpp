@@ -87,6 +87,7 @@ class Oracle {
   [[nodiscard]] bool is_live(const Flight& flight) const;
   [[nodiscard]] Flight* running() { return running_ ? &flights_[*running_] : nullptr; }
   void end_running(Instant now, bool counts);
+  [[nodiscard]] bool is_cut_at(Instant now) const;
   [[nodiscard]] bool is_waited_for(const Flight& flight);
   [[nodiscard]] bool is_begun(const Flight& flight, Instant now) const;
 

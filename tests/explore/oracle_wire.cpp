@@ -70,11 +70,7 @@ void Oracle::check_overlap(const Flight& flight, Instant now) {
   if (running() == nullptr) {
     return;
   }
-  const bool is_cut = std::ranges::any_of(requests_, [&](const Request& it) {
-    return it.open && it.taken && it.ask.word == Word::stop &&
-           now >= it.since + plant_.bus().stop_wait;
-  });
-  if (flight.word != Word::stop || !is_cut) {
+  if (flight.word != Word::stop || !is_cut_at(now)) {
     report("overlap: transmitted while an answer is waited for");
   }
   cut_ = running()->serial;

@@ -34,7 +34,7 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   hash.add(last_address);
   hash.add(next_start.has_value());
   if (next_start) {
-    hash.until(next_start->at);
+    hash.deadline(std::max(next_start->at, hash.now()));  // perhaps that of a request
   }
   hash.add(others);
   hash.add(free_probes);
