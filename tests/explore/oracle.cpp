@@ -145,7 +145,8 @@ void Oracle::note_heard(Flight& flight, Instant now) {
     return it.device == flight.device && it.word == Word::write && it.event > flight.event;
   });
   book.is_stopped = book.is_stopped || (flight.word == Word::stop && !was_written);
-  if (!is_waited_for(flight)) {
+  // What comes before a request has left answers another one.
+  if (!is_waited_for(flight) || now < running()->left) {
     return;
   }
   const Flight* waited_for = running();

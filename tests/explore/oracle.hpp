@@ -93,8 +93,8 @@ class Oracle {
 
   // oracle_wire.cpp
   std::optional<Flight> understand(const Octets& frame, Instant now);
-  void check_silence(const Flight& flight, Instant now);
-  void check_overlap(const Flight& flight, Instant now);
+  void check_silence(Instant now);
+  void check_overlap(Instant now);
   void check_quarantine(const Flight& flight, Instant now);
   void check_stops_first(const Flight& flight);
   void check_asked_for(const Flight& flight, Instant now);

@@ -43,8 +43,8 @@ void Oracle::note_transmitted(const Octets& frame, Instant now) {
     report("transmitted: nothing that anybody asked for");
     return;
   }
-  check_silence(*flight, now);
-  check_overlap(*flight, now);
+  check_silence(now);
+  check_overlap(now);
   check_quarantine(*flight, now);
   check_stops_first(*flight);
   check_asked_for(*flight, now);
@@ -59,18 +59,19 @@ void Oracle::note_transmitted(const Octets& frame, Instant now) {
   quiet_ = flight->left;
 }
 
-void Oracle::check_silence(const Flight& /*flight*/, Instant now) {
+void Oracle::check_silence(Instant now) {
   if (now < silent_at()) {
     report("silence: transmitted before t3.5 was over");
   }
 }
 
-// One at a time; a stop need not wait for longer than `stop_wait`.
-void Oracle::check_overlap(const Flight& flight, Instant now) {
+// One at a time; a stop need not wait for longer than `stop_wait`. Then it goes, or what it gives
+// way to.
+void Oracle::check_overlap(Instant now) {
   if (running() == nullptr) {
     return;
   }
-  if (flight.word != Word::stop || !is_cut_at(now)) {
+  if (!is_cut_at(now)) {
     report("overlap: transmitted while an answer is waited for");
   }
   cut_ = running()->serial;
