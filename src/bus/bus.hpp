@@ -16,6 +16,7 @@
 #include "bus/line.hpp"
 #include "bus/line_quality.hpp"
 #include "bus/link_state.hpp"
+#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -141,6 +142,7 @@ class Bus {
   void clear_counters();
 
  private:
+  friend struct mbgate::StateReader;
   /// The job that goes next, when, and whom it passes over.
   struct Choice {
     Job* job;

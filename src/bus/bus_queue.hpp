@@ -11,6 +11,7 @@
 
 #include "bus/device_table.hpp"
 #include "bus/job.hpp"
+#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -77,6 +78,7 @@ class BusQueue {
   [[nodiscard]] std::size_t size() const { return by_deadline_.size() + stops_.size(); }
 
  private:
+  friend struct mbgate::StateReader;
   using JobList = boost::intrusive::list<
       Job,
       boost::intrusive::member_hook<Job, boost::intrusive::list_member_hook<>, &Job::queue_hook>>;

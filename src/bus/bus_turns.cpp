@@ -233,9 +233,10 @@ void Bus::transmit(Job& job, Instant now) {
   const drive::DeviceTiming timing = note_transmission(job, transaction, now);
   OwedAnswers owed;
   if (quarantines_) {
-    const DeviceHealth& health = devices_[transaction.address].health;
-    owed.count = health.owed(transaction.request.function(), now, timing);
-    owed.alike = health.owed_alike(transaction.request, now, timing);
+    // By the device's own times: that a probe waits for less makes no quarantine shorter.
+    const DeviceEntry& entry = devices_[transaction.address];
+    owed.count = entry.health.owed(transaction.request.function(), now, entry.timing());
+    owed.alike = entry.health.owed_alike(transaction.request, now, entry.timing());
   }
   actions_.push(TransmitFrame{line_.begin(transaction, timing, owed, now)});
   if (stop != nullptr) {

@@ -6,6 +6,7 @@
 #include <boost/container/static_vector.hpp>
 
 #include "bus/instant.hpp"
+#include "bus/state_reader.hpp"
 #include "modbus/rtu.hpp"
 
 namespace mbgate::bus {
@@ -24,6 +25,7 @@ class CutFrame {
   std::optional<Joined> complete(modbus::Bytes bytes, Instant now, Duration slack);
 
  private:
+  friend struct mbgate::StateReader;
   boost::container::static_vector<std::uint8_t, modbus::kMaxRtuSize> kept_;
   Instant last_;
 };

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "bus/instant.hpp"
+#include "bus/state_reader.hpp"
 #include "drive/device.hpp"
 
 namespace mbgate::bus {
@@ -89,6 +90,7 @@ class DeviceHealth {
   void set_wanted_at(Instant instant) { wanted_at_ = instant; }
 
  private:
+  friend struct mbgate::StateReader;
   /// Answers that are owed to transmissions of one request.
   struct Debt {
     modbus::Request asked;

@@ -12,6 +12,7 @@
 #include "bus/job.hpp"
 #include "bus/read_cache.hpp"
 #include "bus/settings.hpp"
+#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -77,6 +78,7 @@ class DeviceTable {
   void clear_counters();
 
  private:
+  friend struct mbgate::StateReader;
   drive::Device other_;
   std::vector<drive::Device> devices_;
   std::array<DeviceEntry, kAddresses> entries_{};

@@ -18,6 +18,7 @@
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
+#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -75,6 +76,7 @@ class Echo {
   void note_answered();
 
  private:
+  friend struct mbgate::StateReader;
   [[nodiscard]] bool is_awaited() const { return seen_ < expected_.size(); }
   [[nodiscard]] std::optional<std::size_t> matching(modbus::Bytes bytes) const;
   void owe(Instant now);

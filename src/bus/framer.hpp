@@ -8,6 +8,7 @@
 #include "bus/ascii_framer.hpp"
 #include "bus/rtu_framer.hpp"
 #include "bus/settings.hpp"
+#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -72,6 +73,7 @@ class Framer {
   }
 
  private:
+  friend struct mbgate::StateReader;
   using Variant = std::variant<RtuFramer, AsciiFramer>;
   static Variant make(const BusSettings& settings, const modbus::RtuTiming& timing,
                       BusCounters& counters) {

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "bus/serial_line.hpp"
+#include "bus/state_reader.hpp"
 #include "bus/tcp_line.hpp"
 
 namespace mbgate::bus {
@@ -86,6 +87,7 @@ class Line {
   }
 
  private:
+  friend struct mbgate::StateReader;
   using Variant = std::variant<SerialLine, TcpLine>;
   static Variant make(const BusSettings& settings, Duration listen_first, BusCounters& counters) {
     if (settings.line.framing == Framing::tcp) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bus/instant.hpp"
+#include "bus/state_reader.hpp"
 #include "modbus/request.hpp"
 
 namespace mbgate::bus {
@@ -35,6 +36,7 @@ class ReadCache {
   void end_write();
 
  private:
+  friend struct mbgate::StateReader;
   struct Read {
     modbus::Pdu request;
     modbus::Pdu response;

@@ -20,6 +20,7 @@
 #include "bus/job.hpp"
 #include "bus/received_bytes.hpp"
 #include "bus/settings.hpp"
+#include "bus/state_reader.hpp"
 #include "bus/verdict.hpp"
 #include "modbus/response.hpp"
 
@@ -60,6 +61,7 @@ class RtuFramer {
   std::optional<Stray> take_stray() { return strays_.take(); }
 
  private:
+  friend struct mbgate::StateReader;
   enum class Answer : std::uint8_t {
     not_begun,
     incomplete,

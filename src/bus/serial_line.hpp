@@ -12,6 +12,7 @@
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
 #include "bus/settings.hpp"
+#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -59,6 +60,7 @@ class SerialLine {
   [[nodiscard]] LineState state(Instant now) const;
 
  private:
+  friend struct mbgate::StateReader;
   void judge_held(const Echo::Held& held, Instant now);
   [[nodiscard]] bool is_no_answer() const;
   Verdict refuse(Instant now);

@@ -7,6 +7,7 @@
 #include <deque>
 #include <optional>
 
+#include "bus/state_reader.hpp"
 #include "gateway/event.hpp"
 #include "gateway/read_ahead.hpp"
 #include "gateway/taken_ahead.hpp"
@@ -88,6 +89,7 @@ class ClientSession {
   boost::container::small_vector<std::uint32_t, 4> exchanges;
 
  private:
+  friend struct mbgate::StateReader;
   struct Held {
     bool done = false;
     std::optional<modbus::MbapBytes> adu;

@@ -13,6 +13,7 @@
 
 #include "bus/action_queue.hpp"
 #include "bus/bus.hpp"
+#include "bus/state_reader.hpp"
 #include "gateway/action.hpp"
 #include "gateway/client_session.hpp"
 #include "gateway/client_timers.hpp"
@@ -89,6 +90,7 @@ class Gateway {
   }
 
  private:
+  friend struct mbgate::StateReader;
   using Sessions = std::unordered_map<ClientId, ClientSession>;
   struct BusSlot {
     template <typename... Arguments>

@@ -106,7 +106,7 @@ bool Client::may_be_closed() const {
   const bool has_hung = hangs_since_ && *hangs_since_ != Instant::max() &&
                         now >= *hangs_since_ + std::min(frame_timeout_, kLeastFrameTimeout);
   return framing_lost_ || has_hung || is_resting || tools_.is_stopping ||
-         tools_.full == manners_.listener && may_be_displaced();
+         (tools_.full == manners_.listener && may_be_displaced());
 }
 
 // The one that is idle for longest makes room; who comes when there is none is refused.

@@ -153,7 +153,7 @@ drive::Profile Draw::draw_profile() {
   for (unsigned at = 0; at < kRegisters; ++at) {
     if (is_in_value(Table::holding_registers, at) && value_begin(at) == at) {
       profile.values.add({Table::holding_registers, static_cast<std::uint16_t>(at),
-                          static_cast<std::uint16_t>(value_end(at) - at),
+                          static_cast<std::uint8_t>(value_end(at) - at),
                           is_motion(Table::holding_registers, at)});
     }
   }

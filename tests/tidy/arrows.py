@@ -41,6 +41,7 @@ TEST_FOLDERS = {
     "simulation": GATEWAY | CONFIG | {"sim"},
     "drives": GATEWAY | CONFIG | {"sim"},
     "soak": GATEWAY | CONFIG | {"sim"},
+    "explore": GATEWAY,
     "fuzz": GATEWAY | CONFIG,
     "integration": set(),
     "support": GATEWAY | CONFIG | {"sim"},

@@ -84,5 +84,27 @@ TEST_F(BusStopAnswers, ThatToTheSameStopBeforeAnotherWriteIsNone) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
 }
 
+// Whoever asks an offline device waits for a shorter time; its quarantine is none the shorter for
+// that.
+TEST_F(BusStopAnswers, TheLateAnswerToAMoveOfADeviceThatIsOfflineIsNone) {
+  auto slow = settings();
+  slow.timing.response_timeout = 300ms;
+  slow.timing.offline_after = 1;
+  slow.line.echo = false;
+  open(slow, {axis(slow)});
+  submit(job_of(1, kMoveBy16));
+  advance(310ms);
+  ASSERT_TRUE(bus_->is_offline(1));
+  advance(200ms);  // longer than a probe is waited for, and its quarantine would be
+  submit(job(kStopBy16));
+  ASSERT_THAT(frames_, SizeIs(2));
+  advance(10ms);
+  line(kAnswerBy16);  // of the move
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  advance(10ms);
+  line(kAnswerBy16);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
 }  // namespace
 }  // namespace mbgate::test

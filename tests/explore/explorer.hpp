@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Goes through all that may happen in a small world within its bounds, depth first. Where it comes
+// to a state that it knows, it turns back. A gateway cannot be copied: to go back, it begins anew
+// and makes the same choices again.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "explore/known_states.hpp"
+#include "explore/world.hpp"
+
+namespace mbgate::explore {
+
+using Path = std::vector<std::uint16_t>;  ///< the places of the choices among those there were
+
+struct Violation {
+  std::string what;
+  Path path;
+};
+
+struct Findings {
+  std::uint64_t states = 0;
+  std::uint64_t transitions = 0;
+  std::uint64_t merged = 0;  ///< transitions to a state that was known
+  std::uint64_t ends = 0;    ///< states with no choice left
+  std::size_t deepest = 0;
+  std::size_t memory = 0;  ///< bytes of the states that are known
+  bool complete = true;
+  std::uint64_t violated = 0;         ///< paths that end in a violation
+  std::vector<Violation> violations;  ///< the shortest of each kind
+};
+
+enum class Merging : std::uint8_t {
+  on,
+  off,      ///< every path is gone to its end
+  compared  ///< a state that is reached once more must have the same choices with the same outcomes
+};
+
+class Explorer {
+ public:
+  Explorer(const Plant& plant, const Bounds& bounds, Merging merging)
+      : plant_(plant), bounds_(bounds), merging_(merging) {}
+  /// Gives up after so many states.
+  void set_most(std::uint64_t states) { most_ = states; }
+  Findings run();
+
+ private:
+  /// A state on the way to the present one.
+  struct Step {
+    std::vector<Choice> choices;
+    std::uint16_t next = 0;
+  };
+
+  [[nodiscard]] std::unique_ptr<World> again() const;
+  bool go_down(World& world);
+  bool enter(World& world);
+  [[nodiscard]] bool is_covered(const Digest& state, const Slack& slack) const;
+  void note_violation(const std::string& what);
+  void compare(const Digest& state, World& world);
+  [[nodiscard]] Digest behaviour_of(World& world) const;
+
+  const Plant& plant_;
+  Bounds bounds_;
+  Merging merging_;
+  std::uint64_t most_ = ~std::uint64_t{0};
+  KnownStates known_;
+  std::map<Digest, Digest> behaviours_;
+  std::vector<Step> steps_;
+  Path path_;
+  Findings findings_;
+};
+
+/// Makes the choices of a path, and tells each step. The violation that it ends in, if any.
+std::string replay(const Plant& plant, const Bounds& bounds, const Path& path);
+
+}  // namespace mbgate::explore

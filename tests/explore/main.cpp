@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// gateway_explore: all that may happen in small worlds around the product's own gateway.
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include "explore/explorer.hpp"
+
+namespace {
+
+using namespace mbgate::explore;
+
+constexpr double kMegabyte = 1024.0 * 1024.0;
+
+struct Options {
+  Bounds bounds{2, 1, 1};
+  std::string world = "usual";
+  std::uint64_t most = 0;
+  Merging merging = Merging::on;
+  Path path;
+  bool is_replay = false;
+};
+
+bool read_number(std::string_view text, std::uint64_t& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+bool read_path(std::string_view text, Path& path) {
+  while (!text.empty()) {
+    const std::size_t comma = std::min(text.find(','), text.size());
+    std::uint64_t place = 0;
+    if (!read_number(text.substr(0, comma), place)) {
+      return false;
+    }
+    path.push_back(static_cast<std::uint16_t>(place));
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return true;
+}
+
+bool read_value(std::string_view name, std::string_view text, Options& options) {
+  std::uint64_t number = 0;
+  if (name == "--world") {
+    options.world = text;
+    return text == "all" || find_plant(text) != nullptr;
+  }
+  if (name == "--replay") {
+    options.is_replay = true;
+    return read_path(text, options.path);
+  }
+  if (!read_number(text, number)) {
+    return false;
+  }
+  unsigned* bound = name == "--requests"   ? &options.bounds.requests
+                    : name == "--faults"   ? &options.bounds.faults
+                    : name == "--delays"   ? &options.bounds.delays
+                    : name == "--instants" ? &options.bounds.instants
+                                           : nullptr;
+  if (bound != nullptr) {
+    *bound = static_cast<unsigned>(number);
+    return number <= kSlots;
+  }
+  options.most = number;
+  return name == "--most";
+}
+
+bool parse(int count, char** arguments, Options& options) {
+  for (int at = 1; at < count; ++at) {
+    const std::string_view name = arguments[at];
+    if (name == "--forms") {
+      options.bounds.forms = true;
+    } else if (name == "--unmerged" || name == "--compare") {
+      options.merging = name == "--compare" ? Merging::compared : Merging::off;
+    } else if (at + 1 == count || !read_value(name, arguments[++at], options)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::string to_text(const Path& path) {
+  std::string text;
+  for (const std::uint16_t place : path) {
+    text += (text.empty() ? "" : ",") + std::to_string(place);
+  }
+  return text;
+}
+
+/// True: nothing is violated.
+bool explore(const Plant& plant, const Options& options) {
+  const auto& [requests, faults, delays, forms, instants] = options.bounds;
+  const auto begun = std::chrono::steady_clock::now();
+  Explorer explorer(plant, options.bounds, options.merging);
+  if (options.most > 0) {
+    explorer.set_most(options.most);
+  }
+  const Findings found = explorer.run();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+  std::printf(
+      "%s: %u requests, %u faults%s, %u delays, %u instants an edge: %s, %llu states, %llu "
+      "transitions, %llu merged, "
+      "%llu ends, %zu deep, %llu violations, %.1f s, %.0f MB\n",
+      std::string(plant.name).c_str(), requests, faults, forms ? " of all forms" : "", delays,
+      instants, found.complete ? "complete" : "NOT COMPLETE",
+      static_cast<unsigned long long>(found.states),
+      static_cast<unsigned long long>(found.transitions),
+      static_cast<unsigned long long>(found.merged), static_cast<unsigned long long>(found.ends),
+      found.deepest, static_cast<unsigned long long>(found.violated), took.count(),
+      static_cast<double>(found.memory) / kMegabyte);
+  for (const Violation& violation : found.violations) {
+    std::printf("\nVIOLATION %s\n", violation.what.c_str());
+    static_cast<void>(replay(plant, options.bounds, violation.path));
+    std::printf(
+        "replay: gateway_explore --world %s --requests %u --faults %u --delays %u%s --instants %u "
+        "--replay %s\n",
+        std::string(plant.name).c_str(), requests, faults, delays, forms ? " --forms" : "",
+        instants, to_text(violation.path).c_str());
+  }
+  std::fflush(stdout);
+  return found.violations.empty();
+}
+
+void print_usage() {
+  std::fputs(
+      "usage: gateway_explore [--world NAME|all] [--requests N] [--faults N] [--delays N] "
+      "[--forms]\n"
+      "                       [--instants 1|2|3]"
+      "                       [--most STATES] [--unmerged|--compare] [--replay PATH]\n"
+      "Explores all that may happen with so many requests, faults and delays of the driver at\n"
+      "most. --compare: each state that is reached once more must behave as it did before.\n"
+      "worlds:\n",
+      stderr);
+  for (const Plant& plant : plants()) {
+    std::fprintf(stderr, "  %-14s %s\n", std::string(plant.name).c_str(),
+                 std::string(plant.what).c_str());
+  }
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  Options options;
+  if (!parse(count, arguments, options)) {
+    print_usage();
+    return 2;
+  }
+  if (options.is_replay) {
+    const Plant& plant = *find_plant(options.world);
+    const std::string violation = replay(plant, options.bounds, options.path);
+    std::printf("%s\n", violation.empty() ? "no violation" : ("VIOLATION " + violation).c_str());
+    return violation.empty() ? 0 : 1;
+  }
+  bool holds = true;
+  for (const Plant& plant : plants()) {
+    if (options.world == "all" || options.world == plant.name) {
+      holds = explore(plant, options) && holds;
+    }
+  }
+  return holds ? 0 : 1;
+}

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the oracle keeps of what happens.
+#include "explore/oracle.hpp"
+
+#include <algorithm>
+
+#include "explore/require.hpp"
+
+namespace mbgate::explore {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kAdapterKeeps = 20ms;
+constexpr int kAnswerTimes = 4;
+
+// As behaviour says where nothing is set.
+Duration deadline_of(const Plant& plant, const Ask& ask) {
+  const auto& route = plant.settings.routes.front();
+  const Duration writes = 3 * plant.device().timing.response_timeout + 500ms;
+  return route.deadline.value_or(ask.is_read() ? std::max<Duration>(5s, writes) : writes);
+}
+
+}  // namespace
+
+Oracle::Oracle(const Plant& plant)
+    : plant_(plant),
+      times_(plant.bus().line),
+      silence_(soak::spec::silence_of(plant.bus())),
+      slack_(soak::spec::slack_of(plant.bus())),
+      hold_(soak::spec::quarantine_of(plant.device().timing) + kAdapterKeeps) {}
+
+std::size_t Oracle::note_asked(const Ask& ask, Instant now) {
+  const auto free = std::ranges::find(requests_, false, &Request::open);
+  require(free != requests_.end(), "a slot for each request");
+  *free = Request{.open = true, .ask = ask, .since = now, .deadline = Instant::max()};
+  return static_cast<std::size_t>(free - requests_.begin());
+}
+
+void Oracle::note_taken(std::uint8_t client, Instant now) {
+  for (Request& request : requests_) {
+    const Ask& ask = request.ask;
+    if (!request.open || request.taken || ask.client != client) {
+      continue;
+    }
+    request.taken = true;
+    request.event = ++events_;
+    request.since = now;
+    request.deadline = ask.word == Word::stop ? Instant::max() : now + deadline_of(plant_, ask);
+    request.was_offline = is_offline(ask.device);
+    request.must_follow = books_[ask.device].done;
+    for (Request& other : requests_) {
+      if (&other != &request && other.open && other.taken && !other.ask.is_read() &&
+          !ask.is_read()) {
+        ++other.rivals;
+        ++request.rivals;
+      }
+    }
+    if (ask.word != Word::stop) {
+      continue;
+    }
+    for (Request& other : requests_) {
+      if (other.open && other.taken && other.ask.device == ask.device &&
+          other.ask.word == Word::write) {
+        other.stop_behind = true;
+        other.cancelled = other.cancelled || (plant_.device().stop_cancels && other.sent == 0);
+      }
+    }
+  }
+}
+
+bool Oracle::takes_part(const Request& request, const Flight& flight) const {
+  const auto slot = static_cast<std::size_t>(&request - requests_.data());
+  return request.open && request.taken && request.event < flight.event &&
+         request.ask.device == flight.device && request.ask.word == flight.word &&
+         (flight.word != Word::write || flight.value == kFirstValue + slot);
+}
+
+// What was transmitted and not answered holds back what comes after it.
+void Oracle::end_running(Instant now, bool counts) {
+  const Flight& flight = *running();
+  running_.reset();
+  Book& book = books_[flight.device];
+  is_disturbed_ = true;
+  book.held_until = std::max(book.held_until, flight.due + hold_);
+  book.answered_at.reset();
+  book.stop_unanswered = counts && flight.word == Word::stop;
+  const bool was_offline = is_offline(flight.device);
+  book.unanswered += counts ? 1U : 0U;
+  if (!is_offline(flight.device)) {
+    return;
+  }
+  book.offline_at = was_offline ? book.offline_at : now;
+  for (Request& request : requests_) {
+    request.was_offline = request.was_offline || request.ask.device == flight.device;
+  }
+}
+
+// Something that looks like its answer is waited for.
+bool Oracle::is_waited_for(const Flight& flight) {
+  const Flight* other = running();
+  return other != nullptr && other->device == flight.device &&
+         looks_alike(other->word, flight.word);
+}
+
+// A stop waits for no longer.
+bool Oracle::is_cut_at(Instant now) const {
+  return std::ranges::any_of(requests_, [&](const Request& it) {
+    return it.open && it.taken && it.ask.word == Word::stop &&
+           now >= it.since + plant_.bus().stop_wait;
+  });
+}
+
+bool Oracle::is_begun(const Flight& flight, Instant now) const {
+  return flight.rest_comes && now < rest_end_of(flight);
+}
+
+void Oracle::note_judged(Instant now) {
+  Flight* flight = running();
+  if (flight == nullptr || is_begun(*flight, now)) {
+    return;
+  }
+  flight->cut = flight->cut || is_cut_at(now);
+  if (now >= flight->due) {
+    end_running(now, true);
+  }
+}
+
+// Whatever is waited for that it may have been the answer to is not waited for any longer.
+void Oracle::note_damaged(Flight& flight, Instant now) {
+  flight.spoilt = true;
+  is_disturbed_ = true;
+  books_[flight.device].stop_unanswered = false;
+  if (is_waited_for(flight)) {
+    end_running(now, false);
+  }
+}
+
+void Oracle::note_heard(Flight& flight, Instant now) {
+  flight.heard = true;
+  Book& book = books_[flight.device];
+  book.unanswered = 0;
+  book.stop_unanswered = false;
+  const bool was_written = std::ranges::any_of(flights_, [&](const Flight& it) {
+    return it.device == flight.device && it.word == Word::write && it.event > flight.event;
+  });
+  book.is_stopped = book.is_stopped || (flight.word == Word::stop && !was_written);
+  // What comes before a request has left answers another one.
+  if (!is_waited_for(flight) || now < running()->left) {
+    return;
+  }
+  const Flight* waited_for = running();
+  flight.in_time = waited_for == &flight && !flight.cut;
+  if (waited_for != &flight) {  // nobody can tell, and the other one may still come
+    book.held_until = std::max(book.held_until, waited_for->due + hold_);
+    is_disturbed_ = true;
+  }
+  book.longest_took = std::max(book.longest_took, now - waited_for->left);
+  book.answered_at = now;
+  running_.reset();
+}
+
+// Of another function something may go to a device that has answered since, once what is owed was
+// not just late.
+Instant Oracle::other_function_at(const Book& book) const {
+  return *book.answered_at + std::max(kAdapterKeeps, kAnswerTimes * book.longest_took);
+}
+
+void Oracle::add_edges(std::vector<Instant>& edges, bool may_be_asked) const {
+  if (!may_be_asked) {
+    return;
+  }
+  for (const Book& book : books_) {
+    edges.push_back(book.held_until);
+    if (book.answered_at) {
+      edges.push_back(std::min(other_function_at(book), book.held_until));
+    }
+    if (book.offline_at != Instant::min()) {
+      edges.push_back(book.offline_at + timing().probe_interval);
+    }
+  }
+  if (!is_running()) {
+    edges.push_back(silent_at());
+  }
+}
+
+void Oracle::add_deadlines(std::vector<Instant>& edges) const {
+  for (const Request& request : requests_) {
+    if (request.open && request.taken && request.ask.word != Word::stop) {
+      edges.push_back(request.deadline);
+    }
+  }
+}
+
+bool Oracle::is_live(const Flight& flight) const {
+  const bool may_be_remembered =
+      plant_.device().cache > Duration{0} && flight.heard && Ask{.word = flight.word}.is_read();
+  return flight.outstanding || flight.rest_comes || running_ == flight.serial ||
+         may_be_remembered ||
+         std::ranges::any_of(requests_, [&](const Request& it) { return takes_part(it, flight); });
+}
+
+void Oracle::read(StateHash& hash) const {
+  const bool may_be_offline = timing().offline_after != 0;
+  for (const Request& request : requests_) {
+    hash.add(request.open);
+    if (!request.open) {
+      continue;
+    }
+    const auto& [open, taken, cancelled, stop_behind, was_offline, ask, event, since, deadline,
+                 sent, rivals, must_follow] = request;
+    for (const bool flag : {taken, cancelled, stop_behind, was_offline}) {
+      hash.add(flag);
+    }
+    hash.add(ask.client);
+    hash.add(ask.device);
+    hash.add(ask.word);
+    hash.ordered(Order::event, event);
+    hash.ordered(Order::event, plant_.device().cache > Duration{0} ? must_follow : 0);
+    hash.add(sent);
+    if (ask.word == Word::stop) {
+      hash.add(rivals);
+      hash.since(since, kFarPast);
+    } else if (taken) {
+      hash.deadline(deadline);
+    }
+  }
+  for (const Flight& flight : flights_) {
+    if (!is_live(flight)) {
+      continue;
+    }
+    const auto& [serial, device, word, value, event, left, due, outstanding, late, spoilt, heard,
+                 cut, in_time, half_at, rest_comes] = flight;
+    hash.add(plant_.device().cache > Duration{0} ? serial : 0);
+    hash.add(device);
+    hash.add(word);
+    hash.add(value);
+    hash.ordered(Order::event, event);
+    for (const bool flag :
+         {outstanding, late, spoilt, heard, cut, in_time, rest_comes, running_ == serial}) {
+      hash.add(flag);
+    }
+    if (rest_comes) {
+      hash.since(*half_at, kFarPast);
+    }
+    if (outstanding || running_ == serial) {
+      hash.since(left, kFarPast);
+      hash.since(due, kFarPast);
+    } else if (plant_.device().cache > Duration{0}) {
+      hash.since(left, plant_.device().cache);
+    }
+  }
+  for (const auto& [held_until, answered_at, longest_took, stop_unanswered, unanswered, offline_at,
+                    is_stopped, done] : books_) {
+    hash.add(is_stopped);
+    hash.add(std::clamp(longest_took, kAdapterKeeps / kAnswerTimes, longest_that_counts(timing())));
+    hash.until(held_until);
+    if (held_until > hash.now()) {
+      hash.add(answered_at.has_value());
+      hash.since(answered_at.value_or(hash.now()), kFarPast);
+    }
+    hash.add(stop_unanswered);
+    hash.add(may_be_offline ? unanswered : 0);
+    hash.since(offline_at, timing().probe_interval + Duration{1});
+    hash.ordered(Order::event, plant_.device().cache > Duration{0} ? done : 0);
+  }
+  hash.since(quiet_, silence_ + Duration{1});
+}
+
+}  // namespace mbgate::explore

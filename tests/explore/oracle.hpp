@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// What must hold in a small world. It sees what clients ask and get, what goes over the wire and
+// what comes from it, and owes the product nothing.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "explore/ledger.hpp"
+
+namespace mbgate::explore {
+
+class Oracle {
+ public:
+  explicit Oracle(const Plant& plant);
+
+  // What happens, in its order.
+  /// A request lies in its socket. Returns its slot.
+  std::size_t note_asked(const Ask& ask, Instant now);
+  /// The gateway is given all that lies in the client's socket.
+  void note_taken(std::uint8_t client, Instant now);
+  void note_transmitted(const Octets& frame, Instant now);
+  /// The answer to a transmission is handed in, good and whole.
+  void note_heard(Flight& flight, Instant now);
+  /// Bytes are handed in.
+  void note_bytes(Instant now) { quiet_ = std::max(quiet_, now); }
+  /// A deadline was handed in, after all that had come.
+  void note_judged(Instant now);
+  void note_sent(std::uint8_t client, const Octets& adu, Instant now);
+  /// All that is to be done now is done, and time goes on.
+  void note_passing(Instant now, bool is_undisturbed);
+  /// The driver does nothing for a while.
+  void note_sleep() { has_slept_ = true; }
+  /// An answer was handed in damaged.
+  void note_damaged(Flight& flight, Instant now);
+  /// Nothing will ever happen any more.
+  void note_end();
+
+  /// A transmission whose answer was waited for until it was cut, once.
+  std::optional<std::uint16_t> take_cut() { return std::exchange(cut_, std::nullopt); }
+
+  [[nodiscard]] const std::string& violation() const { return violation_; }
+  void report(const std::string& what) { violation_ = violation_.empty() ? what : violation_; }
+
+  [[nodiscard]] std::vector<Flight>& flights() { return flights_; }
+  [[nodiscard]] const std::vector<Flight>& flights() const { return flights_; }
+  [[nodiscard]] const std::array<Request, kSlots>& requests() const { return requests_; }
+  /// The last instant at which the answer to a transmission may come: later ones nobody can tell
+  /// from answers to what was asked since.
+  [[nodiscard]] Instant end_of(const Flight& flight) const { return flight.due + hold_; }
+  /// The last instant at which the rest of an answer may come whose first half has.
+  [[nodiscard]] Instant rest_end_of(const Flight& flight) const {
+    return *flight.half_at + times_.of(answer_of(flight).size()) + slack_;
+  }
+  /// The end of the silence behind what was heard last.
+  [[nodiscard]] Instant silent_at() const { return quiet_ + silence_; }
+  [[nodiscard]] Duration silence() const { return silence_; }
+  /// Something was not answered in time, or the driver was late: requests may have to wait.
+  [[nodiscard]] bool is_disturbed() const { return is_disturbed_ || has_slept_; }
+  /// An answer is waited for.
+  [[nodiscard]] bool is_running() const { return running_.has_value(); }
+  /// Instants at which something that is about requests to come changes.
+  void add_edges(std::vector<Instant>& edges, bool may_be_asked) const;
+  /// Of requests that are open.
+  void add_deadlines(std::vector<Instant>& edges) const;
+
+  void read(StateHash& hash) const;
+
+ private:
+  struct Book {
+    Instant held_until = Instant::min();   ///< by its last unanswered transmission
+    std::optional<Instant> answered_at{};  ///< since then
+    Duration longest_took{0};              ///< an answer of it
+    bool stop_unanswered = false;          ///< the last thing that it was told
+    unsigned unanswered = 0;               ///< in a row
+    Instant offline_at = Instant::min();
+    bool is_stopped = false;  ///< a stop was answered, and no write was transmitted since it was
+    std::uint64_t done = 0;   ///< the last transmission of a write or stop that was acknowledged
+  };
+
+  [[nodiscard]] const drive::DeviceTiming& timing() const { return plant_.device().timing; }
+  [[nodiscard]] bool is_offline(std::uint8_t device) const {
+    return timing().offline_after != 0 && books_[device].unanswered >= timing().offline_after;
+  }
+  [[nodiscard]] Instant other_function_at(const Book& book) const;
+  [[nodiscard]] bool takes_part(const Request& request, const Flight& flight) const;
+  [[nodiscard]] bool is_live(const Flight& flight) const;
+  [[nodiscard]] Flight* running() { return running_ ? &flights_[*running_] : nullptr; }
+  void end_running(Instant now, bool counts);
+  [[nodiscard]] bool is_cut_at(Instant now) const;
+  [[nodiscard]] bool is_waited_for(const Flight& flight);
+  [[nodiscard]] bool is_begun(const Flight& flight, Instant now) const;
+
+  // oracle_wire.cpp
+  std::optional<Flight> understand(const Octets& frame, Instant now);
+  void check_silence(Instant now);
+  void check_overlap(Instant now);
+  void check_quarantine(const Flight& flight, Instant now);
+  void check_stops_first(const Flight& flight);
+  void check_asked_for(const Flight& flight, Instant now);
+
+  // oracle_answers.cpp
+  void check_read(const Request& request, const Octets& pdu, Instant now);
+  void check_write(const Request& request);
+  void check_busy(const Request& request, Instant now);
+  void check_no_answer(const Request& request);
+  void check_no_path(const Request& request);
+  void check_waiting(const Request& request, Instant now);
+  [[nodiscard]] const Flight* last_flight_of(const Request& request) const;
+
+  const Plant& plant_;
+  soak::spec::WireTimes times_;
+  Duration silence_;
+  Duration slack_;  ///< that an answer may pause
+  Duration
+      hold_;  ///< from the response timeout to the end of the quarantine, and of what adapters keep
+  std::array<Request, kSlots> requests_{};
+  std::vector<Flight> flights_;
+  std::array<Book, kDevices> books_{};
+  std::optional<std::uint16_t> cut_;
+  std::optional<std::size_t> running_;  ///< the transmission that is waited for
+  Instant quiet_ = Instant::min();
+  bool has_slept_ = false;
+  std::uint64_t events_ = 0;
+  bool is_disturbed_ = false;
+  std::string violation_;
+};
+
+}  // namespace mbgate::explore

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// What may be transmitted, and when.
+#include <algorithm>
+
+#include "explore/oracle.hpp"
+
+namespace mbgate::explore {
+
+namespace spec = soak::spec;
+
+std::optional<Flight> Oracle::understand(const Octets& frame, Instant now) {
+  const auto adu = spec::read_rtu(frame);
+  if (!adu || adu->address < 1 || adu->address > kDevices) {
+    return std::nullopt;
+  }
+  Flight flight;
+  flight.serial = static_cast<std::uint16_t>(flights_.size());
+  flight.device = static_cast<std::uint8_t>(adu->address - 1U);
+  flight.event = events_ + 1;
+  flight.left = now + times_.of(frame.size());
+  const Duration timeout =
+      is_offline(flight.device) ? spec::probe_timeout_of(timing()) : timing().response_timeout;
+  flight.due = flight.left + timeout;
+  for (const Word word : {Word::read_a, Word::read_b, Word::stop}) {
+    if (adu->pdu == pdu_of(word, 0)) {
+      flight.word = word;
+      return flight;
+    }
+  }
+  for (std::uint16_t value = kFirstValue; value < kFirstValue + kSlots; ++value) {
+    if (adu->pdu == pdu_of(Word::write, value)) {
+      flight.word = Word::write;
+      flight.value = value;
+      return flight;
+    }
+  }
+  return std::nullopt;
+}
+
+void Oracle::note_transmitted(const Octets& frame, Instant now) {
+  const auto flight = understand(frame, now);
+  if (!flight) {
+    report("transmitted: nothing that anybody asked for");
+    return;
+  }
+  check_silence(now);
+  check_overlap(now);
+  check_quarantine(*flight, now);
+  check_stops_first(*flight);
+  check_asked_for(*flight, now);
+  ++events_;
+  for (Request& request : requests_) {
+    request.sent += takes_part(request, *flight) ? 1U : 0U;
+  }
+  Book& book = books_[flight->device];
+  book.is_stopped = book.is_stopped && flight->word != Word::write;
+  flights_.push_back(*flight);
+  running_ = flight->serial;
+  quiet_ = flight->left;
+}
+
+void Oracle::check_silence(Instant now) {
+  if (now < silent_at()) {
+    report("silence: transmitted before t3.5 was over");
+  }
+}
+
+// One at a time; a stop need not wait for longer than `stop_wait`. Then it goes, or what it gives
+// way to.
+void Oracle::check_overlap(Instant now) {
+  if (running() == nullptr) {
+    return;
+  }
+  if (!is_cut_at(now)) {
+    report("overlap: transmitted while an answer is waited for");
+  }
+  cut_ = running()->serial;
+  end_running(now, true);
+}
+
+// What may still come must not be taken for the answer to this.
+void Oracle::check_quarantine(const Flight& flight, Instant now) {
+  if (flight.word == Word::stop) {
+    return;
+  }
+  const Book& book = books_[flight.device];
+  const auto is_for_same = [&](const Flight& owed) {
+    return owed.word == flight.word && Ask{.word = flight.word}.is_read() &&
+           std::ranges::any_of(requests_, [&](const Request& it) { return takes_part(it, owed); });
+  };
+  const bool is_retry = std::ranges::any_of(flights_, is_for_same);
+  for (const Flight& owed : flights_) {
+    if (owed.device != flight.device || (!owed.outstanding && !owed.rest_comes)) {
+      continue;
+    }
+    const bool is_other_function = !looks_alike(owed.word, flight.word);
+    const bool has_answered_since = book.answered_at && now >= other_function_at(book);
+    if (!is_for_same(owed) && !(is_other_function && (is_retry || has_answered_since))) {
+      report("quarantine: transmitted while an answer is owed");
+    }
+  }
+}
+
+void Oracle::check_stops_first(const Flight& flight) {
+  if (flight.word == Word::stop) {
+    return;
+  }
+  for (const Request& stop : requests_) {
+    if (!stop.open || !stop.taken || stop.ask.word != Word::stop || stop.sent > 0) {
+      continue;
+    }
+    const bool goes_first = !plant_.device().stop_cancels && flight.word == Word::write &&
+                            std::ranges::any_of(requests_, [&](const Request& it) {
+                              return takes_part(it, flight) && it.event < stop.event &&
+                                     it.ask.device == stop.ask.device;
+                            });
+    const bool gives_way =
+        books_[stop.ask.device].stop_unanswered && flight.device != stop.ask.device;
+    if (!goes_first && !gives_way) {
+      report("stop overtaken");
+    }
+  }
+}
+
+void Oracle::check_asked_for(const Flight& flight, Instant now) {
+  bool is_asked = false;
+  bool in_time = flight.word == Word::stop;
+  for (const Request& request : requests_) {
+    if (!takes_part(request, flight)) {
+      continue;
+    }
+    is_asked = true;
+    in_time = in_time || now <= request.deadline;
+    if (request.cancelled) {
+      report("cancelled write: transmitted after its stop");
+    }
+    if (flight.word == Word::write && request.sent > 0) {
+      report("write twice");
+    }
+  }
+  if (!is_asked) {
+    report("transmitted for nobody");
+  } else if (!in_time) {
+    report("late command: transmitted after its deadline");
+  }
+}
+
+}  // namespace mbgate::explore

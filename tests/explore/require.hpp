@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the explorer's own reasoning rests on. If it does not hold, what was explored proves
+// nothing.
+#pragma once
+
+#include <chrono>
+#include <stdexcept>
+#include <string>
+
+#include "bus/device_health.hpp"
+
+namespace mbgate::explore {
+
+/// No small world lives so long from its first request on; nothing that is older decides anything.
+inline constexpr bus::Duration kLongestLife = std::chrono::seconds(50);
+/// An instant that counts as long as anything does.
+inline constexpr bus::Duration kFarPast = kLongestLife;
+
+/// A quarantine never grows beyond this here.
+inline constexpr bus::Duration kMostLearned = std::chrono::milliseconds(2600);
+
+/// Four times as long as the longest answer took is waited for, but not beyond the quarantine of
+/// what was asked since: whatever took longer counts the same.
+inline bus::Duration longest_that_counts(const drive::DeviceTiming& timing) {
+  return (timing.response_timeout + kMostLearned + bus::kAdapterKeeps) / 4;
+}
+
+inline void require(bool holds, const char* what) {
+  if (!holds) {
+    throw std::logic_error(std::string("the explorer's reasoning does not hold: ") + what);
+  }
+}
+
+}  // namespace mbgate::explore

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bus: who waits, who is on the wire, what is known of the devices.
+#include "explore/require.hpp"
+#include "explore/state_reader.hpp"
+
+namespace mbgate {
+
+using explore::kFarPast;
+using explore::Order;
+
+void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
+  // Settings: settings, longest, most_running, quarantines. Counted or told only: counters,
+  // never_silent, foreign, echo_denied, replacement, quality, frame_heard. Watches real adapters
+  // only: adapter. Empty when the machine was asked for its actions: actions. What waits
+  // behind a job that is taken back may go since `pumped_at`: at once.
+  auto& [settings, devices, longest, counters, line, queue, stopping, running, most_running,
+         quarantines, sequence, writes_in_row, turn, other_turn, last_address, turn_of_others,
+         let_by, next_probe, others, free_probes, others_gone_at, never_silent, foreign,
+         echo_denied, replacement, quality, frame_heard, pumped_at, next_start, looking, adapter,
+         link, actions] = bus;
+  bool may_be_offline = false;
+  for (const drive::Device& device : devices.devices()) {
+    may_be_offline = may_be_offline || device.timing.offline_after != 0;
+  }
+  const Sight sight{queue.first_stop() != nullptr, may_be_offline,
+                    settings.frame_slack_or_default()};
+  hash.add(stopping);
+  hash.add(looking);
+  hash.ordered(Order::acceptance, sequence);
+  hash.add(std::min(writes_in_row, settings.burst));
+  hash.ordered(Order::turn, turn);
+  hash.ordered(Order::turn, other_turn);
+  hash.ordered(Order::turn, turn_of_others);
+  hash.add(last_address);
+  hash.add(next_start.has_value());
+  if (next_start) {
+    hash.deadline(std::max(next_start->at, hash.now()));  // perhaps that of a request
+  }
+  hash.add(others);
+  hash.add(free_probes);
+  if (may_be_offline) {
+    hash.until(next_probe);
+    hash.since(others_gone_at, settings.timing.probe_interval);
+    hash.since(pumped_at, settings.timing.probe_interval);  // the others may be gone since then
+  }
+  read(link, hash);
+  hash.add(running.size());
+  for (const bus::Job* job : running) {
+    read(job, devices, gateway, hash);
+  }
+  read(queue, devices, gateway, hash);
+  read(let_by, devices, gateway, hash);
+  read(devices, sight, hash);
+  read(line, sight, hash);
+}
+
+void StateReader::read(const bus::LinkState& link, Hash& hash) {
+  // Only after a loss: opened_at, delay.
+  const auto& [state, opened_at, reopen_at, delay] = link;
+  explore::require(link.is_open() && !reopen_at, "the line is never lost");
+  hash.add(state);
+}
+
+// Sources that nobody waits for begin anew; `by_deadline` and `writes` say of the same jobs in
+// which order they are looked at.
+void StateReader::read(const bus::BusQueue& queue, const bus::DeviceTable& devices,
+                       gateway::Gateway& gateway, Hash& hash) {
+  const auto& [limit, sources, round, stops, by_deadline, writes] = queue;
+  hash.add(round.size());
+  for (const bus::BusQueue::Source& source : round) {
+    const auto& [round_hook, waiting, weight, turns] = source;
+    hash.add(weight);
+    hash.add(turns);
+    hash.add(waiting.size());
+    for (const bus::Job& job : waiting) {
+      read(&job, devices, gateway, hash);
+    }
+  }
+  hash.add(stops.size());
+  for (const bus::Job& stop : stops) {
+    read(&stop, devices, gateway, hash);
+  }
+  for (const bus::Job& job : by_deadline) {
+    hash.name(&job);
+  }
+  hash.add(writes.size());
+}
+
+void StateReader::read(const bus::Job* job, const bus::DeviceTable& devices,
+                       gateway::Gateway& gateway, Hash& hash) {
+  if (!hash.name(job)) {
+    return;
+  }
+  // Where it is linked is told by who shows it: hooks. A name only: number.
+  const auto& [queue_hook, deadline_hook, write_hook, number, owner, source, weight, job_class,
+               sequence, deadline, transactions, current, tries, cut, was_on_wire, in_flight,
+               abandoned, passed_over, overtaken, is_probe, probes_freely, is_one_try, accepted,
+               unmerged, waits_since, held_by_writes, transmitted_at, last_sent, turn,
+               writes_before, followers, merged] = *job;
+  const bool is_stop = job_class == bus::JobClass::stop;
+  for (const bool flag : {was_on_wire, in_flight, abandoned, passed_over, overtaken, is_probe,
+                          probes_freely, is_one_try, accepted, unmerged}) {
+    hash.add(flag);
+  }
+  hash.add(source);
+  hash.add(weight);
+  hash.add(job_class);
+  hash.ordered(Order::acceptance, sequence);
+  hash.add(current);
+  hash.add(tries);
+  hash.add(cut);
+  hash.ordered(Order::turn, turn);
+  if (is_stop) {  // a stop has no deadline, and only a stop asks how long it has waited
+    hash.since(waits_since, kFarPast);
+    hash.add(held_by_writes);
+  } else {
+    hash.deadline(deadline);
+  }
+  if (devices[job->address()].device->cache > Duration{0}) {
+    hash.since(transmitted_at, kFarPast);
+    hash.ordered(Order::cached_writes, writes_before);
+  }
+  if (is_probe) {
+    hash.since(last_sent, kFarPast);
+  }
+  hash.add(transactions.size());
+  for (const bus::Transaction& transaction : transactions) {
+    read(transaction, hash);
+  }
+  hash.add(merged != nullptr);
+  if (merged) {
+    read(*merged, hash);
+  }
+  read(gateway.exchanges_[owner], gateway, hash);
+  hash.add(followers.size());
+  for (const bus::Job* follower : followers) {
+    read(follower, devices, gateway, hash);
+  }
+}
+
+void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
+  // Its route's: window_begin, window_end.
+  const auto& [address, request, silence_is_success, broadcast, response, boot_time, must_hold,
+               window_begin, window_end] = transaction;
+  explore::require(must_hold == nullptr, "the gateway asks nothing of its own");
+  hash.add(address);
+  hash.add(request.pdu().bytes());
+  hash.add(silence_is_success);
+  hash.add(broadcast);
+  hash.add(response.has_value());
+  if (response) {
+    hash.add(response->bytes());
+  }
+  hash.add(boot_time);
+}
+
+// Addresses without a device are never asked, and no good frame has one.
+void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash& hash) {
+  const auto& [other, known, entries] = devices;
+  for (const drive::Device& device : known) {
+    read(entries.at(device.address), sight, hash);
+  }
+}
+
+void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash) {
+  // A setting: device. Counted or told only: counters, early_reported, second_reported, owed_until,
+  // answered_at, answered_function. A job that the queue shows too: probe.
+  const auto& [device, counters, health, cache, free_at, probe, setting_known, early_reported,
+               last_turn, last_stop_turn, stops_given_up, merge_refused, second_reported,
+               owed_until, answered_at, answered_function] = entry;
+  read(health, entry.timing(), hash);
+  read(cache, device->cache, hash);
+  hash.until(free_at);
+  hash.name(probe);
+  hash.add(setting_known);
+  hash.ordered(Order::turn, last_turn);
+  hash.ordered(Order::turn, last_stop_turn);
+  hash.add(stops_given_up);
+  hash.add(merge_refused);
+  if (sight.may_be_offline && health.is_offline()) {
+    hash.since(health.probe_at(), kFarPast);
+    hash.since(health.wanted_at(), entry.timing().probe_interval);
+  }
+}
+
+void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTiming& timing,
+                       Hash& hash) {
+  // What was learned is forgotten by the minute, which no small world lives: while_began,
+  // learned_at, longest_before. Read with the entry, because they count only offline: probe_at,
+  // wanted_at.
+  const auto& [debts, forgotten_due, forgotten, answered_at, longest_answer, longest_before,
+               while_began, learned, learned_at, unanswered_in_row, offline, probe_at, wanted_at] =
+      health;
+  explore::require(!forgotten_due && longest_before == Duration{0}, "few debts, and a short life");
+  bool holds = false;
+  hash.add(debts.size());
+  for (const bus::DeviceHealth::Debt& debt : debts) {
+    const auto& [asked, count, due, last_due, suspected, given_up, outdated, doubtful] = debt;
+    hash.add(asked.pdu().bytes());
+    hash.add(count);
+    hash.since(due, kFarPast);
+    hash.since(last_due, kFarPast);
+    hash.add(suspected);
+    hash.add(given_up);
+    hash.add(outdated);
+    hash.add(doubtful);
+    holds = holds || !given_up;
+  }
+  if (holds) {  // the next one that owes forgets it; without one that holds it holds nothing
+    hash.add(answered_at.has_value());
+    hash.since(answered_at.value_or(hash.now()), kFarPast);
+  }
+  // Four times as long is what is asked for, and no less than what an adapter keeps.
+  hash.add(
+      std::clamp(longest_answer, bus::kAdapterKeeps / 4, explore::longest_that_counts(timing)));
+  explore::require(learned <= explore::kMostLearned, "answers are not that late");
+  hash.add(std::max(learned, timing.quarantine_or_default()));  // the longer one is in force
+  if (timing.offline_after != 0) {
+    hash.add(unanswered_in_row);
+  }
+  hash.add(offline);
+}
+
+void StateReader::read(const bus::ReadCache& cache, Duration age, Hash& hash) {
+  const auto& [reads, accepted, ended] = cache;
+  if (age == Duration{0}) {
+    return;  // nothing is put in, nothing taken out
+  }
+  hash.add(reads.size());
+  for (const auto& [request, response, asked_at] : reads) {
+    hash.add(request.bytes());
+    hash.add(response.bytes());
+    hash.since(asked_at, age + Duration{1});
+  }
+  hash.ordered(Order::cached_writes, accepted);
+  hash.add(accepted - ended);
+}
+
+}  // namespace mbgate

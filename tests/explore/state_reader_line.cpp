@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// The line and its framer.
+#include "explore/require.hpp"
+#include "explore/state_reader.hpp"
+
+namespace mbgate {
+
+void StateReader::read(const bus::Line& line, const Sight& sight, Hash& hash) {
+  const auto& [variant] = line;
+  read(std::get<bus::SerialLine>(variant), sight, hash);
+}
+
+void StateReader::read(const bus::SerialLine& line, const Sight& sight, Hash& hash) {
+  // Settings: timing, frame_gap, turnaround, settle, listen_first, paced_setting. Counted, shown or
+  // told only: counters, draining, heard, heard_at, unpaced_told. Empty when the machine was asked
+  // for its actions: faults, refused, end.
+  const auto& [timing, frame_gap, turnaround, settle, listen_first, paced_setting, paced, counters,
+               faults, echo, framer, quiet_since, busy_since, settling_until, listening_until,
+               turnaround_until, transaction, emission_ends, response_due, response_deadline,
+               response_wait, owed, refused, draining, heard, heard_at, unpaced_told, end] = line;
+  explore::require(faults.empty() && !end, "a line has told everything");
+  const bool is_running = transaction != nullptr;
+  // A stop compares these with its own instants; others with now.
+  const Duration before = sight.stop_waits ? explore::kFarPast : Duration{0};
+  hash.add(paced);
+  hash.since(quiet_since, std::max({before, frame_gap, sight.frame_slack}));
+  hash.since(busy_since, before);
+  hash.until(settling_until);
+  hash.until(listening_until);
+  hash.since(turnaround_until, before);
+  hash.add(is_running);
+  if (is_running) {  // otherwise what is left of the last one is compared with nothing but now
+    hash.since(emission_ends, explore::kFarPast);
+    hash.since(response_due, explore::kFarPast);
+    hash.since(response_deadline, explore::kFarPast);
+    hash.add(response_wait);
+    hash.add(owed.count);
+    hash.add(owed.alike);
+  } else {
+    hash.until(emission_ends);
+  }
+  read(echo, is_running, hash);
+  read(framer, hash);
+}
+
+void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
+  // A setting: learns. Told or counted only: counters, faults, unproven_told. `asked` is what the
+  // line asks, and is looked at only as long as it does.
+  const auto& [state, learns, counters, faults, asked, may_answer, expected, seen, owed, due,
+               held_since, spoilt, passed, shown, lost, unproven_told] = echo;
+  hash.add(state);
+  hash.add(std::span(expected.data(), expected.size()));
+  hash.add(seen);
+  hash.add(owed.size());
+  for (const bus::FrameBytes& frame : owed) {
+    hash.add(std::span(frame.data(), frame.size()));
+  }
+  hash.add(spoilt);
+  hash.add(shown);
+  hash.add(lost);
+  const bool may_be_owed = !expected.empty() || !owed.empty();
+  if (is_running || may_be_owed) {
+    hash.add(may_answer);
+    hash.add(passed);
+  }
+  if (may_be_owed) {
+    hash.since(due, explore::kFarPast);
+    hash.since(held_since, explore::kFarPast);
+  }
+}
+
+void StateReader::read(const bus::Framer& framer, Hash& hash) {
+  const auto& [variant] = framer;
+  read(std::get<bus::RtuFramer>(variant), hash);
+}
+
+void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {
+  // Settings: timing, slack. Counted only: counters. Set and read within one input: response,
+  // response_began, came_first, noise. Empty when the machine was asked for its actions: strays.
+  const auto& [timing, slack, counters, transaction, buffer, last_byte, answer, answer_at, given,
+               answers_another, discarding, response, response_began, came_first, noise, cut,
+               strays] = framer;
+  const Duration reach = std::max(timing.t3_5(), slack);
+  hash.add(transaction != nullptr);
+  hash.since(last_byte, reach);
+  hash.add(answer);
+  hash.add(answers_another);
+  hash.add(discarding);
+  if (transaction != nullptr) {
+    hash.add(given);
+  }
+  if (framer.in_progress()) {
+    hash.add(answer_at);
+  }
+  read(buffer, explore::kFarPast, hash);
+  read(cut, buffer.size() == 0, slack, hash);
+}
+
+void StateReader::read(const bus::ReceivedBytes& received, Duration reach, Hash& hash) {
+  const auto& [bytes, came] = received;
+  hash.add(std::span(bytes.data(), bytes.size()));
+  for (const Instant instant : came) {
+    hash.since(instant, reach);
+  }
+}
+
+// What is kept is thrown away when it is older than `slack` and more bytes come; but what stands in
+// the buffer may be put behind it before.
+void StateReader::read(const bus::CutFrame& cut, bool is_last, Duration slack, Hash& hash) {
+  const auto& [kept, last] = cut;
+  const bool is_over = is_last && hash.now() - last > slack;
+  if (kept.empty() || is_over) {
+    hash.add(false);
+    return;
+  }
+  hash.add(true);
+  hash.add(std::span(kept.data(), kept.size()));
+  hash.since(last, explore::kFarPast);
+}
+
+}  // namespace mbgate

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explore/world.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "explore/require.hpp"
+#include "explore/state_reader.hpp"
+
+namespace mbgate::explore {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr gateway::BusId kLine{0};
+// The line was opened so long ago that nothing of that counts any more.
+constexpr Duration kQuiet = 30s;
+
+gateway::ClientId client_id(std::uint8_t client) { return gateway::ClientId{client + 1U}; }
+
+}  // namespace
+
+World::World(const Plant& plant, const Bounds& bounds, bool is_told)
+    : plant_(plant),
+      bounds_(bounds),
+      left_(bounds),
+      is_told_(is_told),
+      now_(Instant{} + 1h),
+      begun_(now_ + kQuiet),
+      oracle_(plant),
+      gateway_(plant.settings, now_),
+      seen_(now_) {
+  settle();
+  now_ += kQuiet;
+  gateway_.handle_deadline(now_);
+  for (std::uint8_t client = 0; client < kClients; ++client) {
+    const std::string address = "192.0.2." + std::to_string(client + 1);
+    gateway_.handle_client_connected(
+        client_id(client), {routing::ListenerId{0}, *routing::ClientAddress::parse(address)}, now_);
+  }
+  settle();
+}
+
+void World::take(const Choice& choice) {
+  seen_ = StateHash(now_);
+  if (is_told_) {
+    tell("-- " + to_text(choice));
+  }
+  switch (choice.act) {
+    case Act::pass: pass(); break;
+    case Act::ask: ask(choice.ask); break;
+    case Act::leave:
+      arrive(choice.which, Act::answer);
+      is_left_ = true;
+      break;
+    case Act::answer:
+    case Act::damaged:
+    case Act::twice:
+    case Act::half:
+    case Act::rest:
+      arrive(choice.which, choice.act);
+      if (!asleep_since_) {
+        hand_in();
+      }
+      break;
+    case Act::sleep:
+      --left_.delays;
+      asleep_since_ = now_;
+      oracle_.note_sleep();
+      break;
+    case Act::wake: asleep_since_.reset(); break;
+    case Act::read: hand_in(); break;
+    case Act::take: take_client(static_cast<std::uint8_t>(choice.which)); break;
+  }
+  settle();
+  require(left_.faults <= bounds_.faults, "no more goes wrong than may");
+}
+
+void World::pass() {
+  if (!asleep_since_ && is_due()) {
+    hand_in();
+    settle();
+    miss(now_);
+    oracle_.note_judged(now_);
+    gateway_.handle_deadline(now_);
+    const auto wake = gateway_.next_wake();
+    if (wake && wake->at <= now_ && gateway_.poll_action() == std::nullopt) {
+      oracle_.report("no progress: a deadline stays due");
+    }
+    return;
+  }
+  const auto next = next_instant();
+  if (!asleep_since_) {
+    oracle_.note_passing(now_, left_.faults == bounds_.faults && left_.delays == bounds_.delays);
+  }
+  go_on(*next);
+}
+
+// What has not come until then comes late, or never.
+void World::miss(Instant until) {
+  for (Flight& flight : oracle_.flights()) {
+    if (is_missed(flight, until)) {
+      flight.late = true;
+      flight.spoilt = flight.spoilt || flight.rest_comes;
+      flight.rest_comes = false;
+      --left_.faults;
+    }
+  }
+}
+
+// A stop has ended the wait for it.
+void World::miss_cut(Flight& flight) {
+  if (flight.outstanding && !flight.late) {
+    flight.late = true;
+    is_beyond_ = left_.faults == 0;
+    left_.faults -= is_beyond_ ? 0U : 1U;
+  }
+}
+
+void World::go_on(Instant to) {
+  miss(to - Duration{1});
+  for (Flight& flight : oracle_.flights()) {
+    flight.outstanding = flight.outstanding && to <= oracle_.end_of(flight);
+  }
+  now_ = to;
+  require(age() < kLongestLife, "no world lives longer");
+}
+
+void World::ask(const Ask& ask) {
+  --left_.requests;
+  clients_ = std::max<std::uint8_t>(clients_, ask.client + 1U);
+  devices_ = std::max<std::uint8_t>(devices_, ask.device + 1U);
+  has_read_ = has_read_ || ask.is_read();
+  const std::size_t slot = oracle_.note_asked(ask, now_);
+  const Octets pdu = pdu_of(ask.word, static_cast<std::uint16_t>(kFirstValue + slot));
+  const Octets adu = soak::spec::tcp_adu(static_cast<std::uint16_t>(slot),
+                                         static_cast<std::uint8_t>(ask.device + 1U), pdu);
+  Octets& socket = sockets_[ask.client];
+  socket.insert(socket.end(), adu.begin(), adu.end());
+  if (!asleep_since_) {
+    is_left_ = false;
+    take_client(ask.client);
+  }
+}
+
+void World::take_client(std::uint8_t client) {
+  const Octets bytes = std::exchange(sockets_[client], {});
+  oracle_.note_taken(client, now_);
+  gateway_.handle_client_bytes(client_id(client), bytes, now_);
+}
+
+void World::arrive(std::uint16_t serial, Act form) {
+  std::vector<Flight>& flights = oracle_.flights();
+  Flight& flight = flights[serial];
+  // A device answers in order: what it has not answered before never comes.
+  for (Flight& other : flights) {
+    if (other.outstanding && other.device == flight.device && other.serial < serial) {
+      left_.faults -= other.late ? 0U : 1U;
+      other.outstanding = false;
+      other.late = true;
+    }
+  }
+  Octets frame = answer_of(flight);
+  flight.outstanding = false;
+  const auto middle = frame.begin() + static_cast<std::ptrdiff_t>(frame.size() / 2);
+  switch (form) {
+    case Act::damaged: frame.back() ^= 0x40U; break;
+    case Act::twice: frame.insert(frame.end(), frame.begin(), frame.end()); break;
+    case Act::half:
+      frame.erase(middle, frame.end());
+      flight.half_at = now_;
+      flight.rest_comes = true;
+      break;
+    case Act::rest:
+      frame.erase(frame.begin(), middle);
+      flight.rest_comes = false;
+      break;
+    default: break;
+  }
+  const bool is_fault = form == Act::damaged || form == Act::twice || form == Act::half;
+  left_.faults -= is_fault ? 1U : 0U;
+  kernel_.insert(kernel_.end(), frame.begin(), frame.end());
+  pieces_.push_back({serial, form});
+}
+
+// What lies in the line's descriptor.
+void World::hand_in() {
+  if (kernel_.empty()) {
+    return;
+  }
+  const Octets bytes = std::exchange(kernel_, {});
+  is_left_ = false;
+  for (const Piece& piece : std::exchange(pieces_, {})) {
+    Flight& flight = oracle_.flights()[piece.serial];
+    if (piece.form == Act::damaged) {
+      oracle_.note_damaged(flight, now_);
+    } else if (piece.form != Act::half) {
+      oracle_.note_heard(flight, now_);
+    }
+  }
+  oracle_.note_bytes(now_);
+  gateway_.handle_bus_bytes(kLine, bytes, now_);
+}
+
+void World::settle() {
+  while (auto action = gateway_.poll_action()) {
+    handle(*action);
+  }
+  for (const gateway::ClientId client : std::exchange(written_, {})) {
+    gateway_.handle_client_sent(client, now_);
+  }
+  require(!gateway_.poll_action().has_value(), "nothing follows when an answer is written");
+}
+
+void World::handle(const gateway::Action& action) {
+  if (is_told_) {
+    tell(gateway::to_text(action, gateway_.settings()));
+  }
+  if (const auto* send = std::get_if<gateway::Send>(&action)) {
+    const Octets adu(send->adu.begin(), send->adu.end());
+    const auto client = static_cast<std::uint8_t>(static_cast<std::uint64_t>(send->client) - 1U);
+    seen_.add(client);
+    seen_.add(soak::spec::word_at(adu, 0));
+    seen_.add(adu.back());
+    seen_.add(adu.size());
+    oracle_.note_sent(client, adu, now_);
+    written_.push_back(send->client);
+  } else if (const auto* transmit = std::get_if<gateway::Transmit>(&action)) {
+    const Octets frame(transmit->frame.begin(), transmit->frame.end());
+    seen_.add(std::span(frame));
+    for (Flight& flight : oracle_.flights()) {  // the line was looked at, and nothing lay there
+      flight.outstanding = flight.outstanding && now_ < oracle_.end_of(flight);
+    }
+    oracle_.note_transmitted(frame, now_);
+    if (const auto cut = oracle_.take_cut()) {
+      miss_cut(oracle_.flights()[*cut]);
+    }
+  } else if (std::holds_alternative<gateway::Look>(action)) {
+    hand_in();
+    gateway_.handle_bus_looked(kLine, now_);
+  } else if (std::holds_alternative<gateway::Open>(action)) {
+    gateway_.handle_bus_opened(kLine, now_);
+  } else if (!std::holds_alternative<gateway::Report>(action)) {
+    oracle_.report("an action that no small world has");
+  }
+}
+
+Digest World::digest() {
+  StateHash hash(now_);
+  StateReader::read(gateway_, hash);
+  oracle_.read(hash);
+  hash.add(left_.requests);
+  for (const Octets& socket : sockets_) {
+    hash.add(std::span(socket));
+  }
+  for (const Piece& piece : pieces_) {
+    hash.add(piece.form);
+    hash.ordered(Order::event, oracle_.flights()[piece.serial].event);
+  }
+  hash.add(pieces_.size());
+  hash.add(is_left_);
+  hash.add(asleep_since_.has_value());
+  hash.since(asleep_since_.value_or(now_), kFarPast);
+  hash.add(clients_);
+  hash.add(devices_);
+  hash.add(has_read_);
+  return hash.digest();
+}
+
+Digest World::seen() { return seen_.digest(); }
+
+void World::tell(const std::string& text) const {
+  const auto since = std::chrono::duration<double, std::milli>(now_ - begun_);
+  std::printf("%14.6f ms  %s\n", since.count(), text.c_str());
+}
+
+std::string to_text(const Choice& choice) {
+  const std::string which = " " + std::to_string(choice.which);
+  switch (choice.act) {
+    case Act::pass: return "pass";
+    case Act::ask: return "ask: " + name_of(choice.ask);
+    case Act::answer: return "answer" + which;
+    case Act::damaged: return "answer" + which + ", damaged";
+    case Act::twice: return "answer" + which + ", twice";
+    case Act::half: return "first half of answer" + which;
+    case Act::rest: return "rest of answer" + which;
+    case Act::leave: return "answer" + which + ", and clients first";
+    case Act::sleep: return "the driver sleeps";
+    case Act::wake: return "the driver wakes";
+    case Act::read: return "the line is read";
+    case Act::take: return "client " + std::to_string(choice.which + 1) + " is read";
+  }
+  return "";
+}
+
+}  // namespace mbgate::explore

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// What may happen next, and to which instants time goes on.
+#include <algorithm>
+
+#include "explore/world.hpp"
+
+namespace mbgate::explore {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A device takes so long to answer, at the least.
+constexpr Duration kAnswering = 1ms;
+constexpr Duration kAnInstant{1};
+// A driver is not late by more, but for a process that is stopped, which is no other case.
+constexpr Duration kLate = 20ms;
+constexpr Duration kLatest = 500ms;
+
+}  // namespace
+
+bool World::is_due() const {
+  const auto wake = gateway_.next_wake();
+  return wake && wake->at <= now_;
+}
+
+const Flight* World::half_heard() const {
+  const auto found = std::ranges::find_if(oracle_.flights(), &Flight::rest_comes);
+  return found == oracle_.flights().end() ? nullptr : &*found;
+}
+
+bool World::may_come(const Flight& flight) const {
+  return flight.outstanding && now_ >= flight.left + kAnswering && cost_of(flight) <= left_.faults;
+}
+
+// Its device would have left others unanswered.
+unsigned World::cost_of(const Flight& flight) const {
+  return static_cast<unsigned>(std::ranges::count_if(oracle_.flights(), [&](const Flight& other) {
+    return other.outstanding && !other.late && other.device == flight.device &&
+           other.serial < flight.serial;
+  }));
+}
+
+// It was to come until then at the latest, and has not.
+bool World::is_missed(const Flight& flight, Instant until) const {
+  return flight.rest_comes ? until >= oracle_.rest_end_of(flight)
+                           : flight.outstanding && !flight.late && until >= flight.due;
+}
+
+unsigned World::missed(Instant until) const {
+  return static_cast<unsigned>(std::ranges::count_if(
+      oracle_.flights(), [&](const Flight& it) { return is_missed(it, until); }));
+}
+
+// A deadline judges what has come by then; time that goes on passes all instants before the next.
+bool World::may_pass() const {
+  if (!asleep_since_ && is_due()) {
+    return missed(now_) <= left_.faults;
+  }
+  const auto next = next_instant();
+  return next && missed(*next - kAnInstant) <= left_.faults;
+}
+
+std::optional<Instant> World::next_instant() const {
+  std::vector<Instant> edges;
+  std::vector<Instant> instants;
+  const auto wake = gateway_.next_wake();
+  if (wake) {
+    edges.push_back(wake->at);
+  }
+  for (const Flight& flight : oracle_.flights()) {
+    if (flight.outstanding) {
+      instants.push_back(flight.left + kAnswering);
+      edges.push_back(flight.late ? oracle_.end_of(flight) : flight.due);
+    }
+    if (flight.rest_comes) {
+      edges.push_back(*flight.half_at + oracle_.silence());
+      edges.push_back(oracle_.rest_end_of(flight));
+    }
+  }
+  oracle_.add_edges(edges, left_.requests > 0);
+  oracle_.add_deadlines(edges);
+  if (asleep_since_) {
+    instants.push_back(*asleep_since_ + kLate);
+    instants.push_back(*asleep_since_ + kLatest);
+  }
+  for (const Instant edge : edges) {
+    if (edge + kAnInstant <= now_) {
+      continue;
+    }
+    instants.push_back(edge);
+    if (left_.instants > 1) {
+      instants.push_back(edge - kAnInstant);
+    }
+    if (left_.instants > 2) {
+      instants.push_back(edge + kAnInstant);
+    }
+  }
+  std::erase_if(instants, [&](Instant it) { return it <= now_; });
+  if (instants.empty()) {
+    return std::nullopt;
+  }
+  const Instant next = std::ranges::min(instants);
+  return asleep_since_ && next > *asleep_since_ + kLatest ? std::nullopt : std::optional(next);
+}
+
+// Devices are alike, and so are clients and the two reads: which is first does not matter.
+void World::add_asks(std::vector<Choice>& choices) const {
+  if (left_.requests == 0) {
+    return;
+  }
+  const std::uint8_t clients = std::min<std::uint8_t>(clients_ + 1U, kClients);
+  const std::uint8_t devices = std::min<std::uint8_t>(devices_ + 1U, kDevices);
+  for (std::uint8_t client = 0; client < clients; ++client) {
+    for (std::uint8_t device = 0; device < devices; ++device) {
+      for (std::uint8_t word = 0; word < kWords; ++word) {
+        if (has_read_ || static_cast<Word>(word) != Word::read_b) {
+          choices.push_back({Act::ask, 0, {client, device, static_cast<Word>(word)}});
+        }
+      }
+    }
+  }
+}
+
+void World::add_answers(std::vector<Choice>& choices) const {
+  if (const Flight* half = half_heard()) {
+    choices.push_back({Act::rest, half->serial});
+    return;  // nobody else can speak now
+  }
+  for (const Flight& flight : oracle_.flights()) {
+    if (!may_come(flight)) {
+      continue;
+    }
+    choices.push_back({Act::answer, flight.serial});
+    // While something runs, nothing is transmitted, and the order makes no difference.
+    if (left_.requests > 0 && !asleep_since_ && !oracle_.is_running()) {
+      choices.push_back({Act::leave, flight.serial});
+    }
+    if (left_.forms && cost_of(flight) < left_.faults) {
+      choices.push_back({Act::damaged, flight.serial});
+      choices.push_back({Act::twice, flight.serial});
+      if (!asleep_since_) {
+        choices.push_back({Act::half, flight.serial});
+      }
+    }
+  }
+}
+
+// The driver takes what is there, in any order.
+void World::add_bunch(std::vector<Choice>& choices) {
+  if (is_left_) {
+    add_asks(choices);
+    return;
+  }
+  if (!kernel_.empty()) {
+    choices.push_back({Act::read});
+    add_asks(choices);
+  }
+  for (std::uint8_t client = 0; client < kClients; ++client) {
+    if (!sockets_[client].empty()) {
+      choices.push_back({Act::take, client});
+    }
+  }
+  if (is_due() && may_pass()) {
+    choices.push_back({Act::pass});
+  }
+}
+
+std::vector<Choice> World::choices() {
+  std::vector<Choice> choices;
+  if (!violation().empty()) {
+    return choices;
+  }
+  const bool has_bunch = !kernel_.empty() || std::ranges::any_of(sockets_, [](const Octets& it) {
+    return !it.empty();
+  });
+  if (has_bunch && !asleep_since_) {
+    add_bunch(choices);
+    return choices;
+  }
+  // What uses up nothing comes first: what is found there need not be gone through with less slack.
+  add_answers(choices);
+  add_asks(choices);
+  if (may_pass()) {
+    choices.push_back({Act::pass});
+  }
+  if (asleep_since_ && now_ > *asleep_since_) {
+    choices.push_back({Act::wake});
+  } else if (!asleep_since_ && is_due() && left_.delays > 0) {
+    choices.push_back({Act::sleep});
+  }
+  if (choices.empty() || (left_.requests > 0 && !is_due() && !next_instant())) {
+    oracle_.note_end();
+  }
+  return choices;
+}
+
+}  // namespace mbgate::explore
