@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 using drive::WordOrder;
 
-constexpr unsigned kLastUnit = 200;
+constexpr int kLastUnit = 200;
 
 class Doors {
  public:
@@ -149,7 +149,7 @@ void Doors::add_range(std::size_t bus) {
   }
   const std::uint8_t first = plan_.settings.devices[on_it.front()].address;
   const std::uint8_t last = plan_.settings.devices[on_it.back()].address;
-  if (next_unit_ + (last - first) > kLastUnit) {
+  if (next_unit_ + last > kLastUnit + first) {
     return;
   }
   auto& route = plan_.settings.routes.emplace_back();
