@@ -231,6 +231,20 @@ class Oracle {
   [[nodiscard]] bool may_break_silence(const Flight& flight);
   void check_stops_waiting(std::size_t bus);
 
+  // oracle_idle.cpp
+  void note_whole(std::size_t bus, HeardFrame& frame) const;
+  void note_answered(std::size_t bus, const HeardFrame& frame);
+  void note_use(const Flight& flight);
+  void check_idle(const Flight& flight);
+  [[nodiscard]] std::optional<Instant> could_go(const Flight& flight) const;
+  [[nodiscard]] Duration rest_of_answer(const Flight& flight) const;
+  [[nodiscard]] Duration longest_gap(std::size_t bus) const;
+  [[nodiscard]] Duration lateness() const;
+
+  // oracle_tries.cpp
+  void check_answered(const Asked& asked);
+  void judge_tries(const Asked& asked);
+
   // oracle_counts.cpp
   void note_counts(const Flight& flight);
   void note_excused(const Flight& flight);
@@ -265,6 +279,7 @@ class Oracle {
   std::optional<std::uint64_t> well_;
   PduBytes own_answer_;
   bool traced_ = false;
+  Instant reloaded_ = Instant::min();
 };
 
 }  // namespace mbgate::soak

@@ -176,6 +176,8 @@ void Oracle::judge_no_response(const Asked& asked) {
     violation("no_response_without_wire", name(asked));
   }
   judge_cut(asked);
+  check_answered(asked);
+  judge_tries(asked);
 }
 
 // Between these instants the device must have held what the answer shows.

@@ -48,7 +48,7 @@ void Oracle::forget_line(Book& book, std::size_t bus) {
   }
   book.unread.clear();
   book.unread_echo.reset();
-  book.echo_proven = book.echo_lost = false;
+  book.echo_proven = book.echo_lost = book.echo_found = false;
   book.told_unproven = book.told_while_sending = book.must_tell_unproven = false;
   book.told_denied = book.must_tell_denied = false;
 }
@@ -66,6 +66,7 @@ void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   book.unread.push_back(frame);
+  note_whole(bus, book.unread.back());
   if (is_paced(plan_, bus) && schedule_.now() < book.own_end) {
     book.unread.back().waits = true;
   } else if (!began_while_sending(bus, frame.began)) {
@@ -87,6 +88,7 @@ void Oracle::read_frames(std::size_t bus) {
     if (frame.waits) {
       settle(bus, frame);
     }
+    note_answered(bus, frame);
     note_heard(book, frame);
   }
 }
@@ -223,6 +225,7 @@ void Oracle::line_news(std::size_t bus, bus::LineFault fault) {
   };
   if (fault == bus::LineFault::echo_found) {
     report_.fault("told_echo_found");
+    book.echo_found = true;
     if (!plan_.echoes[bus] && !book.is_strange) {
       violation("echo_claimed", bus_settings(bus).name);
     }

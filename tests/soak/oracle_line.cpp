@@ -57,6 +57,9 @@ void Oracle::check_silence(const Flight& flight) {
 
 void Oracle::bytes_handed_in(std::size_t bus) {
   Book& book = books_[bus];
+  if (book.use.first_read == Instant::min()) {
+    book.use.first_read = schedule_.now();
+  }
   if (!is_tcp(bus)) {
     read_frames(bus);
     read_echo(bus);

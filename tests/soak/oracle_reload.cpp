@@ -98,6 +98,7 @@ void Oracle::take_back(std::size_t bus, std::uint8_t address) {
 
 void Oracle::after_reload() {
   map_lanes();
+  reloaded_ = schedule_.now();
   for (const auto& [id, asked] : open_) {
     if (asked->is_accepted && asked->door != nullptr) {
       note_allowed(*asked);

@@ -107,7 +107,9 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   check_stops_first(flight);
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
+  check_idle(flight);
   set_times(flight);
+  note_use(flight);
   flight.size = frame.size();
   book.is_unused = false;
   book.came = 0;
