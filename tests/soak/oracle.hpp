@@ -61,7 +61,7 @@ class Oracle {
   [[nodiscard]] bool was_idle(std::size_t bus) const;
   void bus_lost(std::size_t bus);
   /// The gateway wants the line.
-  void bus_opening(std::size_t bus) { books_[bus].opening = true; }
+  void bus_opening(std::size_t bus);
   /// The server has closed a connection on which it has answered: what waits goes on waiting.
   void tcp_closed(std::size_t bus);
   /// The gateway gives a connection up because nothing comes.
@@ -240,6 +240,19 @@ class Oracle {
   [[nodiscard]] Duration rest_of_answer(const Flight& flight) const;
   [[nodiscard]] Duration longest_gap(std::size_t bus) const;
   [[nodiscard]] Duration lateness() const;
+
+  // oracle_bounds.cpp
+  void check_bounds(const Flight& flight);
+  void check_merged(const Flight& flight);
+  void judge_expiry(const Asked& asked);
+  void note_loss(std::size_t bus);
+  void check_reopening(std::size_t bus);
+
+  // oracle_offline.cpp
+  [[nodiscard]] bool is_surely_offline(std::size_t bus, const Lane& lane) const;
+  void note_silent(std::size_t bus);
+  void check_ended(std::size_t bus, const Lane& lane, const Flight& last);
+  void check_offline(const Flight& flight);
 
   // oracle_tries.cpp
   void check_answered(const Asked& asked);

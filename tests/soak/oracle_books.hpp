@@ -55,6 +55,11 @@ struct Lane {
   bool stays_offline = false;            ///< it was perhaps offline when other settings came
   Instant held_until = Instant::min();   ///< at the latest: it owes an answer, or boots
   Instant held_before = Instant::min();  ///< the same without its last transmission
+  // Transmissions in a row that were certainly unanswered, at least:
+  unsigned silent = 0;
+  unsigned silent_stops = 0;
+  Instant asked_last = Instant::min();            ///< when the last of the first was transmitted
+  std::optional<std::uint64_t> given_up_after{};  ///< a stop accepted later is tried once
   Instant last_write_event = Instant::min();
   Instant earlier_write_event = Instant::min();  ///< the last one of an earlier instant
   Instant last_stop = Instant::min();
@@ -69,6 +74,12 @@ struct LineUse {
   Instant ends = Instant::min();        ///< at the latest, of the wait for the answer to it
   bool is_answered = false;             ///< that answer was read, and met no fault
   Instant waits_from = Instant::min();  ///< before, something else may have held back what waits
+};
+
+/// When a line that could not be opened, or died, is opened again.
+struct Reopening {
+  std::optional<Instant> at;  ///< none: as soon as somebody asks
+  Duration delay{0};          ///< of the next time; 0: the shortest
 };
 
 /// A bus.
@@ -111,8 +122,10 @@ struct Book {
   bool unread_stranger = false;  ///< the request of another client
   bool is_strange = false;       ///< what came looks like an echo, and is none
   LineUse use;
+  Reopening reopening;
   // Of the line, since it was opened:
   bool echo_found = false;  ///< the gateway says that there is an echo
+  Instant listens_until = Instant::min();
   Instant opened = Instant::min();
   bool is_unused = true;  ///< nothing was transmitted
   bool echo_proven = false;

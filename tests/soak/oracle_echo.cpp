@@ -61,6 +61,9 @@ bool Oracle::began_while_sending(std::size_t bus, Instant began) const {
 // What it is shows only when it is read.
 void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
   Book& book = books_[bus];
+  Lane& lane = book.lanes[frame.address];
+  lane.silent = lane.silent_stops = 0;
+  lane.given_up_after.reset();
   if (is_tcp(bus)) {
     settle(bus, frame);
     return;

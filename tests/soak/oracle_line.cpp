@@ -133,6 +133,9 @@ void Oracle::set_times(Flight& flight) {
           std::max(timing.response_timeout, device.profile.slow.front().response_timeout);
     }
     longest = std::max(timing.response_timeout, spec::probe_timeout_of(timing));
+    if (is_surely_offline(flight.bus, lane)) {
+      longest = spec::probe_timeout_of(timing);
+    }
     if (is_past_offline(flight.bus, lane)) {
       timing.response_timeout = std::min(timing.response_timeout, spec::probe_timeout_of(timing));
     }
