@@ -143,7 +143,7 @@ void Oracle::check_idle(const Flight& flight) {
   }
   const Duration silence = spec::silence_of(settings) + longest_gap(flight.bus);
   // Until then an answer may have been on its way.
-  const Instant read = book.use.is_answered
+  const Instant read = book.use.is_answered || book.came == 0
                            ? book.last_handed_in
                            : std::max(book.use.ends, book.last_handed_in) + rest_of_answer(flight);
   const Instant free =
