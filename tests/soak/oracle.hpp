@@ -245,6 +245,7 @@ class Oracle {
   void check_bounds(const Flight& flight);
   void check_merged(const Flight& flight);
   void judge_expiry(const Asked& asked);
+  void judge_eviction(const Asked& asked);
   void note_loss(std::size_t bus);
   void check_reopening(std::size_t bus);
 

@@ -79,6 +79,7 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     case kBusy:
       judge_busy(asked);
       judge_expiry(asked);
+      judge_eviction(asked);
       return;
     case kNoPath: judge_no_path(asked); return;
     case kNoResponse: judge_no_response(asked); return;

@@ -78,6 +78,33 @@ void Oracle::judge_expiry(const Asked& asked) {
   }
 }
 
+// A full queue takes the newest read of a client address back: none that waits in the same
+// connection is newer. Reads that are shared wait with others, in the place of these.
+void Oracle::judge_eviction(const Asked& asked) {
+  const Instant now = schedule_.now();
+  const auto session = sessions_.find(asked.client);
+  // What is refused a moment after it was taken never waited.
+  const auto waits = [&](const Asked& it) {
+    return it.is_read() && it.pieces.size() == 1 && it.pieces.front().counted &&
+           it.accepted + lateness() < now;
+  };
+  if (session == sessions_.end() || !waits(asked) || asked.pieces.front().taken_back ||
+      reloaded_ >= asked.accepted || now >= asked.deadline - (asked.written - asked.earliest)) {
+    return;
+  }
+  const std::size_t bus = asked.pieces.front().bus;
+  if (bus_settings(bus).coalesce || bus_settings(bus).merge) {
+    return;
+  }
+  for (const std::uint64_t id : session->second.order) {
+    const Asked& other = *open_.at(id);
+    if (waits(other) && other.pieces.front().bus == bus && other.sequence > asked.sequence) {
+      violation("evicted_older", name(asked) + " before " + name(other));
+      return;
+    }
+  }
+}
+
 // The delay doubles; a line that has served for long begins anew.
 void Oracle::note_loss(std::size_t bus) {
   Book& book = books_[bus];
