@@ -52,8 +52,9 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   const bool may_echo = plan_.echoes[bus] || line.echo.value_or(false) || book.echo_found;
-  const bool is_in_time =
-      frame.began >= last->end && frame.began < last->deadline && book.open_stops.empty();
+  // One that begins before `response_wait` is over may be taken for one that is owed.
+  const bool is_in_time = frame.began >= last->end + last->timing.response_wait &&
+                          frame.began < last->deadline && book.open_stops.empty();
   const bool is_in_one = line.framing == bus::Framing::ascii
                              ? frame.ended <= book.use.first_read + 1s
                              : frame.ended < book.use.first_read +
