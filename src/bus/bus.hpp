@@ -252,6 +252,7 @@ class Bus {
   void remember(const Job& job);
   void split_up(Job& leader);
   void end_over(Instant now);
+  void watch_deadlines();
   void drop_followers(Job& leader, Instant now);
   [[nodiscard]] std::optional<Ending> over(const Job& job, Instant now) const;
   void hand_over(Job& leader, Ending ending);

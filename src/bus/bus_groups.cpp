@@ -106,6 +106,19 @@ void Bus::end_over(Instant now) {
   }
 }
 
+// Of what is neither in the queue nor on the wire, whatever keeps it waiting.
+void Bus::watch_deadlines() {
+  for (const Job* job : running_) {
+    if (job->in_flight || job->job_class == JobClass::stop) {
+      continue;
+    }
+    next_start_ = earlier(next_start_, Wake{job->deadline});
+    for (const Job* follower : job->followers) {
+      next_start_ = earlier(next_start_, Wake{follower->deadline});
+    }
+  }
+}
+
 // The leader ends, but others still want what it asked for.
 void Bus::hand_over(Job& leader, Ending ending) {
   Job& heir = *leader.followers.front();

@@ -103,11 +103,6 @@ bool Bus::reopen_if_hung(Instant now) {
 
 // What a close has cut, and what is repeated, waits for the line, but not beyond its deadline.
 void Bus::wait_for_line() {
-  for (const Job* job : running_) {
-    if (job->job_class != JobClass::stop) {
-      next_start_ = earlier(next_start_, Wake{job->deadline});
-    }
-  }
   const bool is_wanted = !running_.empty() || queue_.size() > 0 || queue_.first_stop() != nullptr;
   if (link_.is_resting() && is_wanted) {
     link_.wake();

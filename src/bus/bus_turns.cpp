@@ -23,6 +23,7 @@ void Bus::pump(Instant now) {
   next_start_.reset();
   expire(now);
   end_over(now);
+  watch_deadlines();
   if (!link_.is_open() || reopen_if_hung(now)) {
     wait_for_line();
     return;
@@ -84,9 +85,6 @@ void Bus::continue_running(Instant now) {
   for (Job* job : running_) {
     if (job->in_flight) {
       continue;
-    }
-    if (job->job_class != JobClass::stop) {
-      next_start_ = earlier(next_start_, Wake{job->deadline});
     }
     if (stop != nullptr && job->address() != stop->address() && !job->is_broadcast()) {
       continue;  // the writes that the stop lets go first go before it

@@ -84,6 +84,8 @@ struct Asked {
   PduBytes last_sent;                 ///< as it looked on the wire
   std::uint64_t last_alone = 0;       ///< its last flight, if that was for nobody else; else 0
   unsigned flights = 0;               ///< that it was among
+  unsigned flights_alone = 0;         ///< that were for nobody else
+  std::uint64_t last_flight = 0;      ///< that it was among last
   bool echoed = false;                ///< what looks like its answer was its echo
   bool hurried = false;               ///< its answer began before it had left a paced line
   unsigned spoilt = 0;                ///< of these, heard differently than they were sent

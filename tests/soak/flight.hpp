@@ -22,13 +22,15 @@ struct Flight {
   bool is_write = false;
   bool is_broadcast = false;
   bool repeats_read = false;
+  bool surely_repeats = false;  ///< one request, for which alone the read was transmitted last
   std::optional<Instant> stop_from{};  ///< a stop that was not tried before waits since then
   bool is_part = false;                ///< of several transactions that stay together
   bool beside_stop = false;            ///< a stop waits that lets it go first, or gives way to it
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;
-  std::size_t size = 0;  ///< of its frame
+  bool is_answered = false;  ///< for certain: the answer met no fault
+  std::size_t size = 0;      ///< of its frame
   Instant begin;
   Instant end;
   Instant deadline;            ///< the first byte of its answer must be there
@@ -56,6 +58,9 @@ struct HeardFrame {
   bool waits = false;        ///< what it is depends on when the gateway reads it
   /// It may be taken for an answer, because of this.
   const char* excuse = nullptr;
+  std::size_t size = 0;
+  Instant ended{};            ///< when its last byte reached the kernel
+  bool is_only_debt = false;  ///< its device owed nothing else then
 };
 
 /// What a line has heard of an own transmission.

@@ -22,10 +22,7 @@
 
 namespace mbgate::soak {
 
-using gateway::ClientId;
 using modbus::Bytes;
-constexpr const char* kClosed = "for_closed_client";       ///< by the gateway
-constexpr Duration kStopLife = std::chrono::seconds(120);  ///< hundreds may wait on a slow line
 
 class Oracle {
  public:
@@ -74,7 +71,7 @@ class Oracle {
   [[nodiscard]] bool was_idle(std::size_t bus) const;
   void bus_lost(std::size_t bus);
   /// The gateway wants the line.
-  void bus_opening(std::size_t bus) { books_[bus].opening = true; }
+  void bus_opening(std::size_t bus);
   /// The server has closed a connection on which it has answered: what waits goes on waiting.
   void tcp_closed(std::size_t bus);
   /// The gateway gives a connection up because nothing comes.
@@ -89,11 +86,7 @@ class Oracle {
   /// Nothing of it is heard.
   void echo_lost(const Flight& flight);
   /// Bytes have reached the kernel, where the gateway can read them.
-  void bytes_came(std::size_t bus, std::size_t size) {
-    books_[bus].last_byte = schedule_.now();
-    books_[bus].came += size;
-    books_[bus].in_vain.clear();
-  }
+  void bytes_came(std::size_t bus, std::size_t size);
   /// It has read them.
   void bytes_handed_in(std::size_t bus);
   /// A whole good frame has reached the kernel.
@@ -126,7 +119,6 @@ class Oracle {
   [[nodiscard]] bool is_unsure(const Door& door) const;
   /// Is the device at the address left alone because of an answer that may still come?
   [[nodiscard]] bool is_quarantined(std::size_t bus, std::uint8_t address) const;
-
   /// To be called after every input of the gateway: what has waited too long, what is too much.
   void check_waiting();
   void check_overdue();
@@ -138,9 +130,7 @@ class Oracle {
 
   /// Since its line is what it is.
   [[nodiscard]] const BusCount& count(std::size_t bus) const { return books_[bus].count; }
-  [[nodiscard]] const BusCount& count(std::size_t bus, std::uint8_t address) const {
-    return books_[bus].lanes[address].count;
-  }
+  [[nodiscard]] const BusCount& count(std::size_t bus, std::uint8_t address) const;
   /// Requests that the gateway has taken, and of how many that is not sure.
   [[nodiscard]] std::uint64_t accepted() const { return sequence_ - failsafes_; }
   [[nodiscard]] std::uint64_t perhaps_accepted() const { return perhaps_accepted_; }
@@ -244,6 +234,34 @@ class Oracle {
   [[nodiscard]] bool may_break_silence(const Flight& flight);
   void check_stops_waiting(std::size_t bus);
 
+  // oracle_idle.cpp
+  void note_whole(std::size_t bus, HeardFrame& frame) const;
+  void note_answered(std::size_t bus, const HeardFrame& frame);
+  void note_use(const Flight& flight);
+  void check_idle(const Flight& flight);
+  [[nodiscard]] std::optional<Instant> could_go(const Flight& flight) const;
+  [[nodiscard]] Duration rest_of_answer(const Flight& flight) const;
+  [[nodiscard]] Duration longest_gap(std::size_t bus) const;
+  [[nodiscard]] Duration lateness() const;
+
+  // oracle_bounds.cpp
+  void check_bounds(const Flight& flight);
+  void check_merged(const Flight& flight);
+  void judge_expiry(const Asked& asked);
+  void judge_eviction(const Asked& asked);
+  void note_loss(std::size_t bus);
+  void check_reopening(std::size_t bus);
+
+  // oracle_offline.cpp
+  [[nodiscard]] bool is_surely_offline(std::size_t bus, const Lane& lane) const;
+  void note_silent(std::size_t bus);
+  void check_ended(std::size_t bus, const Lane& lane, const Flight& last);
+  void check_offline(const Flight& flight);
+
+  // oracle_tries.cpp
+  void check_answered(const Asked& asked);
+  void judge_tries(const Asked& asked);
+
   // oracle_counts.cpp
   void note_counts(const Flight& flight);
   void note_excused(const Flight& flight);
@@ -252,12 +270,8 @@ class Oracle {
 
   [[nodiscard]] std::string name(const Asked& asked) const;
   [[nodiscard]] std::string name(const Flight& flight) const;
-  [[nodiscard]] const gateway::BusSettings& bus_settings(std::size_t bus) const {
-    return plan_.settings.buses[bus];
-  }
-  [[nodiscard]] bool is_tcp(std::size_t bus) const {
-    return bus_settings(bus).line.framing == bus::Framing::tcp;
-  }
+  [[nodiscard]] const gateway::BusSettings& bus_settings(std::size_t bus) const;
+  [[nodiscard]] bool is_tcp(std::size_t bus) const;
 
   const SoakPlan& plan_;
   const Devices& devices_;
@@ -279,6 +293,7 @@ class Oracle {
   PduBytes own_answer_;
   std::optional<Instant> stopping_;  ///< since then
   bool finished_ = false;
+  Instant reloaded_ = Instant::min();
   bool traced_ = false;
 };
 

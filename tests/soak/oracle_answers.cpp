@@ -77,7 +77,11 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     return;
   }
   switch (code) {
-    case kBusy: judge_busy(asked); return;
+    case kBusy:
+      judge_busy(asked);
+      judge_expiry(asked);
+      judge_eviction(asked);
+      return;
     case kNoPath: judge_no_path(asked); return;
     case kNoResponse: judge_no_response(asked); return;
     default: break;
@@ -177,6 +181,9 @@ void Oracle::judge_no_response(const Asked& asked) {
     violation("no_response_without_wire", name(asked));
   }
   judge_cut(asked);
+  check_answered(asked);
+  judge_tries(asked);
+  judge_expiry(asked);
 }
 
 // Between these instants the device must have held what the answer shows.

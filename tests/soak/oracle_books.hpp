@@ -13,6 +13,9 @@
 
 namespace mbgate::soak {
 
+constexpr const char* kClosed = "for_closed_client";       ///< by the gateway
+constexpr Duration kStopLife = std::chrono::seconds(120);  ///< hundreds may wait on a slow line
+
 /// What is compared with the gateway's own counters.
 struct BusCount {
   std::uint64_t transmissions = 0;
@@ -51,14 +54,35 @@ struct Lane {
   Instant last_offline = Instant::min();  ///< it may have been offline then
   unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
   BusCount count;
-  bool knows_order = false;    ///< its drive was asked for its word order
-  bool stays_offline = false;  ///< it was perhaps offline when other settings came
+  bool knows_order = false;              ///< its drive was asked for its word order
+  bool stays_offline = false;            ///< it was perhaps offline when other settings came
+  Instant held_until = Instant::min();   ///< at the latest: it owes an answer, or boots
+  Instant held_before = Instant::min();  ///< the same without its last transmission
+  // Transmissions in a row that were certainly unanswered, at least:
+  unsigned silent = 0;
+  unsigned silent_stops = 0;
+  Instant asked_last = Instant::min();            ///< when the last of the first was transmitted
+  std::optional<std::uint64_t> given_up_after{};  ///< a stop accepted later is tried once
   Instant last_write_event = Instant::min();
   Instant earlier_write_event = Instant::min();  ///< the last one of an earlier instant
   Instant last_stop = Instant::min();
   std::map<PduBytes, Instant> stops_done;  ///< when the device carried each out last
   Instant uncertain_at = Instant::min();   ///< nobody can tell what a frame of then answered
   std::uint64_t stop_sent = 0;             ///< the last one sent to it
+};
+
+/// What is known for certain of when a serial line could be used.
+struct LineUse {
+  Instant first_read = Instant::min();  ///< of what came behind the last own transmission
+  Instant ends = Instant::min();        ///< at the latest, of the wait for the answer to it
+  bool is_answered = false;             ///< that answer was read, and met no fault
+  Instant waits_from = Instant::min();  ///< before, something else may have held back what waits
+};
+
+/// When a line that could not be opened, or died, is opened again.
+struct Reopening {
+  std::optional<Instant> at;  ///< none: as soon as somebody asks
+  Duration delay{0};          ///< of the next time; 0: the shortest
 };
 
 /// A bus.
@@ -101,7 +125,11 @@ struct Book {
   std::size_t stops_at_end = 0;  ///< transmitted since the gateway was told to stop
   bool unread_stranger = false;  ///< the request of another client
   bool is_strange = false;       ///< what came looks like an echo, and is none
+  LineUse use;
+  Reopening reopening;
   // Of the line, since it was opened:
+  bool echo_found = false;  ///< the gateway says that there is an echo
+  Instant listens_until = Instant::min();
   Instant opened = Instant::min();
   bool is_unused = true;  ///< nothing was transmitted
   bool echo_proven = false;

@@ -50,6 +50,7 @@ void Oracle::tcp_replaced(std::size_t bus) {
 }
 
 void Oracle::rest(Book& book) {
+  book.reopening = {};
   book.open = false;
   book.starting = book.rests = true;
   book.flying.clear();

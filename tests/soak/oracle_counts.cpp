@@ -48,4 +48,8 @@ void Oracle::note_cut(Book& book) {
   }
 }
 
+const BusCount& Oracle::count(std::size_t bus, std::uint8_t address) const {
+  return books_[bus].lanes[address].count;
+}
+
 }  // namespace mbgate::soak

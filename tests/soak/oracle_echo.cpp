@@ -48,7 +48,7 @@ void Oracle::forget_line(Book& book, std::size_t bus) {
   }
   book.unread.clear();
   book.unread_echo.reset();
-  book.echo_proven = book.echo_lost = false;
+  book.echo_proven = book.echo_lost = book.echo_found = false;
   book.told_unproven = book.told_while_sending = book.must_tell_unproven = false;
   book.told_denied = book.must_tell_denied = false;
 }
@@ -61,11 +61,15 @@ bool Oracle::began_while_sending(std::size_t bus, Instant began) const {
 // What it is shows only when it is read.
 void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
   Book& book = books_[bus];
+  Lane& lane = book.lanes[frame.address];
+  lane.silent = lane.silent_stops = 0;
+  lane.given_up_after.reset();
   if (is_tcp(bus)) {
     settle(bus, frame);
     return;
   }
   book.unread.push_back(frame);
+  note_whole(bus, book.unread.back());
   if (is_paced(plan_, bus) && schedule_.now() < book.own_end) {
     book.unread.back().waits = true;
   } else if (!began_while_sending(bus, frame.began)) {
@@ -87,6 +91,7 @@ void Oracle::read_frames(std::size_t bus) {
     if (frame.waits) {
       settle(bus, frame);
     }
+    note_answered(bus, frame);
     note_heard(book, frame);
   }
 }
@@ -226,6 +231,7 @@ void Oracle::line_news(std::size_t bus, bus::LineFault fault) {
   };
   if (fault == bus::LineFault::echo_found) {
     report_.fault("told_echo_found");
+    book.echo_found = true;
     if (!plan_.echoes[bus] && !book.is_strange) {
       violation("echo_claimed", bus_settings(bus).name);
     }

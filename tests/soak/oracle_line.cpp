@@ -57,6 +57,9 @@ void Oracle::check_silence(const Flight& flight) {
 
 void Oracle::bytes_handed_in(std::size_t bus) {
   Book& book = books_[bus];
+  if (book.use.first_read == Instant::min()) {
+    book.use.first_read = schedule_.now();
+  }
   if (!is_tcp(bus)) {
     read_frames(bus);
     read_echo(bus);
@@ -130,6 +133,9 @@ void Oracle::set_times(Flight& flight) {
           std::max(timing.response_timeout, device.profile.slow.front().response_timeout);
     }
     longest = std::max(timing.response_timeout, spec::probe_timeout_of(timing));
+    if (is_surely_offline(flight.bus, lane)) {
+      longest = spec::probe_timeout_of(timing);
+    }
     if (is_past_offline(flight.bus, lane)) {
       timing.response_timeout = std::min(timing.response_timeout, spec::probe_timeout_of(timing));
     }
@@ -175,6 +181,20 @@ std::string Oracle::name(const Asked& asked) const {
             std::to_string(asked.pieces.front().address) + ")";
   }
   return text;
+}
+
+void Oracle::bytes_came(std::size_t bus, std::size_t size) {
+  books_[bus].last_byte = schedule_.now();
+  books_[bus].came += size;
+  books_[bus].in_vain.clear();
+}
+
+const gateway::BusSettings& Oracle::bus_settings(std::size_t bus) const {
+  return plan_.settings.buses[bus];
+}
+
+bool Oracle::is_tcp(std::size_t bus) const {
+  return bus_settings(bus).line.framing == bus::Framing::tcp;
 }
 
 }  // namespace mbgate::soak

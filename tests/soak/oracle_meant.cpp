@@ -139,7 +139,14 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   if (alone && mine.repeats_read && asked.last_alone != 0 && !mine.is_part && !is_tcp(flight.bus)) {
     check_turns(asked, flight);
   }
+  mine.surely_repeats =
+      alone && mine.repeats_read && asked.last_alone != 0 && asked.pieces.size() == 1;
+  if (mine.surely_repeats) {
+    check_answered(asked);
+  }
   asked.last_alone = alone ? flight.number : 0;
+  asked.flights_alone += alone ? 1U : 0U;
+  asked.last_flight = flight.number;
   asked.last_sent = flight.pdu;
   if (asked.failsafe && asked.flights == 0 && books_[piece.bus].last_down >= asked.accepted) {
     report_.fault("failsafe_sent_later");

@@ -64,6 +64,7 @@ void Oracle::before_reload() {
 void Oracle::line_given_up(std::size_t bus) {
   bus_lost(bus);
   Book& book = books_[bus];
+  book.reopening = {};
   book.count = {};
   book.own_end = book.last_byte = book.turnaround_end = Instant::min();
   book.starting = true;
@@ -98,6 +99,13 @@ void Oracle::take_back(std::size_t bus, std::uint8_t address) {
 
 void Oracle::after_reload() {
   map_lanes();
+  reloaded_ = schedule_.now();
+  for (Book& book : books_) {
+    for (Lane& lane : book.lanes) {
+      lane.silent = lane.silent_stops = 0;
+      lane.given_up_after.reset();
+    }
+  }
   for (const auto& [id, asked] : open_) {
     if (asked->is_accepted && asked->door != nullptr) {
       note_allowed(*asked);

@@ -50,16 +50,25 @@ void Oracle::bus_opened(std::size_t bus) {
   failsafe_line_back(book);
   forget_line(book, bus);
   book.opened = schedule_.now();
+  book.listens_until = book.opened + bus_settings(bus).listen_first.value_or(Duration{0});
   book.is_unused = true;
   book.last_byte = schedule_.now();
   book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
   for (Lane& lane : book.lanes) {
     lane.owed.clear();
+    lane.silent = lane.silent_stops = 0;
+    lane.given_up_after.reset();
   }
+}
+
+void Oracle::bus_opening(std::size_t bus) {
+  books_[bus].opening = true;
+  check_reopening(bus);
 }
 
 void Oracle::bus_lost(std::size_t bus) {
   Book& book = books_[bus];
+  note_loss(bus);
   note_interrupted(book);
   book.open = book.starting = book.rests = book.opening = false;
   book.early_stops.clear();
@@ -87,6 +96,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   }
   begin_failsafe();
   Book& book = books_[bus];
+  note_silent(bus);
   book.last_flight = flight.number;
   if (!book.open) {
     violation("closed_line", "transmission on " + bus_settings(bus).name);
@@ -107,7 +117,10 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   check_stops_first(flight);
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
+  check_idle(flight);
+  check_bounds(flight);
   set_times(flight);
+  note_use(flight);
   flight.size = frame.size();
   book.is_unused = false;
   book.came = 0;

@@ -145,6 +145,7 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
       const bool is_nobodys = content.flight == 0 || message.copies_heard > 0;
       heard.frames.push_back(
           {*content.address, content.fits, is_nobodys, content.flight, message.frame_began});
+      heard.frames.back().size = message.frame;
     }
     ++message.copies_heard;
     message.frame_began = arrival;

@@ -159,6 +159,40 @@ TEST_F(BusRepeats, ADeadlineThatPassesMeanwhileEndsTheRead) {
   EXPECT_EQ(std::ranges::count(frames_, frames_[0]), 1);
 }
 
+TEST_F(BusRepeats, ADeadlineThatPassesWhileAStopWaitsEndsTheRead) {
+  auto retrying = settings();
+  retrying.timing.retries = 1;
+  drive::Device axis{"axis", {}, 9, retrying.timing};
+  axis.profile.stops = {{.address = 0x007C, .value = 0x00E1}};
+  open(retrying, {axis});
+  bus::Job& read = job_of(0, kRead, 1);
+  read.deadline = now_ + 150ms;
+  submit(read);
+  submit(job_of(1, kRead, 8));
+  EXPECT_EQ(answer(), 1);
+  advance(120ms);
+  submit(job_of(2, "06 007C 00E1", 9));  // it lets the other read begin its answer for 100 ms
+  advance(60ms);
+  ASSERT_THAT(endings_, ElementsAre(Ending::expired));
+  EXPECT_EQ(ended_at_[0], read.deadline);
+}
+
+TEST_F(BusRepeats, EachOfThoseThatShareTheReadHasItsOwnDeadline) {
+  auto sharing = settings();
+  sharing.timing.retries = 1;
+  sharing.coalesce = true;
+  open(sharing);
+  submit(job_of(0, kRead, 8));
+  submit(job_of(1, kRead, 1));
+  bus::Job& other = job_of(2, kRead, 1);
+  other.deadline = now_ + 250ms;
+  submit(other);
+  submit(job_of(3, kRead, 7));
+  advance(300ms);
+  ASSERT_THAT(endings_, ElementsAre(Ending::expired));
+  EXPECT_EQ(ended_at_[0], other.deadline);
+}
+
 TEST_F(BusRepeats, AfterStopNothingIsRepeated) {
   open_retrying();
   submit(job_of(0, kRead, 1));

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// Nothing is needlessly late on a serial line: what may go goes as soon as the wire is silent. Only
+// what nothing from outside this line can hold back is judged.
+#include <algorithm>
+
+#include "soak/identity.hpp"
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr Duration kLate = 20ms;
+constexpr Duration kStall = 520ms;
+constexpr Duration kLongestBoot = 250ms;
+
+}  // namespace
+
+// The process may come so late to what is due.
+Duration Oracle::lateness() const {
+  const DriverManners& driver = plan_.driver;
+  return 1ms + driver.usual + (driver.late > 0 ? kLate : 0ms) + (driver.slow > 0 ? kLate : 0ms) +
+         (driver.stalls ? kStall : 0ms);
+}
+
+void Oracle::note_whole(std::size_t bus, HeardFrame& frame) const {
+  const Book& book = books_[bus];
+  const auto& owed = book.lanes[frame.address].owed;
+  frame.ended = schedule_.now();
+  frame.is_only_debt = owed.size() == 1 && owed.front() == book.last_flight;
+}
+
+// How long an answer may take from its first byte on.
+Duration Oracle::rest_of_answer(const Flight& flight) const {
+  const auto& settings = bus_settings(flight.bus);
+  return settings.line.framing == bus::Framing::ascii
+             ? spec::WireTimes(settings.line).of(spec::kAsciiFrame) + 1s
+             : spec::WireTimes(settings.line).of(spec::kRtuFrame) + spec::slack_of(settings) + 20ms;
+}
+
+// The answer to what was transmitted last, in time, and nothing else came with it: it must be
+// taken.
+void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
+  Book& book = books_[bus];
+  Flight* last = flight(book.last_flight);
+  const auto& line = bus_settings(bus).line;
+  if (last == nullptr || last->number != frame.flight || !frame.fits || frame.is_nobodys ||
+      frame.is_refused || frame.waits || !frame.is_only_debt || last->is_uncertain ||
+      asks_identity(last->pdu[0]) || last->pdu[0] == kOwnFunction) {
+    return;
+  }
+  const bool may_echo = plan_.echoes[bus] || line.echo.value_or(false) || book.echo_found;
+  // One that begins before `response_wait` is over may be taken for one that is owed.
+  const bool is_in_time = frame.began >= last->end + last->timing.response_wait &&
+                          frame.began < last->deadline && book.open_stops.empty();
+  const bool is_in_one = line.framing == bus::Framing::ascii
+                             ? frame.ended <= book.use.first_read + 1s
+                             : frame.ended < book.use.first_read +
+                                                 spec::slack_of(bus_settings(bus)) +
+                                                 spec::WireTimes(line).of(frame.size);
+  if (may_echo || !is_in_time || !is_in_one || book.came != frame.size ||
+      reloaded_ >= last->begin || last->begin < book.opened) {
+    return;
+  }
+  last->is_answered = true;
+  book.use.is_answered = true;
+  book.use.ends = schedule_.now();
+  Lane& lane = book.lanes[frame.address];
+  lane.held_until = lane.held_before;
+}
+
+void Oracle::note_use(const Flight& flight) {
+  if (is_tcp(flight.bus)) {
+    return;
+  }
+  Book& book = books_[flight.bus];
+  const Duration turnaround = bus_settings(flight.bus).turnaround;
+  book.use.first_read = Instant::min();
+  book.use.is_answered = flight.is_broadcast;
+  book.use.ends = flight.is_broadcast ? flight.end
+                                      : std::max(flight.due, flight.end + turnaround) +
+                                            bus_settings(flight.bus).settle;
+  Lane& lane = book.lanes[flight.address];
+  lane.held_before = lane.held_until;
+  const Duration held = flight.expects_answer ? std::max(flight.timing.quarantine_max,
+                                                         spec::quarantine_of(flight.timing)) +
+                                                    kAdapterHolds + lateness()
+                                              : kLongestBoot;
+  lane.held_until = std::max(lane.held_until, book.use.ends + held + rest_of_answer(flight));
+  if (flight.is_stop) {
+    book.use.waits_from = book.use.ends;
+  }
+  if (flight.is_broadcast) {
+    book.use.waits_from = flight.end + turnaround + kLongestBoot;
+  }
+}
+
+// From when on nothing held it back; none if nobody can tell.
+std::optional<Instant> Oracle::could_go(const Flight& flight) const {
+  const Book& book = books_[flight.bus];
+  const Lane& lane = book.lanes[flight.address];
+  if (flight.is_broadcast || flight.is_stop || flight.asked.empty() || !book.open_stops.empty() ||
+      !book.lanes[0].open.empty() || !book.lanes[kAutonicsAddress].open.empty() ||
+      is_past_offline(flight.bus, lane)) {
+    return std::nullopt;
+  }
+  Instant from = std::max(reloaded_, book.use.waits_from);
+  for (const std::uint64_t id : flight.asked) {
+    const auto entry = open_.find(id);
+    if (entry == open_.end()) {
+      return std::nullopt;
+    }
+    const Asked& asked = *entry->second;
+    if (asked.ordered || asked.ahead || asked.dropped) {
+      return std::nullopt;
+    }
+    from = std::max(from, asked.accepted);
+  }
+  return flight.surely_repeats ? from : std::max(from, lane.held_until);
+}
+
+// The wire may be kept free for who has waited for its device's gap before, and then expires.
+Duration Oracle::longest_gap(std::size_t bus) const {
+  Duration longest = bus_settings(bus).timing.gap;
+  for (const SoakDevice& device : devices_) {
+    if (static_cast<std::size_t>(device.settings().bus) == bus) {
+      longest = std::max(longest, device.settings().timing.gap);
+    }
+  }
+  return longest;
+}
+
+void Oracle::check_idle(const Flight& flight) {
+  if (is_tcp(flight.bus)) {
+    return;
+  }
+  const Book& book = books_[flight.bus];
+  const auto from = could_go(flight);
+  const auto& settings = bus_settings(flight.bus);
+  // Until lately other settings may have asked for other pauses.
+  if (!from || flight.begin < std::max(book.opened, reloaded_ + 1s)) {
+    return;
+  }
+  const Duration silence = spec::silence_of(settings) + longest_gap(flight.bus);
+  // Until then an answer may have been on its way.
+  const Instant read = book.use.is_answered || book.came == 0
+                           ? book.last_handed_in
+                           : std::max(book.use.ends, book.last_handed_in) + rest_of_answer(flight);
+  const Instant free =
+      std::max({book.own_end, book.turnaround_end, book.held_until,
+                book.opened + settings.listen_first.value_or(1s), read, book.use.ends}) +
+      silence;
+  const Duration late = flight.begin - std::max(free, *from);
+  if (late > lateness() * (book.use.is_answered ? 1 : 2)) {
+    violation("idle_wire", name(flight) + " " + std::to_string(late / 1us) + " us late");
+  }
+}
+
+}  // namespace mbgate::soak

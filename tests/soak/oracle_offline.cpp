@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What must become of a device that is certainly offline: enough transmissions in a row on serial
+// lines on which not a single byte was heard in answer.
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+bool Oracle::is_surely_offline(std::size_t /*bus*/, const Lane& lane) const {
+  if (!lane.device) {
+    return false;
+  }
+  const unsigned after = devices_[*lane.device].settings().timing.offline_after;
+  return after > 0 && lane.silent >= after;
+}
+
+// Something else is transmitted now: the wait for the answer to what was last has ended.
+void Oracle::note_silent(std::size_t bus) {
+  Book& book = books_[bus];
+  const Flight* last = flight(book.last_flight);
+  if (is_tcp(bus) || last == nullptr || !last->expects_answer || last->is_broadcast ||
+      last->begin < book.opened || !book.lanes[last->address].device) {
+    return;
+  }
+  Lane& lane = book.lanes[last->address];
+  const bool is_silent = book.came == 0 && schedule_.now() >= last->due && reloaded_ < last->begin;
+  if (!is_silent) {
+    return;
+  }
+  const bool was_offline = is_surely_offline(bus, lane);
+  if (last->is_stop) {
+    const unsigned series = 1 + devices_[*lane.device].settings().timing.stop_retries;
+    lane.silent_stops += was_offline ? 1U : 0U;
+    if (lane.silent_stops >= 2 * series && !lane.given_up_after) {
+      lane.given_up_after = sequence_;
+    }
+    return;
+  }
+  ++lane.silent;
+  lane.asked_last = last->begin;
+  if (!was_offline && is_surely_offline(bus, lane)) {
+    check_ended(bus, lane, *last);
+  }
+}
+
+// What waited for it then has ended.
+void Oracle::check_ended(std::size_t bus, const Lane& lane, const Flight& last) {
+  for (const Asked* asked : lane.open) {
+    const bool is_judged = (asked->kind == Kind::read || asked->kind == Kind::write) &&
+                           !asked->is_stop() && asked->accepted < last.begin && !asked->ordered &&
+                           !asked->ahead && asked->replies && !asked->client_gone;
+    if (is_judged && asked->pieces.front().bus == bus) {
+      violation("waits_for_offline", name(*asked));
+      return;
+    }
+  }
+}
+
+void Oracle::check_offline(const Flight& flight) {
+  const Lane& lane = books_[flight.bus].lanes[flight.address];
+  if (is_tcp(flight.bus) || flight.is_broadcast || !is_surely_offline(flight.bus, lane)) {
+    return;
+  }
+  if (!flight.is_stop) {
+    const Duration interval = devices_[*lane.device].settings().timing.probe_interval;
+    if (flight.begin < lane.asked_last + interval) {
+      violation("probe_early", name(flight));
+    }
+    return;
+  }
+  for (const std::uint64_t id : flight.asked) {
+    const auto entry = open_.find(id);
+    if (entry != open_.end() && flight.asked.size() == 1 && lane.given_up_after &&
+        entry->second->sequence > *lane.given_up_after && !entry->second->failsafe &&
+        !entry->second->is_shared && entry->second->pieces.front().sent > 1) {
+      violation("dead_stop_repeated", name(flight));
+    }
+  }
+}
+
+}  // namespace mbgate::soak
