@@ -228,7 +228,8 @@ void Oracle::judge_done(const Asked& asked) {
     }
     violation("write_not_done", name(asked));
   }
-  if (asked.kind == Kind::stop && !done && !was_stopped(asked) && !is_excused(asked)) {
+  if (asked.kind == Kind::stop && !done && !was_stopped(asked) && !is_excused(asked) &&
+      !is_apart(asked, "acknowledged_stop_")) {
     violation("stop_not_done", name(asked));
   }
 }

@@ -163,8 +163,8 @@ void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEc
   }
   HeardFrame frame{flight.address, true, true, flight.number, echo.began};
   frame.is_refused = began_while_sending(bus, echo.began);
-  if (setting.value_or(false) || book.echo_proven || (!setting && !flight.is_write) ||
-      frame.is_refused) {
+  if (setting.value_or(false) || book.echo_proven ||
+      (!setting && !flight.is_write && !book.echo_lost) || frame.is_refused) {
     report_.fault("echo_refused");
     if (setting && !*setting) {
       // It may be one that is owed; what has come behind it has paid for that then.

@@ -49,11 +49,16 @@ void draw_limits(SoakPlan& plan, std::uint64_t seed) {
     guard.failsafe_on_exit = !guard.failsafe.empty() && random.chance(400);
   }
   plan.stops_early = random.chance(300);
+  // On a slow line broadcasts and stops in crowds would wait for minutes.
+  const bool is_slow = std::ranges::any_of(
+      plan.settings.buses, [](const auto& bus) { return bus.line.baud < modbus::Baud{9600}; });
   for (Manners& manners : plan.clients) {
     const bool is_odd = !plan.silence && random.chance(300);
     manners.hangs = is_odd ? random.one_of({0U, 3U, 20U}) : 0;
     manners.loses_framing = is_odd ? random.one_of({0U, 3U, 20U}) : 0;
     manners.rests = is_odd ? random.one_of({0U, 20U}) : 0;
+    manners.stops = std::min(manners.stops, is_slow ? 10U : manners.stops);
+    manners.broadcasts = std::min(manners.broadcasts, is_slow ? 5U : manners.broadcasts);
     manners.waits_at_start = !manners.never_asks && random.chance(200);
   }
 }
