@@ -121,15 +121,15 @@ Echo::Heard Echo::look_for(modbus::Bytes bytes, Instant now) {
   }
   held_since_ = seen_ == 0 ? now : held_since_;
   seen_ += *count;
-  // An answer to 07, 11, 12 or 17, which have no fields, may begin as the echo does: with data
-  // where that has its CRC. Then nothing is known: it is neither an answer nor does it prove an
-  // echo.
-  const bool is_sure = asked_->request.pdu().size() > 1;
-  if (!is_awaited() && is_sure) {
+  if (!is_awaited() && shows_anything()) {
     find();
   }
   return {{}, bytes.subspan(*count)};
 }
+
+// An answer to 07, 11, 12 or 17, which have no fields, may begin as the echo does: with data where
+// that has its CRC. What comes then is neither an answer, nor does it say whether there is an echo.
+bool Echo::shows_anything() const { return asked_->request.pdu().size() > 1; }
 
 Echo::Held Echo::release() {
   Held held;
@@ -171,7 +171,8 @@ void Echo::note_unproven() {
 }
 
 void Echo::note_answered() {
-  if (!learns_ || may_answer_ || state_ != State::unknown || (shown_ && ++lost_ < kMostLost)) {
+  if (!learns_ || may_answer_ || !shows_anything() || state_ != State::unknown ||
+      (shown_ && ++lost_ < kMostLost)) {
     return;
   }
   state_ = State::absent;

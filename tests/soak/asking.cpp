@@ -82,7 +82,9 @@ void Asking::add_piece(Asked& asked, PduBytes pdu) const {
 }
 
 std::uint16_t Asking::next_value(const Asked& asked, unsigned address) {
-  return ++counters_[*asked.door->device].at(address);
+  std::uint16_t& counter = counters_[*asked.door->device].at(address);
+  counter = static_cast<std::uint16_t>(counter + (counter + 1 == kPositionOpcode ? 2 : 1));
+  return counter;
 }
 
 void Asking::refuse_if_read_only(Asked& asked) const {

@@ -171,7 +171,7 @@ void Oracle::judge_no_path(const Asked& asked) {
     const Book& book = books_[piece.bus];
     return (!book.open && !book.rests) || book.last_down >= asked.accepted;
   });
-  if (!line_was_away && (asked.is_read() || !may_be_offline(asked))) {
+  if (!stopping_ && !line_was_away && (asked.is_read() || !may_be_offline(asked))) {
     violation("no_path_without_reason", name(asked));
   }
 }

@@ -134,7 +134,12 @@ bool Reloads::turn_route(std::size_t index) {
 bool Reloads::switch_device(std::size_t index) {
   const drive::Device& device = plan_.settings.devices[index];
   const auto bus = static_cast<std::size_t>(device.bus);
-  if (plan_.absent.buses[bus] || !are_settled(index) || !is_sure(bus) ||
+  // Which forms a broadcast goes out in depends on who is there.
+  const bool are_broadcasts_settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
+    return door.device || std::ranges::find(door.buses, bus) == door.buses.end() ||
+           oracle_.is_settled(door);
+  });
+  if (plan_.absent.buses[bus] || !are_settled(index) || !is_sure(bus) || !are_broadcasts_settled ||
       oracle_.is_quarantined(bus, device.address)) {
     return false;
   }

@@ -17,7 +17,12 @@ std::vector<std::size_t> WriterRules::devices_of(const Asked& asked) const {
   }
   for (std::size_t device = 0; device < books_.size(); ++device) {
     const auto bus = static_cast<std::size_t>(plan_.settings.devices[device].bus);
-    if (std::ranges::find(asked.door->buses, bus) != asked.door->buses.end()) {
+    const auto& broadcast = plan_.settings.devices[device].profile.broadcast;
+    const bool is_aic = broadcast.form == drive::BroadcastForm::autonics;
+    const bool hears = std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
+      return piece.bus == bus && (piece.address == kAutonicsAddress) == is_aic;
+    });
+    if (hears) {
       devices.push_back(device);
     }
   }

@@ -78,6 +78,8 @@ TEST_F(Echo, IsNotProvenByAnAnswerThatBeginsLikeARequestWithoutFields) {
   send("07");
   EXPECT_EQ(take("01 07 41 E2 00"), "|00");
   EXPECT_TRUE(echo_->is_unknown());
+  echo_->note_answered();
+  EXPECT_TRUE(echo_->is_unknown());
   EXPECT_THAT(faults_, IsEmpty());
 }
 
