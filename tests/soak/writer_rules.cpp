@@ -17,11 +17,9 @@ std::vector<std::size_t> WriterRules::devices_of(const Asked& asked) const {
   }
   for (std::size_t device = 0; device < books_.size(); ++device) {
     const auto bus = static_cast<std::size_t>(plan_.settings.devices[device].bus);
-    const auto& broadcast = plan_.settings.devices[device].profile.broadcast;
-    const bool is_aic = broadcast.form == drive::BroadcastForm::autonics;
-    const bool hears = std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
-      return piece.bus == bus && (piece.address == kAutonicsAddress) == is_aic;
-    });
+    // It counts as a write to every device of each bus that it goes out on.
+    const bool hears =
+        std::ranges::any_of(asked.pieces, [&](const Piece& piece) { return piece.bus == bus; });
     if (hears) {
       devices.push_back(device);
     }
