@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "soak/specification.hpp"
+
 namespace mbgate::soak {
 
 FailsafeWatch::FailsafeWatch(const SoakPlan& plan) : plan_(plan) {
