@@ -101,7 +101,7 @@ bool Bus::reopen_if_hung(Instant now) {
   return true;
 }
 
-// What a close has cut, and what is repeated, waits for the line, but not beyond its deadline.
+// What a close has cut, and what is repeated, waits for the line.
 void Bus::wait_for_line() {
   const bool is_wanted = !running_.empty() || queue_.size() > 0 || queue_.first_stop() != nullptr;
   if (link_.is_resting() && is_wanted) {

@@ -51,7 +51,6 @@ class Client {
   [[nodiscard]] ClientId number() const { return number_; }
   /// As the process knows it.
   [[nodiscard]] bool is_connected() const { return connected_; }
-  [[nodiscard]] const Manners& manners() const { return manners_; }
 
   // What the gateway asks for.
   void take(Bytes adu);

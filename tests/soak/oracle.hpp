@@ -253,7 +253,7 @@ class Oracle {
   void check_reopening(std::size_t bus);
 
   // oracle_offline.cpp
-  [[nodiscard]] bool is_surely_offline(std::size_t bus, const Lane& lane) const;
+  [[nodiscard]] bool is_surely_offline(const Lane& lane) const;
   void note_silent(std::size_t bus);
   void check_ended(std::size_t bus, const Lane& lane, const Flight& last);
   void check_offline(const Flight& flight);

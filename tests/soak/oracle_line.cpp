@@ -133,7 +133,7 @@ void Oracle::set_times(Flight& flight) {
           std::max(timing.response_timeout, device.profile.slow.front().response_timeout);
     }
     longest = std::max(timing.response_timeout, spec::probe_timeout_of(timing));
-    if (is_surely_offline(flight.bus, lane)) {
+    if (is_surely_offline(lane)) {
       longest = spec::probe_timeout_of(timing);
     }
     if (is_past_offline(flight.bus, lane)) {

@@ -9,7 +9,7 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
-bool Oracle::is_surely_offline(std::size_t /*bus*/, const Lane& lane) const {
+bool Oracle::is_surely_offline(const Lane& lane) const {
   if (!lane.device) {
     return false;
   }
@@ -30,7 +30,7 @@ void Oracle::note_silent(std::size_t bus) {
   if (!is_silent) {
     return;
   }
-  const bool was_offline = is_surely_offline(bus, lane);
+  const bool was_offline = is_surely_offline(lane);
   if (last->is_stop) {
     const unsigned series = 1 + devices_[*lane.device].settings().timing.stop_retries;
     lane.silent_stops += was_offline ? 1U : 0U;
@@ -41,7 +41,7 @@ void Oracle::note_silent(std::size_t bus) {
   }
   ++lane.silent;
   lane.asked_last = last->begin;
-  if (!was_offline && is_surely_offline(bus, lane)) {
+  if (!was_offline && is_surely_offline(lane)) {
     check_ended(bus, lane, *last);
   }
 }
@@ -61,7 +61,7 @@ void Oracle::check_ended(std::size_t bus, const Lane& lane, const Flight& last) 
 
 void Oracle::check_offline(const Flight& flight) {
   const Lane& lane = books_[flight.bus].lanes[flight.address];
-  if (is_tcp(flight.bus) || flight.is_broadcast || !is_surely_offline(flight.bus, lane)) {
+  if (is_tcp(flight.bus) || flight.is_broadcast || !is_surely_offline(lane)) {
     return;
   }
   if (!flight.is_stop) {
