@@ -42,6 +42,7 @@ void SerialWire::reset() {
   talks_until_.clear();
   asked_until_.clear();
   own_end_ = Instant::min();
+  overheard_.forget();
   echo_.reset();
   babbles_until_ = Instant::min();
   timing_ = spec::WireTimes(settings_.line);
@@ -71,6 +72,7 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
   own_damaged_ = false;
   opaque_ = !flight.pdu.empty() && flight.pdu.front() == kOwnFunction;
   own_end_ = flight.end;
+  asked_ = flight.address;
   if (flight.expects_answer) {
     asked_until_[flight.address] = flight.due;
   }

@@ -8,7 +8,10 @@
 //   without a silence, because a device that has answered owes nothing and a later copy cannot be
 //   told from the answer to a like request;
 // - glitches stand only before answers whose length a byte count or the request tells;
-// - no zeros come behind an answer that only silence ends: they leave a good CRC good;
+// - what belongs to no frame completes none, nor does it stand behind one that only silence ends,
+// or
+//   behind an echo that the settings deny, as zeros that leave its CRC good (`soak/overheard`);
+// - in ASCII noise has no LF: an answer that has lost its own would be whole within 1 s;
 // - an answer of the wrong unit has an address that nobody uses;
 // - a stranger on the line asks no device that owes the gateway an answer, and has its own answer
 //   before the line was silent.
@@ -21,6 +24,7 @@
 #include <optional>
 
 #include "soak/adapter.hpp"
+#include "soak/overheard.hpp"
 #include "soak/specification.hpp"
 #include "soak/surroundings.hpp"
 
@@ -67,13 +71,18 @@ class SerialWire {
     [[nodiscard]] std::size_t ended(std::size_t size) const {
       return size < content.lead ? 0 : (size - content.lead) / frame;
     }
+    /// Is the byte part of a good frame? What a stranger asks stands in one too.
+    [[nodiscard]] bool is_of_frame(std::size_t at) const {
+      return at < good_to && (at >= content.lead || content.flight == 0);
+    }
 
     Frame bytes;
     Instant begin;
     Instant end;
     Duration character;
     Content content;
-    std::size_t frame;  ///< their size
+    std::size_t frame;    ///< their size
+    std::size_t good_to;  ///< where the last of them ends, or what was hit begins
     std::size_t heard = 0;
     std::size_t copies_heard = 0;
     Instant frame_began{};  ///< when the first byte of the present frame will reach the kernel
@@ -103,6 +112,8 @@ class SerialWire {
   void say(Frame bytes, Instant begin, Chunks chunks, const Content& content);
   void begin_message(std::uint64_t id);
   void hear(std::uint64_t id, std::size_t until);
+  void overhear(Message& message, std::size_t until);
+  void overhear(Frame& bytes, bool are_stray);
   void hand_over(const Heard& heard);
   std::optional<std::uint8_t> garble(Message& message);
   [[nodiscard]] Frame encode(std::uint8_t address, const modbus::Pdu& pdu) const;
@@ -129,6 +140,8 @@ class SerialWire {
   std::uint64_t ids_ = 0;
   std::uint64_t epoch_ = 0;  ///< grows when the adapter is pulled out
   Instant own_end_ = Instant::min();
+  std::uint8_t asked_ = 0;  ///< the address that something was transmitted to last
+  Overheard overheard_;
   bool own_damaged_ = false;
   bool is_prompt_ = false;  ///< what was transmitted last is answered before it has left
   Random echo_random_;

@@ -72,11 +72,15 @@ void SerialWire::hear_echo(std::uint64_t number, std::size_t until) {
       spoil_echo(*flight);
     }
   }
+  overhear(heard.bytes, echo.is_spoilt);
   const Instant arrival = adapter_.arrival();
   const bool in_one = echo.heard == 0;
   echo.began = in_one ? arrival : echo.began;
   echo.heard = until;
   if (until == echo.bytes.size()) {
+    if (settings_.line.echo != false) {
+      overheard_.forget();  // it can be told
+    }
     heard.echo = HeardEcho{number, until, echo.is_whole, echo.began, in_one};
     echo_.reset();
   }
@@ -136,6 +140,7 @@ void SerialWire::babble_on(std::uint64_t epoch) {
   if (heard.bytes.front() == lost) {
     heard.bytes.front() ^= 1U;
   }
+  overhear(heard.bytes, true);
   const Instant arrival = adapter_.arrival();
   adapter_.take(std::move(heard), arrival);
   around_.schedule.after(echo_random_.duration(silence_ / 3, silence_ * 2 / 3),

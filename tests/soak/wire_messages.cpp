@@ -34,7 +34,8 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& c
     deliveries.emplace_back(deliveries.empty() ? due : std::max(due, deliveries.back().first), at);
   }
   const std::size_t frame = (bytes.size() - content.excess - content.lead) / content.copies;
-  messages_.emplace(id, Message{std::move(bytes), begin, last, character, content, frame});
+  const std::size_t good_to = content.address ? bytes.size() - content.excess : 0;
+  messages_.emplace(id, Message{std::move(bytes), begin, last, character, content, frame, good_to});
   around_.schedule.at(begin, [this, epoch = epoch_, id] {
     if (epoch == epoch_) {
       begin_message(id);
@@ -86,6 +87,7 @@ std::optional<std::uint8_t> SerialWire::garble(Message& message) {
         ascii_ ? message.bytes[at] | 0x80U : message.bytes[at] ^ around_.random.between(1U, 255U));
   }
   lose_crc(message.bytes, good);
+  message.good_to = std::min(message.good_to, good);
   return lost;
 }
 
@@ -127,6 +129,7 @@ void SerialWire::lose_crc(std::vector<std::uint8_t>& damaged, std::size_t from) 
 
 void SerialWire::hear(std::uint64_t id, std::size_t until) {
   Message& message = messages_.at(id);
+  overhear(message, until);
   Heard heard;
   heard.bytes.assign(message.bytes.begin() + static_cast<std::ptrdiff_t>(message.heard),
                      message.bytes.begin() + static_cast<std::ptrdiff_t>(until));
@@ -155,6 +158,33 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
     messages_.erase(id);
   }
   adapter_.take(std::move(heard), arrival);
+}
+
+// The answer that a length ends is over; behind one that only silence ends more may come.
+void SerialWire::overhear(Message& message, std::size_t until) {
+  for (std::size_t at = message.heard; at < until && !ascii_; ++at) {
+    std::uint8_t& byte = message.bytes[at];
+    if (!message.is_of_frame(at)) {
+      byte = overheard_.add_stray(byte, asked_);
+      continue;
+    }
+    overheard_.add(byte);
+    const bool ends =
+        at >= message.content.lead && (at + 1 - message.content.lead) % message.frame == 0;
+    if (ends && !opaque_) {
+      overheard_.forget();
+    }
+  }
+}
+
+void SerialWire::overhear(Frame& bytes, bool are_stray) {
+  for (std::size_t at = 0; at < bytes.size() && !ascii_; ++at) {
+    if (are_stray) {
+      bytes[at] = overheard_.add_stray(bytes[at], asked_);
+    } else {
+      overheard_.add(bytes[at]);
+    }
+  }
 }
 
 void SerialWire::hand_over(const Heard& heard) {
@@ -222,9 +252,9 @@ void SerialWire::make_noise() {
     byte = around_.random.one_of<std::uint8_t>(
         {0x00, 0xFF, static_cast<std::uint8_t>(around_.random.below(256))});
   }
-  // Behind a good frame, zeros leave the CRC good; where only silence ends it, nobody could tell.
-  if (opaque_ && noise.back() == 0) {
-    noise.back() = 0xFF;
+  if (ascii_) {
+    constexpr std::uint8_t kFeed = 0x0A;
+    std::ranges::replace(noise, kFeed, std::uint8_t{0xFF});
   }
   say(std::move(noise), around_.schedule.now(), Chunks::fine, {});
   later(rates_.noise_every, &SerialWire::make_noise);

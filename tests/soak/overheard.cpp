@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/overheard.hpp"
+
+#include "soak/specification.hpp"
+
+namespace mbgate::soak {
+
+void Overheard::add(std::uint8_t byte) {
+  if (bytes_.size() == spec::kRtuFrame) {
+    bytes_.erase(bytes_.begin());
+  }
+  bytes_.push_back(byte);
+}
+
+std::uint8_t Overheard::add_stray(std::uint8_t byte, std::uint8_t address) {
+  add(byte);
+  while (ends_a_frame(address)) {
+    ++bytes_.back();
+  }
+  return bytes_.back();
+}
+
+bool Overheard::ends_a_frame(std::uint8_t address) const {
+  for (std::size_t at = 0; at < bytes_.size(); ++at) {
+    if (bytes_[at] == address && spec::ends_in_its_crc(spec::Bytes(bytes_).subspan(at))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bytes that an RTU line has brought one after the other, whoever they come from. By chance one
+// in 65,536 that belong to no frame completes a good CRC with those before it; and zeros behind a
+// good frame leave its CRC good. Nobody could tell that from an answer, so such a byte is another.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace mbgate::soak {
+
+class Overheard {
+ public:
+  /// A byte of a frame, as it was sent.
+  void add(std::uint8_t byte);
+  /// A byte that belongs to none, or to one that was hit. Returns the one that is heard in its
+  /// place: no frame from `address` ends in it.
+  std::uint8_t add_stray(std::uint8_t byte, std::uint8_t address);
+  /// What comes from now on cannot be taken for more of what came.
+  void forget() { bytes_.clear(); }
+
+ private:
+  [[nodiscard]] bool ends_a_frame(std::uint8_t address) const;
+
+  std::vector<std::uint8_t> bytes_;
+};
+
+}  // namespace mbgate::soak
