@@ -223,7 +223,7 @@ class Oracle {
   [[nodiscard]] bool began_while_sending(std::size_t bus, Instant began) const;
   void judge_heard(const Asked& asked);
   [[nodiscard]] bool is_excused(const Asked& asked);
-  void forget_line(Book& book, std::size_t bus);
+  void check_told(const Book& book, std::size_t bus) const;
 
   // oracle_stops.cpp
   [[nodiscard]] bool lets_writes_go(const Asked& stop) const;

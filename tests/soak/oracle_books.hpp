@@ -139,6 +139,15 @@ struct Book {
   bool must_tell_unproven = false;
   bool told_denied = false;
   bool must_tell_denied = false;
+
+  /// It is opened anew.
+  void forget_line() {
+    unread.clear();
+    unread_echo.reset();
+    echo_proven = echo_lost = echo_found = false;
+    told_unproven = told_while_sending = must_tell_unproven = false;
+    told_denied = must_tell_denied = false;
+  }
 };
 
 /// A request that is over.

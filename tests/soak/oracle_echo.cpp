@@ -39,18 +39,14 @@ bool is_no_response(const PduBytes& pdu) {
 
 }  // namespace
 
-void Oracle::forget_line(Book& book, std::size_t bus) {
+// At the end, or because the line is opened anew.
+void Oracle::check_told(const Book& book, std::size_t bus) const {
   if (book.must_tell_unproven && !book.told_unproven) {
     violation("not_told", "an answer that may be an echo on " + bus_settings(bus).name);
   }
   if (book.must_tell_denied && !book.told_denied) {
     violation("not_told", "an echo that the settings deny on " + bus_settings(bus).name);
   }
-  book.unread.clear();
-  book.unread_echo.reset();
-  book.echo_proven = book.echo_lost = book.echo_found = false;
-  book.told_unproven = book.told_while_sending = book.must_tell_unproven = false;
-  book.told_denied = book.must_tell_denied = false;
 }
 
 // The first byte was read before the computed end of the own transmission.

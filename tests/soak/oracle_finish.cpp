@@ -40,7 +40,7 @@ void Oracle::check_finished() {
     }
   }
   for (std::size_t bus = 0; bus < books_.size(); ++bus) {
-    forget_line(books_[bus], bus);
+    check_told(books_[bus], bus);
     if (books_[bus].waiting > 0) {
       violation("queue_not_empty", bus_settings(bus).name + ": " +
                                        std::to_string(books_[bus].waiting) + " requests wait");

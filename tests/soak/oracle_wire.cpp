@@ -48,7 +48,8 @@ void Oracle::bus_opened(std::size_t bus) {
   book.opening = false;
   book.in_vain.clear();
   failsafe_line_back(book);
-  forget_line(book, bus);
+  check_told(book, bus);
+  book.forget_line();
   book.opened = schedule_.now();
   book.listens_until = book.opened + bus_settings(bus).listen_first.value_or(Duration{0});
   book.is_unused = true;
