@@ -31,8 +31,13 @@ class Framer {
     const auto frame = modbus::encode_rtu(address, pdu);
     return {frame.begin(), frame.end()};
   }
-  void expect(const Transaction& transaction) {
-    std::visit([&](auto& framer) { framer.expect(transaction); }, framer_);
+  /// In ASCII a frame says itself where it begins: no echo stands in the way of what follows.
+  void expect(const Transaction& transaction, Instant sent) {
+    if (auto* rtu = std::get_if<RtuFramer>(&framer_)) {
+      rtu->expect(transaction, sent);
+    } else {
+      std::get<AsciiFramer>(framer_).expect(transaction);
+    }
   }
   Verdict add(modbus::Bytes bytes, Instant now) {
     return std::visit([&](auto& framer) { return framer.add(bytes, now); }, framer_);

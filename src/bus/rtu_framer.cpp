@@ -15,9 +15,10 @@ using Kind = modbus::PduLength::Kind;
 RtuFramer::RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters)
     : timing_(timing), slack_(slack), counters_(counters) {}
 
-void RtuFramer::expect(const Transaction& transaction) {
+void RtuFramer::expect(const Transaction& transaction, Instant sent) {
   listen();
   transaction_ = &transaction;
+  sent_ = sent;
   given_ = 0;
   response_.reset();
 }

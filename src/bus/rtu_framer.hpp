@@ -9,7 +9,7 @@
 // Nothing is taken out of another's frame: a good one of any unit is consumed whole, and while one
 // that may have begun further ahead is incomplete, what looks like the response waits for silence,
 // as an exception after such bytes always does, because it is so short. What follows a request of
-// another client answers that.
+// another client answers that; what was sent itself, and is heard though nobody said so, is none.
 #pragma once
 
 #include <optional>
@@ -32,8 +32,10 @@ class RtuFramer {
   RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters);
   void set_slack(Duration slack) { slack_ = slack; }
 
-  /// From now on the answer to `transaction` is looked for; it must outlive the search.
-  void expect(const Transaction& transaction);
+  /// From now on the answer to `transaction` is looked for; it must outlive the search. A request
+  /// like it that begins before `sent` is its echo: the end of emission, if the line keeps its
+  /// pace.
+  void expect(const Transaction& transaction, Instant sent = Instant::min());
   /// Nothing is asked any more. What is left of the bytes is stray.
   void listen();
   /// Bytes as they came in. After a verdict other than none comes expect(), again() or listen().
@@ -96,6 +98,7 @@ class RtuFramer {
   Found found(const Look& look, Answer answer);
   Found accept(const Look& look, std::size_t size);
   void consume(std::size_t at, std::size_t size);
+  [[nodiscard]] bool is_echo(std::size_t at, std::size_t size) const;
   [[nodiscard]] bool may_begin_answer(const Look& look) const;
   [[nodiscard]] modbus::Bytes bytes_from(std::size_t at) const {
     return buffer_.bytes().subspan(at);
@@ -108,6 +111,7 @@ class RtuFramer {
   Duration slack_;
   BusCounters& counters_;
   const Transaction* transaction_ = nullptr;
+  Instant sent_;
   ReceivedBytes buffer_;
   Instant last_byte_;
   Answer answer_ = Answer::not_begun;

@@ -131,6 +131,15 @@ void RtuFramer::consume(std::size_t at, std::size_t size) {
   buffer_.drop(at + size);
 }
 
+// What was sent itself: no later than this it has begun on the line, and by then nobody else had.
+bool RtuFramer::is_echo(std::size_t at, std::size_t size) const {
+  const modbus::Bytes frame = bytes_from(at).first(size);
+  return transaction_ != nullptr && frame[0] == transaction_->address &&
+         buffer_.came_at(at + size - 1) < sent_ + timing_.duration_of(size) &&
+         std::ranges::equal(frame.subspan(1, size - modbus::kRtuOverhead),
+                            transaction_->request.pdu().bytes());
+}
+
 // A frame that is no answer, perhaps of another unit. Another client's request is one too: what
 // comes behind it, without a silence, answers that.
 RtuFramer::Found RtuFramer::look_at_stranger(const Look& look) {
@@ -142,8 +151,9 @@ RtuFramer::Found RtuFramer::look_at_stranger(const Look& look) {
     if (look.unfinished && !look.silence) {
       return Found::nothing;  // it may be a part of what has begun further ahead
     }
+    const bool asks = !frame->is_response && !is_echo(look.at, frame->size);
     consume(look.at, frame->size);
-    discarding_ = answers_another_ = !frame->is_response;
+    discarding_ = answers_another_ = asks;
     return Found::consumed;
   }
   return !look.silence && may_begin_frame(bytes) ? Found::unfinished : Found::nothing;

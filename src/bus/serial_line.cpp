@@ -83,7 +83,7 @@ FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming
     turnaround_until_ = emission_ends_ + turnaround_;
     framer_.listen();
   } else {
-    framer_.expect(transaction);
+    framer_.expect(transaction, paced_ ? emission_ends_ : Instant::min());
   }
   return frame;
 }

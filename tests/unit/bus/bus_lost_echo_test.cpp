@@ -75,6 +75,37 @@ TEST_F(BusEcho, IsToldOnceWhereTheSettingsDenyIt) {
   EXPECT_THAT(faults_, ElementsAre(Fault::echo_denied));
 }
 
+// A UART may hand over all of it at once, and a drive need not wait for t3.5.
+TEST_F(BusEcho, ThatTheSettingsDenyDoesNotHideTheAnswerBehindIt) {
+  open_as(bus::LineKind::uart, false);
+  submit(job(kRead));
+  advance(kEmission);
+  line(kReadFrame);
+  advance(1ms);
+  line(kAnswer);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusEcho, ThatTheSettingsDenyDoesNotHideTheAnswerBehindItThoughItBeginsLikeOne) {
+  open_as(bus::LineKind::uart, false);
+  submit(job("03 0400 0002"));
+  advance(kEmission);
+  line("01 03 04 00 00 02 C5 3B");
+  advance(10ms);
+  line("01 03 04 00 07 00 08 4A 34");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusEcho, ThatCannotBeOneIsAnotherClientsRequest) {
+  open_as(bus::LineKind::uart, false);
+  submit(job(kRead));
+  advance(2 * kEmission);
+  line(kReadFrame);
+  advance(1ms);
+  line(kAnswer);
+  EXPECT_THAT(endings_, IsEmpty());
+}
+
 TEST_F(BusEcho, WhereItIsNotCertainAnyMoreTheSecondRepetitionIsTheAnswer) {
   open_and_learn(bus::LineKind::virtual_line);
   advance(400ms);
