@@ -58,10 +58,7 @@ World::World(std::uint64_t seed, bool trace)
              [this] { drain(); },
              [this] { return ClientId{++last_number_}; },
              [this](std::size_t it) { return reloads_.arrangement().listener(it); },
-             [this](std::size_t it, const routing::ClientAddress& address) {
-               const auto& allow = plan_.settings.listeners[it].allow;
-               return allow.empty() || routing::contains(allow, address);
-             },
+             plan_,
              plan_.settings,
              clients_,
              full_,
