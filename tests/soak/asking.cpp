@@ -8,7 +8,7 @@
 namespace mbgate::soak {
 namespace {
 
-constexpr std::uint64_t kFormsChance = 0x464F524D53ULL;  // apart from the clients'
+constexpr std::uint64_t kSeldomChance = 0x464F524D53ULL;  // apart from the clients'
 constexpr unsigned kByAutonics = 200;  // permille of broadcasts, where there is such a door
 
 }  // namespace
@@ -20,7 +20,7 @@ Asking::Asking(const SoakPlan& plan, Random& random)
       device_doors_(plan.settings.listeners.size()),
       broadcast_doors_(plan.settings.listeners.size()),
       autonics_doors_(plan.settings.listeners.size()),
-      forms_(plan.seed ^ kFormsChance) {
+      forms_(plan.seed ^ kSeldomChance) {
   for (const Door& door : plan.doors) {
     auto& doors = door.device          ? device_doors_
                   : door.only_autonics ? autonics_doors_

@@ -8,8 +8,6 @@
 namespace mbgate::soak {
 namespace {
 
-using Octets = routing::ClientAddress::Octets;
-
 enum class Form : std::uint8_t { v4, v6, mapped, network_v6, network_v4 };
 
 // Those whose numbers differ by five have the same form: only its last bits tell their networks
@@ -21,8 +19,8 @@ Form form_of(unsigned host) { return kForms.at(host % kForms.size()); }
 std::uint8_t octet(unsigned value) { return static_cast<std::uint8_t>(value); }
 
 // 10.a.b.c as an IPv6 address.
-Octets v4(unsigned a, unsigned b, unsigned c) {
-  Octets octets{};
+routing::ClientAddress::Octets v4(unsigned a, unsigned b, unsigned c) {
+  routing::ClientAddress::Octets octets{};
   octets[10] = octets[11] = 0xFF;
   octets[12] = 10;
   octets[13] = octet(a);
@@ -32,8 +30,8 @@ Octets v4(unsigned a, unsigned b, unsigned c) {
 }
 
 // fd00:0:0:a::b.
-Octets v6(unsigned a, unsigned b) {
-  Octets octets{};
+routing::ClientAddress::Octets v6(unsigned a, unsigned b) {
+  routing::ClientAddress::Octets octets{};
   octets[0] = 0xFD;
   octets[7] = octet(a);
   octets[15] = octet(b);

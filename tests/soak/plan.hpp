@@ -84,6 +84,7 @@ struct FaultRates {
   Duration lost_every{0};
   Duration dead_every{0};
   Duration babbles_every{0};  ///< a line is never silent, for seconds
+  Duration hangs_every{0};    ///< nothing is heard from an adapter until it is opened again
 };
 
 /// How a client behaves.

@@ -8,6 +8,9 @@
 #include "soak/registers.hpp"
 
 namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
 namespace {
 
 constexpr std::uint64_t kFormsChance = 0x504C414EULL;
@@ -25,6 +28,18 @@ void add_autonics_doors(SoakPlan& plan) {
   }
 }
 
+// A line that is silent for a while is opened again, whether it hangs or nobody answers there.
+void draw_hangs(SoakPlan& plan, std::size_t bus, Random& random) {
+  bus::BusSettings& settings = plan.settings.buses[bus];
+  if (settings.line.framing == bus::Framing::tcp || !random.chance(300)) {
+    return;
+  }
+  settings.hung_after = random.duration(500ms, 4s);
+  settings.hung_requests = random.between(2U, 10U);
+  settings.hung_max = random.duration(settings.hung_after, 8 * settings.hung_after);
+  plan.rates[bus].hangs_every = random.chance(700) ? random.duration(1s, 10s) : 0ms;
+}
+
 }  // namespace
 
 void draw_forms(SoakPlan& plan, std::uint64_t seed) {
@@ -35,6 +50,9 @@ void draw_forms(SoakPlan& plan, std::uint64_t seed) {
       read[0] = random.between<std::uint16_t>(7, 60);
       read[1] = random.between<std::uint16_t>(7, 60);
     }
+  }
+  for (std::size_t bus = 0; bus < plan.settings.buses.size(); ++bus) {
+    draw_hangs(plan, bus, random);
   }
   for (gateway::ListenerSettings& listener : plan.settings.listeners) {
     listener.broadcast = listener.broadcast && !random.chance(150);

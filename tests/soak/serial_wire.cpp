@@ -43,7 +43,7 @@ void SerialWire::reset() {
   asked_until_.clear();
   own_end_ = Instant::min();
   echo_.reset();
-  babbles_until_ = Instant::min();
+  babbles_until_ = deaf_until_ = Instant::min();
   timing_ = spec::WireTimes(settings_.line);
   silence_ = spec::silence_of(settings_);
   ascii_ = settings_.line.framing == bus::Framing::ascii;
@@ -94,7 +94,7 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
 
 void SerialWire::heard(std::uint64_t number) {
   Flight* flight = around_.oracle.flight(number);
-  if (own_damaged_ || flight == nullptr || flight->pdu.empty() ||
+  if (own_damaged_ || (is_hung() && swallows_) || flight == nullptr || flight->pdu.empty() ||
       happens(rates_.request_damaged, "request_damaged")) {
     return;
   }

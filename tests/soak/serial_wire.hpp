@@ -36,6 +36,7 @@ class SerialWire {
   /// From now on nothing goes wrong any more.
   void calm_down() {
     rates_ = FaultRates{};
+    end_hang();
     babbles_until_ = Instant::min();
     adapter_.calm_down();
   }
@@ -90,6 +91,10 @@ class SerialWire {
   void begin_babble();
   void babble_on(std::uint64_t epoch);
   [[nodiscard]] bool is_babbling() const;
+  // wire_hang.cpp
+  void begin_hang();
+  void end_hang();
+  [[nodiscard]] bool is_hung() const;
 
   void answer(SoakDevice& device, const Flight& flight, const modbus::Pdu& request);
   void answer_with_fault(SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu,
@@ -134,6 +139,8 @@ class SerialWire {
   Random echo_random_;
   std::optional<OwnEcho> echo_;  ///< of what was transmitted last
   Instant babbles_until_ = Instant::min();
+  Instant deaf_until_ = Instant::min();  ///< what began before is not heard
+  bool swallows_ = false;                ///< while it hangs, nothing is transmitted
   bool opaque_ = false;  ///< only silence ends the answer to what was transmitted last
 };
 

@@ -151,10 +151,13 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
     message.frame_began = arrival;
   }
   message.heard = until;
+  const bool is_heard = message.begin >= deaf_until_;
   if (until == message.bytes.size()) {
     messages_.erase(id);
   }
-  adapter_.take(std::move(heard), arrival);
+  if (is_heard) {
+    adapter_.take(std::move(heard), arrival);
+  }
 }
 
 void SerialWire::hand_over(const Heard& heard) {
@@ -210,6 +213,7 @@ void SerialWire::begin_trouble() {
   later(rates_.foreign_every, &SerialWire::ask_as_stranger);
   later(rates_.dead_every, &SerialWire::kill_a_device);
   later(rates_.babbles_every, &SerialWire::begin_babble);
+  later(rates_.hangs_every, &SerialWire::begin_hang);
 }
 
 void SerialWire::make_noise() {

@@ -45,6 +45,7 @@ World::World(std::uint64_t seed, bool trace)
               [this](std::size_t bus, const auto& bytes) { deliver(bus, bytes); },
               [this](std::size_t bus, bool answered) { hang_up(bus, answered); }},
       buses_(plan_.settings.buses.size()),
+      hangs_(plan_),
       reloads_(plan_, devices_, oracle_, seed),
       gateway_(plan_.settings, schedule_.now()),
       driver_(plan_.driver, buses_.size(), seed ^ kDriversChance, schedule_, report_, hands()),
@@ -230,6 +231,8 @@ void World::carry_out(const gateway::Action& action) {
   } else if (const auto* report = std::get_if<gateway::Report>(&action)) {
     if (const auto* news = std::get_if<gateway::LineNews>(&report->event)) {
       oracle_.line_news(bus_of(news->bus), news->fault);
+    } else if (const auto* silent = std::get_if<gateway::AdapterSilent>(&report->event)) {
+      object(bus_of(silent->bus), hangs_.told(bus_of(silent->bus)));
     }
   } else if (const auto* look = std::get_if<gateway::Look>(&action)) {
     driver_.look(static_cast<std::size_t>(bus_of(look->bus)), carried_out_ == 1);
