@@ -65,6 +65,17 @@ routing::Network network_of(unsigned host) {
   return *routing::Network::parse(text);
 }
 
+std::string text_of(unsigned host) {
+  switch (form_of(host)) {
+    case Form::v4:
+    case Form::mapped: break;
+    case Form::v6: return std::string("fd00::") + hex_digit(host + 1);
+    case Form::network_v6: return "fd00:0:0:" + hex_digit(host) + "7::9";
+    case Form::network_v4: return "10.1." + std::to_string(8 * host + 5) + ".9";
+  }
+  return "10.0.0." + std::to_string(host + 1);
+}
+
 routing::NetworkList networks_of(const std::vector<unsigned>& hosts) {
   routing::NetworkList networks;
   for (const unsigned host : hosts) {

@@ -3,6 +3,7 @@
 // settings that no other host is in; who is meant by a list is known by the hosts' numbers.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "routing/client_address.hpp"
@@ -16,6 +17,8 @@ routing::ClientAddress address_of(unsigned host);
 /// As settings name the host: its address, that of IPv4 also as an IPv6 address (RFC
 /// 4291, 2.5.5.2), or a network around it.
 routing::Network network_of(unsigned host);
+/// Its client's address as people write it (RFC 5952, 4).
+std::string text_of(unsigned host);
 /// All of them, in the settings' words.
 routing::NetworkList networks_of(const std::vector<unsigned>& hosts);
 

@@ -65,6 +65,8 @@ struct FaultRates {
   unsigned pieces = 0;
   unsigned glitch = 0;  ///< bytes before it that are no part of it
   unsigned too_long = 0;
+  unsigned too_short = 0;   ///< fewer data than were asked for
+  unsigned wrong_echo = 0;  ///< a good frame: another address, value or quantity than was written
   unsigned babble = 0;
   unsigned exception = 0;
   unsigned early = 0;

@@ -28,6 +28,12 @@ void add_autonics_doors(SoakPlan& plan) {
   }
 }
 
+void draw_misfits(FaultRates& rates, Random& random) {
+  const unsigned most = random.one_of({0U, 10U, 30U, 100U});
+  rates.too_short = static_cast<unsigned>(random.below(most + 1));
+  rates.wrong_echo = static_cast<unsigned>(random.below(most + 1));
+}
+
 // A line that is silent for a while is opened again, whether it hangs or nobody answers there.
 void draw_hangs(SoakPlan& plan, std::size_t bus, Random& random) {
   bus::BusSettings& settings = plan.settings.buses[bus];
@@ -52,6 +58,7 @@ void draw_forms(SoakPlan& plan, std::uint64_t seed) {
     }
   }
   for (std::size_t bus = 0; bus < plan.settings.buses.size(); ++bus) {
+    draw_misfits(plan.rates[bus], random);
     draw_hangs(plan, bus, random);
   }
   for (gateway::ListenerSettings& listener : plan.settings.listeners) {

@@ -277,6 +277,11 @@ SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t 
     frame = encode(address, *Pdu::from(bytes));
     return Spoilt::misfit;
   }
+  std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
+  if (make_misfit(bytes)) {
+    frame = encode(address, *Pdu::from(bytes));
+    return Spoilt::misfit;
+  }
   return Spoilt::no;
 }
 

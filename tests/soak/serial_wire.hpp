@@ -101,6 +101,8 @@ class SerialWire {
                          Instant begin);
   void answer_late(SoakDevice& device, const Flight& flight, const Frame& frame, Instant begin);
   Spoilt spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
+  // wire_misfits.cpp
+  [[nodiscard]] bool make_misfit(std::vector<std::uint8_t>& pdu);
   void damage(Frame& frame);
   void lose_crc(std::vector<std::uint8_t>& damaged, std::size_t from) const;
   std::size_t begin_with_glitch(Frame& frame);
@@ -115,6 +117,7 @@ class SerialWire {
   [[nodiscard]] bool is_busy() const;
   void make_noise();
   void ask_as_stranger();
+  [[nodiscard]] std::vector<std::uint8_t> strange_request();
   void kill_a_device();
   void later(Duration every, void (SerialWire::*what)());
   [[nodiscard]] bool happens(unsigned permille, const char* kind);

@@ -247,9 +247,7 @@ void SerialWire::ask_as_stranger() {
     return;
   }
   around_.report.fault("foreign");
-  const std::vector<std::uint8_t> pdu{3, 0, static_cast<std::uint8_t>(around_.random.below(60)), 0,
-                                      static_cast<std::uint8_t>(around_.random.between(1U, 10U))};
-  const Pdu request = *Pdu::from(pdu);
+  const Pdu request = *Pdu::from(strange_request());
   Frame both = encode(address, request);
   const std::size_t lead = both.size();
   const Frame reply = encode(address, *device.carry_out(request, around_.schedule.now()).answer);

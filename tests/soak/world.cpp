@@ -229,11 +229,7 @@ void World::carry_out(const gateway::Action& action) {
     transmit(bus_of(transmit_frame->bus),
              {transmit_frame->frame.data(), transmit_frame->frame.size()});
   } else if (const auto* report = std::get_if<gateway::Report>(&action)) {
-    if (const auto* news = std::get_if<gateway::LineNews>(&report->event)) {
-      oracle_.line_news(bus_of(news->bus), news->fault);
-    } else if (const auto* silent = std::get_if<gateway::AdapterSilent>(&report->event)) {
-      object(bus_of(silent->bus), hangs_.told(bus_of(silent->bus)));
-    }
+    check_report(report->event);
   } else if (const auto* look = std::get_if<gateway::Look>(&action)) {
     driver_.look(static_cast<std::size_t>(bus_of(look->bus)), carried_out_ == 1);
     gateway_.handle_bus_looked(look->bus, schedule_.now());

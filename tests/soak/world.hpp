@@ -61,6 +61,7 @@ class World {
   void reload(const Reload& reload, const std::vector<bool>& absent);
   void take_effect(const Reload& reload, const std::vector<bool>& absent);
   void object(std::size_t bus, const std::string& objection) const;
+  void check_report(const gateway::Event& event);
   void check_order_only(const gateway::Action& action);
   void restore();
   [[nodiscard]] gateway::BusId id_of(std::size_t bus) const {
