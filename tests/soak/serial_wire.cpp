@@ -43,7 +43,8 @@ void SerialWire::reset() {
   asked_until_.clear();
   own_end_ = Instant::min();
   echo_.reset();
-  babbles_until_ = deaf_until_ = Instant::min();
+  babbles_until_ = Instant::min();
+  deaf_until_ = is_hung() && goes_on_hanging() ? Instant::max() : Instant::min();
   timing_ = spec::WireTimes(settings_.line);
   silence_ = spec::silence_of(settings_);
   ascii_ = settings_.line.framing == bus::Framing::ascii;

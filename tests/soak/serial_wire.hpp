@@ -95,6 +95,7 @@ class SerialWire {
   void begin_hang();
   void end_hang();
   [[nodiscard]] bool is_hung() const;
+  [[nodiscard]] bool goes_on_hanging();
 
   void answer(SoakDevice& device, const Flight& flight, const modbus::Pdu& request);
   void answer_with_fault(SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu,

@@ -21,6 +21,11 @@ void SerialWire::begin_hang() {
 
 bool SerialWire::is_hung() const { return deaf_until_ == Instant::max(); }
 
+// Opened again, some hang as before.
+bool SerialWire::goes_on_hanging() {
+  return around_.plan.kinds[bus_] != bus::LineKind::virtual_line && echo_random_.chance(400);
+}
+
 // What began before that is not heard.
 void SerialWire::end_hang() { deaf_until_ = is_hung() ? around_.schedule.now() : deaf_until_; }
 
