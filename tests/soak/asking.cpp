@@ -6,15 +6,26 @@
 #include "soak/pdus.hpp"
 
 namespace mbgate::soak {
+namespace {
+
+constexpr std::uint64_t kSeldomChance = 0x464F524D53ULL;  // apart from the clients'
+constexpr unsigned kByAutonics = 200;  // permille of broadcasts, where there is such a door
+
+}  // namespace
 
 Asking::Asking(const SoakPlan& plan, Random& random)
     : plan_(plan),
       random_(random),
       counters_(plan.settings.devices.size()),
       device_doors_(plan.settings.listeners.size()),
-      broadcast_doors_(plan.settings.listeners.size()) {
+      broadcast_doors_(plan.settings.listeners.size()),
+      autonics_doors_(plan.settings.listeners.size()),
+      forms_(plan.seed ^ kSeldomChance) {
   for (const Door& door : plan.doors) {
-    (door.device ? device_doors_ : broadcast_doors_)[door.listener].push_back(&door);
+    auto& doors = door.device          ? device_doors_
+                  : door.only_autonics ? autonics_doors_
+                                       : broadcast_doors_;
+    doors[door.listener].push_back(&door);
   }
 }
 
@@ -41,7 +52,12 @@ Asked Asking::make(const Manners& manners) {
     return random_.chance(200) ? own() : malformed(door);
   }
   if (random_.chance(manners.broadcasts)) {
-    if (const Door* all = door_of(manners.listener, true); all != nullptr && !all->absent) {
+    const Door* all = door_of(manners.listener, true);
+    const auto& others = autonics_doors_[manners.listener];
+    if (!others.empty() && forms_.chance(kByAutonics)) {
+      all = others[forms_.below(others.size())];
+    }
+    if (all != nullptr && !all->absent && (!all->only_autonics || hears_autonics(*all))) {
       return broadcast(*all);
     }
   }

@@ -16,6 +16,12 @@ using Words = std::vector<std::uint16_t>;
 /// parameter group, and never in a value that does not begin there.
 unsigned end_of_piece(Table table, unsigned first, unsigned end, unsigned limit);
 
+/// The words from `first` on in the other word order, but for values that are not whole.
+Words exchanged(Words words, unsigned first);
+/// Would a write from `first` to before `end` cut a value?
+bool cuts_any(unsigned first, unsigned end);
+bool touches_value(unsigned first, unsigned end);
+
 class Asking {
  public:
   Asking(const SoakPlan& plan, Random& random);
@@ -51,7 +57,7 @@ class Asking {
   void add_writes(Asked& asked, unsigned first, const Words& words, bool together) const;
   void add_singles(Asked& asked, unsigned first, const Words& words) const;
   void ask_for_order(Asked& asked, unsigned first, unsigned count) const;
-  // asking_others.cpp: what is written seldom, stops, and what is for all.
+  // asking_others.cpp: what is written seldom, and stops.
   void coil(Asked& asked);
   void coils(Asked& asked);
   void own_function(Asked& asked);
@@ -59,8 +65,15 @@ class Asking {
   void diagnostics(Asked& asked);
   void add_whole(Asked& asked) const;
   Asked stop(const Door& door);
+  // asking_broadcasts.cpp: what is for all.
+  using Receivers = std::vector<const drive::Device*>;
   Asked broadcast(const Door& door);
   void pick_broadcast(Asked& asked);
+  void pick_odd(Asked& asked);
+  Receivers add_forms(Asked& asked) const;
+  [[nodiscard]] bool verifies(const Door& door) const;
+  [[nodiscard]] bool hears_autonics(const Door& door) const;
+  void exchange_for(Asked& asked, const Receivers& receivers) const;
   void add_piece(Asked& asked, PduBytes pdu) const;
   [[nodiscard]] const drive::Device& device_of(const Asked& asked) const {
     return plan_.settings.devices[*asked.door->device];
@@ -78,6 +91,8 @@ class Asking {
   std::vector<std::array<std::uint16_t, kCounters>> counters_;
   std::vector<std::vector<const Door*>> device_doors_;  // by listener
   std::vector<std::vector<const Door*>> broadcast_doors_;
+  std::vector<std::vector<const Door*>> autonics_doors_;  // address 129
+  Random forms_;  // what is asked seldom: with a chance of its own
   std::uint16_t broadcasts_ = 0;
   bool may_only_read_ = false;  // who asks at present
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coils, functions that name no table, stops, and what is for all.
+// Coils, functions that name no table, and stops.
 #include <algorithm>
 
 #include "soak/asking.hpp"
@@ -7,9 +7,6 @@
 
 namespace mbgate::soak {
 namespace {
-
-constexpr unsigned kWordOfCoils = 16;
-constexpr unsigned kOn = 0xFF00;
 
 /// No window shows coils.
 bool is_outside(Asked& asked) {
@@ -19,23 +16,6 @@ bool is_outside(Asked& asked) {
   }
   return outside;
 }
-
-std::uint16_t scattered(std::uint16_t counter) {
-  constexpr unsigned kOdd = 40503;  // so that no two are alike
-  return static_cast<std::uint16_t>(counter * kOdd);
-}
-
-PduBytes coils_pdu(unsigned first, const Words& words) {
-  PduBytes pdu = fields(0x0F, first, static_cast<unsigned>(words.size()) * kWordOfCoils);
-  pdu.push_back(low(static_cast<unsigned>(words.size() * 2)));
-  for (const std::uint16_t word : words) {
-    pdu.push_back(low(word));  // the first coil is the lowest bit of the first byte
-    pdu.push_back(high(word));
-  }
-  return pdu;
-}
-
-PduBytes one_of_coils(unsigned address) { return {0x0F, high(address), low(address), 0, 1, 1, 1}; }
 
 }  // namespace
 
@@ -137,69 +117,6 @@ Asked Asking::stop(const Door& door) {
     single(asked, kStopRegister, value);
   }
   return asked;
-}
-
-Asked Asking::broadcast(const Door& door) {
-  Asked asked = begin(door, Kind::broadcast);
-  asked.replies = door.replies;
-  asked.stops_all = random_.chance(400);
-  ++broadcasts_;
-  pick_broadcast(asked);
-  for (const std::size_t bus : door.buses) {
-    bool any_standard = false;
-    bool any_autonics = false;
-    for (std::size_t index = 0; index < plan_.settings.devices.size(); ++index) {
-      const drive::Device& device = plan_.settings.devices[index];
-      if (static_cast<std::size_t>(device.bus) == bus && !plan_.absent.devices[index]) {
-        const bool is_aic = device.profile.broadcast.form == drive::BroadcastForm::autonics;
-        any_standard = any_standard || !is_aic;
-        any_autonics = any_autonics || is_aic;
-      }
-    }
-    if (any_standard) {
-      asked.pieces.push_back({bus, 0, asked.pdu, 0, false, false});
-    }
-    // Of registers its manual allows so many at once.
-    if (any_autonics && !(asked.pdu[0] == 0x10 && asked.pdu[4] > kMostOfAutonics)) {
-      PduBytes pdu = asked.pdu;
-      pdu[0] = static_cast<std::uint8_t>(pdu[0] | 0x80U);
-      asked.pieces.push_back({bus, kAutonicsAddress, std::move(pdu), 0, false, false});
-    }
-  }
-  if (may_only_read_ || asked.pieces.empty()) {
-    asked.refused = may_only_read_ ? 1 : 2;
-    asked.stops_all = false;
-    asked.pieces.clear();
-  }
-  return asked;
-}
-
-// Of those that get no reply nobody could tell when each has ended: no two of them are alike.
-void Asking::pick_broadcast(Asked& asked) {
-  const bool may_repeat = asked.door->replies;
-  if (asked.stops_all) {
-    if (may_repeat && random_.chance(200)) {
-      asked.is_shared = true;
-      asked.pdu = random_.chance(500) ? fields(5, kStopCoil, kOn) : one_of_coils(kStopCoil);
-      return;
-    }
-    asked.is_shared = may_repeat && random_.chance(300);
-    const unsigned value = 0x5000U | (asked.is_shared ? 0xFFFU : broadcasts_ % 0xFFEU);
-    asked.pdu = random_.chance(300)
-                    ? multiple_pdu(kStopRegister, {static_cast<std::uint16_t>(value)})
-                    : fields(6, kStopRegister, value);
-    return;
-  }
-  switch (random_.between(0U, 5U)) {
-    case 0: asked.pdu = coils_pdu(kBroadcastCoils, {scattered(broadcasts_)}); return;
-    case 1:
-    case 2: {
-      Words words(random_.between<unsigned>(1U, kMostOfBroadcastRun), broadcasts_);
-      asked.pdu = multiple_pdu(kBroadcastRun, words);
-      return;
-    }
-    default: asked.pdu = fields(6, kBroadcastRegister, broadcasts_);
-  }
 }
 
 }  // namespace mbgate::soak

@@ -9,6 +9,15 @@
 namespace mbgate::soak {
 namespace {
 
+bool cuts_motion(unsigned first, unsigned end) {
+  const auto cuts = [](unsigned border) {
+    return cuts_value(border) && is_motion(Table::holding_registers, border);
+  };
+  return cuts(first) || cuts(end);
+}
+
+}  // namespace
+
 // In the other word order, but for values that are not whole.
 Words exchanged(Words words, unsigned first) {
   for (unsigned at = 0; at < words.size();) {
@@ -25,13 +34,6 @@ Words exchanged(Words words, unsigned first) {
 
 bool cuts_any(unsigned first, unsigned end) { return cuts_value(first) || cuts_value(end); }
 
-bool cuts_motion(unsigned first, unsigned end) {
-  const auto cuts = [](unsigned border) {
-    return cuts_value(border) && is_motion(Table::holding_registers, border);
-  };
-  return cuts(first) || cuts(end);
-}
-
 bool touches_value(unsigned first, unsigned end) {
   for (unsigned at = first; at < end; ++at) {
     if (is_in_value(Table::holding_registers, at)) {
@@ -40,8 +42,6 @@ bool touches_value(unsigned first, unsigned end) {
   }
   return false;
 }
-
-}  // namespace
 
 void Asking::single(Asked& asked, unsigned address, std::uint16_t value) const {
   const Door& door = *asked.door;

@@ -16,14 +16,6 @@ constexpr Duration kLongestCut = 5ms;  // from one part of a request to the next
 
 }  // namespace
 
-routing::ClientAddress address_of(unsigned host) {
-  routing::ClientAddress::Octets octets{};
-  octets[10] = octets[11] = 0xFF;
-  octets[12] = 10;
-  octets[15] = static_cast<std::uint8_t>(host + 1);
-  return routing::ClientAddress(octets);
-}
-
 void Client::begin() {
   const Duration latest = manners_.waits_at_start ? 5ms : 200ms;
   tools_.schedule.after(tools_.random.duration(0ms, latest), [this] {
@@ -254,8 +246,9 @@ void Client::closed_by_gateway() {
 }
 
 bool Client::is_welcome() const {
+  const auto& allowed = tools_.plan.allowed[manners_.listener];
   return tools_.listener(manners_.listener) &&
-         tools_.is_welcome(manners_.listener, address_of(manners_.host));
+         (allowed.empty() || std::ranges::find(allowed, manners_.host) != allowed.end());
 }
 
 void Client::give_up() {

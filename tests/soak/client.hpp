@@ -14,7 +14,6 @@
 
 namespace mbgate::soak {
 
-routing::ClientAddress address_of(unsigned host);
 inline constexpr std::size_t kNoListener = ~std::size_t{0};
 
 class Client {
@@ -31,8 +30,7 @@ class Client {
     std::function<ClientId()> new_number;
     /// As the gateway counts them now; none if nobody listens there.
     std::function<std::optional<gateway::ListenerId>(std::size_t)> listener;
-    /// Does the listener let the address in?
-    std::function<bool(std::size_t, const routing::ClientAddress&)> is_welcome;
+    const SoakPlan& plan;
     const gateway::Settings& settings;  ///< of the plan
     std::deque<Client>& all;
     std::size_t& full;  ///< the listener where somebody makes room at this instant

@@ -93,8 +93,8 @@ void Client::be_closed_after(Duration time, const char* kind) {
 bool Client::is_idle() const { return unconfirmed_ == 0 && tools_.oracle.is_idle(number_); }
 
 bool Client::is_kept() const {
-  return routing::contains(tools_.settings.listeners[manners_.listener].keep,
-                           address_of(manners_.host));
+  const auto& kept = tools_.plan.kept[manners_.listener];
+  return std::ranges::find(kept, manners_.host) != kept.end();
 }
 
 // Is anything a reason for the gateway to close it now?

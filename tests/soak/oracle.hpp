@@ -74,8 +74,8 @@ class Oracle {
   void bus_opening(std::size_t bus);
   /// The server has closed a connection on which it has answered: what waits goes on waiting.
   void tcp_closed(std::size_t bus);
-  /// The gateway gives a connection up because nothing comes.
-  void tcp_replaced(std::size_t bus);
+  /// The gateway gives a connection up because nothing comes, or opens such a line again.
+  void line_replaced(std::size_t bus);
   /// The gateway begins to transmit.
   Flight& transmitted(std::size_t bus, Bytes frame);
   [[nodiscard]] Flight* flight(std::uint64_t number);

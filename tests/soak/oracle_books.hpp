@@ -92,6 +92,7 @@ struct Book {
   bool starting = true;  ///< it has not been opened yet: requests wait
   bool rests = false;    ///< the same, because its server has closed the connection
   bool opening = false;
+  bool is_restarted = false;           ///< it was silent for too long
   std::vector<std::uint64_t> in_vain;  ///< to a server from which nothing has come since
   Instant last_down = Instant::min();
   Instant last_full = Instant::min();

@@ -37,8 +37,15 @@ bool Oracle::was_idle(std::size_t bus) const {
   return book.is_unused && schedule_.now() >= book.opened + bus_settings(bus).reopen_max;
 }
 
-void Oracle::tcp_replaced(std::size_t bus) {
+void Oracle::line_replaced(std::size_t bus) {
   Book& book = books_[bus];
+  if (!is_tcp(bus)) {
+    const Reopening before = book.reopening;
+    rest(book);
+    book.reopening = before;
+    book.is_restarted = true;
+    return;
+  }
   const unsigned most = bus_settings(bus).replace_after;
   if (!is_tcp(bus) || most == 0 || book.in_vain.size() < most ||
       schedule_.now() < book.last_byte + kSilence) {

@@ -27,7 +27,7 @@ void Oracle::note_excused(const Flight& flight) {
 
 // Whether what was sent last still waited for its answer is not known.
 void Oracle::note_interrupted(Book& book) {
-  book.count.losses += book.open || book.rests ? 1U : 0U;
+  book.count.losses += book.open || (book.rests && !book.is_restarted) ? 1U : 0U;
   if (book.open) {
     note_cut(book);
   }

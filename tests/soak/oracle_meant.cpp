@@ -127,6 +127,7 @@ void Oracle::unknown_transmission(const Flight& flight) {
 void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone) {
   Flight& mine = const_cast<Flight&>(flight);
   mine.is_stop = mine.is_stop || asked.is_stop();
+  mine.asks_order = mine.asks_order || piece.asks_order;
   mine.expects_answer = mine.expects_answer && !asked.silent && asked.kind != Kind::broadcast;
   if (alone && !asked.maybe_on_wire && !asked.is_stop()) {
     check_order(asked, flight);

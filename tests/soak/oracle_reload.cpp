@@ -110,7 +110,8 @@ void Oracle::after_reload() {
     if (asked->is_accepted && asked->door != nullptr) {
       note_allowed(*asked);
       // Its client sees other word orders by now, or its unit leads elsewhere.
-      if (asked->door->absent || asked->word_order != order_of(*asked->door)) {
+      const bool leads_somewhere = !asked->door->buses.empty();  // else its lines are given up
+      if ((asked->door->absent && leads_somewhere) || asked->word_order != order_of(*asked->door)) {
         take_back(*asked, asked->door->buses.front());
       }
     }

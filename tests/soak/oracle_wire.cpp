@@ -51,6 +51,7 @@ void Oracle::bus_opened(std::size_t bus) {
   check_told(book, bus);
   book.forget_line();
   book.opened = schedule_.now();
+  book.is_restarted = false;
   book.listens_until = book.opened + bus_settings(bus).listen_first.value_or(Duration{0});
   book.is_unused = true;
   book.last_byte = schedule_.now();
@@ -71,7 +72,7 @@ void Oracle::bus_lost(std::size_t bus) {
   Book& book = books_[bus];
   note_loss(bus);
   note_interrupted(book);
-  book.open = book.starting = book.rests = book.opening = false;
+  book.open = book.starting = book.rests = book.opening = book.is_restarted = false;
   book.early_stops.clear();
   book.last_down = schedule_.now();
   book.stops.clear();
@@ -115,6 +116,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   flight.is_broadcast = !is_tcp(bus) && is_for_all(plan_, bus, flight.address);
   cut_flying(book);
   attribute(flight);
+  flight.stop_is_open = !book.open_stops.empty();
   check_stops_first(flight);
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
@@ -163,18 +165,17 @@ bool Oracle::take_apart(Bytes frame, Flight& flight) {
 }
 
 void Oracle::executed(const Flight& flight) {
+  Lane& lane = books_[flight.bus].lanes[flight.address];
+  lane.knows_order = lane.knows_order || flight.asks_order;
   if (flight.is_stop) {
-    books_[flight.bus].lanes[flight.address].stops_done[flight.pdu] = schedule_.now();
+    lane.stops_done[flight.pdu] = schedule_.now();
   }
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
       for (Piece& piece : entry->second->pieces) {
         if (piece.pdu == flight.pdu) {
-          if (piece.asks_order) {
-            books_[flight.bus].lanes[flight.address].knows_order = true;
-            if (entry->second->other_order) {
-              entry->second->device_exceptions.set(kDeviceFailure);
-            }
+          if (piece.asks_order && entry->second->other_order) {
+            entry->second->device_exceptions.set(kDeviceFailure);
           }
           piece.done = {piece.executed ? piece.done.first : schedule_.now(), schedule_.now()};
           piece.executed = true;

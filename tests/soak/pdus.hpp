@@ -36,6 +36,30 @@ inline PduBytes multiple_pdu(unsigned first, const std::vector<std::uint16_t>& w
   return pdu;
 }
 
+inline constexpr unsigned kWordOfCoils = 16;
+inline constexpr unsigned kOn = 0xFF00;  ///< of a coil
+
+/// 15.
+inline PduBytes coils_pdu(unsigned first, const std::vector<std::uint16_t>& words) {
+  PduBytes pdu = fields(0x0F, first, static_cast<unsigned>(words.size()) * kWordOfCoils);
+  pdu.push_back(low(static_cast<unsigned>(words.size() * 2)));
+  for (const std::uint16_t word : words) {
+    pdu.push_back(low(word));  // the first coil is the lowest bit of the first byte
+    pdu.push_back(high(word));
+  }
+  return pdu;
+}
+
+inline PduBytes one_of_coils(unsigned address) {
+  return {0x0F, high(address), low(address), 0, 1, 1, 1};
+}
+
+/// Of a counter, so that no two are alike.
+constexpr std::uint16_t scattered(std::uint16_t counter) {
+  constexpr unsigned kOdd = 40503;
+  return static_cast<std::uint16_t>(counter * kOdd);
+}
+
 inline Asked begin(const Door& door, Kind kind) {
   Asked asked;
   asked.kind = kind;

@@ -229,6 +229,7 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   SoakPlan plan = Draw(random).make();
   draw_lines(plan, seed);
   draw_limits(plan, seed);
+  draw_forms(plan, seed);
   return plan;
 }
 

@@ -8,12 +8,12 @@
 
 #include "gateway/settings.hpp"
 #include "soak/driver.hpp"
+#include "soak/hosts.hpp"
 #include "soak/random.hpp"
 
 namespace mbgate::soak {
 
 inline constexpr std::uint16_t kInputs = 100;  ///< input registers that a window shows
-inline constexpr unsigned kMostHosts = 12;
 inline constexpr Duration kLeastFrameTimeout = std::chrono::seconds(1);
 
 /// A unit of a listener, as its clients see it.
@@ -37,6 +37,8 @@ struct Door {
   bool replies = true;                 ///< broadcasts: the client gets an echo
   std::optional<std::size_t> route{};  ///< none: a transparent listener's
   bool in_range = false;               ///< of a route that leads to addresses, not to a device
+  bool only_autonics = false;          ///< broadcasts: address 129 alone
+  bool is_closed = false;              ///< broadcasts: its listener lets nobody
   bool absent = false;                 ///< it leads nowhere at present, or another one has its unit
 };
 
@@ -63,6 +65,8 @@ struct FaultRates {
   unsigned pieces = 0;
   unsigned glitch = 0;  ///< bytes before it that are no part of it
   unsigned too_long = 0;
+  unsigned too_short = 0;   ///< fewer data than were asked for
+  unsigned wrong_echo = 0;  ///< a good frame: another address, value or quantity than was written
   unsigned babble = 0;
   unsigned exception = 0;
   unsigned early = 0;
@@ -82,6 +86,7 @@ struct FaultRates {
   Duration lost_every{0};
   Duration dead_every{0};
   Duration babbles_every{0};  ///< a line is never silent, for seconds
+  Duration hangs_every{0};    ///< nothing is heard from an adapter until it is opened again
 };
 
 /// How a client behaves.
@@ -136,6 +141,8 @@ struct SoakPlan {
   /// broadcasts without an answer: nobody sends any in these plants, and their driver is punctual.
   bool silence = false;
   std::vector<std::vector<unsigned>> readers;  ///< by listener, the hosts that may not write there
+  std::vector<std::vector<unsigned>> kept;     ///< by listener, those that make room for nobody
+  std::vector<std::vector<unsigned>> allowed;  ///< by listener, those that it lets in; none: all
   bool stops_early = false;  ///< the gateway is told to stop in the midst of everything
   bool beyond = false;  ///< devices are later than the quarantine: misdeliveries are counted apart
 };
@@ -154,12 +161,12 @@ void draw_doors(SoakPlan& plan, Random& random);
 void set_deadlines(const SoakPlan& plan, Door& door);
 /// The unit of a door as it would lead to another device, which a reload may bring about.
 void add_twin(SoakPlan& plan, Door door, std::size_t device);
-/// The address of a client's host alone.
-routing::Network network_of(unsigned host);
 /// What its devices' guards allow.
 void draw_guards(SoakPlan& plan, Random& random);
 /// How many may connect to listeners, how long they may be silent, and who may only read.
 void draw_limits(SoakPlan& plan, std::uint64_t seed);
+/// What few plants have.
+void draw_forms(SoakPlan& plan, std::uint64_t seed);
 /// Its last step but for lines and limits: who asks, and how.
 void draw_clients(SoakPlan& plan, Random& random);
 

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who may write to the devices of one seed, and whose turn weighs more.
-#include <string>
-
 #include "soak/pdus.hpp"
 
 namespace mbgate::soak {
 
 using namespace std::chrono_literals;
-
-routing::Network network_of(unsigned host) {
-  return *routing::Network::parse("10.0.0." + std::to_string(host + 1));
-}
 
 void draw_guards(SoakPlan& plan, Random& random) {
   auto& settings = plan.settings;

@@ -14,13 +14,16 @@ namespace {
 constexpr std::uint64_t kLimitsChance = 0x4C494D495453ULL;
 
 void draw_listener(SoakPlan& plan, gateway::ListenerSettings& listener, Random& random) {
+  std::vector<unsigned>& kept = plan.kept.emplace_back();
+  plan.allowed.emplace_back();
   if (random.chance(250)) {
     listener.max_connections = random.one_of<std::size_t>({1, 2, 4, 8});
     for (unsigned host = 0; host < kMostHosts; ++host) {
       if (random.chance(200)) {
-        listener.keep.push_back(network_of(host));
+        kept.push_back(host);
       }
     }
+    listener.keep = networks_of(kept);
   }
   if (random.chance(300)) {
     listener.idle_timeout = random.duration(300ms, 3s);
@@ -34,8 +37,8 @@ void draw_listener(SoakPlan& plan, gateway::ListenerSettings& listener, Random& 
       std::ranges::any_of(plan.failsafe, [](const auto& it) { return !it.empty(); });
   for (unsigned host = 0; !is_guarded && host < kMostHosts && random.chance(300); host += 3) {
     readers.push_back(host);
-    listener.read_only.push_back(network_of(host));
   }
+  listener.read_only = networks_of(readers);
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ void draw_lines(SoakPlan& plan, std::uint64_t seed) {
     if (settings.line.framing == bus::Framing::tcp) {
       continue;
     }
-    settings.hung_after = 0ms;  // who asks offline devices only would have it reopened
+    settings.hung_after = 0ms;  // but where draw_forms() says otherwise
     draw_line_kind(plan, bus, random);
     draw_wire(plan, bus, wires);
     const FaultRates& rates = plan.rates[bus];

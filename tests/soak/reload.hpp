@@ -69,6 +69,7 @@ class Reloads {
   void perhaps(unsigned permille, const char* kind, std::size_t count, Change change);
   [[nodiscard]] bool leads_to(const Door& door, std::size_t device) const;
   [[nodiscard]] bool are_settled(std::size_t device) const;
+  [[nodiscard]] bool are_broadcasts_settled(std::size_t bus) const;
   [[nodiscard]] bool is_sure(std::size_t bus) const;
   [[nodiscard]] std::vector<Meaning> meanings() const;
   void refresh_doors();

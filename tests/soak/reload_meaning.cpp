@@ -37,7 +37,8 @@ bool Reloads::change_route(std::size_t index) {
 bool Reloads::change_device(std::size_t index) {
   drive::Device& device = plan_.settings.devices[index];
   const auto bus = static_cast<std::size_t>(device.bus);
-  if (plan_.absent.devices[index] || !are_settled(index) || !is_sure(bus)) {
+  if (plan_.absent.devices[index] || !are_settled(index) || !is_sure(bus) ||
+      !are_broadcasts_settled(bus)) {
     return false;
   }
   switch (random_.between(0U, 2U)) {
@@ -130,17 +131,20 @@ bool Reloads::turn_route(std::size_t index) {
   return true;
 }
 
+// Which forms a broadcast goes out in, and whether it may, depends on who is there.
+bool Reloads::are_broadcasts_settled(std::size_t bus) const {
+  return std::ranges::all_of(plan_.doors, [&](const Door& door) {
+    return door.device || std::ranges::find(door.buses, bus) == door.buses.end() ||
+           oracle_.is_settled(door);
+  });
+}
+
 // With its bus gone it is gone too, and comes back with it.
 bool Reloads::switch_device(std::size_t index) {
   const drive::Device& device = plan_.settings.devices[index];
   const auto bus = static_cast<std::size_t>(device.bus);
-  // Which forms a broadcast goes out in depends on who is there.
-  const bool are_broadcasts_settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
-    return door.device || std::ranges::find(door.buses, bus) == door.buses.end() ||
-           oracle_.is_settled(door);
-  });
-  if (plan_.absent.buses[bus] || !are_settled(index) || !is_sure(bus) || !are_broadcasts_settled ||
-      oracle_.is_quarantined(bus, device.address)) {
+  if (plan_.absent.buses[bus] || !are_settled(index) || !is_sure(bus) ||
+      !are_broadcasts_settled(bus) || oracle_.is_quarantined(bus, device.address)) {
     return false;
   }
   // Where nobody hears a broadcast it stops nobody, and is a write like others.
@@ -199,16 +203,15 @@ bool Reloads::switch_listener(std::size_t index) {
 }
 
 bool Reloads::switch_allowed(std::size_t index) {
-  auto& allow = plan_.settings.listeners[index].allow;
-  if (!allow.empty()) {
-    allow.clear();
-    return true;
-  }
-  for (unsigned host = 1; host <= 12; ++host) {
+  std::vector<unsigned>& allowed = plan_.allowed[index];
+  const bool were_any = !allowed.empty();
+  allowed.clear();
+  for (unsigned host = 0; !were_any && host < kMostHosts; ++host) {
     if (random_.chance(600)) {
-      allow.push_back(*routing::Network::parse("10.0.0." + std::to_string(host)));
+      allowed.push_back(host);
     }
   }
+  plan_.settings.listeners[index].allow = networks_of(allowed);
   return true;
 }
 
@@ -229,6 +232,7 @@ void Reloads::bring_back() {
     }
   }
   for (std::size_t listener = 0; listener < plan_.absent.listeners.size(); ++listener) {
+    plan_.allowed[listener].clear();
     plan_.settings.listeners[listener].allow.clear();
     if (plan_.absent.listeners[listener] && switch_listener(listener)) {
       reload_.kinds.push_back("reload_listener_back");

@@ -45,6 +45,7 @@ void SerialWire::reset() {
   overheard_.forget();
   echo_.reset();
   babbles_until_ = Instant::min();
+  deaf_until_ = is_hung() && goes_on_hanging() ? Instant::max() : Instant::min();
   timing_ = spec::WireTimes(settings_.line);
   silence_ = spec::silence_of(settings_);
   ascii_ = settings_.line.framing == bus::Framing::ascii;
@@ -96,7 +97,7 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
 
 void SerialWire::heard(std::uint64_t number) {
   Flight* flight = around_.oracle.flight(number);
-  if (own_damaged_ || flight == nullptr || flight->pdu.empty() ||
+  if (own_damaged_ || (is_hung() && swallows_) || flight == nullptr || flight->pdu.empty() ||
       happens(rates_.request_damaged, "request_damaged")) {
     return;
   }
@@ -276,6 +277,11 @@ SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t 
     std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
     bytes.insert(bytes.end(), {0xAA, 0xBB});
     bytes[1] = static_cast<std::uint8_t>(bytes[1] + 2);
+    frame = encode(address, *Pdu::from(bytes));
+    return Spoilt::misfit;
+  }
+  std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
+  if (make_misfit(bytes)) {
     frame = encode(address, *Pdu::from(bytes));
     return Spoilt::misfit;
   }

@@ -40,6 +40,7 @@ class SerialWire {
   /// From now on nothing goes wrong any more.
   void calm_down() {
     rates_ = FaultRates{};
+    end_hang();
     babbles_until_ = Instant::min();
     adapter_.calm_down();
   }
@@ -99,12 +100,19 @@ class SerialWire {
   void begin_babble();
   void babble_on(std::uint64_t epoch);
   [[nodiscard]] bool is_babbling() const;
+  // wire_hang.cpp
+  void begin_hang();
+  void end_hang();
+  [[nodiscard]] bool is_hung() const;
+  [[nodiscard]] bool goes_on_hanging();
 
   void answer(SoakDevice& device, const Flight& flight, const modbus::Pdu& request);
   void answer_with_fault(SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu,
                          Instant begin);
   void answer_late(SoakDevice& device, const Flight& flight, const Frame& frame, Instant begin);
   Spoilt spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
+  // wire_misfits.cpp
+  [[nodiscard]] bool make_misfit(std::vector<std::uint8_t>& pdu);
   void damage(Frame& frame);
   void lose_crc(std::vector<std::uint8_t>& damaged, std::size_t from) const;
   std::size_t begin_with_glitch(Frame& frame);
@@ -121,6 +129,7 @@ class SerialWire {
   [[nodiscard]] bool is_busy() const;
   void make_noise();
   void ask_as_stranger();
+  [[nodiscard]] std::vector<std::uint8_t> strange_request();
   void kill_a_device();
   void later(Duration every, void (SerialWire::*what)());
   [[nodiscard]] bool happens(unsigned permille, const char* kind);
@@ -147,6 +156,8 @@ class SerialWire {
   Random echo_random_;
   std::optional<OwnEcho> echo_;  ///< of what was transmitted last
   Instant babbles_until_ = Instant::min();
+  Instant deaf_until_ = Instant::min();  ///< what began before is not heard
+  bool swallows_ = false;                ///< while it hangs, nothing is transmitted
   bool opaque_ = false;  ///< only silence ends the answer to what was transmitted last
 };
 

@@ -16,7 +16,7 @@ void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {
   if (!around_.plan.echoes[bus_]) {
     return;
   }
-  if (happens_to_echo(rates_.echo_lost, "echo_lost")) {
+  if (is_hung() || happens_to_echo(rates_.echo_lost, "echo_lost")) {
     around_.oracle.echo_lost(flight);
     return;
   }
@@ -111,7 +111,8 @@ void SerialWire::begin_babble() {
   later(rates_.babbles_every, &SerialWire::begin_babble);
   const bool is_on_its_way = std::ranges::any_of(
       messages_, [&](const auto& entry) { return entry.second.end <= around_.schedule.now(); });
-  if (!is_babbling() && !is_on_its_way) {  // nothing overtakes what was on the line before
+  if (!is_babbling() && !is_on_its_way &&
+      !is_hung()) {  // nothing overtakes what was on the line before
     around_.report.fault("never_silent");
     babbles_until_ = around_.schedule.now() + echo_random_.duration(2500ms, 7s);
     babble_on(epoch_);

@@ -154,10 +154,13 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
     message.frame_began = arrival;
   }
   message.heard = until;
+  const bool is_heard = message.begin >= deaf_until_;
   if (until == message.bytes.size()) {
     messages_.erase(id);
   }
-  adapter_.take(std::move(heard), arrival);
+  if (is_heard) {
+    adapter_.take(std::move(heard), arrival);
+  }
 }
 
 // The answer that a length ends is over; behind one that only silence ends more may come.
@@ -240,6 +243,7 @@ void SerialWire::begin_trouble() {
   later(rates_.foreign_every, &SerialWire::ask_as_stranger);
   later(rates_.dead_every, &SerialWire::kill_a_device);
   later(rates_.babbles_every, &SerialWire::begin_babble);
+  later(rates_.hangs_every, &SerialWire::begin_hang);
 }
 
 void SerialWire::make_noise() {
@@ -273,9 +277,7 @@ void SerialWire::ask_as_stranger() {
     return;
   }
   around_.report.fault("foreign");
-  const std::vector<std::uint8_t> pdu{3, 0, static_cast<std::uint8_t>(around_.random.below(60)), 0,
-                                      static_cast<std::uint8_t>(around_.random.between(1U, 10U))};
-  const Pdu request = *Pdu::from(pdu);
+  const Pdu request = *Pdu::from(strange_request());
   Frame both = encode(address, request);
   const std::size_t lead = both.size();
   const Frame reply = encode(address, *device.carry_out(request, around_.schedule.now()).answer);

@@ -45,6 +45,7 @@ World::World(std::uint64_t seed, bool trace)
               [this](std::size_t bus, const auto& bytes) { deliver(bus, bytes); },
               [this](std::size_t bus, bool answered) { hang_up(bus, answered); }},
       buses_(plan_.settings.buses.size()),
+      hangs_(plan_),
       reloads_(plan_, devices_, oracle_, seed),
       gateway_(plan_.settings, schedule_.now()),
       driver_(plan_.driver, buses_.size(), seed ^ kDriversChance, schedule_, report_, hands()),
@@ -58,10 +59,7 @@ World::World(std::uint64_t seed, bool trace)
              [this] { drain(); },
              [this] { return ClientId{++last_number_}; },
              [this](std::size_t it) { return reloads_.arrangement().listener(it); },
-             [this](std::size_t it, const routing::ClientAddress& address) {
-               const auto& allow = plan_.settings.listeners[it].allow;
-               return allow.empty() || routing::contains(allow, address);
-             },
+             plan_,
              plan_.settings,
              clients_,
              full_,
@@ -231,9 +229,7 @@ void World::carry_out(const gateway::Action& action) {
     transmit(bus_of(transmit_frame->bus),
              {transmit_frame->frame.data(), transmit_frame->frame.size()});
   } else if (const auto* report = std::get_if<gateway::Report>(&action)) {
-    if (const auto* news = std::get_if<gateway::LineNews>(&report->event)) {
-      oracle_.line_news(bus_of(news->bus), news->fault);
-    }
+    check_report(report->event);
   } else if (const auto* look = std::get_if<gateway::Look>(&action)) {
     driver_.look(static_cast<std::size_t>(bus_of(look->bus)), carried_out_ == 1);
     gateway_.handle_bus_looked(look->bus, schedule_.now());

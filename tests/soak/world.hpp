@@ -11,6 +11,7 @@
 #include "soak/client.hpp"
 #include "soak/driver.hpp"
 #include "soak/far_server.hpp"
+#include "soak/hang_watch.hpp"
 #include "soak/reload.hpp"
 #include "soak/serial_wire.hpp"
 
@@ -59,6 +60,8 @@ class World {
   void begin_reloads();
   void reload(const Reload& reload, const std::vector<bool>& absent);
   void take_effect(const Reload& reload, const std::vector<bool>& absent);
+  void object(std::size_t bus, const std::string& objection) const;
+  void check_report(const gateway::Event& event);
   void check_order_only(const gateway::Action& action);
   void restore();
   [[nodiscard]] gateway::BusId id_of(std::size_t bus) const {
@@ -93,6 +96,7 @@ class World {
   Surroundings around_;
   std::deque<Wire> wires_;
   std::vector<BusState> buses_;
+  HangWatch hangs_;
   Reloads reloads_;
   std::set<std::size_t> shut_due_;  // lines that the gateway gives up because of a reload
   std::set<ClientId> close_due_;    // and connections

@@ -8,6 +8,7 @@ using namespace std::chrono_literals;
 
 void World::transmit(std::size_t bus, Bytes frame) {
   const Flight& flight = oracle_.transmitted(bus, frame);
+  object(bus, hangs_.transmitted(flight));
   if (!buses_[bus].open) {
     return;  // the process does not know it yet
   }
@@ -29,6 +30,7 @@ void World::hand_in(std::size_t bus, Bytes bytes) {
     trace(plan_.settings.buses[bus].name + " < " + Oracle::hex(bytes));
   }
   oracle_.bytes_handed_in(bus);
+  hangs_.read(bus, schedule_.now());
   gateway_.handle_bus_bytes(id_of(bus), bytes, schedule_.now());
   drain();
 }
@@ -72,20 +74,30 @@ void World::opened(std::size_t bus, bool refused) {
           (plan_.echoes[bus] ? ", it is there" : ", there is none") +
           (is_paced(plan_, bus) ? ", paced" : ", not paced"));
     oracle_.bus_opened(bus);
+    hangs_.opened(bus, schedule_.now());
     gateway_.handle_bus_opened(id_of(bus), schedule_.now(), plan_.kinds[bus]);
     driver_.watch_line(bus);
   }
   drain();
 }
 
-// Because of a reload, or because nothing comes from a connection.
+// Because of a reload, or because nothing comes from a connection or an adapter.
 void World::shut(std::size_t bus) {
   if (shut_due_.erase(bus) == 0) {
-    report_.fault("replaced");
+    const bool is_serial = std::holds_alternative<SerialWire>(wires_[bus]);
+    report_.fault(is_serial ? "restarted" : "replaced");
     buses_[bus].open = false;
     std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
     driver_.forget_line(bus);
-    oracle_.tcp_replaced(bus);
+    oracle_.line_replaced(bus);
+    object(bus, is_serial ? hangs_.restarted(bus, schedule_.now()) : "");
+  }
+}
+
+// To what the gateway makes of a line from which nothing comes.
+void World::object(std::size_t bus, const std::string& objection) const {
+  if (!objection.empty()) {
+    oracle_.violation("hung_line", plan_.settings.buses[bus].name + ": " + objection);
   }
 }
 

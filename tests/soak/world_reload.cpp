@@ -67,6 +67,7 @@ void World::take_effect(const Reload& reload, const std::vector<bool>& absent) {
     driver_.forget_line(bus);
     std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
     oracle_.line_given_up(bus);
+    hangs_.forget(bus);
     if (!absent[bus] && !plan_.absent.buses[bus]) {
       shut_due_.insert(bus);
     }
@@ -79,6 +80,12 @@ void World::check_order_only(const gateway::Action& action) {
   const bool gives_up = std::holds_alternative<gateway::Open>(action) ||
                         std::holds_alternative<gateway::Shut>(action) ||
                         std::holds_alternative<gateway::Close>(action);
+  const auto* shut = std::get_if<gateway::Shut>(&action);
+  if (shut != nullptr &&
+      hangs_.is_due(static_cast<std::size_t>(reloads_.arrangement().plan_bus(shut->bus)),
+                    schedule_.now())) {
+    order_only_ = false;  // the line hangs
+  }
   if (order_only_ && gives_up) {
     oracle_.violation("reload_disturbs", gateway::to_text(action, gateway_.settings()));
   }
