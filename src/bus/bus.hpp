@@ -250,7 +250,7 @@ class Bus {
   // bus_groups.cpp: reads that share a transmission
   void share_response(Job& leader);
   void remember(const Job& job);
-  void split_up(Job& leader);
+  void split_up(Job& leader, Ending how);
   void end_over(Instant now);
   void watch_deadlines();
   void drop_followers(Job& leader, Instant now);

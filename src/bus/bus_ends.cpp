@@ -118,7 +118,7 @@ void Bus::handle_response(Job& job, const LineEnd& end, Instant now) {
   job.is_probe = false;
   if (exception && job.merged) {
     entry.merge_refused = true;
-    split_up(job);
+    split_up(job, Ending::answered);
     return;
   }
   if (job.is_single_read()) {
@@ -183,7 +183,7 @@ void Bus::handle_failure(Job& job, Instant now) {
     return;
   }
   if (job.merged && !entry.health.is_offline()) {
-    split_up(job);
+    split_up(job, Ending::no_answer);
   } else {
     finish(job, Ending::no_answer);
   }

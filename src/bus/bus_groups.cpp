@@ -42,15 +42,19 @@ void Bus::remember(const Job& job) {
 }
 
 // A merged read failed: its parts are sent one by one, before what their clients asked for later.
-void Bus::split_up(Job& leader) {
+// Who asked for all of it himself has had his tries.
+void Bus::split_up(Job& leader, Ending how) {
   std::erase(running_, &leader);
-  leader.merged.reset();
+  const auto whole = std::exchange(leader.merged, nullptr);
   auto parts = std::exchange(leader.followers, {});
   parts.insert(parts.begin(), &leader);
   for (Job* part : parts | std::views::reverse) {
     part->unmerged = true;
     part->tries = 0;
-    if (part->abandoned || stopping_) {
+    if (part->transaction().request.pdu() == whole->request.pdu()) {
+      part->transaction().response = whole->response;
+      end_job(*part, how);
+    } else if (part->abandoned || stopping_) {
       end_job(*part, Ending::cancelled);
     } else {
       queue_.push_front(*part);

@@ -71,7 +71,9 @@ struct Asked {
   Instant earliest;  ///< as old as the gateway may take it to be
   Instant accepted;  ///< as early as can be
   Instant deadline = Instant::max();
-  std::uint64_t sequence = 0;   ///< of acceptance
+  std::uint64_t sequence = 0;  ///< of acceptance
+  /// A broadcast of the same client address was to go before it.
+  Instant waited_until = Instant::min();
   bool has_begun = false;       ///< its first byte was read
   bool waits_in_pause = false;  ///< it lay in the socket while the gateway did not read
   bool is_accepted = false;

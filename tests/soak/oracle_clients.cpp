@@ -12,6 +12,19 @@ namespace {
 constexpr std::size_t kAnsweredKept = 256;
 constexpr std::size_t kDoneKept = 400;
 
+// A broadcast is a write to every device: what its client address asked for later went behind it.
+void let_go_behind(const Asked& broadcast, const auto& open, Instant now) {
+  const auto is_on_its_bus = [&](const Piece& piece) {
+    return std::ranges::find(broadcast.pieces, piece.bus, &Piece::bus) != broadcast.pieces.end();
+  };
+  for (const auto& [id, asked] : open) {
+    if (asked->host == broadcast.host && asked->sequence > broadcast.sequence &&
+        std::ranges::any_of(asked->pieces, is_on_its_bus)) {
+      asked->waited_until = now;
+    }
+  }
+}
+
 }  // namespace
 
 Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& schedule,
@@ -190,6 +203,9 @@ void Oracle::close(Asked& asked, const std::string& how) {
   }
   while (done_.size() > kDoneKept) {
     done_.pop_front();
+  }
+  if (asked.kind == Kind::broadcast && asked.is_accepted) {
+    let_go_behind(asked, open_, schedule_.now());
   }
   open_.erase(asked.id);
 }

@@ -10,6 +10,20 @@ namespace {
 
 constexpr int kAnswerTimes = 4;  // after so many answer times an owed answer was not just late
 
+// By its length a frame of the request's function is an answer to it: an exception, or what a read
+// brings. Those to other requests have fields that no answer of another function fits.
+bool has_length_of_answer(std::size_t size, const PduBytes& asked, bool is_ascii) {
+  constexpr std::size_t kException = 2;
+  const auto frame_of = [&](std::size_t pdu) { return is_ascii ? 2 * pdu + 7 : pdu + 3; };
+  const auto fields = spec::fields_of(asked);
+  if (size == frame_of(kException) || !fields || !fields->reads) {
+    return size == frame_of(kException);
+  }
+  const bool is_bits = asked.front() == 0x01 || asked.front() == 0x02;
+  const unsigned count = fields->reads->count;
+  return size == frame_of(2 + (is_bits ? (count + 7U) / 8U : 2 * std::size_t{count}));
+}
+
 }  // namespace
 
 // Writes repeat their address and value, reads say how much they bring.
@@ -172,7 +186,10 @@ void Oracle::note_uncertain(std::size_t bus, const HeardFrame& frame) {
                                                          : "beyond_quarantine";
     }
   }
-  if (frame.flight == 0 && std::erase(lane.owed, last->number) > 0) {
+  const bool is_ascii = bus_settings(bus).line.framing == bus::Framing::ascii;
+  const bool looks_like_answer =
+      is_strange && has_length_of_answer(frame.size, last->pdu, is_ascii);
+  if ((frame.flight == 0 || looks_like_answer) && std::erase(lane.owed, last->number) > 0) {
     book.answered = last->number;
   }
 }

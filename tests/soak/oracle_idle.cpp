@@ -67,8 +67,10 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
   last->is_answered = true;
   book.use.is_answered = true;
   book.use.ends = schedule_.now();
-  Lane& lane = book.lanes[frame.address];
-  lane.held_until = lane.held_before;
+  // By a quarantine that has grown an earlier one is still owed: then this may be the answer to it.
+  if (Lane& lane = book.lanes[frame.address]; lane.held_before <= last->begin) {
+    lane.held_until = lane.held_before;
+  }
 }
 
 void Oracle::note_use(const Flight& flight) {
@@ -116,7 +118,7 @@ std::optional<Instant> Oracle::could_go(const Flight& flight) const {
     if (asked.ordered || asked.ahead || asked.dropped) {
       return std::nullopt;
     }
-    from = std::max(from, asked.accepted);
+    from = std::max({from, asked.accepted, asked.waited_until});
   }
   return flight.surely_repeats ? from : std::max(from, lane.held_until);
 }
