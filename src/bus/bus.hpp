@@ -219,6 +219,7 @@ class Bus {
   [[nodiscard]] Duration held_by(const Job& stop, Instant ready) const;
   [[nodiscard]] Job* in_the_way_of(const Job& stop) const;
   void take_back_held_writes(Instant now);
+  void go_on_with_stops(Instant now);
   bool serve_stops(Instant now);
   bool send_stops(Instant now);
   [[nodiscard]] Job* next_stop();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What becomes of a request before it waits: refused, answered at once, or given a place.
 #include <algorithm>
+#include <span>
 
 #include "bus/bus.hpp"
 
@@ -10,6 +11,12 @@ namespace {
 /// So long may a request to an offline device wait for others of its kind: what a client waits for
 /// a silent device anyway.
 constexpr Duration kLongestProbing = std::chrono::seconds(1);
+
+/// Has one of its transmissions, or forms, ended? Questions of the gateway's own are none.
+bool is_begun(const Job& stop) {
+  return std::ranges::any_of(std::span(stop.transactions).first(stop.current),
+                             [](const Transaction& ended) { return ended.must_hold == nullptr; });
+}
 
 }  // namespace
 
@@ -155,6 +162,9 @@ void Bus::refuse_free_probes(Instant now) {
 bool Bus::push(Job& job) {
   if (job.job_class == JobClass::stop) {
     Job* same = queue_.find_stop([&](const Job& stop) {
+      if (is_begun(stop)) {
+        return false;
+      }
       // A write between them that is let go first is to be stopped too.
       const bool crosses = !job.is_broadcast() &&
                            queue_.write_waits_between(job.address(), stop.sequence, job.sequence);

@@ -31,6 +31,8 @@ class BusQueue {
   void push_front(Job& job);
   /// Queues a stop that was there before, behind the other stops.
   void push_again(Job& stop) { stops_.push_back(stop); }
+  /// The same, in front of them.
+  void push_stop_front(Job& stop) { stops_.push_front(stop); }
   /// The waiting read that has to make room in a full queue: the newest of the client address with
   /// the most waiting requests. Nothing if that one has no read that waits.
   [[nodiscard]] Job* read_to_evict();

@@ -169,9 +169,23 @@ Job* Bus::next_stop() {
   return stop != nullptr ? stop : queue_.first_stop();
 }
 
+// Of several transmissions, or forms, each goes like the first, and no other stop between them.
+void Bus::go_on_with_stops(Instant now) {
+  const auto is_between_parts = [](const Job* job) {
+    return job->job_class == JobClass::stop && !job->in_flight;
+  };
+  for (auto begun = std::ranges::find_if(running_, is_between_parts); begun != running_.end();
+       begun = std::ranges::find_if(running_, is_between_parts)) {
+    (*begun)->waits_since = now;
+    queue_.push_stop_front(**begun);
+    running_.erase(begun);
+  }
+}
+
 // True: nothing else may begin now. False: no stop waits, or only such as let writes go first, and
 // nothing but these may begin.
 bool Bus::serve_stops(Instant now) {
+  go_on_with_stops(now);
   take_back_held_writes(now);
   if (!send_stops(now)) {
     return true;

@@ -56,6 +56,7 @@ struct Asked {
   std::optional<std::uint8_t> refused;  ///< the gateway itself must answer this exception
   std::optional<ReadCheck> check;
   bool failsafe = false;      ///< the gateway's own, sent as a stop
+  bool is_unwanted = false;   ///< of these: a client that may write has asked since
   bool stops_all = false;     ///< a broadcast that is a stop
   bool identity = false;      ///< it asks the device who it is
   bool is_shared = false;     ///< a stop that is like others

@@ -145,6 +145,7 @@ class Oracle {
   void accept(Asked& asked);
   void begin_failsafe();
   void drop_failsafe(std::size_t device);
+  void drop_unwanted(std::size_t bus);
   void failsafe_line_back(Book& book);
   [[nodiscard]] bool waits_for_line(const Asked& asked) const;
   void check_failsafe(const Asked& asked);
@@ -267,7 +268,6 @@ class Oracle {
   void note_excused(const Flight& flight);
   void note_interrupted(Book& book);
   void note_cut(Book& book);
-
   [[nodiscard]] std::string name(const Asked& asked) const;
   [[nodiscard]] std::string name(const Flight& flight) const;
   [[nodiscard]] const gateway::BusSettings& bus_settings(std::size_t bus) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stops that nobody is told of: failsafe writes, and those whose client has gone.
 #include <algorithm>
+#include <iterator>
 
 #include "soak/oracle.hpp"
 
@@ -38,20 +39,29 @@ unsigned Oracle::failsafes_like(const Asked& asked, const Piece& piece) const {
       [&](const Asked* other) { return other->failsafe && other->pdu == asked.pdu; }));
 }
 
-// A client that may write asks again: what could not be sent yet must not be sent any more. Where
-// the bus itself may have it already, nobody can tell.
+// A client that may write asks again: what could not be sent yet must not be sent any more. What
+// the bus has already goes on, unless its line is lost before.
 void Oracle::drop_failsafe(std::size_t device) {
   const drive::Device& at = plan_.settings.devices[device];
   const auto bus = static_cast<std::size_t>(at.bus);
-  const Book& book = books_[bus];
-  if (book.open) {
-    return;
+  for (Asked* asked : books_[bus].lanes[at.address].open) {
+    asked->is_unwanted = asked->failsafe && asked->flights == 0 && !asked->dropped;
   }
-  const std::vector<Asked*> open = book.lanes[at.address].open;
-  for (Asked* asked : open) {
-    if (!asked->failsafe || asked->flights > 0 || asked->dropped) {
-      continue;
-    }
+  if (!books_[bus].open) {
+    drop_unwanted(bus);
+  }
+}
+
+// Where the bus itself may have it already, nobody can tell.
+void Oracle::drop_unwanted(std::size_t bus) {
+  const Book& book = books_[bus];
+  std::vector<Asked*> unwanted;
+  for (const Lane& lane : book.lanes) {
+    std::ranges::copy_if(lane.open, std::back_inserter(unwanted), [](const Asked* asked) {
+      return asked->is_unwanted && asked->flights == 0 && !asked->dropped;
+    });
+  }
+  for (Asked* asked : unwanted) {
     report_.fault("failsafe_client_back");
     if (book.starting || is_tcp(bus)) {
       asked->dropped = true;

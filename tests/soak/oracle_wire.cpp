@@ -75,6 +75,7 @@ void Oracle::bus_lost(std::size_t bus) {
   book.open = book.starting = book.rests = book.opening = book.is_restarted = false;
   book.early_stops.clear();
   book.last_down = schedule_.now();
+  drop_unwanted(bus);
   book.stops.clear();
   book.flying.clear();
   book.unheard.clear();

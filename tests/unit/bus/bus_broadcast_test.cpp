@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Broadcasts in the forms that the devices of a bus hear.
 #include "bus_rig.hpp"
+#include "stop_axis.hpp"
 
 namespace mbgate::test {
 namespace {
+
+using testing::StartsWith;
 
 class BusBroadcast : public Bus {
  protected:
@@ -58,6 +61,38 @@ TEST_F(BusBroadcast, NoFormIsSentAfterTheDeadline) {
   EXPECT_THAT(endings_, ElementsAre(Ending::expired));
   EXPECT_EQ(ended_at_[0] - start, 50ms);
   EXPECT_TRUE(late.was_on_wire);
+}
+
+TEST_F(BusBroadcast, OfAStopAllFormsGoBeforeOtherStops) {
+  open(settings(), {axis(settings())});
+  submit(both_forms(kStop));
+  submit(job_of(1, kStop));
+  advance(3 * kEmission + 250ms);
+  EXPECT_THAT(frames_,
+              ElementsAre(StartsWith("00 06 00 7C"), StartsWith("81 86 00 7C"), kStopFrame));
+}
+
+TEST_F(BusBroadcast, AStopIsNotJoinedToOneOfWhichAFormHasLeft) {
+  open(settings(), {axis(settings())});
+  submit(both_forms(kStop));
+  advance(kEmission + 50ms);
+  submit(both_forms(kStop));
+  advance(1s);
+  EXPECT_THAT(frames_, ElementsAre(StartsWith("00 06"), StartsWith("81 86"), StartsWith("00 06"),
+                                   StartsWith("81 86")));
+  EXPECT_THAT(endings_, ElementsAre(Ending::transmitted, Ending::transmitted));
+}
+
+TEST_F(BusBroadcast, OfAStopAllFormsGoThoughTheLineIsNotSilentAnyMore) {
+  open(settings(), {axis(settings())});
+  submit(both_forms(kStop));
+  advance(kEmission);
+  for (int times = 0; times < 2100; ++times) {
+    line("FF");
+    advance(1ms);
+  }
+  EXPECT_THAT(frames_, ElementsAre(StartsWith("00 06"), StartsWith("81 86")));
+  EXPECT_THAT(endings_, ElementsAre(Ending::transmitted));
 }
 
 TEST_F(BusBroadcast, SaysNothingOfTheDeviceThatHasTheAddress) {
