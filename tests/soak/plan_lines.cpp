@@ -67,13 +67,18 @@ void draw_line_kind(SoakPlan& plan, std::size_t bus, Random& random) {
   }
 }
 
-// Slow lines, other characters, device servers in the network.
+// Slow lines, other characters, device servers in the network. At 1200 baud t3.5 is longer than the
+// shortest response timeout: no answer could come in time and still be told from one to the echo,
+// which where it is denied is another client's request.
 void draw_wire(SoakPlan& plan, std::size_t bus, Random& random) {
   bus::BusSettings& settings = plan.settings.buses[bus];
   bus::LineSettings& line = settings.line;
   if (random.chance(120)) {
     line.baud = modbus::Baud{random.one_of<std::uint32_t>({1200, 2400, 4800})};
     settings.stop_wait = random.duration(300ms, 900ms);  // a stop has left by then
+    if (line.baud < modbus::Baud{2400} && plan.echoes[bus] && line.echo) {
+      line.echo = true;
+    }
   }
   if (random.chance(500)) {
     line.format.parity =

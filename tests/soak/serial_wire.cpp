@@ -159,6 +159,9 @@ void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& req
   if (timing.response_wait > Duration{0} && happens(rates_.early, "early")) {
     wait = 300us;
   }
+  if (is_calm_ && around_.plan.echoes[bus_] && settings_.line.echo == false) {
+    wait = std::max(wait, silence_);
+  }
   if (is_prompt_ && !slow) {
     wait = echo_random_.duration(0us, 2ms);
   }

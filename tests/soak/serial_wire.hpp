@@ -10,6 +10,8 @@
 // - glitches stand only before answers whose length a byte count or the request tells;
 // - no zeros come behind an answer that only silence ends: they leave a good CRC good;
 // - an answer of the wrong unit has an address that nobody uses;
+// - in the quiet phase nobody answers within t3.5 behind an echo that the settings deny: that echo
+//   is then another client's request, and what follows without a silence answers that;
 // - a stranger on the line asks no device that owes the gateway an answer, and has its own answer
 //   before the line was silent.
 // An adapter that hands bytes over late undoes some of that: what was not silent on the line is so
@@ -35,6 +37,7 @@ class SerialWire {
   void transmit(const Flight& flight, Bytes frame);
   /// From now on nothing goes wrong any more.
   void calm_down() {
+    is_calm_ = true;
     rates_ = FaultRates{};
     babbles_until_ = Instant::min();
     adapter_.calm_down();
@@ -134,6 +137,7 @@ class SerialWire {
   Random echo_random_;
   std::optional<OwnEcho> echo_;  ///< of what was transmitted last
   Instant babbles_until_ = Instant::min();
+  bool is_calm_ = false;
   bool opaque_ = false;  ///< only silence ends the answer to what was transmitted last
 };
 
