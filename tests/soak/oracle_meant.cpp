@@ -166,7 +166,15 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   asked.maybe_on_wire = true;
   asked.surely_on_wire = asked.surely_on_wire || (alone && !piece.asks_order);
   note_write_event(asked, flight.bus);
-  std::erase(books_[flight.bus].stops, &asked);
+  // The next form of a broadcast waits as the first did.
+  const bool is_whole = std::ranges::all_of(asked.pieces, [&](const Piece& it) {
+    return it.bus != flight.bus || it.sent > 0 || it.taken_back;
+  });
+  if (is_whole) {
+    std::erase(books_[flight.bus].stops, &asked);
+  } else if (asked.waits_from) {
+    asked.waits_from = schedule_.now();
+  }
   if (!asked.replies &&
       std::ranges::all_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {
     end_without_reply(asked);

@@ -29,26 +29,44 @@ void Oracle::begin_shutdown() {
   }
 }
 
+// Nobody cuts an answer that has begun: what was on the wire when it was told to stop may last
+// until the end, and keep the line from the failsafe writes.
 void Oracle::finished() {
   finished_ = true;
   if (!stopping_ || schedule_.now() > *stopping_ + kGrace + kLatestEnd) {
     violation("finished_late", "the gateway");
+    return;
+  }
+  const auto is_still_answered = [&](const Book& book) {
+    const Flight* last = flight(book.last_flight);
+    if (last == nullptr || is_tcp(last->bus) || last->begin > *stopping_ || book.came == 0) {
+      return false;
+    }
+    const auto& settings = bus_settings(last->bus);
+    const Duration pause =
+        settings.line.framing == bus::Framing::ascii ? 1s : spec::slack_of(settings);
+    return book.use.first_read < last->due &&
+           schedule_.now() <= book.use.first_read + rest_of_answer(*last) &&
+           schedule_.now() <= book.last_handed_in + pause + spec::silence_of(settings);
+  };
+  for (const auto& [id, asked] : open_) {
+    if (!asked->failsafe || asked->accepted != *stopping_ || asked->flights > 0) {
+      continue;
+    }
+    const std::size_t bus = asked->pieces.front().bus;
+    const Book& book = books_[bus];
+    const bool could_go = book.open && book.last_down < *stopping_ &&
+                          book.stops_at_end <= kFewStops &&
+                          plan_.rates[bus].babbles_every == Duration{0};
+    if (could_go && !is_still_answered(book)) {
+      violation("failsafe_missing", name(*asked) + " at the end");
+    }
   }
 }
 
 void Oracle::check_stopped() {
   if (!finished_) {
     violation("not_finished", "the gateway");
-  }
-  for (const auto& [id, asked] : open_) {
-    const std::size_t bus = asked->failsafe ? asked->pieces.front().bus : 0;
-    const Book& book = books_[bus];
-    const bool could_go = book.open && book.last_down < *stopping_ &&
-                          book.stops_at_end <= kFewStops &&
-                          plan_.rates[bus].babbles_every == Duration{0};
-    if (asked->failsafe && asked->accepted == *stopping_ && asked->flights == 0 && could_go) {
-      violation("failsafe_missing", name(*asked) + " at the end");
-    }
   }
   for (const auto& [client, session] : sessions_) {
     for (const auto& [transaction, id] : session.by_transaction) {
