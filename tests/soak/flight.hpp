@@ -25,12 +25,19 @@ struct Flight {
   bool surely_repeats = false;  ///< one request, for which alone the read was transmitted last
   std::optional<Instant> stop_from{};  ///< a stop that was not tried before waits since then
   bool is_part = false;                ///< of several transactions that stay together
-  bool beside_stop = false;            ///< a stop waits that lets it go first, or gives way to it
+  bool beside_stop = false;            ///< another stop waits: it lets it go first, or gives way
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;
   bool is_answered = false;  ///< for certain: the answer met no fault
-  std::size_t size = 0;      ///< of its frame
+  /// A whole answer came that fits, and this may have kept it from being taken.
+  const char* unsure = nullptr;
+  bool has_whole_echo = false;  ///< it was read; another one may look like a damaged answer
+  bool is_cut_off = false;      ///< its line or connection has gone meanwhile
+  bool is_named = false;        ///< what came has its address and function, one behind the other
+  std::size_t came = 0;  ///< bytes that reached the kernel before anything else was transmitted
+  Instant first_came = Instant::max();  ///< the first of these
+  std::size_t size = 0;                 ///< of its frame
   Instant begin;
   Instant end;
   Instant deadline;            ///< the first byte of its answer must be there

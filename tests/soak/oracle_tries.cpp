@@ -13,7 +13,8 @@ void Oracle::check_answered(const Asked& asked) {
     return;
   }
   const Flight* last = asked.last_alone != 0 ? flight(asked.last_alone) : nullptr;
-  if (last != nullptr && last->is_answered && asked.pieces.size() == 1) {
+  if (last != nullptr && last->is_answered && !last->is_cut_off && asked.pieces.size() == 1 &&
+      books_[last->bus].last_down < last->begin) {
     violation("answer_lost",
               name(asked) + ", answered " +
                   std::to_string((schedule_.now() - last->begin) / std::chrono::microseconds(1)) +

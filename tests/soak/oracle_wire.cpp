@@ -124,6 +124,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   flight.size = frame.size();
   book.is_unused = false;
   book.came = 0;
+  book.tail = {};
   book.read_while_sending = Instant::min();
   book.is_strange = false;
   note_counts(flight);

@@ -158,7 +158,7 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
 }
 
 void SerialWire::hand_over(const Heard& heard) {
-  around_.oracle.bytes_came(bus_, heard.bytes.size());
+  around_.oracle.bytes_came(bus_, heard.bytes);
   for (const HeardFrame& frame : heard.frames) {
     around_.oracle.frame_came(bus_, frame);
     if (frame.fits && frame.flight != 0 && frame.began >= own_end_) {
