@@ -137,6 +137,7 @@ class Oracle {
 
  private:
   friend class Refusals;
+  friend class TurnRules;
   // oracle_clients.cpp
   void accept_backlog(Session& session);
   void look_ahead(Session& session);

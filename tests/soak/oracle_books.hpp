@@ -10,6 +10,7 @@
 
 #include "soak/asked.hpp"
 #include "soak/flight.hpp"
+#include "soak/turns.hpp"
 
 namespace mbgate::soak {
 
@@ -132,6 +133,7 @@ struct Book {
   bool unread_stranger = false;  ///< the request of another client
   bool is_strange = false;       ///< what came looks like an echo, and is none
   LineUse use;
+  Turns turns;
   Reopening reopening;
   // Of the line, since it was opened:
   bool echo_found = false;  ///< the gateway says that there is an echo

@@ -118,6 +118,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
   check_idle(flight);
+  TurnRules(*this).check(flight);
   check_bounds(flight);
   set_times(flight);
   note_use(flight);
