@@ -26,6 +26,7 @@ struct Flight {
   std::optional<Instant> stop_from{};  ///< a stop that was not tried before waits since then
   bool is_part = false;                ///< of several transactions that stay together
   bool beside_stop = false;            ///< another stop waits: it lets it go first, or gives way
+  bool meets_stop = false;             ///< one was accepted after it
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;

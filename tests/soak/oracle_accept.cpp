@@ -135,6 +135,9 @@ void Oracle::cancel_for_stop(const Asked& stop) {
   for (const Piece& piece : stop.pieces) {
     Book& book = books_[piece.bus];
     book.last_stop = schedule_.now();
+    if (Flight* last = flight(book.last_flight)) {
+      last->meets_stop = true;
+    }
     for (std::size_t address = 0; address < book.lanes.size(); ++address) {
       Lane& lane = book.lanes.at(address);
       if (address != piece.address && !stop.stops_all) {

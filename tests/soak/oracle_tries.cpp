@@ -22,13 +22,14 @@ void Oracle::check_answered(const Asked& asked) {
   }
 }
 
-// It was told that there is no answer.
+// It was told that there is no answer. Who shares a read has been there since its first try; where
+// others asked for the same apart, some tries may have been theirs, and it had fewer.
 void Oracle::judge_tries(const Asked& asked) {
   if (stopping_) {
     return;
   }
   if (!asked.is_read() || !asked.door->device || asked.pieces.size() != 1 || asked.ordered ||
-      asked.flights == 0 || asked.flights != asked.flights_alone || may_be_offline(asked)) {
+      asked.flights == 0 || may_be_offline(asked)) {
     return;
   }
   const Piece& piece = asked.pieces.front();

@@ -153,11 +153,15 @@ const char* Refusals::why_no_response(const Asked& asked) const {
   return asked.pieces.size() > 1 || was_merged(asked) ? why_unfinished(asked) : nullptr;
 }
 
-// If the read that it was merged into is refused, its own is still to be transmitted.
+// If the read that it was merged into, or that others were merged into, is refused, its own is
+// still to be transmitted.
 bool Refusals::was_merged(const Asked& asked) const {
+  const auto& piece = asked.pieces.front();
+  const bool may_merge = oracle_.bus_settings(piece.bus).merge ||
+                         asked.accepted <= oracle_.books_[piece.bus].last_merge;
   return std::ranges::any_of(asked.tries, [&](std::uint64_t number) {
     const Flight* flight = oracle_.flight(number);
-    return flight != nullptr && flight->pdu != asked.pieces.front().pdu;
+    return flight != nullptr && may_merge && (flight->pdu != piece.pdu || flight->asked.size() > 1);
   });
 }
 
@@ -180,9 +184,15 @@ const char* Refusals::why_unfinished(const Asked& asked) const {
   if (is_away(asked)) {
     return "part_line_away";
   }
-  if (asked.kind == Kind::broadcast && any([&](const Piece& piece) {
-        return oracle_.books_[piece.bus].last_full >= asked.accepted;
-      })) {
+  if (asked.is_read() && oracle_.may_be_offline(asked)) {
+    return "part_offline";
+  }
+  const bool found_none = any([&](const Piece& piece) {
+    return asked.kind == Kind::broadcast
+               ? oracle_.books_[piece.bus].last_full >= asked.accepted
+               : was_merged(asked) && found_no_room(asked, piece.bus);  // it waits once more
+  });
+  if (found_none) {
     return "part_queue_full";
   }
   return oracle_.stopping_ ? "part_shutdown" : nullptr;
@@ -224,7 +234,8 @@ const char* Refusals::fault_of(const Flight& flight) const {
 // From outside nobody sees which stop waits: one that was accepted, or sent and not acknowledged.
 bool Refusals::may_be_cut(const Flight& flight) const {
   const Instant last = oracle_.books_[flight.bus].last_stop;
-  return flight.beside_stop || (flight.is_stop ? last > flight.begin : last >= flight.begin);
+  return flight.beside_stop || flight.meets_stop ||
+         (flight.is_stop ? last > flight.begin : last >= flight.begin);
 }
 
 // Nothing came that could end the wait for its answer.
