@@ -170,7 +170,7 @@ void FarServer::flush(std::size_t bytes) {
     closes = closes || happens(rates_.closes_after, "close_after_answer");
   }
   last_byte_ = around_.schedule.now();
-  around_.oracle.bytes_came(bus_, 0);
+  around_.oracle.bytes_came(bus_, {});
   const std::uint64_t epoch = epoch_;
   around_.deliver(bus_, piece);
   if (closes && epoch == epoch_) {

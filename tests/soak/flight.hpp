@@ -28,11 +28,19 @@ struct Flight {
   bool beside_stop = false;            ///< a stop waits that lets it go first, or gives way to it
   bool stop_is_open = false;           ///< some stop of its bus waits, or may be sent again
   bool asks_order = false;             ///< whoever it is for, the gateway learns the word order
+  bool meets_stop = false;             ///< one was accepted after it
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;
   bool is_answered = false;  ///< for certain: the answer met no fault
-  std::size_t size = 0;      ///< of its frame
+  /// A whole answer came that fits, and this may have kept it from being taken.
+  const char* unsure = nullptr;
+  bool has_whole_echo = false;  ///< it was read; another one may look like a damaged answer
+  bool is_cut_off = false;      ///< its line or connection has gone meanwhile
+  bool is_named = false;        ///< what came has its address and function, one behind the other
+  std::size_t came = 0;  ///< bytes that reached the kernel before anything else was transmitted
+  Instant first_came = Instant::max();  ///< the first of these
+  std::size_t size = 0;                 ///< of its frame
   Instant begin;
   Instant end;
   Instant deadline;            ///< the first byte of its answer must be there

@@ -86,7 +86,7 @@ class Oracle {
   /// Nothing of it is heard.
   void echo_lost(const Flight& flight);
   /// Bytes have reached the kernel, where the gateway can read them.
-  void bytes_came(std::size_t bus, std::size_t size);
+  void bytes_came(std::size_t bus, Bytes bytes);
   /// It has read them.
   void bytes_handed_in(std::size_t bus);
   /// A whole good frame has reached the kernel.
@@ -136,6 +136,8 @@ class Oracle {
   [[nodiscard]] std::uint64_t perhaps_accepted() const { return perhaps_accepted_; }
 
  private:
+  friend class Refusals;
+  friend class TurnRules;
   // oracle_clients.cpp
   void accept_backlog(Session& session);
   void look_ahead(Session& session);
@@ -175,10 +177,7 @@ class Oracle {
   [[nodiscard]] static bool was_asked_before_reload(const Asked& asked);
   void device_answered(const Asked& asked);
   void judge_exception(const Asked& asked, std::uint8_t code);
-  void judge_busy(const Asked& asked);
   [[nodiscard]] bool may_be_stopped(const Asked& asked) const;
-  void judge_no_path(const Asked& asked);
-  void judge_no_response(const Asked& asked);
   void judge_cut(const Asked& asked);
   void judge_data(const Asked& asked, Bytes pdu);
   void judge_bits(const Asked& asked, Bytes pdu);
@@ -238,6 +237,7 @@ class Oracle {
   // oracle_idle.cpp
   void note_whole(std::size_t bus, HeardFrame& frame) const;
   void note_answered(std::size_t bus, const HeardFrame& frame);
+  [[nodiscard]] const char* why_unsure(const Flight& flight, const HeardFrame& frame) const;
   void note_use(const Flight& flight);
   void check_idle(const Flight& flight);
   [[nodiscard]] std::optional<Instant> could_go(const Flight& flight) const;

@@ -98,10 +98,13 @@ void Oracle::accept(Asked& asked) {
     Book& book = books_[piece.bus];
     const bool is_one_too_many = asked.is_stop() && book.open_stops.size() >= bus::kRoomForStops;
     if (is_first_on_its_bus(asked, piece)) {
-      if (book.present >= bus_settings(piece.bus).queue || is_one_too_many) {
-        book.last_full = schedule_.now();
+      if (is_one_too_many) {
+        book.last_full_of_stops = schedule_.now();
       }
-      ++book.present;
+      if (!asked.is_stop()) {
+        book.note_size(bus_settings(piece.bus).queue, schedule_.now());
+        ++book.present;
+      }
       // One part of a broadcast may be refused while others wait.
       const bool whole = asked.kind != Kind::broadcast || asked.pieces.size() == 1;
       if (!asked.is_stop() && whole && !asked.dropped && !asked.ordered && !asked.ahead) {
@@ -132,6 +135,9 @@ void Oracle::cancel_for_stop(const Asked& stop) {
   for (const Piece& piece : stop.pieces) {
     Book& book = books_[piece.bus];
     book.last_stop = schedule_.now();
+    if (Flight* last = flight(book.last_flight)) {
+      last->meets_stop = true;
+    }
     for (std::size_t address = 0; address < book.lanes.size(); ++address) {
       Lane& lane = book.lanes.at(address);
       if (address != piece.address && !stop.stops_all) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "soak/oracle.hpp"
+#include "soak/refusals.hpp"
 
 namespace mbgate::soak {
 namespace {
@@ -76,14 +77,21 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     violation("wrong_refusal", code_text(code) + " of the gateway's own unit");
     return;
   }
+  const Refusals refusals(*this);
   switch (code) {
     case kBusy:
-      judge_busy(asked);
+      refusals.judge_busy(asked);
       judge_expiry(asked);
       judge_eviction(asked);
       return;
-    case kNoPath: judge_no_path(asked); return;
-    case kNoResponse: judge_no_response(asked); return;
+    case kNoPath: refusals.judge_no_path(asked); return;
+    case kNoResponse:
+      refusals.judge_no_response(asked);
+      judge_cut(asked);
+      check_answered(asked);
+      judge_tries(asked);
+      judge_expiry(asked);
+      return;
     default: break;
   }
   if (!asked.device_exceptions.test(code) &&
@@ -134,56 +142,6 @@ bool Oracle::may_be_stopped(const Asked& asked) const {
                        ? book.last_stop
                        : book.lanes[it.address].last_stop) >= asked.earliest;
          });
-}
-
-void Oracle::judge_busy(const Asked& asked) {
-  if (asked.surely_on_wire) {
-    violation("busy_after_wire", name(asked));
-    return;
-  }
-  const bool expired = asked.deadline != Instant::max() &&
-                       schedule_.now() >= asked.deadline - (asked.written - asked.earliest);
-  const bool reason = stopping_ || expired || may_be_stopped(asked) ||
-                      writers_.may_be_held(asked, schedule_.now()) || asked.dropped ||
-                      asked.doomed || std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
-                        return piece.taken_back || books_[piece.bus].last_full >= asked.accepted ||
-                               (piece.asks_order && piece.sent > 0);
-                      });
-  if (!reason) {
-    violation(
-        "busy_without_reason",
-        name(asked) + ", deadline " +
-            std::to_string((asked.deadline - schedule_.now()) / std::chrono::microseconds(1)) +
-            " us from now, as old as " +
-            std::to_string((schedule_.now() - asked.earliest) / std::chrono::microseconds(1)) +
-            " us, accepted " +
-            std::to_string((schedule_.now() - asked.accepted) / std::chrono::microseconds(1)) +
-            " us ago");
-  }
-}
-
-void Oracle::judge_no_path(const Asked& asked) {
-  if (asked.surely_on_wire && asked.kind != Kind::broadcast) {
-    violation("no_path_after_wire", name(asked));
-    return;
-  }
-  const bool line_was_away = std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
-    const Book& book = books_[piece.bus];
-    return (!book.open && !book.rests) || book.last_down >= asked.accepted;
-  });
-  if (!stopping_ && !line_was_away && (asked.is_read() || !may_be_offline(asked))) {
-    violation("no_path_without_reason", name(asked));
-  }
-}
-
-void Oracle::judge_no_response(const Asked& asked) {
-  if (!asked.maybe_on_wire && !(asked.is_read() && may_be_offline(asked))) {
-    violation("no_response_without_wire", name(asked));
-  }
-  judge_cut(asked);
-  check_answered(asked);
-  judge_tries(asked);
-  judge_expiry(asked);
 }
 
 // Between these instants the device must have held what the answer shows.

@@ -10,10 +10,13 @@
 
 #include "soak/asked.hpp"
 #include "soak/flight.hpp"
+#include "soak/turns.hpp"
 
 namespace mbgate::soak {
 
-constexpr const char* kClosed = "for_closed_client";       ///< by the gateway
+constexpr const char* kClosed = "for_closed_client";  ///< by the gateway
+/// Of a gateway that is told to stop: so long what is on the wire has for its answer.
+constexpr Duration kGrace = std::chrono::milliseconds(1500);
 constexpr Duration kStopLife = std::chrono::seconds(120);  ///< hundreds may wait on a slow line
 
 /// What is compared with the gateway's own counters.
@@ -87,6 +90,8 @@ struct Reopening {
 
 /// A bus.
 struct Book {
+  void note_size(std::size_t queue, Instant now) { last_full = present >= queue ? now : last_full; }
+
   std::array<Lane, 256> lanes;
   bool open = false;
   bool starting = true;  ///< it has not been opened yet: requests wait
@@ -95,7 +100,8 @@ struct Book {
   bool is_restarted = false;           ///< it was silent for too long
   std::vector<std::uint64_t> in_vain;  ///< to a server from which nothing has come since
   Instant last_down = Instant::min();
-  Instant last_full = Instant::min();
+  Instant last_full = Instant::min();  ///< no room for one more
+  Instant last_full_of_stops = Instant::min();
   Instant last_stop = Instant::min();
   Instant own_end = Instant::min();
   Instant last_byte = Instant::min();
@@ -103,7 +109,7 @@ struct Book {
   Instant turnaround_end = Instant::min();
   Instant held_until = Instant::min();  ///< the same by settings that came meanwhile
   std::size_t waiting = 0;              ///< requests that are surely in its queue
-  std::size_t present = 0;              ///< requests that may be
+  std::size_t present = 0;              ///< requests that may be, no stops
   std::vector<Asked*> stops;            ///< that wait
   std::vector<Asked*> open_stops;       ///< that wait or were sent
   std::vector<Asked*> early_stops;      ///< that wait for the line to be opened first
@@ -119,7 +125,8 @@ struct Book {
   Instant stop_wait_from = Instant::min();  ///< it is what it is
   BusCount count;
   // Of the own transmission that was last:
-  std::size_t came = 0;  ///< bytes that have reached the kernel since its beginning
+  std::size_t came = 0;                ///< bytes that have reached the kernel since its beginning
+  std::array<std::uint8_t, 4> tail{};  ///< the last of them
   Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
   std::vector<HeardFrame> unread;               ///< good frames in the kernel
   std::optional<HeardEcho> unread_echo;
@@ -127,6 +134,7 @@ struct Book {
   bool unread_stranger = false;  ///< the request of another client
   bool is_strange = false;       ///< what came looks like an echo, and is none
   LineUse use;
+  Turns turns;
   Reopening reopening;
   // Of the line, since it was opened:
   bool echo_found = false;  ///< the gateway says that there is an echo

@@ -188,7 +188,8 @@ void Oracle::close(Asked& asked, const std::string& how) {
   for (Piece& piece : asked.pieces) {
     Book& book = books_[piece.bus];
     leave_queue(piece);
-    if (present && is_first_on_its_bus(asked, piece)) {
+    if (present && !asked.is_stop() && is_first_on_its_bus(asked, piece)) {
+      book.note_size(bus_settings(piece.bus).queue, schedule_.now());
       --book.present;
     }
     std::erase(book.lanes[piece.address].open, &asked);

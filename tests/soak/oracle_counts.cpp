@@ -35,7 +35,11 @@ void Oracle::note_interrupted(Book& book) {
 
 void Oracle::note_cut(Book& book) {
   const auto note = [&](std::uint64_t number) {
-    if (const Flight* cut = flight(number); cut != nullptr && cut->expects_answer) {
+    Flight* cut = flight(number);
+    if (cut != nullptr) {
+      cut->is_cut_off = true;
+    }
+    if (cut != nullptr && cut->expects_answer) {
       ++book.count.interrupted;
       ++book.lanes[cut->address].count.interrupted;
     }

@@ -130,6 +130,7 @@ void Oracle::read_echo(std::size_t bus) {
   if (!echo || last == nullptr || last->number != echo->flight) {
     return;
   }
+  last->has_whole_echo = echo->is_whole;
   if (last->pdu.size() == 1) {
     return;
   }

@@ -40,28 +40,15 @@ Duration Oracle::rest_of_answer(const Flight& flight) const {
              : spec::WireTimes(settings.line).of(spec::kRtuFrame) + spec::slack_of(settings) + 20ms;
 }
 
-// The answer to what was transmitted last, in time, and nothing else came with it: it must be
-// taken.
+// The answer to what was transmitted last.
 void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
   Book& book = books_[bus];
   Flight* last = flight(book.last_flight);
-  const auto& line = bus_settings(bus).line;
-  if (last == nullptr || last->number != frame.flight || !frame.fits || frame.is_nobodys ||
-      frame.is_refused || frame.waits || !frame.is_only_debt || last->is_uncertain ||
-      asks_identity(last->pdu[0]) || last->pdu[0] == kOwnFunction) {
+  if (last == nullptr || last->number != frame.flight || !frame.fits || frame.is_nobodys) {
     return;
   }
-  const bool may_echo = plan_.echoes[bus] || line.echo.value_or(false) || book.echo_found;
-  // One that begins before `response_wait` is over may be taken for one that is owed.
-  const bool is_in_time = frame.began >= last->end + last->timing.response_wait &&
-                          frame.began < last->deadline && book.open_stops.empty();
-  const bool is_in_one = line.framing == bus::Framing::ascii
-                             ? frame.ended <= book.use.first_read + 1s
-                             : frame.ended < book.use.first_read +
-                                                 spec::slack_of(bus_settings(bus)) +
-                                                 spec::WireTimes(line).of(frame.size);
-  if (may_echo || !is_in_time || !is_in_one || book.came != frame.size ||
-      reloaded_ >= last->begin || last->begin < book.opened) {
+  last->unsure = why_unsure(*last, frame);
+  if (last->unsure != nullptr) {
     return;
   }
   last->is_answered = true;
@@ -71,6 +58,49 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
   if (Lane& lane = book.lanes[frame.address]; lane.held_before <= last->begin) {
     lane.held_until = lane.held_before;
   }
+}
+
+// If it came in time, and nothing else with it, it must be taken; nullptr then.
+const char* Oracle::why_unsure(const Flight& flight, const HeardFrame& frame) const {
+  const Book& book = books_[flight.bus];
+  const auto& line = bus_settings(flight.bus).line;
+  if (frame.is_refused || frame.waits) {
+    return "hurried";
+  }
+  if (!frame.is_only_debt) {
+    return "beside_debts";
+  }
+  if (flight.is_uncertain) {
+    return "uncertain";
+  }
+  if (asks_identity(flight.pdu[0]) || flight.pdu[0] == kOwnFunction) {
+    return "ended_by_silence";
+  }
+  if (plan_.echoes[flight.bus] || line.echo.value_or(false) || book.echo_found) {
+    return "beside_echo";
+  }
+  // Before `response_wait` is over it may be taken for one that is owed.
+  if (frame.began < flight.end + flight.timing.response_wait) {
+    return "early";
+  }
+  if (frame.began >= flight.deadline) {
+    return "late";
+  }
+  if (!book.open_stops.empty()) {
+    return "beside_stop";
+  }
+  const bool is_in_one = line.framing == bus::Framing::ascii
+                             ? frame.ended <= book.use.first_read + 1s
+                             : frame.ended < book.use.first_read +
+                                                 spec::slack_of(bus_settings(flight.bus)) +
+                                                 spec::WireTimes(line).of(frame.size);
+  if (!is_in_one) {
+    return "paused";
+  }
+  if (book.came != frame.size) {
+    return "beside_noise";
+  }
+  return reloaded_ >= flight.begin || flight.begin < book.opened ? "reload" : nullptr;
 }
 
 void Oracle::note_use(const Flight& flight) {

@@ -9,6 +9,20 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+/// How the address and a function begin a frame; in ASCII they are four digits.
+spec::Octets name_of(std::uint8_t address, unsigned function, bool is_ascii) {
+  const auto code = static_cast<std::uint8_t>(function);
+  if (!is_ascii) {
+    return {address, code};
+  }
+  const auto frame = spec::ascii_frame(address, Bytes(&code, 1));
+  return {frame.begin() + 1, frame.begin() + 5};
+}
+
+}  // namespace
+
 // Of one connection and one device, always in order.
 void Oracle::check_order(const Asked& asked, const Flight& flight) {
   Book& book = books_[flight.bus];
@@ -149,7 +163,9 @@ void Oracle::set_times(Flight& flight) {
 }
 
 void Oracle::tcp_answer_came(std::uint64_t number) {
-  if (const Flight* answered = flight(number)) {
+  if (Flight* answered = flight(number)) {
+    cut(*answered);
+    answered->is_answered = schedule_.now() < answered->deadline && reloaded_ < answered->begin;
     std::erase(books_[answered->bus].flying, number);
     std::erase(books_[answered->bus].unheard, number);
   }
@@ -183,10 +199,27 @@ std::string Oracle::name(const Asked& asked) const {
   return text;
 }
 
-void Oracle::bytes_came(std::size_t bus, std::size_t size) {
-  books_[bus].last_byte = schedule_.now();
-  books_[bus].came += size;
-  books_[bus].in_vain.clear();
+void Oracle::bytes_came(std::size_t bus, Bytes bytes) {
+  Book& book = books_[bus];
+  book.last_byte = schedule_.now();
+  book.came += bytes.size();
+  book.in_vain.clear();
+  Flight* last = flight(book.last_flight);
+  if (last == nullptr || last->pdu.empty() || bytes.empty()) {
+    return;
+  }
+  last->came = book.came;
+  last->first_came = std::min(last->first_came, schedule_.now());
+  const bool is_ascii = bus_settings(bus).line.framing == bus::Framing::ascii;
+  const auto answer = name_of(last->address, last->pdu[0], is_ascii);
+  const auto exception = name_of(last->address, last->pdu[0] | 0x80U, is_ascii);
+  for (const std::uint8_t byte : bytes) {
+    std::ranges::rotate(book.tail, book.tail.begin() + 1);
+    book.tail.back() = byte;
+    const Bytes tail = Bytes(book.tail).last(answer.size());
+    last->is_named =
+        last->is_named || std::ranges::equal(tail, answer) || std::ranges::equal(tail, exception);
+  }
 }
 
 const gateway::BusSettings& Oracle::bus_settings(std::size_t bus) const {

@@ -149,6 +149,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   asked.last_alone = alone ? flight.number : 0;
   asked.flights_alone += alone ? 1U : 0U;
   asked.last_flight = flight.number;
+  asked.tries.push_back(flight.number);
   asked.last_sent = flight.pdu;
   if (asked.failsafe && asked.flights == 0 && books_[piece.bus].last_down >= asked.accepted) {
     report_.fault("failsafe_sent_later");

@@ -9,7 +9,6 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr Duration kGrace = 1500ms;
 constexpr Duration kLatestEnd = 600ms;  // that the process may be
 constexpr std::size_t kFewStops = 3;    // there is time for so many
 

@@ -47,9 +47,11 @@ void Oracle::check_stops_first(const Flight& flight) {
 void Oracle::note_stops(Flight& flight) {
   Book& book = books_[flight.bus];
   book.stops_at_end += stopping_ && flight.is_stop ? 1U : 0U;
+  flight.beside_stop = std::ranges::any_of(book.open_stops, [&](const Asked* stop) {
+    return std::ranges::find(flight.asked, stop->id) == flight.asked.end();
+  });
   if (!flight.is_stop) {
     book.last_other = flight.number;
-    flight.beside_stop = !book.open_stops.empty();
   } else if (flight.expects_answer) {
     book.lanes[flight.address].stop_sent = flight.number;
   }

@@ -13,7 +13,8 @@ void Oracle::check_answered(const Asked& asked) {
     return;
   }
   const Flight* last = asked.last_alone != 0 ? flight(asked.last_alone) : nullptr;
-  if (last != nullptr && last->is_answered && asked.pieces.size() == 1) {
+  if (last != nullptr && last->is_answered && !last->is_cut_off && asked.pieces.size() == 1 &&
+      books_[last->bus].last_down < last->begin) {
     violation("answer_lost",
               name(asked) + ", answered " +
                   std::to_string((schedule_.now() - last->begin) / std::chrono::microseconds(1)) +
@@ -21,13 +22,14 @@ void Oracle::check_answered(const Asked& asked) {
   }
 }
 
-// It was told that there is no answer.
+// It was told that there is no answer. Who shares a read has been there since its first try; where
+// others asked for the same apart, some tries may have been theirs, and it had fewer.
 void Oracle::judge_tries(const Asked& asked) {
   if (stopping_) {
     return;
   }
   if (!asked.is_read() || !asked.door->device || asked.pieces.size() != 1 || asked.ordered ||
-      asked.flights == 0 || asked.flights != asked.flights_alone || may_be_offline(asked)) {
+      asked.flights == 0 || may_be_offline(asked)) {
     return;
   }
   const Piece& piece = asked.pieces.front();

@@ -122,12 +122,14 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
   check_idle(flight);
+  TurnRules(*this).check(flight);
   check_bounds(flight);
   set_times(flight);
   note_use(flight);
   flight.size = frame.size();
   book.is_unused = false;
   book.came = 0;
+  book.tail = {};
   book.read_while_sending = Instant::min();
   book.is_strange = false;
   note_counts(flight);

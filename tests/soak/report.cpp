@@ -38,6 +38,7 @@ void Report::add(const Report& other) {
   add_counts(faults, other.faults);
   add_counts(violations, other.violations);
   add_counts(apart, other.apart);
+  add_counts(reasons, other.reasons);
   for (const auto& [code, count] : other.codes) {
     codes[code] += count;
   }
@@ -53,7 +54,7 @@ std::string Report::summary() const {
     constexpr char kDigits[] = "0123456789ABCDEF";
     named[std::string{kDigits[code >> 4U & 15U], kDigits[code & 15U]}] = count;
   }
-  return text + list("exception codes", named) + list("faults", faults) +
+  return text + list("exception codes", named) + list("reasons", reasons) + list("faults", faults) +
          list("counted apart", apart) + list("violations", violations);
 }
 

@@ -24,7 +24,9 @@ struct Report {
   /// what an adapter kept while the line seemed silent.
   std::map<std::string, std::uint64_t> apart;
   std::map<unsigned, std::uint64_t> codes;  ///< exceptions by code
-  std::vector<std::string> texts;           ///< of the first violations of each kind
+  /// Why the gateway answered 06, 0A or 0B by itself: what these requests met.
+  std::map<std::string, std::uint64_t> reasons;
+  std::vector<std::string> texts;  ///< of the first violations of each kind
 
   void fault(const char* kind) { ++faults[kind]; }
   void violation(const std::string& kind, const std::string& text) {

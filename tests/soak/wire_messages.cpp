@@ -191,7 +191,7 @@ void SerialWire::overhear(Frame& bytes, bool are_stray) {
 }
 
 void SerialWire::hand_over(const Heard& heard) {
-  around_.oracle.bytes_came(bus_, heard.bytes.size());
+  around_.oracle.bytes_came(bus_, heard.bytes);
   for (const HeardFrame& frame : heard.frames) {
     around_.oracle.frame_came(bus_, frame);
     if (frame.fits && frame.flight != 0 && frame.began >= own_end_) {

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/refusals.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "soak/identity.hpp"
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+std::string us(Duration time) { return std::to_string(time / 1us) + " us"; }
+
+}  // namespace
+
+void Refusals::note(const char* code, const char* reason) const {
+  ++oracle_.report_.reasons[std::string(code) + "_" + reason];
+}
+
+bool Refusals::has_expired(const Asked& asked) const {
+  return asked.deadline != Instant::max() &&
+         oracle_.schedule_.now() >= asked.deadline - (asked.written - asked.earliest);
+}
+
+void Refusals::judge_busy(const Asked& asked) const {
+  if (asked.surely_on_wire) {
+    oracle_.violation("busy_after_wire", oracle_.name(asked));
+    return;
+  }
+  const char* reason = why_busy(asked);
+  if (reason != nullptr) {
+    note("06", reason);
+    return;
+  }
+  const Instant now = oracle_.schedule_.now();
+  oracle_.violation("busy_without_reason", oracle_.name(asked) + ", deadline " +
+                                               us(asked.deadline - now) + " from now, as old as " +
+                                               us(now - asked.earliest) + ", accepted " +
+                                               us(now - asked.accepted) + " ago");
+}
+
+const char* Refusals::why_busy(const Asked& asked) const {
+  const auto any = [&](const auto& is_so) { return std::ranges::any_of(asked.pieces, is_so); };
+  if (asked.doomed || oracle_.may_be_stopped(asked)) {
+    return "stopped";
+  }
+  if (has_expired(asked)) {
+    return "expired";
+  }
+  if (asked.dropped) {
+    return "half_closed";
+  }
+  if (any([](const Piece& piece) { return piece.taken_back; })) {
+    return "taken_back";
+  }
+  if (any([&](const Piece& piece) { return found_no_room(asked, piece.bus); })) {
+    return "queue_full";
+  }
+  if (oracle_.writers_.may_be_held(asked, oracle_.schedule_.now())) {
+    return "writer";
+  }
+  if (oracle_.stopping_) {
+    return "shutdown";
+  }
+  const bool asks_order =
+      any([](const Piece& piece) { return piece.asks_order && piece.sent > 0; });
+  return asks_order && fault_of(asked) != nullptr ? "word_order_unknown" : nullptr;
+}
+
+// It is told at once: that there is no room for it, or that it has lost its place to another one.
+bool Refusals::found_no_room(const Asked& asked, std::size_t bus) const {
+  const Book& book = oracle_.books_[bus];
+  const Instant since = asked.ordered ? asked.accepted : oracle_.schedule_.now();
+  if (asked.is_stop()) {
+    return book.last_full_of_stops >= since;
+  }
+  return book.last_full >= since || book.present > oracle_.bus_settings(bus).queue;
+}
+
+bool Refusals::is_away(const Asked& asked) const {
+  return std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
+    const Book& book = oracle_.books_[piece.bus];
+    return (!book.open && !book.starting) || book.last_down >= asked.accepted;
+  });
+}
+
+void Refusals::judge_no_path(const Asked& asked) const {
+  if (asked.surely_on_wire && asked.kind != Kind::broadcast) {
+    oracle_.violation("no_path_after_wire", oracle_.name(asked));
+  } else if (const char* reason = why_no_path(asked); reason != nullptr) {
+    note("0A", reason);
+  } else {
+    oracle_.violation("no_path_without_reason", oracle_.name(asked));
+  }
+}
+
+const char* Refusals::why_no_path(const Asked& asked) const {
+  if (is_away(asked)) {
+    return "line_away";
+  }
+  return !asked.is_read() && oracle_.may_be_offline(asked) ? "offline" : nullptr;
+}
+
+void Refusals::judge_no_response(const Asked& asked) const {
+  if (!asked.maybe_on_wire && !(asked.is_read() && oracle_.may_be_offline(asked))) {
+    oracle_.violation("no_response_without_wire", oracle_.name(asked));
+    return;
+  }
+  judge_tries(asked);
+  if (const char* reason = why_no_response(asked); reason != nullptr) {
+    note("0B", reason);
+    return;
+  }
+  const Flight* last = oracle_.flight(asked.last_flight);
+  std::string text = oracle_.name(asked);
+  if (last != nullptr) {
+    text += ", transmitted " + us(oracle_.schedule_.now() - last->begin) + " ago, deadline " +
+            us(last->deadline - oracle_.schedule_.now()) + " from now, " +
+            std::to_string(last->came) + " bytes came" + (last->is_answered ? ", answered" : "");
+  }
+  oracle_.violation("no_response_without_reason", text);
+}
+
+// A stop is repeated until it has a fitting echo, but not on a line that is never silent.
+void Refusals::judge_tries(const Asked& stop) const {
+  const Piece& piece = stop.pieces.front();
+  const bool is_judged = stop.kind == Kind::stop && stop.is_repeated && !stop.is_shared &&
+                         !stop.ordered && stop.door->device && stop.flights == stop.flights_alone &&
+                         !oracle_.stopping_;
+  if (!is_judged || oracle_.may_be_offline(stop) || is_away(stop) ||
+      oracle_.reloaded_ >= stop.accepted || oracle_.is_tcp(piece.bus) ||
+      oracle_.plan_.rates[piece.bus].babbles_every > Duration{0}) {
+    return;
+  }
+  const unsigned retries = oracle_.devices_[*stop.door->device].settings().timing.stop_retries;
+  if (piece.sent < 1 + retries) {
+    oracle_.violation("stop_given_up",
+                      oracle_.name(stop) + " after " + std::to_string(piece.sent) + " tries");
+  }
+}
+
+const char* Refusals::why_no_response(const Asked& asked) const {
+  if (const char* fault = fault_of(asked); fault != nullptr) {
+    return fault;
+  }
+  if (asked.is_read() && oracle_.may_be_offline(asked) && !asked.surely_on_wire) {
+    return "offline";
+  }
+  return asked.pieces.size() > 1 || was_merged(asked) ? why_unfinished(asked) : nullptr;
+}
+
+// If the read that it was merged into, or that others were merged into, is refused, its own is
+// still to be transmitted.
+bool Refusals::was_merged(const Asked& asked) const {
+  const auto& piece = asked.pieces.front();
+  const bool may_merge = oracle_.bus_settings(piece.bus).merge ||
+                         asked.accepted <= oracle_.books_[piece.bus].last_merge;
+  return std::ranges::any_of(asked.tries, [&](std::uint64_t number) {
+    const Flight* flight = oracle_.flight(number);
+    return flight != nullptr && may_merge && (flight->pdu != piece.pdu || flight->asked.size() > 1);
+  });
+}
+
+// What was transmitted of it has ended well, and the rest must not follow.
+const char* Refusals::why_unfinished(const Asked& asked) const {
+  const auto any = [&](const auto& is_so) { return std::ranges::any_of(asked.pieces, is_so); };
+  if (asked.doomed || oracle_.may_be_stopped(asked) ||
+      any([](const Piece& piece) { return piece.doomed.has_value(); })) {
+    return "part_stopped";
+  }
+  if (has_expired(asked)) {
+    return "part_expired";
+  }
+  if (asked.dropped) {
+    return "part_half_closed";
+  }
+  if (any([](const Piece& piece) { return piece.taken_back; })) {
+    return "part_taken_back";
+  }
+  if (is_away(asked)) {
+    return "part_line_away";
+  }
+  if (asked.is_read() && oracle_.may_be_offline(asked)) {
+    return "part_offline";
+  }
+  const bool found_none = any([&](const Piece& piece) {
+    return asked.kind == Kind::broadcast
+               ? oracle_.books_[piece.bus].last_full >= asked.accepted
+               : was_merged(asked) && found_no_room(asked, piece.bus);  // it waits once more
+  });
+  if (found_none) {
+    return "part_queue_full";
+  }
+  return oracle_.stopping_ ? "part_shutdown" : nullptr;
+}
+
+// Of a request that was transmitted by itself, what befell its last try; otherwise any of those
+// that it may have been among.
+const char* Refusals::fault_of(const Asked& asked) const {
+  for (auto number = asked.tries.rbegin(); number != asked.tries.rend(); ++number) {
+    const Flight* flight = oracle_.flight(*number);
+    if (flight == nullptr) {
+      return "long_ago";
+    }
+    const char* fault = fault_of(*flight);
+    if (fault != nullptr || asked.last_alone == *number) {
+      return fault;
+    }
+  }
+  return nullptr;
+}
+
+const char* Refusals::fault_of(const Flight& flight) const {
+  const Book& book = oracle_.books_[flight.bus];
+  if (flight.is_cut_off || book.last_down >= flight.begin) {
+    return "line_lost";
+  }
+  if (flight.is_answered) {
+    return nullptr;
+  }
+  if (flight.unsure != nullptr) {
+    return flight.unsure;
+  }
+  const bool is_only_echo =
+      flight.has_whole_echo && flight.came == flight.size &&
+      flight.pdu.front() != kOwnFunction;  // silence within its echo ends that
+  return flight.is_named && !is_only_echo ? "damaged" : end_of_wait(flight);
+}
+
+// From outside nobody sees which stop waits: one that was accepted, or sent and not acknowledged.
+bool Refusals::may_be_cut(const Flight& flight) const {
+  const Instant last = oracle_.books_[flight.bus].last_stop;
+  return flight.beside_stop || flight.meets_stop ||
+         (flight.is_stop ? last > flight.begin : last >= flight.begin);
+}
+
+// Nothing came that could end the wait for its answer.
+const char* Refusals::end_of_wait(const Flight& flight) const {
+  const Instant now = oracle_.schedule_.now();
+  if (now < flight.due && may_be_cut(flight)) {
+    return "cut_by_stop";
+  }
+  if (now >= flight.deadline) {
+    return flight.came == 0                      ? "timeout"
+           : flight.first_came < flight.deadline ? "unreadable"
+                                                 : "late";
+  }
+  return oracle_.stopping_ && now >= *oracle_.stopping_ + kGrace ? "shutdown" : nullptr;
+}
+
+}  // namespace mbgate::soak

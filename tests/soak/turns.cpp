@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/turns.hpp"
+
+#include <algorithm>
+
+#include "soak/client.hpp"
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+void TurnRules::check(const Flight& flight) const {
+  if (oracle_.is_tcp(flight.bus)) {
+    return;
+  }
+  Turns& turns = oracle_.books_[flight.bus].turns;
+  const Asked* asked = only_one(flight);
+  const bool is_read = asked != nullptr && asked->is_read();
+  if (asked == nullptr || !is_clear(flight)) {
+    turns.reads.clear();
+    turns.last.clear();
+    turns.writes = 0;
+  } else {
+    judge(flight, *asked, turns);
+    turns.writes = is_read ? 0 : turns.writes + 1;
+    turns.last[asked->host] = flight.begin;
+    if (is_read) {
+      turns.reads[asked->host].push_back(flight.begin);
+    }
+  }
+  turns.most_writes = is_read ? 0 : turns.most_writes + 1;
+}
+
+// The request that alone it is for, for the first time, and which is no more than that.
+const Asked* TurnRules::only_one(const Flight& flight) const {
+  if (flight.is_stop || flight.is_broadcast || flight.is_part || flight.asked.size() != 1) {
+    return nullptr;
+  }
+  const auto entry = oracle_.open_.find(flight.asked.front());
+  return entry == oracle_.open_.end() || entry->second->flights > 1 ||
+                 (entry->second->kind != Kind::read && entry->second->kind != Kind::write)
+             ? nullptr
+             : entry->second.get();
+}
+
+bool TurnRules::is_clear(const Flight& flight) const {
+  const Book& book = oracle_.books_[flight.bus];
+  const auto is_done = [&](const Asked* asked) {
+    return !asked->maybe_on_wire || asked->id == flight.asked.front();
+  };
+  return book.use.is_answered && book.open && book.opened < flight.begin &&
+         flight.begin > oracle_.reloaded_ + std::chrono::seconds(1) && !oracle_.stopping_ &&
+         book.open_stops.empty() && book.lanes[0].open.empty() &&
+         book.lanes[kAutonicsAddress].open.empty() &&
+         std::ranges::all_of(
+             book.lanes, [&](const Lane& lane) { return std::ranges::all_of(lane.open, is_done); });
+}
+
+std::vector<const Asked*> TurnRules::others_that_may_go(const Flight& flight) const {
+  std::vector<const Asked*> others;
+  for (const Lane& lane : oracle_.books_[flight.bus].lanes) {
+    for (const Asked* asked : lane.open) {
+      if (asked->id != flight.asked.front() && may_go(*asked, lane, flight)) {
+        others.push_back(asked);
+      }
+    }
+  }
+  return others;
+}
+
+// It waits for nothing but its turn: the oldest of its client to a device that owes nothing, is
+// there, and needs no gap.
+bool TurnRules::may_go(const Asked& asked, const Lane& lane, const Flight& flight) const {
+  const bool is_plain = (asked.is_read() || asked.kind == Kind::write) &&
+                        asked.pieces.size() == 1 && asked.pieces.front().counted &&
+                        !asked.dropped && !asked.doomed && !asked.ordered && !asked.ahead &&
+                        !asked.pieces.front().taken_back && asked.accepted < flight.begin &&
+                        flight.begin < asked.deadline - (asked.written - asked.earliest);
+  if (!is_plain || !lane.device || lane.held_until >= flight.begin ||
+      oracle_.is_past_offline(flight.bus, lane) ||
+      oracle_.devices_[*lane.device].settings().timing.gap > Duration{0}) {
+    return false;
+  }
+  return std::ranges::none_of(lane.open, [&](const Asked* other) {
+    return other->host == asked.host && other->sequence < asked.sequence;
+  });
+}
+
+unsigned TurnRules::weight_of(unsigned host) const {
+  const auto& weights = oracle_.plan_.settings.weights;
+  const auto fitting = std::ranges::find_if(
+      weights, [&](const auto& it) { return it.network.contains(address_of(host)); });
+  return fitting == weights.end() ? 1 : fitting->weight;
+}
+
+void TurnRules::judge(const Flight& flight, const Asked& asked, const Turns& turns) const {
+  const unsigned burst = oracle_.bus_settings(flight.bus).burst;
+  const auto others = others_that_may_go(flight);
+  if (asked.is_read()) {
+    const auto write = std::ranges::find_if(others, &Asked::changes);
+    if (write != others.end() && turns.most_writes < burst) {
+      oracle_.violation("write_overtaken", oracle_.name(**write) + " by " + oracle_.name(asked));
+    }
+    judge_reads(flight, asked, turns, others);
+    return;
+  }
+  const auto read = std::ranges::find_if(others, &Asked::is_read);
+  if (read != others.end() && turns.writes >= burst) {
+    oracle_.violation("read_starved", oracle_.name(**read) + " after " +
+                                          std::to_string(turns.writes) + " writes by " +
+                                          oracle_.name(asked));
+  }
+}
+
+// While a read of one client waits for its turn, each other client has as many as its weight says.
+void TurnRules::judge_reads(const Flight& flight, const Asked& read, const Turns& turns,
+                            const std::vector<const Asked*>& others) const {
+  const auto mine = turns.reads.find(read.host);
+  if (mine == turns.reads.end()) {
+    return;
+  }
+  for (const Asked* other : others) {
+    if (!other->is_read() || other->host == read.host) {
+      continue;
+    }
+    const Lane& lane = oracle_.books_[flight.bus].lanes[other->pieces.front().address];
+    const auto last = turns.last.find(other->host);
+    const Instant since = std::max({other->accepted, lane.held_until,
+                                    last == turns.last.end() ? Instant::min() : last->second});
+    const auto count =
+        1 + std::ranges::count_if(mine->second, [&](Instant at) { return at > since; });
+    if (count > weight_of(read.host)) {
+      oracle_.violation("unfair", oracle_.name(*other) + " while host " +
+                                      std::to_string(read.host) + " had " + std::to_string(count) +
+                                      " turns");
+      return;
+    }
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who goes first on a serial line: writes before reads, after `burst` of them a read, and client
+// addresses in turn, by their weights. Judged only where nothing but the turn could decide: all
+// that was transmitted was answered or expects no answer, nothing is to be repeated, and no stop or
+// broadcast waits.
+#pragma once
+
+#include <map>
+
+#include "soak/asked.hpp"
+#include "soak/flight.hpp"
+
+namespace mbgate::soak {
+
+class Oracle;
+struct Lane;
+
+/// What went over a line lately.
+struct Turns {
+  unsigned writes = 0;                             ///< in a row, surely
+  unsigned most_writes = 0;                        ///< the same at most
+  std::map<unsigned, std::vector<Instant>> reads;  ///< of each client address since it was unclear
+  std::map<unsigned, Instant> last;                ///< turn of each
+};
+
+class TurnRules {
+ public:
+  explicit TurnRules(Oracle& oracle) : oracle_(oracle) {}
+
+  /// To be called when it is known for whom it is, and before it counts.
+  void check(const Flight& flight) const;
+
+ private:
+  [[nodiscard]] const Asked* only_one(const Flight& flight) const;
+  [[nodiscard]] bool is_clear(const Flight& flight) const;
+  [[nodiscard]] std::vector<const Asked*> others_that_may_go(const Flight& flight) const;
+  [[nodiscard]] bool may_go(const Asked& asked, const Lane& lane, const Flight& flight) const;
+  [[nodiscard]] unsigned weight_of(unsigned host) const;
+  void judge(const Flight& flight, const Asked& asked, const Turns& turns) const;
+  void judge_reads(const Flight& flight, const Asked& read, const Turns& turns,
+                   const std::vector<const Asked*>& others) const;
+
+  Oracle& oracle_;
+};
+
+}  // namespace mbgate::soak
