@@ -28,8 +28,8 @@ void Oracle::begin_shutdown() {
   }
 }
 
-// Nobody cuts an answer that has begun: what was on the wire when it was told to stop may last
-// until the end, and keep the line from the failsafe writes.
+// Nobody cuts an answer that has begun: it may last until the end, and keep the line from the
+// failsafe writes that are left. That none waited while the wire was idle is judged elsewhere.
 void Oracle::finished() {
   finished_ = true;
   if (!stopping_ || schedule_.now() > *stopping_ + kGrace + kLatestEnd) {
@@ -38,7 +38,7 @@ void Oracle::finished() {
   }
   const auto is_still_answered = [&](const Book& book) {
     const Flight* last = flight(book.last_flight);
-    if (last == nullptr || is_tcp(last->bus) || last->begin > *stopping_ || book.came == 0) {
+    if (last == nullptr || is_tcp(last->bus) || book.came == 0) {
       return false;
     }
     const auto& settings = bus_settings(last->bus);
