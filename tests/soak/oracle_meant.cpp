@@ -169,7 +169,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   note_write_event(asked, flight.bus);
   // The next form of a broadcast waits as the first did.
   const bool is_whole = std::ranges::all_of(asked.pieces, [&](const Piece& it) {
-    return it.bus != flight.bus || it.sent > 0 || it.taken_back;
+    return it.bus != flight.bus || it.sent > 0 || it.taken_back || &it == &piece;
   });
   if (is_whole) {
     std::erase(books_[flight.bus].stops, &asked);
