@@ -12,6 +12,15 @@ void Overheard::add(std::uint8_t byte) {
   bytes_.push_back(byte);
 }
 
+std::uint8_t Overheard::add(std::uint8_t byte, std::uint8_t address, std::size_t size) {
+  add(byte);
+  if (ends_a_frame(address, size)) {
+    bytes_.pop_back();
+    return add_stray(static_cast<std::uint8_t>(byte + 1U), address);
+  }
+  return byte;
+}
+
 std::uint8_t Overheard::add_stray(std::uint8_t byte, std::uint8_t address) {
   add(byte);
   while (ends_a_frame(address)) {
@@ -20,9 +29,10 @@ std::uint8_t Overheard::add_stray(std::uint8_t byte, std::uint8_t address) {
   return bytes_.back();
 }
 
-bool Overheard::ends_a_frame(std::uint8_t address) const {
+bool Overheard::ends_a_frame(std::uint8_t address, std::size_t but_for) const {
   for (std::size_t at = 0; at < bytes_.size(); ++at) {
-    if (bytes_[at] == address && spec::ends_in_its_crc(spec::Bytes(bytes_).subspan(at))) {
+    if (bytes_[at] == address && bytes_.size() - at != but_for &&
+        spec::ends_in_its_crc(spec::Bytes(bytes_).subspan(at))) {
       return true;
     }
   }

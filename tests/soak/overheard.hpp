@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bytes that an RTU line has brought one after the other, whoever they come from. By chance one
-// in 65,536 that belong to no frame completes a good CRC with those before it; and zeros behind a
-// good frame leave its CRC good. Nobody could tell that from an answer, so such a byte is another.
+// in 65,536 completes a good CRC with those before it; and zeros behind a good frame leave its CRC
+// good. Nobody could tell that from an answer, so such a byte is another.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -13,6 +14,9 @@ class Overheard {
  public:
   /// A byte of a frame, as it was sent.
   void add(std::uint8_t byte);
+  /// The same; `size`: of the frame that ends in it, or 0. Returns another byte, by which that
+  /// frame is damaged, if one from `address` would end in it that nobody has sent.
+  std::uint8_t add(std::uint8_t byte, std::uint8_t address, std::size_t size);
   /// A byte that belongs to none, or to one that was hit. Returns the one that is heard in its
   /// place: no frame from `address` ends in it.
   std::uint8_t add_stray(std::uint8_t byte, std::uint8_t address);
@@ -20,7 +24,7 @@ class Overheard {
   void forget() { bytes_.clear(); }
 
  private:
-  [[nodiscard]] bool ends_a_frame(std::uint8_t address) const;
+  [[nodiscard]] bool ends_a_frame(std::uint8_t address, std::size_t but_for = 0) const;
 
   std::vector<std::uint8_t> bytes_;
 };

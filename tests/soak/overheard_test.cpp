@@ -38,5 +38,14 @@ TEST(Overheard, OfNobodyWhoWasAskedOrBehindWhatIsOverItIsWhatItWas) {
   EXPECT_EQ(line.add_stray(0x00, kAddress), 0x00);
 }
 
+TEST(Overheard, AFrameIsDamagedThatCompletesAnotherButForItself) {
+  const spec::Octets frame = spec::rtu_frame(kAddress, spec::Octets{0x11});
+  Overheard line;
+  hear(line, {frame[0], frame[1], frame[2]});
+  Overheard same = line;
+  EXPECT_EQ(line.add(frame[3], kAddress, frame.size()), frame[3]);
+  EXPECT_NE(same.add(frame[3], kAddress, 2), frame[3]);
+}
+
 }  // namespace
 }  // namespace mbgate::soak

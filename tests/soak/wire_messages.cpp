@@ -171,10 +171,17 @@ void SerialWire::overhear(Message& message, std::size_t until) {
       byte = overheard_.add_stray(byte, asked_);
       continue;
     }
-    overheard_.add(byte);
     const bool ends =
         at >= message.content.lead && (at + 1 - message.content.lead) % message.frame == 0;
-    if (ends && !opaque_) {
+    const std::size_t size = ends ? message.frame : at + 1 == message.content.lead ? at + 1 : 0;
+    const std::uint8_t heard = overheard_.add(byte, asked_, size);
+    if (heard != byte) {
+      byte = heard;
+      message.good_to = at;
+      message.content.copies =
+          std::min(message.content.copies, message.ended(at) - message.ended(message.heard));
+      around_.report.fault("chance_crc");
+    } else if (ends && !opaque_) {
       overheard_.forget();
     }
   }
