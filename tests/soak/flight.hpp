@@ -28,6 +28,7 @@ struct Flight {
   bool beside_stop = false;            ///< a stop waits that lets it go first, or gives way to it
   bool stop_is_open = false;           ///< some stop of its bus waits, or may be sent again
   bool asks_order = false;             ///< whoever it is for, the gateway learns the word order
+  bool has_pause = false;              ///< a silence stood between what was read
   bool meets_stop = false;             ///< one was accepted after it
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
