@@ -25,7 +25,7 @@ void Bus::handle_lost(Instant now, Loss loss) {
   }
   const bool in_order =
       line_.has_answered() || (line_.is_unused() && !link_.is_new(settings_, now));
-  if (loss == Loss::closed && link_.is_open() && in_order && !stopping_) {
+  if (loss == Loss::closed && link_.is_open() && in_order) {
     line_.note_closed(now);
     rest(now);
     return;

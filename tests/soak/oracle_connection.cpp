@@ -68,14 +68,15 @@ void Oracle::rest(Book& book) {
 }
 
 // Who asks is not kept waiting, neither while a connection rests nor by one that swallows
-// everything.
+// everything. Of a gateway that stops only stops want it.
 void Oracle::check_rest(std::size_t bus) {
   Book& book = books_[bus];
+  const bool is_wanted = !book.early_stops.empty() || (!stopping_ && book.waiting > 0);
+  if (book.rests && !book.opening && is_wanted && !finished_) {
+    violation("tcp_not_opened", bus_settings(bus).name);
+  }
   if (stopping_) {
     return;
-  }
-  if (book.rests && !book.opening && (book.waiting > 0 || !book.early_stops.empty())) {
-    violation("tcp_not_opened", bus_settings(bus).name);
   }
   const unsigned most = bus_settings(bus).replace_after;
   if (most == 0 || book.in_vain.size() < most || !book.open) {

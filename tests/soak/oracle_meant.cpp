@@ -114,8 +114,7 @@ void Oracle::unknown_transmission(const Flight& flight) {
   for (auto done = done_.rbegin(); done != done_.rend(); ++done) {
     if (done->bus == flight.bus && done->address == flight.address && done->pdu == flight.pdu) {
       // What the gateway does itself in one instant has no order.
-      const bool is_own = done->how == kClosed || (stopping_ && done->how == "after_answer_0B");
-      if (!is_own || done->at < schedule_.now()) {
+      if (done->how != kClosed || done->at < schedule_.now()) {
         violation(done->how, name(flight));
       }
       return;

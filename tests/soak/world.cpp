@@ -177,7 +177,8 @@ void World::run_until(Instant limit) {
 
 // Actions that set off others (a client that is resumed writes on) come back here; the outer call
 // goes on with them. All of it is one instant. The gateway wants frames transmitted before answers
-// are sent; the oracle is told of them after the answers that made way for them.
+// are sent; the oracle is told of them after the answers that made way for them, but at the end of
+// a gateway that stops before what is said of them: that nobody has answered in time.
 void World::drain() {
   if (draining_ || stuck_) {
     return;
@@ -191,7 +192,7 @@ void World::drain() {
       action = std::move(frames_.front());
       frames_.pop_front();
       carry_out(*action);
-    } else if (std::holds_alternative<gateway::Transmit>(*action)) {
+    } else if (std::holds_alternative<gateway::Transmit>(*action) && schedule_.now() < end_) {
       frames_.push_back(*std::move(action));
     } else {
       carry_out(*action);

@@ -51,6 +51,7 @@ void World::come_to_rest() {
 void World::shut_down() {
   trace("shut down");
   is_stopping_ = true;
+  end_ = schedule_.now() + kGrace;
   oracle_.begin_shutdown();
   gateway_.handle_shutdown(schedule_.now());
   drain();

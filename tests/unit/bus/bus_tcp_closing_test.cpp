@@ -221,6 +221,37 @@ TEST_F(BusTcpClosing, StoppingEndsWhatWasCut) {
   EXPECT_THAT(frames_, SizeIs(2));
 }
 
+TEST_F(BusTcpClosing, WhileItStopsAWaitingStopIsSentOnTheNextConnectionAndACutReadIsNot) {
+  const auto settings = tcp();
+  open(settings, {axis(settings)});
+  ask_and_answer();
+  submit(job(kRead));
+  submit(job(kStop));
+  bus_->stop(now_);
+  close();
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::cancelled));
+  EXPECT_EQ(opens_, 2U);
+  reopen();
+  ASSERT_THAT(frames_, SizeIs(3));
+  EXPECT_EQ(frames_[2].substr(21), "06 00 7C 00 E1");
+}
+
+TEST_F(BusTcpClosing, WhileItStopsAStopThatACloseCutsIsRepeatedAndNothingElseOpensAConnection) {
+  const auto settings = tcp();
+  open(settings, {axis(settings)});
+  ask_and_answer();
+  submit(job(kStop));
+  bus_->stop(now_);
+  close();
+  reopen();
+  ASSERT_THAT(frames_, SizeIs(3));
+  answer(2, "01 06 00 7C 00 E1");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+  close();
+  EXPECT_EQ(opens_, 2U);
+  EXPECT_EQ(next_deadline(), std::nullopt);
+}
+
 TEST_F(BusTcpClosing, AServerThatClosesAfterEachAnswerIsGivenTheTimeForIt) {
   open(tcp());
   ask_and_answer();
