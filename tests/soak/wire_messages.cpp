@@ -163,40 +163,6 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
   }
 }
 
-// The answer that a length ends is over; behind one that only silence ends more may come.
-void SerialWire::overhear(Message& message, std::size_t until) {
-  for (std::size_t at = message.heard; at < until && !ascii_; ++at) {
-    std::uint8_t& byte = message.bytes[at];
-    if (!message.is_of_frame(at)) {
-      byte = overheard_.add_stray(byte, asked_);
-      continue;
-    }
-    const bool ends =
-        at >= message.content.lead && (at + 1 - message.content.lead) % message.frame == 0;
-    const std::size_t size = ends ? message.frame : at + 1 == message.content.lead ? at + 1 : 0;
-    const std::uint8_t heard = overheard_.add(byte, asked_, size);
-    if (heard != byte) {
-      byte = heard;
-      message.good_to = at;
-      message.content.copies =
-          std::min(message.content.copies, message.ended(at) - message.ended(message.heard));
-      around_.report.fault("chance_crc");
-    } else if (ends && !opaque_) {
-      overheard_.forget();
-    }
-  }
-}
-
-void SerialWire::overhear(Frame& bytes, bool are_stray) {
-  for (std::size_t at = 0; at < bytes.size() && !ascii_; ++at) {
-    if (are_stray) {
-      bytes[at] = overheard_.add_stray(bytes[at], asked_);
-    } else {
-      overheard_.add(bytes[at]);
-    }
-  }
-}
-
 void SerialWire::hand_over(const Heard& heard) {
   around_.oracle.bytes_came(bus_, heard.bytes);
   for (const HeardFrame& frame : heard.frames) {
