@@ -65,6 +65,7 @@ class Echo {
   [[nodiscard]] bool was_shown() const { return shown_; }
   [[nodiscard]] bool is_learned() const { return learns_; }
   [[nodiscard]] bool is_unknown() const { return state_ == State::unknown; }
+  [[nodiscard]] bool is_present() const { return state_ == State::present; }
   /// Such a response is taken for the echo. True: another one was before it.
   bool pass() { return std::exchange(passed_, true); }
   /// There is one: it was seen.

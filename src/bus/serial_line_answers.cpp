@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether what a line has brought is the answer: not what is owed, what is an echo, or what came
 // before it can have been one.
+#include <algorithm>
 #include <utility>
 
 #include "bus/serial_line.hpp"
@@ -32,10 +33,20 @@ void SerialLine::judge_held(const Echo::Held& held, Instant now) {
   }
 }
 
+// With zeros behind it, such as a driver makes that turns off, the echo of a request without fields
+// is a good frame: the CRC of what ends in its own CRC is 0, and zeros leave it so. Its data begin
+// with the CRC of the request.
+bool SerialLine::begins_as_echo() const {
+  const FrameBytes sent = framer_.encode(transaction_->address, transaction_->request.pdu());
+  const FrameBytes came = framer_.encode(transaction_->address, framer_.response());
+  return echo_.is_learned() && !echo_.is_present() && came.size() > sent.size() &&
+         std::equal(sent.begin(), sent.end(), came.begin());
+}
+
 // It may be a late echo; what begins before the request has left a paced line answers nothing; and
 // an owed answer begins before the device can have answered this request, or fits another one too.
 bool SerialLine::is_no_answer() const {
-  return echo_.is_owed(framer_.response()) ||
+  return echo_.is_owed(framer_.response()) || begins_as_echo() ||
          (paced_ && framer_.response_began() < emission_ends_) ||
          (owed_.count > 0 && (is_early() || may_answer_another()));
 }
@@ -43,7 +54,7 @@ bool SerialLine::is_no_answer() const {
 Verdict SerialLine::refuse(Instant now) {
   const bool is_echo_of_now = paced_ && framer_.response_began() < emission_ends_ &&
                               echo_.is_repetition(framer_.response());
-  if (echo_.take_owed(framer_.response())) {
+  if (echo_.take_owed(framer_.response()) || begins_as_echo()) {
     ++counters_.stray_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
              (owed_.count == 0 || echo_.is_unknown()) && !echo_.pass()) {

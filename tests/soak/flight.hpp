@@ -28,7 +28,6 @@ struct Flight {
   bool beside_stop = false;            ///< a stop waits that lets it go first, or gives way to it
   bool stop_is_open = false;           ///< some stop of its bus waits, or may be sent again
   bool asks_order = false;             ///< whoever it is for, the gateway learns the word order
-  bool has_pause = false;              ///< a silence stood between what was read
   bool meets_stop = false;             ///< one was accepted after it
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
@@ -37,6 +36,7 @@ struct Flight {
   /// A whole answer came that fits, and this may have kept it from being taken.
   const char* unsure = nullptr;
   bool has_whole_echo = false;  ///< it was read; another one may look like a damaged answer
+  bool echo_pauses = false;     ///< it was read in two parts, the first of which ended as an answer
   bool is_cut_off = false;      ///< its line or connection has gone meanwhile
   bool is_named = false;        ///< what came has its address and function, one behind the other
   std::size_t came = 0;  ///< bytes that reached the kernel before anything else was transmitted

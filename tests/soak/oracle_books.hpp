@@ -126,6 +126,7 @@ struct Book {
   BusCount count;
   // Of the own transmission that was last:
   std::size_t came = 0;                ///< bytes that have reached the kernel since its beginning
+  std::size_t read = 0;                ///< of these the gateway has
   std::array<std::uint8_t, 4> tail{};  ///< the last of them
   Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
   std::vector<HeardFrame> unread;               ///< good frames in the kernel

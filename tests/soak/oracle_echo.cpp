@@ -24,6 +24,12 @@ bool looks_like_bits(const PduBytes& pdu) {
 
 constexpr const char* kUnproven = "unproven_echo";
 
+// As long as an answer to 15 or 16, whose echo begins as it does.
+bool ends_like_answer(const Flight& flight, std::size_t read) {
+  constexpr std::size_t kAnswer = 8;
+  return read == kAnswer && (flight.pdu.front() == 0x0F || flight.pdu.front() == 0x10);
+}
+
 bool looks_like_answer(const Flight& flight) {
   const std::uint8_t function = flight.pdu.front();
   return !flight.is_broadcast &&
@@ -127,6 +133,13 @@ void Oracle::read_echo(std::size_t bus) {
   Book& book = books_[bus];
   const auto echo = std::exchange(book.unread_echo, std::nullopt);
   Flight* last = flight(book.last_flight);
+  const auto& settings = bus_settings(bus);
+  const std::size_t read = std::exchange(book.read, book.came);
+  const Duration pause = std::max(spec::slack_of(settings), spec::silence_of(settings));
+  if (last != nullptr && settings.line.echo == false && ends_like_answer(*last, read) &&
+      schedule_.now() >= book.last_handed_in + pause) {
+    last->echo_pauses = true;  // silence has ended what looked like an answer with a bad CRC
+  }
   if (!echo || last == nullptr || last->number != echo->flight) {
     return;
   }

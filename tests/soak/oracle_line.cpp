@@ -71,8 +71,7 @@ void Oracle::check_silence(const Flight& flight) {
 
 void Oracle::bytes_handed_in(std::size_t bus) {
   Book& book = books_[bus];
-  const bool goes_on = book.use.first_read != Instant::min();
-  if (!goes_on) {
+  if (book.use.first_read == Instant::min()) {
     book.use.first_read = schedule_.now();
   }
   if (!is_tcp(bus)) {
@@ -84,10 +83,6 @@ void Oracle::bytes_handed_in(std::size_t bus) {
   const Instant now = schedule_.now();
   if (now > std::max(book.last_handed_in, book.own_end) + silence) {
     book.busy_since = now;
-  }
-  Flight* last = flight(book.last_flight);
-  if (last != nullptr && goes_on && now > book.last_handed_in + silence) {
-    last->has_pause = true;
   }
   book.last_handed_in = now;
 }

@@ -47,9 +47,11 @@ void Oracle::check_stops_first(const Flight& flight) {
 void Oracle::note_stops(Flight& flight) {
   Book& book = books_[flight.bus];
   book.stops_at_end += stopping_ && flight.is_stop ? 1U : 0U;
-  flight.beside_stop = std::ranges::any_of(book.open_stops, [&](const Asked* stop) {
-    return std::ranges::find(flight.asked, stop->id) == flight.asked.end();
+  // Identical ones may wait apart: a write stood between them, or one of them was tried before.
+  const bool is_for_one = std::ranges::any_of(book.open_stops, [&](const Asked* stop) {
+    return std::ranges::find(flight.asked, stop->id) != flight.asked.end();
   });
+  flight.beside_stop = book.open_stops.size() > (is_for_one ? 1U : 0U);
   if (!flight.is_stop) {
     book.last_other = flight.number;
   } else if (flight.expects_answer) {

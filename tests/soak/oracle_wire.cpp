@@ -128,7 +128,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   note_use(flight);
   flight.size = frame.size();
   book.is_unused = false;
-  book.came = 0;
+  book.came = book.read = 0;
   book.tail = {};
   book.read_while_sending = Instant::min();
   book.is_strange = false;

@@ -226,7 +226,7 @@ const char* Refusals::fault_of(const Flight& flight) const {
     return flight.unsure;
   }
   const bool is_only_echo =
-      flight.has_whole_echo && flight.came == flight.size && !flight.has_pause &&
+      flight.has_whole_echo && flight.came == flight.size && !flight.echo_pauses &&
       flight.pdu.front() != kOwnFunction;  // silence within its echo ends that
   return flight.is_named && !is_only_echo ? "damaged" : end_of_wait(flight);
 }

@@ -43,6 +43,34 @@ TEST_F(BusEcho, OnceShownAReadThatLacksItDoesNotSayThatThereIsNone) {
   EXPECT_EQ(endings_.back(), Ending::no_answer);
 }
 
+// Something stands before it, so that it is not taken out as an echo.
+TEST_F(BusEcho, WithZerosBehindItIsNoAnswerToARequestWithoutFields) {
+  open_as(bus::LineKind::virtual_line);
+  submit(job("07"));
+  advance(10ms);
+  line("02 03 02 12 34 F1 33");
+  advance(5ms);
+  line("01 07 41 E2 00");
+  time_out();
+  advance(400ms);
+  submit(job("0B"));
+  advance(10ms);
+  line("02 03 02 12 34 F1 33");
+  advance(5ms);
+  line("01 0B 41 E7 00 00 00 00");
+  time_out();
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
+}
+
+TEST_F(BusEcho, BehindItAnAnswerMayBeginAsItDoes) {
+  open_and_learn(bus::LineKind::virtual_line);
+  submit(job("07"));
+  advance(10ms);
+  line("01 07 41 E2");
+  line("01 07 41 E2 00");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+}
+
 // What was taken for an echo was none, or the adapter was set otherwise.
 TEST_F(BusEcho, IsNotThereAnyMoreAfterManyAnswersThatLackIt) {
   open_and_learn(bus::LineKind::virtual_line);
