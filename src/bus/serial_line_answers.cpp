@@ -37,10 +37,14 @@ void SerialLine::judge_held(const Echo::Held& held, Instant now) {
 // is a good frame: the CRC of what ends in its own CRC is 0, and zeros leave it so. Its data begin
 // with the CRC of the request.
 bool SerialLine::begins_as_echo() const {
+  const modbus::Bytes request = transaction_->request.pdu().bytes();
+  if (!echo_.is_learned() || echo_.is_present() || framer_.response().size() <= request.size() ||
+      !std::ranges::equal(request, framer_.response().bytes().first(request.size()))) {
+    return false;
+  }
   const FrameBytes sent = framer_.encode(transaction_->address, transaction_->request.pdu());
   const FrameBytes came = framer_.encode(transaction_->address, framer_.response());
-  return echo_.is_learned() && !echo_.is_present() && came.size() > sent.size() &&
-         std::equal(sent.begin(), sent.end(), came.begin());
+  return came.size() > sent.size() && std::equal(sent.begin(), sent.end(), came.begin());
 }
 
 // It may be a late echo; what begins before the request has left a paced line answers nothing; and

@@ -42,7 +42,7 @@ class FramerScript {
   static inline const modbus::RtuTiming kTiming{modbus::Baud{19200}, {}};
 
   void expect() {
-    framer_.expect(*transaction_);
+    framer_.expect(*transaction_, bus::Instant::min());
     begin(true);
   }
   void listen() {
