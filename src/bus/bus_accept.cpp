@@ -81,7 +81,7 @@ void Bus::classify(Job& job) const {
 
 std::optional<Ending> Bus::end_at_once(Job& job, Instant now) {
   const bool is_stop = job.job_class == JobClass::stop;
-  if (stopping_ && (!is_stop || !link_.serves())) {
+  if (stopping_ && (!is_stop || link_.is_closed())) {
     return Ending::cancelled;
   }
   if (link_.is_closed()) {

@@ -52,7 +52,7 @@ class Strays {
     if (strays_.empty()) {
       return std::nullopt;
     }
-    const Stray stray = strays_.front();
+    Stray stray = strays_.front();
     strays_.erase(strays_.begin());
     return stray;
   }

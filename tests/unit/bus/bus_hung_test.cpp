@@ -96,6 +96,21 @@ TEST_F(BusHung, LetsAStopGoFirst) {
   EXPECT_TRUE(bus_->is_reopening());
 }
 
+TEST_F(BusHung, StopsThatComeWhileItIsReopenedAndTheGatewayStopsGoAfterwards) {
+  open_adapter(bus::LineKind::uart);
+  ask_in_vain(10);
+  advance(30s);
+  submit(job(kRead));
+  ASSERT_TRUE(bus_->is_reopening());
+  bus_->stop(now_);
+  bus::Job& stop = job("06 007C 00E1");
+  stop.job_class = bus::JobClass::stop;
+  submit(stop);
+  opened_again();
+  EXPECT_THAT(frames_, SizeIs(1));
+  EXPECT_THAT(endings_, ElementsAre(Ending::cancelled)) << "the read";
+}
+
 TEST_F(BusHung, EndsWhatWaitsInTimeWhileItIsReopened) {
   open_adapter(bus::LineKind::uart);
   ask_in_vain(10);
