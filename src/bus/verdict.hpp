@@ -42,7 +42,7 @@ struct Stray {
 template <std::size_t Most>
 class Strays {
  public:
-  void add(Stray stray) {
+  void add(const Stray& stray) {
     if (strays_.size() < Most) {
       strays_.push_back(stray);
     }

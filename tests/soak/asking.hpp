@@ -70,6 +70,7 @@ class Asking {
   Asked broadcast(const Door& door);
   void pick_broadcast(Asked& asked);
   void pick_odd(Asked& asked);
+  [[nodiscard]] Receivers listeners(std::size_t bus, bool autonics) const;
   Receivers add_forms(Asked& asked) const;
   [[nodiscard]] bool verifies(const Door& door) const;
   [[nodiscard]] bool hears_autonics(const Door& door) const;

@@ -89,6 +89,19 @@ Asked Asking::broadcast(const Door& door) {
   return asked;
 }
 
+// Drives of a bus that listen at address 0, or at that of the Autonics form.
+Asking::Receivers Asking::listeners(std::size_t bus, bool autonics) const {
+  Receivers listening;
+  for (std::size_t index = 0; index < plan_.settings.devices.size(); ++index) {
+    const Device& device = plan_.settings.devices[index];
+    if (static_cast<std::size_t>(device.bus) == bus && !plan_.absent.devices[index] &&
+        is_autonics(device) == autonics) {
+      listening.push_back(&device);
+    }
+  }
+  return listening;
+}
+
 // Who hears it, bus by bus, first those at address 0. Those who listen there cannot be kept from
 // it.
 Asking::Receivers Asking::add_forms(Asked& asked) const {
@@ -99,15 +112,9 @@ Asking::Receivers Asking::add_forms(Asked& asked) const {
       if (autonics ? !is_for_autonics(asked.pdu, range) : asked.door->only_autonics) {
         continue;
       }
-      const std::size_t before = receivers.size();
-      for (std::size_t index = 0; index < plan_.settings.devices.size(); ++index) {
-        const Device& device = plan_.settings.devices[index];
-        if (static_cast<std::size_t>(device.bus) == bus && !plan_.absent.devices[index] &&
-            is_autonics(device) == autonics) {
-          receivers.push_back(&device);
-        }
-      }
-      if (receivers.size() > before) {
+      const Receivers listening = listeners(bus, autonics);
+      if (!listening.empty()) {
+        receivers.insert(receivers.end(), listening.begin(), listening.end());
         PduBytes pdu = asked.pdu;
         pdu[0] = static_cast<std::uint8_t>(pdu[0] | (autonics ? 0x80U : 0U));
         const std::uint8_t address = autonics ? kAutonicsAddress : 0;

@@ -23,7 +23,7 @@ class Schedule {
   [[nodiscard]] Instant now() const { return now_; }
   void at(Instant instant, Happening happening) {
     entries_.push_back({std::max(instant, now_), order_++, std::move(happening)});
-    std::push_heap(entries_.begin(), entries_.end(), later);
+    std::ranges::push_heap(entries_, later);
   }
   void after(Duration delay, Happening happening) { at(now_ + delay, std::move(happening)); }
   [[nodiscard]] std::optional<Instant> next() const {
@@ -36,7 +36,7 @@ class Schedule {
     if (entries_.empty() || entries_.front().at > now_) {
       return false;
     }
-    std::pop_heap(entries_.begin(), entries_.end(), later);
+    std::ranges::pop_heap(entries_, later);
     const Happening happening = std::move(entries_.back().happening);
     entries_.pop_back();
     happening();
