@@ -36,7 +36,7 @@ void Asking::coils(Asked& asked) {
     word = scattered(next_value(asked, kRunOfCoils));
   }
   const auto count = static_cast<unsigned>(words.size()) * kWordOfCoils;
-  const unsigned first = random_.between<unsigned>(kFirstRunOfCoils, kRunsOfCoilsEnd - count);
+  const auto first = random_.between<unsigned>(kFirstRunOfCoils, kRunsOfCoilsEnd - count);
   asked.pdu = coils_pdu(first + asked.door->coils_at, words);
   if (is_outside(asked)) {
     return;
