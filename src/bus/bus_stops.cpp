@@ -171,15 +171,14 @@ Job* Bus::next_stop() {
 
 // Of several transmissions, or forms, each goes like the first, and no other stop between them.
 void Bus::go_on_with_stops(Instant now) {
-  const auto is_between_parts = [](const Job* job) {
-    return job->job_class == JobClass::stop && !job->in_flight;
-  };
-  for (auto begun = std::ranges::find_if(running_, is_between_parts); begun != running_.end();
-       begun = std::ranges::find_if(running_, is_between_parts)) {
-    (*begun)->waits_since = now;
-    queue_.push_stop_front(**begun);
-    running_.erase(begun);
-  }
+  std::erase_if(running_, [&](Job* job) {
+    const bool is_between_parts = job->job_class == JobClass::stop && !job->in_flight;
+    if (is_between_parts) {
+      job->waits_since = now;
+      queue_.push_stop_front(*job);
+    }
+    return is_between_parts;
+  });
 }
 
 // True: nothing else may begin now. False: no stop waits, or only such as let writes go first, and

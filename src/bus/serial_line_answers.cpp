@@ -44,7 +44,7 @@ bool SerialLine::begins_as_echo() const {
   }
   const FrameBytes sent = framer_.encode(transaction_->address, transaction_->request.pdu());
   const FrameBytes came = framer_.encode(transaction_->address, framer_.response());
-  return came.size() > sent.size() && std::equal(sent.begin(), sent.end(), came.begin());
+  return std::equal(sent.begin(), sent.end(), came.begin());
 }
 
 // It may be a late echo; what begins before the request has left a paced line answers nothing; and

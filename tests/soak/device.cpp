@@ -89,7 +89,7 @@ Pdu SoakDevice::read(spec::Bytes request, const spec::Range& asked, Instant now)
     range.table = Table::holding_registers;
   }
   const bool bits = is_bits(range.table);
-  const std::size_t size = bits ? (range.count + 7U) / 8U : range.count * 2U;
+  const std::size_t size = spec::data_size_of(range);
   std::vector<std::uint8_t> bytes(2 + size);
   bytes[0] = request[0];
   bytes[1] = static_cast<std::uint8_t>(size);

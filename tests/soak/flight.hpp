@@ -26,7 +26,6 @@ struct Flight {
   std::optional<Instant> stop_from{};  ///< a stop that was not tried before waits since then
   bool is_part = false;                ///< of several transactions that stay together
   bool beside_stop = false;            ///< a stop waits that lets it go first, or gives way to it
-  bool stop_is_open = false;           ///< some stop of its bus waits, or may be sent again
   bool asks_order = false;             ///< whoever it is for, the gateway learns the word order
   bool meets_stop = false;             ///< one was accepted after it
   bool expects_answer = true;

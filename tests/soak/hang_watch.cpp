@@ -36,7 +36,7 @@ bool HangWatch::is_due(std::size_t bus, Instant now) const {
 std::string HangWatch::transmitted(const Flight& flight) {
   Line& line = lines_[flight.bus];
   std::string missed;
-  if (!flight.is_stop && !flight.stop_is_open && is_silent_for_long(flight.bus, flight.begin) &&
+  if (!flight.is_stop && !flight.beside_stop && is_silent_for_long(flight.bus, flight.begin) &&
       line.asked >= plan_.settings.buses[flight.bus].hung_requests) {
     missed = "not opened again";
   } else if (std::exchange(line.must_tell, false)) {

@@ -47,8 +47,7 @@ void Oracle::line_replaced(std::size_t bus) {
     return;
   }
   const unsigned most = bus_settings(bus).replace_after;
-  if (!is_tcp(bus) || most == 0 || book.in_vain.size() < most ||
-      schedule_.now() < book.last_byte + kSilence) {
+  if (most == 0 || book.in_vain.size() < most || schedule_.now() < book.last_byte + kSilence) {
     violation("tcp_replaced", bus_settings(bus).name);
   }
   ++book.count.losses;

@@ -19,9 +19,7 @@ bool has_length_of_answer(std::size_t size, const PduBytes& asked, bool is_ascii
   if (size == frame_of(kException) || !fields || !fields->reads) {
     return size == frame_of(kException);
   }
-  const bool is_bits = asked.front() == 0x01 || asked.front() == 0x02;
-  const unsigned count = fields->reads->count;
-  return size == frame_of(2 + (is_bits ? (count + 7U) / 8U : 2 * std::size_t{count}));
+  return size == frame_of(2 + spec::data_size_of(*fields->reads));
 }
 
 }  // namespace

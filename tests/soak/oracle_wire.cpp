@@ -117,7 +117,6 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   flight.is_broadcast = !is_tcp(bus) && is_for_all(plan_, bus, flight.address);
   cut_flying(book);
   attribute(flight);
-  flight.stop_is_open = !book.open_stops.empty();
   check_stops_first(flight);
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);

@@ -44,19 +44,10 @@ void Refusals::judge_busy(const Asked& asked) const {
 }
 
 const char* Refusals::why_busy(const Asked& asked) const {
+  if (const char* reason = why_withdrawn(asked); reason != nullptr) {
+    return reason;
+  }
   const auto any = [&](const auto& is_so) { return std::ranges::any_of(asked.pieces, is_so); };
-  if (asked.doomed || oracle_.may_be_stopped(asked)) {
-    return "stopped";
-  }
-  if (has_expired(asked)) {
-    return "expired";
-  }
-  if (asked.dropped) {
-    return "half_closed";
-  }
-  if (any([](const Piece& piece) { return piece.taken_back; })) {
-    return "taken_back";
-  }
   if (any([&](const Piece& piece) { return found_no_room(asked, piece.bus); })) {
     return "queue_full";
   }
@@ -69,6 +60,20 @@ const char* Refusals::why_busy(const Asked& asked) const {
   const bool asks_order =
       any([](const Piece& piece) { return piece.asks_order && piece.sent > 0; });
   return asks_order && fault_of(asked) != nullptr ? "word_order_unknown" : nullptr;
+}
+
+// It must not be transmitted any more.
+const char* Refusals::why_withdrawn(const Asked& asked) const {
+  if (asked.doomed || oracle_.may_be_stopped(asked)) {
+    return "stopped";
+  }
+  if (has_expired(asked)) {
+    return "expired";
+  }
+  if (asked.dropped) {
+    return "half_closed";
+  }
+  return std::ranges::any_of(asked.pieces, &Piece::taken_back) ? "taken_back" : nullptr;
 }
 
 // It is told at once: that there is no room for it, or that it has lost its place to another one.
@@ -115,6 +120,10 @@ void Refusals::judge_no_response(const Asked& asked) const {
     note("0B", reason);
     return;
   }
+  if (const char* reason = why_unfinished(asked); reason != nullptr) {
+    note("0B_part", reason);
+    return;
+  }
   const Flight* last = oracle_.flight(asked.last_flight);
   std::string text = oracle_.name(asked);
   if (last != nullptr) {
@@ -147,10 +156,8 @@ const char* Refusals::why_no_response(const Asked& asked) const {
   if (const char* fault = fault_of(asked); fault != nullptr) {
     return fault;
   }
-  if (asked.is_read() && oracle_.may_be_offline(asked) && !asked.surely_on_wire) {
-    return "offline";
-  }
-  return asked.pieces.size() > 1 || was_merged(asked) ? why_unfinished(asked) : nullptr;
+  return asked.is_read() && oracle_.may_be_offline(asked) && !asked.surely_on_wire ? "offline"
+                                                                                   : nullptr;
 }
 
 // If the read that it was merged into, or that others were merged into, is refused, its own is
@@ -167,35 +174,32 @@ bool Refusals::was_merged(const Asked& asked) const {
 
 // What was transmitted of it has ended well, and the rest must not follow.
 const char* Refusals::why_unfinished(const Asked& asked) const {
+  const bool is_merged = was_merged(asked);
+  if (asked.pieces.size() == 1 && !is_merged) {
+    return nullptr;
+  }
   const auto any = [&](const auto& is_so) { return std::ranges::any_of(asked.pieces, is_so); };
-  if (asked.doomed || oracle_.may_be_stopped(asked) ||
-      any([](const Piece& piece) { return piece.doomed.has_value(); })) {
-    return "part_stopped";
+  if (any([](const Piece& piece) { return piece.doomed.has_value(); })) {
+    return "stopped";
   }
-  if (has_expired(asked)) {
-    return "part_expired";
-  }
-  if (asked.dropped) {
-    return "part_half_closed";
-  }
-  if (any([](const Piece& piece) { return piece.taken_back; })) {
-    return "part_taken_back";
+  if (const char* reason = why_withdrawn(asked); reason != nullptr) {
+    return reason;
   }
   if (is_away(asked)) {
-    return "part_line_away";
+    return "line_away";
   }
   if (asked.is_read() && oracle_.may_be_offline(asked)) {
-    return "part_offline";
+    return "offline";
   }
   const bool found_none = any([&](const Piece& piece) {
     return asked.kind == Kind::broadcast
                ? oracle_.books_[piece.bus].last_full >= asked.accepted
-               : was_merged(asked) && found_no_room(asked, piece.bus);  // it waits once more
+               : is_merged && found_no_room(asked, piece.bus);  // it waits once more
   });
   if (found_none) {
-    return "part_queue_full";
+    return "queue_full";
   }
-  return oracle_.stopping_ ? "part_shutdown" : nullptr;
+  return oracle_.stopping_ ? "shutdown" : nullptr;
 }
 
 // Of a request that was transmitted by itself, what befell its last try; otherwise any of those

@@ -8,9 +8,8 @@
 //   without a silence, because a device that has answered owes nothing and a later copy cannot be
 //   told from the answer to a like request;
 // - glitches stand only before answers whose length a byte count or the request tells;
-// - what belongs to no frame completes none, nor does it stand behind one that only silence ends,
-// or
-//   behind an echo that the settings deny, as zeros that leave its CRC good (`soak/overheard`);
+// - what nobody has sent makes no frame, neither by a chance CRC nor as zeros that leave the CRC
+//   good of one that only silence ends, or of an echo that the settings deny (`soak/overheard`);
 // - in ASCII noise has no LF: an answer that has lost its own would be whole within 1 s;
 // - an answer of the wrong unit has an address that nobody uses;
 // - a stranger on the line asks no device that owes the gateway an answer, and has its own answer

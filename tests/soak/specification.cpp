@@ -148,6 +148,11 @@ std::optional<Fields> fields_of(Bytes pdu) {
   }
 }
 
+std::size_t data_size_of(const Range& read) {
+  const bool is_bits = read.table == Table::coils || read.table == Table::discrete_inputs;
+  return is_bits ? (read.count + 7) / 8 : 2 * std::size_t{read.count};
+}
+
 std::uint16_t crc(Bytes bytes) {
   unsigned value = 0xFFFF;
   for (const std::uint8_t byte : bytes) {

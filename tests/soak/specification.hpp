@@ -36,6 +36,9 @@ struct Fields {
   std::vector<std::uint16_t> words{};  ///< that it writes; of a coil 0 or 1, of 22 both masks
 };
 
+/// Of what a read brings, behind its function and byte count (6.1 to 6.4).
+std::size_t data_size_of(const Range& read);
+
 /// Of the longest RTU frame, and of the longest ASCII frame (Serial Line V1.02, 2.5.1 and 2.5.2).
 inline constexpr std::size_t kRtuFrame = 256;
 inline constexpr std::size_t kAsciiFrame = 513;

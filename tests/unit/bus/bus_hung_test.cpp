@@ -19,6 +19,11 @@ class BusHung : public Bus {
     drain();
     advance(10ms);  // silence, and the next request
   }
+  void submit_stop() {
+    bus::Job& stop = job("06 007C 00E1");
+    stop.job_class = bus::JobClass::stop;
+    submit(stop);
+  }
   /// Reads of that many devices that nobody answers.
   void ask_in_vain(unsigned requests) {
     for (unsigned i = 0; i < requests; ++i) {
@@ -86,9 +91,7 @@ TEST_F(BusHung, LetsAStopGoFirst) {
   open_adapter(bus::LineKind::uart);
   ask_in_vain(10);
   advance(30s);
-  bus::Job& stop = job("06 007C 00E1");
-  stop.job_class = bus::JobClass::stop;
-  submit(stop);
+  submit_stop();
   EXPECT_FALSE(bus_->is_reopening());
   EXPECT_THAT(frames_, SizeIs(1));
   advance(2s);
@@ -103,9 +106,7 @@ TEST_F(BusHung, StopsThatComeWhileItIsReopenedAndTheGatewayStopsGoAfterwards) {
   submit(job(kRead));
   ASSERT_TRUE(bus_->is_reopening());
   bus_->stop(now_);
-  bus::Job& stop = job("06 007C 00E1");
-  stop.job_class = bus::JobClass::stop;
-  submit(stop);
+  submit_stop();
   opened_again();
   EXPECT_THAT(frames_, SizeIs(1));
   EXPECT_THAT(endings_, ElementsAre(Ending::cancelled)) << "the read";
