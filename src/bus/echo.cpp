@@ -53,7 +53,7 @@ void Echo::expect(const Transaction& transaction, const FrameBytes& frame, Insta
     counters_.stray_bytes += seen_;  // it was held back for an echo that it was not
   }
   forget();
-  asked_ = &transaction;
+  asked_ = transaction.request.pdu();
   may_answer_ = looks_like_answer(transaction);
   spoilt_ = passed_ = false;
   if (state_ == State::present || (learns_ && !may_answer_)) {
@@ -129,7 +129,7 @@ Echo::Heard Echo::look_for(modbus::Bytes bytes, Instant now) {
 
 // An answer to 07, 11, 12 or 17, which have no fields, may begin as the echo does: with data where
 // that has its CRC. What comes then is neither an answer, nor does it say whether there is an echo.
-bool Echo::shows_anything() const { return asked_->request.pdu().size() > 1; }
+bool Echo::shows_anything() const { return asked_->size() > 1; }
 
 Echo::Held Echo::release() {
   Held held;
@@ -142,7 +142,7 @@ Echo::Held Echo::release() {
 }
 
 bool Echo::is_repetition(const modbus::Pdu& response) const {
-  return may_answer_ && response == asked_->request.pdu();
+  return may_answer_ && response == asked_;
 }
 
 bool Echo::is_owed(const modbus::Pdu& response) const {

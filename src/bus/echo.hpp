@@ -90,8 +90,8 @@ class Echo {
   bool learns_;  // nobody said whether there is one
   BusCounters& counters_;
   LineFaults& faults_;
-  const Transaction* asked_ = nullptr;
-  bool may_answer_ = false;  // what was sent last looks like the answer to it
+  std::optional<modbus::Pdu> asked_;  // its echo may come when nobody waits for an answer any more
+  bool may_answer_ = false;           // what was sent last looks like the answer to it
   FrameBytes expected_;
   std::size_t seen_ = 0;
   /// Those that did not come, of requests whose answers look like them, in the order of these. The

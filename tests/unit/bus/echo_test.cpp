@@ -59,6 +59,14 @@ TEST_F(Echo, IsTakenOutWhereItIsSaidToBe) {
   EXPECT_THAT(faults_, IsEmpty());
 }
 
+TEST_F(Echo, IsFoundThoughItComesWhenTheRequestIsForgotten) {
+  begin({});
+  send(kReadPdu);
+  transaction_.emplace(bus::Transaction{1, *modbus::Request::parse(pdu("07"))});
+  EXPECT_EQ(take(kSentRead), "|");
+  EXPECT_TRUE(echo_->is_present());
+}
+
 TEST_F(Echo, ThatDiffersSpoilsWhatFollows) {
   begin(true);
   send(kReadPdu);
