@@ -237,7 +237,7 @@ void Bus::transmit(Job& job, Instant now) {
     owed.alike = entry.health.owed_alike(transaction.request, now, entry.timing());
   }
   actions_.push(TransmitFrame{line_.begin(transaction, timing, owed, now)});
-  if (stop != nullptr) {
+  if (stop != nullptr && in_the_way_of(*stop) == &job) {
     line_.limit_wait(transaction, stop->waits_since + settings_.stop_wait, settings_.stop_wait);
   }
 }

@@ -34,6 +34,19 @@ TEST_F(BusTcp, AWriteThatIsLetGoFirstDoesNotWaitForAReadOfItsDeviceForLong) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
 }
 
+TEST_F(BusTcp, WhatGoesBetweenTwoTriesOfAStopIsNotCutOffByTheStopBesideIt) {
+  auto slow = tcp(2);
+  slow.timing.response_timeout = 1s;
+  open(slow, {axis(settings(), 2), axis(settings(), 3)});
+  submit(job_of(0, kRead, 2));
+  submit(job_of(1, kStop, 3));
+  submit(job_of(2, kRead, 1));
+  advance(settings().timing.response_timeout);
+  ASSERT_THAT(units(), ElementsAre(2, 3, 1, 3));
+  advance(250ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer)) << "only the read of 2";
+}
+
 TEST_F(BusTcp, ALateAnswerBringsItsDeviceBack) {
   auto breaking = tcp(1);
   breaking.timing.offline_after = 1;
