@@ -111,8 +111,8 @@ void Bus::handle_response(Job& job, const LineEnd& end, Instant now) {
       notify(DeviceNotice::Kind::early, asked.address);
     }
   }
-  if (entry.health.note_answered({asked.request, asked.response->bytes(), end.due, end.took},
-                                 now)) {
+  if (entry.health.note_answered(
+          {asked.request, asked.response->bytes(), job.last_sent, end.due, end.took}, now)) {
     notify(DeviceNotice::Kind::back, asked.address);
   }
   job.is_probe = false;
@@ -163,7 +163,8 @@ void Bus::handle_silence(Job& job, const LineEnd& end, Instant now) {
   if (job.job_class == JobClass::stop) {
     entry.last_stop_turn = job.turn;
   }
-  const bool lost = entry.health.note_unanswered(transaction.request, end.due, entry.timing());
+  const bool lost =
+      entry.health.note_unanswered(transaction.request, job.last_sent, end.due, entry.timing());
   note_probe(job, now);
   if (lost) {
     go_offline(entry, transaction.address, now);

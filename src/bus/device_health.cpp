@@ -23,9 +23,12 @@ bool fits(const modbus::Request& asked, modbus::Bytes response) {
 
 }  // namespace
 
-bool DeviceHealth::note_unanswered(const modbus::Request& asked, Instant due,
+bool DeviceHealth::note_unanswered(const modbus::Request& asked, Instant sent, Instant due,
                                    const Timing& timing) {
   owe(asked, due);
+  if (sent <= answered_sent_) {
+    return false;
+  }
   ++unanswered_in_row_;
   if (offline_ || timing.offline_after == 0 || unanswered_in_row_ < timing.offline_after) {
     return false;
@@ -62,6 +65,7 @@ DeviceHealth::Debt& DeviceHealth::owe(const modbus::Request& asked, Instant due)
 
 bool DeviceHealth::note_answered(const Answered& answered, Instant now) {
   note_took(answered.took, now);
+  answered_sent_ = std::max(answered_sent_, answered.sent);
   // Devices answer in order: what they did not answer before this comes no more, unless this was
   // it.
   std::erase_if(debts_, [&](Debt& debt) {

@@ -34,17 +34,20 @@ class DeviceHealth {
  public:
   using Timing = drive::DeviceTiming;
 
-  /// A transmission of `asked` got no answer; `due` is when its response timeout ended, or would
-  /// have. Returns true if the device has just gone offline by that.
-  bool note_unanswered(const modbus::Request& asked, Instant due, const Timing& timing);
+  /// A transmission of `asked`, at `sent`, got no answer; `due` is when its response timeout ended,
+  /// or would have. Returns true if the device has just gone offline by that: not if it has
+  /// answered what was sent to it later.
+  bool note_unanswered(const modbus::Request& asked, Instant sent, Instant due,
+                       const Timing& timing);
   /// The same, but it says nothing about whether the device is there: a frame of the right shape
   /// came with a wrong CRC, or the line was lost before an answer came.
   void note_spoilt(const modbus::Request& asked, Instant due) { owe(asked, due); }
   struct Answered {
     const modbus::Request& asked;
     modbus::Bytes response;  ///< its PDU
-    Instant due;             ///< when the response timeout would have ended
-    Duration took;           ///< from the end of the transmission
+    Instant sent;
+    Instant due;    ///< when the response timeout would have ended
+    Duration took;  ///< from the end of the transmission
   };
   /// A transmission was answered. If an earlier one that this answer fits was not, nobody can tell
   /// whose answer it is, and the other one may come until after `due`. Returns true if the device
@@ -121,7 +124,8 @@ class DeviceHealth {
   Duration learned_{0};
   Instant learned_at_ = Instant::min();
 
-  unsigned unanswered_in_row_ = 0;
+  unsigned unanswered_in_row_ = 0;  // of what was sent after the last that was answered
+  Instant answered_sent_ = Instant::min();
   bool offline_ = false;
   Instant probe_at_ = Instant::min();
   Instant wanted_at_ = Instant::min();

@@ -187,10 +187,11 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
                        Hash& hash) {
   // What was learned is forgotten by the minute, which no small world lives: while_began,
   // learned_at, longest_before. Read with the entry, because they count only offline: probe_at,
-  // wanted_at.
+  // wanted_at. On a serial line all that may end was sent later than what was answered:
+  // answered_sent.
   const auto& [debts, forgotten_due, forgotten, answered_at, longest_answer, longest_before,
-               while_began, learned, learned_at, unanswered_in_row, offline, probe_at, wanted_at] =
-      health;
+               while_began, learned, learned_at, unanswered_in_row, answered_sent, offline,
+               probe_at, wanted_at] = health;
   explore::require(!forgotten_due && longest_before == Duration{0}, "few debts, and a short life");
   bool holds = false;
   hash.add(debts.size());

@@ -21,6 +21,19 @@ TEST_F(BusTcp, AWriteHasItsDeviceForItself) {
   EXPECT_THAT(units(), ElementsAre(1, 2, 1, 1, 1));
 }
 
+TEST_F(BusTcp, WhoAnswersWhatWasAskedLaterIsNotOffline) {
+  auto breaking = tcp(2);
+  breaking.timing.offline_after = 1;
+  open(breaking);
+  submit(job(kRead));
+  advance(10ms);
+  submit(job(kOther));
+  answer(1, "01 03 02 12 34");
+  advance(breaking.timing.response_timeout);
+  EXPECT_FALSE(bus_->is_offline(1));
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
+}
+
 TEST_F(BusTcp, WhatWasAskedBeforeAStopIsNotRemembered) {
   drive::Device axis{"axis", {}, 1, settings().timing};
   axis.cache = 1s;

@@ -27,6 +27,16 @@ class Health : public testing::Test {
     return at(time) >= health_.held_until(asked.function(), timing_);
   }
 
+  /// `asked`, whose response timeout of 100 ms ends at `due`, is not answered in that time.
+  bool unanswered(const modbus::Request& asked, bus::Duration due) {
+    return health_.note_unanswered(asked, at(due - 100ms), at(due), timing_);
+  }
+  /// It is, after `took`, which is handled at `now`.
+  bool answered(const modbus::Request& asked, const std::vector<std::uint8_t>& response,
+                bus::Duration due, bus::Duration took, bus::Duration now) {
+    return health_.note_answered({asked, response, at(due - 100ms), at(due), took}, at(now));
+  }
+
   const std::vector<std::uint8_t> kAnswer = unhex("03 02 12 34");
   const modbus::Request read_ = request("03 0000 0001");
   const modbus::Request write_ = request("06 0000 0001");
@@ -41,9 +51,9 @@ TEST_F(Health, ADeviceThatOwesNothingIsNotHeldBack) {
 }
 
 TEST_F(Health, AQuarantineCountsFromTheLastUnansweredTransmission) {
-  health_.note_unanswered(read_, at(100ms), timing_);
+  unanswered(read_, 100ms);
   EXPECT_FALSE(may_be_asked(219ms));
-  health_.note_unanswered(read_, at(210ms), timing_);
+  unanswered(read_, 210ms);
   EXPECT_EQ(health_.owed(3, at(220ms), timing_), 2U);
   EXPECT_FALSE(may_be_asked(329ms));
   EXPECT_TRUE(may_be_asked(330ms));
@@ -52,14 +62,14 @@ TEST_F(Health, AQuarantineCountsFromTheLastUnansweredTransmission) {
 
 TEST_F(Health, ItsLengthCanBeSet) {
   timing_.quarantine = 500ms;
-  health_.note_unanswered(read_, at(100ms), timing_);
+  unanswered(read_, 100ms);
   EXPECT_FALSE(may_be_asked(619ms));
   EXPECT_TRUE(may_be_asked(620ms));
 }
 
 TEST_F(Health, ItEndsWhenAllOwedAnswersWereSeen) {
-  health_.note_unanswered(read_, at(100ms), timing_);
-  health_.note_unanswered(read_, at(210ms), timing_);
+  unanswered(read_, 100ms);
+  unanswered(read_, 210ms);
   const auto first = health_.note_unexpected(kAnswer, at(215ms), timing_);
   ASSERT_TRUE(first);
   EXPECT_EQ(first->lateness, 115ms);
@@ -71,15 +81,15 @@ TEST_F(Health, ItEndsWhenAllOwedAnswersWereSeen) {
 }
 
 TEST_F(Health, AReadThatWasRepeatedAndThenAnsweredLeavesItHeldBack) {
-  health_.note_unanswered(read_, at(100ms), timing_);
-  health_.note_answered({read_, kAnswer, at(210ms), 10ms}, at(120ms));  // whose answer was it?
+  unanswered(read_, 100ms);
+  answered(read_, kAnswer, 210ms, 10ms, 120ms);  // whose answer was it?
   EXPECT_FALSE(may_be_asked(329ms));
   EXPECT_TRUE(may_be_asked(330ms));
 }
 
 TEST_F(Health, TheSecondAnswerProvesThatTheFirstWasLate) {
-  health_.note_unanswered(read_, at(100ms), timing_);
-  health_.note_answered({read_, kAnswer, at(210ms), 10ms}, at(190ms));
+  unanswered(read_, 100ms);
+  answered(read_, kAnswer, 210ms, 10ms, 190ms);
   const auto late = health_.note_unexpected(kAnswer, at(195ms), timing_);
   ASSERT_TRUE(late);
   EXPECT_EQ(late->lateness, 90ms);
@@ -87,7 +97,7 @@ TEST_F(Health, TheSecondAnswerProvesThatTheFirstWasLate) {
 }
 
 TEST_F(Health, ItGrowsToCoverWhatWasSeenAndShrinksAgain) {
-  health_.note_unanswered(read_, at(100ms), timing_);
+  unanswered(read_, 100ms);
   health_.note_asked(at(220ms), timing_);  // the quarantine was over
   const auto late = health_.note_unexpected(kAnswer, at(500ms), timing_);
   ASSERT_TRUE(late);
@@ -100,16 +110,16 @@ TEST_F(Health, ItGrowsToCoverWhatWasSeenAndShrinksAgain) {
 
 TEST_F(Health, ItGrowsNoFurtherThanAllowed) {
   timing_.quarantine_max = 300ms;
-  health_.note_unanswered(read_, at(100ms), timing_);
+  unanswered(read_, 100ms);
   EXPECT_TRUE(health_.note_unexpected(kAnswer, at(390ms), timing_));
   EXPECT_EQ(health_.quarantine(at(390ms), timing_), 300ms);
-  health_.note_unanswered(read_, at(1s), timing_);
+  unanswered(read_, 1s);
   EXPECT_FALSE(health_.note_unexpected(kAnswer, at(1301ms), timing_));  // too late to be believed
 }
 
 TEST_F(Health, MoreAnswersCanBeOwedThanAreDated) {
   for (int times = 0; times < 13; ++times) {
-    health_.note_unanswered(read_, at(100ms), timing_);
+    unanswered(read_, 100ms);
   }
   for (int times = 0; times < 12; ++times) {
     EXPECT_TRUE(health_.note_unexpected(kAnswer, at(110ms), timing_));
@@ -127,7 +137,7 @@ TEST_F(Health, ADamagedAnswerLeavesItHeldBackAndSaysNothingAboutWhetherItIsThere
 }
 
 TEST_F(Health, AFrameThatFitsNoOwedRequestProvesNothing) {
-  health_.note_unanswered(read_, at(100ms), timing_);
+  unanswered(read_, 100ms);
   EXPECT_FALSE(health_.note_unexpected(unhex("03 04 12 34 56 78"), at(110ms), timing_));
   EXPECT_FALSE(health_.note_unexpected(unhex("06 00 00 00 01"), at(110ms), timing_));
   EXPECT_FALSE(health_.note_unexpected(unhex("86 02"), at(110ms), timing_));
@@ -135,28 +145,27 @@ TEST_F(Health, AFrameThatFitsNoOwedRequestProvesNothing) {
 }
 
 TEST_F(Health, WhatWasGivenUpIsForgottenWhenTheDeviceAnswersOthers) {
-  health_.note_unanswered(read_, at(100ms), timing_);
+  unanswered(read_, 100ms);
   health_.note_asked(at(300ms), timing_);
-  health_.note_answered({write_, unhex("06 00 00 00 01"), at(400ms), 10ms}, at(310ms));
+  answered(write_, unhex("06 00 00 00 01"), 400ms, 10ms, 310ms);
   EXPECT_FALSE(health_.note_unexpected(kAnswer, at(320ms), timing_));
 }
 
 TEST_F(Health, AnAnswerThatSlippedByOneIsLearnedFrom) {
-  health_.note_unanswered(read_, at(100ms), timing_);
+  unanswered(read_, 100ms);
   health_.note_asked(at(300ms), timing_);
-  health_.note_answered({read_, kAnswer, at(400ms), 10ms}, at(310ms));  // of the first one
+  answered(read_, kAnswer, 400ms, 10ms, 310ms);  // of the first one
   const auto late = health_.note_unexpected(kAnswer, at(320ms), timing_);
   ASSERT_TRUE(late);
   EXPECT_TRUE(late->grew);
-  health_.note_answered({read_, kAnswer, at(500ms), 10ms}, at(410ms));
+  answered(read_, kAnswer, 500ms, 10ms, 410ms);
   EXPECT_FALSE(health_.note_unexpected(kAnswer, at(420ms), timing_));
 }
 
 TEST_F(Health, ADeviceThatHasAnsweredSinceIsHeldBackForTheSameFunctionOnly) {
-  health_.note_unanswered(read_, at(100ms), timing_);
+  unanswered(read_, 100ms);
   EXPECT_FALSE(may_be_asked(write_, 219ms));
-  health_.note_answered({read_, kAnswer, at(210ms), 8ms},
-                        at(120ms));  // the retry's, or the first's
+  answered(read_, kAnswer, 210ms, 8ms, 120ms);  // the retry's, or the first's
   EXPECT_FALSE(may_be_asked(write_, 151ms));
   EXPECT_TRUE(may_be_asked(write_, 152ms));  // four times its longest answer later
   EXPECT_FALSE(may_be_asked(read_, 329ms));
@@ -164,10 +173,10 @@ TEST_F(Health, ADeviceThatHasAnsweredSinceIsHeldBackForTheSameFunctionOnly) {
 }
 
 TEST_F(Health, ARequestOfAnotherFunctionNeitherClearsNorReplacesADebt) {
-  health_.note_unanswered(read_, at(100ms), timing_);
-  health_.note_answered({read_, kAnswer, at(210ms), 1ms}, at(120ms));
+  unanswered(read_, 100ms);
+  answered(read_, kAnswer, 210ms, 1ms, 120ms);
   health_.note_asked(at(140ms), timing_);
-  health_.note_answered({write_, unhex("06 00 00 00 01"), at(250ms), 1ms}, at(141ms));
+  answered(write_, unhex("06 00 00 00 01"), 250ms, 1ms, 141ms);
   EXPECT_EQ(health_.owed(3, at(142ms), timing_), 1U);
   EXPECT_EQ(health_.owed(6, at(142ms), timing_), 0U);
   EXPECT_FALSE(may_be_asked(read_, 329ms));
@@ -175,18 +184,18 @@ TEST_F(Health, ARequestOfAnotherFunctionNeitherClearsNorReplacesADebt) {
 }
 
 TEST_F(Health, SilenceAgainHoldsEverythingBack) {
-  health_.note_unanswered(read_, at(100ms), timing_);
-  health_.note_answered({read_, kAnswer, at(210ms), 1ms}, at(120ms));
-  health_.note_unanswered(write_, at(300ms), timing_);
+  unanswered(read_, 100ms);
+  answered(read_, kAnswer, 210ms, 1ms, 120ms);
+  unanswered(write_, 300ms);
   EXPECT_FALSE(may_be_asked(read_, 419ms));
   EXPECT_TRUE(may_be_asked(read_, 420ms));
 }
 
 TEST_F(Health, WhatThereIsNoRoomForHoldsEverythingBack) {
   for (int value = 0; value < 12; ++value) {
-    health_.note_unanswered(request("06 0000 00" + std::to_string(10 + value)), at(100ms), timing_);
+    unanswered(request("06 0000 00" + std::to_string(10 + value)), 100ms);
   }
-  health_.note_answered({read_, kAnswer, at(210ms), 1ms}, at(120ms));
+  answered(read_, kAnswer, 210ms, 1ms, 120ms);
   EXPECT_FALSE(may_be_asked(read_, 219ms));
   EXPECT_TRUE(may_be_asked(read_, 220ms));
 }
@@ -194,9 +203,9 @@ TEST_F(Health, WhatThereIsNoRoomForHoldsEverythingBack) {
 TEST_F(Health, WhatIsForgottenCountsFromTheLastUnansweredTransmissionToo) {
   const auto write = [](int value) { return "06 0000 00" + std::to_string(value); };
   for (int value = 10; value < 19; ++value) {
-    health_.note_unanswered(request(write(value)), at(100ms), timing_);
+    unanswered(request(write(value)), 100ms);
   }
-  health_.note_unanswered(request(write(19)), at(150ms), timing_);
+  unanswered(request(write(19)), 150ms);
   for (int value = 12; value < 20; ++value) {
     EXPECT_TRUE(health_.note_unexpected(unhex(write(value)), at(160ms), timing_));
   }
@@ -206,13 +215,13 @@ TEST_F(Health, WhatIsForgottenCountsFromTheLastUnansweredTransmissionToo) {
 
 // A dead drive is sent a stop again and again, and other writes between.
 TEST_F(Health, WhatWasAskedLastIsRememberedThoughItWasAskedFirstToo) {
-  health_.note_unanswered(write_, at(100ms), timing_);
+  unanswered(write_, 100ms);
   for (int value = 0; value < 7; ++value) {
-    health_.note_unanswered(request("06 0000 00" + std::to_string(10 + value)), at(110ms), timing_);
+    unanswered(request("06 0000 00" + std::to_string(10 + value)), 110ms);
   }
-  health_.note_unanswered(write_, at(120ms), timing_);
-  health_.note_unanswered(request("06 0000 0030"), at(130ms), timing_);
-  health_.note_answered({write_, unhex("06 0000 0001"), at(240ms), 1ms}, at(150ms));
+  unanswered(write_, 120ms);
+  unanswered(request("06 0000 0030"), 130ms);
+  answered(write_, unhex("06 0000 0001"), 240ms, 1ms, 150ms);
   EXPECT_EQ(health_.owed(6, at(150ms), timing_), 9U);  // of the two alike one more
   EXPECT_FALSE(may_be_asked(write_, 359ms));
   EXPECT_TRUE(may_be_asked(write_, 360ms));
@@ -220,28 +229,28 @@ TEST_F(Health, WhatWasAskedLastIsRememberedThoughItWasAskedFirstToo) {
 
 TEST_F(Health, AnAnswerMayBeThatToARequestForWhichThereWasNoRoom) {
   for (int value = 0; value < 12; ++value) {
-    health_.note_unanswered(request("06 0000 00" + std::to_string(10 + value)), at(100ms), timing_);
+    unanswered(request("06 0000 00" + std::to_string(10 + value)), 100ms);
   }
   const auto echo = unhex("06 0000 0010");
-  health_.note_answered({request("06 0000 0010"), echo, at(210ms), 1ms}, at(120ms));
+  answered(request("06 0000 0010"), echo, 210ms, 1ms, 120ms);
   EXPECT_FALSE(may_be_asked(write_, 329ms));
   EXPECT_TRUE(may_be_asked(write_, 330ms));
 }
 
 TEST_F(Health, ADeviceGoesOfflineAndComesBack) {
-  EXPECT_FALSE(health_.note_unanswered(read_, at(100ms), timing_));
-  EXPECT_FALSE(health_.note_unanswered(read_, at(200ms), timing_));
-  EXPECT_TRUE(health_.note_unanswered(read_, at(300ms), timing_));
+  EXPECT_FALSE(unanswered(read_, 100ms));
+  EXPECT_FALSE(unanswered(read_, 200ms));
+  EXPECT_TRUE(unanswered(read_, 300ms));
   EXPECT_TRUE(health_.is_offline());
-  EXPECT_FALSE(health_.note_unanswered(read_, at(400ms), timing_));
-  EXPECT_TRUE(health_.note_answered({read_, kAnswer, at(500ms), 10ms}, at(450ms)));
+  EXPECT_FALSE(unanswered(read_, 400ms));
+  EXPECT_TRUE(answered(read_, kAnswer, 500ms, 10ms, 450ms));
   EXPECT_FALSE(health_.is_offline());
-  EXPECT_FALSE(health_.note_answered({read_, kAnswer, at(600ms), 10ms}, at(550ms)));
+  EXPECT_FALSE(answered(read_, kAnswer, 600ms, 10ms, 550ms));
 }
 
 TEST_F(Health, ALateAnswerBringsItBack) {
   timing_.offline_after = 1;
-  EXPECT_TRUE(health_.note_unanswered(read_, at(100ms), timing_));
+  EXPECT_TRUE(unanswered(read_, 100ms));
   const auto late = health_.note_unexpected(kAnswer, at(150ms), timing_);
   ASSERT_TRUE(late);
   EXPECT_TRUE(late->back);
@@ -251,7 +260,7 @@ TEST_F(Health, ALateAnswerBringsItBack) {
 TEST_F(Health, OfflineCanBeTurnedOff) {
   timing_.offline_after = 0;
   for (int times = 0; times < 100; ++times) {
-    EXPECT_FALSE(health_.note_unanswered(read_, at(100ms), timing_));
+    EXPECT_FALSE(unanswered(read_, 100ms));
   }
 }
 
