@@ -70,14 +70,15 @@ void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
     settle(bus, frame);
     return;
   }
+  // They settle what is owed in the order in which they came.
+  const bool waits = std::ranges::any_of(book.unread, &HeardFrame::waits) ||
+                     (is_paced(plan_, bus) && schedule_.now() < book.own_end) ||
+                     began_while_sending(bus, frame.began);
   book.unread.push_back(frame);
   note_whole(bus, book.unread.back());
-  if (is_paced(plan_, bus) && schedule_.now() < book.own_end) {
-    book.unread.back().waits = true;
-  } else if (!began_while_sending(bus, frame.began)) {
+  book.unread.back().waits = waits;
+  if (!waits) {
     settle(bus, frame);
-  } else {
-    book.unread.back().waits = true;
   }
 }
 

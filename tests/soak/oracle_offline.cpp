@@ -27,6 +27,10 @@ void Oracle::note_silent(std::size_t bus) {
   }
   Lane& lane = book.lanes[last->address];
   const bool is_silent = book.came == 0 && schedule_.now() >= last->due && reloaded_ < last->begin;
+  if (book.came > 0) {  // if only an answer with a bad CRC: the device is there
+    lane.silent_stops = 0;
+    lane.given_up_after.reset();
+  }
   if (!is_silent) {
     return;
   }
