@@ -240,7 +240,7 @@ class Bus {
   void handle_silence(Job& job, const LineEnd& end, Instant now);
   void handle_failure(Job& job, Instant now);
   void handle_stray(const Stray& stray);
-  void note_foreign(const Stray& stray);
+  void note_foreign(const Stray& stray, bool is_first);
   void note_quality(const LineEnd& end, std::uint8_t address);
   void tell_quality(std::uint8_t address);
   void note_probe(Job& job, Instant now);
@@ -284,7 +284,8 @@ class Bus {
   bool echo_denied_reported_ = false;
   bool replacement_reported_ = false;
   LineQuality quality_;
-  bool frame_heard_ = false;  // a stray one, since a transmission ended last
+  bool frame_heard_ = false;    // a stray one, since a transmission ended last
+  unsigned denied_echoes_ = 0;  // heard though the settings deny them, no read without between
   Instant pumped_at_;
   std::optional<Wake> next_start_;  // when a transmission may begin, as seen at pumped_at_
   enum class Looking : std::uint8_t { no, asked, done } looking_ = Looking::no;

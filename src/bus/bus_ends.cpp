@@ -101,6 +101,9 @@ void Bus::handle_response(Job& job, const LineEnd& end, Instant now) {
   ++counters_.responses;
   ++entry.counters.responses;
   entry.note_heard();
+  if (asked.request.is_read() && !frame_heard_) {
+    denied_echoes_ = 0;
+  }
   never_silent_reported_ = false;
   counters_.exceptions += exception ? 1U : 0U;
   entry.counters.exceptions += exception ? 1U : 0U;
@@ -187,75 +190,6 @@ void Bus::handle_failure(Job& job, Instant now) {
     split_up(job, Ending::no_answer);
   } else {
     finish(job, Ending::no_answer);
-  }
-}
-
-// A good frame came that answers nothing that is asked now.
-void Bus::handle_stray(const Stray& stray) {
-  const std::uint8_t address = stray.address;
-  DeviceEntry& entry = devices_[address];
-  frame_heard_ = true;
-  const auto late = stray.is_response ? entry.health.note_unexpected(stray.pdu.bytes(), stray.came,
-                                                                     entry.timing())
-                                      : std::optional<DeviceHealth::Late>();
-  if (!late) {
-    note_foreign(stray);
-    return;
-  }
-  ++counters_.late_responses;
-  ++entry.counters.late_responses;
-  entry.note_heard();
-  if (late->grew) {
-    actions_.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
-                               entry.health.quarantine(stray.came, entry.timing())});
-  }
-  if (late->back) {
-    notify(DeviceNotice::Kind::back, address);
-    quality_[address].note_heard();  // it was asked by probes only: no matter of its timeout
-  } else if (late->lateness > Duration{0}) {  // else what stood before it was in its way
-    quality_[address].note_late(late->lateness, entry.timing().response_timeout);
-    tell_quality(address);
-  }
-}
-
-// A request that somebody else sent, or a frame of a device that has owed nothing for so long that
-// it can be no late answer: another client is on this line, or another device at this address. What
-// a line had in store when it was opened says nothing.
-void Bus::note_foreign(const Stray& stray) {
-  const Instant now = stray.came;
-  const std::uint8_t address = stray.address;
-  DeviceEntry& entry = devices_[address];
-  const Duration longest = entry.timing().quarantine_max;
-  const auto asked = std::ranges::find_if(
-      running_, [&](Job* job) { return job->in_flight && job->on_wire().address == address; });
-  const bool is_asked = asked != running_.end();
-  const bool is_own =
-      is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(), stray.pdu.bytes());
-  if (is_own && stray.is_request && settings_.line.echo == false &&
-      !std::exchange(echo_denied_reported_, true)) {
-    actions_.push(LineNotice{LineFault::echo_denied});
-  }
-  if (stray.after_noise || is_own || now < link_.opened_at() + longest) {
-    return;
-  }
-  const bool is_old = entry.owed_until == Instant::min() || now > entry.owed_until + longest;
-  if (!stray.is_request && (!stray.is_response || is_asked || !is_old)) {
-    return;
-  }
-  const bool answered_just_now = stray.is_response && entry.answered_at != Instant::min() &&
-                                 now <= entry.answered_at + entry.timing().response_timeout &&
-                                 stray.pdu.function() == entry.answered_function;
-  if (answered_just_now && !foreign_reported_) {
-    if (!std::exchange(entry.second_reported, true)) {
-      notify(DeviceNotice::Kind::second_answer, address);
-    }
-    return;
-  }
-  ++counters_.foreign_frames;
-  if (!std::exchange(foreign_reported_, true)) {
-    DeviceNotice notice{DeviceNotice::Kind::foreign, address};
-    notice.is_request = stray.is_request;
-    actions_.push(notice);
   }
 }
 

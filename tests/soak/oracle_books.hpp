@@ -149,6 +149,8 @@ struct Book {
   bool must_tell_unproven = false;
   bool told_denied = false;
   bool must_tell_denied = false;
+  bool denied_echo = false;    ///< one came of what was transmitted last
+  bool denied_before = false;  ///< and of what was before it
 
   /// It is opened anew.
   void forget_line() {
@@ -156,7 +158,7 @@ struct Book {
     unread_echo.reset();
     echo_proven = echo_lost = echo_found = false;
     told_unproven = told_while_sending = must_tell_unproven = false;
-    told_denied = must_tell_denied = false;
+    told_denied = must_tell_denied = denied_echo = denied_before = false;
   }
 };
 

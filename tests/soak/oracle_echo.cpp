@@ -160,8 +160,9 @@ void Oracle::read_echo(std::size_t bus) {
   if (is_plain && !bus_settings(bus).line.echo && !std::exchange(book.echo_proven, true)) {
     report_.fault("echo_proven");
   }
-  book.must_tell_denied |= is_plain && echo->in_one && bus_settings(bus).line.echo == false &&
-                           !last->is_broadcast && is_no_response(last->pdu);
+  book.denied_echo = is_plain && echo->in_one && bus_settings(bus).line.echo == false &&
+                     !last->is_broadcast && is_no_response(last->pdu);
+  book.must_tell_denied |= book.denied_echo && book.denied_before;
 }
 
 void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEcho& echo) {

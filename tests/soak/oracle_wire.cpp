@@ -2,6 +2,7 @@
 // The oracle's view of the wires: lines that come and go, what is transmitted, and what devices
 // made of it.
 #include <algorithm>
+#include <utility>
 
 #include "soak/identity.hpp"
 #include "soak/oracle.hpp"
@@ -129,6 +130,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   book.is_unused = false;
   book.came = book.read = 0;
   book.tail = {};
+  book.denied_before = std::exchange(book.denied_echo, false);
   book.read_while_sending = Instant::min();
   book.is_strange = false;
   note_counts(flight);

@@ -91,7 +91,7 @@ TEST_F(BusEcho, IsNotThereAnyMoreAfterManyAnswersThatLackIt) {
 
 TEST_F(BusEcho, IsToldOnceWhereTheSettingsDenyIt) {
   open_as(bus::LineKind::uart, false);
-  for (int times = 0; times < 2; ++times) {
+  for (int times = 0; times < 3; ++times) {
     submit(job(kRead));
     advance(1ms);
     line(kReadFrame);
@@ -99,8 +99,21 @@ TEST_F(BusEcho, IsToldOnceWhereTheSettingsDenyIt) {
     line(kAnswer);
     advance(10ms);
   }
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered, Ending::answered));
   EXPECT_THAT(faults_, ElementsAre(Fault::echo_denied));
+}
+
+// It asked a moment before, and the adapter kept that.
+TEST_F(BusEcho, IsNotToldWhereAnotherClientMayHaveAskedForTheSame) {
+  open_as(bus::LineKind::uart, false);
+  for (int times = 0; times < 4; ++times) {
+    submit(job(kRead));
+    advance(10ms);
+    line(std::string(times % 2 == 0 ? kReadFrame : "") + kAnswer);
+    advance(10ms);
+    time_out();
+  }
+  EXPECT_THAT(faults_, IsEmpty());
 }
 
 // A UART may hand over all of it at once, and a drive need not wait for t3.5.

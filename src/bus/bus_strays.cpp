@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Good frames that answer nothing that is asked: late answers, other clients, echoes.
+#include <algorithm>
+#include <utility>
+
+#include "bus/bus.hpp"
+
+namespace mbgate::bus {
+namespace {
+
+// Another client may have asked for the very same a moment before, if an adapter kept that. It does
+// not every time.
+constexpr unsigned kEchoesToTell = 2;
+
+}  // namespace
+
+// A good frame came that answers nothing that is asked now.
+void Bus::handle_stray(const Stray& stray) {
+  const std::uint8_t address = stray.address;
+  DeviceEntry& entry = devices_[address];
+  const bool is_first = !std::exchange(frame_heard_, true);
+  const auto late = stray.is_response ? entry.health.note_unexpected(stray.pdu.bytes(), stray.came,
+                                                                     entry.timing())
+                                      : std::optional<DeviceHealth::Late>();
+  if (!late) {
+    note_foreign(stray, is_first);
+    return;
+  }
+  ++counters_.late_responses;
+  ++entry.counters.late_responses;
+  entry.note_heard();
+  if (late->grew) {
+    actions_.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
+                               entry.health.quarantine(stray.came, entry.timing())});
+  }
+  if (late->back) {
+    notify(DeviceNotice::Kind::back, address);
+    quality_[address].note_heard();  // it was asked by probes only: no matter of its timeout
+  } else if (late->lateness > Duration{0}) {  // else what stood before it was in its way
+    quality_[address].note_late(late->lateness, entry.timing().response_timeout);
+    tell_quality(address);
+  }
+}
+
+// A request that somebody else sent, or a frame of a device that has owed nothing for so long that
+// it can be no late answer: another client is on this line, or another device at this address. What
+// a line had in store when it was opened says nothing.
+void Bus::note_foreign(const Stray& stray, bool is_first) {
+  const Instant now = stray.came;
+  const std::uint8_t address = stray.address;
+  DeviceEntry& entry = devices_[address];
+  const Duration longest = entry.timing().quarantine_max;
+  const auto asked = std::ranges::find_if(
+      running_, [&](Job* job) { return job->in_flight && job->on_wire().address == address; });
+  const bool is_asked = asked != running_.end();
+  const bool is_own =
+      is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(), stray.pdu.bytes());
+  if (is_own && stray.is_request && is_first && settings_.line.echo == false &&
+      ++denied_echoes_ >= kEchoesToTell && !std::exchange(echo_denied_reported_, true)) {
+    actions_.push(LineNotice{LineFault::echo_denied});
+  }
+  if (stray.after_noise || is_own || now < link_.opened_at() + longest) {
+    return;
+  }
+  const bool is_old = entry.owed_until == Instant::min() || now > entry.owed_until + longest;
+  if (!stray.is_request && (!stray.is_response || is_asked || !is_old)) {
+    return;
+  }
+  const bool answered_just_now = stray.is_response && entry.answered_at != Instant::min() &&
+                                 now <= entry.answered_at + entry.timing().response_timeout &&
+                                 stray.pdu.function() == entry.answered_function;
+  if (answered_just_now && !foreign_reported_) {
+    if (!std::exchange(entry.second_reported, true)) {
+      notify(DeviceNotice::Kind::second_answer, address);
+    }
+    return;
+  }
+  ++counters_.foreign_frames;
+  if (!std::exchange(foreign_reported_, true)) {
+    DeviceNotice notice{DeviceNotice::Kind::foreign, address};
+    notice.is_request = stray.is_request;
+    actions_.push(notice);
+  }
+}
+
+}  // namespace mbgate::bus
