@@ -82,6 +82,7 @@ struct Asked {
   bool ahead = false;    ///< it may have been accepted later
   bool client_gone = false;
   bool dropped = false;               ///< a waiting write of a half-closed connection
+  bool found_no_room = false;         ///< a stop that came when there was room for no more
   std::optional<Instant> doomed;      ///< a stop has taken it back
   std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
   PduBytes last_sent;                 ///< as it looked on the wire

@@ -98,9 +98,7 @@ void Oracle::accept(Asked& asked) {
     Book& book = books_[piece.bus];
     const bool is_one_too_many = asked.is_stop() && book.open_stops.size() >= bus::kRoomForStops;
     if (is_first_on_its_bus(asked, piece)) {
-      if (is_one_too_many) {
-        book.last_full_of_stops = schedule_.now();
-      }
+      asked.found_no_room = asked.found_no_room || is_one_too_many;
       if (!asked.is_stop()) {
         book.note_size(bus_settings(piece.bus).queue, schedule_.now());
         ++book.present;

@@ -63,8 +63,8 @@ struct Lane {
   Instant held_before = Instant::min();  ///< the same without its last transmission
   // Transmissions in a row that were certainly unanswered, at least:
   unsigned silent = 0;
-  unsigned silent_stops = 0;
-  Instant asked_last = Instant::min();            ///< when the last of the first was transmitted
+  std::map<PduBytes, unsigned> silent_stops;  ///< tries of each that nothing was heard of, offline
+  Instant asked_last = Instant::min();        ///< when the last of the first was transmitted
   std::optional<std::uint64_t> given_up_after{};  ///< a stop accepted later is tried once
   Instant last_write_event = Instant::min();
   Instant earlier_write_event = Instant::min();  ///< the last one of an earlier instant
@@ -101,7 +101,6 @@ struct Book {
   std::vector<std::uint64_t> in_vain;  ///< to a server from which nothing has come since
   Instant last_down = Instant::min();
   Instant last_full = Instant::min();  ///< no room for one more
-  Instant last_full_of_stops = Instant::min();
   Instant last_stop = Instant::min();
   Instant own_end = Instant::min();
   Instant last_byte = Instant::min();

@@ -64,7 +64,8 @@ bool Oracle::began_while_sending(std::size_t bus, Instant began) const {
 void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
   Book& book = books_[bus];
   Lane& lane = book.lanes[frame.address];
-  lane.silent = lane.silent_stops = 0;
+  lane.silent = 0;
+  lane.silent_stops.clear();
   lane.given_up_after.reset();
   if (is_tcp(bus)) {
     settle(bus, frame);

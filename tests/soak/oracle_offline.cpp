@@ -28,7 +28,7 @@ void Oracle::note_silent(std::size_t bus) {
   Lane& lane = book.lanes[last->address];
   const bool is_silent = book.came == 0 && schedule_.now() >= last->due && reloaded_ < last->begin;
   if (book.came > 0) {  // if only an answer with a bad CRC: the device is there
-    lane.silent_stops = 0;
+    lane.silent_stops.clear();
     lane.given_up_after.reset();
   }
   if (!is_silent) {
@@ -37,8 +37,10 @@ void Oracle::note_silent(std::size_t bus) {
   const bool was_offline = is_surely_offline(lane);
   if (last->is_stop) {
     const unsigned series = 1 + devices_[*lane.device].settings().timing.stop_retries;
-    lane.silent_stops += was_offline ? 1U : 0U;
-    if (lane.silent_stops >= 2 * series && !lane.given_up_after) {
+    // Stops that are alike go one after the other; others take turns with them.
+    unsigned& silent = lane.silent_stops[last->pdu];
+    silent += was_offline ? 1U : 0U;
+    if (silent >= 2 * series && !lane.given_up_after) {
       lane.given_up_after = sequence_;
     }
     return;

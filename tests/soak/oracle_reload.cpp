@@ -102,7 +102,8 @@ void Oracle::after_reload() {
   reloaded_ = schedule_.now();
   for (Book& book : books_) {
     for (Lane& lane : book.lanes) {
-      lane.silent = lane.silent_stops = 0;
+      lane.silent = 0;
+      lane.silent_stops.clear();
       lane.given_up_after.reset();
     }
   }
@@ -110,9 +111,9 @@ void Oracle::after_reload() {
     if (asked->is_accepted && asked->door != nullptr) {
       note_allowed(*asked);
       // Its client sees other word orders by now, or its unit leads elsewhere.
-      const bool leads_somewhere = !asked->door->buses.empty();  // else its lines are given up
-      if ((asked->door->absent && leads_somewhere) || asked->word_order != order_of(*asked->door)) {
-        take_back(*asked, asked->door->buses.front());
+      // Where it leads to no bus, that one's line is given up.
+      if (asked->door->absent || asked->word_order != order_of(*asked->door)) {
+        std::ranges::for_each(asked->door->buses, [&](std::size_t bus) { take_back(*asked, bus); });
       }
     }
   }

@@ -81,7 +81,7 @@ bool Refusals::found_no_room(const Asked& asked, std::size_t bus) const {
   const Book& book = oracle_.books_[bus];
   const Instant since = asked.ordered ? asked.accepted : oracle_.schedule_.now();
   if (asked.is_stop()) {
-    return book.last_full_of_stops >= since;
+    return asked.found_no_room;
   }
   return book.last_full >= since || book.present > oracle_.bus_settings(bus).queue;
 }
