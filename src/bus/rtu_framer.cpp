@@ -112,12 +112,18 @@ Verdict RtuFramer::search(bool silence) {
   }
 }
 
+// The longest frame is over by then, and a silence behind it.
+Instant RtuFramer::without_silence_until() const {
+  return buffer_.came_at(answer_at_) + timing_.duration_of(modbus::kMaxRtuSize) + slack_ +
+         silence();
+}
+
 std::optional<Instant> RtuFramer::next_deadline() const {
   if (!in_progress()) {
     return std::nullopt;
   }
   if (awaits_silence()) {
-    return last_byte_ + std::max(timing_.t3_5(), slack_);
+    return std::min(last_byte_ + silence(), without_silence_until());
   }
   const modbus::PduLength length = candidate_length(bytes_from(answer_at_));
   const std::size_t size =
@@ -128,6 +134,10 @@ std::optional<Instant> RtuFramer::next_deadline() const {
 Verdict RtuFramer::handle_deadline(Instant now) {
   const auto deadline = next_deadline();
   if (!deadline || now < *deadline) {
+    return Verdict::none;
+  }
+  if (awaits_silence() && now < last_byte_ + silence()) {
+    discard();
     return Verdict::none;
   }
   switch (answer_) {

@@ -12,6 +12,7 @@
 // another client answers that; what was sent itself, and is heard though nobody said so, is none.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "bus/counters.hpp"
@@ -105,6 +106,10 @@ class RtuFramer {
   }
   [[nodiscard]] modbus::PduLength candidate_length(modbus::Bytes bytes) const;
   Verdict end_by_silence();
+  /// What ends a frame of which nothing else tells the end.
+  [[nodiscard]] Duration silence() const { return std::max(timing_.t3_5(), slack_); }
+  /// What waits for a silence is no answer if there is none for so long.
+  [[nodiscard]] Instant without_silence_until() const;
   void note_stray(std::size_t at, std::size_t size);
 
   modbus::RtuTiming timing_;

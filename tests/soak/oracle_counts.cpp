@@ -16,7 +16,7 @@ void Oracle::note_counts(const Flight& flight) {
   lane.unanswered += flight.expects_answer ? 1U : 0U;
 }
 
-// Its echo may have been taken for an answer that nobody gives.
+// What came may have been taken for an answer that nobody gives, if only for a damaged one.
 void Oracle::note_excused(const Flight& flight) {
   Book& book = books_[flight.bus];
   const bool is_counted = flight.expects_answer || flight.is_broadcast;

@@ -192,7 +192,6 @@ void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEc
                  : is_late        ? "late_echo"
                                   : kUnproven;
   report_.fault(frame.excuse);
-  note_excused(flight);
   settle(bus, frame);
 }
 

@@ -21,6 +21,9 @@ bool Oracle::is_surely_offline(const Lane& lane) const {
 void Oracle::note_silent(std::size_t bus) {
   Book& book = books_[bus];
   const Flight* last = flight(book.last_flight);
+  if (last != nullptr && book.came > 0) {
+    note_excused(*last);
+  }
   if (is_tcp(bus) || last == nullptr || !last->expects_answer || last->is_broadcast ||
       last->begin < book.opened || !book.lanes[last->address].device) {
     return;

@@ -190,11 +190,9 @@ void Oracle::executed(const Flight& flight) {
   }
 }
 
-// Where the settings do not say that there is one, the answer behind it may be taken; and of a
-// write that is not answered it may look like an answer with a bad CRC.
+// Where the settings do not say that there is one, the answer behind it may be taken.
 void Oracle::echo_spoilt(const Flight& flight) {
   if (!bus_settings(flight.bus).line.echo.value_or(false)) {
-    note_excused(flight);
     return;
   }
   ++books_[flight.bus].count.spoilt_echoes;

@@ -9,6 +9,21 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+// The size of a frame that it begins with by chance.
+std::optional<std::size_t> frame_within(spec::Bytes frame) {
+  constexpr std::size_t kLeast = 4;
+  for (std::size_t size = kLeast; size < frame.size(); ++size) {
+    if (spec::ends_in_its_crc(frame.first(size))) {
+      return size;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 // A UART hears each byte when it has left; what only looks like one has all of it at once. An echo
 // that is cut begins late, or ends early: the receiver was switched.
 void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {
@@ -29,6 +44,10 @@ void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {
     echo.is_whole = false;
   } else if (happens_to_echo(rates_.echo_damaged, "echo_damaged")) {
     echo.bytes[echo_random_.below(echo.bytes.size())] ^= 0x10U;
+    spoil_echo(flight);
+  } else if (const auto size = frame_within(echo.bytes); size && settings_.line.echo == false) {
+    around_.report.fault("chance_crc");
+    echo.bytes[*size - 1] ^= 0x10U;
     spoil_echo(flight);
   }
   const std::size_t size = echo.bytes.size();

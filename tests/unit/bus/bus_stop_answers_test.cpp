@@ -106,5 +106,19 @@ TEST_F(BusStopAnswers, TheLateAnswerToAMoveOfADeviceThatIsOfflineIsNone) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
 }
 
+// Of an unknown function only silence ends it.
+TEST_F(BusStopAnswers, NoiseBehindTheAnswerToAnotherRequestDoesNotKeepItForLong) {
+  open_axis();
+  submit(job_of(1, "41 01"));
+  advance(10ms);
+  line("01 41 12");
+  submit(job(kStop));
+  for (int times = 0; times < 15; ++times) {
+    advance(15ms);
+    line("FF");
+  }
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -119,6 +119,19 @@ TEST_F(RtuNoise, NothingIsTakenOutOfTheFrameOfAnotherUnit) {
   EXPECT_EQ(counters_.stray_frames, 2U);
 }
 
+// The longest frame takes 147 ms; 20 ms of pauses, and of silence behind it.
+TEST_F(RtuNoise, BehindAnAnswerThatOnlySilenceEndsMakesItNone) {
+  expect("41 01");
+  EXPECT_EQ(add("01 41 12"), Verdict::none);
+  for (int times = 0; times < 12; ++times) {
+    EXPECT_EQ(after(15ms), Verdict::none);
+    EXPECT_TRUE(framer_.in_progress());
+    EXPECT_EQ(add("FF"), Verdict::none);
+  }
+  EXPECT_EQ(after(7ms), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+}
+
 TEST_F(RtuNoise, WhatMayBeAPartOfAnotherFrameWaitsForSilence) {
   expect(kRead);
   EXPECT_EQ(add("05 03 0E " + kAnswer), Verdict::none);
