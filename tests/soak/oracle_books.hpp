@@ -130,7 +130,8 @@ struct Book {
   Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
   std::vector<HeardFrame> unread;               ///< good frames in the kernel
   std::optional<HeardEcho> unread_echo;
-  std::size_t stops_at_end = 0;  ///< transmitted since the gateway was told to stop
+  int stops_at_end = 0;  ///< transmitted since the gateway was told to stop
+  Instant first_stop_at_end{};
   bool unread_stranger = false;  ///< the request of another client
   bool is_strange = false;       ///< what came looks like an echo, and is none
   LineUse use;

@@ -9,7 +9,8 @@ namespace mbgate::soak {
 namespace {
 
 constexpr Duration kFailsafeLife = std::chrono::seconds(10);  // it may be repeated
-constexpr Duration kFailsafeWait = std::chrono::seconds(4);   // behind others on a slow line
+constexpr Duration kFailsafeWait = std::chrono::seconds(4);   // on a slow line, and for each of the
+constexpr Duration kBehindStop = std::chrono::seconds(1);     // stops that it is behind
 
 }  // namespace
 
@@ -87,7 +88,9 @@ void Oracle::failsafe_line_back(Book& book) {
 // Once it is due, only a line that is away, or has just come back, excuses that it is not sent.
 bool Oracle::waits_for_line(const Asked& asked) const {
   const Book& book = books_[asked.pieces.front().bus];
-  const bool is_late = schedule_.now() > std::max(book.last_down, asked.accepted) + kFailsafeWait;
+  const auto others = static_cast<int>(book.open_stops.size());
+  const bool is_late = schedule_.now() > std::max(book.last_down, asked.accepted) + kFailsafeWait +
+                                             others * kBehindStop;
   return asked.failsafe && !asked.dropped && (!book.open || (asked.flights == 0 && !is_late));
 }
 

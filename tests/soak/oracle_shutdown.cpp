@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr Duration kLatestEnd = 600ms;  // that the process may be
-constexpr std::size_t kFewStops = 3;    // there is time for so many
+constexpr int kFewStops = 3;            // there is time for so many
 
 }  // namespace
 
@@ -54,8 +54,10 @@ void Oracle::finished() {
     }
     const std::size_t bus = asked->pieces.front().bus;
     const Book& book = books_[bus];
+    const bool is_late =
+        book.stops_at_end > 0 && book.first_stop_at_end > *stopping_ + kGrace / kFewStops;
     const bool could_go = book.open && book.last_down < *stopping_ &&
-                          book.stops_at_end <= kFewStops &&
+                          book.stops_at_end <= kFewStops && !is_late &&
                           plan_.rates[bus].babbles_every == Duration{0};
     if (could_go && !is_still_answered(book)) {
       violation("failsafe_missing", name(*asked) + " at the end");

@@ -46,7 +46,9 @@ void Oracle::check_stops_first(const Flight& flight) {
 
 void Oracle::note_stops(Flight& flight) {
   Book& book = books_[flight.bus];
-  book.stops_at_end += stopping_ && flight.is_stop ? 1U : 0U;
+  if (stopping_ && flight.is_stop && book.stops_at_end++ == 0) {
+    book.first_stop_at_end = flight.begin;
+  }
   // Identical ones may wait apart: a write stood between them, or one of them was tried before.
   const bool is_for_one = std::ranges::any_of(book.open_stops, [&](const Asked* stop) {
     return std::ranges::find(flight.asked, stop->id) != flight.asked.end();
