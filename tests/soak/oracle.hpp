@@ -217,6 +217,7 @@ class Oracle {
   // oracle_echo.cpp
   void read_frames(std::size_t bus);
   [[nodiscard]] bool is_for_last(const Book& book, const HeardFrame& frame);
+  [[nodiscard]] bool stands_for_echo(const Book& book);
   void note_heard(Book& book, const HeardFrame& frame);
   void read_echo(std::size_t bus);
   void note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEcho& echo);

@@ -126,6 +126,10 @@ void Oracle::settle(std::size_t bus, const HeardFrame& frame) {
     return is_one;
   };
   if (frame.is_refused) {
+    if (stands_for_echo(book) && is_for_last(book, frame) && !lane.answered_at) {
+      lane.answered_at = schedule_.now();  // the echo stands for it then
+      lane.took = Duration{0};
+    }
     // If an earlier one is owed, it is that.
     settle([&](const Flight& it) {
       return it.number != book.last_flight && may_be_confused(it.pdu, asked.pdu);

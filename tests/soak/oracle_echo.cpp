@@ -108,14 +108,19 @@ bool Oracle::is_for_last(const Book& book, const HeardFrame& frame) {
          frame.began >= last->begin && (from == nullptr || may_be_confused(from->pdu, last->pdu));
 }
 
+// An answer may be taken for the echo of what was transmitted last, and that for the answer: both
+// are the same, and one is the device's.
+bool Oracle::stands_for_echo(const Book& book) {
+  const Flight* last = flight(book.last_flight);
+  return plan_.echoes[last->bus] && looks_like_answer(*last) &&
+         bus_settings(last->bus).line.echo.value_or(true);
+}
+
 void Oracle::note_heard(Book& book, const HeardFrame& frame) {
   if (!is_for_last(book, frame)) {
     return;
   }
   const Flight* last = flight(book.last_flight);
-  // It is taken for the echo, and that for the answer: both are the same, and one is the device's.
-  const bool stands_for_echo = plan_.echoes[last->bus] && looks_like_answer(*last) &&
-                               bus_settings(last->bus).line.echo.value_or(true);
   for (const std::uint64_t id : last->asked) {
     const auto entry = open_.find(id);
     if (entry == open_.end()) {
@@ -124,7 +129,7 @@ void Oracle::note_heard(Book& book, const HeardFrame& frame) {
     Asked& asked = *entry->second;
     asked.hurried = asked.hurried || frame.is_refused;
     for (Piece& piece : asked.pieces) {
-      if ((!frame.is_refused || stands_for_echo) && fits(asked, piece, *last)) {
+      if ((!frame.is_refused || stands_for_echo(book)) && fits(asked, piece, *last)) {
         piece.answered = true;
       }
     }

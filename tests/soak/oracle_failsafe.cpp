@@ -80,6 +80,9 @@ void Oracle::failsafe_line_back(Book& book) {
       if (is_due && std::ranges::find(book.stops, asked) == book.stops.end()) {
         asked->waits_from = schedule_.now();
         book.stops.push_back(asked);
+        if (std::ranges::find(book.open_stops, asked) == book.open_stops.end()) {
+          book.open_stops.push_back(asked);
+        }
       }
     }
   }
