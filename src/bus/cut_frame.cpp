@@ -27,7 +27,8 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
   if (now - last_ > slack) {
     kept_.clear();
   }
-  if (kept_.empty() || bytes.empty()) {
+  // A good frame is no rest of another, whatever its bytes make with those.
+  if (kept_.empty() || bytes.empty() || (bytes.size() > 1 && good_frame(bytes))) {
     return std::nullopt;
   }
   const std::size_t more = std::min(bytes.size(), kept_.capacity() - kept_.size());

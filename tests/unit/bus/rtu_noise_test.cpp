@@ -119,6 +119,14 @@ TEST_F(RtuNoise, NothingIsTakenOutOfTheFrameOfAnotherUnit) {
   EXPECT_EQ(counters_.stray_frames, 2U);
 }
 
+// Once in 65,536 times they have a good CRC together with the beginning of what follows.
+TEST_F(RtuNoise, GivenUpIsNotJoinedWithAnAnswer) {
+  EXPECT_EQ(add("02 03 04 D9 97"), Verdict::none);
+  now_ += 10ms;
+  expect("03 0000 0001");
+  EXPECT_EQ(add("01 03 02 12 34 B5 33"), Verdict::response);
+}
+
 // The longest frame takes 147 ms; 20 ms of pauses, and of silence behind it.
 TEST_F(RtuNoise, BehindAnAnswerThatOnlySilenceEndsMakesItNone) {
   expect("41 01");
