@@ -110,10 +110,17 @@ bool Failsafe::put_back(Due due) {
   if (watch == watches_.end() || watch->second.armed) {
     return false;
   }
-  if (!watch->second.pending) {
+  auto& pending = watch->second.pending;
+  if (!pending) {
     returned_.push_back(due.device);
-    watch->second.pending = std::move(due);
+    pending = std::move(due);
+    return true;
   }
+  // It was due once more: what was sent the first time only is not sent.
+  std::erase_if(pending->sent, [&](std::size_t place) {
+    return std::ranges::find(due.sent, place) == due.sent.end();
+  });
+  pending->told = pending->told || due.told;
   return true;
 }
 

@@ -57,6 +57,24 @@ TEST(Failsafe, IsDueOnceWhenAllAreSilentUntilOneAsksAgain) {
   EXPECT_THAT(due(failsafe, Instant(600ms)), ElementsAre(-7));
 }
 
+TEST(Failsafe, WhatWasSentBeforeItWasDueOnceMoreStaysDue) {
+  Failsafe failsafe;
+  failsafe.watch(7, 0ms);
+  std::vector<Failsafe::Due> runs;
+  for (const std::uint64_t client : {1U, 2U}) {
+    come(failsafe, client, {7});
+    failsafe.client_gone(ClientId{client});
+    runs.push_back(*failsafe.take_due(Instant{}));
+  }
+  runs[0].sent = {0, 1};
+  runs[1].sent = {1};
+  for (const Failsafe::Due& run : runs) {
+    EXPECT_TRUE(failsafe.put_back(run));
+  }
+  failsafe.line_is_back(7);
+  EXPECT_THAT(failsafe.take_due(Instant{})->sent, ElementsAre(1));
+}
+
 TEST(Failsafe, IsNotDueAgainWhenThoseWhoWereSilentGo) {
   Failsafe failsafe;
   failsafe.watch(7, 100ms);
