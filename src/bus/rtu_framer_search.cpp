@@ -64,11 +64,14 @@ bool RtuFramer::may_begin_answer(const Look& look) const {
 }
 
 modbus::PduLength RtuFramer::candidate_length(modbus::Bytes bytes) const {
+  const modbus::PduLength expected = modbus::expected_response_length(transaction_->request);
   if (bytes.size() < 2) {
-    return modbus::expected_response_length(transaction_->request);
+    return expected;
   }
   const modbus::PduLength own = modbus::response_length(bytes.subspan(1));
-  return own.kind == Kind::opaque ? modbus::expected_response_length(transaction_->request) : own;
+  const bool tells_more =
+      own.kind == Kind::known || (own.kind == Kind::need_more && expected.kind != Kind::known);
+  return tells_more ? own : expected;
 }
 
 // The answer may have begun here. If silence is all that follows, what is incomplete is none.

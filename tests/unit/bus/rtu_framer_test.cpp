@@ -106,6 +106,16 @@ TEST_F(RtuFramer, ABadCrcWithMoreBytesBehindItIsGarbage) {
   EXPECT_EQ(counters_.stray_bytes, 10U);
 }
 
+// 7 bytes take 4 ms.
+TEST_F(RtuFramer, WhatEndsBehindTheFunctionIsWaitedForAsLongAsTheExpectedAnswer) {
+  expect("03 0000 0001");
+  EXPECT_EQ(add("01 03"), Verdict::none);
+  after(23ms);
+  EXPECT_TRUE(framer_.in_progress());
+  after(2ms);
+  EXPECT_FALSE(framer_.in_progress());
+}
+
 TEST_F(RtuFramer, UnknownFunctionsEndBySilenceWithAGoodCrc) {
   expect("46 01 02");  // FDA6000's JOG
   EXPECT_EQ(add("01 46 AA BB"), Verdict::none);
