@@ -19,6 +19,9 @@ void Bus::handle_stray(const Stray& stray) {
   const std::uint8_t address = stray.address;
   DeviceEntry& entry = devices_[address];
   const bool is_first = !std::exchange(frame_heard_, true);
+  if (stray.is_echo) {
+    return;
+  }
   const auto late = stray.is_response ? entry.health.note_unexpected(stray.pdu.bytes(), stray.came,
                                                                      entry.timing())
                                       : std::optional<DeviceHealth::Late>();

@@ -183,8 +183,12 @@ std::optional<LineFault> SerialLine::take_fault() {
 }
 
 std::optional<Stray> SerialLine::take_stray() {
-  const auto refused = refused_.take();
-  return refused ? refused : framer_.take_stray();
+  auto stray = refused_.take();
+  stray = stray ? stray : framer_.take_stray();
+  if (stray) {  // what repeats a read is its echo rather than data that look so
+    stray->is_echo = modbus::is_read(stray->pdu.bytes()) && echo_.is_repetition(stray->pdu);
+  }
+  return stray;
 }
 
 LineState SerialLine::state(Instant now) const {

@@ -20,10 +20,11 @@ inline constexpr std::size_t kMostStrays = 16;
 struct Stray {
   std::uint8_t address;
   modbus::Pdu pdu;
-  bool is_response;  ///< it has the length of one
-  bool is_request;   ///< it can be nothing else
-  bool after_noise;  ///< other bytes stood before it: it may be a frame by chance only
-  Instant came;      ///< its last byte; what it was may be known only later
+  bool is_response;      ///< it has the length of one
+  bool is_request;       ///< it can be nothing else
+  bool after_noise;      ///< other bytes stood before it: it may be a frame by chance only
+  bool is_echo = false;  ///< of what was asked last, though it looks like an answer
+  Instant came;          ///< its last byte; what it was may be known only later
 
   Stray(std::uint8_t from, const modbus::Pdu& heard, Instant when, bool noisy = false)
       : address(from), pdu(heard), after_noise(noisy), came(when) {

@@ -57,12 +57,9 @@ class Oracle {
   /// The data of the last answer of the gateway's own unit.
   [[nodiscard]] const PduBytes& own_answer() const { return own_answer_; }
 
-  // oracle_shutdown.cpp
-  /// The gateway is told to stop.
+  // oracle_shutdown.cpp: the gateway is told to stop, says that it has, and must have by now.
   void begin_shutdown();
-  /// It says that it has.
   void finished();
-  /// It must have by now.
   void check_stopped();
 
   // oracle_wire.cpp
@@ -85,6 +82,7 @@ class Oracle {
   void echo_spoilt(const Flight& flight);
   /// Nothing of it is heard.
   void echo_lost(const Flight& flight);
+  [[nodiscard]] bool takes_answers_for_echoes(std::size_t bus) const;
   /// Bytes have reached the kernel, where the gateway can read them.
   void bytes_came(std::size_t bus, Bytes bytes);
   /// It has read them.

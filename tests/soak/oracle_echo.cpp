@@ -241,6 +241,12 @@ void Oracle::judge_heard(const Asked& asked) {
   violation(kind, name(asked));
 }
 
+// An answer that began before its request had left showed an echo where there is none; only reads
+// show that, and a device that answers nothing in time is not asked for any.
+bool Oracle::takes_answers_for_echoes(std::size_t bus) const {
+  return books_[bus].echo_found && !plan_.echoes[bus];
+}
+
 void Oracle::line_news(std::size_t bus, bus::LineFault fault) {
   Book& book = books_[bus];
   const auto once = [&](bool& told, const char* kind) {
@@ -257,6 +263,7 @@ void Oracle::line_news(std::size_t bus, bus::LineFault fault) {
     }
   } else if (fault == bus::LineFault::echo_gone) {
     report_.fault("told_echo_gone");
+    book.echo_found = false;
     if (plan_.echoes[bus]) {
       violation("told_wrongly", "no echo on " + bus_settings(bus).name);
     }

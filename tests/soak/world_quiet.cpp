@@ -84,7 +84,9 @@ void World::check_back() {
       well = oracle_.was_answered_well(id);
     }
     client.leave();
-    if (!well) {
+    if (!well && oracle_.takes_answers_for_echoes(door.buses.front())) {
+      ++report_.apart["not_back_claimed_echo"];
+    } else if (!well) {
       oracle_.violation("not_back", plan_.settings.devices[*door.device].name);
     }
   }

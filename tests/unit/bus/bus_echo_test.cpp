@@ -161,5 +161,19 @@ TEST_F(BusEcho, AFittingReadAnswerBeforeThatIsSaidOnce) {
   EXPECT_THAT(faults_, ElementsAre(Fault::answered_while_sending));
 }
 
+// Read as an answer it would bring the three bytes A8 00 17.
+TEST_F(BusEcho, ThatComesBehindAnAnswerPaysForNoneThatIsOwed) {
+  open_retrying();
+  submit(job("01 03A8 0017"));
+  time_out();
+  ASSERT_THAT(frames_, SizeIs(2));
+  advance(10ms);
+  line("01 01 03 8C E3 4E 34 A1");
+  line("01 01 03 A8 00 17 FD A0");
+  submit(job("01 03BF 0017"));
+  advance(20ms);
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
 }  // namespace
 }  // namespace mbgate::test
