@@ -97,7 +97,7 @@ void SerialWire::hear_echo(std::uint64_t number, std::size_t until) {
   echo.began = in_one ? arrival : echo.began;
   echo.heard = until;
   if (until == echo.bytes.size()) {
-    if (settings_.line.echo != false) {
+    if (settings_.line.echo != false && echo.is_whole) {
       overheard_.forget();  // it can be told
     }
     heard.echo = HeardEcho{number, until, echo.is_whole, echo.began, in_one};
