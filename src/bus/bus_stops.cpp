@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stops: they go next, take back what they stop, and are repeated until they are acknowledged.
 #include <algorithm>
+#include <functional>
 
 #include "bus/bus.hpp"
 
@@ -171,14 +172,15 @@ Job* Bus::next_stop() {
 
 // Of several transmissions, or forms, each goes like the first, and no other stop between them.
 void Bus::go_on_with_stops(Instant now) {
-  std::erase_if(running_, [&](Job* job) {
-    const bool is_between_parts = job->job_class == JobClass::stop && !job->in_flight;
-    if (is_between_parts) {
-      job->waits_since = now;
-      queue_.push_stop_front(*job);
-    }
-    return is_between_parts;
-  });
+  const auto is_between_parts = [](const Job* job) {
+    return job->job_class == JobClass::stop && !job->in_flight;
+  };
+  const auto parts = std::ranges::stable_partition(running_, std::not_fn(is_between_parts));
+  for (Job* job : parts) {
+    job->waits_since = now;
+    queue_.push_stop_front(*job);
+  }
+  running_.erase(parts.begin(), parts.end());
 }
 
 // True: nothing else may begin now. False: no stop waits, or only such as let writes go first, and
