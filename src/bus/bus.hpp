@@ -239,14 +239,17 @@ class Bus {
   void handle_response(Job& job, const LineEnd& end, Instant now);
   void handle_silence(Job& job, const LineEnd& end, Instant now);
   void handle_failure(Job& job, Instant now);
-  void handle_stray(const Stray& stray);
-  void note_foreign(const Stray& stray, bool is_first);
   void note_quality(const LineEnd& end, std::uint8_t address);
   void tell_quality(std::uint8_t address);
   void note_probe(Job& job, Instant now);
   void go_offline(DeviceEntry& entry, std::uint8_t address, Instant now);
   void advance(Job& job, Ending ending);
   void finish(Job& job, Ending ending);
+
+  // bus_strays.cpp: frames that answer nothing
+  void handle_stray(const Stray& stray);
+  void note_foreign(const Stray& stray);
+  void note_denied_echo(bool was_heard);
 
   // bus_groups.cpp: reads that share a transmission
   void share_response(Job& leader);
@@ -281,11 +284,11 @@ class Bus {
   Instant others_gone_at_ = Instant::min();
   bool never_silent_reported_ = false;
   bool foreign_reported_ = false;
-  bool echo_denied_reported_ = false;
   bool replacement_reported_ = false;
   LineQuality quality_;
   bool frame_heard_ = false;    // a stray one, since a transmission ended last
-  unsigned denied_echoes_ = 0;  // heard though the settings deny them, no read without between
+  bool own_heard_ = false;      // the own request, since a transmission ended last
+  unsigned denied_echoes_ = 0;  // so many in a row: a read that is answered without one ends it
   Instant pumped_at_;
   std::optional<Wake> next_start_;  // when a transmission may begin, as seen at pumped_at_
   enum class Looking : std::uint8_t { no, asked, done } looking_ = Looking::no;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What becomes of a job when a transmission of it has ended.
 #include <algorithm>
+#include <utility>
 
 #include "bus/bus.hpp"
 
@@ -33,6 +34,10 @@ void Bus::handle_end(const LineEnd& end, Instant now) {
   const std::uint8_t function = end.transaction->request.function();
   DeviceEntry& entry = devices_[address];
   entry.counters.noise_bytes += end.noise;
+  if (!std::exchange(own_heard_, false) && end.how == LineEnd::How::response &&
+      end.transaction->request.is_read()) {
+    note_denied_echo(false);
+  }
   switch (end.how) {
     case LineEnd::How::response:
       handle_response(job, end, now);
@@ -101,9 +106,6 @@ void Bus::handle_response(Job& job, const LineEnd& end, Instant now) {
   ++counters_.responses;
   ++entry.counters.responses;
   entry.note_heard();
-  if (asked.request.is_read() && !frame_heard_) {
-    denied_echoes_ = 0;
-  }
   never_silent_reported_ = false;
   counters_.exceptions += exception ? 1U : 0U;
   entry.counters.exceptions += exception ? 1U : 0U;

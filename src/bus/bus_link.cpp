@@ -12,7 +12,7 @@ void Bus::handle_opened(Instant now, LineKind kind) {
   adapter_.open(kind, now);
   devices_.forget_what_was_read();
   foreign_reported_ = false;
-  echo_denied_reported_ = false;
+  own_heard_ = false;
   denied_echoes_ = 0;
   never_silent_reported_ = false;
   quality_.forget();

@@ -8,8 +8,8 @@
 namespace mbgate::bus {
 namespace {
 
-// Another client may have asked for the very same a moment before, if an adapter kept that. It does
-// not every time.
+// Another client may have asked for the same a moment before, and an adapter kept that; hardly for
+// two requests in a row.
 constexpr unsigned kEchoesToTell = 2;
 
 }  // namespace
@@ -18,7 +18,7 @@ constexpr unsigned kEchoesToTell = 2;
 void Bus::handle_stray(const Stray& stray) {
   const std::uint8_t address = stray.address;
   DeviceEntry& entry = devices_[address];
-  const bool is_first = !std::exchange(frame_heard_, true);
+  frame_heard_ = true;
   if (stray.is_echo) {
     return;
   }
@@ -26,7 +26,7 @@ void Bus::handle_stray(const Stray& stray) {
                                                                      entry.timing())
                                       : std::optional<DeviceHealth::Late>();
   if (!late) {
-    note_foreign(stray, is_first);
+    note_foreign(stray);
     return;
   }
   ++counters_.late_responses;
@@ -48,7 +48,7 @@ void Bus::handle_stray(const Stray& stray) {
 // A request that somebody else sent, or a frame of a device that has owed nothing for so long that
 // it can be no late answer: another client is on this line, or another device at this address. What
 // a line had in store when it was opened says nothing.
-void Bus::note_foreign(const Stray& stray, bool is_first) {
+void Bus::note_foreign(const Stray& stray) {
   const Instant now = stray.came;
   const std::uint8_t address = stray.address;
   DeviceEntry& entry = devices_[address];
@@ -58,9 +58,8 @@ void Bus::note_foreign(const Stray& stray, bool is_first) {
   const bool is_asked = asked != running_.end();
   const bool is_own =
       is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(), stray.pdu.bytes());
-  if (is_own && stray.is_request && is_first && settings_.line.echo == false &&
-      ++denied_echoes_ >= kEchoesToTell && !std::exchange(echo_denied_reported_, true)) {
-    actions_.push(LineNotice{LineFault::echo_denied});
+  if (is_own && stray.is_request && !std::exchange(own_heard_, true)) {
+    note_denied_echo(true);
   }
   if (stray.after_noise || is_own || now < link_.opened_at() + longest) {
     return;
@@ -83,6 +82,17 @@ void Bus::note_foreign(const Stray& stray, bool is_first) {
     DeviceNotice notice{DeviceNotice::Kind::foreign, address};
     notice.is_request = stray.is_request;
     actions_.push(notice);
+  }
+}
+
+// Was the own request heard, though the settings say that there is no echo? Told once.
+void Bus::note_denied_echo(bool was_heard) {
+  if (settings_.line.echo != false || denied_echoes_ == kEchoesToTell) {
+    return;
+  }
+  denied_echoes_ = was_heard ? denied_echoes_ + 1 : 0;
+  if (denied_echoes_ == kEchoesToTell) {
+    actions_.push(LineNotice{LineFault::echo_denied});
   }
 }
 

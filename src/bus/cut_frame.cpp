@@ -27,8 +27,12 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
   if (now - last_ > slack) {
     kept_.clear();
   }
+  if (kept_.empty() || bytes.empty()) {
+    return std::nullopt;
+  }
   // A good frame is no rest of another, whatever its bytes make with those.
-  if (kept_.empty() || bytes.empty() || (bytes.size() > 1 && good_frame(bytes))) {
+  if (bytes.size() > 1 && good_frame(bytes)) {
+    kept_.clear();
     return std::nullopt;
   }
   const std::size_t more = std::min(bytes.size(), kept_.capacity() - kept_.size());

@@ -17,7 +17,7 @@ class CutFrame {
   /// kept if they, or with what is kept already, may be the beginning of a frame.
   void keep(modbus::Bytes bytes, Instant last, Duration slack);
   /// A good frame that begins with what is kept, if these bytes complete it not later than `slack`
-  /// after that; it is kept no longer.
+  /// after that; it is kept no longer. Nothing if these begin with a good frame themselves.
   struct Joined {
     modbus::RtuAdu frame;
     std::size_t taken;  ///< of these bytes

@@ -36,7 +36,7 @@ class DeviceHealth {
 
   /// A transmission of `asked`, at `sent`, got no answer; `due` is when its response timeout ended,
   /// or would have. Returns true if the device has just gone offline by that: not if it has
-  /// answered what was sent to it later.
+  /// answered in time what was sent to it later.
   bool note_unanswered(const modbus::Request& asked, Instant sent, Instant due,
                        const Timing& timing);
   /// The same, but it says nothing about whether the device is there: a frame of the right shape

@@ -37,7 +37,8 @@ void Echo::open() {
     state_ = State::unknown;
   }
   owed_.clear();
-  shown_ = unproven_told_ = false;
+  asked_.reset();
+  may_answer_ = shown_ = unproven_told_ = false;
 }
 
 void Echo::forget() {
@@ -53,6 +54,7 @@ void Echo::expect(const Transaction& transaction, const FrameBytes& frame, Insta
     counters_.stray_bytes += seen_;  // it was held back for an echo that it was not
   }
   forget();
+  address_ = transaction.address;
   asked_ = transaction.request.pdu();
   may_answer_ = looks_like_answer(transaction);
   spoilt_ = passed_ = false;
@@ -143,6 +145,12 @@ Echo::Held Echo::release() {
 
 bool Echo::is_repetition(const modbus::Pdu& response) const {
   return may_answer_ && response == asked_;
+}
+
+bool Echo::is_of_read(std::uint8_t address, const modbus::Pdu& frame) const {
+  const bool was_shown_absent = learns_ && state_ == State::absent;
+  return !was_shown_absent && address == address_ && modbus::is_read(frame.bytes()) &&
+         is_repetition(frame);
 }
 
 bool Echo::is_owed(const modbus::Pdu& response) const {

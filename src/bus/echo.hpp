@@ -56,6 +56,8 @@ class Echo {
   [[nodiscard]] bool is_spoilt() const { return spoilt_; }
   /// Does this, as a response, look like the echo of what was sent?
   [[nodiscard]] bool is_repetition(const modbus::Pdu& response) const;
+  /// Nobody waits for this frame: is it the echo of the last read rather than data that look so?
+  [[nodiscard]] bool is_of_read(std::uint8_t address, const modbus::Pdu& frame) const;
   /// May this, as a response, be an echo because one of an identical request is owed?
   [[nodiscard]] bool is_owed(const modbus::Pdu& response) const;
   /// If so, it is owed no more.
@@ -90,6 +92,7 @@ class Echo {
   bool learns_;  // nobody said whether there is one
   BusCounters& counters_;
   LineFaults& faults_;
+  std::uint8_t address_ = 0;
   std::optional<modbus::Pdu> asked_;  // its echo may come when nobody waits for an answer any more
   bool may_answer_ = false;           // what was sent last looks like the answer to it
   FrameBytes expected_;

@@ -67,7 +67,17 @@ void RtuFramer::discard() {
   discarding_ = true;
 }
 
+// The longest frame is over, and there was no silence behind it.
+bool RtuFramer::is_never_silent(Instant now) const {
+  return awaits_silence() && now >= buffer_.came_at(answer_at_) +
+                                        timing_.duration_of(modbus::kMaxRtuSize) + slack_ +
+                                        silence();
+}
+
 Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
+  if (is_never_silent(now)) {
+    discard();
+  }
   const bool silence_before = now - last_byte_ >= timing_.t3_5();
   last_byte_ = now;
   given_ += bytes.size();
@@ -112,18 +122,12 @@ Verdict RtuFramer::search(bool silence) {
   }
 }
 
-// The longest frame is over by then, and a silence behind it.
-Instant RtuFramer::without_silence_until() const {
-  return buffer_.came_at(answer_at_) + timing_.duration_of(modbus::kMaxRtuSize) + slack_ +
-         silence();
-}
-
 std::optional<Instant> RtuFramer::next_deadline() const {
   if (!in_progress()) {
     return std::nullopt;
   }
   if (awaits_silence()) {
-    return std::min(last_byte_ + silence(), without_silence_until());
+    return last_byte_ + silence();
   }
   const modbus::PduLength length = candidate_length(bytes_from(answer_at_));
   const std::size_t size =
@@ -134,10 +138,6 @@ std::optional<Instant> RtuFramer::next_deadline() const {
 Verdict RtuFramer::handle_deadline(Instant now) {
   const auto deadline = next_deadline();
   if (!deadline || now < *deadline) {
-    return Verdict::none;
-  }
-  if (awaits_silence() && now < last_byte_ + silence()) {
-    discard();
     return Verdict::none;
   }
   switch (answer_) {

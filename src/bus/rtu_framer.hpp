@@ -108,8 +108,8 @@ class RtuFramer {
   Verdict end_by_silence();
   /// What ends a frame of which nothing else tells the end.
   [[nodiscard]] Duration silence() const { return std::max(timing_.t3_5(), slack_); }
-  /// What waits for a silence is no answer if there is none for so long.
-  [[nodiscard]] Instant without_silence_until() const;
+  /// What waits for a silence that has not come by now is no answer.
+  [[nodiscard]] bool is_never_silent(Instant now) const;
   void note_stray(std::size_t at, std::size_t size);
 
   modbus::RtuTiming timing_;

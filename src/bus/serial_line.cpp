@@ -185,8 +185,8 @@ std::optional<LineFault> SerialLine::take_fault() {
 std::optional<Stray> SerialLine::take_stray() {
   auto stray = refused_.take();
   stray = stray ? stray : framer_.take_stray();
-  if (stray) {  // what repeats a read is its echo rather than data that look so
-    stray->is_echo = modbus::is_read(stray->pdu.bytes()) && echo_.is_repetition(stray->pdu);
+  if (stray) {
+    stray->is_echo = echo_.is_of_read(stray->address, stray->pdu);
   }
   return stray;
 }

@@ -23,7 +23,7 @@ struct Stray {
   bool is_response;      ///< it has the length of one
   bool is_request;       ///< it can be nothing else
   bool after_noise;      ///< other bytes stood before it: it may be a frame by chance only
-  bool is_echo = false;  ///< of what was asked last, though it looks like an answer
+  bool is_echo = false;  ///< the line says so: of the read that was asked last
   Instant came;          ///< its last byte; what it was may be known only later
 
   Stray(std::uint8_t from, const modbus::Pdu& heard, Instant when, bool noisy = false)

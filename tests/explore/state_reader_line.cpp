@@ -44,10 +44,13 @@ void StateReader::read(const bus::SerialLine& line, const Sight& sight, Hash& ha
 }
 
 void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
-  // A setting: learns. Told or counted only: counters, faults, unproven_told. `asked` is what the
-  // line asks, and is looked at only as long as it does.
-  const auto& [state, learns, counters, faults, asked, may_answer, expected, seen, owed, due,
-               held_since, spoilt, passed, shown, lost, unproven_told] = echo;
+  // A setting: learns. Told or counted only: counters, faults, unproven_told. `asked`, at
+  // `address`, is what the line asks, and is looked at only as long as it does, or if it is such a
+  // read.
+  const auto& [state, learns, counters, faults, address, asked, may_answer, expected, seen, owed,
+               due, held_since, spoilt, passed, shown, lost, unproven_told] = echo;
+  explore::require(!may_answer || !asked || !modbus::is_read(asked->bytes()),
+                   "no read looks like its own answer");
   hash.add(state);
   hash.add(std::span(expected.data(), expected.size()));
   hash.add(seen);

@@ -92,6 +92,8 @@ TEST_F(BusEcho, IsNotThereAnyMoreAfterManyAnswersThatLackIt) {
 TEST_F(BusEcho, IsToldOnceWhereTheSettingsDenyIt) {
   open_as(bus::LineKind::uart, false);
   for (int times = 0; times < 3; ++times) {
+    line(kAnswer);  // of whoever it is
+    advance(10ms);
     submit(job(kRead));
     advance(1ms);
     line(kReadFrame);

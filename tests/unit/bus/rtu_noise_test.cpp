@@ -136,8 +136,18 @@ TEST_F(RtuNoise, BehindAnAnswerThatOnlySilenceEndsMakesItNone) {
     EXPECT_TRUE(framer_.in_progress());
     EXPECT_EQ(add("FF"), Verdict::none);
   }
-  EXPECT_EQ(after(7ms), Verdict::none);
+  EXPECT_EQ(after(15ms), Verdict::none);
+  EXPECT_EQ(add("FF"), Verdict::none);
   EXPECT_FALSE(framer_.in_progress());
+}
+
+// The process was not there for so long; what it reads then lay there together.
+TEST_F(RtuNoise, IsNotWhatWasReadLate) {
+  expect("03 0000 0001");
+  EXPECT_EQ(add("01 03 02"), Verdict::none);
+  now_ += 500ms;
+  EXPECT_EQ(add("12 34 B5 34"), Verdict::none);
+  EXPECT_EQ(after(20ms), Verdict::damaged);
 }
 
 TEST_F(RtuNoise, WhatMayBeAPartOfAnotherFrameWaitsForSilence) {
