@@ -148,6 +148,7 @@ class Oracle {
   void drop_unwanted(std::size_t bus);
   void failsafe_line_back(Book& book);
   [[nodiscard]] bool waits_for_line(const Asked& asked) const;
+  [[nodiscard]] Duration behind_others(const Asked& stop) const;
   void check_failsafe(const Asked& asked);
   [[nodiscard]] unsigned failsafes_like(const Asked& asked, const Piece& piece) const;
   void cancel_for_stop(const Asked& stop);

@@ -88,12 +88,15 @@ void Oracle::failsafe_line_back(Book& book) {
   }
 }
 
+Duration Oracle::behind_others(const Asked& stop) const {
+  return static_cast<int>(books_[stop.pieces.front().bus].open_stops.size()) * kBehindStop;
+}
+
 // Once it is due, only a line that is away, or has just come back, excuses that it is not sent.
 bool Oracle::waits_for_line(const Asked& asked) const {
   const Book& book = books_[asked.pieces.front().bus];
-  const auto others = static_cast<int>(book.open_stops.size());
   const bool is_late = schedule_.now() > std::max(book.last_down, asked.accepted) + kFailsafeWait +
-                                             others * kBehindStop;
+                                             behind_others(asked);
   return asked.failsafe && !asked.dropped && (!book.open || (asked.flights == 0 && !is_late));
 }
 
@@ -108,8 +111,8 @@ void Oracle::forget_gone_stops() {
   std::vector<Asked*> over;
   for (const auto& [id, asked] : open_) {
     const bool done = asked->failsafe && asked->flights > 0;
-    if (asked->client_gone && !waits_for_line(*asked) &&
-        schedule_.now() > asked->accepted + (done ? kFailsafeLife : kStopLife)) {
+    const Duration life = done ? kFailsafeLife + behind_others(*asked) : kStopLife;
+    if (asked->client_gone && !waits_for_line(*asked) && schedule_.now() > asked->accepted + life) {
       over.push_back(asked.get());
     }
   }
