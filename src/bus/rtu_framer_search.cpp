@@ -63,15 +63,18 @@ bool RtuFramer::may_begin_answer(const Look& look) const {
   return own.kind != Kind::known || expected.kind != Kind::known || own.bytes == expected.bytes;
 }
 
+// What has come says how long it is; or else what was asked does, while the byte count is missing
+// too.
 modbus::PduLength RtuFramer::candidate_length(modbus::Bytes bytes) const {
-  const modbus::PduLength expected = modbus::expected_response_length(transaction_->request);
   if (bytes.size() < 2) {
-    return expected;
+    return modbus::expected_response_length(transaction_->request);
   }
   const modbus::PduLength own = modbus::response_length(bytes.subspan(1));
-  const bool tells_more =
-      own.kind == Kind::known || (own.kind == Kind::need_more && expected.kind != Kind::known);
-  return tells_more ? own : expected;
+  if (own.kind == Kind::known) {
+    return own;
+  }
+  const modbus::PduLength expected = modbus::expected_response_length(transaction_->request);
+  return own.kind == Kind::need_more && expected.kind != Kind::known ? own : expected;
 }
 
 // The answer may have begun here. If silence is all that follows, what is incomplete is none.

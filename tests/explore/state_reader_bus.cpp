@@ -10,9 +10,9 @@ using explore::Order;
 
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   // Settings: settings, longest, most_running, quarantines. Counted or told only: counters,
-  // never_silent, foreign, replacement, quality, frame_heard, own_heard,
-  // denied_echoes. Watches real adapters only: adapter. Empty when the machine was asked for its
-  // actions: actions. What waits behind a job that is taken back may go since `pumped_at`: at once.
+  // never_silent, foreign, replacement, quality, frame_heard, own_heard, denied_echoes. Watches
+  // real adapters only: adapter. Empty when the machine was asked for its actions: actions. What
+  // waits behind a job that is taken back may go since `pumped_at`: at once.
   auto& [settings, devices, longest, counters, line, queue, stopping, running, most_running,
          quarantines, sequence, writes_in_row, turn, other_turn, last_address, turn_of_others,
          let_by, next_probe, others, free_probes, others_gone_at, never_silent, foreign,

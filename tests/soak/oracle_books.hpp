@@ -72,6 +72,13 @@ struct Lane {
   std::map<PduBytes, Instant> stops_done;  ///< when the device carried each out last
   Instant uncertain_at = Instant::min();   ///< nobody can tell what a frame of then answered
   std::uint64_t stop_sent = 0;             ///< the last one sent to it
+
+  /// Something of it was heard, or is not known any more.
+  void forget_silence() {
+    silent = 0;
+    silent_stops.clear();
+    given_up_after.reset();
+  }
 };
 
 /// What is known for certain of when a serial line could be used.

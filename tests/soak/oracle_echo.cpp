@@ -63,10 +63,7 @@ bool Oracle::began_while_sending(std::size_t bus, Instant began) const {
 // What it is shows only when it is read.
 void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
   Book& book = books_[bus];
-  Lane& lane = book.lanes[frame.address];
-  lane.silent = 0;
-  lane.silent_stops.clear();
-  lane.given_up_after.reset();
+  book.lanes[frame.address].forget_silence();
   if (is_tcp(bus)) {
     settle(bus, frame);
     return;

@@ -102,9 +102,7 @@ void Oracle::after_reload() {
   reloaded_ = schedule_.now();
   for (Book& book : books_) {
     for (Lane& lane : book.lanes) {
-      lane.silent = 0;
-      lane.silent_stops.clear();
-      lane.given_up_after.reset();
+      lane.forget_silence();
     }
   }
   for (const auto& [id, asked] : open_) {

@@ -59,9 +59,7 @@ void Oracle::bus_opened(std::size_t bus) {
   book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
   for (Lane& lane : book.lanes) {
     lane.owed.clear();
-    lane.silent = 0;
-    lane.silent_stops.clear();
-    lane.given_up_after.reset();
+    lane.forget_silence();
   }
 }
 

@@ -45,10 +45,12 @@ void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {
   } else if (happens_to_echo(rates_.echo_damaged, "echo_damaged")) {
     echo.bytes[echo_random_.below(echo.bytes.size())] ^= 0x10U;
     spoil_echo(flight);
-  } else if (const auto size = frame_within(echo.bytes); size && settings_.line.echo == false) {
-    around_.report.fault("chance_crc");
-    echo.bytes[*size - 1] ^= 0x10U;
-    spoil_echo(flight);
+  } else if (settings_.line.echo == false) {
+    if (const auto size = frame_within(echo.bytes)) {
+      around_.report.fault("chance_crc");
+      echo.bytes[*size - 1] ^= 0x10U;
+      spoil_echo(flight);
+    }
   }
   const std::size_t size = echo.bytes.size();
   const auto at = [&](Instant instant, std::size_t until) {
