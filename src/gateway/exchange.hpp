@@ -23,6 +23,8 @@ struct FailsafeRun {
   };
   Failsafe::Due due;  ///< the place of its device is that of the settings in force
   std::vector<Write> unsent;
+  /// The device has other failsafe writes now: unless all of these are sent, all of those are due.
+  bool is_outdated = false;
 
   /// The job is no more.
   void forget(const bus::Job& job) {

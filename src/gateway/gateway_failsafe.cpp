@@ -27,8 +27,8 @@ void Gateway::send_failsafe(Failsafe::Due due, Instant now) {
   ++exchange.generation->exchanges;
   exchange.client_gone = true;
   exchange.is_stop = true;
-  FailsafeRun& run = exchange.failsafe.emplace(FailsafeRun{std::move(due), {}});
-  const auto& writes = current().guard(run.due.device)->failsafe;
+  FailsafeRun& run = exchange.failsafe.emplace(FailsafeRun{std::move(due)});
+  const auto writes = current().failsafe(run.due.device);
   for (std::size_t place = 0; place < writes.size(); ++place) {
     if (std::ranges::find(run.due.sent, place) != run.due.sent.end()) {
       continue;
@@ -76,6 +76,9 @@ void Gateway::end_failsafe(std::uint32_t index) {
     return;
   }
   Failsafe::Due due = run->due;
+  if (run->is_outdated) {
+    due.sent.clear();
+  }
   const bool was_told = std::exchange(due.told, true);
   if (stopping_) {
     report_failsafe(due, FailsafeOutcome::given_up);

@@ -23,11 +23,8 @@ const drive::Device* device_at(const Generation& generation, BusId bus, std::uin
 
 bool same_failsafe(const Generation& old, std::size_t old_place, const Generation& next,
                    std::size_t place) {
-  const DeviceGuard* before = old.guard(old_place);
-  const DeviceGuard* now = next.guard(place);
-  return before != nullptr && now != nullptr &&
-         std::ranges::equal(before->failsafe, now->failsafe, {}, &modbus::Request::pdu,
-                            &modbus::Request::pdu);
+  return std::ranges::equal(old.failsafe(old_place), next.failsafe(place), {},
+                            &modbus::Request::pdu, &modbus::Request::pdu);
 }
 
 }  // namespace
@@ -215,13 +212,17 @@ void Gateway::renumber_devices(const Generation& before, const Succession& succe
     }
   }
   for (Exchange& exchange : exchanges_.all()) {
-    const auto place =
-        exchange.failsafe ? succession.device(exchange.failsafe->due.device) : std::nullopt;
-    if (!place) {
-      exchange.failsafe.reset();  // nobody asks for a device that is no more
-    } else {
-      exchange.failsafe->due.device = *place;
+    if (!exchange.failsafe) {
+      continue;
     }
+    FailsafeRun& run = *exchange.failsafe;
+    const auto place = succession.device(run.due.device);
+    if (!place || current().failsafe(*place).empty()) {
+      exchange.failsafe.reset();  // nobody asks any more
+      continue;
+    }
+    run.is_outdated = run.is_outdated || !same_failsafe(before, run.due.device, current(), *place);
+    run.due.device = *place;
   }
 }
 

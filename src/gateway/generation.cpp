@@ -35,7 +35,7 @@ Generation::Generation(Settings given)
   for (std::size_t listener = 0; listener < settings.listeners.size(); ++listener) {
     DevicePlaces& watched = watched_.emplace_back();
     for (std::size_t place = 0; place < settings.devices.size(); ++place) {
-      if (guard(place) != nullptr && !guard(place)->failsafe.empty() &&
+      if (!failsafe(place).empty() &&
           leads_to(ListenerId{static_cast<std::uint32_t>(listener)}, settings.devices[place])) {
         watched.push_back(place);
       }
@@ -47,14 +47,19 @@ const DeviceGuard* Generation::guard(std::size_t device) const {
   return device < settings.guards.size() ? &settings.guards[device] : nullptr;
 }
 
+std::span<const modbus::Request> Generation::failsafe(std::size_t device) const {
+  const DeviceGuard* known = guard(device);
+  return known != nullptr ? std::span(known->failsafe) : std::span<const modbus::Request>();
+}
+
 Failsafe Generation::new_failsafe() const {
-  Failsafe failsafe;
+  Failsafe watches;
   for (std::size_t place = 0; place < settings.devices.size(); ++place) {
-    if (guard(place) != nullptr && !guard(place)->failsafe.empty()) {
-      failsafe.watch(place, guard(place)->quiet);
+    if (!failsafe(place).empty()) {
+      watches.watch(place, guard(place)->quiet);
     }
   }
-  return failsafe;
+  return watches;
 }
 
 DevicePlaces Generation::watched_for(const ClientInfo& client, routing::ClientRights rights) const {

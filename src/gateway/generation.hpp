@@ -3,6 +3,7 @@
 // with, so that a change of settings takes nothing away under them.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "gateway/client_session.hpp"
@@ -19,6 +20,8 @@ struct Generation {
 
   /// Nothing: the device has no rules of its own.
   [[nodiscard]] const DeviceGuard* guard(std::size_t device) const;
+  /// The failsafe writes of a device; none if it has none.
+  [[nodiscard]] std::span<const modbus::Request> failsafe(std::size_t device) const;
   /// A watch for every device that has failsafe writes.
   [[nodiscard]] Failsafe new_failsafe() const;
   /// The devices with failsafe writes that the client may write to, by any way.

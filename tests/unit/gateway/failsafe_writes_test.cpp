@@ -158,6 +158,32 @@ TEST_F(FailsafeWrites, GoOnWhenTheirLineIsReplacedUnderThem) {
   EXPECT_THAT(answer_all(), ElementsAre(kSecond));
 }
 
+/// The first of the old ones is on the wire, and the line is lost.
+TEST_F(FailsafeWrites, ThatAReloadHasChangedAreAllDueIfNotAllOfTheOldOnesWereSent) {
+  come(1);
+  rig_.disconnect(1);
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
+  Settings changed = watched_plant();
+  std::ranges::reverse(changed.guards[0].failsafe);
+  rig_.reload(changed);
+  rig_.lose_line();
+  rig_.open_line();
+  EXPECT_THAT(answer_all(), ElementsAre(kSecond, kStop1));
+}
+
+TEST_F(FailsafeWrites, ThatAReloadHasTakenAwayAreNotDueAnyMore) {
+  come(1);
+  rig_.disconnect(1);
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
+  Settings changed = watched_plant();
+  changed.guards.clear();
+  rig_.reload(changed);
+  rig_.lose_line();
+  rig_.open_line();
+  EXPECT_THAT(answer_all(), IsEmpty());
+  EXPECT_THAT(rig_.events, ElementsAre(kLost, "bus line-a is open"));
+}
+
 TEST_F(FailsafeWrites, ThatCouldNotBeSentAreSaidAtTheEnd) {
   come(1);
   rig_.lose_line();
