@@ -51,6 +51,11 @@ void Failsafe::client_waits(ClientId client, bool waits, Instant now) {
   }
 }
 
+bool Failsafe::does_wait(ClientId client) const {
+  const auto known = clients_.find(client);
+  return known != clients_.end() && known->second.waits;
+}
+
 void Failsafe::client_gone(ClientId client) {
   const auto known = clients_.find(client);
   if (known == clients_.end()) {

@@ -35,6 +35,7 @@ class Failsafe {
   /// Does it wait for an answer of ours? Then it is not silent; when it has them all, its silence
   /// begins.
   void client_waits(ClientId client, bool waits, Instant now);
+  [[nodiscard]] bool does_wait(ClientId client) const;
   void client_gone(ClientId client);
 
   /// The next device whose time has come.

@@ -203,6 +203,8 @@ void Gateway::renumber_devices(const Generation& before, const Succession& succe
     if (session.has_asked) {
       failsafe_.client_asked(client, now);
     }
+    // Its answers may have come of this reload: its silence begins then.
+    failsafe_.client_waits(client, failsafe.does_wait(client), now);
   }
   for (std::size_t old = 0; old < marks.size(); ++old) {
     if (const auto place = succession.device(old)) {

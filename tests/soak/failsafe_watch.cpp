@@ -18,10 +18,8 @@ FailsafeWatch::FailsafeWatch(const SoakPlan& plan) : plan_(plan) {
     Watch& watch = watches_.emplace_back();
     watch.door.device = device;
     watch.door.buses = {bus};
-    watch.quiet = guard.quiet;
     watch.hosts = plan.writers[device];
     watch.is_listed = guard.writer == gateway::WriterRule::listed;
-    watch.writes = plan.failsafe[device];
     watch.listeners.resize(plan.settings.listeners.size());
     for (const Door& door : plan.doors) {
       const bool leads = door.device ? door.device == device
@@ -35,8 +33,8 @@ FailsafeWatch::FailsafeWatch(const SoakPlan& plan) : plan_(plan) {
 void FailsafeWatch::note_activity(Watch& watch, Instant now) {
   watch.active = now;
   watch.sent = false;
-  if (watch.quiet > Duration{0}) {
-    next_ = std::min(next_, now + watch.quiet);
+  if (quiet_of(watch) > Duration{0}) {
+    next_ = std::min(next_, now + quiet_of(watch));
   }
 }
 
@@ -96,7 +94,7 @@ void FailsafeWatch::gone(ClientId client) {
 }
 
 void FailsafeWatch::add_writes(std::vector<Asked>& due, const Watch& watch, Instant now) const {
-  for (const PduBytes& write : watch.writes) {
+  for (const PduBytes& write : plan_.failsafe[*watch.door.device]) {
     Asked& asked = due.emplace_back();
     asked.kind = Kind::stop;
     asked.failsafe = true;
@@ -107,6 +105,17 @@ void FailsafeWatch::add_writes(std::vector<Asked>& due, const Watch& watch, Inst
     asked.written = asked.earliest = now;
     asked.pieces.push_back({watch.door.buses.front(), address_of(watch), write, 0, false, false});
   }
+}
+
+std::optional<Instant> FailsafeWatch::silent_at(const Watch& watch) const {
+  const Duration quiet = quiet_of(watch);
+  const bool may_be = quiet > Duration{0} && watch.clients > 0 && watch.waiting == 0;
+  return may_be && !watch.sent ? std::optional(watch.active + quiet) : std::nullopt;
+}
+
+bool FailsafeWatch::is_armed(std::size_t device) const {
+  return std::ranges::any_of(
+      watches_, [&](const Watch& watch) { return watch.door.device == device && !watch.sent; });
 }
 
 // To those that somebody may have written to since.
@@ -128,12 +137,11 @@ std::vector<Asked> FailsafeWatch::take_due(Instant now) {
   }
   next_ = Instant::max();
   for (Watch& watch : watches_) {
-    if (watch.quiet > Duration{0} && watch.clients > 0 && watch.waiting == 0 && !watch.sent &&
-        now >= watch.active + watch.quiet) {
+    const auto silent = silent_at(watch);
+    if (silent && now >= *silent) {
       watch.sent = watch.due = true;
-    }
-    if (watch.quiet > Duration{0} && watch.clients > 0 && watch.waiting == 0 && !watch.sent) {
-      next_ = std::min(next_, watch.active + watch.quiet);
+    } else {
+      next_ = std::min(next_, silent.value_or(next_));
     }
     if (watch.due) {
       add_writes(due, watch, now);

@@ -24,14 +24,16 @@ class FailsafeWatch {
   void gone(ClientId client);
   /// What has become due, as requests of a client that is gone; each is given once.
   std::vector<Asked> take_due(Instant now);
+  /// Is there nothing of it that is due, or under way? Then other writes may be set.
+  [[nodiscard]] bool is_armed(std::size_t device) const;
+  /// By the settings in force.
+  void after_reload() { next_ = Instant::min(); }
   /// What is sent because the gateway stops.
   std::vector<Asked> take_at_exit(Instant now);
 
  private:
   struct Watch {
     Door door;
-    std::vector<PduBytes> writes;
-    Duration quiet{0};
     std::vector<bool> listeners;  ///< that lead to the device with write access
     std::vector<unsigned> hosts;
     bool is_listed = false;
@@ -50,6 +52,11 @@ class FailsafeWatch {
 
   void note_activity(Watch& watch, Instant now);
   void add_writes(std::vector<Asked>& due, const Watch& watch, Instant now) const;
+  [[nodiscard]] Duration quiet_of(const Watch& watch) const {
+    return plan_.settings.guards[*watch.door.device].quiet;
+  }
+  /// When it is silent, as far as is known.
+  [[nodiscard]] std::optional<Instant> silent_at(const Watch& watch) const;
   [[nodiscard]] std::uint8_t address_of(const Watch& watch) const {
     return plan_.settings.devices[*watch.door.device].address;
   }

@@ -132,6 +132,7 @@ class Oracle {
   /// Requests that the gateway has taken, and of how many that is not sure.
   [[nodiscard]] std::uint64_t accepted() const { return sequence_ - failsafes_; }
   [[nodiscard]] std::uint64_t perhaps_accepted() const { return perhaps_accepted_; }
+  [[nodiscard]] const FailsafeWatch& failsafe() const { return failsafe_; }
 
  private:
   friend class Refusals;
@@ -173,7 +174,6 @@ class Oracle {
 
   // oracle_answers.cpp
   void judge(Asked& asked, Bytes pdu);
-  [[nodiscard]] static bool was_asked_before_reload(const Asked& asked);
   void device_answered(const Asked& asked);
   void judge_exception(const Asked& asked, std::uint8_t code);
   [[nodiscard]] bool may_be_stopped(const Asked& asked) const;

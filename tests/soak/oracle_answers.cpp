@@ -20,6 +20,13 @@ std::string code_text(unsigned code) {
   return {kDigits[code >> 4U & 15U], kDigits[code & 15U]};
 }
 
+// What the drive said of its word order was compared with settings that came meanwhile.
+bool was_asked_before_reload(const Asked& asked) {
+  return std::ranges::any_of(asked.pieces, [](const Piece& piece) {
+    return piece.asks_order && piece.executed && piece.taken_back;
+  });
+}
+
 }  // namespace
 
 void Oracle::judge(Asked& asked, Bytes pdu) {
@@ -103,13 +110,6 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     return;
   }
   device_answered(asked);
-}
-
-// What the drive said of its word order was compared with settings that came meanwhile.
-bool Oracle::was_asked_before_reload(const Asked& asked) {
-  return std::ranges::any_of(asked.pieces, [](const Piece& piece) {
-    return piece.asks_order && piece.executed && piece.taken_back;
-  });
 }
 
 void Oracle::device_answered(const Asked& asked) {

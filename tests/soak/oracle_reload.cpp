@@ -99,6 +99,7 @@ void Oracle::take_back(std::size_t bus, std::uint8_t address) {
 
 void Oracle::after_reload() {
   map_lanes();
+  failsafe_.after_reload();
   reloaded_ = schedule_.now();
   for (Book& book : books_) {
     for (Lane& lane : book.lanes) {

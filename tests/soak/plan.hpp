@@ -161,6 +161,8 @@ void draw_doors(SoakPlan& plan, Random& random);
 void set_deadlines(const SoakPlan& plan, Door& door);
 /// The unit of a door as it would lead to another device, which a reload may bring about.
 void add_twin(SoakPlan& plan, Door door, std::size_t device);
+/// What is written to a device when nobody is left, and after how long a silence.
+void draw_failsafe(SoakPlan& plan, std::size_t device, Random& random);
 /// What its devices' guards allow.
 void draw_guards(SoakPlan& plan, Random& random);
 /// How many may connect to listeners, how long they may be silent, and who may only read.

@@ -6,6 +6,21 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
+void draw_failsafe(SoakPlan& plan, std::size_t device, Random& random) {
+  gateway::DeviceGuard& guard = plan.settings.guards[device];
+  std::vector<PduBytes>& writes = plan.failsafe[device];
+  writes = {fields(6, kFailsafeRegister, 0xFA11)};
+  if (random.chance(500)) {
+    writes.push_back(random.chance(500) ? fields(6, kFailsafeRegister + 1, 0xFA12)
+                                        : fields(6, kStopRegister, kFailsafeStop));
+  }
+  guard.quiet = plan.silence && random.chance(700) ? random.duration(100ms, 3s) : 0ms;
+  guard.failsafe.clear();
+  for (const PduBytes& write : writes) {
+    guard.failsafe.push_back(*modbus::Request::parse(*modbus::Pdu::from(write)));
+  }
+}
+
 void draw_guards(SoakPlan& plan, Random& random) {
   auto& settings = plan.settings;
   const bool are_any = random.chance(500);
@@ -16,20 +31,12 @@ void draw_guards(SoakPlan& plan, Random& random) {
   for (std::size_t device = 0; device < settings.devices.size(); ++device) {
     gateway::DeviceGuard& guard = settings.guards.emplace_back();
     std::vector<unsigned>& listed = plan.writers.emplace_back();
-    std::vector<PduBytes>& writes = plan.failsafe.emplace_back();
+    plan.failsafe.emplace_back();
     if (!are_any) {
       continue;
     }
     if (random.chance(300)) {
-      writes.push_back(fields(6, kFailsafeRegister, 0xFA11));
-      if (random.chance(500)) {
-        writes.push_back(random.chance(500) ? fields(6, kFailsafeRegister + 1, 0xFA12)
-                                            : fields(6, kStopRegister, kFailsafeStop));
-      }
-      guard.quiet = plan.silence && random.chance(700) ? random.duration(100ms, 3s) : 0ms;
-      for (const PduBytes& write : writes) {
-        guard.failsafe.push_back(*modbus::Request::parse(*modbus::Pdu::from(write)));
-      }
+      draw_failsafe(plan, device, random);
     }
     if (random.chance(200)) {
       guard.writer = gateway::WriterRule::first;

@@ -22,11 +22,10 @@ Reloads::Reloads(SoakPlan& plan, Oracle::Devices& devices, const Oracle& oracle,
       random_(seed ^ kOwnChance),
       lines_(seed ^ kLinesChance),
       arrangement_(plan) {
-  // Who may write, and whether anybody is left, is a question of its own.
-  const auto is_guarded = [](const gateway::DeviceGuard& guard) {
+  is_guarded_ = std::ranges::any_of(plan.settings.guards, [](const gateway::DeviceGuard& guard) {
     return guard.writer != gateway::WriterRule::any || !guard.failsafe.empty();
-  };
-  if (std::ranges::none_of(plan.settings.guards, is_guarded) && !random_.chance(300)) {
+  });
+  if (random_.chance(is_guarded_ ? 500 : 700)) {
     every_ = random_.one_of<Duration>({50ms, 200ms, 1s, 5s});
   }
   for (const Door& door : plan_.doors) {
@@ -50,7 +49,7 @@ Reload Reloads::draw() {
   reload_ = {};
   gateway::Settings& settings = plan_.settings;
   if (!random_.chance(250)) {
-    if (random_.chance(400)) {
+    if (!is_guarded_ && random_.chance(400)) {
       bring_back();
     }
     const std::size_t devices = settings.devices.size();
@@ -61,15 +60,19 @@ Reload Reloads::draw() {
     perhaps(400, "reload_bus", buses, &Reloads::change_rules);
     perhaps(300, "reload_listener", listeners, &Reloads::change_listener);
     perhaps(300, "reload_deadline", routes, &Reloads::change_deadline);
-    perhaps(200, "reload_route", routes, &Reloads::change_route);
-    perhaps(400, "reload_device", devices, &Reloads::change_device);
     perhaps(60, "reload_line", buses, &Reloads::change_line);
-    perhaps(60, "reload_route_gone", routes, &Reloads::switch_route);
-    perhaps(100, "reload_route_turned", routes, &Reloads::turn_route);
-    perhaps(60, "reload_device_gone", devices, &Reloads::switch_device);
-    perhaps(30, "reload_bus_gone", buses, &Reloads::switch_bus);
-    perhaps(30, "reload_listener_gone", listeners, &Reloads::switch_listener);
-    perhaps(30, "reload_allow", listeners, &Reloads::switch_allowed);
+    if (is_guarded_) {  // who may write, and whether anybody is left, stays as it is
+      perhaps(300, "reload_failsafe", devices, &Reloads::change_failsafe);
+    } else {
+      perhaps(200, "reload_route", routes, &Reloads::change_route);
+      perhaps(400, "reload_device", devices, &Reloads::change_device);
+      perhaps(60, "reload_route_gone", routes, &Reloads::switch_route);
+      perhaps(100, "reload_route_turned", routes, &Reloads::turn_route);
+      perhaps(60, "reload_device_gone", devices, &Reloads::switch_device);
+      perhaps(30, "reload_bus_gone", buses, &Reloads::switch_bus);
+      perhaps(30, "reload_listener_gone", listeners, &Reloads::switch_listener);
+      perhaps(30, "reload_allow", listeners, &Reloads::switch_allowed);
+    }
     refresh_doors();
     note_changed();
   }

@@ -51,6 +51,7 @@ class Reloads {
   bool change_rules(std::size_t bus);
   bool change_listener(std::size_t index);
   bool change_deadline(std::size_t route);
+  bool change_failsafe(std::size_t device);
 
   // reload_meaning.cpp: what changes where requests go, or what they say
   bool change_route(std::size_t index);
@@ -81,6 +82,7 @@ class Reloads {
   Random random_;
   Random lines_;
   Duration every_{0};
+  bool is_guarded_ = false;
   Reload reload_;
   std::vector<Meaning> meanings_;                   // in force
   std::vector<std::vector<std::size_t>> buses_of_;  // of each door, if all are there

@@ -107,4 +107,13 @@ bool Reloads::change_deadline(std::size_t index) {
   return true;
 }
 
+// Only while nothing of the old writes is due.
+bool Reloads::change_failsafe(std::size_t index) {
+  if (!oracle_.failsafe().is_armed(index)) {
+    return false;
+  }
+  draw_failsafe(plan_, index, random_);
+  return true;
+}
+
 }  // namespace mbgate::soak

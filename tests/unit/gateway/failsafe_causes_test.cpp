@@ -75,6 +75,26 @@ TEST(SilentWriters, AreReasonEnoughWhereQuietSaysSo) {
                                       "failsafe writes are sent"));
 }
 
+/// The line is given up, and with it the read that was on the wire.
+TEST(SilentWriters, AreSilentFromTheAnswerThatAReloadGivesThem) {
+  Settings settings = watched_plant();
+  settings.guards[0].quiet = 100ms;
+  settings.buses[0].timing.response_timeout = 1s;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1, 2));
+  rig.advance(90ms);
+  take_requests(rig);
+  settings.buses[0].line.baud = modbus::Baud{9600};
+  rig.reload(settings);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 02 83 0B"));
+  rig.open_line();
+  rig.advance(99ms);
+  EXPECT_THAT(take_requests(rig), IsEmpty());
+  rig.advance(1ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+}
+
 TEST(SilentWriters, AreThoseToWhomNoAnswerIsOwed) {
   Settings settings = watched_plant();
   settings.guards[0].quiet = 100ms;
