@@ -27,7 +27,8 @@ void Gateway::send_failsafe(Failsafe::Due due, Instant now) {
   ++exchange.generation->exchanges;
   exchange.client_gone = true;
   exchange.is_stop = true;
-  FailsafeRun& run = exchange.failsafe.emplace(FailsafeRun{std::move(due)});
+  FailsafeRun& run = exchange.failsafe.emplace();
+  run.due = std::move(due);
   const auto writes = current().failsafe(run.due.device);
   for (std::size_t place = 0; place < writes.size(); ++place) {
     if (std::ranges::find(run.due.sent, place) != run.due.sent.end()) {
