@@ -161,7 +161,11 @@ Asked Asking::malformed(const Door& door) {
       asked.pdu = fields(0x83, address, 1);
       asked.refused = 1;
       break;
-    case 5: asked.pdu = {0x10, 0, 0, 0, 2, 3, 1, 1, 1}; break;
+    case 5:
+      asked.pdu = random_.one_of<PduBytes>({{0x10, 0, 0, 0, 2, 3, 1, 1, 1},
+                                            {0x10, 0, 0, 0, 2, 3, 1, 1, 1, 1},
+                                            {0x10, 0, 0, 0, 2, 4, 1, 1, 1}});
+      break;
     case 6: asked.pdu = fields(5, 1, 0x1234); break;
     case 7:
       asked.pdu = fields(8, random_.one_of({1U, 4U, 21U}), 0);

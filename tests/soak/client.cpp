@@ -99,8 +99,8 @@ void Client::act() {
     const Duration limit = tools_.settings.listeners[manners_.listener].idle_timeout;
     if (limit > Duration{0}) {
       tools_.report.fault("rest");
-      be_closed_after(limit, "idle_timeout");
     }
+    be_closed_after(limit, "idle_timeout");
     return;
   }
   if (!stalled_ && random.chance(manners_.stalls)) {

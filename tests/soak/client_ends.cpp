@@ -78,9 +78,14 @@ void Client::be_closed_after(Duration time, const char* kind) {
       return;
     }
     const Instant now = tools_.schedule.now();
-    const Duration limit = hangs_since_ ? std::max<Duration>(frame_timeout_, kLongestFrameTimeout)
-                                        : tools_.settings.listeners[manners_.listener].idle_timeout;
-    if (is_idle() && !paused_ && socket_.empty() && now > active_ + limit + kLatestClose) {
+    const Duration idle = tools_.settings.listeners[manners_.listener].idle_timeout;
+    const Duration limit =
+        hangs_since_ ? std::max<Duration>(frame_timeout_, kLongestFrameTimeout) : idle;
+    const Instant from =
+        hangs_since_ ? active_ : std::max(active_, tools_.plan.idle_from[manners_.listener]);
+    const bool is_limited = hangs_since_ || framing_lost_ || idle > Duration{0};
+    if (is_limited && is_idle() && !paused_ && socket_.empty() &&
+        now > from + limit + kLatestClose) {
       tools_.oracle.violation(
           kind, "the gateway keeps client " + std::to_string(static_cast<std::uint64_t>(number_)));
     } else if (now < until) {

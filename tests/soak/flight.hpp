@@ -19,6 +19,7 @@ struct Flight {
   PduBytes pdu;
   std::vector<std::uint64_t> asked;  ///< requests that it may be for
   bool is_stop = false;
+  bool is_repeated = false;  ///< a stop of which the tries are a series
   bool is_write = false;
   bool is_broadcast = false;
   bool repeats_read = false;
@@ -69,6 +70,7 @@ struct HeardFrame {
   /// It may be taken for an answer, because of this.
   const char* excuse = nullptr;
   std::size_t size = 0;
+  std::size_t lead = 0;       ///< bytes that were put before it
   Instant ended{};            ///< when its last byte reached the kernel
   bool is_only_debt = false;  ///< its device owed nothing else then
 };

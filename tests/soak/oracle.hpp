@@ -196,7 +196,6 @@ class Oracle {
   bool take_apart(Bytes frame, Flight& flight);
   void check_silence(const Flight& flight);
   void check_quarantine(const Flight& flight);
-  [[nodiscard]] static bool has_answered_since(const Lane& lane, const Flight& flight);
   void attribute(Flight& flight);
   bool fits(const Asked& asked, const Piece& piece, const Flight& flight) const;
   [[nodiscard]] bool is_behind_failure(const Asked& asked, const Piece& piece) const;
@@ -206,7 +205,6 @@ class Oracle {
   void check_order(const Asked& asked, const Flight& flight);
   void check_tcp(const Flight& flight);
   void check_rest(std::size_t bus);
-  void rest(Book& book);
   void cut_flying(const Book& book);
   void cut(Flight& flight) const;
   void set_times(Flight& flight);
@@ -239,7 +237,7 @@ class Oracle {
   void note_answered(std::size_t bus, const HeardFrame& frame);
   [[nodiscard]] const char* why_unsure(const Flight& flight, const HeardFrame& frame) const;
   void note_use(const Flight& flight);
-  void check_idle(const Flight& flight);
+  void check_idle(const Flight& flight, const Flight* before);
   [[nodiscard]] std::optional<Instant> could_go(const Flight& flight) const;
   [[nodiscard]] Duration rest_of_answer(const Flight& flight) const;
   [[nodiscard]] Duration longest_gap(std::size_t bus) const;
@@ -262,6 +260,8 @@ class Oracle {
   // oracle_tries.cpp
   void check_answered(const Asked& asked);
   void judge_tries(const Asked& asked);
+  void check_tries(const Asked& asked) const;
+  void judge_cached(const Asked& asked) const;
 
   // oracle_counts.cpp
   void note_counts(const Flight& flight);

@@ -54,6 +54,7 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     judge_done(asked);
     judge_heard(asked);
     judge_place(asked);
+    judge_cached(asked);
     if (asked.kind != Kind::broadcast && !asked.silent && asked.maybe_on_wire) {
       device_answered(asked);
       // Where the transmission may have been for another one, the cache may have answered it.

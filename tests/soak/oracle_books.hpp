@@ -84,6 +84,7 @@ struct Lane {
 /// What is known for certain of when a serial line could be used.
 struct LineUse {
   Instant first_read = Instant::min();  ///< of what came behind the last own transmission
+  Duration pause{0};                    ///< the longest between two readings of it
   Instant ends = Instant::min();        ///< at the latest, of the wait for the answer to it
   bool is_answered = false;             ///< that answer was read, and met no fault
   Instant waits_from = Instant::min();  ///< before, something else may have held back what waits
@@ -134,6 +135,7 @@ struct Book {
   std::size_t came = 0;                ///< bytes that have reached the kernel since its beginning
   std::size_t read = 0;                ///< of these the gateway has
   std::array<std::uint8_t, 4> tail{};  ///< the last of them
+  PduBytes heard;                      ///< the first of them: no more than a frame, and one
   Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
   std::vector<HeardFrame> unread;               ///< good frames in the kernel
   std::optional<HeardEcho> unread_echo;

@@ -13,6 +13,17 @@ namespace {
 constexpr Duration kSilence = 30s;
 constexpr Duration kLatest = 2s;  // that the process may be
 
+void rest(Book& book) {
+  book.reopening = {};
+  book.open = false;
+  book.starting = book.rests = true;
+  book.flying.clear();
+  book.unheard.clear();
+  book.in_vain.clear();
+  book.early_stops.insert(book.early_stops.end(), book.stops.begin(), book.stops.end());
+  book.stops.clear();
+}
+
 }  // namespace
 
 void Oracle::tcp_closed(std::size_t bus) {
@@ -53,17 +64,6 @@ void Oracle::line_replaced(std::size_t bus) {
   ++book.count.losses;
   note_cut(book);
   rest(book);
-}
-
-void Oracle::rest(Book& book) {
-  book.reopening = {};
-  book.open = false;
-  book.starting = book.rests = true;
-  book.flying.clear();
-  book.unheard.clear();
-  book.in_vain.clear();
-  book.early_stops.insert(book.early_stops.end(), book.stops.begin(), book.stops.end());
-  book.stops.clear();
 }
 
 // Who asks is not kept waiting, neither while a connection rests nor by one that swallows

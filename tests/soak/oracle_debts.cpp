@@ -22,6 +22,15 @@ bool has_length_of_answer(std::size_t size, const PduBytes& asked, bool is_ascii
   return size == frame_of(2 + spec::data_size_of(*fields->reads));
 }
 
+// An answer that names another function can be taken for none that is owed. It is owed for
+// long enough not to be on the wire any more. Of the device's recent answer times only the last is
+// surely one.
+bool has_answered_since(const Lane& lane, const Flight& flight) {
+  return lane.answered_at &&
+         flight.begin >=
+             *lane.answered_at + std::max<Duration>(kAdapterHolds, kAnswerTimes * lane.took);
+}
+
 }  // namespace
 
 // Writes repeat their address and value, reads say how much they bring.
@@ -86,15 +95,6 @@ void Oracle::check_quarantine(const Flight& flight) {
       lane.owed.pop_front();
     }
   }
-}
-
-// Then an answer that names another function can be taken for none that is owed. It is owed for
-// long enough not to be on the wire any more. Of the device's recent answer times only the last is
-// surely one.
-bool Oracle::has_answered_since(const Lane& lane, const Flight& flight) {
-  return lane.answered_at &&
-         flight.begin >=
-             *lane.answered_at + std::max<Duration>(kAdapterHolds, kAnswerTimes * lane.took);
 }
 
 // Nobody can tell which of several requests it answers: the quarantine counts from the last. One

@@ -16,6 +16,26 @@ constexpr Duration kLate = 20ms;
 constexpr Duration kStall = 520ms;
 constexpr Duration kLongestBoot = 250ms;
 
+// All that came is an answer with a bad CRC: the silence behind it ends the wait.
+bool is_damaged_answer(const Book& book, const Flight& asked,
+                       const gateway::BusSettings& settings) {
+  const PduBytes& heard = book.heard;
+  const bool may_be = settings.line.framing == bus::Framing::rtu && asked.expects_answer &&
+                      heard.size() > 4 && heard[0] == asked.address && heard[1] == asked.pdu[0] &&
+                      !spec::read_rtu(heard);
+  const bool is_in_time = asked.first_came >= asked.end && book.use.first_read < asked.deadline &&
+                          book.use.pause < spec::silence_of(settings);
+  if (!may_be || !is_in_time) {
+    return false;
+  }
+  const auto fields = spec::fields_of(asked.pdu);
+  if (fields && fields->reads) {
+    const std::size_t size = spec::data_size_of(*fields->reads);
+    return heard[2] == size && heard.size() == size + 5;
+  }
+  return fields && fields->writes && heard.size() == 8 && asked.pdu[0] != 0x16;
+}
+
 }  // namespace
 
 // The process may come so late to what is due.
@@ -52,8 +72,10 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   last->is_answered = true;
-  book.use.is_answered = true;
-  book.use.ends = schedule_.now();
+  if (frame.lead == 0) {  // behind other bytes it may need a silence to be one
+    book.use.is_answered = true;
+    book.use.ends = schedule_.now();
+  }
   // By a quarantine that has grown an earlier one is still owed: then this may be the answer to it.
   if (Lane& lane = book.lanes[frame.address]; lane.held_before <= last->begin) {
     lane.held_until = lane.held_before;
@@ -90,14 +112,14 @@ const char* Oracle::why_unsure(const Flight& flight, const HeardFrame& frame) co
     return "beside_stop";
   }
   const bool is_in_one = line.framing == bus::Framing::ascii
-                             ? frame.ended <= book.use.first_read + 1s
+                             ? book.use.pause <= 1s
                              : frame.ended < book.use.first_read +
                                                  spec::slack_of(bus_settings(flight.bus)) +
                                                  spec::WireTimes(line).of(frame.size);
   if (!is_in_one) {
     return "paused";
   }
-  if (book.came != frame.size) {
+  if (book.came != frame.size + frame.lead) {
     return "beside_noise";
   }
   return reloaded_ >= flight.begin || flight.begin < book.opened ? "reload" : nullptr;
@@ -164,7 +186,7 @@ Duration Oracle::longest_gap(std::size_t bus) const {
   return longest;
 }
 
-void Oracle::check_idle(const Flight& flight) {
+void Oracle::check_idle(const Flight& flight, const Flight* before) {
   if (is_tcp(flight.bus)) {
     return;
   }
@@ -177,13 +199,18 @@ void Oracle::check_idle(const Flight& flight) {
   }
   const Duration silence = spec::silence_of(settings) + longest_gap(flight.bus);
   // Until then an answer may have been on its way.
-  const Instant read = book.use.is_answered || book.came == 0
-                           ? book.last_handed_in
-                           : std::max(book.use.ends, book.last_handed_in) + rest_of_answer(flight);
-  const Instant free =
-      std::max({book.own_end, book.turnaround_end, book.held_until,
-                book.opened + settings.listen_first.value_or(1s), read, book.use.ends}) +
-      silence;
+  Instant ends = book.use.ends;
+  Instant read = book.last_handed_in;
+  const bool may_echo = plan_.echoes[flight.bus] || book.echo_found || settings.line.echo == true;
+  if (before != nullptr && !book.use.is_answered && !may_echo &&
+      is_damaged_answer(book, *before, settings)) {
+    ends = book.last_handed_in + std::max(spec::slack_of(settings), silence) + settings.settle;
+  } else if (!book.use.is_answered && book.came > 0) {
+    read = std::max(ends, read) + rest_of_answer(flight);
+  }
+  const Instant free = std::max({book.own_end, book.turnaround_end, book.held_until,
+                                 book.opened + settings.listen_first.value_or(1s), read, ends}) +
+                       silence;
   const Duration late = flight.begin - std::max(free, *from);
   if (late > lateness() * (book.use.is_answered ? 1 : 2)) {
     violation("idle_wire", name(flight) + " " + std::to_string(late / 1us) + " us late");

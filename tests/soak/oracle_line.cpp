@@ -73,6 +73,9 @@ void Oracle::bytes_handed_in(std::size_t bus) {
   Book& book = books_[bus];
   if (book.use.first_read == Instant::min()) {
     book.use.first_read = schedule_.now();
+    book.use.pause = Duration{0};
+  } else {
+    book.use.pause = std::max(book.use.pause, schedule_.now() - book.last_handed_in);
   }
   if (!is_tcp(bus)) {
     read_frames(bus);
@@ -214,6 +217,9 @@ void Oracle::bytes_came(std::size_t bus, Bytes bytes) {
   const auto answer = name_of(last->address, last->pdu[0], is_ascii);
   const auto exception = name_of(last->address, last->pdu[0] | 0x80U, is_ascii);
   for (const std::uint8_t byte : bytes) {
+    if (book.heard.size() <= spec::kRtuFrame) {
+      book.heard.push_back(byte);
+    }
     std::ranges::rotate(book.tail, book.tail.begin() + 1);
     book.tail.back() = byte;
     const Bytes tail = Bytes(book.tail).last(answer.size());

@@ -126,6 +126,7 @@ void Oracle::unknown_transmission(const Flight& flight) {
 void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone) {
   Flight& mine = const_cast<Flight&>(flight);
   mine.is_stop = mine.is_stop || asked.is_stop();
+  mine.is_repeated = mine.is_repeated || asked.is_repeated;
   mine.asks_order = mine.asks_order || piece.asks_order;
   mine.expects_answer = mine.expects_answer && !asked.silent && asked.kind != Kind::broadcast;
   if (alone && !asked.maybe_on_wire && !asked.is_stop()) {
@@ -147,6 +148,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   }
   asked.last_alone = alone ? flight.number : 0;
   asked.flights_alone += alone ? 1U : 0U;
+  check_tries(asked);
   asked.last_flight = flight.number;
   asked.tries.push_back(flight.number);
   asked.last_sent = flight.pdu;

@@ -42,7 +42,7 @@ void Oracle::note_silent(std::size_t bus) {
     const unsigned series = 1 + devices_[*lane.device].settings().timing.stop_retries;
     // Stops that are alike go one after the other; others take turns with them.
     unsigned& silent = lane.silent_stops[last->pdu];
-    silent += was_offline ? 1U : 0U;
+    silent += was_offline && last->is_repeated ? 1U : 0U;
     if (silent >= 2 * series && !lane.given_up_after) {
       lane.given_up_after = sequence_;
     }

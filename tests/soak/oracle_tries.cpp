@@ -43,4 +43,29 @@ void Oracle::judge_tries(const Asked& asked) {
   }
 }
 
+// It was answered without being transmitted: not by what was read before its device left something
+// unanswered.
+void Oracle::judge_cached(const Asked& asked) const {
+  if (asked.kind != Kind::read || asked.ordered || asked.flights > 0 || asked.pieces.empty()) {
+    return;
+  }
+  const Piece& piece = asked.pieces.front();
+  if (books_[piece.bus].lanes[piece.address].silent > 0) {
+    violation("cached_too_long", name(asked));
+  }
+}
+
+// By itself, after a merged read that failed, and once more because its connection was closed.
+void Oracle::check_tries(const Asked& asked) const {
+  if (!asked.is_read() || asked.pieces.size() != 1) {
+    return;
+  }
+  const std::size_t bus = asked.pieces.front().bus;
+  const bool was_merged = bus_settings(bus).merge || books_[bus].last_merge >= asked.accepted;
+  const unsigned tries = (1 + asked.retries) * (was_merged ? 2 : 1) + (is_tcp(bus) ? 1 : 0);
+  if (asked.flights_alone > tries) {
+    violation("read_too_often", name(asked) + ", " + std::to_string(tries) + " tries");
+  }
+}
+
 }  // namespace mbgate::soak

@@ -58,8 +58,7 @@ void Oracle::bus_opened(std::size_t bus) {
   book.last_byte = schedule_.now();
   book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
   for (Lane& lane : book.lanes) {
-    lane.owed.clear();
-    lane.forget_silence();
+    lane.forget_silence();  // what its device owes it still owes
   }
 }
 
@@ -100,6 +99,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   begin_failsafe();
   Book& book = books_[bus];
   note_silent(bus);
+  const Flight* before = this->flight(book.last_flight);
   book.last_flight = flight.number;
   if (!book.open) {
     violation("closed_line", "transmission on " + bus_settings(bus).name);
@@ -120,7 +120,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   check_stops_first(flight);
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
-  check_idle(flight);
+  check_idle(flight, before);
   TurnRules(*this).check(flight);
   check_bounds(flight);
   set_times(flight);
@@ -129,6 +129,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   book.is_unused = false;
   book.came = book.read = 0;
   book.tail = {};
+  book.heard.clear();
   book.denied_before = std::exchange(book.denied_echo, false);
   book.read_while_sending = Instant::min();
   book.is_strange = false;

@@ -143,6 +143,7 @@ struct SoakPlan {
   std::vector<std::vector<unsigned>> readers;  ///< by listener, the hosts that may not write there
   std::vector<std::vector<unsigned>> kept;     ///< by listener, those that make room for nobody
   std::vector<std::vector<unsigned>> allowed;  ///< by listener, those that it lets in; none: all
+  std::vector<Instant> idle_from;              ///< by listener, when its idle timeout was set
   bool stops_early = false;  ///< the gateway is told to stop in the midst of everything
   bool beyond = false;  ///< devices are later than the quarantine: misdeliveries are counted apart
 };

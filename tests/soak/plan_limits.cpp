@@ -16,6 +16,7 @@ constexpr std::uint64_t kLimitsChance = 0x4C494D495453ULL;
 void draw_listener(SoakPlan& plan, gateway::ListenerSettings& listener, Random& random) {
   std::vector<unsigned>& kept = plan.kept.emplace_back();
   plan.allowed.emplace_back();
+  plan.idle_from.push_back(Instant::min());
   if (random.chance(250)) {
     listener.max_connections = random.one_of<std::size_t>({1, 2, 4, 8});
     for (unsigned host = 0; host < kMostHosts; ++host) {

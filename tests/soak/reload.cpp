@@ -59,11 +59,13 @@ Reload Reloads::draw() {
     perhaps(500, "reload_timing", devices, &Reloads::change_timing);
     perhaps(400, "reload_bus", buses, &Reloads::change_rules);
     perhaps(300, "reload_listener", listeners, &Reloads::change_listener);
+    perhaps(200, "reload_idle", listeners, &Reloads::change_idle);
     perhaps(300, "reload_deadline", routes, &Reloads::change_deadline);
     perhaps(60, "reload_line", buses, &Reloads::change_line);
     if (is_guarded_) {  // who may write, and whether anybody is left, stays as it is
       perhaps(300, "reload_failsafe", devices, &Reloads::change_failsafe);
     } else {
+      perhaps(100, "reload_rights", listeners, &Reloads::change_rights);
       perhaps(200, "reload_route", routes, &Reloads::change_route);
       perhaps(400, "reload_device", devices, &Reloads::change_device);
       perhaps(60, "reload_route_gone", routes, &Reloads::switch_route);

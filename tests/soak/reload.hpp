@@ -18,6 +18,7 @@ namespace mbgate::soak {
 struct Reload {
   std::vector<std::pair<std::size_t, std::uint8_t>> changed;  ///< bus and address
   std::vector<std::size_t> lines;                             ///< buses whose lines are given up
+  std::vector<std::size_t> idle;                              ///< listeners, other idle timeouts
   std::vector<const char*> kinds;                             ///< for the list of faults
   [[nodiscard]] bool is_order_only() const { return kinds.empty(); }
 };
@@ -50,6 +51,7 @@ class Reloads {
   void draw_timing(drive::DeviceTiming& timing);
   bool change_rules(std::size_t bus);
   bool change_listener(std::size_t index);
+  bool change_idle(std::size_t listener);
   bool change_deadline(std::size_t route);
   bool change_failsafe(std::size_t device);
 
@@ -64,6 +66,7 @@ class Reloads {
   bool switch_bus(std::size_t index);
   bool switch_listener(std::size_t index);
   bool switch_allowed(std::size_t listener);
+  bool change_rights(std::size_t listener);
   void bring_back();
 
   template <typename Change>

@@ -215,6 +215,25 @@ bool Reloads::switch_allowed(std::size_t index) {
   return true;
 }
 
+// Who may only read there.
+bool Reloads::change_rights(std::size_t index) {
+  const bool are_settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
+    return door.listener != index || oracle_.is_settled(door);
+  });
+  if (!are_settled) {
+    return false;
+  }
+  std::vector<unsigned>& readers = plan_.readers[index];
+  readers.clear();
+  for (unsigned host = 0; host < kMostHosts; ++host) {
+    if (random_.chance(150)) {
+      readers.push_back(host);
+    }
+  }
+  plan_.settings.listeners[index].read_only = networks_of(readers);
+  return true;
+}
+
 void Reloads::bring_back() {
   for (std::size_t bus = 0; bus < plan_.absent.buses.size(); ++bus) {
     if (plan_.absent.buses[bus] && switch_bus(bus)) {

@@ -95,6 +95,13 @@ bool Reloads::change_listener(std::size_t index) {
   return true;
 }
 
+bool Reloads::change_idle(std::size_t index) {
+  plan_.settings.listeners[index].idle_timeout =
+      random_.chance(300) ? 0ms : random_.duration(300ms, 3s);
+  reload_.idle.push_back(index);
+  return true;
+}
+
 bool Reloads::change_deadline(std::size_t index) {
   routing::Route& route = plan_.settings.routes[index];
   if (route.is_broadcast() || !is_sure(static_cast<std::size_t>(route.buses.front()))) {

@@ -199,7 +199,7 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
         {is_frame ? std::optional(address) : std::nullopt, 1, 0, false, flight.number});
     return;
   }
-  const bool may_glitch = !excess && !ascii_ && !opaque_ && !pdu.is_exception();
+  const bool may_glitch = !excess && (ascii_ || (!opaque_ && !pdu.is_exception()));
   const std::size_t lead =
       may_glitch && happens(rates_.glitch, "glitch") ? begin_with_glitch(frame) : 0;
   const bool paused = !excess && happens(rates_.pieces, "pieces");

@@ -149,6 +149,7 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
       heard.frames.push_back(
           {*content.address, content.fits, is_nobodys, content.flight, message.frame_began});
       heard.frames.back().size = message.frame;
+      heard.frames.back().lead = lead;
     }
     ++message.copies_heard;
     message.frame_began = arrival;
@@ -180,13 +181,17 @@ void SerialWire::hand_over(const Heard& heard) {
   around_.deliver(bus_, heard.bytes);
 }
 
-// What a line without bias picks up, or a driver that turns on.
+// What a line without bias picks up, or a driver that turns on. In ASCII what may begin a frame
+// too.
 std::size_t SerialWire::begin_with_glitch(Frame& frame) {
-  const std::size_t size = around_.random.between(1U, 8U);
+  Random& random = around_.random;
+  const std::size_t size = random.between(1U, 8U);
   for (std::size_t count = size; count > 0; --count) {
-    frame.insert(frame.begin(), around_.random.one_of<std::uint8_t>(
-                                    {0xFE, 0xF8, 0xC0, 0x80, 0x7F, 0x00, 0xFF,
-                                     static_cast<std::uint8_t>(around_.random.below(256))}));
+    const std::uint8_t byte =
+        ascii_ ? random.one_of<std::uint8_t>({':', '0', '1', '3', 'F', '\r', 0x00, 0x7F})
+               : random.one_of<std::uint8_t>({0xFE, 0xF8, 0xC0, 0x80, 0x7F, 0x00, 0xFF,
+                                              static_cast<std::uint8_t>(random.below(256))});
+    frame.insert(frame.begin(), byte);
   }
   return size;
 }

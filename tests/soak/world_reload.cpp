@@ -58,6 +58,9 @@ void World::take_effect(const Reload& reload, const std::vector<bool>& absent) {
       client.give_up();
     }
   }
+  for (const std::size_t listener : reload.idle) {
+    plan_.idle_from[listener] = schedule_.now();
+  }
   for (const auto& [bus, address] : reload.changed) {
     oracle_.take_back(bus, address);
   }
