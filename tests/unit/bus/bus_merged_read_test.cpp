@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A merged read that fails, and one of those who share it asked for all of it.
+// A merged read that fails, where one of those who share it asked for all of it.
 #include "bus_rig.hpp"
 
 namespace mbgate::test {
@@ -46,6 +46,16 @@ TEST_F(BusMergedRead, WhoAskedForAllOfItIsRefusedAsItWas) {
   EXPECT_EQ(jobs_[1].transactions[0].response, modbus::Pdu::from(unhex("83 02")));
   advance(10ms);
   EXPECT_THAT(frames_, ElementsAre(kWholeFrame, kPartFrame));
+}
+
+TEST_F(BusMergedRead, ItsPartIsNotSentForAClientThatHasGone) {
+  merge(0);
+  advance(10ms);
+  jobs_[2].abandoned = true;
+  line("01 83 02 C0 F1");
+  advance(10ms);
+  EXPECT_THAT(frames_, ElementsAre(kWholeFrame));
+  EXPECT_THAT(endings_, ElementsAre(Ending::cancelled, Ending::answered));
 }
 
 }  // namespace

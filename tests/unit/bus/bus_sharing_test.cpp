@@ -235,21 +235,6 @@ TEST_F(BusSharing, IfTheMergedReadFailsItsPartsGoOneByOne) {
   EXPECT_EQ(response_of(jobs_[2]), "83 02");
 }
 
-TEST_F(BusSharing, APartOfAFailedMergedReadIsNotSentForAClientThatHasGone) {
-  open(sharing(true));
-  occupy();
-  submit(job_of(0, kRead));
-  bus::Job& gone = job_of(1, "03 0001 0001");
-  submit(gone);
-  free_line();
-  advance(10ms);
-  gone.abandoned = true;
-  line("01 83 02 C0 F1");
-  advance(10ms);
-  EXPECT_THAT(frames_, ElementsAre(testing::_, "01 03 00 00 00 01 84 0A"));
-  EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
-}
-
 TEST_F(BusSharing, AMergedReadThatWasRefusedIsNotMergedAgainUntilItsDeviceWasOffline) {
   auto breaking = sharing(true);
   breaking.timing.offline_after = 1;
