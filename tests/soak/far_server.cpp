@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "soak/misfits.hpp"
+
 namespace mbgate::soak {
 
 using namespace std::chrono_literals;
@@ -115,31 +117,35 @@ void FarServer::heard(std::uint64_t number) {
   if (happens(rates_.late, "late")) {
     wait = around_.random.duration(limit, 5 * limit);
   }
-  around_.schedule.after(wait, [this, epoch = epoch_, number, identifier = flight->identifier,
-                                unit = flight->address, pdu] {
+  Answer answer{number, flight->identifier, flight->address, {}};
+  answer.pdu.assign(pdu->bytes().begin(), pdu->bytes().end());
+  answer.fits = pdu->is_exception() || !make_misfit(answer.pdu, rates_, around_.random,
+                                                    [this](unsigned permille, const char* kind) {
+                                                      return happens(permille, kind);
+                                                    });
+  around_.schedule.after(wait, [this, epoch = epoch_, answer] {
     if (epoch == epoch_) {
-      answer(number, identifier, unit, *pdu);
+      say(answer);
     }
   });
 }
 
-void FarServer::answer(std::uint64_t number, std::uint16_t identifier, std::uint8_t unit,
-                       const Pdu& pdu) {
+void FarServer::say(const Answer& answer) {
   const bool is_other = happens(rates_.other_unit, "other_unit");
-  const auto shown = static_cast<std::uint8_t>(is_other ? unit ^ 0xFFU : unit);
+  const auto shown = static_cast<std::uint8_t>(is_other ? answer.unit ^ 0xFFU : answer.unit);
   const auto append = [&](std::uint16_t with) {
-    const auto adu = spec::tcp_adu(with, shown, pdu.bytes());
+    const auto adu = spec::tcp_adu(with, shown, answer.pdu);
     stream_.insert(stream_.end(), adu.begin(), adu.end());
   };
   if (happens(rates_.unknown_identifier, "unknown_identifier")) {
-    append(static_cast<std::uint16_t>(identifier + 0x4000U));
+    append(static_cast<std::uint16_t>(answer.identifier + 0x4000U));
   }
-  append(identifier);
-  if (!is_other || !around_.plan.settings.buses[bus_].check_unit) {
-    ends_.emplace_back(stream_.size(), number);
+  append(answer.identifier);
+  if (answer.fits && (!is_other || !around_.plan.settings.buses[bus_].check_unit)) {
+    ends_.emplace_back(stream_.size(), answer.number);
   }
   if (happens(rates_.twice, "twice")) {
-    append(identifier);
+    append(answer.identifier);
   }
   const std::size_t first =
       happens(rates_.pieces, "pieces") ? 1 + around_.random.below(stream_.size()) : stream_.size();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The far end of a downstream TCP bus: answers come late, in another order, in pieces of any size,
 // with identifiers that nobody used or another unit; connections break, are closed when they are
-// idle, after an answer or at once, or swallow everything. Nothing is damaged on the way.
+// idle, after an answer or at once, or swallow everything. Some answers are not what was asked for.
+// Nothing is damaged on the way.
 #pragma once
 
 #include "soak/specification.hpp"
@@ -23,9 +24,15 @@ class FarServer {
   void begin_trouble();
 
  private:
+  struct Answer {
+    std::uint64_t number;
+    std::uint16_t identifier;
+    std::uint8_t unit;
+    std::vector<std::uint8_t> pdu;
+    bool fits = true;  ///< it is what was asked for
+  };
   void heard(std::uint64_t number);
-  void answer(std::uint64_t number, std::uint16_t identifier, std::uint8_t unit,
-              const modbus::Pdu& pdu);
+  void say(const Answer& answer);
   void flush(std::size_t bytes);
   void note_answer(std::uint64_t number);
   void close(const char* kind);

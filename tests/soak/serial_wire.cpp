@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <span>
 
+#include "soak/misfits.hpp"
+
 namespace mbgate::soak {
 
 using namespace std::chrono_literals;
@@ -281,7 +283,9 @@ SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t 
     return Spoilt::misfit;
   }
   std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
-  if (make_misfit(bytes)) {
+  if (make_misfit(bytes, rates_, echo_random_, [this](unsigned permille, const char* kind) {
+        return happens_to_echo(permille, kind);
+      })) {
     frame = encode(address, *Pdu::from(bytes));
     return Spoilt::misfit;
   }

@@ -110,8 +110,7 @@ class SerialWire {
                          Instant begin);
   void answer_late(SoakDevice& device, const Flight& flight, const Frame& frame, Instant begin);
   Spoilt spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
-  // wire_misfits.cpp
-  [[nodiscard]] bool make_misfit(std::vector<std::uint8_t>& pdu);
+  // wire_strangers.cpp
   void damage(Frame& frame);
   void lose_crc(std::vector<std::uint8_t>& damaged, std::size_t from) const;
   std::size_t begin_with_glitch(Frame& frame);

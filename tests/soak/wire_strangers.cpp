@@ -1,49 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Good frames that are not what was asked for: answers with another echo or fewer data, and what
-// another client on the line asks.
+// What another client on the line asks.
 #include "soak/pdus.hpp"
 #include "soak/serial_wire.hpp"
 
 namespace mbgate::soak {
 namespace {
 
-constexpr std::uint8_t kFar = 0x40;        // in the high byte of an address: nobody asks for it
-constexpr std::uint8_t kStrange = 0x80;    // in the high byte of a value: nobody writes it
 constexpr unsigned kOtherFunctions = 600;  // permille of what strangers ask
 
-bool is_read(std::uint8_t function) { return (function >= 1 && function <= 4) || function == 0x17; }
-
-bool is_bits(std::uint8_t function) { return function <= 2; }
-
 }  // namespace
-
-// Of an answer to a write another address, or another value or quantity; of one to a read the last
-// register or the last eight bits are missing.
-bool SerialWire::make_misfit(std::vector<std::uint8_t>& pdu) {
-  const std::uint8_t function = pdu[0];
-  const bool repeats =
-      function == 5 || function == 6 || function == 0x0F || function == 0x10 || function == 0x16;
-  if (repeats && happens_to_echo(rates_.wrong_echo, "wrong_echo")) {
-    constexpr std::size_t kAddress = 1;
-    constexpr std::size_t kValue = 3;
-    if (function == 5) {
-      pdu[kValue] ^= 0xFFU;
-    } else if (echo_random_.chance(500)) {
-      pdu[kAddress] ^= kFar;
-    } else {
-      pdu[kValue] ^= kStrange;
-    }
-    return true;
-  }
-  const std::size_t less = is_bits(function) ? 1 : 2;
-  if (is_read(function) && pdu.size() > 2 + less &&
-      happens_to_echo(rates_.too_short, "too_short")) {
-    pdu.resize(pdu.size() - less);
-    pdu[1] = low(static_cast<unsigned>(pdu.size() - 2));
-    return true;
-  }
-  return false;
-}
 
 // Of every function. What it writes no client of the gateway writes.
 std::vector<std::uint8_t> SerialWire::strange_request() {
