@@ -10,6 +10,12 @@ namespace mbgate::soak {
 using namespace std::chrono_literals;
 using modbus::Pdu;
 
+namespace {
+
+constexpr Duration kLatestShut = 3s;  // that the process may be, and more
+
+}  // namespace
+
 FarServer::FarServer(std::size_t bus, Surroundings& around)
     : bus_(bus), around_(around), rates_(around.plan.rates[bus]) {
   for (SoakDevice& device : around.devices) {
@@ -181,7 +187,25 @@ void FarServer::flush(std::size_t bytes) {
   around_.deliver(bus_, piece);
   if (closes && epoch == epoch_) {
     close_soon("closed_after_answer");
+  } else if (epoch == epoch_ && stream_.empty() &&
+             happens(rates_.breaks_framing, "broken_framing")) {
+    break_framing();
   }
+}
+
+// A length that no MBAP header has, or an RTU frame.
+void FarServer::break_framing() {
+  swallows_ = true;
+  around_.framing_lost(bus_);
+  around_.deliver(
+      bus_, around_.random.one_of<std::vector<std::uint8_t>>({{0, 1, 0, 0, 0, 1, 1, 3},
+                                                              {0, 1, 0, 0, 0xFF, 0xFF, 1, 3},
+                                                              {1, 3, 2, 0, 7, 0xF9, 0x86, 0}}));
+  around_.schedule.after(kLatestShut, [this, epoch = epoch_] {
+    if (epoch == epoch_) {
+      around_.oracle.violation("not_shut", "a connection whose framing is lost");
+    }
+  });
 }
 
 void FarServer::note_answer(std::uint64_t number) {

@@ -33,6 +33,7 @@ class FarServer {
   };
   void heard(std::uint64_t number);
   void say(const Answer& answer);
+  void break_framing();
   void flush(std::size_t bytes);
   void note_answer(std::uint64_t number);
   void close(const char* kind);

@@ -79,6 +79,7 @@ struct FaultRates {
   unsigned other_unit = 0;          ///< of TCP answers
   unsigned closes_after = 0;        ///< of TCP answers: the server closes the connection then
   unsigned closes_at_once = 0;      ///< of TCP connections
+  unsigned breaks_framing = 0;      ///< of answers of TCP servers: what follows is no MBAP header
   unsigned swallows = 0;            ///< of TCP connections: nothing ever comes from the server
   Duration idle_close{0};           ///< TCP: it closes a connection that is idle for so long
   Duration noise_every{0};          ///< 0: never

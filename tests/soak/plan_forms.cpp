@@ -60,6 +60,7 @@ void draw_forms(SoakPlan& plan, std::uint64_t seed) {
   for (std::size_t bus = 0; bus < plan.settings.buses.size(); ++bus) {
     draw_misfits(plan.rates[bus], random);
     draw_hangs(plan, bus, random);
+    plan.rates[bus].breaks_framing = random.one_of({0U, 0U, 5U, 50U});
   }
   for (gateway::ListenerSettings& listener : plan.settings.listeners) {
     listener.broadcast = listener.broadcast && !random.chance(150);

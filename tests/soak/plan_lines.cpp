@@ -71,7 +71,8 @@ void draw_line_kind(SoakPlan& plan, std::size_t bus, Random& random) {
 void draw_wire(SoakPlan& plan, std::size_t bus, Random& random) {
   bus::BusSettings& settings = plan.settings.buses[bus];
   bus::LineSettings& line = settings.line;
-  if (random.chance(120)) {
+  // In ASCII a long answer takes seconds then.
+  if (random.chance(line.framing == bus::Framing::ascii ? 350 : 120)) {
     line.baud = modbus::Baud{random.one_of<std::uint32_t>({1200, 2400, 4800})};
     settings.stop_wait = random.duration(300ms, 900ms);  // a stop has left by then
   }

@@ -20,6 +20,8 @@ struct Surroundings {
   std::function<void(std::size_t, const std::vector<std::uint8_t>&)> deliver;
   /// The far end of a TCP bus closes the connection; it has `answered` something on it.
   std::function<void(std::size_t, bool answered)> hang_up;
+  /// What it has sent is no Modbus any more.
+  std::function<void(std::size_t)> framing_lost;
 };
 
 }  // namespace mbgate::soak

@@ -37,6 +37,7 @@ class World {
     End end = End::lost;
     Instant away_until = Instant::min();
     std::uint64_t epoch = 0;
+    bool framing_lost = false;  ///< the gateway must close it
   };
 
   void trace(const std::string& text) const;

@@ -47,6 +47,7 @@ void World::open(std::size_t bus) {
       report_.fault("open_refused");
     } else {
       state.open = true;
+      state.framing_lost = false;
       state.end = End::lost;
       std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
       if (auto* server = std::get_if<FarServer>(&wires_[bus])) {
@@ -83,10 +84,16 @@ void World::opened(std::size_t bus, bool refused) {
 
 // Because of a reload, or because nothing comes from a connection or an adapter.
 void World::shut(std::size_t bus) {
-  if (shut_due_.erase(bus) == 0) {
+  BusState& state = buses_[bus];
+  if (std::exchange(state.framing_lost, false)) {
+    state.open = false;
+    std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+    driver_.forget_line(bus);
+    oracle_.bus_lost(bus);
+  } else if (shut_due_.erase(bus) == 0) {
     const bool is_serial = std::holds_alternative<SerialWire>(wires_[bus]);
     report_.fault(is_serial ? "restarted" : "replaced");
-    buses_[bus].open = false;
+    state.open = false;
     std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
     driver_.forget_line(bus);
     oracle_.line_replaced(bus);
