@@ -193,8 +193,9 @@ void FarServer::flush(std::size_t bytes) {
   }
 }
 
-// A length that no MBAP header has, or an RTU frame.
+// A length that no MBAP header has, or an RTU frame. After that it says nothing.
 void FarServer::break_framing() {
+  reset();
   swallows_ = true;
   around_.framing_lost(bus_);
   around_.deliver(

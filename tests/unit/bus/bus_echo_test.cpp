@@ -175,5 +175,17 @@ TEST_F(BusEcho, ThatComesBehindAnAnswerPaysForNoneThatIsOwed) {
   EXPECT_THAT(frames_, SizeIs(2));
 }
 
+TEST_F(BusEcho, IsStillThereIfManyAnswersLackItButNotInARow) {
+  open_and_learn(bus::LineKind::virtual_line);
+  for (int times = 0; times < 30; ++times) {
+    advance(400ms);
+    submit(job(kRead));
+    advance(10ms);
+    line(times % 3 < 2 ? kAnswer : std::string(kReadFrame) + kAnswer);
+    time_out();
+  }
+  EXPECT_THAT(faults_, testing::Not(testing::Contains(bus::LineFault::echo_gone)));
+}
+
 }  // namespace
 }  // namespace mbgate::test

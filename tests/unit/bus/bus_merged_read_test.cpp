@@ -38,6 +38,19 @@ TEST_F(BusMergedRead, WhoAskedForAllOfItIsNotTriedOnceMore) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
 }
 
+// Two that only overlap: both are tried one by one, for the last time.
+TEST_F(BusMergedRead, ItsPartsAreNotMergedAgain) {
+  auto merging = settings();
+  merging.merge = true;
+  open(merging);
+  submit(job_of(99, kRead, 2));
+  advance(10ms);
+  submit(job_of(0, "03 0000 0001"));
+  submit(job_of(1, kPart));
+  advance(10s);
+  EXPECT_THAT(frames_, ElementsAre(testing::_, kWholeFrame, kPartFrame, "01 03 00 00 00 01 84 0A"));
+}
+
 TEST_F(BusMergedRead, WhoAskedForAllOfItIsRefusedAsItWas) {
   merge(0);
   advance(10ms);

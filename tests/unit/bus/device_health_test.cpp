@@ -44,6 +44,17 @@ class Health : public testing::Test {
   DeviceHealth health_;
 };
 
+TEST_F(Health, ALateAnswerIsOneMoreThatItIsThere) {
+  timing_.offline_after = 2;
+  unanswered(read_, 100ms);
+  EXPECT_TRUE(unanswered(read_, 210ms));
+  const auto late = health_.note_unexpected(kAnswer, at(220ms), timing_);
+  ASSERT_TRUE(late);
+  EXPECT_TRUE(late->back);
+  EXPECT_FALSE(unanswered(read_, 500ms));  // the first in a row
+  EXPECT_TRUE(unanswered(read_, 900ms));
+}
+
 TEST_F(Health, ADeviceThatOwesNothingIsNotHeldBack) {
   EXPECT_TRUE(may_be_asked(0s));
   EXPECT_EQ(health_.owed(3, at(0s), timing_), 0U);
