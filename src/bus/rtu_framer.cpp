@@ -38,7 +38,7 @@ void RtuFramer::give_up_buffer() {
     note_stray(0, buffer_.size());
   } else {
     counters_.stray_bytes += buffer_.size();
-    if (is_told && !discarding_ && buffer_.size() > 0) {
+    if (is_told && buffer_.size() > 0) {
       cut_.keep(buffer_.bytes(), buffer_.came_at(buffer_.size() - 1), slack_);
     }
   }

@@ -157,6 +157,18 @@ TEST_F(RtuFramer, AFrameThatNobodyWaitsForMayPauseForTheSlackToo) {
   EXPECT_FALSE(framer_.take_stray());
 }
 
+TEST_F(RtuFramer, SoMayOneOfAnotherDeviceBeforeTheAnswer) {
+  expect(kRead);
+  for (const auto* part : {"02 03 0E 00 07", "FF EE DD CC BB AA 99 88 77 66", "55 44 C9 19"}) {
+    EXPECT_EQ(add(part), Verdict::none);
+    after(16ms);
+  }
+  const auto stray = framer_.take_stray();
+  ASSERT_TRUE(stray);
+  EXPECT_EQ(stray->address, 2);
+  EXPECT_EQ(add("01 03 04 00 03 0D 40 0F 53"), Verdict::response);
+}
+
 TEST_F(RtuFramer, WhatComesBehindTheRestOfACutFrameIsSearched) {
   framer_.listen();
   add("02 03 04 00");
