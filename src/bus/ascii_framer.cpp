@@ -28,6 +28,7 @@ bool may_stand_in_frame(std::uint8_t character) {
 void AsciiFramer::expect(const Transaction& transaction) {
   listen();
   transaction_ = &transaction;
+  is_earlier_ = !buffer_.empty();
   restarts_ = 0;
   taken_ = 0;
   response_.reset();
@@ -40,7 +41,6 @@ void AsciiFramer::expect(const Transaction& transaction) {
 }
 
 void AsciiFramer::listen() {
-  discard();
   counters_.stray_bytes += rest_.size();
   rest_.clear();
   transaction_ = nullptr;
@@ -88,6 +88,7 @@ Verdict AsciiFramer::take(std::uint8_t character, Instant now) {
     return Verdict::none;
   }
   if (buffer_.empty()) {
+    is_earlier_ = false;
     began_ = now;
     began_first_ = taken_ == 1;
   }
@@ -104,7 +105,8 @@ Verdict AsciiFramer::judge(Instant now) {
   const modbus::Bytes bytes(content->data(), content->size());
   const modbus::Bytes pdu = bytes.subspan(1, bytes.size() - 2);
   using modbus::ResponseFit;
-  const ResponseFit fit = transaction_ != nullptr && bytes[0] == transaction_->address
+  const bool may_answer = transaction_ != nullptr && !is_earlier_;
+  const ResponseFit fit = may_answer && bytes[0] == transaction_->address
                               ? modbus::check_response(transaction_->request, pdu)
                               : ResponseFit::wrong_function;
   if (!modbus::has_good_lrc(bytes)) {
@@ -124,7 +126,7 @@ Verdict AsciiFramer::judge(Instant now) {
 
 bool AsciiFramer::in_progress() const {
   const std::size_t known = std::min(buffer_.size(), start_.size());
-  return transaction_ != nullptr && known > 0 && buffer_.size() < longest_ &&
+  return transaction_ != nullptr && !is_earlier_ && known > 0 && buffer_.size() < longest_ &&
          restarts_ <= kMostRestarts &&
          std::equal(
              start_.begin(), start_.begin() + static_cast<std::ptrdiff_t>(known), buffer_.begin(),

@@ -27,7 +27,7 @@ class AsciiFramer {
 
   /// From now on the answer to `transaction` is looked for; it must outlive the search.
   void expect(const Transaction& transaction);
-  /// Nothing is asked any more. What is left of the characters is stray.
+  /// Nothing is asked any more. A frame that has begun goes on: it may be a late answer.
   void listen();
   /// Characters as they came in. After a verdict other than none comes expect(), again() or
   /// listen().
@@ -61,6 +61,7 @@ class AsciiFramer {
   BusCounters& counters_;
   const Transaction* transaction_ = nullptr;
   modbus::AsciiBytes buffer_;            // empty, or a frame from its ':' on
+  bool is_earlier_ = false;              // it began before what is asked was transmitted
   std::array<std::uint8_t, 3> start_{};  // of an answer: ':' and the address
   std::size_t longest_ = 0;              // that an answer can be
   Instant last_character_;

@@ -240,7 +240,6 @@ class Oracle {
   void check_idle(const Flight& flight, const Flight* before);
   [[nodiscard]] std::optional<Instant> could_go(const Flight& flight) const;
   [[nodiscard]] Duration rest_of_answer(const Flight& flight) const;
-  [[nodiscard]] Duration longest_gap(std::size_t bus) const;
   [[nodiscard]] Duration lateness() const;
 
   // oracle_bounds.cpp
@@ -254,6 +253,7 @@ class Oracle {
   // oracle_offline.cpp
   [[nodiscard]] bool is_surely_offline(const Lane& lane) const;
   void note_silent(std::size_t bus);
+  void note_late(std::size_t bus, const HeardFrame& frame);
   void check_ended(std::size_t bus, const Lane& lane, const Flight& last);
   void check_offline(const Flight& flight);
 

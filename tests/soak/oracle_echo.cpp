@@ -93,6 +93,7 @@ void Oracle::read_frames(std::size_t bus) {
       settle(bus, frame);
     }
     note_answered(bus, frame);
+    note_late(bus, frame);
     note_heard(book, frame);
   }
 }

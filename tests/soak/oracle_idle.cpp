@@ -36,6 +36,17 @@ bool is_damaged_answer(const Book& book, const Flight& asked,
   return fields && fields->writes && heard.size() == 8 && asked.pdu[0] != 0x16;
 }
 
+// The wire may be kept free for who has waited for its device's gap before, and then expires.
+Duration longest_gap(const Oracle::Devices& devices, const SoakPlan& plan, std::size_t bus) {
+  Duration longest = plan.settings.buses[bus].timing.gap;
+  for (const SoakDevice& device : devices) {
+    if (static_cast<std::size_t>(device.settings().bus) == bus) {
+      longest = std::max(longest, device.settings().timing.gap);
+    }
+  }
+  return longest;
+}
+
 }  // namespace
 
 // The process may come so late to what is due.
@@ -49,7 +60,7 @@ void Oracle::note_whole(std::size_t bus, HeardFrame& frame) const {
   const Book& book = books_[bus];
   const auto& owed = book.lanes[frame.address].owed;
   frame.ended = schedule_.now();
-  frame.is_only_debt = owed.size() == 1 && owed.front() == book.last_flight;
+  frame.is_only_debt = owed.size() == 1 && owed.front() == frame.flight;
 }
 
 // How long an answer may take from its first byte on.
@@ -175,17 +186,6 @@ std::optional<Instant> Oracle::could_go(const Flight& flight) const {
   return flight.surely_repeats ? from : std::max(from, lane.held_until);
 }
 
-// The wire may be kept free for who has waited for its device's gap before, and then expires.
-Duration Oracle::longest_gap(std::size_t bus) const {
-  Duration longest = bus_settings(bus).timing.gap;
-  for (const SoakDevice& device : devices_) {
-    if (static_cast<std::size_t>(device.settings().bus) == bus) {
-      longest = std::max(longest, device.settings().timing.gap);
-    }
-  }
-  return longest;
-}
-
 void Oracle::check_idle(const Flight& flight, const Flight* before) {
   if (is_tcp(flight.bus)) {
     return;
@@ -197,7 +197,7 @@ void Oracle::check_idle(const Flight& flight, const Flight* before) {
   if (!from || flight.begin < std::max(book.opened, reloaded_ + 1s)) {
     return;
   }
-  const Duration silence = spec::silence_of(settings) + longest_gap(flight.bus);
+  const Duration silence = spec::silence_of(settings) + longest_gap(devices_, plan_, flight.bus);
   // Until then an answer may have been on its way.
   Instant ends = book.use.ends;
   Instant read = book.last_handed_in;

@@ -9,6 +9,16 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+// The length of its answer is known: it needs no silence behind it.
+bool has_table(const PduBytes& pdu) {
+  const auto fields = spec::fields_of(pdu);
+  return fields && (fields->reads || fields->writes);
+}
+
+}  // namespace
+
 bool Oracle::is_surely_offline(const Lane& lane) const {
   if (!lane.device) {
     return false;
@@ -53,6 +63,31 @@ void Oracle::note_silent(std::size_t bus) {
   if (!was_offline && is_surely_offline(lane)) {
     check_ended(bus, lane, *last);
   }
+}
+
+// A late answer that can be nothing else shows that its device is there.
+void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
+  Book& book = books_[bus];
+  const Flight* from = flight(frame.flight);
+  const auto& settings = bus_settings(bus);
+  const Flight* last = flight(book.last_flight);
+  const bool is_late = from != nullptr && from != last &&
+                       frame.began >= std::max(from->due, book.own_end) &&
+                       from->begin >= book.opened && reloaded_ < from->begin;
+  const bool is_sure = is_late && frame.fits && !frame.is_nobodys && !frame.is_refused &&
+                       !frame.waits && frame.is_only_debt && has_table(from->pdu);
+  const bool may_echo = plan_.echoes[bus] || book.echo_found || settings.line.echo.value_or(false);
+  if (!is_sure || may_echo || book.came != frame.size ||
+      book.use.pause >= spec::silence_of(settings)) {
+    return;
+  }
+  Lane& lane = book.lanes[frame.address];
+  if (is_past_offline(bus, lane)) {
+    lane.last_offline = schedule_.now();
+  }
+  const bool is_asked = last->address == frame.address && !last->is_answered;
+  lane.unanswered = is_asked ? 1 : 0;
+  lane.stays_offline = false;
 }
 
 // What waited for it then has ended.

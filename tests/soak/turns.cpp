@@ -18,15 +18,12 @@ void TurnRules::check(const Flight& flight) const {
   if (asked == nullptr || !is_clear(flight)) {
     turns.reads.clear();
     turns.last.clear();
-    turns.wrote.clear();
     turns.writes = 0;
   } else {
     judge(flight, *asked, turns);
     turns.writes = is_read ? 0 : turns.writes + 1;
     turns.last[asked->host] = flight.begin;
-    if (!is_read) {
-      turns.wrote[asked->host] = flight.begin;
-    } else {
+    if (is_read) {
       turns.reads[asked->host].push_back(flight.begin);
     }
   }
@@ -137,34 +134,6 @@ void TurnRules::judge_reads(const Flight& flight, const Asked& read, const Turns
                                       " turns");
       return;
     }
-    judge_weight(mine->second, read, *other, turns);
-  }
-}
-
-// Of so many turns and one more a client has the last in another round than the first: meanwhile
-// another one, of which a read waits all the time, has all of its own.
-void TurnRules::judge_weight(const std::vector<Instant>& mine, const Asked& read,
-                             const Asked& other, const Turns& turns) const {
-  const unsigned weight = weight_of(read.host);
-  if (mine.size() < weight) {
-    return;
-  }
-  const Instant since = mine[mine.size() - weight];
-  const Piece& piece = other.pieces.front();
-  const auto wrote = turns.wrote.find(other.host);
-  if (std::max(other.accepted, oracle_.books_[piece.bus].lanes[piece.address].held_until) >=
-          since ||
-      (wrote != turns.wrote.end() && wrote->second > since)) {
-    return;
-  }
-  const auto its = turns.reads.find(other.host);
-  const auto count =
-      its == turns.reads.end()
-          ? 0
-          : std::ranges::count_if(its->second, [&](Instant at) { return at > since; });
-  if (count < weight_of(other.host)) {
-    oracle_.violation("unfair",
-                      oracle_.name(other) + " had only " + std::to_string(count) + " turns");
   }
 }
 

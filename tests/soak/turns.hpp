@@ -21,7 +21,6 @@ struct Turns {
   unsigned most_writes = 0;                        ///< the same at most
   std::map<unsigned, std::vector<Instant>> reads;  ///< of each client address since it was unclear
   std::map<unsigned, Instant> last;                ///< turn of each
-  std::map<unsigned, Instant> wrote;               ///< the last of these that was a write
 };
 
 class TurnRules {
@@ -40,8 +39,6 @@ class TurnRules {
   void judge(const Flight& flight, const Asked& asked, const Turns& turns) const;
   void judge_reads(const Flight& flight, const Asked& read, const Turns& turns,
                    const std::vector<const Asked*>& others) const;
-  void judge_weight(const std::vector<Instant>& mine, const Asked& read, const Asked& other,
-                    const Turns& turns) const;
 
   Oracle& oracle_;
 };

@@ -84,21 +84,21 @@ void World::opened(std::size_t bus, bool refused) {
 
 // Because of a reload, or because nothing comes from a connection or an adapter.
 void World::shut(std::size_t bus) {
-  BusState& state = buses_[bus];
-  if (std::exchange(state.framing_lost, false)) {
-    state.open = false;
-    std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
-    driver_.forget_line(bus);
-    oracle_.bus_lost(bus);
-  } else if (shut_due_.erase(bus) == 0) {
-    const bool is_serial = std::holds_alternative<SerialWire>(wires_[bus]);
-    report_.fault(is_serial ? "restarted" : "replaced");
-    state.open = false;
-    std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
-    driver_.forget_line(bus);
-    oracle_.line_replaced(bus);
-    object(bus, is_serial ? hangs_.restarted(bus, schedule_.now()) : "");
+  if (shut_due_.erase(bus) > 0) {
+    return;
   }
+  BusState& state = buses_[bus];
+  state.open = false;
+  std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+  driver_.forget_line(bus);
+  if (state.framing_lost) {
+    oracle_.bus_lost(bus);
+    return;
+  }
+  const bool is_serial = std::holds_alternative<SerialWire>(wires_[bus]);
+  report_.fault(is_serial ? "restarted" : "replaced");
+  oracle_.line_replaced(bus);
+  object(bus, is_serial ? hangs_.restarted(bus, schedule_.now()) : "");
 }
 
 // To what the gateway makes of a line from which nothing comes.
