@@ -7,8 +7,8 @@
 
 namespace mbgate::bus {
 
-void CutFrame::keep(modbus::Bytes bytes, Instant last, Duration slack) {
-  if (last - last_ <= slack && kept_.size() + bytes.size() <= kept_.capacity()) {
+void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack) {
+  if (began - last_ <= slack && kept_.size() + bytes.size() <= kept_.capacity()) {
     kept_.insert(kept_.end(), bytes.begin(), bytes.end());
     last_ = last;
     if (may_begin_frame({kept_.data(), kept_.size()})) {
@@ -22,9 +22,9 @@ void CutFrame::keep(modbus::Bytes bytes, Instant last, Duration slack) {
   }
 }
 
-std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant now,
+std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant began,
                                                    Duration slack) {
-  if (now - last_ > slack) {
+  if (began - last_ > slack) {
     kept_.clear();
   }
   if (kept_.empty() || bytes.empty()) {

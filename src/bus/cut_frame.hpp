@@ -13,16 +13,18 @@ namespace mbgate::bus {
 
 class CutFrame {
  public:
-  /// Silence has come behind these bytes (at least one), the last of which came at `last`. They are
-  /// kept if they, or with what is kept already, may be the beginning of a frame.
-  void keep(modbus::Bytes bytes, Instant last, Duration slack);
-  /// A good frame that begins with what is kept, if these bytes complete it not later than `slack`
-  /// after that; it is kept no longer. Nothing if these begin with a good frame themselves.
+  /// These bytes (at least one), the first of which came at `began` and the last at `last`, were
+  /// given up. They are kept if they, or with what is kept already, may be the beginning of a
+  /// frame.
+  void keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack);
+  /// A good frame that begins with what is kept, if these bytes complete it, and began not later
+  /// than `slack` after that; it is kept no longer. Nothing if they begin with a good frame
+  /// themselves.
   struct Joined {
     modbus::RtuAdu frame;
     std::size_t taken;  ///< of these bytes
   };
-  std::optional<Joined> complete(modbus::Bytes bytes, Instant now, Duration slack);
+  std::optional<Joined> complete(modbus::Bytes bytes, Instant began, Duration slack);
 
  private:
   friend struct mbgate::StateReader;

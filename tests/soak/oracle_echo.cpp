@@ -226,7 +226,7 @@ void Oracle::judge_heard(const Asked& asked) {
   }
   if (is_apart(asked, "answered_")) {
     Book& book = books_[asked.pieces.front().bus];
-    const bool is_of_this_line = asked.accepted >= book.last_down;  // it may have been opened since
+    const bool is_of_this_line = asked.accepted >= book.opened;  // it may have been opened since
     // Of several parts one may have been echoed, and another one answered by the cache or not at
     // all.
     const bool is_plain = asked.pieces.size() == 1 && asked.flights == 1;

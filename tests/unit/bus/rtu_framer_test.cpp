@@ -169,6 +169,20 @@ TEST_F(RtuFramer, SoMayOneOfAnotherDeviceBeforeTheAnswer) {
   EXPECT_EQ(add("01 03 04 00 03 0D 40 0F 53"), Verdict::response);
 }
 
+/// At 4800 baud the rest of a frame may take longer than `frame_slack`.
+TEST_F(RtuFramer, ItsRestMayTakeLongerThanAPause) {
+  expect(kRead);
+  EXPECT_EQ(add("02 03"), Verdict::none);
+  framer_.listen();
+  for (const auto* byte : {"0E", "00", "07", "FF", "EE", "DD", "CC", "BB", "AA", "99", "88", "77",
+                           "66", "55", "44", "C9", "19"}) {
+    after(1500us);
+    EXPECT_FALSE(framer_.take_stray());
+    add(byte);
+  }
+  EXPECT_TRUE(framer_.take_stray());
+}
+
 TEST_F(RtuFramer, WhatComesBehindTheRestOfACutFrameIsSearched) {
   framer_.listen();
   add("02 03 04 00");
