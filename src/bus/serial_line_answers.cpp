@@ -96,9 +96,12 @@ Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
     return verdict;
   }
   if (is_echo) {
-    const Verdict behind = framer_.again(now);
+    Verdict behind = framer_.again(now);
     if (behind == Verdict::response && owed_.count == 0) {
       echo_.find();
+    }
+    while (behind == Verdict::response && is_no_answer()) {
+      behind = refuse(now);
     }
     return behind;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lines that may hear themselves, and what comes before a request has left.
 #include "echo_rig.hpp"
+#include "stop_axis.hpp"
 
 namespace mbgate::test {
 namespace {
@@ -173,6 +174,34 @@ TEST_F(BusEcho, ThatComesBehindAnAnswerPaysForNoneThatIsOwed) {
   submit(job("01 03BF 0017"));
   advance(20ms);
   EXPECT_THAT(frames_, SizeIs(2));
+}
+
+TEST_F(BusEcho, BehindThatOfAStopAnExceptionMayBeThatOfTheWriteBefore) {
+  auto learning = settings();
+  learning.line.echo.reset();
+  bus_.emplace(learning, std::vector{axis(learning)});
+  bus_->start();
+  bus_->handle_opened(now_, bus::LineKind::virtual_line);
+  drain();
+  advance(5ms);
+  for (const auto& heard : {std::string(kReadFrame) + kAnswer, std::string(kAnswer)}) {
+    submit(job(kRead));
+    advance(10ms);
+    line(heard);  // the second one without its echo: whether there is one is unknown again
+    time_out();
+    advance(400ms);
+  }
+  submit(job(kMove));
+  advance(10ms);
+  line(kMoveFrame);
+  time_out();
+  submit(job(kStop));
+  advance(10ms);
+  endings_.clear();
+  line(std::string(kStopFrame) + kRefusal);  // of the move
+  EXPECT_THAT(endings_, IsEmpty());
+  line(kStopFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
 TEST_F(BusEcho, IsStillThereIfManyAnswersLackItButNotInARow) {
