@@ -32,7 +32,8 @@ struct Flight {
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;
-  bool is_answered = false;  ///< for certain: the answer met no fault
+  bool is_answered = false;    ///< for certain: the answer met no fault
+  bool needs_silence = false;  ///< behind that, because other bytes stood before it
   /// A whole answer came that fits, and this may have kept it from being taken.
   const char* unsure = nullptr;
   bool has_whole_echo = false;  ///< it was read; another one may look like a damaged answer

@@ -83,7 +83,8 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   last->is_answered = true;
-  if (frame.lead == 0) {  // behind other bytes it may need a silence to be one
+  last->needs_silence = frame.lead > 0;
+  if (!last->needs_silence) {
     book.use.is_answered = true;
     book.use.ends = schedule_.now();
   }

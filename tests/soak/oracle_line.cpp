@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the oracle asks of a line: silence, the turnaround delay, quarantine, stops before all else.
 #include <algorithm>
+#include <utility>
 
 #include "bus/device_health.hpp"
 #include "soak/oracle.hpp"
@@ -212,6 +213,10 @@ void Oracle::bytes_came(std::size_t bus, Bytes bytes) {
     return;
   }
   last->came = book.came;
+  if (std::exchange(last->needs_silence, false)) {
+    last->is_answered = false;
+    last->unsure = "beside_noise";
+  }
   last->first_came = std::min(last->first_came, schedule_.now());
   const bool is_ascii = bus_settings(bus).line.framing == bus::Framing::ascii;
   const auto answer = name_of(last->address, last->pdu[0], is_ascii);
