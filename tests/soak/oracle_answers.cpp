@@ -58,8 +58,9 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     if (asked.kind != Kind::broadcast && !asked.silent && asked.maybe_on_wire) {
       device_answered(asked);
       // Where the transmission may have been for another one, the cache may have answered it.
-      const bool cached = asked.door->device && !asked.surely_on_wire &&
-                          devices_[*asked.door->device].settings().cache > Duration{0};
+      const bool cached =
+          asked.door->device && !asked.surely_on_wire &&
+          std::max(asked.cache, devices_[*asked.door->device].settings().cache) > Duration{0};
       if (asked.flights == asked.spoilt && !cached && !is_apart(asked, "after_wrong_echo_")) {
         violation("after_wrong_echo", name(asked));
       }
