@@ -116,6 +116,18 @@ TEST(Gateway, EachPartialAduHasItsOwnFrameTimeout) {
   EXPECT_TRUE(rig.closed.contains(1));
 }
 
+/// Each piece ends within the next request, and never is there none of one.
+TEST(Gateway, APartialAduThatIsCompletedTakesNoTimeFromTheNext) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, "0001 0000");
+  for (int times = 0; times < 10; ++times) {
+    rig.advance(3s);
+    rig.receive(1, "0006 FA 03 0000 0001 0001 0000");
+  }
+  EXPECT_FALSE(rig.closed.contains(1));
+}
+
 TEST(Gateway, AClientThatWaitsForAnAnswerIsNotIdle) {
   Settings settings = one_bus();
   settings.listeners[0].idle_timeout = 50ms;

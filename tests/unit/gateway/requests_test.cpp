@@ -163,6 +163,22 @@ TEST(Gateway, RewritesAddressesThroughAWindowAndBack) {
   EXPECT_THAT(rig.take_transmitted(), IsEmpty());
 }
 
+TEST(Gateway, RestartAndListenOnlyAreAllowedEachByItself) {
+  constexpr auto kRestart = "0001 0000 0006 01 08 0001 0000";
+  constexpr auto kListenOnly = "0001 0000 0006 01 08 0004 0000";
+  Settings settings = one_bus();
+  for (const bool is_restart : {true, false}) {
+    settings.routes[0].functions.restart_communications = is_restart;
+    settings.routes[0].functions.force_listen_only = !is_restart;
+    MachineRig rig(settings);
+    rig.connect(1);
+    rig.receive(1, is_restart ? kListenOnly : kRestart);
+    EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 88 01"));
+    rig.receive(1, is_restart ? kRestart : kListenOnly);
+    EXPECT_THAT(rig.take_transmitted(), testing::SizeIs(1));
+  }
+}
+
 TEST(Gateway, SilenceAfterListenOnlyIsNoFailure) {
   Settings settings = one_bus();
   settings.routes[0].functions.force_listen_only = true;
