@@ -71,7 +71,7 @@ void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
   const Flight* from = flight(frame.flight);
   const auto& settings = bus_settings(bus);
   const Flight* last = flight(book.last_flight);
-  const bool is_late = from != nullptr && from != last &&
+  const bool is_late = from != nullptr && from != last && !from->is_stop &&
                        frame.began >= std::max(from->due, book.own_end) &&
                        from->begin >= book.opened && reloaded_ < from->begin;
   const bool is_sure = is_late && frame.fits && !frame.is_nobodys && !frame.is_refused &&
