@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soak/overheard.hpp"
 
-#include "soak/specification.hpp"
-
 namespace mbgate::soak {
+
+std::optional<std::size_t> frame_within(spec::Bytes frame) {
+  constexpr std::size_t kLeast = 4;
+  for (std::size_t size = kLeast; size < frame.size(); ++size) {
+    if (spec::ends_in_its_crc(frame.first(size))) {
+      return size;
+    }
+  }
+  return std::nullopt;
+}
 
 void Overheard::add(std::uint8_t byte) {
   if (bytes_.size() == spec::kRtuFrame) {

@@ -6,9 +6,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "soak/specification.hpp"
+
 namespace mbgate::soak {
+
+/// The size of a shorter frame that it begins with by chance.
+std::optional<std::size_t> frame_within(spec::Bytes frame);
 
 class Overheard {
  public:

@@ -9,21 +9,6 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
-namespace {
-
-// The size of a frame that it begins with by chance.
-std::optional<std::size_t> frame_within(spec::Bytes frame) {
-  constexpr std::size_t kLeast = 4;
-  for (std::size_t size = kLeast; size < frame.size(); ++size) {
-    if (spec::ends_in_its_crc(frame.first(size))) {
-      return size;
-    }
-  }
-  return std::nullopt;
-}
-
-}  // namespace
-
 // A UART hears each byte when it has left; what only looks like one has all of it at once. An echo
 // that is cut begins late, or ends early: the receiver was switched.
 void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {

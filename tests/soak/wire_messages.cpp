@@ -181,6 +181,21 @@ void SerialWire::hand_over(const Heard& heard) {
   around_.deliver(bus_, heard.bytes);
 }
 
+namespace {
+
+// Does another's frame begin in one of its first bytes, and end with the frame behind them or in
+// it?
+bool hides_frame(spec::Bytes bytes, std::size_t lead) {
+  for (std::size_t at = 0; at < lead; ++at) {
+    if (frame_within(bytes.subspan(at)) || spec::ends_in_its_crc(bytes.subspan(at))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
 // What a line without bias picks up, or a driver that turns on. In ASCII what may begin a frame
 // too.
 std::size_t SerialWire::begin_with_glitch(Frame& frame) {
@@ -192,6 +207,10 @@ std::size_t SerialWire::begin_with_glitch(Frame& frame) {
                : random.one_of<std::uint8_t>({0xFE, 0xF8, 0xC0, 0x80, 0x7F, 0x00, 0xFF,
                                               static_cast<std::uint8_t>(random.below(256))});
     frame.insert(frame.begin(), byte);
+  }
+  while (!ascii_ && hides_frame(frame, size)) {
+    ++frame[size - 1];
+    around_.report.fault("chance_crc");
   }
   return size;
 }
