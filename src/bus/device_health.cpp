@@ -127,7 +127,8 @@ std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(modbus::Bytes re
   const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
   const auto find = [&](bool given_up) {
     return std::ranges::find_if(debts_, [&](const Debt& debt) {
-      return debt.given_up == given_up && now <= debt.due + longest && fits(debt.asked, response);
+      return debt.given_up == given_up && now <= debt.last_due + longest &&
+             fits(debt.asked, response);
     });
   };
   auto debt = find(false);
@@ -137,8 +138,10 @@ std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(modbus::Bytes re
   if (debt == debts_.end()) {
     return std::nullopt;
   }
+  // That to the oldest of them, unless it comes no more.
+  const Instant due = now <= debt->due + longest ? debt->due : debt->last_due;
   Late late{};
-  late.lateness = std::max({now - debt->due, debt->suspected, Duration{0}});
+  late.lateness = std::max({now - due, debt->suspected, Duration{0}});
   if (debt->count > 1) {
     --debt->count;
     debt->due = debt->last_due;

@@ -83,11 +83,10 @@ void World::check_order_only(const gateway::Action& action) {
   const bool gives_up = std::holds_alternative<gateway::Open>(action) ||
                         std::holds_alternative<gateway::Shut>(action) ||
                         std::holds_alternative<gateway::Close>(action);
-  const auto* shut = std::get_if<gateway::Shut>(&action);
-  if (shut != nullptr &&
-      hangs_.is_due(static_cast<std::size_t>(reloads_.arrangement().plan_bus(shut->bus)),
-                    schedule_.now())) {
-    order_only_ = false;  // the line hangs
+  if (const auto* shut = std::get_if<gateway::Shut>(&action)) {
+    const auto bus = static_cast<std::size_t>(reloads_.arrangement().plan_bus(shut->bus));
+    // The line hangs, or what a look at it has brought cannot be followed.
+    order_only_ = order_only_ && !hangs_.is_due(bus, schedule_.now()) && !buses_[bus].framing_lost;
   }
   if (order_only_ && gives_up) {
     oracle_.violation("reload_disturbs", gateway::to_text(action, gateway_.settings()));

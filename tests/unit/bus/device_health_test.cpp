@@ -268,6 +268,18 @@ TEST_F(Health, ALateAnswerBringsItBack) {
   EXPECT_FALSE(health_.is_offline());
 }
 
+TEST_F(Health, ALateAnswerToTheSameReadSentAgainBringsItBackThoughTheFirstIsTooOld) {
+  timing_.offline_after = 2;
+  timing_.quarantine_max = 1s;
+  unanswered(read_, 100ms);
+  EXPECT_TRUE(unanswered(read_, 900ms));
+  const auto late = health_.note_unexpected(kAnswer, at(1200ms), timing_);
+  ASSERT_TRUE(late);
+  EXPECT_TRUE(late->back);
+  EXPECT_EQ(late->lateness, 300ms);
+  EXPECT_FALSE(health_.note_unexpected(kAnswer, at(2s), timing_));  // as old as the first was
+}
+
 TEST_F(Health, OfflineCanBeTurnedOff) {
   timing_.offline_after = 0;
   for (int times = 0; times < 100; ++times) {
