@@ -141,7 +141,12 @@ void Oracle::read_echo(std::size_t bus) {
   const auto& settings = bus_settings(bus);
   const std::size_t read = std::exchange(book.read, book.came);
   const Duration pause = std::max(spec::slack_of(settings), spec::silence_of(settings));
-  if (last != nullptr && settings.line.echo == false && ends_like_answer(*last, read) &&
+  // Where it was not denied, it is held back for its rest as long as its answer is waited for.
+  const bool is_held_back =
+      last != nullptr &&
+      schedule_.now() < (last->expects_answer ? last->due : last->end + settings.turnaround);
+  const bool is_told = settings.line.echo == false || (!settings.line.echo && !is_held_back);
+  if (last != nullptr && is_told && ends_like_answer(*last, read) &&
       schedule_.now() >= book.last_handed_in + pause) {
     last->echo_pauses = true;  // silence has ended what looked like an answer with a bad CRC
   }
