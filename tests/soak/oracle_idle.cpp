@@ -33,7 +33,10 @@ bool is_damaged_answer(const Book& book, const Flight& asked,
     const std::size_t size = spec::data_size_of(*fields->reads);
     return heard[2] == size && heard.size() == size + 5;
   }
-  return fields && fields->writes && heard.size() == 8 && asked.pdu[0] != 0x16;
+  // Where an echo is possible, its rest is waited for.
+  const bool may_echo = !settings.line.echo && asked.pdu.size() >= heard.size() &&
+                        std::equal(heard.begin() + 1, heard.end(), asked.pdu.begin());
+  return fields && fields->writes && heard.size() == 8 && asked.pdu[0] != 0x16 && !may_echo;
 }
 
 // The wire may be kept free for who has waited for its device's gap before, and then expires.
