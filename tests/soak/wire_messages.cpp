@@ -200,7 +200,7 @@ bool hides_frame(spec::Bytes bytes, std::size_t lead) {
 // too.
 std::size_t SerialWire::begin_with_glitch(Frame& frame) {
   Random& random = around_.random;
-  const std::size_t size = random.between(1U, 8U);
+  const std::size_t size = random.between(1U, 7U);
   for (std::size_t count = size; count > 0; --count) {
     const std::uint8_t byte =
         ascii_ ? random.one_of<std::uint8_t>({':', '0', '1', '3', 'F', '\r', 0x00, 0x7F})
