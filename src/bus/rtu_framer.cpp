@@ -39,7 +39,8 @@ void RtuFramer::give_up_buffer() {
   } else {
     counters_.stray_bytes += buffer_.size();
     if (is_told && buffer_.size() > 0) {
-      cut_.keep(buffer_.bytes(), buffer_.came_at(0), buffer_.came_at(buffer_.size() - 1), slack_);
+      cut_.keep(buffer_.bytes(), buffer_.came_at(0), buffer_.came_at(buffer_.size() - 1),
+                silence());
     }
   }
   buffer_.clear();
@@ -50,7 +51,7 @@ void RtuFramer::join_cut(Instant now) {
   if (buffer_.size() == 0) {
     return;
   }
-  if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), slack_)) {
+  if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), silence())) {
     ++counters_.stray_frames;
     strays_.add({joined->frame.address, joined->frame.pdu, now});
     buffer_.drop(joined->taken);

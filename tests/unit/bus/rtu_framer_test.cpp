@@ -202,6 +202,17 @@ TEST_F(RtuFramer, AFrameThatPausesForLongerIsNone) {
   EXPECT_FALSE(framer_.take_stray());
 }
 
+/// At 1200 baud a single byte takes longer than a `frame_slack` of 5 ms.
+TEST_F(RtuFramer, ButNoSilenceIsNoPause) {
+  framer_.set_slack(1ms);
+  framer_.listen();
+  add("01 03 04 00");
+  framer_.listen();
+  after(1500us);
+  add("03 0D 40 0F 53");
+  EXPECT_TRUE(framer_.take_stray());
+}
+
 TEST_F(RtuFramer, OneByteMayBeAllThatWasCutOff) {
   framer_.listen();
   add("01");
