@@ -8,17 +8,15 @@
 namespace mbgate::bus {
 
 void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack) {
-  if (began - last_ <= slack && kept_.size() + bytes.size() <= kept_.capacity()) {
+  if (began - last_ > slack || kept_.size() + bytes.size() > kept_.capacity()) {
+    kept_.clear();
+  }
+  if (bytes.size() <= kept_.capacity()) {
     kept_.insert(kept_.end(), bytes.begin(), bytes.end());
     last_ = last;
-    if (may_begin_frame({kept_.data(), kept_.size()})) {
-      return;
-    }
   }
-  kept_.clear();
-  if (bytes.size() <= kept_.capacity() && may_begin_frame(bytes)) {
-    kept_.assign(bytes.begin(), bytes.end());
-    last_ = last;
+  while (!kept_.empty() && !may_begin_frame({kept_.data(), kept_.size()})) {
+    kept_.erase(kept_.begin());
   }
 }
 
@@ -38,17 +36,18 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
   const std::size_t more = std::min(bytes.size(), kept_.capacity() - kept_.size());
   auto joined = kept_;
   joined.insert(joined.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(more));
-  const modbus::Bytes all{joined.data(), joined.size()};
-  const auto frame = good_frame(all);
-  if (!frame) {
-    return std::nullopt;
-  }
   const std::size_t before = kept_.size();
-  kept_.clear();
-  if (frame->size <= before) {
-    return std::nullopt;  // it was whole already, and was seen or given up
+  for (std::size_t at = 0; at < before && at <= kMostNoise; ++at) {
+    const modbus::Bytes all = modbus::Bytes(joined.data(), joined.size()).subspan(at);
+    if (const auto frame = good_frame(all)) {
+      kept_.clear();
+      if (at + frame->size <= before) {
+        return std::nullopt;  // it was whole already, and was seen or given up
+      }
+      return Joined{*modbus::decode_rtu(all.first(frame->size)), at + frame->size - before};
+    }
   }
-  return Joined{*modbus::decode_rtu(all.first(frame->size)), frame->size - before};
+  return std::nullopt;
 }
 
 }  // namespace mbgate::bus

@@ -14,12 +14,12 @@ namespace mbgate::bus {
 class CutFrame {
  public:
   /// These bytes (at least one), the first of which came at `began` and the last at `last`, were
-  /// given up. They are kept if they, or with what is kept already, may be the beginning of a
-  /// frame.
+  /// given up. From where they, or what is kept already with them, may be the beginning of a frame
+  /// they are kept.
   void keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack);
-  /// A good frame that begins with what is kept, if these bytes complete it, and began not later
-  /// than `slack` after that; it is kept no longer. Nothing if they begin with a good frame
-  /// themselves.
+  /// A good frame that begins with what is kept, but for a bit of noise, if these bytes complete
+  /// it, and began not later than `slack` after that; it is kept no longer. Nothing if they begin
+  /// with a good frame themselves.
   struct Joined {
     modbus::RtuAdu frame;
     std::size_t taken;  ///< of these bytes

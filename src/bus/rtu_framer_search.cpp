@@ -8,10 +8,6 @@
 namespace mbgate::bus {
 namespace {
 
-// Drivers that turn on, and what a line without bias picks up between two frames. No request of
-// another client is so short, but those of whose function there is only one: were a bit of it
-// wrong, the answer to it would be taken.
-constexpr std::size_t kMostNoise = 7;
 using Kind = modbus::PduLength::Kind;
 using modbus::ResponseFit;
 

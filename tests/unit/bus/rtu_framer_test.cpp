@@ -213,6 +213,18 @@ TEST_F(RtuFramer, ButNoSilenceIsNoPause) {
   EXPECT_TRUE(framer_.take_stray());
 }
 
+TEST_F(RtuFramer, ABitOfNoiseBeforeWhatWasCutIsNoPartOfIt) {
+  framer_.listen();
+  add("B6");
+  after(16ms);
+  add("01 03 04 00");
+  framer_.listen();
+  add("03 0D 40 0F 53");
+  const auto stray = framer_.take_stray();
+  ASSERT_TRUE(stray);
+  EXPECT_EQ(stray->address, 1);
+}
+
 TEST_F(RtuFramer, OneByteMayBeAllThatWasCutOff) {
   framer_.listen();
   add("01");
