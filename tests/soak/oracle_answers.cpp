@@ -65,7 +65,7 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
         violation("after_wrong_echo", name(asked));
       }
     }
-    well_ = asked.id;
+    well_ = std::max(well_, std::optional(asked.id));
   }
   close(asked, "after_answer");
 }
