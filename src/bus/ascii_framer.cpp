@@ -119,8 +119,8 @@ Verdict AsciiFramer::judge(Instant now) {
     response_ = modbus::Pdu::from(pdu);
     return Verdict::response;
   }
-  ++counters_.stray_frames;
-  strays_.add({bytes[0], *modbus::Pdu::from(pdu), now});
+  ++counters_.unsolicited_frames;
+  unsolicited_.add({bytes[0], *modbus::Pdu::from(pdu), now});
   return Verdict::none;
 }
 

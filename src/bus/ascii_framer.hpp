@@ -50,7 +50,7 @@ class AsciiFramer {
   /// Where a frame begins is told by its ':'.
   [[nodiscard]] static std::size_t noise() { return 0; }
   /// A good frame that answers nothing that was asked, each once.
-  std::optional<Stray> take_stray() { return strays_.take(); }
+  std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
 
  private:
   Verdict take(std::uint8_t character, Instant now);
@@ -71,7 +71,7 @@ class AsciiFramer {
   bool began_first_ = false;  // of all since expect()
   std::size_t taken_ = 0;     // characters since then
   modbus::AsciiBytes rest_;   // what came behind the response
-  Strays<kMostStrays> strays_;
+  UnsolicitedFrames<kMostUnsolicited> unsolicited_;
 };
 
 }  // namespace mbgate::bus

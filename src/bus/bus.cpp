@@ -82,8 +82,8 @@ void Bus::handle_deadline(Instant now) {
 }
 
 void Bus::collect(Instant now) {
-  while (const auto stray = line_.take_stray()) {
-    handle_stray(*stray);
+  while (const auto unsolicited = line_.take_unsolicited()) {
+    handle_unsolicited(*unsolicited);
   }
   while (const auto end = line_.take_end()) {
     handle_end(*end, now);

@@ -13,7 +13,7 @@
 #include "bus/adapter_watch.hpp"
 #include "bus/bus_queue.hpp"
 #include "bus/device_table.hpp"
-#include "bus/line.hpp"
+#include "bus/line_discipline.hpp"
 #include "bus/line_quality.hpp"
 #include "bus/link_state.hpp"
 #include "bus/state_reader.hpp"
@@ -246,9 +246,9 @@ class Bus {
   void advance(Job& job, Ending ending);
   void finish(Job& job, Ending ending);
 
-  // bus_strays.cpp: frames that answer nothing
-  void handle_stray(const Stray& stray);
-  void note_foreign(const Stray& stray);
+  // bus_unsolicited.cpp: frames that answer nothing
+  void handle_unsolicited(const UnsolicitedFrame& unsolicited);
+  void note_foreign(const UnsolicitedFrame& unsolicited);
   void note_denied_echo(bool was_heard);
 
   // bus_groups.cpp: reads that share a transmission
@@ -265,7 +265,7 @@ class Bus {
   DeviceTable devices_;
   Duration longest_response_timeout_;
   BusCounters counters_;
-  Line line_;
+  LineDiscipline line_;
   BusQueue queue_;
   bool stopping_ = false;
   std::vector<Job*> running_;  // from their first transmission until they end

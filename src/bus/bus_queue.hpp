@@ -124,7 +124,7 @@ class BusQueue {
   static bool visit_source(Source& source, JobClass job_class, Visit& visit);
 
   std::size_t limit_;
-  std::deque<Source> sources_;  // by SourceId; a deque because its elements lie still
+  std::deque<Source> sources_;  // by FairnessKey; a deque because its elements lie still
   Round round_;                 // sources that have jobs waiting
   JobList stops_;
   DeadlineSet by_deadline_;

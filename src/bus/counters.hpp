@@ -7,14 +7,14 @@
 namespace mbgate::bus {
 
 struct BusCounters {
-  std::uint64_t transmissions = 0;    ///< frames sent, broadcasts and retries included
-  std::uint64_t broadcasts = 0;       ///< frames sent to nobody in particular
-  std::uint64_t retries = 0;          ///< transmissions that were repeated
-  std::uint64_t responses = 0;        ///< valid answers, exceptions included
-  std::uint64_t exceptions = 0;       ///< answers that are exceptions of the device
-  std::uint64_t timeouts = 0;         ///< transmissions without a valid answer
-  std::uint64_t bad_crcs = 0;         ///< answers of the right shape with a wrong CRC or LRC
-  std::uint64_t stray_frames = 0;     ///< good frames that answer nothing that was asked
+  std::uint64_t transmissions = 0;       ///< frames sent, broadcasts and retries included
+  std::uint64_t broadcasts = 0;          ///< frames sent to nobody in particular
+  std::uint64_t retries = 0;             ///< transmissions that were repeated
+  std::uint64_t responses = 0;           ///< valid answers, exceptions included
+  std::uint64_t exceptions = 0;          ///< answers that are exceptions of the device
+  std::uint64_t timeouts = 0;            ///< transmissions without a valid answer
+  std::uint64_t bad_crcs = 0;            ///< answers of the right shape with a wrong CRC or LRC
+  std::uint64_t unsolicited_frames = 0;  ///< good frames that answer nothing that was asked
   std::uint64_t stray_bytes = 0;      ///< bytes that were no frame, or came while nothing was asked
   std::uint64_t noise_bytes = 0;      ///< skipped before frames: drivers turning on, glitches
   std::uint64_t echo_mismatches = 0;  ///< own transmissions that were heard differently

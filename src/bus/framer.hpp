@@ -69,8 +69,8 @@ class Framer {
   [[nodiscard]] std::size_t noise() const {
     return std::visit([](const auto& framer) { return framer.noise(); }, framer_);
   }
-  std::optional<Stray> take_stray() {
-    return std::visit([](auto& framer) { return framer.take_stray(); }, framer_);
+  std::optional<UnsolicitedFrame> take_unsolicited() {
+    return std::visit([](auto& framer) { return framer.take_unsolicited(); }, framer_);
   }
   [[nodiscard]] const modbus::Pdu& response() const {
     return std::visit(

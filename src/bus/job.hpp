@@ -51,7 +51,7 @@ struct Transaction {
 };
 
 /// Whose requests take turns with whose: one number for each client address.
-enum class SourceId : std::uint32_t {};
+enum class FairnessKey : std::uint32_t {};
 
 /// Who goes first. What is no read is a write in every rule.
 enum class JobClass : std::uint8_t { stop, write, read };
@@ -75,7 +75,7 @@ struct Job {
 
   std::uint32_t number = 0;  ///< the gateway's number for the job
   std::uint32_t owner = 0;   ///< and for the request it belongs to
-  SourceId source{};
+  FairnessKey source{};
   unsigned weight = 1;                  ///< turns of its source where others have one
   JobClass job_class = JobClass::read;  ///< set by Bus::submit()
   std::uint64_t sequence = 0;           ///< the order of acceptance, set by Bus::submit()

@@ -35,7 +35,7 @@ void RtuFramer::listen() {
 void RtuFramer::give_up_buffer() {
   const bool is_told = !std::exchange(answers_another_, false);
   if (is_told && modbus::decode_rtu(buffer_.bytes())) {
-    note_stray(0, buffer_.size());
+    note_unsolicited(0, buffer_.size());
   } else {
     counters_.stray_bytes += buffer_.size();
     if (is_told && buffer_.size() > 0) {
@@ -52,17 +52,18 @@ void RtuFramer::join_cut(Instant now) {
     return;
   }
   if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), silence())) {
-    ++counters_.stray_frames;
-    strays_.add({joined->frame.address, joined->frame.pdu, now});
+    ++counters_.unsolicited_frames;
+    unsolicited_.add({joined->frame.address, joined->frame.pdu, now});
     buffer_.drop(joined->taken);
     discarding_ = false;
   }
 }
 
-void RtuFramer::note_stray(std::size_t at, std::size_t size) {
-  ++counters_.stray_frames;
+void RtuFramer::note_unsolicited(std::size_t at, std::size_t size) {
+  ++counters_.unsolicited_frames;
   const modbus::Bytes pdu = bytes_from(at).subspan(1, size - modbus::kRtuOverhead);
-  strays_.add({bytes_from(at)[0], *modbus::Pdu::from(pdu), buffer_.came_at(at + size - 1), at > 0});
+  unsolicited_.add(
+      {bytes_from(at)[0], *modbus::Pdu::from(pdu), buffer_.came_at(at + size - 1), at > 0});
 }
 
 // What stands here is not the answer. It is kept until silence tells what it was.

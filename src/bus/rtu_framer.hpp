@@ -61,7 +61,7 @@ class RtuFramer {
   /// Bytes before the response, or before the damaged one, that were no part of it.
   [[nodiscard]] std::size_t noise() const { return noise_; }
   /// A good frame that answers nothing that was asked, each once.
-  std::optional<Stray> take_stray() { return strays_.take(); }
+  std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
 
  private:
   friend struct mbgate::StateReader;
@@ -110,7 +110,7 @@ class RtuFramer {
   [[nodiscard]] Duration silence() const { return std::max(timing_.t3_5(), slack_); }
   /// What waits for a silence that has not come by now is no answer.
   [[nodiscard]] bool is_never_silent(Instant now) const;
-  void note_stray(std::size_t at, std::size_t size);
+  void note_unsolicited(std::size_t at, std::size_t size);
 
   modbus::RtuTiming timing_;
   Duration slack_;
@@ -129,7 +129,7 @@ class RtuFramer {
   bool came_first_ = false;
   std::size_t noise_ = 0;
   CutFrame cut_;
-  Strays<kMostStrays> strays_;
+  UnsolicitedFrames<kMostUnsolicited> unsolicited_;
 };
 
 }  // namespace mbgate::bus

@@ -130,7 +130,7 @@ RtuFramer::Found RtuFramer::accept(const Look& look, std::size_t size) {
 }
 
 void RtuFramer::consume(std::size_t at, std::size_t size) {
-  note_stray(at, size);
+  note_unsolicited(at, size);
   counters_.noise_bytes += at;
   buffer_.drop(at + size);
 }

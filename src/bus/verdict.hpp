@@ -13,11 +13,11 @@
 
 namespace mbgate::bus {
 
-/// Stray frames of one piece of bytes whose addresses a framer keeps.
-inline constexpr std::size_t kMostStrays = 16;
+/// UnsolicitedFrame frames of one piece of bytes whose addresses a framer keeps.
+inline constexpr std::size_t kMostUnsolicited = 16;
 
 /// A good frame that answers nothing that was asked.
-struct Stray {
+struct UnsolicitedFrame {
   std::uint8_t address;
   modbus::Pdu pdu;
   bool is_response;      ///< it has the length of one
@@ -26,7 +26,7 @@ struct Stray {
   bool is_echo = false;  ///< the line says so: of the read that was asked last
   Instant came;          ///< its last byte; what it was may be known only later
 
-  Stray(std::uint8_t from, const modbus::Pdu& heard, Instant when, bool noisy = false)
+  UnsolicitedFrame(std::uint8_t from, const modbus::Pdu& heard, Instant when, bool noisy = false)
       : address(from), pdu(heard), after_noise(noisy), came(when) {
     is_response = is_whole(modbus::response_length(pdu.bytes()));
     is_request = !is_response && is_whole(modbus::request_length(pdu.bytes())) &&
@@ -41,26 +41,26 @@ struct Stray {
 
 /// Those that were seen and not told yet: `Most`, and no more.
 template <std::size_t Most>
-class Strays {
+class UnsolicitedFrames {
  public:
-  void add(const Stray& stray) {
-    if (strays_.size() < Most) {
-      strays_.push_back(stray);
+  void add(const UnsolicitedFrame& unsolicited) {
+    if (unsolicited_.size() < Most) {
+      unsolicited_.push_back(unsolicited);
     }
   }
   /// The oldest, each once.
-  std::optional<Stray> take() {
-    if (strays_.empty()) {
+  std::optional<UnsolicitedFrame> take() {
+    if (unsolicited_.empty()) {
       return std::nullopt;
     }
-    Stray stray = strays_.front();
-    strays_.erase(strays_.begin());
-    return stray;
+    UnsolicitedFrame unsolicited = unsolicited_.front();
+    unsolicited_.erase(unsolicited_.begin());
+    return unsolicited;
   }
-  void clear() { strays_.clear(); }
+  void clear() { unsolicited_.clear(); }
 
  private:
-  boost::container::static_vector<Stray, Most> strays_;
+  boost::container::static_vector<UnsolicitedFrame, Most> unsolicited_;
 };
 
 enum class Verdict : std::uint8_t {

@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "bus/state_reader.hpp"
+#include "gateway/early_stops.hpp"
 #include "gateway/event.hpp"
 #include "gateway/read_ahead.hpp"
-#include "gateway/taken_ahead.hpp"
 #include "modbus/mbap.hpp"
 #include "routing/access.hpp"
 
@@ -79,7 +79,7 @@ class ClientSession {
   }
 
   ReadAhead input;
-  TakenAhead ahead;
+  EarlyStops ahead;
   bool has_asked = false;   ///< a request was understood
   bool is_leaving = false;  ///< its stops are taken, and nobody reads answers any more
   bool speaks_rtu_reported = false;

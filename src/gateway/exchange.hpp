@@ -10,7 +10,7 @@
 
 #include "bus/job.hpp"
 #include "gateway/client_session.hpp"
-#include "gateway/generation.hpp"
+#include "gateway/settings_snapshot.hpp"
 #include "routing/plan.hpp"
 
 namespace mbgate::gateway {
@@ -43,7 +43,7 @@ struct Exchange {
     [[nodiscard]] bool is_stop() const { return job->job_class == bus::JobClass::stop; }
   };
 
-  Generation* generation = nullptr;  ///< that the plan was made with
+  SettingsSnapshot* snapshot = nullptr;  ///< that the plan was made with
   ClientId client{};
   ListenerId listener{};                       ///< as the settings in force count them
   std::optional<drive::WordOrder> word_order;  ///< that its route asked for

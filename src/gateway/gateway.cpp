@@ -12,7 +12,7 @@ Gateway::Gateway(Settings settings, Instant now)
       stop_marks_(settings.devices.size()),
       writers_(settings.devices.size()),
       started_(now) {
-  const Settings& given = generations_.emplace_back(std::move(settings)).settings;
+  const Settings& given = snapshots_.emplace_back(std::move(settings)).settings;
   failsafe_ = current().new_failsafe();
   for (std::size_t index = 0; index < given.buses.size(); ++index) {
     const BusId id{static_cast<std::uint32_t>(index)};

@@ -19,10 +19,10 @@
 #include "gateway/client_timers.hpp"
 #include "gateway/exchange.hpp"
 #include "gateway/failsafe.hpp"
-#include "gateway/generation.hpp"
-#include "gateway/own_unit.hpp"
+#include "gateway/settings_diff.hpp"
+#include "gateway/settings_snapshot.hpp"
+#include "gateway/status_unit.hpp"
 #include "gateway/stop_marks.hpp"
-#include "gateway/succession.hpp"
 #include "gateway/writers.hpp"
 
 namespace mbgate::gateway {
@@ -99,7 +99,7 @@ class Gateway {
     bool dirty = false;
   };
   struct Source {
-    bus::SourceId id;
+    bus::FairnessKey id;
     std::size_t connections;
     unsigned weight;
   };
@@ -111,8 +111,8 @@ class Gateway {
   };
 
   // gateway.cpp: buses, time
-  [[nodiscard]] Generation& current() { return generations_.back(); }
-  [[nodiscard]] const Generation& current() const { return generations_.back(); }
+  [[nodiscard]] SettingsSnapshot& current() { return snapshots_.back(); }
+  [[nodiscard]] const SettingsSnapshot& current() const { return snapshots_.back(); }
   [[nodiscard]] bus::Bus& touch(BusId id);
   void settle(Instant now);
   void collect(BusId id);
@@ -146,8 +146,10 @@ class Gateway {
   void accept(ClientId id, ClientSession& session, const Received& received, Instant now);
   [[nodiscard]] std::uint32_t open_exchange(ClientId id, ClientSession& session,
                                             const modbus::MbapHeader& header, routing::Plan plan);
-  modbus::Pdu answer_own(const ClientSession& session, const modbus::Pdu& request, Instant now);
-  [[nodiscard]] const routing::Way* way_of(const ClientSession& session, std::uint8_t unit) const {
+  modbus::Pdu answer_status_unit(const ClientSession& session, const modbus::Pdu& request,
+                                 Instant now);
+  [[nodiscard]] const routing::ResolvedRoute* resolved_route_of(const ClientSession& session,
+                                                                std::uint8_t unit) const {
     return current().routes.find(session.info().listener, unit);
   }
   Result<routing::Plan, modbus::ExceptionCode> plan_for(const ClientSession& session,
@@ -187,7 +189,7 @@ class Gateway {
   void note_ahead(ClientSession& session, const routing::Plan& write, std::uint64_t position) const;
   void accept_ahead(ClientId id, ClientSession& session, const Received& received,
                     routing::Plan plan, Instant now);
-  void pass_taken(ClientId id, ClientSession& session, const TakenAhead::Stop& stop);
+  void pass_taken(ClientId id, ClientSession& session, const EarlyStops::Stop& stop);
 
   // gateway_failsafe.cpp: failsafe writes
   void note_asked(ClientId id, ClientSession& session, Instant now);
@@ -199,16 +201,16 @@ class Gateway {
   void report_failsafe(const Failsafe::Due& due, FailsafeOutcome outcome);
 
   // gateway_settings.cpp: from one generation of settings to the next
-  void close_unwanted(const Settings& next, const Succession& succession, Instant now);
-  void end_changed(const Generation& old, const Succession& succession);
+  void close_unwanted(const Settings& next, const SettingsDiff& diff, Instant now);
+  void end_changed(const SettingsSnapshot& old, const SettingsDiff& diff);
   [[nodiscard]] bool is_changed(const Exchange& exchange, const Exchange::Part& part,
-                                const Generation& old, const Succession& succession) const;
+                                const SettingsSnapshot& old, const SettingsDiff& diff) const;
   [[nodiscard]] bool leads_elsewhere(ListenerId listener, const Exchange& exchange,
                                      const Exchange::Part& part, BusId bus) const;
-  void replace_buses(const Settings& old, const Succession& succession, Instant now);
+  void replace_buses(const Settings& old, const SettingsDiff& diff, Instant now);
   void end_dead(bus::Bus& dead, Instant now);
-  void renumber_clients(const Succession& succession, Instant now);
-  void renumber_devices(const Generation& before, const Succession& succession, Instant now);
+  void renumber_clients(const SettingsDiff& diff, Instant now);
+  void renumber_devices(const SettingsSnapshot& before, const SettingsDiff& diff, Instant now);
 
   // gateway_exchanges.cpp: the jobs of a request
   void start(std::uint32_t index, Instant arrival, Instant now);
@@ -223,8 +225,8 @@ class Gateway {
   /// Takes a job back, or, if it is on the wire, sees to it that nothing more of it follows.
   void end_unsent(const Exchange::Part& part);
 
-  std::list<Generation> generations_;  // the last one is in force; others have exchanges left
-  OwnUnit own_unit_;
+  std::list<SettingsSnapshot> snapshots_;  // the last one is in force; others have exchanges left
+  StatusUnit status_unit_;
   Pool<Exchange> exchanges_;
   Pool<bus::Job> jobs_;  // outlives the queues that link its jobs
   std::vector<std::unique_ptr<BusSlot>> buses_;
@@ -232,7 +234,7 @@ class Gateway {
   std::vector<std::size_t> listener_clients_;
   ClientCounters client_counters_;
   std::map<routing::ClientAddress, Source> sources_;
-  std::vector<bus::SourceId> free_sources_;
+  std::vector<bus::FairnessKey> free_sources_;
   ClientTimers timers_;
   StopMarks stop_marks_;
   Writers writers_;

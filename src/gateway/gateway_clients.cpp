@@ -215,7 +215,7 @@ void Gateway::add_connection(const routing::ClientAddress& address) {
     ++known->second.connections;
     return;
   }
-  bus::SourceId id{static_cast<std::uint32_t>(sources_.size() + 1)};
+  bus::FairnessKey id{static_cast<std::uint32_t>(sources_.size() + 1)};
   if (!free_sources_.empty()) {
     id = free_sources_.back();
     free_sources_.pop_back();

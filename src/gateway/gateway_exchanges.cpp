@@ -19,10 +19,11 @@ bool may_have_worked(const bus::Job& job, std::size_t at) {
 
 void Gateway::start(std::uint32_t index, Instant arrival, Instant now) {
   Exchange& exchange = exchanges_[index];
-  const routing::Way& way = *current().routes.find(exchange.listener, exchange.header.unit);
-  exchange.reply = way.route.broadcast_reply;
-  exchange.word_order = way.route.word_order;
-  const Instant deadline = arrival + deadline_of(way.route, *exchange.plan);
+  const routing::ResolvedRoute& resolved =
+      *current().routes.find(exchange.listener, exchange.header.unit);
+  exchange.reply = resolved.route.broadcast_reply;
+  exchange.word_order = resolved.route.word_order;
+  const Instant deadline = arrival + deadline_of(resolved.route, *exchange.plan);
   note_accepted(exchange, now);
   for (const routing::PlannedTransaction& planned : exchange.plan->transactions()) {
     if (exchange.leaves_out(planned.bus)) {
@@ -145,14 +146,14 @@ void Gateway::complete(std::uint32_t index) {
       send(exchange.client, session, exchange.answer, adu);
     }
   }
-  --exchange.generation->exchanges;
+  --exchange.snapshot->exchanges;
   exchanges_.give_back(index);
   forget_generations();
 }
 
 void Gateway::forget_generations() {
-  generations_.remove_if(
-      [this](const Generation& it) { return it.exchanges == 0 && &it != &current(); });
+  snapshots_.remove_if(
+      [this](const SettingsSnapshot& it) { return it.exchanges == 0 && &it != &current(); });
 }
 
 // Takes back what waits; what is on the wire goes on, but is not repeated for a client that has

@@ -23,8 +23,8 @@ void Gateway::send_failsafe(Failsafe::Due due, Instant now) {
   }
   const std::uint32_t index = exchanges_.take();
   Exchange& exchange = exchanges_[index];
-  exchange.generation = &current();
-  ++exchange.generation->exchanges;
+  exchange.snapshot = &current();
+  ++exchange.snapshot->exchanges;
   exchange.client_gone = true;
   exchange.is_stop = true;
   FailsafeRun& run = exchange.failsafe.emplace();

@@ -76,7 +76,7 @@ void Gateway::accept(ClientId id, ClientSession& session, const Received& receiv
   const modbus::MbapAdu& adu = received.adu;
   note_asked(id, session, now);
   if (settings().own_unit == adu.header.unit) {
-    answer_now(id, session, adu.header, answer_own(session, adu.pdu, now));
+    answer_now(id, session, adu.header, answer_status_unit(session, adu.pdu, now));
     return;
   }
   auto plan = plan_for(session, adu);
@@ -96,7 +96,7 @@ void Gateway::accept(ClientId id, ClientSession& session, const Received& receiv
 
 void Gateway::notice_unrouted(const ClientSession& session, std::uint8_t unit) {
   const ClientInfo& info = session.info();
-  if (way_of(session, unit) == nullptr && unrouted_told_.size() < kUnroutedTold &&
+  if (resolved_route_of(session, unit) == nullptr && unrouted_told_.size() < kUnroutedTold &&
       unrouted_told_.emplace(info.listener, info.address).second) {
     report(UnitNotRouted{info.listener, info.address, unit, current().routes.units(info.listener)});
   }
@@ -106,8 +106,8 @@ std::uint32_t Gateway::open_exchange(ClientId id, ClientSession& session,
                                      const modbus::MbapHeader& header, routing::Plan plan) {
   const std::uint32_t index = exchanges_.take();
   Exchange& exchange = exchanges_[index];
-  exchange.generation = &current();
-  ++exchange.generation->exchanges;
+  exchange.snapshot = &current();
+  ++exchange.snapshot->exchanges;
   exchange.client = id;
   exchange.listener = session.info().listener;
   exchange.header = header;
@@ -118,16 +118,16 @@ std::uint32_t Gateway::open_exchange(ClientId id, ClientSession& session,
   return index;
 }
 
-modbus::Pdu Gateway::answer_own(const ClientSession& session, const modbus::Pdu& request,
-                                Instant now) {
+modbus::Pdu Gateway::answer_status_unit(const ClientSession& session, const modbus::Pdu& request,
+                                        Instant now) {
   if (session.rights().read_only && !modbus::is_read(request.bytes())) {
     return modbus::Pdu::exception(request.function(), ExceptionCode::illegal_function);
   }
-  OwnView view{{}, settings().devices, sessions_.size(), client_counters_, now - started_, now};
+  StatusView view{{}, settings().devices, sessions_.size(), client_counters_, now - started_, now};
   for (const auto& slot : buses_) {
     view.buses.push_back(&slot->bus);
   }
-  const OwnUnit::Answer answer = own_unit_.answer(request, view);
+  const StatusUnit::Answer answer = status_unit_.answer(request, view);
   if (answer.clear_counters) {
     client_counters_ = {};
     std::ranges::for_each(buses_, [](auto& slot) { slot->bus.clear_counters(); });
@@ -140,11 +140,11 @@ Result<routing::Plan, ExceptionCode> Gateway::plan_for(const ClientSession& sess
   if (!modbus::is_request_function(adu.pdu.function())) {
     return ExceptionCode::illegal_function;
   }
-  const routing::Way* way = way_of(session, adu.header.unit);
-  if (way == nullptr) {
+  const routing::ResolvedRoute* resolved = resolved_route_of(session, adu.header.unit);
+  if (resolved == nullptr) {
     return ExceptionCode::gateway_path_unavailable;
   }
-  return routing::Plan::make(*way, adu.header.unit, session.rights(), adu.pdu);
+  return routing::Plan::make(*resolved, adu.header.unit, session.rights(), adu.pdu);
 }
 
 Duration Gateway::deadline_of(const routing::Route& route, const routing::Plan& plan) const {

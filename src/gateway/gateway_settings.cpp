@@ -16,12 +16,12 @@ bool means_otherwise(const drive::Device* old, const drive::Device* next) {
   return old->name != next->name || !next->understands_as(*old);
 }
 
-const drive::Device* device_at(const Generation& generation, BusId bus, std::uint8_t address) {
-  const auto place = generation.devices.at(bus, address);
-  return place ? &generation.settings.devices[*place] : nullptr;
+const drive::Device* device_at(const SettingsSnapshot& snapshot, BusId bus, std::uint8_t address) {
+  const auto place = snapshot.devices.at(bus, address);
+  return place ? &snapshot.settings.devices[*place] : nullptr;
 }
 
-bool same_failsafe(const Generation& old, std::size_t old_place, const Generation& next,
+bool same_failsafe(const SettingsSnapshot& old, std::size_t old_place, const SettingsSnapshot& next,
                    std::size_t place) {
   return std::ranges::equal(old.failsafe(old_place), next.failsafe(place), {},
                             &modbus::Request::pdu, &modbus::Request::pdu);
@@ -33,25 +33,25 @@ void Gateway::handle_settings(Settings settings, Instant now) {
   if (stopping_) {
     return;
   }
-  Generation& old = current();
+  SettingsSnapshot& old = current();
   ++old.exchanges;  // it must not go before its last request has been looked at
-  const Succession succession(old.settings, settings);
-  close_unwanted(settings, succession, now);
-  generations_.emplace_back(std::move(settings));
-  end_changed(old, succession);
-  renumber_clients(succession, now);
-  renumber_devices(old, succession, now);
-  replace_buses(old.settings, succession, now);
+  const SettingsDiff diff(old.settings, settings);
+  close_unwanted(settings, diff, now);
+  snapshots_.emplace_back(std::move(settings));
+  end_changed(old, diff);
+  renumber_clients(diff, now);
+  renumber_devices(old, diff, now);
+  replace_buses(old.settings, diff, now);
   unrouted_told_.clear();
   --old.exchanges;
   forget_generations();
   settle(now);
 }
 
-void Gateway::close_unwanted(const Settings& next, const Succession& succession, Instant now) {
+void Gateway::close_unwanted(const Settings& next, const SettingsDiff& diff, Instant now) {
   std::vector<ClientId> unwanted;
   for (const auto& [client, session] : sessions_) {
-    const auto listener = succession.listener(session.info().listener);
+    const auto listener = diff.listener(session.info().listener);
     const auto* allow = listener ? &next.listener(*listener).allow : nullptr;
     const bool allowed =
         allow != nullptr && (allow->empty() || routing::contains(*allow, session.info().address));
@@ -71,12 +71,11 @@ void Gateway::close_unwanted(const Settings& next, const Succession& succession,
 // Jobs for devices that are no longer what they were: what waits is taken back, what is on the wire
 // is the last of its job. Stops are sent: settings do not move a drive, and the one that was meant
 // is still where it was. The buses have their old numbers.
-void Gateway::end_changed(const Generation& old, const Succession& succession) {
+void Gateway::end_changed(const SettingsSnapshot& old, const SettingsDiff& diff) {
   std::vector<Exchange::Part> changed;
   for (Exchange& exchange : exchanges_.all()) {
     for (const Exchange::Part& part : exchange.parts) {
-      if (!part.is_stop() && succession.keeps_line(part.bus) &&
-          is_changed(exchange, part, old, succession)) {
+      if (!part.is_stop() && diff.keeps_line(part.bus) && is_changed(exchange, part, old, diff)) {
         changed.push_back(part);
       }
     }
@@ -87,10 +86,9 @@ void Gateway::end_changed(const Generation& old, const Succession& succession) {
 }
 
 bool Gateway::is_changed(const Exchange& exchange, const Exchange::Part& part,
-                         const Generation& old, const Succession& succession) const {
-  const BusId bus = *succession.bus(part.bus);
-  const auto listener =
-      exchange.client_gone ? std::nullopt : succession.listener(exchange.listener);
+                         const SettingsSnapshot& old, const SettingsDiff& diff) const {
+  const BusId bus = *diff.bus(part.bus);
+  const auto listener = exchange.client_gone ? std::nullopt : diff.listener(exchange.listener);
   if (listener && leads_elsewhere(*listener, exchange, part, bus)) {
     return true;
   }
@@ -105,9 +103,9 @@ bool Gateway::is_changed(const Exchange& exchange, const Exchange::Part& part,
     }
     return false;
   }
-  const routing::Way* way =
+  const routing::ResolvedRoute* resolved =
       listener ? current().routes.find(*listener, exchange.header.unit) : nullptr;
-  const bool other_order = way != nullptr && way->route.word_order != exchange.word_order;
+  const bool other_order = resolved != nullptr && resolved->route.word_order != exchange.word_order;
   return other_order || is_other(part.job->transactions.front().address);
 }
 
@@ -115,18 +113,18 @@ bool Gateway::is_changed(const Exchange& exchange, const Exchange::Part& part,
 bool Gateway::leads_elsewhere(ListenerId listener, const Exchange& exchange,
                               const Exchange::Part& part, BusId bus) const {
   const std::uint8_t unit = exchange.header.unit;
-  const routing::Way* way = current().routes.find(listener, unit);
-  if (way == nullptr || settings().own_unit == unit ||
-      way->is_broadcast() != part.job->is_broadcast()) {
+  const routing::ResolvedRoute* resolved = current().routes.find(listener, unit);
+  if (resolved == nullptr || settings().own_unit == unit ||
+      resolved->is_broadcast() != part.job->is_broadcast()) {
     return true;
   }
-  return way->is_broadcast()
-             ? std::ranges::find(way->route.buses, bus) == way->route.buses.end()
-             : way->route.buses.front() != bus ||
-                   way->route.address_of(unit) != part.job->transactions.front().address;
+  return resolved->is_broadcast()
+             ? std::ranges::find(resolved->route.buses, bus) == resolved->route.buses.end()
+             : resolved->route.buses.front() != bus ||
+                   resolved->route.address_of(unit) != part.job->transactions.front().address;
 }
 
-void Gateway::replace_buses(const Settings& old, const Succession& succession, Instant now) {
+void Gateway::replace_buses(const Settings& old, const SettingsDiff& diff, Instant now) {
   auto before = std::exchange(buses_, {});
   buses_.resize(settings().buses.size());
   for (const BusId id : std::exchange(dirty_buses_, {})) {
@@ -134,13 +132,13 @@ void Gateway::replace_buses(const Settings& old, const Succession& succession, I
   }
   for (Exchange& exchange : exchanges_.all()) {
     for (Exchange::Part& part : exchange.parts) {
-      part.bus = succession.bus(part.bus).value_or(kNoBus);
+      part.bus = diff.bus(part.bus).value_or(kNoBus);
     }
   }
   for (std::size_t place = 0; place < old.buses.size(); ++place) {
     const BusId old_id{static_cast<std::uint32_t>(place)};
-    const auto id = succession.bus(old_id);
-    if (succession.keeps_line(old_id)) {
+    const auto id = diff.bus(old_id);
+    if (diff.keeps_line(old_id)) {
       buses_[static_cast<std::size_t>(*id)] = std::move(before[place]);
       touch(*id).update(settings().bus(*id), settings().devices_on(*id), now);
       continue;
@@ -169,18 +167,18 @@ void Gateway::end_dead(bus::Bus& dead, Instant now) {
   }
 }
 
-void Gateway::renumber_clients(const Succession& succession, Instant now) {
+void Gateway::renumber_clients(const SettingsDiff& diff, Instant now) {
   for (Exchange& exchange : exchanges_.all()) {
     // Of a client that has gone nobody asks.
-    if (exchange.generation != nullptr && !exchange.client_gone) {
-      exchange.listener = *succession.listener(exchange.listener);
+    if (exchange.snapshot != nullptr && !exchange.client_gone) {
+      exchange.listener = *diff.listener(exchange.listener);
     }
   }
   listener_clients_.assign(settings().listeners.size(), 0);
   for (auto& [client, session] : sessions_) {
-    const ListenerId listener = *succession.listener(session.info().listener);
+    const ListenerId listener = *diff.listener(session.info().listener);
     session.adopt(listener, settings().listener(listener));
-    session.ahead.renumber([&](std::size_t device) { return succession.device(device); });
+    session.ahead.renumber([&](std::size_t device) { return diff.device(device); });
     ++listener_clients_[static_cast<std::size_t>(listener)];
     if (session.listener().idle_timeout > Duration{0}) {
       arm(client, session, now + session.listener().idle_timeout);
@@ -192,7 +190,7 @@ void Gateway::renumber_clients(const Succession& succession, Instant now) {
   }
 }
 
-void Gateway::renumber_devices(const Generation& before, const Succession& succession,
+void Gateway::renumber_devices(const SettingsSnapshot& before, const SettingsDiff& diff,
                                Instant now) {
   const std::size_t devices = settings().devices.size();
   const StopMarks marks = std::exchange(stop_marks_, StopMarks(devices));
@@ -207,7 +205,7 @@ void Gateway::renumber_devices(const Generation& before, const Succession& succe
     failsafe_.client_waits(client, failsafe.does_wait(client), now);
   }
   for (std::size_t old = 0; old < marks.size(); ++old) {
-    if (const auto place = succession.device(old)) {
+    if (const auto place = diff.device(old)) {
       stop_marks_.carry(*place, marks, old);
       writers_.carry(*place, writers, old);
       failsafe_.carry(*place, failsafe, old, same_failsafe(before, old, current(), *place));
@@ -218,7 +216,7 @@ void Gateway::renumber_devices(const Generation& before, const Succession& succe
       continue;
     }
     FailsafeRun& run = *exchange.failsafe;
-    const auto place = succession.device(run.due.device);
+    const auto place = diff.device(run.due.device);
     if (!place || current().failsafe(*place).empty()) {
       exchange.failsafe.reset();  // nobody asks any more
       continue;

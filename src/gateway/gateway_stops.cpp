@@ -241,7 +241,7 @@ void Gateway::accept_ahead(ClientId id, ClientSession& session, const Received& 
     start(index, received.arrival, now);
     return;
   }
-  TakenAhead::Stop stop{received.position};
+  EarlyStops::Stop stop{received.position};
   if (session.is_ordered()) {
     stop.answer_waits = true;
     stop.exchange = index;
@@ -252,7 +252,7 @@ void Gateway::accept_ahead(ClientId id, ClientSession& session, const Received& 
   start(index, received.arrival, now);
 }
 
-void Gateway::pass_taken(ClientId id, ClientSession& session, const TakenAhead::Stop& stop) {
+void Gateway::pass_taken(ClientId id, ClientSession& session, const EarlyStops::Stop& stop) {
   if (!stop.answer_waits) {
     return;
   }

@@ -24,7 +24,7 @@ class StopMarks {
     mark.at = now;
   }
   /// Does a stop forbid a write to the device that arrived then? A client's own stops do not count
-  /// here: its connection knows which of its writes lie before them (TakenAhead), and those behind
+  /// here: its connection knows which of its writes lie before them (EarlyStops), and those behind
   /// them may be as old by the clock.
   [[nodiscard]] bool forbids(std::size_t device, ClientId client, Instant arrival) const {
     const Mark& mark = marks_[device];

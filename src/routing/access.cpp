@@ -20,11 +20,11 @@ bool passes(const FunctionRules& rules, const modbus::Pdu& pdu) {
 
 }  // namespace
 
-bool is_allowed(const Way& way, ClientRights rights, const modbus::Pdu& pdu) {
-  const Route& route = way.route;
+bool is_allowed(const ResolvedRoute& resolved, ClientRights rights, const modbus::Pdu& pdu) {
+  const Route& route = resolved.route;
   const bool read_only = rights.read_only || route.access == Access::read_only;
   return passes(route.functions, pdu) && (!read_only || modbus::is_read(pdu.bytes())) &&
-         (!way.is_broadcast() || modbus::is_broadcast_function(pdu.function()));
+         (!resolved.is_broadcast() || modbus::is_broadcast_function(pdu.function()));
 }
 
 }  // namespace mbgate::routing

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "modbus/pdu.hpp"
-#include "routing/way.hpp"
+#include "routing/resolved_route.hpp"
 
 namespace mbgate::routing {
 
@@ -15,6 +15,7 @@ struct ClientRights {
 
 /// Function codes, sub-functions of 08 (21 never), read-only routes and clients; broadcasts are 05,
 /// 06, 15, 16 only.
-[[nodiscard]] bool is_allowed(const Way& way, ClientRights rights, const modbus::Pdu& pdu);
+[[nodiscard]] bool is_allowed(const ResolvedRoute& resolved, ClientRights rights,
+                              const modbus::Pdu& pdu);
 
 }  // namespace mbgate::routing

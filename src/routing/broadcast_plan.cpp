@@ -117,14 +117,15 @@ std::optional<Request> in_order_of(const Device& device, drive::WordOrder seen,
 
 }  // namespace
 
-Result<BroadcastFrames, ExceptionCode> plan_broadcast(const Way& way, const Request& request) {
+Result<BroadcastFrames, ExceptionCode> plan_broadcast(const ResolvedRoute& resolved,
+                                                      const Request& request) {
   BroadcastFrames frames;
   Receivers all;
-  for (const Audience& audience : way.audiences) {
+  for (const Audience& audience : resolved.audiences) {
     for (const BroadcastForm form : kForms) {
       const Receivers receivers = receivers_of(audience, form, request);
       const bool unknown_devices = audience.devices.empty() && form == BroadcastForm::standard;
-      const bool wanted = !way.only_form || *way.only_form == form;
+      const bool wanted = !resolved.only_form || *resolved.only_form == form;
       if (wanted && (unknown_devices || is_meant(receivers, form))) {
         frames.push_back({audience.bus, form, request});
         all.insert(all.end(), receivers.begin(), receivers.end());
@@ -142,12 +143,12 @@ Result<BroadcastFrames, ExceptionCode> plan_broadcast(const Way& way, const Requ
   if (!understand_alike(all, request)) {
     return ExceptionCode::illegal_data_value;
   }
-  if (all.empty() || !way.route.word_order) {
+  if (all.empty() || !resolved.route.word_order) {
     return frames;
   }
-  const auto ordered = in_order_of(*all.front(), *way.route.word_order, request);
+  const auto ordered = in_order_of(*all.front(), *resolved.route.word_order, request);
   const bool alike = ordered && std::ranges::all_of(all, [&](const Device* device) {
-                       const auto other = in_order_of(*device, *way.route.word_order, request);
+                       const auto other = in_order_of(*device, *resolved.route.word_order, request);
                        return other && other->pdu() == ordered->pdu();
                      });
   if (!alike) {

@@ -6,7 +6,7 @@
 #include <boost/container/small_vector.hpp>
 
 #include "modbus/request.hpp"
-#include "routing/way.hpp"
+#include "routing/resolved_route.hpp"
 
 namespace mbgate::routing {
 
@@ -24,7 +24,7 @@ inline constexpr std::uint8_t kAutonicsBroadcastAddress = 129;
 /// Errors: 01 where a device's communication registers would be written; 02 where no device takes
 /// such a broadcast; 03 over a device's limit, or for a value that not all receivers have at the
 /// same place and in the same word order.
-Result<BroadcastFrames, modbus::ExceptionCode> plan_broadcast(const Way& way,
+Result<BroadcastFrames, modbus::ExceptionCode> plan_broadcast(const ResolvedRoute& resolved,
                                                               const modbus::Request& request);
 
 }  // namespace mbgate::routing

@@ -42,10 +42,10 @@ bool has_function(const drive::Device& device, std::uint8_t function) {
 
 }  // namespace
 
-Result<Plan, ExceptionCode> Plan::make(const Way& way, std::uint8_t unit, ClientRights rights,
-                                       const modbus::Pdu& pdu) {
-  const Route& route = way.route;
-  if (!is_allowed(way, rights, pdu)) {
+Result<Plan, ExceptionCode> Plan::make(const ResolvedRoute& resolved, std::uint8_t unit,
+                                       ClientRights rights, const modbus::Pdu& pdu) {
+  const Route& route = resolved.route;
+  if (!is_allowed(resolved, rights, pdu)) {
     return ExceptionCode::illegal_function;
   }
   const auto client_request = Request::parse(pdu);
@@ -58,8 +58,9 @@ Result<Plan, ExceptionCode> Plan::make(const Way& way, std::uint8_t unit, Client
     return request.error();
   }
   Plan plan(*client_request);
-  const auto error = way.is_broadcast() ? plan.add_broadcast(way, *request)
-                                        : plan.add_requests(way, route.address_of(unit), *request);
+  const auto error = resolved.is_broadcast()
+                         ? plan.add_broadcast(resolved, *request)
+                         : plan.add_requests(resolved, route.address_of(unit), *request);
   if (error) {
     return *error;
   }
@@ -72,15 +73,16 @@ Result<Plan, ExceptionCode> Plan::make(const Way& way, std::uint8_t unit, Client
   return plan;
 }
 
-std::optional<ExceptionCode> Plan::add_broadcast(const Way& way, const Request& request) {
-  const auto frames = plan_broadcast(way, request);
+std::optional<ExceptionCode> Plan::add_broadcast(const ResolvedRoute& resolved,
+                                                 const Request& request) {
+  const auto frames = plan_broadcast(resolved, request);
   if (!frames) {
     return frames.error();
   }
   reply_.form = Reply::Form::echo;
   for (const BroadcastFrame& frame : *frames) {
     if (transactions_.empty() || transactions_.back().bus != frame.bus) {
-      add_questions(way, frame.bus, request);
+      add_questions(resolved, frame.bus, request);
     }
     const auto address = frame.form == drive::BroadcastForm::autonics ? kAutonicsBroadcastAddress
                                                                       : modbus::kBroadcastAddress;
@@ -99,10 +101,10 @@ void Plan::add_question(const drive::Device& device) {
   transactions_.push_back(std::move(question));
 }
 
-void Plan::add_questions(const Way& way, BusId bus, const Request& request) {
-  for (const Audience& audience : way.audiences) {
+void Plan::add_questions(const ResolvedRoute& resolved, BusId bus, const Request& request) {
+  for (const Audience& audience : resolved.audiences) {
     for (const drive::Device* device : audience.devices) {
-      if (audience.bus == bus && device->verify_word_order && way.route.word_order &&
+      if (audience.bus == bus && device->verify_word_order && resolved.route.word_order &&
           touches_value(*device, request)) {
         add_question(*device);
       }
@@ -110,23 +112,23 @@ void Plan::add_questions(const Way& way, BusId bus, const Request& request) {
   }
 }
 
-std::optional<ExceptionCode> Plan::add_requests(const Way& way, std::uint8_t address,
+std::optional<ExceptionCode> Plan::add_requests(const ResolvedRoute& resolved, std::uint8_t address,
                                                 const Request& request) {
   DevicePlan planned;
-  if (way.device == nullptr) {
+  if (resolved.device == nullptr) {
     planned = as_it_is(request);
   } else {
-    if (!way.route.functions_named && !has_function(*way.device, request.function())) {
+    if (!resolved.route.functions_named && !has_function(*resolved.device, request.function())) {
       return ExceptionCode::illegal_function;
     }
-    auto made = plan_for(*way.device, way.route.word_order, request);
+    auto made = plan_for(*resolved.device, resolved.route.word_order, request);
     if (!made) {
       return made.error();
     }
     planned = *std::move(made);
-    if (way.device->verify_word_order && way.route.word_order && !request.is_read() &&
-        touches_value(*way.device, request)) {
-      add_question(*way.device);
+    if (resolved.device->verify_word_order && resolved.route.word_order && !request.is_read() &&
+        touches_value(*resolved.device, request)) {
+      add_question(*resolved.device);
     }
   }
   reply_ = planned.reply;
@@ -134,12 +136,12 @@ std::optional<ExceptionCode> Plan::add_requests(const Way& way, std::uint8_t add
     reply_.form = data_form(request.reads()->range.table);
   }
   for (const Request& asked : planned.requests) {
-    const bool known = way.device == nullptr || way.route.functions_named ||
-                       way.device->profile.functions.test(asked.function());
+    const bool known = resolved.device == nullptr || resolved.route.functions_named ||
+                       resolved.device->profile.functions.test(asked.function());
     if (!known) {
       return ExceptionCode::illegal_function;
     }
-    transactions_.push_back({way.route.buses.front(), address, asked, may_be_silent(asked)});
+    transactions_.push_back({resolved.route.buses.front(), address, asked, may_be_silent(asked)});
   }
   return std::nullopt;
 }

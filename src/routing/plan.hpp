@@ -9,7 +9,7 @@
 #include "modbus/request.hpp"
 #include "routing/access.hpp"
 #include "routing/reply.hpp"
-#include "routing/way.hpp"
+#include "routing/resolved_route.hpp"
 
 namespace mbgate::routing {
 
@@ -31,7 +31,7 @@ class Plan {
  public:
   /// Errors: 01 what the route, the client's rights or the drive deny, 02 outside every window, 03
   /// malformed, over a limit or through a value.
-  static Result<Plan, modbus::ExceptionCode> make(const Way& way, std::uint8_t unit,
+  static Result<Plan, modbus::ExceptionCode> make(const ResolvedRoute& resolved, std::uint8_t unit,
                                                   ClientRights rights, const modbus::Pdu& pdu);
 
   /// In their order; those of one bus stand together.
@@ -45,11 +45,12 @@ class Plan {
 
  private:
   explicit Plan(modbus::Request request) : client_request_(std::move(request)) {}
-  std::optional<modbus::ExceptionCode> add_broadcast(const Way& way,
+  std::optional<modbus::ExceptionCode> add_broadcast(const ResolvedRoute& resolved,
                                                      const modbus::Request& request);
   void add_question(const drive::Device& device);
-  void add_questions(const Way& way, BusId bus, const modbus::Request& request);
-  std::optional<modbus::ExceptionCode> add_requests(const Way& way, std::uint8_t address,
+  void add_questions(const ResolvedRoute& resolved, BusId bus, const modbus::Request& request);
+  std::optional<modbus::ExceptionCode> add_requests(const ResolvedRoute& resolved,
+                                                    std::uint8_t address,
                                                     const modbus::Request& request);
 
   modbus::Request client_request_;

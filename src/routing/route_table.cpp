@@ -49,13 +49,13 @@ void RouteTable::add_transparent(const ListenerKind& kind, Units& units) {
 
 void RouteTable::add(const Route& route, Units& units) {
   const auto index = static_cast<Index>(ways_.size());
-  Way& way = ways_.emplace_back();
-  way.route = route;
+  ResolvedRoute& resolved = ways_.emplace_back();
+  resolved.route = route;
   if (route.device) {
-    way.device = &devices_[*route.device];
+    resolved.device = &devices_[*route.device];
   }
   if (route.is_broadcast()) {
-    std::ranges::transform(route.buses, std::back_inserter(way.audiences),
+    std::ranges::transform(route.buses, std::back_inserter(resolved.audiences),
                            [this](BusId bus) { return audience_on(bus); });
   }
   for (std::size_t unit = route.first_unit; unit <= route.last_unit; ++unit) {
@@ -80,42 +80,43 @@ void RouteTable::guard_broadcast_address(Units& units) {
     if (units[unit] == kNone) {
       continue;
     }
-    const Way& way = ways_[static_cast<std::size_t>(units[unit])];
-    if (hears_autonics(way, unit)) {
-      units[unit] = way_of_autonics(way, units[0]);
+    const ResolvedRoute& resolved = ways_[static_cast<std::size_t>(units[unit])];
+    if (hears_autonics(resolved, unit)) {
+      units[unit] = way_of_autonics(resolved, units[0]);
     }
   }
 }
 
-bool RouteTable::hears_autonics(const Way& way, std::size_t unit) const {
-  if (way.is_broadcast() ||
-      way.route.first_address + (unit - way.route.first_unit) != kAutonicsBroadcastAddress) {
+bool RouteTable::hears_autonics(const ResolvedRoute& resolved, std::size_t unit) const {
+  if (resolved.is_broadcast() ||
+      resolved.route.first_address + (unit - resolved.route.first_unit) !=
+          kAutonicsBroadcastAddress) {
     return false;
   }
   return std::ranges::any_of(devices_, [&](const drive::Device& device) {
-    return device.bus == way.route.buses.front() &&
+    return device.bus == resolved.route.buses.front() &&
            device.profile.broadcast.form == drive::BroadcastForm::autonics;
   });
 }
 
-RouteTable::Index RouteTable::way_of_autonics(const Way& way, Index broadcast) {
-  const BusId bus = way.route.buses.front();
+RouteTable::Index RouteTable::way_of_autonics(const ResolvedRoute& resolved, Index broadcast) {
+  const BusId bus = resolved.route.buses.front();
   if (broadcast == kNone) {
     return kNone;
   }
-  Way only = ways_[static_cast<std::size_t>(broadcast)];
+  ResolvedRoute only = ways_[static_cast<std::size_t>(broadcast)];
   if (!only.is_broadcast() || std::ranges::find(only.route.buses, bus) == only.route.buses.end()) {
     return kNone;
   }
   only.route.buses = {bus};
-  only.route.access = way.route.access;
+  only.route.access = resolved.route.access;
   only.audiences = {audience_on(bus)};
   only.only_form = drive::BroadcastForm::autonics;
   ways_.push_back(std::move(only));
   return static_cast<Index>(ways_.size() - 1);
 }
 
-const Way* RouteTable::find(ListenerId listener, std::uint8_t unit) const {
+const ResolvedRoute* RouteTable::find(ListenerId listener, std::uint8_t unit) const {
   const Index index = listeners_[static_cast<std::size_t>(listener)][unit];
   return index == kNone ? nullptr : &ways_[static_cast<std::size_t>(index)];
 }

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "routing/way.hpp"
+#include "routing/resolved_route.hpp"
 
 namespace mbgate::routing {
 
@@ -30,7 +30,7 @@ class RouteTable {
              std::span<const drive::Device> devices);
 
   /// Nothing: no path (exception 0A).
-  [[nodiscard]] const Way* find(ListenerId listener, std::uint8_t unit) const;
+  [[nodiscard]] const ResolvedRoute* find(ListenerId listener, std::uint8_t unit) const;
   /// Those that have a way.
   [[nodiscard]] std::bitset<256> units(ListenerId listener) const;
 
@@ -43,11 +43,11 @@ class RouteTable {
   void add(const Route& route, Units& units);
   void guard_broadcast_address(Units& units);
   [[nodiscard]] Audience audience_on(BusId bus) const;
-  [[nodiscard]] bool hears_autonics(const Way& way, std::size_t unit) const;
-  [[nodiscard]] Index way_of_autonics(const Way& way, Index broadcast);
+  [[nodiscard]] bool hears_autonics(const ResolvedRoute& resolved, std::size_t unit) const;
+  [[nodiscard]] Index way_of_autonics(const ResolvedRoute& resolved, Index broadcast);
 
   std::span<const drive::Device> devices_;
-  std::deque<Way> ways_;  // they lie still while the table is built
+  std::deque<ResolvedRoute> ways_;  // they lie still while the table is built
   std::vector<Units> listeners_;
 };
 

@@ -47,8 +47,8 @@ struct StateReader {
   static void read(const bus::Transaction& transaction, Hash& hash);
 
   // state_reader_line.cpp
-  static void read(const bus::Line& line, const Sight& sight, Hash& hash);
-  static void read(const bus::SerialLine& line, const Sight& sight, Hash& hash);
+  static void read(const bus::LineDiscipline& line, const Sight& sight, Hash& hash);
+  static void read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash);
   static void read(const bus::Echo& echo, bool is_running, Hash& hash);
   static void read(const bus::Framer& framer, Hash& hash);
   static void read(const bus::RtuFramer& framer, Hash& hash);

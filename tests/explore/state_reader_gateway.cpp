@@ -17,7 +17,7 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
          dirty_buses, ready_clients, line_actions, actions, started, stopping, finished,
          stop_deadline] = gateway;
   explore::require(generations.size() == 1 && gateway.settings().guards.empty(),
-                   "one generation of settings, and no guards");
+                   "one snapshot of settings, and no guards");
   explore::require(!timers.next() && dirty_buses.empty() && ready_clients.empty(),
                    "nothing is left to do");
   hash.add(stopping);
@@ -65,7 +65,7 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
   }
   // One for all: generation, word_order, reply. Of its client: listener, address. Unordered answers
   // have no place: answer.
-  const auto& [generation, client, listener, word_order, address, client_gone, is_stop, left_out,
+  const auto& [snapshot, client, listener, word_order, address, client_gone, is_stop, left_out,
                failsafe, answer, header, reply, plan, parts, response, failed, had_no_path,
                was_on_wire, wrong_word_order] = exchange;
   explore::require(plan && !failsafe && left_out.empty(), "a request of a client");

@@ -5,12 +5,12 @@
 
 namespace mbgate {
 
-void StateReader::read(const bus::Line& line, const Sight& sight, Hash& hash) {
+void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash& hash) {
   const auto& [variant] = line;
-  read(std::get<bus::SerialLine>(variant), sight, hash);
+  read(std::get<bus::SerialDiscipline>(variant), sight, hash);
 }
 
-void StateReader::read(const bus::SerialLine& line, const Sight& sight, Hash& hash) {
+void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
   // Settings: timing, frame_gap, turnaround, settle, listen_first, paced_setting. Counted, shown or
   // told only: counters, draining, heard, heard_at, unpaced_told. Empty when the machine was asked
   // for its actions: faults, refused, end.

@@ -66,7 +66,7 @@ class Confusable {
     }
   }
   void submit(Request& request) {
-    request.job.source = bus::SourceId{request.client};
+    request.job.source = bus::FairnessKey{request.client};
     request.job.deadline = now_ + request.patience;
     request.at = now_;
     for (const Asked& part : request.parts) {

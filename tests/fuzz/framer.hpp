@@ -120,8 +120,8 @@ class FramerScript {
   }
   void take_strays() {
     std::size_t strays = 0;
-    while (framer_.take_stray()) {
-      require(++strays <= bus::kMostStrays, "strays are bounded");
+    while (framer_.take_unsolicited()) {
+      require(++strays <= bus::kMostUnsolicited, "strays are bounded");
     }
   }
   /// Hexadecimal characters may be small.

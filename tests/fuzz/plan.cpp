@@ -153,16 +153,16 @@ void check_window(const Scene& scene, const PlannedTransaction& transaction,
 
 void check_unicast(const Scene& scene, const Plan& plan, const Request& request, Script& script) {
   for (const PlannedTransaction& transaction : plan.transactions()) {
-    require(transaction.bus == scene.way.route.buses.front() &&
+    require(transaction.bus == scene.resolved.route.buses.front() &&
                 transaction.address == kFirstAddress + scene.unit - kFirstUnit &&
                 transaction.broadcast == BroadcastForm::none,
             "a request goes where its unit leads");
     check_window(scene, transaction, request);
-    if (scene.way.device != nullptr) {
+    if (scene.resolved.device != nullptr) {
       check_limits(scene.device(), transaction.request);
     }
   }
-  if (scene.way.device != nullptr) {
+  if (scene.resolved.device != nullptr) {
     check_values(scene, plan);
   }
   check_answer(plan, request, script);
@@ -176,7 +176,7 @@ void check_hearer(const Scene& scene, const drive::Device& device, const Plan& p
                   const Request& request) {
   const bool autonics = device.profile.broadcast.form == BroadcastForm::autonics;
   const bool is_meant = device.profile.broadcast.form != BroadcastForm::none &&
-                        (autonics || !scene.way.only_form) && takes(scene, device, request);
+                        (autonics || !scene.resolved.only_form) && takes(scene, device, request);
   PlainDevice real;
   PlainDevice expected;
   const ClientView view = view_of(scene, device);
@@ -204,18 +204,18 @@ void check_broadcast(const Scene& scene, const Plan& plan, const Request& reques
       require(transaction.broadcast != BroadcastForm::none &&
                   transaction.address == (autonics ? kAutonicsAddress : 0),
               "a broadcast has the address of its form");
-      require(!scene.way.only_form || transaction.broadcast == *scene.way.only_form,
+      require(!scene.resolved.only_form || transaction.broadcast == *scene.resolved.only_form,
               "only the form that was addressed is sent");
     }
   }
-  for (const routing::Audience& audience : scene.way.audiences) {
+  for (const routing::Audience& audience : scene.resolved.audiences) {
     for (const drive::Device* device : audience.devices) {
       check_hearer(scene, *device, plan, request);
     }
     if (audience.devices.empty()) {
       drive::Device unknown;
       unknown.bus = audience.bus;
-      unknown.word_order = scene.way.route.word_order;
+      unknown.word_order = scene.resolved.route.word_order;
       if (scene.devices.empty()) {
         check_hearer(scene, unknown, plan, request);
       }
@@ -237,8 +237,8 @@ void check_plan(const Scene& scene, const Plan& plan, const Request& request, Sc
       check_question(scene, plan, at);
     }
   }
-  scene.way.is_broadcast() ? check_broadcast(scene, plan, request)
-                           : check_unicast(scene, plan, request, script);
+  scene.resolved.is_broadcast() ? check_broadcast(scene, plan, request)
+                                : check_unicast(scene, plan, request, script);
 }
 
 }  // namespace
@@ -255,14 +255,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   const routing::ClientRights rights{script.flag()};
-  const auto plan = routing::Plan::make(scene.way, scene.unit, rights, *pdu);
+  const auto plan = routing::Plan::make(scene.resolved, scene.unit, rights, *pdu);
   const auto request = modbus::Request::parse(*pdu);
   if (plan) {
     require(request.has_value(), "a plan is made of a well-formed request only");
     check_plan(scene, *plan, *request, script);
   } else if (request && !rights.read_only) {
-    require(scene.way.is_broadcast() ? broadcast_may_be_refused(scene, *request)
-                                     : may_be_refused(scene, *request),
+    require(scene.resolved.is_broadcast() ? broadcast_may_be_refused(scene, *request)
+                                          : may_be_refused(scene, *request),
             "a refusal has a reason");
   }
   return 0;

@@ -15,11 +15,11 @@ inline Asked asked(const modbus::TableRange& range) {
 }
 
 inline bool is_one_memory(const Scene& scene) {
-  return scene.way.device != nullptr && scene.device().profile.input_as_holding;
+  return scene.resolved.device != nullptr && scene.device().profile.input_as_holding;
 }
 
 inline ClientView view_of(const Scene& scene, const drive::Device& device) {
-  return {scene.way.route.windows, device.profile.values.all(), is_one_memory(scene),
+  return {scene.resolved.route.windows, device.profile.values.all(), is_one_memory(scene),
           scene.is_mirrored(device)};
 }
 
@@ -63,7 +63,7 @@ inline bool drive_refuses(const Scene& scene, const modbus::Request& request, co
   const ClientView view = view_of(scene, device);
   const bool one_request =
       !crosses_group(device, there) && there.count <= limits.written_to(there.table);
-  const bool cuts = cuts_value(view, there, !scene.way.route.word_order);
+  const bool cuts = cuts_value(view, there, !scene.resolved.route.word_order);
   switch (request.function()) {
     case 0x06:
     case 0x16: {
@@ -82,7 +82,7 @@ inline bool drive_refuses(const Scene& scene, const modbus::Request& request, co
 }
 
 inline bool may_be_refused(const Scene& scene, const modbus::Request& request) {
-  const auto& route = scene.way.route;
+  const auto& route = scene.resolved.route;
   const ClientView view = view_of(scene, scene.device());
   if (request.function() == 0x08 ||
       (!route.windows.empty() && !request.reads() && !request.writes())) {
@@ -99,7 +99,7 @@ inline bool may_be_refused(const Scene& scene, const modbus::Request& request) {
   }
   const auto there = view.moved(asked(request.writes()->range));
   return !there || (there->table != Table::coils && there->table != Table::holding_registers) ||
-         (scene.way.device != nullptr && drive_refuses(scene, request, *there));
+         (scene.resolved.device != nullptr && drive_refuses(scene, request, *there));
 }
 
 /// Does the manual of a drive let it be reached like this?
@@ -154,16 +154,16 @@ inline bool broadcast_may_be_refused(const Scene& scene, const modbus::Request& 
   if (function != 0x05 && function != 0x06 && function != 0x0F && function != 0x10) {
     return true;
   }
-  const ClientView windows(scene.way.route.windows, {}, false, false);
+  const ClientView windows(scene.resolved.route.windows, {}, false, false);
   const auto there = windows.moved(asked(request.writes()->range));
   if (!there) {
     return true;
   }
   std::vector<const drive::Device*> all;
   bool goes_out = false;
-  for (const routing::Audience& audience : scene.way.audiences) {
+  for (const routing::Audience& audience : scene.resolved.audiences) {
     for (const auto form : {BroadcastForm::standard, BroadcastForm::autonics}) {
-      if (scene.way.only_form.value_or(form) == form) {
+      if (scene.resolved.only_form.value_or(form) == form) {
         const auto some = hearers(scene, audience, form, request);
         all.insert(all.end(), some.begin(), some.end());
         goes_out = goes_out || !some.empty() ||

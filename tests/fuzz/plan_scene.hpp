@@ -7,7 +7,7 @@
 
 #include "fuzz/client_view.hpp"
 #include "fuzz/fuzz.hpp"
-#include "routing/way.hpp"
+#include "routing/resolved_route.hpp"
 
 namespace mbgate::fuzz {
 
@@ -99,14 +99,14 @@ inline drive::Device read_hearer(Script& script, const drive::Device& before) {
 /// What a route leads to, and the drives themselves.
 struct Scene {
   std::deque<drive::Device> devices;  ///< one, or those that hear a broadcast
-  routing::Way way;
+  routing::ResolvedRoute resolved;
   std::uint8_t unit = kFirstUnit;
 
   [[nodiscard]] const drive::Device& device() const { return devices.front(); }
   /// Does the client see the values of this drive in the other order?
   [[nodiscard]] bool is_mirrored(const drive::Device& drive) const {
-    return way.route.word_order && *way.route.word_order != drive.word_order &&
-           (way.device != nullptr || way.is_broadcast());
+    return resolved.route.word_order && *resolved.route.word_order != drive.word_order &&
+           (resolved.device != nullptr || resolved.is_broadcast());
   }
 };
 
@@ -116,7 +116,7 @@ inline bool holds_bits(Table table) {
 
 /// It overlaps no window before it, and cuts no value; a broadcast is written.
 inline bool is_sound(const Scene& scene, const routing::AddressWindow& window) {
-  for (const auto& other : scene.way.route.windows) {
+  for (const auto& other : scene.resolved.route.windows) {
     if (other.table == window.table && other.from < window.from + window.count &&
         window.from < other.from + other.count) {
       return false;
@@ -137,7 +137,7 @@ inline bool is_sound(const Scene& scene, const routing::AddressWindow& window) {
   const auto can_write = [](Table table) {
     return table == Table::coils || table == Table::holding_registers;
   };
-  return !scene.way.is_broadcast() || (can_write(window.table) && can_write(window.to_table));
+  return !scene.resolved.is_broadcast() || (can_write(window.table) && can_write(window.to_table));
 }
 
 inline void read_windows(Script& script, Scene& scene) {
@@ -152,8 +152,8 @@ inline void read_windows(Script& script, Scene& scene) {
     window.count =
         std::min<std::uint32_t>(1U + script.word(), 0x10000U - std::max(window.from, window.to));
     if (is_sound(scene, window)) {
-      scene.way.route.windows.push_back(window);
-      scene.way.route.functions = routing::FunctionRules::rewritable();
+      scene.resolved.route.windows.push_back(window);
+      scene.resolved.route.functions = routing::FunctionRules::rewritable();
     }
   }
 }
@@ -167,16 +167,16 @@ inline void read_broadcast(Script& script, Scene& scene) {
   if ((rules & 1U) != 0) {
     scene.devices.pop_front();
   }
-  auto& way = scene.way;
-  way.route.first_unit = way.route.last_unit = way.route.first_address = 0;
+  auto& resolved = scene.resolved;
+  resolved.route.first_unit = resolved.route.last_unit = resolved.route.first_address = 0;
   scene.unit = 0;
-  way.route.buses = {drive::BusId{0}, drive::BusId{1}};
+  resolved.route.buses = {drive::BusId{0}, drive::BusId{1}};
   if ((rules & 2U) != 0) {
-    way.only_form = BroadcastForm::autonics;
-    way.route.buses.pop_back();
+    resolved.only_form = BroadcastForm::autonics;
+    resolved.route.buses.pop_back();
   }
-  for (const drive::BusId bus : way.route.buses) {
-    auto& audience = way.audiences.emplace_back();
+  for (const drive::BusId bus : resolved.route.buses) {
+    auto& audience = resolved.audiences.emplace_back();
     audience.bus = bus;
     for (const drive::Device& device : scene.devices) {
       if (device.bus == bus) {
@@ -189,21 +189,21 @@ inline void read_broadcast(Script& script, Scene& scene) {
 inline void read_scene(Script& script, Scene& scene) {
   scene.devices.push_back(read_device(script));
   const std::uint8_t kind = script.byte();
-  auto& way = scene.way;
-  way.route.first_unit = kFirstUnit;
-  way.route.last_unit = kLastUnit;
-  way.route.first_address = kFirstAddress;
-  way.route.buses = {scene.device().bus};
+  auto& resolved = scene.resolved;
+  resolved.route.first_unit = kFirstUnit;
+  resolved.route.last_unit = kLastUnit;
+  resolved.route.first_address = kFirstAddress;
+  resolved.route.buses = {scene.device().bus};
   scene.unit = static_cast<std::uint8_t>(kFirstUnit + (kind >> 2U) % kLastUnit);
   if ((kind & 2U) != 0) {
     read_broadcast(script, scene);
   } else if ((kind & 1U) != 0) {
     scene.devices.front().address =
         static_cast<std::uint8_t>(kFirstAddress + scene.unit - kFirstUnit);
-    way.device = &scene.device();
+    resolved.device = &scene.device();
   }
   if ((kind & 3U) != 0 && script.flag()) {
-    way.route.word_order = order_of(script);
+    resolved.route.word_order = order_of(script);
   }
   read_windows(script, scene);
 }

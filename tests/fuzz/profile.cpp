@@ -12,12 +12,12 @@ namespace mbgate::fuzz {
 namespace {
 
 void plan(const drive::Device& device, drive::WordOrder seen, const modbus::Request& request) {
-  routing::Way way;
-  way.device = &device;
-  way.route.first_unit = way.route.last_unit = way.route.first_address = 1;
-  way.route.buses = {device.bus};
-  way.route.word_order = seen;
-  const auto planned = routing::Plan::make(way, 1, {}, request.pdu());
+  routing::ResolvedRoute resolved;
+  resolved.device = &device;
+  resolved.route.first_unit = resolved.route.last_unit = resolved.route.first_address = 1;
+  resolved.route.buses = {device.bus};
+  resolved.route.word_order = seen;
+  const auto planned = routing::Plan::make(resolved, 1, {}, request.pdu());
   require(!planned || !planned->transactions().empty(), "a plan does something");
 }
 

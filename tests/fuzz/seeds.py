@@ -104,11 +104,11 @@ def plan_scripts():
         "160005FFF00003", "1700050001000400020401020304", "0F0003000C0255AA", "050003FF00")]
     window = bytes([2, 0, 0, 0, 0, 0x7F])   # holding registers, seen where they are
     inputs = bytes([2, 1, 0, 4, 0, 0x3F])   # input registers, seen as holding ones
-    way_of = {"plain": bytes([0, 0]), "known": bytes([1, 1, 1, 0]), "windows": bytes([5, 1, 1, 1]) + window,
+    resolved_route_of = {"plain": bytes([0, 0]), "known": bytes([1, 1, 1, 0]), "windows": bytes([5, 1, 1, 1]) + window,
               "inputs": bytes([1, 1, 1, 1]) + inputs,
               "all": bytes([2, 2, 4, 8]) + bytes([4, 1, 1, 0])}
     for number, request in enumerate(requests):
-        for at, way in enumerate(way_of.values()):
+        for at, way in enumerate(resolved_route_of.values()):
             yield drive((number * 5 + at) % 64, number % 2, at % 2) + way + piece(request) + bytes(8)
 
 

@@ -63,7 +63,7 @@ TEST_F(AsciiFramer, AFrameThatBeganBeforeTheRequestIsNoAnswerToIt) {
       EXPECT_FALSE(framer_.in_progress());
     }
     EXPECT_EQ(add(kAnswer.substr(6)), Verdict::none);
-    EXPECT_TRUE(framer_.take_stray()) << is_asked;
+    EXPECT_TRUE(framer_.take_unsolicited()) << is_asked;
   }
   EXPECT_EQ(add(kAnswer), Verdict::response);
 }
@@ -115,7 +115,7 @@ TEST_F(AsciiFramer, ABadLrcOfAnotherUnitFunctionOrLengthDoesNot) {
   EXPECT_EQ(add(":01030412345678B4\r\n"), Verdict::none);
   EXPECT_EQ(add(kAnswer), Verdict::response);
   EXPECT_EQ(counters_.stray_bytes, 15U + 15U + 19U);
-  EXPECT_EQ(counters_.stray_frames, 0U);
+  EXPECT_EQ(counters_.unsolicited_frames, 0U);
 }
 
 TEST_F(AsciiFramer, GoodFramesThatAnswerSomethingElseAreCounted) {
@@ -124,7 +124,7 @@ TEST_F(AsciiFramer, GoodFramesThatAnswerSomethingElseAreCounted) {
   EXPECT_EQ(add(":0104021234B3\r\n"), Verdict::none);      // function 4
   EXPECT_EQ(add(":01030412345678E4\r\n"), Verdict::none);  // two registers
   EXPECT_EQ(add(kAnswer), Verdict::response);
-  EXPECT_EQ(counters_.stray_frames, 3U);
+  EXPECT_EQ(counters_.unsolicited_frames, 3U);
   EXPECT_EQ(counters_.stray_bytes, 0U);
 }
 

@@ -112,7 +112,7 @@ TEST_F(BusBroadcast, AnAnswerToABroadcastIsStray) {
   line("00 06 00 00 00 01 49 DB");
   advance(1s);
   EXPECT_THAT(endings_, ElementsAre(Ending::transmitted));
-  EXPECT_EQ(bus_->counters().stray_frames, 1U);
+  EXPECT_EQ(bus_->counters().unsolicited_frames, 1U);
 }
 
 }  // namespace

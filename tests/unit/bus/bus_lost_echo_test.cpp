@@ -190,7 +190,7 @@ TEST_F(BusEcho, ThatDifferedIsNotHeardAgainWhenTheTimeIsOver) {
   time_out();
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
   EXPECT_THAT(faults_, ElementsAre(Fault::echo_found, Fault::echo_differed));
-  EXPECT_EQ(bus_->counters().stray_frames, 0U);
+  EXPECT_EQ(bus_->counters().unsolicited_frames, 0U);
 }
 
 /// A device that is stopped by kWritePdu, which is repeated if it is not answered.

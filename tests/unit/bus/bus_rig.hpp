@@ -74,7 +74,7 @@ class Bus : public testing::Test {
   /// The same, of another client address.
   bus::Job& job_of(std::uint32_t source, std::string_view request, std::uint8_t address = 1) {
     bus::Job& made = job(request, address);
-    made.source = bus::SourceId{source};
+    made.source = bus::FairnessKey{source};
     return made;
   }
   void submit(bus::Job& job) {

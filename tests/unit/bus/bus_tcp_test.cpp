@@ -93,7 +93,7 @@ TEST_F(BusTcp, ALateAnswerIsNobodys) {
   EXPECT_EQ(bus_->counters().retries, 1U);
   answer(0, "01 03 02 11 11");
   EXPECT_THAT(endings_, IsEmpty());
-  EXPECT_EQ(bus_->counters().stray_frames, 1U);
+  EXPECT_EQ(bus_->counters().unsolicited_frames, 1U);
   answer(1, "01 03 02 22 22");
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
   EXPECT_EQ(hex(read.transactions[0].response->bytes()), "03 02 22 22");
@@ -118,7 +118,7 @@ TEST_F(BusTcp, AnswersThatDoNotFitAreCountedAndTheTimeoutGoesOn) {
   answer(0, "01 06 00 00 00 01 00");            // length
   answer(0, "01 06 00 00 00 02");               // echo
   line("12 34 00 00 00 06 01 06 00 00 00 01");  // identifier
-  EXPECT_EQ(bus_->counters().stray_frames, 4U);
+  EXPECT_EQ(bus_->counters().unsolicited_frames, 4U);
   advance(1s);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   EXPECT_EQ(ended_at_[0] - start, 100ms);
@@ -138,7 +138,7 @@ TEST_F(BusTcp, TheUnitOfAnAnswerMattersIfAskedFor) {
   submit(job(kRead, 7));
   answer(0, "FF 03 02 12 34");
   EXPECT_THAT(endings_, IsEmpty());
-  EXPECT_EQ(bus_->counters().stray_frames, 1U);
+  EXPECT_EQ(bus_->counters().unsolicited_frames, 1U);
   answer(0, "07 03 02 12 34");
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }

@@ -114,7 +114,7 @@ TEST_F(Bus, LetsNothingComeBetweenTheTransactionsOfAJob) {
   add(two, "03 0001 0001");
   submit(two);
   bus::Job& other = job(kRead, 9);
-  other.source = bus::SourceId{1};
+  other.source = bus::FairnessKey{1};
   submit(other);
   advance(10ms);
   line(kAnswer);

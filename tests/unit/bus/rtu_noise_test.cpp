@@ -98,7 +98,7 @@ TEST_F(RtuNoise, BeforeAnExceptionNeedsSilenceBehindIt) {
   expect(kRead);
   EXPECT_EQ(add("FE 01 83 02 C0 F1 55"), Verdict::none);
   EXPECT_EQ(after(20ms), Verdict::none);
-  EXPECT_EQ(counters_.stray_frames, 0U);
+  EXPECT_EQ(counters_.unsolicited_frames, 0U);
 }
 
 TEST_F(RtuNoise, BeforeAnUnknownFunctionIsNotSkipped) {
@@ -121,9 +121,9 @@ TEST_F(RtuNoise, NothingIsTakenOutOfTheFrameOfAnotherUnit) {
     expect(kRead);
     EXPECT_EQ(at_once ? add(outer) : trickle(outer), Verdict::none);
     EXPECT_EQ(after(100ms), Verdict::none);
-    EXPECT_EQ(framer_.take_stray()->address, 5);
+    EXPECT_EQ(framer_.take_unsolicited()->address, 5);
   }
-  EXPECT_EQ(counters_.stray_frames, 2U);
+  EXPECT_EQ(counters_.unsolicited_frames, 2U);
 }
 
 // Once in 65,536 times they have a good CRC together with the beginning of what follows.
@@ -170,23 +170,23 @@ TEST_F(RtuNoise, WhatFollowsAnotherClientsRequestIsNoAnswer) {
     expect(kRead);
     EXPECT_EQ(add(frame(request) + " " + kAnswer), Verdict::none) << request;
     EXPECT_EQ(after(100ms), Verdict::none);
-    const auto stray = framer_.take_stray();
-    ASSERT_TRUE(stray);
-    EXPECT_FALSE(stray->is_response);
+    const auto unsolicited = framer_.take_unsolicited();
+    ASSERT_TRUE(unsolicited);
+    EXPECT_FALSE(unsolicited->is_response);
     framer_.listen();
-    EXPECT_FALSE(framer_.take_stray());  // nor does it tell anything of what is owed
+    EXPECT_FALSE(framer_.take_unsolicited());  // nor does it tell anything of what is owed
   }
 }
 
 TEST_F(RtuNoise, AStrayFrameBehindItMayBeOneByChanceOnly) {
   framer_.listen();
   EXPECT_EQ(add("FE F8 " + kAnswer), Verdict::none);
-  const auto after_noise = framer_.take_stray();
+  const auto after_noise = framer_.take_unsolicited();
   ASSERT_TRUE(after_noise);
   EXPECT_TRUE(after_noise->after_noise);
   now_ += 5ms;
   EXPECT_EQ(add(kAnswer), Verdict::none);
-  EXPECT_FALSE(framer_.take_stray()->after_noise);
+  EXPECT_FALSE(framer_.take_unsolicited()->after_noise);
 }
 
 TEST_F(RtuNoise, NeverMakesAnAnswerOfACandidateUnderWay) {

@@ -167,7 +167,7 @@ TEST(Gateway, AnswersWhatItHasReadAheadWhenItStops) {
   EXPECT_FALSE(rig.finished);
 }
 
-TEST(OwnUnit, IdentifiesItself) {
+TEST(StatusUnit, IdentifiesItself) {
   MachineRig rig(one_bus(), false);
   rig.connect(1);
   rig.receive(1, "0001 0000 0005 FF 2B 0E 01 00");
@@ -183,7 +183,7 @@ TEST(OwnUnit, IdentifiesItself) {
               ElementsAre("00 02 00 00 00 03 FF AB 02", "00 03 00 00 00 03 FF AB 03"));
 }
 
-TEST(OwnUnit, ShowsTheHealthOfBusesAndDevices) {
+TEST(StatusUnit, ShowsTheHealthOfBusesAndDevices) {
   Settings settings = one_bus();
   settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing}};
   MachineRig rig(settings);
@@ -203,7 +203,7 @@ TEST(OwnUnit, ShowsTheHealthOfBusesAndDevices) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 84 02"));
 }
 
-TEST(OwnUnit, ShowsDevicesThatDoNotAnswer) {
+TEST(StatusUnit, ShowsDevicesThatDoNotAnswer) {
   Settings settings = one_bus();
   settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing}};
   settings.devices[0].timing.offline_after = 1;
@@ -223,7 +223,7 @@ TEST(OwnUnit, ShowsDevicesThatDoNotAnswer) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 04 00 00 00 07 FF 04 04 00 00 00 00"));
 }
 
-TEST(OwnUnit, CountsAndClears) {
+TEST(StatusUnit, CountsAndClears) {
   MachineRig rig;
   rig.connect(1);
   rig.receive(1, kRead);

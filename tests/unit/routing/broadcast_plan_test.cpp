@@ -42,11 +42,11 @@ class Broadcasts : public testing::Test {
   /// Form and PDU of what is sent, or the exception.
   Texts sent(std::string_view request, std::uint8_t unit = 0) {
     const routing::RouteTable table(listeners, routes, devices);
-    const routing::Way* way = table.find(ListenerId{0}, unit);
-    if (way == nullptr) {
-      return {"no way"};
+    const routing::ResolvedRoute* resolved = table.find(ListenerId{0}, unit);
+    if (resolved == nullptr) {
+      return {"no resolved"};
     }
-    const auto plan = routing::Plan::make(*way, unit, {}, pdu(request));
+    const auto plan = routing::Plan::make(*resolved, unit, {}, pdu(request));
     if (!plan) {
       return {modbus::exception_text(static_cast<std::uint8_t>(plan.error()))};
     }
@@ -136,7 +136,7 @@ TEST_F(Broadcasts, ARouteThatNamesADeviceIsNone) {
   routes.emplace_back();
   routes[1].buses = {BusId{0}};
   routes[1].first_unit = routes[1].last_unit = routes[1].first_address = 129;
-  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no way"});
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no resolved"});
   devices = {moons(0, {})};  // a Modbus TCP server may have this address
   routes[0].first_address = 0;
   EXPECT_EQ(sent("03 0001 0002"), Texts{"0: 03 00 01 00 02"});
@@ -145,7 +145,7 @@ TEST_F(Broadcasts, ARouteThatNamesADeviceIsNone) {
 TEST_F(Broadcasts, TheAicsBroadcastAddressIsNoDevice) {
   listeners = {{BusId{0}}};
   devices = {aic(), moons(1, {})};
-  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no way"});
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no resolved"});
   EXPECT_EQ(sent("05 000B FF00", 128), Texts{"128: 05 00 0B FF 00"});
   listeners[0].broadcast = true;
   EXPECT_EQ(sent("05 000B FF00", 129), Texts{"129 OR 80: 05 00 0B FF 00"});
@@ -162,7 +162,7 @@ TEST_F(Broadcasts, SoIsItOnARouteToTheBus) {
   range.buses = {BusId{0}};
   devices = {aic()};
   routes = {range};
-  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no way"});
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no resolved"});
   routes.push_back(broadcast_route());
   EXPECT_EQ(sent("05 000B FF00", 129), Texts{"129 OR 80: 05 00 0B FF 00"});
   routes[0].access = routing::Access::read_only;

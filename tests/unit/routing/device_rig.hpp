@@ -42,12 +42,12 @@ struct Planned {
   static Result<routing::Plan, modbus::ExceptionCode> make(const drive::Device& device,
                                                            std::string_view request,
                                                            std::optional<WordOrder> seen) {
-    routing::Way way;
-    way.device = &device;
-    way.route.first_unit = way.route.last_unit = way.route.first_address = 1;
-    way.route.buses = {device.bus};
-    way.route.word_order = seen;
-    return routing::Plan::make(way, 1, {}, pdu(request));
+    routing::ResolvedRoute resolved;
+    resolved.device = &device;
+    resolved.route.first_unit = resolved.route.last_unit = resolved.route.first_address = 1;
+    resolved.route.buses = {device.bus};
+    resolved.route.word_order = seen;
+    return routing::Plan::make(resolved, 1, {}, pdu(request));
   }
   /// What goes on the bus, or the exception.
   [[nodiscard]] std::vector<std::string> requests() const {

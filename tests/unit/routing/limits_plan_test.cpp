@@ -77,14 +77,14 @@ TEST(LimitsPlan, SplitsWritesOnlyWhereTheUserAllowsIt) {
 
 TEST(LimitsPlan, AnswersThroughAWindowToAnotherTableWithTheClientsFunction) {
   const drive::Device device;
-  routing::Way way;
-  way.device = &device;
-  way.route.first_unit = way.route.last_unit = way.route.first_address = 1;
-  way.route.buses = {device.bus};
-  way.route.windows = {{Table::holding_registers, 0, 16, Table::input_registers, 1000},
-                       {Table::coils, 0, 16, Table::discrete_inputs, 32}};
+  routing::ResolvedRoute resolved;
+  resolved.device = &device;
+  resolved.route.first_unit = resolved.route.last_unit = resolved.route.first_address = 1;
+  resolved.route.buses = {device.bus};
+  resolved.route.windows = {{Table::holding_registers, 0, 16, Table::input_registers, 1000},
+                            {Table::coils, 0, 16, Table::discrete_inputs, 32}};
   const auto answer_to = [&](std::string_view request, std::string_view response) {
-    const auto plan = routing::Plan::make(way, 1, {}, pdu(request));
+    const auto plan = routing::Plan::make(resolved, 1, {}, pdu(request));
     const modbus::Pdu from_device = pdu(response);
     const modbus::Pdu* const responses[] = {&from_device};
     return hex(plan->answer(responses).bytes());

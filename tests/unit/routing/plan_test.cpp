@@ -32,7 +32,7 @@ Route window_route() {
 }
 
 std::string on_the_bus(const Route& route, std::string_view request) {
-  const auto plan = routing::Plan::make(routing::Way{route}, 11, {}, pdu(request));
+  const auto plan = routing::Plan::make(routing::ResolvedRoute{route}, 11, {}, pdu(request));
   return plan ? hex(plan->transactions()[0].request.pdu().bytes())
               : modbus::exception_text(static_cast<std::uint8_t>(plan.error()));
 }
@@ -68,8 +68,8 @@ TEST(Plan, RefusesWhatLiesNotWhollyInTheWindow) {
 }
 
 TEST(Plan, GivesTheClientItsOwnAddressesBack) {
-  const auto plan =
-      routing::Plan::make(routing::Way{window_route()}, 11, {}, pdu("10 03E8 0001 02 1234"));
+  const auto plan = routing::Plan::make(routing::ResolvedRoute{window_route()}, 11, {},
+                                        pdu("10 03E8 0001 02 1234"));
   ASSERT_TRUE(plan);
   EXPECT_EQ(answer(*plan, "10 0064 0001"), "10 03 E8 00 01");
   EXPECT_EQ(answer(*plan, "90 03"), "90 03");
@@ -109,10 +109,11 @@ TEST(Plan, AnswersWithTheFunctionThatTheClientAskedFor) {
   Route route = window_route();
   route.windows = {{kHolding, 1000, 10, modbus::Table::input_registers, 5},
                    {modbus::Table::coils, 0, 16, modbus::Table::discrete_inputs, 32}};
-  const auto registers = routing::Plan::make(routing::Way{route}, 11, {}, pdu("03 03E8 0002"));
+  const auto registers =
+      routing::Plan::make(routing::ResolvedRoute{route}, 11, {}, pdu("03 03E8 0002"));
   EXPECT_EQ(answer(*registers, "04 04 0001 0002"), "03 04 00 01 00 02");
   EXPECT_EQ(answer(*registers, "84 02"), "83 02");
-  const auto bits = routing::Plan::make(routing::Way{route}, 11, {}, pdu("01 0003 000A"));
+  const auto bits = routing::Plan::make(routing::ResolvedRoute{route}, 11, {}, pdu("01 0003 000A"));
   EXPECT_EQ(answer(*bits, "02 02 CD 01"), "01 02 CD 01");
 }
 
@@ -123,7 +124,7 @@ TEST(Plan, ReadOnlyRoutesAndClientsMayOnlyRead) {
   EXPECT_EQ(on_the_bus(route, "17 03E8 0001 03E8 0001 02 00FF"), modbus::exception_text(1));
   EXPECT_EQ(on_the_bus(route, "03 03E8 0001"), "03 00 64 00 01");
   const auto plan =
-      routing::Plan::make(routing::Way{window_route()}, 11, {true}, pdu("06 03E8 0001"));
+      routing::Plan::make(routing::ResolvedRoute{window_route()}, 11, {true}, pdu("06 03E8 0001"));
   EXPECT_EQ(plan.error(), ExceptionCode::illegal_function);
 }
 
@@ -148,7 +149,7 @@ TEST(RouteTable, MapsRangesOfUnitsToAddresses) {
   const routing::RouteTable table(listeners, std::vector{range}, {});
   EXPECT_EQ(table.find(ListenerId{0}, 99), nullptr);
   EXPECT_EQ(table.find(ListenerId{0}, 132), nullptr);
-  const routing::Way* found = table.find(ListenerId{0}, 131);
+  const routing::ResolvedRoute* found = table.find(ListenerId{0}, 131);
   ASSERT_NE(found, nullptr);
   const auto plan = routing::Plan::make(*found, 131, {}, pdu("03 0000 0001"));
   EXPECT_EQ(plan->transactions()[0].address, 32);

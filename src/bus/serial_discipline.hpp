@@ -16,11 +16,11 @@
 
 namespace mbgate::bus {
 
-class SerialLine {
+class SerialDiscipline {
  public:
-  SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters);
-  SerialLine(const SerialLine&) = delete;  // its parts refer to each other
-  SerialLine& operator=(const SerialLine&) = delete;
+  SerialDiscipline(const BusSettings& settings, Duration listen_first, BusCounters& counters);
+  SerialDiscipline(const SerialDiscipline&) = delete;  // its parts refer to each other
+  SerialDiscipline& operator=(const SerialDiscipline&) = delete;
 
   /// The line was opened: listening begins, nothing of before counts any more.
   void open(Instant now, LineKind kind);
@@ -56,7 +56,7 @@ class SerialLine {
   /// What was noticed of the line itself since the last call.
   std::optional<LineFault> take_fault();
   /// A good frame that answers nothing that was asked, each once.
-  std::optional<Stray> take_stray();
+  std::optional<UnsolicitedFrame> take_unsolicited();
   [[nodiscard]] LineState state(Instant now) const;
 
  private:
@@ -90,14 +90,14 @@ class SerialLine {
   Instant turnaround_until_;
   Transaction* transaction_ = nullptr;
   Instant emission_ends_;
-  Instant response_due_;         // the end of the response timeout
-  Instant response_deadline_;    // the same, or earlier because a stop waits
-  Duration response_wait_{0};    // the device holds its answer back for so long
-  OwedAnswers owed_;             // those that may still come
-  Strays<kMostStrays> refused_;  // of these, those that came, and were not told yet
-  bool draining_ = false;        // what came last was no response: it must end first
-  std::size_t heard_ = 0;        // bytes since the last own frame had left
-  Instant heard_at_;             // the first of them
+  Instant response_due_;                         // the end of the response timeout
+  Instant response_deadline_;                    // the same, or earlier because a stop waits
+  Duration response_wait_{0};                    // the device holds its answer back for so long
+  OwedAnswers owed_;                             // those that may still come
+  UnsolicitedFrames<kMostUnsolicited> refused_;  // of these, those that came, and were not told yet
+  bool draining_ = false;  // what came last was no response: it must end first
+  std::size_t heard_ = 0;  // bytes since the last own frame had left
+  Instant heard_at_;       // the first of them
   bool unpaced_told_ = false;
   std::optional<LineEnd> end_;
 };

@@ -27,9 +27,9 @@ inline constexpr Duration kSilenceToReplace = std::chrono::seconds(30);
 /// would be lost.
 inline constexpr Duration kTimeToClose = std::chrono::milliseconds(50);
 
-class TcpLine {
+class TcpDiscipline {
  public:
-  TcpLine(const BusSettings& settings, BusCounters& counters)
+  TcpDiscipline(const BusSettings& settings, BusCounters& counters)
       : check_unit_(settings.check_unit),
         replace_after_(settings.replace_after),
         counters_(counters) {}
@@ -58,7 +58,7 @@ class TcpLine {
   [[nodiscard]] static std::optional<Instant> response_due() { return std::nullopt; }
   void update(const BusSettings& settings, Duration listen_first);
   /// A late answer, each once. Nobody else is heard on a connection.
-  std::optional<Stray> take_stray() { return strays_.take(); }
+  std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
   /// Gives up all running transactions: nothing of them will be reported.
   void abort();
   /// Something that was asked on this connection was answered, in time or late.
@@ -121,8 +121,8 @@ class TcpLine {
   bool closes_after_answer_ = false;  // the connection before was closed right after an answer
   Instant closes_by_ = Instant::min();
   std::deque<LineEnd> ends_;
-  std::deque<Expired> expired_;  // the newest kMostExpired
-  Strays<kMostExpired> strays_;  // each of them had expired
+  std::deque<Expired> expired_;                  // the newest kMostExpired
+  UnsolicitedFrames<kMostExpired> unsolicited_;  // each of them had expired
   std::optional<LineFault> fault_;
 };
 

@@ -15,18 +15,19 @@ constexpr unsigned kEchoesToTell = 2;
 }  // namespace
 
 // A good frame came that answers nothing that is asked now.
-void Bus::handle_stray(const Stray& stray) {
-  const std::uint8_t address = stray.address;
+void Bus::handle_unsolicited(const UnsolicitedFrame& unsolicited) {
+  const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = devices_[address];
   frame_heard_ = true;
-  if (stray.is_echo) {
+  if (unsolicited.is_echo) {
     return;
   }
-  const auto late = stray.is_response ? entry.health.note_unexpected(stray.pdu.bytes(), stray.came,
-                                                                     entry.timing())
-                                      : std::optional<DeviceHealth::Late>();
+  const auto late =
+      unsolicited.is_response
+          ? entry.health.note_unexpected(unsolicited.pdu.bytes(), unsolicited.came, entry.timing())
+          : std::optional<DeviceHealth::Late>();
   if (!late) {
-    note_foreign(stray);
+    note_foreign(unsolicited);
     return;
   }
   ++counters_.late_responses;
@@ -34,7 +35,7 @@ void Bus::handle_stray(const Stray& stray) {
   entry.note_heard();
   if (late->grew) {
     actions_.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
-                               entry.health.quarantine(stray.came, entry.timing())});
+                               entry.health.quarantine(unsolicited.came, entry.timing())});
   }
   if (late->back) {
     notify(DeviceNotice::Kind::back, address);
@@ -48,29 +49,29 @@ void Bus::handle_stray(const Stray& stray) {
 // A request that somebody else sent, or a frame of a device that has owed nothing for so long that
 // it can be no late answer: another client is on this line, or another device at this address. What
 // a line had in store when it was opened says nothing.
-void Bus::note_foreign(const Stray& stray) {
-  const Instant now = stray.came;
-  const std::uint8_t address = stray.address;
+void Bus::note_foreign(const UnsolicitedFrame& unsolicited) {
+  const Instant now = unsolicited.came;
+  const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = devices_[address];
   const Duration longest = entry.timing().quarantine_max;
   const auto asked = std::ranges::find_if(
       running_, [&](Job* job) { return job->in_flight && job->on_wire().address == address; });
   const bool is_asked = asked != running_.end();
-  const bool is_own =
-      is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(), stray.pdu.bytes());
-  if (is_own && stray.is_request && !std::exchange(own_heard_, true)) {
+  const bool is_own = is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(),
+                                                     unsolicited.pdu.bytes());
+  if (is_own && unsolicited.is_request && !std::exchange(own_heard_, true)) {
     note_denied_echo(true);
   }
-  if (stray.after_noise || is_own || now < link_.opened_at() + longest) {
+  if (unsolicited.after_noise || is_own || now < link_.opened_at() + longest) {
     return;
   }
   const bool is_old = entry.owed_until == Instant::min() || now > entry.owed_until + longest;
-  if (!stray.is_request && (!stray.is_response || is_asked || !is_old)) {
+  if (!unsolicited.is_request && (!unsolicited.is_response || is_asked || !is_old)) {
     return;
   }
-  const bool answered_just_now = stray.is_response && entry.answered_at != Instant::min() &&
+  const bool answered_just_now = unsolicited.is_response && entry.answered_at != Instant::min() &&
                                  now <= entry.answered_at + entry.timing().response_timeout &&
-                                 stray.pdu.function() == entry.answered_function;
+                                 unsolicited.pdu.function() == entry.answered_function;
   if (answered_just_now && !foreign_reported_) {
     if (!std::exchange(entry.second_reported, true)) {
       notify(DeviceNotice::Kind::second_answer, address);
@@ -80,7 +81,7 @@ void Bus::note_foreign(const Stray& stray) {
   ++counters_.foreign_frames;
   if (!std::exchange(foreign_reported_, true)) {
     DeviceNotice notice{DeviceNotice::Kind::foreign, address};
-    notice.is_request = stray.is_request;
+    notice.is_request = unsolicited.is_request;
     actions_.push(notice);
   }
 }

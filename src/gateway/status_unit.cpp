@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/own_unit.hpp"
+#include "gateway/status_unit.hpp"
 
 #include <algorithm>
 #include <array>
@@ -32,7 +32,7 @@ std::uint16_t saturated(std::uint64_t value) {
       std::min<std::uint64_t>(value, std::numeric_limits<std::uint16_t>::max()));
 }
 
-Block head_block(const OwnView& view) {
+Block head_block(const StatusView& view) {
   Block block{kLayoutVersion, saturated(view.buses.size()), saturated(view.devices.size()),
               saturated(view.clients)};
   put32(block, static_cast<std::uint64_t>(
@@ -54,7 +54,7 @@ Block bus_block(const bus::Bus& bus) {
   Block block{static_cast<std::uint16_t>(bus.is_open() ? 1 : 0), saturated(bus.waiting())};
   for (const std::uint64_t count :
        {counters.transmissions,    counters.responses,        counters.exceptions,
-        counters.timeouts,         counters.bad_crcs,         counters.stray_frames,
+        counters.timeouts,         counters.bad_crcs,         counters.unsolicited_frames,
         counters.stray_bytes,      counters.noise_bytes,      counters.echo_mismatches,
         counters.expired,          counters.refused_full,     counters.losses,
         counters.retries,          counters.broadcasts,       counters.late_responses,
@@ -104,7 +104,7 @@ Block device_block(const drive::Device& device, const bus::Bus& bus, bus::Instan
 }
 
 // The block of registers that begins at or before `address`, and where it begins.
-std::pair<std::uint32_t, Block> block_at(std::uint32_t address, const OwnView& view) {
+std::pair<std::uint32_t, Block> block_at(std::uint32_t address, const StatusView& view) {
   if (address >= kDevicesAt) {
     const std::uint32_t index = (address - kDevicesAt) / kDeviceSize;
     if (index >= view.devices.size()) {
@@ -123,7 +123,7 @@ std::pair<std::uint32_t, Block> block_at(std::uint32_t address, const OwnView& v
   return {0, head_block(view)};
 }
 
-Pdu read_registers(const modbus::TableRange& range, const OwnView& view) {
+Pdu read_registers(const modbus::TableRange& range, const StatusView& view) {
   std::vector<std::uint8_t> bytes{0x04, static_cast<std::uint8_t>(range.count * 2)};
   for (std::uint32_t address = range.first; address < std::uint32_t{range.first} + range.count;) {
     const auto [begin, block] = block_at(address, view);
@@ -181,7 +181,7 @@ Pdu identify(const Pdu& request) {
 }
 
 template <typename Count>
-std::uint64_t sum(const OwnView& view, Count count) {
+std::uint64_t sum(const StatusView& view, Count count) {
   std::uint64_t total = 0;
   for (const bus::Bus* bus : view.buses) {
     total += count(bus->counters());
@@ -191,7 +191,7 @@ std::uint64_t sum(const OwnView& view, Count count) {
 
 }  // namespace
 
-OwnUnit::Answer OwnUnit::diagnose(const Pdu& request, const OwnView& view) {
+StatusUnit::Answer StatusUnit::diagnose(const Pdu& request, const StatusView& view) {
   using Counters = bus::BusCounters;
   std::uint64_t value = 0;
   switch (modbus::load_be16(request.bytes(), 1)) {
@@ -199,7 +199,7 @@ OwnUnit::Answer OwnUnit::diagnose(const Pdu& request, const OwnView& view) {
     case 0x02: break;  // diagnostic register: nothing to tell
     case 0x0A: requests_ = 0; return {request, true};
     case 0x0B:
-      value = sum(view, [](const Counters& c) { return c.responses + c.stray_frames; });
+      value = sum(view, [](const Counters& c) { return c.responses + c.unsolicited_frames; });
       break;
     case 0x0C: value = sum(view, [](const Counters& c) { return c.bad_crcs; }); break;
     case 0x0D: value = sum(view, [](const Counters& c) { return c.exceptions; }); break;
@@ -215,7 +215,7 @@ OwnUnit::Answer OwnUnit::diagnose(const Pdu& request, const OwnView& view) {
   return {answer};
 }
 
-OwnUnit::Answer OwnUnit::answer(const Pdu& request, const OwnView& view) {
+StatusUnit::Answer StatusUnit::answer(const Pdu& request, const StatusView& view) {
   ++requests_;
   const auto parsed = modbus::Request::parse(request);
   if (!parsed) {

@@ -13,10 +13,10 @@
 
 namespace mbgate::gateway {
 
-struct Generation {
-  explicit Generation(Settings given);
-  Generation(const Generation&) = delete;  // its parts refer to each other
-  Generation& operator=(const Generation&) = delete;
+struct SettingsSnapshot {
+  explicit SettingsSnapshot(Settings given);
+  SettingsSnapshot(const SettingsSnapshot&) = delete;  // its parts refer to each other
+  SettingsSnapshot& operator=(const SettingsSnapshot&) = delete;
 
   /// Nothing: the device has no rules of its own.
   [[nodiscard]] const DeviceGuard* guard(std::size_t device) const;

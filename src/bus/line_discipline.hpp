@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// The line of a bus, of whichever discipline. SerialLine and TcpLine say what each function
-// promises.
+// The line of a bus, of whichever discipline. SerialDiscipline and TcpDiscipline say what each
+// function promises.
 #pragma once
 
 #include <utility>
 #include <variant>
 
-#include "bus/serial_line.hpp"
+#include "bus/serial_discipline.hpp"
 #include "bus/state_reader.hpp"
-#include "bus/tcp_line.hpp"
+#include "bus/tcp_discipline.hpp"
 
 namespace mbgate::bus {
 
-class Line {
+class LineDiscipline {
  public:
-  Line(const BusSettings& settings, Duration listen_first, BusCounters& counters)
+  LineDiscipline(const BusSettings& settings, Duration listen_first, BusCounters& counters)
       : line_(make(settings, listen_first, counters)) {}
 
   void open(Instant now, LineKind kind) {
@@ -46,8 +46,8 @@ class Line {
   void update(const BusSettings& settings, Duration listen_first) {
     std::visit([&](auto& line) { line.update(settings, listen_first); }, line_);
   }
-  std::optional<Stray> take_stray() {
-    return std::visit([](auto& line) { return line.take_stray(); }, line_);
+  std::optional<UnsolicitedFrame> take_unsolicited() {
+    return std::visit([](auto& line) { return line.take_unsolicited(); }, line_);
   }
   void abort() {
     std::visit([](auto& line) { line.abort(); }, line_);
@@ -63,16 +63,16 @@ class Line {
   }
   /// Something that was asked on the open connection has been answered. Never on a serial line.
   [[nodiscard]] bool has_answered() const {
-    const auto* tcp = std::get_if<TcpLine>(&line_);
+    const auto* tcp = std::get_if<TcpDiscipline>(&line_);
     return tcp != nullptr && tcp->has_answered();
   }
   /// Nothing was asked on the open connection. Never on a serial line.
   [[nodiscard]] bool is_unused() const {
-    const auto* tcp = std::get_if<TcpLine>(&line_);
+    const auto* tcp = std::get_if<TcpDiscipline>(&line_);
     return tcp != nullptr && tcp->is_unused();
   }
   void note_closed(Instant now) {
-    if (auto* tcp = std::get_if<TcpLine>(&line_)) {
+    if (auto* tcp = std::get_if<TcpDiscipline>(&line_)) {
       tcp->note_closed(now);
     }
   }
@@ -88,12 +88,12 @@ class Line {
 
  private:
   friend struct mbgate::StateReader;
-  using Variant = std::variant<SerialLine, TcpLine>;
+  using Variant = std::variant<SerialDiscipline, TcpDiscipline>;
   static Variant make(const BusSettings& settings, Duration listen_first, BusCounters& counters) {
     if (settings.line.framing == Framing::tcp) {
-      return Variant(std::in_place_type<TcpLine>, settings, counters);
+      return Variant(std::in_place_type<TcpDiscipline>, settings, counters);
     }
-    return Variant(std::in_place_type<SerialLine>, settings, listen_first, counters);
+    return Variant(std::in_place_type<SerialDiscipline>, settings, listen_first, counters);
   }
 
   Variant line_;

@@ -16,7 +16,7 @@
 // At 1000 + 64 * bus:
 //   0 open (1) or not (0)
 //   1 requests waiting
-//   2-53 counters: transmissions, responses, exceptions, timeouts, bad CRCs, stray frames,
+//   2-53 counters: transmissions, responses, exceptions, timeouts, bad CRCs, unsolicited frames,
 //        stray bytes, noise bytes, echo mismatches, expired, refused because full, losses,
 //        retries, broadcasts, late responses, early responses, foreign frames, shared reads, merged
 //        reads, reads answered from memory, stops sent, stops unanswered, writes taken back because
@@ -61,7 +61,7 @@ struct ClientCounters {
 };
 
 /// What the gateway looks like at the moment of a request.
-struct OwnView {
+struct StatusView {
   std::vector<const bus::Bus*> buses;
   std::span<const drive::Device> devices;
   std::size_t clients = 0;
@@ -70,17 +70,17 @@ struct OwnView {
   bus::Instant now{};
 };
 
-class OwnUnit {
+class StatusUnit {
  public:
   struct Answer {
     modbus::Pdu pdu;
     bool clear_counters = false;  ///< 08/0A: the buses' counters are to be cleared
   };
   /// Answers everything; what the gateway itself does not do gets exception 01.
-  Answer answer(const modbus::Pdu& request, const OwnView& view);
+  Answer answer(const modbus::Pdu& request, const StatusView& view);
 
  private:
-  [[nodiscard]] Answer diagnose(const modbus::Pdu& request, const OwnView& view);
+  [[nodiscard]] Answer diagnose(const modbus::Pdu& request, const StatusView& view);
 
   std::uint16_t requests_ = 0;  ///< CPT4, the server message count (Serial Line V1.02, appendix A)
 };

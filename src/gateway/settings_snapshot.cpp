@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/generation.hpp"
+#include "gateway/settings_snapshot.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -16,19 +16,19 @@ std::vector<routing::ListenerKind> kinds_of(const std::vector<ListenerSettings>&
   return kinds;
 }
 
-bool reaches(const routing::Way& way, unsigned unit, const drive::Device& device) {
-  if (way.is_broadcast()) {
-    return std::ranges::any_of(way.audiences, [&](const routing::Audience& audience) {
+bool reaches(const routing::ResolvedRoute& resolved, unsigned unit, const drive::Device& device) {
+  if (resolved.is_broadcast()) {
+    return std::ranges::any_of(resolved.audiences, [&](const routing::Audience& audience) {
       return audience.bus == device.bus;
     });
   }
-  return way.route.buses.front() == device.bus &&
-         way.route.address_of(static_cast<std::uint8_t>(unit)) == device.address;
+  return resolved.route.buses.front() == device.bus &&
+         resolved.route.address_of(static_cast<std::uint8_t>(unit)) == device.address;
 }
 
 }  // namespace
 
-Generation::Generation(Settings given)
+SettingsSnapshot::SettingsSnapshot(Settings given)
     : settings(std::move(given)),
       routes(kinds_of(settings.listeners), settings.routes, settings.devices),
       devices(settings.devices, settings.buses.size()) {
@@ -43,16 +43,16 @@ Generation::Generation(Settings given)
   }
 }
 
-const DeviceGuard* Generation::guard(std::size_t device) const {
+const DeviceGuard* SettingsSnapshot::guard(std::size_t device) const {
   return device < settings.guards.size() ? &settings.guards[device] : nullptr;
 }
 
-std::span<const modbus::Request> Generation::failsafe(std::size_t device) const {
+std::span<const modbus::Request> SettingsSnapshot::failsafe(std::size_t device) const {
   const DeviceGuard* known = guard(device);
   return known != nullptr ? std::span(known->failsafe) : std::span<const modbus::Request>();
 }
 
-Failsafe Generation::new_failsafe() const {
+Failsafe SettingsSnapshot::new_failsafe() const {
   Failsafe watches;
   for (std::size_t place = 0; place < settings.devices.size(); ++place) {
     if (!failsafe(place).empty()) {
@@ -62,7 +62,8 @@ Failsafe Generation::new_failsafe() const {
   return watches;
 }
 
-DevicePlaces Generation::watched_for(const ClientInfo& client, routing::ClientRights rights) const {
+DevicePlaces SettingsSnapshot::watched_for(const ClientInfo& client,
+                                           routing::ClientRights rights) const {
   if (rights.read_only) {
     return {};
   }
@@ -75,11 +76,11 @@ DevicePlaces Generation::watched_for(const ClientInfo& client, routing::ClientRi
   return places;
 }
 
-bool Generation::leads_to(ListenerId listener, const drive::Device& device) const {
+bool SettingsSnapshot::leads_to(ListenerId listener, const drive::Device& device) const {
   for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
-    const routing::Way* way = routes.find(listener, static_cast<std::uint8_t>(unit));
-    if (way != nullptr && settings.own_unit != unit && way->route.may_write() &&
-        reaches(*way, unit, device)) {
+    const routing::ResolvedRoute* resolved = routes.find(listener, static_cast<std::uint8_t>(unit));
+    if (resolved != nullptr && settings.own_unit != unit && resolved->route.may_write() &&
+        reaches(*resolved, unit, device)) {
       return true;
     }
   }

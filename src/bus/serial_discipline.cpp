@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/serial_line.hpp"
+#include "bus/serial_discipline.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -21,7 +21,8 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
 
 }  // namespace
 
-SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCounters& counters)
+SerialDiscipline::SerialDiscipline(const BusSettings& settings, Duration listen_first,
+                                   BusCounters& counters)
     : timing_(settings.line.baud, settings.line.format),
       frame_gap_(settings.frame_gap.value_or(timing_.t3_5())),
       turnaround_(settings.turnaround),
@@ -32,7 +33,7 @@ SerialLine::SerialLine(const BusSettings& settings, Duration listen_first, BusCo
       echo_(settings.line.echo, counters, faults_),
       framer_(settings, timing_, counters) {}
 
-void SerialLine::open(Instant now, LineKind kind) {
+void SerialDiscipline::open(Instant now, LineKind kind) {
   abort();
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
@@ -45,7 +46,7 @@ void SerialLine::open(Instant now, LineKind kind) {
   turnaround_until_ = std::max(turnaround_until_, now);  // the drives know nothing of the adapter
 }
 
-void SerialLine::update(const BusSettings& settings, Duration listen_first) {
+void SerialDiscipline::update(const BusSettings& settings, Duration listen_first) {
   listen_first_ = listen_first;
   frame_gap_ = settings.frame_gap.value_or(timing_.t3_5());
   turnaround_ = settings.turnaround;
@@ -53,17 +54,17 @@ void SerialLine::update(const BusSettings& settings, Duration listen_first) {
   framer_.update(settings);
 }
 
-Instant SerialLine::ready_at(Duration gap) const {
+Instant SerialDiscipline::ready_at(Duration gap) const {
   return std::max(
       {quiet_since_ + frame_gap_ + gap, settling_until_, listening_until_, turnaround_until_});
 }
 
-Instant SerialLine::ready_for_stop_at() const {
+Instant SerialDiscipline::ready_for_stop_at() const {
   return std::max(quiet_since_ + frame_gap_, turnaround_until_);
 }
 
-FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming& timing,
-                             OwedAnswers owed, Instant now) {
+FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
+                                   OwedAnswers owed, Instant now) {
   const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
   transaction_ = &transaction;
   end_.reset();
@@ -88,18 +89,19 @@ FrameBytes SerialLine::begin(Transaction& transaction, const drive::DeviceTiming
   return frame;
 }
 
-void SerialLine::limit_wait(const Transaction& /*transaction*/, Instant instant, Duration least) {
+void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Instant instant,
+                                  Duration least) {
   response_deadline_ = std::min(response_deadline_, std::max(instant, emission_ends_ + least));
 }
 
-void SerialLine::abort() {
+void SerialDiscipline::abort() {
   framer_.listen();
   transaction_ = nullptr;
   echo_.forget();
   end_.reset();
 }
 
-void SerialLine::end(LineEnd::How how) {
+void SerialDiscipline::end(LineEnd::How how) {
   const bool early = how == LineEnd::How::response && response_wait_ > Duration{0} && is_early();
   end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_,
                  std::max(quiet_since_ - emission_ends_, Duration{0}), early};
@@ -110,7 +112,7 @@ void SerialLine::end(LineEnd::How how) {
   framer_.listen();
 }
 
-void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
+void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
   if (framer_.awaits_silence()) {
     handle_deadline(now);  // if silence has ended a frame already, these bytes are no part of it
   }
@@ -136,7 +138,7 @@ void SerialLine::handle_bytes(modbus::Bytes bytes, Instant now) {
   judge(framer_.add(bytes, now), now);
 }
 
-void SerialLine::handle_deadline(Instant now) {
+void SerialDiscipline::handle_deadline(Instant now) {
   if (transaction_ == nullptr) {
     return;
   }
@@ -161,7 +163,7 @@ void SerialLine::handle_deadline(Instant now) {
   }
 }
 
-std::optional<Instant> SerialLine::next_deadline() const {
+std::optional<Instant> SerialDiscipline::next_deadline() const {
   if (transaction_ == nullptr) {
     return std::nullopt;
   }
@@ -171,9 +173,9 @@ std::optional<Instant> SerialLine::next_deadline() const {
   return framer_.in_progress() ? framer_.next_deadline() : response_deadline_;
 }
 
-std::optional<LineEnd> SerialLine::take_end() { return std::exchange(end_, std::nullopt); }
+std::optional<LineEnd> SerialDiscipline::take_end() { return std::exchange(end_, std::nullopt); }
 
-std::optional<LineFault> SerialLine::take_fault() {
+std::optional<LineFault> SerialDiscipline::take_fault() {
   if (faults_.empty()) {
     return std::nullopt;
   }
@@ -182,16 +184,16 @@ std::optional<LineFault> SerialLine::take_fault() {
   return fault;
 }
 
-std::optional<Stray> SerialLine::take_stray() {
-  auto stray = refused_.take();
-  stray = stray ? stray : framer_.take_stray();
-  if (stray) {
-    stray->is_echo = echo_.is_of_read(stray->address, stray->pdu);
+std::optional<UnsolicitedFrame> SerialDiscipline::take_unsolicited() {
+  auto unsolicited = refused_.take();
+  unsolicited = unsolicited ? unsolicited : framer_.take_unsolicited();
+  if (unsolicited) {
+    unsolicited->is_echo = echo_.is_of_read(unsolicited->address, unsolicited->pdu);
   }
-  return stray;
+  return unsolicited;
 }
 
-LineState SerialLine::state(Instant now) const {
+LineState SerialDiscipline::state(Instant now) const {
   if (transaction_ != nullptr) {
     return now < emission_ends_ ? LineState::emission : LineState::waiting_for_reply;
   }

@@ -16,7 +16,7 @@ struct Audience {
   std::vector<const drive::Device*> devices;
 };
 
-struct Way {
+struct ResolvedRoute {
   Route route;
   const drive::Device* device = nullptr;  ///< set: everything that its profile asks for is done
   std::vector<Audience> audiences{};      ///< of a broadcast

@@ -14,9 +14,9 @@ namespace mbgate::gateway {
 /// In place of a bus that is no more.
 inline constexpr BusId kNoBus{std::numeric_limits<std::uint32_t>::max()};
 
-class Succession {
+class SettingsDiff {
  public:
-  Succession(const Settings& old, const Settings& next);
+  SettingsDiff(const Settings& old, const Settings& next);
 
   /// The new number; nothing if there is none.
   [[nodiscard]] std::optional<ListenerId> listener(ListenerId old) const;

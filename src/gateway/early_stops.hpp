@@ -15,7 +15,7 @@
 
 namespace mbgate::gateway {
 
-class TakenAhead {
+class EarlyStops {
  public:
   struct Stop {
     std::uint64_t position;
@@ -59,7 +59,7 @@ class TakenAhead {
 };
 
 template <typename NewPlace>
-void TakenAhead::renumber(NewPlace new_place) {
+void EarlyStops::renumber(NewPlace new_place) {
   std::vector<Place> kept;
   for (const Place& it : forbidden_) {
     if (const std::optional<std::size_t> device = new_place(it.device)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/succession.hpp"
+#include "gateway/settings_diff.hpp"
 
 #include <algorithm>
 
@@ -26,7 +26,7 @@ std::optional<Id> number(const std::optional<std::size_t>& place) {
 
 }  // namespace
 
-Succession::Succession(const Settings& old, const Settings& next)
+SettingsDiff::SettingsDiff(const Settings& old, const Settings& next)
     : listeners_(places_of(old.listeners, next.listeners)),
       buses_(places_of(old.buses, next.buses)),
       devices_(places_of(old.devices, next.devices)) {
@@ -36,11 +36,11 @@ Succession::Succession(const Settings& old, const Settings& next)
   }
 }
 
-std::optional<ListenerId> Succession::listener(ListenerId old) const {
+std::optional<ListenerId> SettingsDiff::listener(ListenerId old) const {
   return number<ListenerId>(listeners_[static_cast<std::size_t>(old)]);
 }
 
-std::optional<BusId> Succession::bus(BusId old) const {
+std::optional<BusId> SettingsDiff::bus(BusId old) const {
   return number<BusId>(buses_[static_cast<std::size_t>(old)]);
 }
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/taken_ahead.hpp"
+#include "gateway/early_stops.hpp"
 
 #include <algorithm>
 
 namespace mbgate::gateway {
 
-void TakenAhead::add(const Stop& stop) {
+void EarlyStops::add(const Stop& stop) {
   stops_.insert(std::ranges::upper_bound(stops_, stop.position, {}, &Stop::position), stop);
 }
 
-void TakenAhead::note_write(std::size_t device, std::uint64_t position) {
+void EarlyStops::note_write(std::size_t device, std::uint64_t position) {
   const bool known =
       !writes_.empty() && writes_.back().device == device && writes_.back().position == position;
   if (!known) {  // a run is many transactions
@@ -17,18 +17,18 @@ void TakenAhead::note_write(std::size_t device, std::uint64_t position) {
   }
 }
 
-void TakenAhead::keep_writes(std::uint64_t begin, std::uint64_t end) {
+void EarlyStops::keep_writes(std::uint64_t begin, std::uint64_t end) {
   std::erase_if(writes_,
                 [&](const Place& it) { return it.position < begin || it.position >= end; });
 }
 
-bool TakenAhead::write_lies_before(const DevicePlaces& devices, std::uint64_t position) const {
+bool EarlyStops::write_lies_before(const DevicePlaces& devices, std::uint64_t position) const {
   return std::ranges::any_of(writes_, [&](const Place& it) {
     return it.position < position && std::ranges::find(devices, it.device) != devices.end();
   });
 }
 
-void TakenAhead::forbid(const DevicePlaces& devices, std::uint64_t before) {
+void EarlyStops::forbid(const DevicePlaces& devices, std::uint64_t before) {
   for (const std::size_t device : devices) {
     const auto known = std::ranges::find(forbidden_, device, &Place::device);
     if (known != forbidden_.end()) {
@@ -39,12 +39,12 @@ void TakenAhead::forbid(const DevicePlaces& devices, std::uint64_t before) {
   }
 }
 
-bool TakenAhead::forbids(std::size_t device, std::uint64_t position) const {
+bool EarlyStops::forbids(std::size_t device, std::uint64_t position) const {
   return std::ranges::any_of(
       forbidden_, [&](const Place& it) { return it.device == device && position < it.position; });
 }
 
-std::optional<TakenAhead::Stop> TakenAhead::take(std::uint64_t position) {
+std::optional<EarlyStops::Stop> EarlyStops::take(std::uint64_t position) {
   if (stops_.empty() || stops_.front().position != position) {
     return std::nullopt;
   }
@@ -56,7 +56,7 @@ std::optional<TakenAhead::Stop> TakenAhead::take(std::uint64_t position) {
   return stop;
 }
 
-bool TakenAhead::keep_answer(std::uint32_t exchange, const std::optional<modbus::MbapAdu>& answer) {
+bool EarlyStops::keep_answer(std::uint32_t exchange, const std::optional<modbus::MbapAdu>& answer) {
   const auto stop = std::ranges::find(stops_, std::optional(exchange), &Stop::exchange);
   if (stop == stops_.end()) {
     return false;

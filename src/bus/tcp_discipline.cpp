@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/tcp_line.hpp"
+#include "bus/tcp_discipline.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -19,26 +19,26 @@ bool is_foreign(modbus::Bytes stream) {
 
 }  // namespace
 
-void TcpLine::open(Instant now, LineKind /*kind*/) {
+void TcpDiscipline::open(Instant now, LineKind /*kind*/) {
   abort();
   quiet_since_ = now;
   was_asked_ = has_answered_ = false;
   closes_by_ = Instant::min();
 }
 
-void TcpLine::update(const BusSettings& settings, Duration /*listen_first*/) {
+void TcpDiscipline::update(const BusSettings& settings, Duration /*listen_first*/) {
   check_unit_ = settings.check_unit;
   replace_after_ = settings.replace_after;
 }
 
-void TcpLine::limit_wait(const Transaction& transaction, Instant instant, Duration least) {
+void TcpDiscipline::limit_wait(const Transaction& transaction, Instant instant, Duration least) {
   const auto flight = std::ranges::find(flights_, &transaction, &Flight::transaction);
   flight->response_deadline =
       std::min(flight->response_deadline, std::max(instant, flight->sent + least));
 }
 
-FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& timing,
-                          OwedAnswers /*owed*/, Instant now) {
+FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
+                                OwedAnswers /*owed*/, Instant now) {
   if (transaction.is_broadcast()) {
     std::abort();  // routing refuses them
   }
@@ -53,26 +53,26 @@ FrameBytes TcpLine::begin(Transaction& transaction, const drive::DeviceTiming& t
   return {adu.begin(), adu.end()};
 }
 
-void TcpLine::abort() {
+void TcpDiscipline::abort() {
   flights_.clear();
   stream_.clear();
   ends_.clear();
   expired_.clear();
-  strays_.clear();
+  unsolicited_.clear();
   fault_.reset();
   unheard_since_.reset();
   unanswered_ = 0;
 }
 
-void TcpLine::note_closed(Instant now) {
+void TcpDiscipline::note_closed(Instant now) {
   closes_after_answer_ = has_answered_ && now - answered_at_ <= kTimeToClose;
 }
 
-TcpLine::Flights::iterator TcpLine::find(std::uint16_t identifier) {
+TcpDiscipline::Flights::iterator TcpDiscipline::find(std::uint16_t identifier) {
   return std::ranges::find(flights_, identifier, &Flight::identifier);
 }
 
-std::uint16_t TcpLine::new_identifier() {
+std::uint16_t TcpDiscipline::new_identifier() {
   do {
     ++last_identifier_;
   } while (find(last_identifier_) != flights_.end());
@@ -80,7 +80,7 @@ std::uint16_t TcpLine::new_identifier() {
   return last_identifier_;
 }
 
-void TcpLine::handle_bytes(modbus::Bytes bytes, Instant now) {
+void TcpDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
   quiet_since_ = now;
   unheard_since_.reset();
   unanswered_ = 0;
@@ -92,7 +92,7 @@ void TcpLine::handle_bytes(modbus::Bytes bytes, Instant now) {
   }
 }
 
-bool TcpLine::take_answer(Instant now) {
+bool TcpDiscipline::take_answer(Instant now) {
   const modbus::MbapScan scan = modbus::scan_mbap(stream_);
   if (is_foreign(stream_) || std::holds_alternative<modbus::MbapLost>(scan)) {
     counters_.stray_bytes += stream_.size();
@@ -109,17 +109,17 @@ bool TcpLine::take_answer(Instant now) {
   return true;
 }
 
-void TcpLine::match(const modbus::MbapAdu& answer, Instant now) {
+void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
   using modbus::ResponseFit;
   const auto flight = find(answer.header.transaction);
   if (flight == flights_.end() ||
       !is_unit_right(answer.header.unit, flight->transaction->address)) {
-    ++counters_.stray_frames;
+    ++counters_.unsolicited_frames;
     const auto expired =
         std::ranges::find(expired_, answer.header.transaction, &Expired::identifier);
     if (expired != expired_.end() && is_unit_right(answer.header.unit, expired->address)) {
       note_answer(now);
-      strays_.add({expired->address, answer.pdu, now});
+      unsolicited_.add({expired->address, answer.pdu, now});
       expired_.erase(expired);
     }
     return;
@@ -127,7 +127,7 @@ void TcpLine::match(const modbus::MbapAdu& answer, Instant now) {
   Transaction& transaction = *flight->transaction;
   const ResponseFit fit = modbus::check_response(transaction.request, answer.pdu.bytes());
   if (fit != ResponseFit::normal && fit != ResponseFit::exception) {
-    ++counters_.stray_frames;
+    ++counters_.unsolicited_frames;
     return;
   }
   note_answer(now);
@@ -137,19 +137,19 @@ void TcpLine::match(const modbus::MbapAdu& answer, Instant now) {
 }
 
 // One that stays open after its first answer is as others are.
-void TcpLine::note_answer(Instant now) {
+void TcpDiscipline::note_answer(Instant now) {
   closes_after_answer_ = closes_after_answer_ && !has_answered_;
   closes_by_ = closes_after_answer_ ? now + kTimeToClose : Instant::min();
   has_answered_ = true;
   answered_at_ = now;
 }
 
-std::optional<Instant> TcpLine::replace_at() const {
+std::optional<Instant> TcpDiscipline::replace_at() const {
   const bool enough = replace_after_ > 0 && unanswered_ >= replace_after_;
   return enough ? std::optional(*unheard_since_ + kSilenceToReplace) : std::nullopt;
 }
 
-void TcpLine::handle_deadline(Instant now) {
+void TcpDiscipline::handle_deadline(Instant now) {
   for (const Flight& flight : flights_) {
     if (now >= flight.response_deadline) {
       // One that was sent before the last byte came says nothing of the time since.
@@ -170,7 +170,7 @@ void TcpLine::handle_deadline(Instant now) {
   }
 }
 
-std::optional<Instant> TcpLine::next_deadline() const {
+std::optional<Instant> TcpDiscipline::next_deadline() const {
   std::optional<Instant> deadline = replace_at();
   for (const Flight& flight : flights_) {
     deadline = earlier(deadline, flight.response_deadline);
@@ -178,7 +178,7 @@ std::optional<Instant> TcpLine::next_deadline() const {
   return deadline;
 }
 
-std::optional<LineEnd> TcpLine::take_end() {
+std::optional<LineEnd> TcpDiscipline::take_end() {
   if (ends_.empty()) {
     return std::nullopt;
   }
@@ -187,9 +187,9 @@ std::optional<LineEnd> TcpLine::take_end() {
   return end;
 }
 
-std::optional<LineFault> TcpLine::take_fault() { return std::exchange(fault_, std::nullopt); }
+std::optional<LineFault> TcpDiscipline::take_fault() { return std::exchange(fault_, std::nullopt); }
 
-LineState TcpLine::state(Instant /*now*/) const {
+LineState TcpDiscipline::state(Instant /*now*/) const {
   return flights_.empty() ? LineState::idle : LineState::waiting_for_reply;
 }
 

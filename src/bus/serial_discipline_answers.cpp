@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bus/serial_line.hpp"
+#include "bus/serial_discipline.hpp"
 
 namespace mbgate::bus {
 namespace {
@@ -17,17 +17,17 @@ constexpr Duration kEchoKept = std::chrono::milliseconds(20);
 
 }  // namespace
 
-bool SerialLine::is_early() const {
+bool SerialDiscipline::is_early() const {
   return framer_.response_began() < emission_ends_ + response_wait_ - response_wait_ / kEarlyPart;
 }
 
 // While an answer is owed, of all writes only stops are sent. An exception names no address, and
 // the answer to 15 or 16 no value: it may be the answer to the write that was stopped.
-bool SerialLine::may_answer_another() const {
+bool SerialDiscipline::may_answer_another() const {
   return transaction_->request.writes() && (framer_.response().is_exception() || owed_.alike > 0);
 }
 
-void SerialLine::judge_held(const Echo::Held& held, Instant now) {
+void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
   if (!held.bytes.empty()) {
     judge(framer_.add({held.bytes.data(), held.bytes.size()}, held.since), now);
   }
@@ -36,7 +36,7 @@ void SerialLine::judge_held(const Echo::Held& held, Instant now) {
 // With zeros behind it, such as a driver makes that turns off, the echo of a request without fields
 // is a good frame: the CRC of what ends in its own CRC is 0, and zeros leave it so. Its data begin
 // with the CRC of the request.
-bool SerialLine::begins_as_echo() const {
+bool SerialDiscipline::begins_as_echo() const {
   const modbus::Bytes request = transaction_->request.pdu().bytes();
   if (!echo_.is_learned() || echo_.is_present() || framer_.response().size() <= request.size() ||
       !std::ranges::equal(request, framer_.response().bytes().first(request.size()))) {
@@ -49,30 +49,30 @@ bool SerialLine::begins_as_echo() const {
 
 // It may be a late echo; what begins before the request has left a paced line answers nothing; and
 // an owed answer begins before the device can have answered this request, or fits another one too.
-bool SerialLine::is_no_answer() const {
+bool SerialDiscipline::is_no_answer() const {
   return echo_.is_owed(framer_.response()) || begins_as_echo() ||
          (paced_ && framer_.response_began() < emission_ends_) ||
          (owed_.count > 0 && (is_early() || may_answer_another()));
 }
 
-Verdict SerialLine::refuse(Instant now) {
+Verdict SerialDiscipline::refuse(Instant now) {
   const bool is_echo_of_now = paced_ && framer_.response_began() < emission_ends_ &&
                               echo_.is_repetition(framer_.response());
   if (echo_.take_owed(framer_.response()) || begins_as_echo()) {
-    ++counters_.stray_frames;
+    ++counters_.unsolicited_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
              (owed_.count == 0 || echo_.is_unknown()) && !echo_.pass()) {
     if (owed_.count == 0) {
       echo_.find();
     } else {
-      ++counters_.stray_frames;  // an echo, or what is owed: that stays owed
+      ++counters_.unsolicited_frames;  // an echo, or what is owed: that stays owed
     }
   } else if (owed_.count > 0 && !is_echo_of_now) {
     --owed_.count;
     owed_.alike -= owed_.alike > 0 && !framer_.response().is_exception() ? 1U : 0U;
     refused_.add({transaction_->address, framer_.response(), now});
   } else {
-    ++counters_.stray_frames;
+    ++counters_.unsolicited_frames;
     if (transaction_->request.is_read() && !std::exchange(unpaced_told_, true)) {
       note_fault(faults_, LineFault::answered_while_sending);
     }
@@ -82,7 +82,7 @@ Verdict SerialLine::refuse(Instant now) {
 
 // Until a read has shown whether the line hears itself, a repetition that comes at once may be an
 // echo. If something else that fits stands behind it, it was; alone it is taken.
-Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
+Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
   // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
   const bool is_echo = echo_.was_shown() || transaction_->request.is_read();
   const bool is_late = framer_.response_began() > emission_ends_ + kEchoKept;
@@ -116,7 +116,7 @@ Verdict SerialLine::settle_echo(Verdict verdict, Instant now) {
   return Verdict::none;
 }
 
-void SerialLine::judge(Verdict verdict, Instant now) {
+void SerialDiscipline::judge(Verdict verdict, Instant now) {
   while (verdict == Verdict::response && is_no_answer()) {
     verdict = refuse(now);
   }

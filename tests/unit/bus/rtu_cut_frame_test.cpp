@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames that nobody waits for, in portions: what silence, or the end of a wait, has cut.
+#include "rtu_framer_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+class RtuCutFrame : public RtuRig {
+ protected:
+  static constexpr auto kRead = "03 001E 0002";
+  static constexpr auto kAnswer = "01 03 04 00 03 0D 40 0F 53";
+};
+
+TEST_F(RtuCutFrame, AFrameThatNobodyWaitsForMayPauseForTheSlackToo) {
+  framer_.listen();
+  add("01 03 04 00");
+  after(16ms);
+  add("03 0D");
+  after(16ms);
+  add("40 0F 53");
+  const auto unsolicited = framer_.take_unsolicited();
+  ASSERT_TRUE(unsolicited);
+  EXPECT_EQ(unsolicited->address, 1);
+  EXPECT_TRUE(unsolicited->is_response);
+  EXPECT_EQ(hex(unsolicited->pdu.bytes()), "03 04 00 03 0D 40");
+  EXPECT_EQ(unsolicited->came, now_);
+  EXPECT_FALSE(framer_.take_unsolicited());
+}
+
+TEST_F(RtuCutFrame, SoMayOneOfAnotherDeviceBeforeTheAnswer) {
+  expect(kRead);
+  for (const auto* part : {"02 03 0E 00 07", "FF EE DD CC BB AA 99 88 77 66", "55 44 C9 19"}) {
+    EXPECT_EQ(add(part), Verdict::none);
+    after(16ms);
+  }
+  const auto unsolicited = framer_.take_unsolicited();
+  ASSERT_TRUE(unsolicited);
+  EXPECT_EQ(unsolicited->address, 2);
+  EXPECT_EQ(add("01 03 04 00 03 0D 40 0F 53"), Verdict::response);
+}
+
+/// At 4800 baud the rest of a frame may take longer than `frame_slack`.
+TEST_F(RtuCutFrame, ItsRestMayTakeLongerThanAPause) {
+  expect(kRead);
+  EXPECT_EQ(add("02 03"), Verdict::none);
+  framer_.listen();
+  for (const auto* byte : {"0E", "00", "07", "FF", "EE", "DD", "CC", "BB", "AA", "99", "88", "77",
+                           "66", "55", "44", "C9", "19"}) {
+    after(1500us);
+    EXPECT_FALSE(framer_.take_unsolicited());
+    add(byte);
+  }
+  EXPECT_TRUE(framer_.take_unsolicited());
+}
+
+TEST_F(RtuCutFrame, WhatComesBehindTheRestOfACutFrameIsSearched) {
+  framer_.listen();
+  add("02 03 04 00");
+  after(5ms);
+  expect(kRead);
+  EXPECT_EQ(add("03 0D"), Verdict::none);
+  EXPECT_EQ(add("40 3C 53 01 03 04 00 03 0D 40 0F 53"), Verdict::response);
+  EXPECT_EQ(response(), "03 04 00 03 0D 40");
+  ASSERT_TRUE(framer_.take_unsolicited());
+}
+
+TEST_F(RtuCutFrame, AFrameThatPausesForLongerIsNone) {
+  framer_.listen();
+  add("01 03 04 00");
+  after(21ms);
+  add("03 0D 40 0F 53");
+  EXPECT_FALSE(framer_.take_unsolicited());
+}
+
+/// At 1200 baud a single byte takes longer than a `frame_slack` of 5 ms.
+TEST_F(RtuCutFrame, ButNoSilenceIsNoPause) {
+  framer_.set_slack(1ms);
+  framer_.listen();
+  add("01 03 04 00");
+  framer_.listen();
+  after(1500us);
+  add("03 0D 40 0F 53");
+  EXPECT_TRUE(framer_.take_unsolicited());
+}
+
+TEST_F(RtuCutFrame, ABitOfNoiseBeforeWhatWasCutIsNoPartOfIt) {
+  framer_.listen();
+  add("B6");
+  after(16ms);
+  add("01 03 04 00");
+  framer_.listen();
+  add("03 0D 40 0F 53");
+  const auto unsolicited = framer_.take_unsolicited();
+  ASSERT_TRUE(unsolicited);
+  EXPECT_EQ(unsolicited->address, 1);
+}
+
+TEST_F(RtuCutFrame, OneByteMayBeAllThatWasCutOff) {
+  framer_.listen();
+  add("01");
+  after(16ms);
+  add("03 04 00 03 0D 40 0F 53");
+  ASSERT_TRUE(framer_.take_unsolicited());
+}
+
+// Behind an answer nothing is searched any more: a whole frame may stand there, and more.
+TEST_F(RtuCutFrame, AFrameThatWasWholeIsNotJoined) {
+  expect(kRead);
+  EXPECT_EQ(add(std::string(kAnswer) + "06 10 00 7A 00 04 E1 A4 06 06 00 96 50 02"),
+            Verdict::response);
+  framer_.listen();
+  after(1ms);
+  add("6C E2 4C 95 1D");
+  EXPECT_FALSE(framer_.take_unsolicited());
+}
+
+TEST_F(RtuCutFrame, WhatWasCutIsNoPartOfTheAnswerBehindIt) {
+  framer_.listen();
+  add("01 03 04 00");
+  after(5ms);
+  expect(kRead);
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+  EXPECT_FALSE(framer_.take_unsolicited());
+}
+
+}  // namespace
+}  // namespace mbgate::test
