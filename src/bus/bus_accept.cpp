@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "base/assert.hpp"
 #include "bus/bus.hpp"
 
 namespace mbgate::bus {
@@ -26,6 +27,7 @@ bool Bus::is_stop(std::uint8_t address, const modbus::Request& request,
 }
 
 bool Bus::submit(Job& job, Instant now) {
+  MBGATE_ASSERT(!job.is_waiting() && !job.accepted, "a job is submitted once");
   classify(job);
   if (const auto ending = end_at_once(job, now)) {
     end_job(job, *ending);

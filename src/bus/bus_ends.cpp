@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/assert.hpp"
 #include "bus/bus.hpp"
 
 namespace mbgate::bus {
@@ -101,6 +102,8 @@ void Bus::tell_quality(std::uint8_t address) {
 
 void Bus::handle_response(Job& job, const LineEnd& end, Instant now) {
   const Transaction& asked = job.on_wire();
+  MBGATE_ASSERT(is_fitting(modbus::check_response(asked.request, asked.response->bytes())),
+                "a response fits the request on the wire");
   DeviceEntry& entry = devices_[asked.address];
   const bool exception = asked.response->is_exception();
   ++counters_.responses;

@@ -17,8 +17,7 @@ constexpr auto kRecently = std::chrono::minutes(1);
 constexpr int kAnswerTimes = 4;  // after so many answer times an owed answer was not just late
 
 bool fits(const modbus::Request& asked, modbus::Bytes response) {
-  const auto fit = modbus::check_response(asked, response);
-  return fit == modbus::ResponseFit::normal || fit == modbus::ResponseFit::exception;
+  return is_fitting(modbus::check_response(asked, response));
 }
 
 }  // namespace

@@ -23,10 +23,6 @@ inline bool is_whole(modbus::Bytes bytes, const modbus::PduLength& length) {
          length.bytes + modbus::kRtuOverhead <= bytes.size();
 }
 
-inline bool is_fitting(modbus::ResponseFit fit) {
-  return fit == modbus::ResponseFit::normal || fit == modbus::ResponseFit::exception;
-}
-
 inline bool is_good(modbus::Bytes bytes, const modbus::PduLength& length) {
   return is_whole(bytes, length) &&
          modbus::has_good_crc(bytes.first(length.bytes + modbus::kRtuOverhead));

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/assert.hpp"
+
 namespace mbgate::bus {
 namespace {
 
@@ -65,6 +67,8 @@ Instant SerialDiscipline::ready_for_stop_at() const {
 
 FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
                                    OwedAnswers owed, Instant now) {
+  MBGATE_ASSERT(transaction_ == nullptr, "a serial line has one transaction at a time");
+  MBGATE_ASSERT(now >= possible_at(), "nothing is transmitted into an own frame");
   const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
   transaction_ = &transaction;
   end_.reset();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/client_session.hpp"
 
+#include "base/assert.hpp"
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
@@ -31,12 +32,15 @@ ClientSession::Ready ClientSession::close_answer(AnswerId id,
                                                  std::optional<modbus::MbapBytes> adu) {
   Ready ready;
   if (!ordered_) {
+    MBGATE_ASSERT(open_ > 0, "one answer for each request");
     --open_;
     if (adu) {
       ready.push_back(*adu);
     }
   } else {
-    Held& held = held_[static_cast<std::uint64_t>(id) - first_held_];
+    const std::uint64_t place = static_cast<std::uint64_t>(id) - first_held_;
+    MBGATE_ASSERT(place < held_.size() && !held_[place].done, "one answer for each request");
+    Held& held = held_[place];
     held.done = true;
     held.adu = adu;
     while (!held_.empty() && held_.front().done) {

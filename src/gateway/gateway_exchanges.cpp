@@ -2,6 +2,7 @@
 // The jobs of a request: from its plan to the buses, and what becomes of them.
 #include <algorithm>
 
+#include "base/assert.hpp"
 #include "gateway/gateway.hpp"
 
 namespace mbgate::gateway {
@@ -87,6 +88,7 @@ void Gateway::end_part(bus::Job& job, bus::Ending ending) {
   const std::uint32_t index = job.owner;
   Exchange& exchange = exchanges_[index];
   const auto part = std::ranges::find(exchange.parts, &job, &Exchange::Part::job);
+  MBGATE_ASSERT(part != exchange.parts.end(), "a job ends once");
   exchange.note(job, ending);
   if (exchange.plan) {
     report_effects(exchange, *part, ending);
@@ -146,6 +148,7 @@ void Gateway::complete(std::uint32_t index) {
       send(exchange.client, session, exchange.answer, adu);
     }
   }
+  MBGATE_ASSERT(exchange.snapshot->exchanges > 0, "a request keeps the settings of its plan");
   --exchange.snapshot->exchanges;
   exchanges_.give_back(index);
   forget_generations();

@@ -35,6 +35,11 @@ enum class ResponseFit : std::uint8_t {
   wrong_echo       ///< address, value or quantity are not those of the request
 };
 
+/// Is it the answer?
+constexpr bool is_fitting(ResponseFit fit) {
+  return fit == ResponseFit::normal || fit == ResponseFit::exception;
+}
+
 /// Holds `response` (a PDU, not empty) against `request`: function, length, byte count of 01-04 and
 /// 23, address and value or quantity of 05, 06, 15, 16, all fields of 22, the sub-function of 08
 /// and 43.

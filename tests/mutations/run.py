@@ -5,12 +5,12 @@
 usage: run.py [--check] [--unit-tests] [--build FOLDER] [--seeds N] [--transactions N] [--tries N] [--jobs N] [NAME...]
 
 Each patch names in its first line the kind of violation that it must cause, "any" of them, "died" if it must kill the
-soak, or "unit_test" if only a unit test sees it. The tree is copied for each job, one patch at a time is applied to a
-copy, gateway_soak is built there and run; a line of the table of tests/README.md is printed for each, with the seed that
-shows it first. Where the first seeds show nothing, others are tried. With --unit-tests the unit and simulation tests are
-built and run for what the soak has missed, and the failing ones are named. Copies and builds are kept in --build, so that
-only what a patch changes is compiled again, by ccache where there is one. --check only says whether every patch still
-applies.
+soak, or "unit_test" if only a unit test sees it. An assertion of the product counts as any of them (broken_invariant).
+The tree is copied for each job, one patch at a time is applied to a copy, gateway_soak is built there and run; a line of
+the table of tests/README.md is printed for each, with the seed that shows it first. Where the first seeds show nothing,
+others are tried. With --unit-tests the unit and simulation tests are built and run for what the soak has missed, and the
+failing ones are named. Copies and builds are kept in --build, so that only what a patch changes is compiled again, by
+ccache where there is one. --check only says whether every patch still applies.
 
 Exits 1 if a violation did not show, or a patch does not apply.
 """
@@ -148,12 +148,17 @@ class Seen(NamedTuple):
     died: bool
 
 
+BROKEN = "broken invariant: "
+
+
 def seen_in(text):
     seeds, told = {}, {}
     for seed, kind in re.findall(r"^seed (\d+): (\w+): ", text, re.MULTILINE):
         seeds.setdefault(kind, int(seed))
         told[kind] = told.get(kind, 0) + 1
     line = re.findall(r"^  violations: (.*)$", text, re.MULTILINE)
+    if not line and BROKEN in text:  # the product has noticed it itself
+        return Seen(told | {"broken_invariant": 1}, seeds, False)
     if not line:
         return Seen(told, seeds, True)
     words = line[-1].split() if line[-1] != "none" else []
@@ -165,7 +170,7 @@ def kind_of(expected, seen):
     if expected == "died":
         return "died" if seen.died else None
     if expected not in ("any", "unit_test"):
-        return expected if expected in seen.counts else None
+        return next((kind for kind in (expected, "broken_invariant") if kind in seen.counts), None)
     return min(seen.counts, key=lambda kind: (seen.seeds.get(kind, sys.maxsize), -seen.counts[kind]), default=None)
 
 

@@ -11,7 +11,8 @@ import re
 import sys
 
 # Who may include whom; what a room's headers show of the rooms below is within its reach.
-MODBUS = {"modbus"}
+BASE = {"base"}
+MODBUS = BASE | {"modbus"}
 DRIVE = MODBUS | {"drive"}
 ROUTING = DRIVE | {"routing"}
 BUS = DRIVE | {"bus"}
@@ -19,6 +20,7 @@ GATEWAY = ROUTING | BUS | {"gateway"}
 IO = GATEWAY | {"io"}
 CONFIG = DRIVE | {"config"}
 ROOMS = {
+    "base": BASE,
     "modbus": MODBUS,
     "drive": DRIVE,
     "routing": ROUTING,
