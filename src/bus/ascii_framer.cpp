@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <tuple>
 #include <utility>
 
 #include "modbus/response.hpp"
@@ -41,9 +42,15 @@ void AsciiFramer::expect(const Transaction& transaction) {
 }
 
 void AsciiFramer::listen() {
-  counters_.stray_bytes += rest_.size();
-  rest_.clear();
   transaction_ = nullptr;
+  for (const std::uint8_t character : std::exchange(rest_, {})) {
+    std::ignore = take(character, last_character_);
+  }
+}
+
+void AsciiFramer::forget() {
+  listen();
+  discard();
 }
 
 void AsciiFramer::discard() {

@@ -29,6 +29,8 @@ class AsciiFramer {
   void expect(const Transaction& transaction);
   /// Nothing is asked any more. A frame that has begun goes on: it may be a late answer.
   void listen();
+  /// Another connection: what has begun does not go on.
+  void forget();
   /// Characters as they came in. After a verdict other than none comes expect(), again() or
   /// listen().
   Verdict add(modbus::Bytes bytes, Instant now);

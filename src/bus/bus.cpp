@@ -30,6 +30,7 @@ void Bus::update(const BusSettings& settings, std::span<const drive::Device> dev
   line_.update(settings_, listening_time());
   queue_.set_limit(settings.queue);
   overtake_writes();
+  end_repeats();
   most_running_ = settings.line.framing == Framing::tcp ? settings.outstanding : 1;
   pump(now);
 }

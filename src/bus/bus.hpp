@@ -189,6 +189,8 @@ class Bus {
   void handle_failure(Job& job, Instant now);
   void note_quality(const LineEnd& end, std::uint8_t address);
   void tell_quality(std::uint8_t address);
+  /// Of writes that were to be repeated, and may not be any more.
+  void end_repeats();
   void note_probe(Job& job, Instant now);
   void go_offline(DeviceEntry& entry, std::uint8_t address, Instant now);
   void advance(Job& job, Ending ending);

@@ -198,6 +198,17 @@ void Bus::handle_failure(Job& job, Instant now) {
   }
 }
 
+void Bus::end_repeats() {
+  const std::vector<Job*> running = running_;
+  for (Job* job : running) {
+    const bool repeats_write = job->job_class == JobClass::write && !job->in_flight &&
+                               job->tries > 0 && !job->transaction().request.is_read();
+    if (repeats_write && !devices_[job->transaction().address].timing().retry_writes) {
+      finish(*job, Ending::no_answer);
+    }
+  }
+}
+
 // All probes of a bus together take no more than their share of its time.
 void Bus::note_probe(Job& job, Instant now) {
   if (!job.is_probe) {

@@ -39,12 +39,13 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
   const std::size_t before = kept_.size();
   for (std::size_t at = 0; at < before && at <= kMostNoise; ++at) {
     const modbus::Bytes all = modbus::Bytes(joined.data(), joined.size()).subspan(at);
-    if (const auto frame = good_frame(all)) {
+    if (const auto frame = good_frame(all); frame && (at == 0 || !is_exception(all))) {
       kept_.clear();
       if (at + frame->size <= before) {
         return std::nullopt;  // it was whole already, and was seen or given up
       }
-      return Joined{*modbus::decode_rtu(all.first(frame->size)), at + frame->size - before};
+      return Joined{*modbus::decode_rtu(all.first(frame->size)), at + frame->size - before,
+                    frame->is_response, at > 0};
     }
   }
   return std::nullopt;

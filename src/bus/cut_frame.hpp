@@ -23,6 +23,8 @@ class CutFrame {
   struct Joined {
     modbus::RtuAdu frame;
     std::size_t taken;  ///< of these bytes
+    bool is_response;   ///< else another client asks
+    bool after_noise;
   };
   std::optional<Joined> complete(modbus::Bytes bytes, Instant began, Duration slack);
 

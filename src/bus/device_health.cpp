@@ -109,6 +109,7 @@ void DeviceHealth::note_asked(Instant now, const Timing& timing) {
   const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
   std::erase_if(debts_, [&](const Debt& debt) { return now > debt.last_due + longest; });
   for (Debt& debt : debts_) {
+    debt.due = now > debt.due + longest ? debt.last_due : debt.due;
     debt.given_up = debt.given_up || now >= held_until(debt.asked.function(), timing);
   }
   if (forgotten_due_ && now >= held_until(timing)) {

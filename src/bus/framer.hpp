@@ -57,6 +57,10 @@ class Framer {
   void listen() {
     std::visit([](auto& framer) { framer.listen(); }, framer_);
   }
+  /// Another connection: nothing of before goes on.
+  void forget() {
+    std::visit([](auto& framer) { framer.forget(); }, framer_);
+  }
   Verdict again(Instant now) {
     return std::visit([&](auto& framer) { return framer.again(now); }, framer_);
   }

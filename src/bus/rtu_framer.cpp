@@ -30,6 +30,11 @@ void RtuFramer::listen() {
   discarding_ = false;
 }
 
+void RtuFramer::forget() {
+  listen();
+  cut_ = {};
+}
+
 // Silence, or a new question, has ended what stands here. It may have been a frame whose length
 // cannot be known, such as another client's request.
 void RtuFramer::give_up_buffer() {
@@ -52,10 +57,14 @@ void RtuFramer::join_cut(Instant now) {
     return;
   }
   if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), silence())) {
+    const modbus::RtuAdu& frame = joined->frame;
     ++counters_.unsolicited_frames;
-    unsolicited_.add({joined->frame.address, joined->frame.pdu, now});
+    unsolicited_.add({frame.address, frame.pdu, now, joined->after_noise});
+    discarding_ = answers_another_ =
+        !joined->is_response &&
+        !is_echo(frame.address, frame.pdu.bytes(), buffer_.came_at(joined->taken - 1));
     buffer_.drop(joined->taken);
-    discarding_ = false;
+    answer_ = Answer::not_begun;
   }
 }
 
@@ -93,6 +102,10 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
   } else if (silence_before && answer_ == Answer::incomplete) {
     // Nor was what stands before it a part of anything.
     counters_.stray_bytes += answer_at_;
+    if (answer_at_ > 0) {
+      cut_.keep(buffer_.bytes().first(answer_at_), buffer_.came_at(0),
+                buffer_.came_at(answer_at_ - 1), silence());
+    }
     buffer_.drop(answer_at_);
     answer_at_ = 0;
   }

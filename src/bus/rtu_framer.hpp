@@ -4,12 +4,13 @@
 // bytes mean nothing by themselves, because a USB adapter's gaps are not the wire's; t1.5 is never
 // enforced. Good frames that are no response to it are told, and while nothing was asked all are.
 //
-// Bytes that are no part of a frame may stand before one: drivers turning on, glitches. At most 8
-// of them are skipped, and never for an unknown function, whose beginning only they would tell.
-// Nothing is taken out of another's frame: a good one of any unit is consumed whole, and while one
-// that may have begun further ahead is incomplete, what looks like the response waits for silence,
-// as an exception after such bytes always does, because it is so short. What follows a request of
-// another client answers that; what was sent itself, and is heard though nobody said so, is none.
+// Bytes that are no part of a frame may stand before one: drivers turning on, glitches. Of these
+// fewer are skipped than a request like the own one has, 7 at most, and never for an unknown
+// function, whose beginning only they would tell. Nothing is taken out of another's frame: a good
+// one of any unit is consumed whole, and while one that may have begun further ahead is incomplete,
+// what looks like the response waits for silence, as an exception after such bytes always does,
+// because it is so short. What follows a request of another client answers that; what was sent
+// itself, and is heard though nobody said so, is none.
 #pragma once
 
 #include <algorithm>
@@ -39,6 +40,8 @@ class RtuFramer {
   void expect(const Transaction& transaction, Instant sent = Instant::min());
   /// Nothing is asked any more. What is left of the bytes is stray.
   void listen();
+  /// Another connection: what was cut does not go on.
+  void forget();
   /// Bytes as they came in. After a verdict other than none comes expect(), again() or listen().
   Verdict add(modbus::Bytes bytes, Instant now);
   /// The response was none: the search goes on in what came behind it.
@@ -99,7 +102,8 @@ class RtuFramer {
   Found found(const Look& look, Answer answer);
   Found accept(const Look& look, std::size_t size);
   void consume(std::size_t at, std::size_t size);
-  [[nodiscard]] bool is_echo(std::size_t at, std::size_t size) const;
+  [[nodiscard]] std::size_t most_noise() const;
+  [[nodiscard]] bool is_echo(std::uint8_t address, modbus::Bytes pdu, Instant last) const;
   [[nodiscard]] bool may_begin_answer(const Look& look) const;
   [[nodiscard]] modbus::Bytes bytes_from(std::size_t at) const {
     return buffer_.bytes().subspan(at);

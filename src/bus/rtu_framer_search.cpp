@@ -13,10 +13,18 @@ using modbus::ResponseFit;
 
 }  // namespace
 
+// Were a bit of another client's request wrong, the answer to it would stand behind noise.
+std::size_t RtuFramer::most_noise() const {
+  return transaction_ == nullptr
+             ? kMostNoise
+             : std::min(kMostNoise, transaction_->request.pdu().size() + modbus::kRtuOverhead - 1);
+}
+
 // Nothing: no frame begins here, whatever may come.
 RtuFramer::Found RtuFramer::look(bool silence) {
   Look look{.silence = silence};
-  for (; look.at < buffer_.size() && look.at <= kMostNoise; ++look.at) {
+  const std::size_t most = most_noise();
+  for (; look.at < buffer_.size() && look.at <= most; ++look.at) {
     const Found found = look_at(look);
     if (found == Found::unfinished) {
       look.unfinished = true;
@@ -24,8 +32,8 @@ RtuFramer::Found RtuFramer::look(bool silence) {
       return found;
     }
   }
-  return look.unfinished || (buffer_.size() <= kMostNoise && !silence) ? Found::unfinished
-                                                                       : Found::nothing;
+  return look.unfinished || (buffer_.size() <= most && !silence) ? Found::unfinished
+                                                                 : Found::nothing;
 }
 
 RtuFramer::Found RtuFramer::look_at(const Look& look) {
@@ -136,12 +144,10 @@ void RtuFramer::consume(std::size_t at, std::size_t size) {
 }
 
 // What was sent itself: no later than this it has begun on the line, and by then nobody else had.
-bool RtuFramer::is_echo(std::size_t at, std::size_t size) const {
-  const modbus::Bytes frame = bytes_from(at).first(size);
-  return transaction_ != nullptr && frame[0] == transaction_->address &&
-         buffer_.came_at(at + size - 1) < sent_ + timing_.duration_of(size) &&
-         std::ranges::equal(frame.subspan(1, size - modbus::kRtuOverhead),
-                            transaction_->request.pdu().bytes());
+bool RtuFramer::is_echo(std::uint8_t address, modbus::Bytes pdu, Instant last) const {
+  return transaction_ != nullptr && address == transaction_->address &&
+         last < sent_ + timing_.duration_of(pdu.size() + modbus::kRtuOverhead) &&
+         std::ranges::equal(pdu, transaction_->request.pdu().bytes());
 }
 
 // A frame that is no answer, perhaps of another unit. Another client's request is one too: what
@@ -155,7 +161,9 @@ RtuFramer::Found RtuFramer::look_at_stranger(const Look& look) {
     if (look.unfinished && !look.silence) {
       return Found::nothing;  // it may be a part of what has begun further ahead
     }
-    const bool asks = !frame->is_response && !is_echo(look.at, frame->size);
+    const bool asks = !frame->is_response &&
+                      !is_echo(bytes[0], bytes.subspan(1, frame->size - modbus::kRtuOverhead),
+                               buffer_.came_at(look.at + frame->size - 1));
     consume(look.at, frame->size);
     discarding_ = answers_another_ = asks;
     return Found::consumed;

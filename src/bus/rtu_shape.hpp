@@ -11,8 +11,7 @@
 namespace mbgate::bus {
 
 /// Bytes before a frame that are no part of it: drivers that turn on, and what a line without bias
-/// picks up. No request of another client is so short, but those of whose function there is only
-/// one: were a bit of it wrong, the answer to it would be taken.
+/// picks up.
 inline constexpr std::size_t kMostNoise = 7;
 
 inline bool is_exception(modbus::Bytes frame) { return (frame[1] & modbus::kExceptionBit) != 0; }

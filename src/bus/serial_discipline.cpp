@@ -37,6 +37,7 @@ SerialDiscipline::SerialDiscipline(const BusSettings& settings, Duration listen_
 
 void SerialDiscipline::open(Instant now, LineKind kind) {
   abort();
+  framer_.forget();
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
   unpaced_told_ = false;

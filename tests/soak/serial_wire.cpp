@@ -203,7 +203,7 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
   }
   const bool may_glitch = !excess && (ascii_ || (!opaque_ && !pdu.is_exception()));
   const std::size_t lead =
-      may_glitch && happens(rates_.glitch, "glitch") ? begin_with_glitch(frame) : 0;
+      may_glitch && happens(rates_.glitch, "glitch") ? begin_with_glitch(frame, flight.pdu) : 0;
   const bool paused = !excess && happens(rates_.pieces, "pieces");
   const Duration slack = spec::slack_of(settings_);
   const Instant over = begin + timing_.of(frame.size()) + slack + 20ms;

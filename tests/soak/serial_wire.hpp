@@ -113,7 +113,7 @@ class SerialWire {
   // wire_strangers.cpp
   void damage(Frame& frame);
   void lose_crc(std::vector<std::uint8_t>& damaged, std::size_t from) const;
-  std::size_t begin_with_glitch(Frame& frame);
+  std::size_t begin_with_glitch(Frame& frame, const PduBytes& asked);
   void append_excess(Frame& frame);
   void say(Frame bytes, Instant begin, Chunks chunks, const Content& content);
   void begin_message(std::uint64_t id);

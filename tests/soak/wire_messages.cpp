@@ -198,9 +198,11 @@ bool hides_frame(spec::Bytes bytes, std::size_t lead) {
 
 // What a line without bias picks up, or a driver that turns on. In ASCII what may begin a frame
 // too.
-std::size_t SerialWire::begin_with_glitch(Frame& frame) {
+// Not as many bytes as a request like `asked` has.
+std::size_t SerialWire::begin_with_glitch(Frame& frame, const PduBytes& asked) {
   Random& random = around_.random;
-  const std::size_t size = random.between(1U, 7U);
+  const std::size_t most = ascii_ ? 7 : std::min<std::size_t>(7, asked.size() + 2);
+  const std::size_t size = random.between(std::size_t{1}, most);
   for (std::size_t count = size; count > 0; --count) {
     const std::uint8_t byte =
         ascii_ ? random.one_of<std::uint8_t>({':', '0', '1', '3', 'F', '\r', 0x00, 0x7F})

@@ -193,5 +193,18 @@ TEST_F(AsciiFramer, SurvivesABabblingLine) {
   EXPECT_EQ(counters_.stray_bytes, 50U * 600U + 25U);
 }
 
+TEST_F(AsciiFramer, WhatBeginsBehindAnAnswerGoesOn) {
+  constexpr std::string_view kLate = ":02030256782B\r\n";
+  for (const std::size_t cut : {std::size_t{5}, kLate.size()}) {
+    expect(kRead);
+    EXPECT_EQ(add(std::string(kAnswer) + std::string(kLate.substr(0, cut))), Verdict::response);
+    framer_.listen();
+    EXPECT_EQ(add(kLate.substr(cut)), Verdict::none);
+    const auto unsolicited = framer_.take_unsolicited();
+    ASSERT_TRUE(unsolicited) << cut;
+    EXPECT_EQ(unsolicited->address, 2);
+  }
+}
+
 }  // namespace
 }  // namespace mbgate::test

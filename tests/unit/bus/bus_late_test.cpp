@@ -89,6 +89,20 @@ TEST_F(BusLate, ARepeatedWriteWaitsForTheQuarantine) {
   EXPECT_EQ(frames_[2], frames_[0]);
 }
 
+TEST_F(BusLate, ARepeatedWriteGoesNoMoreWhenItMayNotBeRepeatedAnyMore) {
+  auto repeating = settings();
+  repeating.timing.retry_writes = true;
+  repeating.timing.retries = 1;
+  open(repeating);
+  submit(job("06 0000 0001"));
+  time_out();
+  repeating.timing.retry_writes = false;
+  update(repeating, {});
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  advance(1s);
+  EXPECT_THAT(frames_, SizeIs(1));
+}
+
 TEST_F(BusLate, WhatWasOnTheWireWhenTheLineWasLostIsStillOwed) {
   open(settings());
   submit(job(kRead));

@@ -1,48 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/device_health.hpp"
-
-#include <gtest/gtest.h>
-
-#include "support/hex.hpp"
+#include "health_rig.hpp"
 
 namespace mbgate::test {
 namespace {
-
-using namespace std::chrono_literals;
-using bus::DeviceHealth;
-using bus::Instant;
-
-class Health : public testing::Test {
- protected:
-  Health() { timing_.response_timeout = 100ms; }
-  static Instant at(bus::Duration time) { return Instant{} + time; }
-  [[nodiscard]] bool may_be_asked(bus::Duration time) const {
-    return at(time) >= health_.held_until(timing_);
-  }
-
-  static modbus::Request request(std::string_view pdu) {
-    return *modbus::Request::parse(*modbus::Pdu::from(unhex(pdu)));
-  }
-  [[nodiscard]] bool may_be_asked(const modbus::Request& asked, bus::Duration time) const {
-    return at(time) >= health_.held_until(asked.function(), timing_);
-  }
-
-  /// `asked`, whose response timeout of 100 ms ends at `due`, is not answered in that time.
-  bool unanswered(const modbus::Request& asked, bus::Duration due) {
-    return health_.note_unanswered(asked, at(due - 100ms), at(due), timing_);
-  }
-  /// It is, after `took`, which is handled at `now`.
-  bool answered(const modbus::Request& asked, const std::vector<std::uint8_t>& response,
-                bus::Duration due, bus::Duration took, bus::Duration now) {
-    return health_.note_answered({asked, response, at(due - 100ms), at(due), took}, at(now));
-  }
-
-  const std::vector<std::uint8_t> kAnswer = unhex("03 02 12 34");
-  const modbus::Request read_ = request("03 0000 0001");
-  const modbus::Request write_ = request("06 0000 0001");
-  drive::DeviceTiming timing_;
-  DeviceHealth health_;
-};
 
 TEST_F(Health, ALateAnswerIsOneMoreThatItIsThere) {
   timing_.offline_after = 2;
@@ -246,45 +206,6 @@ TEST_F(Health, AnAnswerMayBeThatToARequestForWhichThereWasNoRoom) {
   answered(request("06 0000 0010"), echo, 210ms, 1ms, 120ms);
   EXPECT_FALSE(may_be_asked(write_, 329ms));
   EXPECT_TRUE(may_be_asked(write_, 330ms));
-}
-
-TEST_F(Health, ADeviceGoesOfflineAndComesBack) {
-  EXPECT_FALSE(unanswered(read_, 100ms));
-  EXPECT_FALSE(unanswered(read_, 200ms));
-  EXPECT_TRUE(unanswered(read_, 300ms));
-  EXPECT_TRUE(health_.is_offline());
-  EXPECT_FALSE(unanswered(read_, 400ms));
-  EXPECT_TRUE(answered(read_, kAnswer, 500ms, 10ms, 450ms));
-  EXPECT_FALSE(health_.is_offline());
-  EXPECT_FALSE(answered(read_, kAnswer, 600ms, 10ms, 550ms));
-}
-
-TEST_F(Health, ALateAnswerBringsItBack) {
-  timing_.offline_after = 1;
-  EXPECT_TRUE(unanswered(read_, 100ms));
-  const auto late = health_.note_unexpected(kAnswer, at(150ms), timing_);
-  ASSERT_TRUE(late);
-  EXPECT_TRUE(late->back);
-  EXPECT_FALSE(health_.is_offline());
-}
-
-TEST_F(Health, ALateAnswerToTheSameReadSentAgainBringsItBackThoughTheFirstIsTooOld) {
-  timing_.offline_after = 2;
-  timing_.quarantine_max = 1s;
-  unanswered(read_, 100ms);
-  EXPECT_TRUE(unanswered(read_, 900ms));
-  const auto late = health_.note_unexpected(kAnswer, at(1200ms), timing_);
-  ASSERT_TRUE(late);
-  EXPECT_TRUE(late->back);
-  EXPECT_EQ(late->lateness, 300ms);
-  EXPECT_FALSE(health_.note_unexpected(kAnswer, at(2s), timing_));  // as old as the first was
-}
-
-TEST_F(Health, OfflineCanBeTurnedOff) {
-  timing_.offline_after = 0;
-  for (int times = 0; times < 100; ++times) {
-    EXPECT_FALSE(unanswered(read_, 100ms));
-  }
 }
 
 }  // namespace

@@ -123,5 +123,49 @@ TEST_F(RtuCutFrame, WhatWasCutIsNoPartOfTheAnswerBehindIt) {
   EXPECT_FALSE(framer_.take_unsolicited());
 }
 
+// Another client asks the same device for two registers from 0064 on. What follows answers that.
+TEST_F(RtuCutFrame, WhatFollowsAnotherClientsCutRequestIsNoAnswer) {
+  expect(kRead);
+  EXPECT_EQ(add("01 03 00 64"), Verdict::none);
+  EXPECT_EQ(after(16ms), Verdict::none);
+  EXPECT_EQ(add("00 02 85 D4 01 03 04 AA BB CC DD 3E 97"), Verdict::none);
+  EXPECT_EQ(after(100ms), Verdict::none);
+}
+
+TEST_F(RtuCutFrame, WhatLooksLikeTheBeginningOfTheAnswerMayBeAPartOfIt) {
+  for (const auto* last : {"00", "01"}) {
+    expect(kRead);
+    EXPECT_EQ(add("02 03 04 00 " + std::string(last)), Verdict::none);
+    after(16ms);
+    EXPECT_EQ(add("0D 40 " + std::string(last[1] == '1' ? "9D 93" : "CC 53")), Verdict::none);
+    const auto unsolicited = framer_.take_unsolicited();
+    ASSERT_TRUE(unsolicited) << last;
+    EXPECT_EQ(unsolicited->address, 2);
+  }
+}
+
+// Five bytes behind noise look like an exception too often, as they do before an answer.
+TEST_F(RtuCutFrame, AnExceptionBehindNoiseIsNone) {
+  framer_.listen();
+  add("B6");
+  after(16ms);
+  add("01 83");
+  framer_.listen();
+  add("02 C0 F1");
+  EXPECT_FALSE(framer_.take_unsolicited());
+}
+
+TEST_F(RtuCutFrame, WhatStandsBehindNoiseIsToldAsThat) {
+  for (const auto* noise : {"", "B6"}) {
+    framer_.listen();
+    add(noise + std::string("01 03 04 00"));
+    framer_.listen();
+    add("03 0D 40 0F 53");
+    const auto unsolicited = framer_.take_unsolicited();
+    ASSERT_TRUE(unsolicited);
+    EXPECT_EQ(unsolicited->after_noise, *noise != '\0');
+  }
+}
+
 }  // namespace
 }  // namespace mbgate::test

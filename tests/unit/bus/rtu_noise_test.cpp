@@ -70,6 +70,13 @@ TEST_F(RtuNoise, IsNotTheRequestOfAnotherClient) {
   EXPECT_EQ(after(100ms), Verdict::none);
 }
 
+// The request of a queue has six bytes only. It asked for that at 04DE.
+TEST_F(RtuNoise, IsNoShortRequestEither) {
+  expect("18 04DF");
+  EXPECT_EQ(add("01 18 04 DF 03 47 01 18 00 06 00 02 11 11 22 22 59 82"), Verdict::none);
+  EXPECT_EQ(after(100ms), Verdict::none);
+}
+
 TEST_F(RtuNoise, BeforeSilenceDoesNotCount) {
   expect(kRead);
   EXPECT_EQ(add("55 55 55 55 55 55 55 01"), Verdict::none);

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Late answers, and devices that go offline and come back.
+#include "health_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+TEST_F(Health, ADeviceGoesOfflineAndComesBack) {
+  EXPECT_FALSE(unanswered(read_, 100ms));
+  EXPECT_FALSE(unanswered(read_, 200ms));
+  EXPECT_TRUE(unanswered(read_, 300ms));
+  EXPECT_TRUE(health_.is_offline());
+  EXPECT_FALSE(unanswered(read_, 400ms));
+  EXPECT_TRUE(answered(read_, kAnswer, 500ms, 10ms, 450ms));
+  EXPECT_FALSE(health_.is_offline());
+  EXPECT_FALSE(answered(read_, kAnswer, 600ms, 10ms, 550ms));
+}
+
+TEST_F(Health, ALateAnswerBringsItBack) {
+  timing_.offline_after = 1;
+  EXPECT_TRUE(unanswered(read_, 100ms));
+  const auto late = health_.note_unexpected(kAnswer, at(150ms), timing_);
+  ASSERT_TRUE(late);
+  EXPECT_TRUE(late->back);
+  EXPECT_FALSE(health_.is_offline());
+}
+
+TEST_F(Health, ALateAnswerToTheSameReadSentAgainBringsItBackThoughTheFirstIsTooOld) {
+  timing_.offline_after = 2;
+  timing_.quarantine_max = 1s;
+  unanswered(read_, 100ms);
+  EXPECT_TRUE(unanswered(read_, 900ms));
+  const auto late = health_.note_unexpected(kAnswer, at(1200ms), timing_);
+  ASSERT_TRUE(late);
+  EXPECT_TRUE(late->back);
+  EXPECT_EQ(late->lateness, 300ms);
+  EXPECT_FALSE(health_.note_unexpected(kAnswer, at(2s), timing_));  // as old as the first was
+}
+
+TEST_F(Health, OfflineCanBeTurnedOff) {
+  timing_.offline_after = 0;
+  for (int times = 0; times < 100; ++times) {
+    EXPECT_FALSE(unanswered(read_, 100ms));
+  }
+}
+
+/// Stops to a drive that is switched off for a minute.
+TEST_F(Health, NothingIsLaterThanQuarantineMax) {
+  timing_.quarantine_max = 1s;
+  for (auto at = 100ms; at <= 60s; at += 150ms) {
+    health_.note_asked(this->at(at - 100ms), timing_);
+    unanswered(write_, at);
+  }
+  health_.note_asked(at(60050ms), timing_);
+  answered(write_, unhex("06 0000 0001"), 60150ms, 10ms, 60070ms);
+  const auto late = health_.note_unexpected(unhex("06 0000 0001"), at(60200ms), timing_);
+  ASSERT_TRUE(late);
+  EXPECT_LE(late->lateness, 1200ms);
+}
+
+}  // namespace
+}  // namespace mbgate::test
