@@ -47,7 +47,7 @@ class SerialWire {
 
  private:
   using Frame = std::vector<std::uint8_t>;
-  enum class Chunks : std::uint8_t { usual, fine, paused };
+  enum class Chunks : std::uint8_t { usual, fine, paused, torn };
   /// What a message begins with.
   struct Content {
     std::optional<std::uint8_t> address;  ///< of good frames, none if it has none

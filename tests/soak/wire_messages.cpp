@@ -18,14 +18,17 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& c
   const Duration character = timing_.of(1);
   Duration paused{0};
   const Duration most_paused = ascii_ ? 1s : spec::slack_of(settings_) - 3ms;
-  const Duration step =
-      chunks == Chunks::fine ? std::max(silence_ / 3, character) : random.duration(500us, 4ms);
+  const Duration step = chunks == Chunks::fine || chunks == Chunks::torn
+                            ? std::max(silence_ / 3, character)
+                            : random.duration(500us, 4ms);
   const auto most = std::max<std::size_t>(1, static_cast<std::size_t>(step / character));
   Instant last = begin;
   std::vector<std::pair<Instant, std::size_t>> deliveries;
   for (std::size_t at = 0; at < bytes.size();) {
     at = std::min(bytes.size(), at + most);
-    if (chunks == Chunks::paused && at < bytes.size()) {
+    const bool may_pause =
+        chunks == Chunks::paused || (chunks == Chunks::torn && at < content.lead);
+    if (may_pause && at < bytes.size()) {
       const Duration pause = random.duration(1ms, 8ms) * (ascii_ ? 1 : random.one_of({1, 1, 25}));
       paused = std::min(paused + pause, most_paused);
     }
@@ -261,28 +264,6 @@ void SerialWire::make_noise() {
   }
   say(std::move(noise), around_.schedule.now(), Chunks::fine, {});
   later(rates_.noise_every, &SerialWire::make_noise);
-}
-
-void SerialWire::ask_as_stranger() {
-  if (rates_.foreign_every == Duration{0}) {
-    return;
-  }
-  later(rates_.foreign_every, &SerialWire::ask_as_stranger);
-  SoakDevice& device = *devices_[around_.random.below(devices_.size())];
-  const std::uint8_t address = device.settings().address;
-  if (is_busy() || device.is_dead(around_.schedule.now()) || around_.oracle.owes(bus_, address) ||
-      talks_until_[address] >= around_.schedule.now() ||
-      (asked_until_.contains(address) && asked_until_[address] >= around_.schedule.now())) {
-    return;
-  }
-  around_.report.fault("foreign");
-  const Pdu request = *Pdu::from(strange_request());
-  Frame both = encode(address, request);
-  const std::size_t lead = both.size();
-  const Frame reply = encode(address, *device.carry_out(request, around_.schedule.now()).answer);
-  both.insert(both.end(), reply.begin(), reply.end());
-  talks_until_[address] = around_.schedule.now() + timing_.of(both.size());
-  say(std::move(both), around_.schedule.now(), Chunks::fine, {address, 1, 0, true, 0, lead});
 }
 
 void SerialWire::kill_a_device() {

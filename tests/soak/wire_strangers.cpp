@@ -46,4 +46,29 @@ std::vector<std::uint8_t> SerialWire::strange_request() {
   }
 }
 
+void SerialWire::ask_as_stranger() {
+  if (rates_.foreign_every == Duration{0}) {
+    return;
+  }
+  later(rates_.foreign_every, &SerialWire::ask_as_stranger);
+  SoakDevice& device = *devices_[around_.random.below(devices_.size())];
+  const std::uint8_t address = device.settings().address;
+  if (is_busy() || device.is_dead(around_.schedule.now()) || around_.oracle.owes(bus_, address) ||
+      talks_until_[address] >= around_.schedule.now() ||
+      (asked_until_.contains(address) && asked_until_[address] >= around_.schedule.now())) {
+    return;
+  }
+  around_.report.fault("foreign");
+  const Pdu request = *Pdu::from(strange_request());
+  Frame both = encode(address, request);
+  const std::size_t lead = both.size();
+  const Frame reply = encode(address, *device.carry_out(request, around_.schedule.now()).answer);
+  both.insert(both.end(), reply.begin(), reply.end());
+  talks_until_[address] = around_.schedule.now() + timing_.of(both.size());
+  // Its request in several pieces, but what follows that answers it.
+  const bool is_torn = !ascii_ && happens_to_echo(rates_.pieces, "torn_request");
+  say(std::move(both), around_.schedule.now(), is_torn ? Chunks::torn : Chunks::fine,
+      {address, 1, 0, true, 0, lead});
+}
+
 }  // namespace mbgate::soak
