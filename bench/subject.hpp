@@ -21,7 +21,7 @@ struct Scenario {
   std::string program;  ///< "mbgated", "master", "relay", or a name of Means::commands
   Plant plant{};
   LoadSettings load{};
-  bool coalesce = true;      ///< mbgated's key
+  bool coalesce = true;       ///< mbgated's key
   unsigned wake_early = 100;  ///< mbgated's key, in microseconds
 };
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""What ./dev does about missing packages, shown with an apt-get, a sudo and a dpkg-query that only take notes."""
+"""What ./dev does about missing packages, and how it looks at files, shown with tools that only take notes."""
 
 import os
 import pathlib
@@ -13,19 +13,19 @@ import unittest
 ROOT = pathlib.Path(__file__).parents[2]
 NOBODY = 65534
 # What ./dev uses of a fresh machine before anything is installed.
-TOOLS = ("awk bash cat dirname dpkg env grep id kill mkdir mktemp nproc rm sed sleep sort tail tr").split()
+TOOLS = "awk bash cat dirname env grep kill mkdir mktemp nproc rm sed sleep sort tail xargs".split()
 
 NOTE = '#!/bin/bash\necho "${0##*/} $*" >>"$NOTES"\n'
-# Knows every package but those in $MISSING, as a machine with Debian 12's versions does.
-DPKG_QUERY = r"""#!/bin/bash
-if [[ $* == *Provides* ]]; then
-  [[ " $MISSING " == *" debhelper "* ]] || echo "installed, debhelper-compat (= 12), debhelper-compat (= 13),"
-  exit
-fi
-name=${*: -1}
-[[ $name == libboost-dev ]] && echo "installed 1.74.0.3" && exit
-[[ $name == debhelper-compat || " $MISSING " == *" $name "* ]] && exit 1
-echo "installed 99.0"
+# Know every package but those in $MISSING.
+DPKG_QUERY = """#!/bin/bash
+[[ " $MISSING " == *" ${*: -1} "* ]] || echo installed
+"""
+DPKG_CHECKBUILDDEPS = """#!/bin/bash
+for package in $MISSING; do
+  grep -q "^ $package\\b" debian/control || continue
+  echo "dpkg-checkbuilddeps: error: Unmet build dependencies: $package" >&2
+  exit 1
+done
 """
 
 
@@ -42,6 +42,9 @@ class Machine:
         for tool in TOOLS:
             (self.tools / tool).symlink_to(shutil.which(tool))
         self.add("dpkg-query", DPKG_QUERY)
+        self.add("dpkg-checkbuilddeps", DPKG_CHECKBUILDDEPS)
+        self.add("install", "#!/bin/bash\n")
+        self.add("git", "#!/bin/bash\nexit 128\n")  # not a checkout
         self.add("apt-get", NOTE + 'echo "frontend $DEBIAN_FRONTEND" >>"$NOTES"\nexit "${APT_STATUS:-0}"\n')
         self.add("cmake", "#!/bin/bash\nexit 1\n")  # the end of the way: all was there
         if sudo:
@@ -72,7 +75,8 @@ class Machine:
         return done.returncode, done.stdout
 
     def noted(self):
-        return self.notes.read_text(encoding="utf-8").splitlines()
+        lines = self.notes.read_text(encoding="utf-8").splitlines()
+        return [line for line in lines if not line.endswith("/usr/sbin/policy-rc.d")]
 
 
 class DevInstalls(unittest.TestCase):
@@ -86,15 +90,15 @@ class DevInstalls(unittest.TestCase):
     def test_through_sudo(self):
         machine = Machine(self)
         _, output = machine.run("demo", "--once", MISSING="cmake")
-        self.assertIn("cmake (>= 3.25)\n", output)
+        self.assertIn("Unmet build dependencies: cmake\n", output)
         self.assertEqual(
             machine.noted(),
             [
                 "sudo env DEBIAN_FRONTEND=noninteractive apt-get update",
                 "apt-get update",
                 "frontend noninteractive",
-                "sudo env DEBIAN_FRONTEND=noninteractive apt-get build-dep --no-remove -y ./",
-                "apt-get build-dep --no-remove -y ./",
+                "sudo env DEBIAN_FRONTEND=noninteractive apt-get build-dep --no-remove --no-install-recommends -y ./",
+                "apt-get build-dep --no-remove --no-install-recommends -y ./",
                 "frontend noninteractive",
             ],
         )
@@ -108,7 +112,7 @@ class DevInstalls(unittest.TestCase):
             [
                 "apt-get update",
                 "frontend noninteractive",
-                "apt-get build-dep --no-remove -y ./",
+                "apt-get build-dep --no-remove --no-install-recommends -y ./",
                 "frontend noninteractive",
             ],
         )
@@ -118,39 +122,67 @@ class DevInstalls(unittest.TestCase):
         status, output = machine.run("test", MISSING="libmodbus-dev")
         self.assertEqual(status, 1)
         self.assertEqual(machine.noted(), [])
-        self.assertIn("\n  apt-get update && apt-get build-dep --no-remove -y ./\n", output)
+        self.assertIn("\n  apt-get update && apt-get build-dep --no-remove --no-install-recommends -y ./\n", output)
 
-    def test_a_virtual_package_by_its_version(self):
+    def test_with_the_build_profiles_that_are_set(self):
         machine = Machine(self)
-        _, output = machine.run("test", MISSING="debhelper")
-        self.assertIn("\ndebhelper-compat (= 13)\n", output)
+        machine.run("demo", MISSING="cmake", DEB_BUILD_PROFILES="nocheck")
+        self.assertIn("sudo env DEBIAN_FRONTEND=noninteractive DEB_BUILD_PROFILES=nocheck apt-get update",
+                      machine.noted())
 
-    def test_an_alternative_only_if_none_is_new_enough(self):
-        machine = Machine(self)
-        _, output = machine.run("test", MISSING="libboost1.81-dev")  # libboost-dev is 1.74
-        self.assertIn("\nlibboost1.81-dev | libboost-dev (>= 1.81)\n", output)
+    def test_the_tools_that_only_a_command_needs(self):
+        for command, tool in (("test", "codespell"), ("format", "clang-format-14"), ("coverage", "gcovr"),
+                              ("fuzz", "clang-19"), ("bench", "gnuplot-nox"), ("soak", "dpkg-dev")):
+            machine = Machine(self)
+            machine.run(command, MISSING=tool)
+            self.assertIn(f"apt-get install --no-remove --no-install-recommends -y {tool}", machine.noted())
 
-    def test_what_the_tests_need_only_where_they_are_wanted(self):
-        machine = Machine(self)
-        machine.run("demo", MISSING="mbpoll", DEB_BUILD_PROFILES="nocheck")
-        self.assertEqual(machine.noted(), [])
-        machine.run("demo", MISSING="mbpoll")
-        self.assertNotEqual(machine.noted(), [])
-
-    def test_nothing_that_removes_and_says_why(self):
+    def test_nothing_more_once_that_failed(self):
         machine = Machine(self)
         status, output = machine.run("test", MISSING="libboost1.81-dev", APT_STATUS="100")
         self.assertEqual(status, 1)
-        self.assertIn("libboost1.74-dev is installed and conflicts with libboost1.81-dev.", output)
-        self.assertIn("apt-get remove libboost1.74-dev", output)
+        self.assertIn("apt-get could not install what is missing", output)
+        self.assertNotIn("cmake could not configure", output)
 
     def test_nothing_for_a_wrong_command_line(self):
         machine = Machine(self)
-        for arguments in ((), ("build",), ("demo", "--twice"), ("test", "--all", "--all")):
+        for arguments in ((), ("build",), ("demo", "--twice"), ("test", "--all", "--all"), ("format", "dev"),
+                          ("fuzz", "mbap", "1", "2"), ("coverage", "1", "2")):
             status, output = machine.run(*arguments, MISSING="cmake")
             self.assertEqual(status, 2, arguments)
-            self.assertIn("usage: ./dev demo [--once]\n       ./dev test [--all]\n", output)
+            self.assertIn("\n  ./dev demo [--once] ", output)
+        self.assertEqual(machine.run("--help")[0], 0)
         self.assertEqual(machine.noted(), [])
+
+
+class DevLooksAtFiles(unittest.TestCase):
+    GIT = r"""#!/bin/bash
+case $* in
+*rev-parse*) ;;
+*grep*) printf 'dev\0' ;;
+*) printf 'a.cpp\0' ;;
+esac
+"""
+
+    def run_with(self, failing):
+        machine = Machine(self)
+        machine.add("git", self.GIT)
+        for tool in ("clang-format-14", "shellcheck", "codespell"):
+            machine.add(tool, NOTE + f"exit {int(tool == failing)}\n")
+        _, output = machine.run("test")
+        self.assertEqual(machine.noted(),
+                         ["clang-format-14 --dry-run -Werror a.cpp", "shellcheck dev", "codespell a.cpp"])
+        return output
+
+    def test_and_then_builds(self):
+        self.assertIn("cmake could not configure", self.run_with(None))
+
+    def test_and_builds_nothing_if_something_is_wrong(self):
+        for tool, said in (("clang-format-14", "format (./dev format)"), ("shellcheck", "shellcheck"),
+                           ("codespell", "codespell")):
+            output = self.run_with(tool)
+            self.assertIn(f"dev: failed: {said}\n", output)
+            self.assertNotIn("cmake", output)
 
 
 if __name__ == "__main__":

@@ -39,7 +39,7 @@ TEST_F(RequestFraming, PutsPartsTogether) {
 }
 
 TEST_F(RequestFraming, PartsWhatCameTogether) {
-  feed(std::string(kReadStatus) + kReadStatus2, 1ms);
+  feed(std::string(kReadStatus).append(kReadStatus2), 1ms);
   EXPECT_EQ(poll(1ms), kReadStatus);
   EXPECT_EQ(poll(1ms), kReadStatus2);
   EXPECT_EQ(poll(1ms), "nothing");
