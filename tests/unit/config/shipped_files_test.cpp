@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files in conf/ are what users start from.
+// The files in conf/ and in examples/ are what users start from.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -173,6 +176,42 @@ TEST(DemoFile, IsWhatTheDemoPromises) {
   ASSERT_EQ(settings.routes.size(), 6U);
   EXPECT_TRUE(settings.routes[5].is_broadcast());
 }
+
+/// Complete configurations, each for a plant that its header describes.
+std::vector<std::string> examples() {
+  std::vector<std::string> names;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(MBGATE_SOURCE_DIR) + "/examples")) {
+    if (entry.path().extension() == ".toml") {
+      names.push_back(entry.path().stem());
+    }
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+TEST(Examples, AreAllThere) {
+  EXPECT_THAT(examples(),
+              testing::IsSupersetOf({"ethernet-and-rs485", "mixed-line", "moons-line"}));
+}
+
+class Example : public testing::TestWithParam<std::string> {};
+
+TEST_P(Example, LoadsWithoutAWordAndSaysWhichPlantItIs) {
+  const std::string path = std::string(MBGATE_SOURCE_DIR) + "/examples/" + GetParam() + ".toml";
+  const auto loaded = load_settings(path);
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  EXPECT_TRUE(loaded.settings);
+  EXPECT_THAT(text_of(path), testing::HasSubstr("\n# The plant: "));
+}
+
+std::string example_name(const testing::TestParamInfo<std::string>& info) {
+  std::string name = info.param;
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, Example, testing::ValuesIn(examples()), example_name);
 
 }  // namespace
 }  // namespace mbgate::config
