@@ -213,8 +213,9 @@ std::size_t SerialWire::begin_with_glitch(Frame& frame, const PduBytes& asked) {
                                               static_cast<std::uint8_t>(random.below(256))});
     frame.insert(frame.begin(), byte);
   }
-  while (!ascii_ && hides_frame(frame, size)) {
-    ++frame[size - 1];
+  // Wherever it stands, one of its bytes becomes another.
+  for (std::size_t at = 0; !ascii_ && hides_frame(frame, size); at = (at + 1) % size) {
+    ++frame[at];
     around_.report.fault("chance_crc");
   }
   return size;
