@@ -34,7 +34,7 @@ bool make_misfit(std::vector<std::uint8_t>& pdu, const FaultRates& rates, Random
   }
   const std::size_t less = is_bits(function) ? 1 : 2;
   if (is_read(function) && pdu.size() > 2 + less && happens(rates.too_short, "too_short")) {
-    pdu.resize(pdu.size() - less);
+    pdu.erase(pdu.end() - static_cast<std::ptrdiff_t>(less), pdu.end());
     pdu[1] = low(static_cast<unsigned>(pdu.size() - 2));
     return true;
   }
