@@ -150,6 +150,7 @@ class Bus {
   [[nodiscard]] Instant ready_at(const Job& job) const;
 
   // bus_transmit.cpp: a transaction goes on the wire
+  [[nodiscard]] std::size_t next_transaction(const Job& job) const;
   void skip_known_settings(Job& job);
   void check_allowed(const Job& job, Instant now) const;
   void transmit(Job& job, Instant now);

@@ -8,10 +8,19 @@ namespace mbgate::bus {
 
 // Whether a question of the gateway's own is needed is known only when its turn has come. It is
 // never the last transaction of a job. A stop asks nothing.
+std::size_t Bus::next_transaction(const Job& job) const {
+  std::size_t next = job.current;
+  while (
+      job.transactions[next].must_hold != nullptr &&
+      (job.job_class == JobClass::stop || devices_[job.transactions[next].address].setting_known)) {
+    ++next;
+  }
+  return next;
+}
+
 void Bus::skip_known_settings(Job& job) {
-  while (job.transaction().must_hold != nullptr &&
-         (job.job_class == JobClass::stop || devices_[job.transaction().address].setting_known)) {
-    ++job.current;
+  if (const std::size_t next = next_transaction(job); next != job.current) {
+    job.current = next;
     job.tries = 0;
   }
 }

@@ -115,7 +115,7 @@ std::size_t Bus::occupied(Instant now) {
 }
 
 bool Bus::is_held_back(const Job& job, Instant now) const {
-  return !job.transaction().is_broadcast() && held_until(job) > now;
+  return !job.transactions[next_transaction(job)].is_broadcast() && held_until(job) > now;
 }
 
 std::optional<Bus::Choice> Bus::choose(const Bounds& bounds, Instant now) {
@@ -183,9 +183,11 @@ Instant Bus::held_until(const Job& job) const {
   if (job.job_class == JobClass::stop) {
     return Instant::min();
   }
-  const DeviceEntry& entry = devices_[job.transaction().address];
-  const bool repeats_read = job.tries > 0 && job.transaction().request.is_read();
-  const std::uint8_t function = job.transaction().request.function();
+  const std::size_t next = next_transaction(job);
+  const Transaction& transaction = job.transactions[next];
+  const DeviceEntry& entry = devices_[transaction.address];
+  const bool repeats_read = job.tries > 0 && next == job.current && transaction.request.is_read();
+  const std::uint8_t function = transaction.request.function();
   return quarantines_ && !repeats_read
              ? std::max(entry.free_at, entry.health.held_until(function, entry.timing()))
              : entry.free_at;
@@ -195,10 +197,11 @@ Instant Bus::ready_at(const Job& job) const {
   if (job.job_class == JobClass::stop) {
     return line_.ready_for_stop_at();
   }
-  if (job.transaction().is_broadcast()) {
+  const Transaction& transaction = job.transactions[next_transaction(job)];
+  if (transaction.is_broadcast()) {
     return line_.ready_at(settings_.timing.gap);
   }
-  const DeviceEntry& entry = devices_[job.transaction().address];
+  const DeviceEntry& entry = devices_[transaction.address];
   return std::max(held_until(job), line_.ready_at(entry.timing().gap));
 }
 
