@@ -122,7 +122,7 @@ Verdict AsciiFramer::judge(Instant now) {
     return stranger ? Verdict::none : Verdict::damaged;
   }
   buffer_.clear();
-  if (fit == ResponseFit::normal || fit == ResponseFit::exception) {
+  if (is_fitting(fit)) {
     response_ = modbus::Pdu::from(pdu);
     return Verdict::response;
   }

@@ -49,7 +49,7 @@ void Bus::transmit(Job& job, Instant now) {
   }
   if (job.tries == 0) {
     job.transmitted_at = now;
-    job.writes_before = devices_[job.address()].cache.writes();
+    job.writes_before = devices_[job.address()].cache.writes_ended();
     gather_followers(
         queue_, job, *devices_[job.address()].device,
         {settings_.coalesce, settings_.merge && !devices_[job.address()].merge_refused});

@@ -17,9 +17,9 @@ class CutFrame {
   /// given up. From where they, or what is kept already with them, may be the beginning of a frame
   /// they are kept.
   void keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack);
-  /// A good frame that begins with what is kept, but for a bit of noise, if these bytes complete
-  /// it, and began not later than `slack` after that; it is kept no longer. Nothing if they begin
-  /// with a good frame themselves.
+  /// A good frame that begins with what is kept, or with a later piece of it, but for a bit of
+  /// noise, if these bytes complete it, and began not later than `slack` after that; it is kept no
+  /// longer. Nothing if they begin with a good frame themselves.
   struct Joined {
     modbus::RtuAdu frame;
     std::size_t taken;  ///< of these bytes
@@ -30,7 +30,13 @@ class CutFrame {
 
  private:
   friend struct mbgate::StateReader;
+  void clear();
+
+  static constexpr std::size_t kMostPieces = 16;
+
   boost::container::static_vector<std::uint8_t, modbus::kMaxRtuSize> kept_;
+  /// Where each of what was given up begins in `kept_`: a frame may begin with any of them.
+  boost::container::static_vector<std::size_t, kMostPieces> pieces_;
   Instant last_;
 };
 

@@ -101,7 +101,7 @@ struct Job {
   Instant transmitted_at;           ///< its current transaction, for the first time
   Instant last_sent;                ///< the last transmission of anything of it
   std::uint64_t turn = 0;           ///< which transmission of its bus that was
-  std::uint64_t writes_before = 0;  ///< to its device, accepted before it was transmitted
+  std::uint64_t writes_before = 0;  ///< to its device, ended before it was transmitted
   boost::container::small_vector<Job*, 1> followers;
   std::unique_ptr<Transaction> merged;  ///< what is transmitted instead, for all of them
 

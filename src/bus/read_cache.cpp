@@ -11,8 +11,8 @@ const modbus::Pdu* ReadCache::find(const modbus::Request& request, Instant oldes
 }
 
 void ReadCache::put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at,
-                    std::uint64_t writes) {
-  if (ended_ < accepted_ || writes < accepted_) {
+                    std::uint64_t writes_ended) {
+  if (writes_ended < accepted_) {
     return;
   }
   const auto found = std::ranges::find(reads_, request.pdu(), &Read::request);

@@ -25,12 +25,12 @@ class ReadCache {
   }
   /// The response to the same request, if it was asked for at `oldest` or later.
   [[nodiscard]] const modbus::Pdu* find(const modbus::Request& request, Instant oldest) const;
-  /// `asked_at`: when the request was transmitted; the data are no older than that. `writes`: as
-  /// many had been accepted by then.
+  /// `asked_at`: when the request was transmitted; the data are no older than that. `writes_ended`:
+  /// as many had by then; if others were accepted, the data may be from before them.
   void put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at,
-           std::uint64_t writes);
-  /// Writes to the device that were ever accepted.
-  [[nodiscard]] std::uint64_t writes() const { return accepted_; }
+           std::uint64_t writes_ended);
+  /// Writes to the device that ever ended.
+  [[nodiscard]] std::uint64_t writes_ended() const { return ended_; }
   void clear() { reads_.clear(); }
   void begin_write();
   void end_write();

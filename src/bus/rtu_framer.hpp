@@ -98,6 +98,7 @@ class RtuFramer {
   Found look(bool silence);
   Found look_at(const Look& look);
   Found look_at_candidate(const Look& look);
+  std::optional<Found> look_at_echo(const Look& look, std::size_t size);
   Found look_at_stranger(const Look& look);
   Found found(const Look& look, Answer answer);
   Found accept(const Look& look, std::size_t size);

@@ -119,10 +119,31 @@ RtuFramer::Found RtuFramer::look_at_candidate(const Look& look) {
   if ((look.unfinished || short_one) && !look.silence) {
     return found(look, Answer::unsure);
   }
-  if (is_fitting(fit)) {
-    return accept(look, size);
+  if (!is_fitting(fit)) {
+    consume(look.at, size);
+    return Found::consumed;
   }
-  consume(look.at, size);
+  const auto echo = look_at_echo(look, size);
+  return echo ? *echo : accept(look, size);
+}
+
+// The echo of what was sent may begin with what looks like the answer, of so many bytes: whether
+// its rest follows tells them apart.
+std::optional<RtuFramer::Found> RtuFramer::look_at_echo(const Look& look, std::size_t size) {
+  const modbus::Pdu& asked = transaction_->request.pdu();
+  if (size >= asked.size() + modbus::kRtuOverhead) {
+    return std::nullopt;
+  }
+  const modbus::RtuBytes sent = modbus::encode_rtu(transaction_->address, asked);
+  const std::size_t count = std::min(buffer_.size() - look.at, sent.size());
+  if (!std::ranges::equal(bytes_from(look.at).first(count), modbus::Bytes(sent).first(count))) {
+    return std::nullopt;
+  }
+  if (count < sent.size()) {
+    return look.silence ? std::nullopt : std::optional(found(look, Answer::unsure));
+  }
+  counters_.stray_bytes += look.at + count;
+  buffer_.drop(look.at + count);
   return Found::consumed;
 }
 

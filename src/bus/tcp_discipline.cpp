@@ -110,7 +110,6 @@ bool TcpDiscipline::take_answer(Instant now) {
 }
 
 void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
-  using modbus::ResponseFit;
   const auto flight = find(answer.header.transaction);
   if (flight == flights_.end() ||
       !is_unit_right(answer.header.unit, flight->transaction->address)) {
@@ -125,8 +124,7 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
     return;
   }
   Transaction& transaction = *flight->transaction;
-  const ResponseFit fit = modbus::check_response(transaction.request, answer.pdu.bytes());
-  if (fit != ResponseFit::normal && fit != ResponseFit::exception) {
+  if (!is_fitting(modbus::check_response(transaction.request, answer.pdu.bytes()))) {
     ++counters_.unsolicited_frames;
     return;
   }

@@ -111,7 +111,7 @@ void StateReader::read(const bus::ReceivedBytes& received, Duration reach, Hash&
 // What is kept is thrown away when it is older than `slack` and more bytes come; but what stands in
 // the buffer may be put behind it before.
 void StateReader::read(const bus::CutFrame& cut, bool is_last, Duration slack, Hash& hash) {
-  const auto& [kept, last] = cut;
+  const auto& [kept, pieces, last] = cut;
   const bool is_over = is_last && hash.now() - last > slack;
   if (kept.empty() || is_over) {
     hash.add(false);
@@ -119,6 +119,9 @@ void StateReader::read(const bus::CutFrame& cut, bool is_last, Duration slack, H
   }
   hash.add(true);
   hash.add(std::span(kept.data(), kept.size()));
+  for (const std::size_t piece : pieces) {
+    hash.add(piece);
+  }
   hash.since(last, explore::kFarPast);
 }
 

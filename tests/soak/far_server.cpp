@@ -149,6 +149,8 @@ void FarServer::say(const Answer& answer) {
   append(answer.identifier);
   if (answer.fits && (!is_other || !around_.plan.settings.buses[bus_].check_unit)) {
     ends_.emplace_back(stream_.size(), answer.number);
+  } else {
+    unsure_ = true;  // late, it is a sign of life as others are
   }
   if (happens(rates_.twice, "twice")) {
     append(answer.identifier);

@@ -120,12 +120,12 @@ class Oracle {
   /// To be called after every input of the gateway: what has waited too long, what is too much.
   void check_waiting();
   void check_overdue();
-  /// Everything must be over.
+  /// A stop still waits or goes on; everything must be over.
+  [[nodiscard]] bool has_stops() const;
   void check_finished();
   static std::string hex(Bytes bytes);
   void trace() { traced_ = true; }
   void violation(const std::string& kind, const std::string& text) const;
-
   /// Since its line is what it is.
   [[nodiscard]] const BusCount& count(std::size_t bus) const { return books_[bus].count; }
   [[nodiscard]] const BusCount& count(std::size_t bus, std::uint8_t address) const;
@@ -200,7 +200,7 @@ class Oracle {
   bool fits(const Asked& asked, const Piece& piece, const Flight& flight) const;
   [[nodiscard]] bool is_behind_failure(const Asked& asked, const Piece& piece) const;
   [[nodiscard]] std::string objection(const Asked& asked, const Piece& piece) const;
-  void unknown_transmission(const Flight& flight);
+  void unknown_transmission(Flight& flight);
   void note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone);
   void check_order(const Asked& asked, const Flight& flight);
   void check_tcp(const Flight& flight);

@@ -27,7 +27,12 @@ constexpr const char* kUnproven = "unproven_echo";
 // As long as an answer to 15 or 16, whose echo begins as it does.
 bool ends_like_answer(const Flight& flight, std::size_t read) {
   constexpr std::size_t kAnswer = 8;
-  return read == kAnswer && (flight.pdu.front() == 0x0F || flight.pdu.front() == 0x10);
+  const std::uint8_t function = flight.pdu.front();
+  const auto fields = spec::fields_of(flight.pdu);
+  const bool is_plain_read = fields && fields->reads && !fields->writes;
+  return is_plain_read
+             ? flight.pdu[1] == spec::data_size_of(*fields->reads) && read == flight.pdu[1] + 5U
+             : read == kAnswer && (function == 0x0F || function == 0x10);
 }
 
 bool looks_like_answer(const Flight& flight) {
@@ -177,6 +182,9 @@ void Oracle::read_echo(std::size_t bus) {
 void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEcho& echo) {
   Book& book = books_[bus];
   const auto& setting = bus_settings(bus).line.echo;
+  if (setting && !*setting) {
+    book.lanes[flight.address].forget_silence();  // it may be taken for a sign of life
+  }
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
       entry->second->echoed = true;

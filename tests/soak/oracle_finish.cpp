@@ -29,6 +29,10 @@ void Oracle::check_overdue() {
   }
 }
 
+bool Oracle::has_stops() const {
+  return std::ranges::any_of(books_, [](const Book& book) { return !book.open_stops.empty(); });
+}
+
 void Oracle::check_finished() {
   for (const auto& [id, asked] : open_) {
     check_failsafe(*asked);

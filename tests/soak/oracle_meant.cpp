@@ -110,10 +110,11 @@ void Oracle::attribute(Flight& flight) {
   }
 }
 
-void Oracle::unknown_transmission(const Flight& flight) {
+void Oracle::unknown_transmission(Flight& flight) {
   for (auto done = done_.rbegin(); done != done_.rend(); ++done) {
     if (done->bus == flight.bus && done->address == flight.address && done->pdu == flight.pdu) {
       // What the gateway does itself in one instant has no order.
+      flight.repeats_read = true;
       if (done->how != kClosed || done->at < schedule_.now()) {
         violation(done->how, name(flight));
       }

@@ -78,7 +78,7 @@ void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
                        !frame.waits && frame.is_only_debt && has_table(from->pdu);
   const bool may_echo = plan_.echoes[bus] || book.echo_found || settings.line.echo.value_or(false);
   if (!is_sure || may_echo || book.came != frame.size ||
-      book.use.pause >= spec::silence_of(settings)) {
+      book.use.pause >= spec::WireTimes(settings.line).silence()) {
     return;
   }
   Lane& lane = book.lanes[frame.address];

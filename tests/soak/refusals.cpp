@@ -112,7 +112,11 @@ const char* Refusals::why_no_path(const Asked& asked) const {
 
 void Refusals::judge_no_response(const Asked& asked) const {
   if (!asked.maybe_on_wire && !(asked.is_read() && oracle_.may_be_offline(asked))) {
-    oracle_.violation("no_response_without_wire", oracle_.name(asked));
+    const Piece& piece = asked.pieces.front();
+    oracle_.violation(
+        "no_response_without_wire",
+        oracle_.name(asked) + ", unanswered in a row: at most " +
+            std::to_string(oracle_.books_[piece.bus].lanes[piece.address].unanswered));
     return;
   }
   judge_tries(asked);
@@ -140,9 +144,10 @@ void Refusals::judge_tries(const Asked& stop) const {
   const bool is_judged = stop.kind == Kind::stop && stop.is_repeated && !stop.is_shared &&
                          !stop.ordered && stop.door->device && stop.flights == stop.flights_alone &&
                          !oracle_.stopping_;
+  const Instant busy_since = oracle_.books_[piece.bus].busy_since;
   if (!is_judged || oracle_.may_be_offline(stop) || is_away(stop) ||
       oracle_.reloaded_ >= stop.accepted || oracle_.is_tcp(piece.bus) ||
-      oracle_.plan_.rates[piece.bus].babbles_every > Duration{0}) {
+      oracle_.schedule_.now() >= busy_since + oracle_.stop_deadline(piece.bus)) {
     return;
   }
   const unsigned retries = oracle_.devices_[*stop.door->device].settings().timing.stop_retries;

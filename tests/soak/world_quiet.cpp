@@ -33,7 +33,10 @@ void World::calm_down() {
 // Nothing goes wrong any more until everything is over; then all must be well again.
 void World::come_to_rest() {
   calm_down();
-  run_until(schedule_.now() + kQuiet);
+  const Instant latest = schedule_.now() + kStopLife;
+  do {
+    run_until(schedule_.now() + kQuiet);
+  } while (oracle_.has_stops() && schedule_.now() < latest);
   for (Client& client : clients_) {
     client.leave();
   }

@@ -95,6 +95,21 @@ TEST_F(RtuCutFrame, ABitOfNoiseBeforeWhatWasCutIsNoPartOfIt) {
   EXPECT_EQ(unsolicited->address, 1);
 }
 
+// A damaged frame that could be the beginning of a longer one, a pause, and a late answer that the
+// end of a wait has cut.
+TEST_F(RtuCutFrame, NorIsWhatCameShortlyBefore) {
+  framer_.listen();
+  add("02 03 20 00 07 FF EE DD CC BB AA 99 88");
+  after(16ms);
+  add("01 03 04 00");
+  framer_.listen();
+  add("03 0D 40 0F 53");
+  const auto unsolicited = framer_.take_unsolicited();
+  ASSERT_TRUE(unsolicited);
+  EXPECT_EQ(unsolicited->address, 1);
+  EXPECT_FALSE(unsolicited->after_noise);
+}
+
 TEST_F(RtuCutFrame, OneByteMayBeAllThatWasCutOff) {
   framer_.listen();
   add("01");

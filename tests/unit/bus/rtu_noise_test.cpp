@@ -70,6 +70,27 @@ TEST_F(RtuNoise, IsNotTheRequestOfAnotherClient) {
   EXPECT_EQ(after(100ms), Verdict::none);
 }
 
+// Coils 653 to 668: the echo of this request begins with an answer to it, which has a good CRC.
+TEST_F(RtuNoise, IsNotFollowedByAnEchoThatLooksLikeTheAnswer) {
+  constexpr auto kEcho = "04 01 02 8D 00 10 AC 00";
+  constexpr auto kLooksLikeIt = "04 01 02 8D 00 10 AC";
+  constexpr auto kCoils = "01 028D 0010";
+  expect(kCoils, 4);
+  EXPECT_EQ(add(std::string("FF 00 00 FF ") + kEcho), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+  EXPECT_EQ(add(frame("04 01 02 12 34")), Verdict::response);
+  EXPECT_EQ(response(), "01 02 12 34");
+  EXPECT_FALSE(framer_.take_unsolicited());
+  expect(kCoils, 4);
+  EXPECT_EQ(add(kLooksLikeIt), Verdict::none);
+  EXPECT_EQ(add("00"), Verdict::none);
+  EXPECT_EQ(after(100ms), Verdict::none);
+  expect(kCoils, 4);
+  EXPECT_EQ(add(kLooksLikeIt), Verdict::none);
+  EXPECT_EQ(after(20ms), Verdict::response);
+  EXPECT_EQ(response(), "01 02 8D 00");
+}
+
 // The request of a queue has six bytes only. It asked for that at 04DE.
 TEST_F(RtuNoise, IsNoShortRequestEither) {
   expect("18 04DF");
