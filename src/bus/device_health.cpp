@@ -109,7 +109,7 @@ void DeviceHealth::note_asked(Instant now, const Timing& timing) {
   const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
   std::erase_if(debts_, [&](const Debt& debt) { return now > debt.last_due + longest; });
   for (Debt& debt : debts_) {
-    debt.due = now > debt.due + longest ? debt.last_due : debt.due;
+    debt.due = debt.due_at(now, longest);
     debt.given_up = debt.given_up || now >= held_until(debt.asked.function(), timing);
   }
   if (forgotten_due_ && now >= held_until(timing)) {
@@ -138,10 +138,8 @@ std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(modbus::Bytes re
   if (debt == debts_.end()) {
     return std::nullopt;
   }
-  // That to the oldest of them, unless it comes no more.
-  const Instant due = now <= debt->due + longest ? debt->due : debt->last_due;
   Late late{};
-  late.lateness = std::max({now - due, debt->suspected, Duration{0}});
+  late.lateness = std::max({now - debt->due_at(now, longest), debt->suspected, Duration{0}});
   if (debt->count > 1) {
     --debt->count;
     debt->due = debt->last_due;

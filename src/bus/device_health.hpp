@@ -105,6 +105,10 @@ class DeviceHealth {
     bool given_up = false;  ///< holds nothing back, but an answer to it still proves lateness
     bool outdated = false;  ///< another write has gone to the device since
     bool doubtful = false;  ///< given up, and something that fits it was taken for another answer
+    /// Of the oldest whose answer is not `longest` late already.
+    [[nodiscard]] Instant due_at(Instant now, Duration longest) const {
+      return now > due + longest ? last_due : due;
+    }
   };
 
   Debt& owe(const modbus::Request& asked, Instant due);

@@ -36,10 +36,11 @@ void RtuFramer::forget() {
 }
 
 // Silence, or a new question, has ended what stands here. It may have been a frame whose length
-// cannot be known, such as another client's request.
+// cannot be known, such as another client's request; not the beginning of one that is longer.
 void RtuFramer::give_up_buffer() {
   const bool is_told = !std::exchange(answers_another_, false);
-  if (is_told && modbus::decode_rtu(buffer_.bytes())) {
+  const bool is_whole = modbus::decode_rtu(buffer_.bytes()) && !may_begin_frame(buffer_.bytes());
+  if (is_told && is_whole) {
     note_unsolicited(0, buffer_.size());
   } else {
     counters_.stray_bytes += buffer_.size();

@@ -214,7 +214,8 @@ bool Oracle::is_surely_open(const Asked& asked) const {
     return true;
   }
   const auto entry = sessions_.find(asked.client);
-  return entry != sessions_.end() && !entry->second.order.empty() &&
+  // Behind a broadcast that gets no reply its answer may be held back too.
+  return entry != sessions_.end() && !entry->second.order.empty() && entry->second.silent.empty() &&
          entry->second.order.front() == asked.id;
 }
 

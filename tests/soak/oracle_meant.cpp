@@ -157,6 +157,9 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
     report_.fault("failsafe_sent_later");
   }
   ++asked.flights;
+  if (asked.failsafe) {
+    books_[flight.bus].lanes[flight.address].last_stop = schedule_.now();  // it may have waited
+  }
   // What has become due in this instant joins one that is due already, or goes on its own.
   const bool may_have_joined = asked.failsafe && !alone && asked.accepted == schedule_.now();
   piece.sent += may_have_joined ? 0U : 1U;

@@ -219,6 +219,30 @@ TEST_F(BusSettings, AWriteThatWaitsBehindAChangeOfTheSettingAsksAgain) {
   EXPECT_EQ(frames_[0].substr(0, 5), "01 03");
 }
 
+// The device owes the answer to a write. A question may be put meanwhile, but where the answer is
+// known already the write comes next.
+TEST_F(BusSettings, AWriteWhoseQuestionIsNotPutWaitsForTheQuarantine) {
+  auto device = stated();
+  device.profile.stops = {{.address = 7, .mask = 0, .value = 0}};
+  open(settings(), {device});
+  submit(job("06 0002 0001"));
+  time_out();
+  submit(job("10 0007 0001 02 0001"));
+  line("01 10 00 07 00 01 B0 08");
+  advance(30ms);
+  bus::Job& given_up = asking();
+  given_up.deadline = now_ + 10ms;
+  submit(given_up);
+  line(kAnswer);
+  advance(10ms);
+  ASSERT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered, Ending::expired));
+  submit(asking());
+  EXPECT_THAT(frames_, SizeIs(3));
+  advance(settings().timing.response_timeout);
+  ASSERT_THAT(frames_, SizeIs(4));
+  EXPECT_EQ(frames_[3].substr(0, 5), "01 06");
+}
+
 TEST_F(BusSettings, AnotherAnswerEndsTheJobBeforeItsWrite) {
   open(settings(), {stated()});
   bus::Job& write = asking();

@@ -7,7 +7,16 @@ namespace {
 
 using Kind = bus::DeviceNotice::Kind;
 
-using BusLate = Bus;
+class BusLate : public Bus {
+ protected:
+  /// Writes are sent once more.
+  static bus::BusSettings repeating() {
+    auto repeating = settings();
+    repeating.timing.retry_writes = true;
+    repeating.timing.retries = 1;
+    return repeating;
+  }
+};
 
 TEST_F(BusLate, ADeviceIsLeftAloneWhileItsAnswerMayStillComeAndOthersGoOn) {
   open(settings());
@@ -73,10 +82,7 @@ TEST_F(BusLate, AWriteIsNotTakenForAnsweredByAnOlderAnswer) {
 }
 
 TEST_F(BusLate, ARepeatedWriteWaitsForTheQuarantine) {
-  auto repeating = settings();
-  repeating.timing.retry_writes = true;
-  repeating.timing.retries = 1;
-  open(repeating);
+  open(repeating());
   submit(job("06 0000 0001"));
   submit(job_of(1, kRead, 2));
   time_out();
@@ -90,14 +96,12 @@ TEST_F(BusLate, ARepeatedWriteWaitsForTheQuarantine) {
 }
 
 TEST_F(BusLate, ARepeatedWriteGoesNoMoreWhenItMayNotBeRepeatedAnyMore) {
-  auto repeating = settings();
-  repeating.timing.retry_writes = true;
-  repeating.timing.retries = 1;
-  open(repeating);
+  auto changed = repeating();
+  open(changed);
   submit(job("06 0000 0001"));
   time_out();
-  repeating.timing.retry_writes = false;
-  update(repeating, {});
+  changed.timing.retry_writes = false;
+  update(changed, {});
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   advance(1s);
   EXPECT_THAT(frames_, SizeIs(1));

@@ -110,6 +110,18 @@ TEST_F(RtuCutFrame, NorIsWhatCameShortlyBefore) {
   EXPECT_FALSE(unsolicited->after_noise);
 }
 
+// By chance it has a good CRC without its last byte.
+TEST_F(RtuCutFrame, ItsLengthTellsThatItIsCut) {
+  framer_.listen();
+  add("04 03 08 4F 69 65 D1 EE 3A 31 55 0C");
+  framer_.listen();
+  EXPECT_FALSE(framer_.take_unsolicited());
+  add("00");
+  const auto unsolicited = framer_.take_unsolicited();
+  ASSERT_TRUE(unsolicited);
+  EXPECT_TRUE(unsolicited->is_response);
+}
+
 TEST_F(RtuCutFrame, OneByteMayBeAllThatWasCutOff) {
   framer_.listen();
   add("01");
