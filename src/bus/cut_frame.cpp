@@ -52,7 +52,7 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
     for (std::size_t at = piece; at <= last; ++at) {
       const modbus::Bytes all = modbus::Bytes(joined.data(), joined.size()).subspan(at);
       const auto frame = good_frame(all);
-      if (!frame || (at > 0 && is_exception(all))) {
+      if (!frame || (at > piece && is_exception(all))) {
         continue;
       }
       clear();

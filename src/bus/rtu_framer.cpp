@@ -52,9 +52,14 @@ void RtuFramer::give_up_buffer() {
   buffer_.clear();
 }
 
-// The rest of a frame whose beginning was given up.
+// The rest of a frame whose beginning was given up. One that has lost its last byte must not take
+// that from the answer.
 void RtuFramer::join_cut(Instant now) {
-  if (buffer_.size() == 0) {
+  const modbus::Bytes bytes = buffer_.bytes();
+  const bool begins_answer =
+      transaction_ != nullptr && bytes.size() > 1 && bytes[0] == transaction_->address &&
+      (bytes[1] & ~modbus::kExceptionBit) == transaction_->request.function();
+  if (bytes.empty() || begins_answer) {
     return;
   }
   if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), silence())) {

@@ -130,10 +130,15 @@ void Oracle::settle(std::size_t bus, const HeardFrame& frame) {
       lane.answered_at = schedule_.now();  // the echo stands for it then
       lane.took = Duration{0};
     }
-    // If an earlier one is owed, it is that.
-    settle([&](const Flight& it) {
+    // If an earlier one is owed, it is that; else, where it stands for the echo, that is taken for
+    // the answer.
+    const bool is_earlier = settle([&](const Flight& it) {
       return it.number != book.last_flight && may_be_confused(it.pdu, asked.pdu);
     });
+    if (!is_earlier && asked.number != book.last_flight && is_for_last(book, frame) &&
+        stands_for_echo(book)) {
+      std::erase(lane.owed, book.last_flight);
+    }
     return;
   }
   if (!frame.fits) {

@@ -169,8 +169,9 @@ void Oracle::read_echo(std::size_t bus) {
     return;
   }
   // Nothing stood before it, and the wait for the answer was not over yet.
+  const Instant over = last->expects_answer ? last->deadline : last->end + settings.turnaround;
   const bool is_plain = echo->is_whole && book.came == echo->size && book.open_stops.empty() &&
-                        (last->is_broadcast || schedule_.now() < last->deadline);
+                        (last->is_broadcast || schedule_.now() < over);
   if (is_plain && !bus_settings(bus).line.echo && !std::exchange(book.echo_proven, true)) {
     report_.fault("echo_proven");
   }

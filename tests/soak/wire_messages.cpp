@@ -259,9 +259,10 @@ void SerialWire::make_noise() {
     byte = around_.random.one_of<std::uint8_t>(
         {0x00, 0xFF, static_cast<std::uint8_t>(around_.random.below(256))});
   }
-  if (ascii_) {
-    constexpr std::uint8_t kFeed = 0x0A;
-    std::ranges::replace(noise, kFeed, std::uint8_t{0xFF});
+  if (ascii_) {  // not the beginning that a damaged frame behind it has lost, nor the end
+    for (const std::uint8_t border : {std::uint8_t{':'}, std::uint8_t{0x0A}}) {
+      std::ranges::replace(noise, border, std::uint8_t{0xFF});
+    }
   }
   say(std::move(noise), around_.schedule.now(), Chunks::fine, {});
   later(rates_.noise_every, &SerialWire::make_noise);

@@ -110,6 +110,16 @@ TEST_F(RtuCutFrame, NorIsWhatCameShortlyBefore) {
   EXPECT_FALSE(unsolicited->after_noise);
 }
 
+// It was 01, and so does the answer begin.
+TEST_F(RtuCutFrame, ALostLastByteIsNotTakenFromTheAnswer) {
+  framer_.listen();
+  add("02 03 02 00 F3 BC");
+  after(5ms);
+  expect(kRead);
+  EXPECT_EQ(add("01 03 04 00 03 0D"), Verdict::none);
+  EXPECT_EQ(add("40 0F 53"), Verdict::response);
+}
+
 // By chance it has a good CRC without its last byte.
 TEST_F(RtuCutFrame, ItsLengthTellsThatItIsCut) {
   framer_.listen();
@@ -174,12 +184,20 @@ TEST_F(RtuCutFrame, WhatLooksLikeTheBeginningOfTheAnswerMayBeAPartOfIt) {
 // Five bytes behind noise look like an exception too often, as they do before an answer.
 TEST_F(RtuCutFrame, AnExceptionBehindNoiseIsNone) {
   framer_.listen();
+  add("B6 01 83");
+  framer_.listen();
+  add("02 C0 F1");
+  EXPECT_FALSE(framer_.take_unsolicited());
+}
+
+TEST_F(RtuCutFrame, AnExceptionBehindAPauseIsOne) {
+  framer_.listen();
   add("B6");
   after(16ms);
   add("01 83");
   framer_.listen();
   add("02 C0 F1");
-  EXPECT_FALSE(framer_.take_unsolicited());
+  EXPECT_TRUE(framer_.take_unsolicited());
 }
 
 TEST_F(RtuCutFrame, WhatStandsBehindNoiseIsToldAsThat) {
