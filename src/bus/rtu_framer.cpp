@@ -62,7 +62,7 @@ void RtuFramer::join_cut(Instant now) {
   if (bytes.empty() || begins_answer) {
     return;
   }
-  if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), silence())) {
+  if (const auto joined = cut_.complete(bytes, buffer_.came_at(0), silence())) {
     const modbus::RtuAdu& frame = joined->frame;
     ++counters_.unsolicited_frames;
     unsolicited_.add({frame.address, frame.pdu, now, joined->after_noise});

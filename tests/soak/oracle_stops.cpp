@@ -13,9 +13,15 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// Of such an answer, once damaged, any number of bytes may seem to be missing.
-bool is_of_unknown_length(const PduBytes& pdu) {
-  return !pdu.empty() && (asks_identity(pdu[0]) || pdu[0] == kOwnFunction);
+/// So many bytes of the answer may seem to be missing once one was read; of some, once damaged, any
+/// number.
+std::size_t most_missing(const PduBytes& pdu) {
+  const auto fields = spec::fields_of(pdu);
+  if (pdu.empty() || asks_identity(pdu[0]) || pdu[0] == kOwnFunction || !fields) {
+    return spec::kRtuFrame;
+  }
+  constexpr std::size_t kBeside = 5;  // address, function, byte count and CRC
+  return fields->reads ? kBeside + spec::data_size_of(*fields->reads) : pdu.size() + kBeside;
 }
 
 }  // namespace
@@ -102,11 +108,10 @@ void Oracle::check_stops_waiting(std::size_t bus) {
   const Duration silence = spec::silence_of(settings);
   // What may hold a stop back: an own frame, a response that has begun, the turnaround delay.
   const Flight* last = flight(book.last_flight);
-  const bool endless = last != nullptr && is_of_unknown_length(last->pdu);
-  const Duration rest =
-      settings.line.framing == bus::Framing::ascii
-          ? 1s
-          : spec::slack_of(settings) + (endless ? times.of(spec::kRtuFrame) : Duration{0});
+  const std::size_t missing = last != nullptr ? most_missing(last->pdu) : 0;
+  const Duration rest = settings.line.framing == bus::Framing::ascii
+                            ? 1s
+                            : spec::slack_of(settings) + times.of(missing);
   const Instant held = std::max({book.own_end, book.turnaround_end, book.held_until});
   for (Asked* stop : book.stops) {
     const Lane& lane = book.lanes[stop->pieces.front().address];
