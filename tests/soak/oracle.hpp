@@ -67,7 +67,6 @@ class Oracle {
   /// The connection that a server has closed now was open for long, and nothing was asked on it.
   [[nodiscard]] bool was_idle(std::size_t bus) const;
   void bus_lost(std::size_t bus);
-  /// The gateway wants the line.
   void bus_opening(std::size_t bus);
   /// The server has closed a connection on which it has answered: what waits goes on waiting.
   void tcp_closed(std::size_t bus);
@@ -256,6 +255,7 @@ class Oracle {
   void note_late(std::size_t bus, const HeardFrame& frame);
   void check_ended(std::size_t bus, const Lane& lane, const Flight& last);
   void check_offline(const Flight& flight);
+  void check_share(const Flight& probe);
 
   // oracle_tries.cpp
   void check_answered(const Asked& asked);

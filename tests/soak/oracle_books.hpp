@@ -124,6 +124,7 @@ struct Book {
   std::vector<std::uint64_t> unheard;   ///< the same, as if no stop cut anything
   std::uint64_t last_flight = 0;
   std::uint64_t last_other = 0;         ///< the last one that was no stop
+  std::uint64_t last_probe = 0;         ///< the last one to a device that was surely offline
   Instant busy_since = Instant::min();  ///< no silence since then
   std::uint64_t answered = 0;           ///< by a frame that fits
   std::size_t room = 0;                 ///< more than the queue's limit may still wait from before

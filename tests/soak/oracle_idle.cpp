@@ -153,10 +153,11 @@ void Oracle::note_use(const Flight& flight) {
                                             bus_settings(flight.bus).settle;
   Lane& lane = book.lanes[flight.address];
   lane.held_before = lane.held_until;
-  const Duration held = flight.expects_answer ? std::max(flight.timing.quarantine_max,
-                                                         spec::quarantine_of(flight.timing)) +
-                                                    kAdapterHolds + lateness()
-                                              : kLongestBoot;
+  // What is never answered may seem to be, by a damaged frame; then the device is held back too.
+  const Duration held = flight.is_broadcast ? kLongestBoot
+                                            : std::max(flight.timing.quarantine_max,
+                                                       spec::quarantine_of(flight.timing)) +
+                                                  kAdapterHolds + lateness();
   lane.held_until = std::max(lane.held_until, book.use.ends + held + rest_of_answer(flight));
   if (flight.is_stop) {
     book.use.waits_from = book.use.ends;

@@ -103,8 +103,33 @@ void Oracle::check_ended(std::size_t bus, const Lane& lane, const Flight& last) 
   }
 }
 
+// Where a device that is there was asked not long ago, the probes that nobody answers share little
+// of the time.
+void Oracle::check_share(const Flight& probe) {
+  constexpr int kPercent = 100;
+  const Book& book = books_[probe.bus];
+  const auto& settings = bus_settings(probe.bus);
+  const Flight* before = flight(book.last_probe);
+  if (before == nullptr || before->begin < std::max(reloaded_, book.opened) || before->came > 0 ||
+      before->beside_stop || before->meets_stop || !book.lanes[before->address].device) {
+    return;
+  }
+  bool somebody_asks = false;
+  for (std::uint64_t number = before->number + 1; number < probe.number; ++number) {
+    const Flight* other = flight(number);
+    somebody_asks |= other != nullptr && other->bus == probe.bus && other->is_answered &&
+                     !other->is_stop && probe.begin < other->begin + settings.timing.probe_interval;
+  }
+  const auto& device = devices_[*book.lanes[before->address].device].settings();
+  const Duration took = before->end - before->begin + spec::probe_timeout_of(device.timing);
+  if (somebody_asks && probe.begin < before->begin + took * kPercent / settings.probe_share) {
+    violation("probe_share", name(probe));
+  }
+}
+
 void Oracle::check_offline(const Flight& flight) {
-  const Lane& lane = books_[flight.bus].lanes[flight.address];
+  Book& book = books_[flight.bus];
+  const Lane& lane = book.lanes[flight.address];
   if (is_tcp(flight.bus) || flight.is_broadcast || !is_surely_offline(lane)) {
     return;
   }
@@ -113,6 +138,8 @@ void Oracle::check_offline(const Flight& flight) {
     if (flight.begin < lane.asked_last + interval) {
       violation("probe_early", name(flight));
     }
+    check_share(flight);
+    book.last_probe = flight.number;
     return;
   }
   for (const std::uint64_t id : flight.asked) {

@@ -32,18 +32,24 @@ bool Oracle::lets_writes_go(const Asked& stop) const {
 }
 
 // Between two stops to a silent device one transaction of another goes. Whether its answer could be
-// read is not asked here.
+// read is not asked here. Among stops who came first goes first.
 void Oracle::check_stops_first(const Flight& flight) {
-  if (flight.is_stop || is_tcp(flight.bus)) {
+  if (is_tcp(flight.bus) || (flight.is_stop && !flight.stop_from)) {
     return;
   }
   const Book& book = books_[flight.bus];
+  // What a connection has sent behind a full pipeline the gateway may come to a little later.
+  constexpr Duration kReadAhead = 100ms;
+  const Instant before =
+      flight.is_stop ? std::min(*flight.stop_from, schedule_.now() - kReadAhead) : schedule_.now();
   for (const Asked* stop : book.stops) {
     const std::uint8_t address = stop->pieces.front().address;
-    const bool gives_way = !stop->stops_all && address != flight.address &&
+    const bool gives_way = !stop->stops_all && (flight.is_stop || address != flight.address) &&
                            book.lanes[address].stop_sent > book.last_other;
-    if (stop->accepted < schedule_.now() && !lets_writes_go(*stop) && is_surely_open(*stop) &&
-        !gives_way) {
+    const bool may_be_behind =
+        flight.is_stop && (stop->failsafe || stop->stops_all || stop->pieces.front().sent > 0);
+    if (stop->accepted < before && !lets_writes_go(*stop) && is_surely_open(*stop) && !gives_way &&
+        !may_be_behind) {
       violation("stop_overtaken", name(*stop) + " by " + name(flight));
       return;
     }
