@@ -34,14 +34,17 @@ bool Oracle::lets_writes_go(const Asked& stop) const {
 // Between two stops to a silent device one transaction of another goes. Whether its answer could be
 // read is not asked here. Among stops who came first goes first.
 void Oracle::check_stops_first(const Flight& flight) {
-  if (is_tcp(flight.bus) || (flight.is_stop && !flight.stop_from)) {
+  const auto is_repeated = [&](std::uint64_t id) {
+    const auto entry = open_.find(id);
+    return entry != open_.end() && entry->second->flights > 1;
+  };
+  const bool is_unclear =
+      flight.is_stop && (!flight.stop_from || std::ranges::any_of(flight.asked, is_repeated));
+  if (is_tcp(flight.bus) || is_unclear) {
     return;
   }
   const Book& book = books_[flight.bus];
-  // What a connection has sent behind a full pipeline the gateway may come to a little later.
-  constexpr Duration kReadAhead = 100ms;
-  const Instant before =
-      flight.is_stop ? std::min(*flight.stop_from, schedule_.now() - kReadAhead) : schedule_.now();
+  const Instant before = flight.is_stop ? *flight.stop_from : schedule_.now();
   for (const Asked* stop : book.stops) {
     const std::uint8_t address = stop->pieces.front().address;
     const bool gives_way = !stop->stops_all && (flight.is_stop || address != flight.address) &&
