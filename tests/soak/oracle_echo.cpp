@@ -183,7 +183,7 @@ void Oracle::read_echo(std::size_t bus) {
 void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEcho& echo) {
   Book& book = books_[bus];
   const auto& setting = bus_settings(bus).line.echo;
-  if (setting && !*setting) {
+  if (!setting.value_or(false) && !book.echo_proven) {
     book.lanes[flight.address].forget_silence();  // it may be taken for a sign of life
   }
   for (const std::uint64_t id : flight.asked) {
