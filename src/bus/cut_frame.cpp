@@ -48,7 +48,7 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
   joined.insert(joined.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(more));
   const std::size_t before = kept_.size();
   for (const std::size_t piece : pieces_) {
-    const std::size_t last = std::min(piece + kMostNoise, before - 1);
+    const std::size_t last = std::min({piece + kMostNoise, before - 1, joined.size() - 2});
     for (std::size_t at = piece; at <= last; ++at) {
       const modbus::Bytes all = modbus::Bytes(joined.data(), joined.size()).subspan(at);
       const auto frame = good_frame(all);

@@ -110,6 +110,17 @@ TEST_F(RtuCutFrame, NorIsWhatCameShortlyBefore) {
   EXPECT_FALSE(unsolicited->after_noise);
 }
 
+// An identification that never ends: there is no room for its rest.
+TEST_F(RtuCutFrame, AFrameLongerThanAnyIsNotCompleted) {
+  std::vector<std::uint8_t> endless = unhex("01 2B 0E 01 01 00 00 FF");
+  endless.resize(modbus::kMaxRtuSize);
+  framer_.listen();
+  FramerRig::add(endless);
+  framer_.listen();
+  add("00");
+  EXPECT_FALSE(framer_.take_unsolicited());
+}
+
 // It was 01, and so does the answer begin.
 TEST_F(RtuCutFrame, ALostLastByteIsNotTakenFromTheAnswer) {
   framer_.listen();
