@@ -111,7 +111,8 @@ void Oracle::check_share(const Flight& probe) {
   const auto& settings = bus_settings(probe.bus);
   const Flight* before = flight(book.last_probe);
   if (before == nullptr || before->begin < std::max(reloaded_, book.opened) || before->came > 0 ||
-      before->beside_stop || before->meets_stop || !book.lanes[before->address].device) {
+      !before->expects_answer || before->beside_stop || before->meets_stop ||
+      !book.lanes[before->address].device) {
     return;
   }
   bool somebody_asks = false;
