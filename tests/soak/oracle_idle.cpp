@@ -24,7 +24,7 @@ bool is_damaged_answer(const Book& book, const Flight& asked,
                       heard.size() > 4 && heard[0] == asked.address && heard[1] == asked.pdu[0] &&
                       !spec::read_rtu(heard);
   const bool is_in_time = asked.first_came >= asked.end && book.use.first_read < asked.deadline &&
-                          book.use.pause < spec::WireTimes(settings.line).silence();
+                          book.use.pause < spec::silence_of(settings);
   if (!may_be || !is_in_time) {
     return false;
   }
