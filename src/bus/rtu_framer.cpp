@@ -39,8 +39,7 @@ void RtuFramer::forget() {
 // cannot be known, such as another client's request; not the beginning of one that is longer.
 void RtuFramer::give_up_buffer() {
   const bool is_told = !std::exchange(answers_another_, false);
-  const bool is_whole = modbus::decode_rtu(buffer_.bytes()) && !may_begin_frame(buffer_.bytes());
-  if (is_told && is_whole) {
+  if (is_told && modbus::decode_rtu(buffer_.bytes()) && !may_begin_frame(buffer_.bytes())) {
     note_unsolicited(0, buffer_.size());
   } else {
     counters_.stray_bytes += buffer_.size();
@@ -56,9 +55,8 @@ void RtuFramer::give_up_buffer() {
 // that from the answer.
 void RtuFramer::join_cut(Instant now) {
   const modbus::Bytes bytes = buffer_.bytes();
-  const bool begins_answer =
-      transaction_ != nullptr && bytes.size() > 1 && bytes[0] == transaction_->address &&
-      (bytes[1] & ~modbus::kExceptionBit) == transaction_->request.function();
+  const bool begins_answer = transaction_ != nullptr && bytes.size() > 1 &&
+                             bytes[0] == transaction_->address && has_asked_function(bytes);
   if (bytes.empty() || begins_answer) {
     return;
   }

@@ -105,6 +105,9 @@ class RtuFramer {
   void consume(std::size_t at, std::size_t size);
   [[nodiscard]] std::size_t most_noise() const;
   [[nodiscard]] bool is_echo(std::uint8_t address, modbus::Bytes pdu, Instant last) const;
+  [[nodiscard]] bool has_asked_function(modbus::Bytes bytes) const {
+    return (bytes[1] & ~modbus::kExceptionBit) == transaction_->request.function();
+  }
   [[nodiscard]] bool may_begin_answer(const Look& look) const;
   [[nodiscard]] modbus::Bytes bytes_from(std::size_t at) const {
     return buffer_.bytes().subspan(at);

@@ -55,7 +55,7 @@ RtuFramer::Found RtuFramer::look_at(const Look& look) {
 // asked.
 bool RtuFramer::may_begin_answer(const Look& look) const {
   const modbus::Bytes bytes = bytes_from(look.at);
-  if ((bytes[1] & ~modbus::kExceptionBit) != transaction_->request.function()) {
+  if (!has_asked_function(bytes)) {
     return false;
   }
   const modbus::PduLength expected = modbus::expected_response_length(transaction_->request);

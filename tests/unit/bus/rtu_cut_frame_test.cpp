@@ -9,6 +9,16 @@ class RtuCutFrame : public RtuRig {
  protected:
   static constexpr auto kRead = "03 001E 0002";
   static constexpr auto kAnswer = "01 03 04 00 03 0D 40 0F 53";
+  /// These bytes, a pause, and the answer, which the end of a wait cuts.
+  auto cut_behind(std::string_view before) {
+    framer_.listen();
+    add(before);
+    after(16ms);
+    add("01 03 04 00");
+    framer_.listen();
+    add("03 0D 40 0F 53");
+    return framer_.take_unsolicited();
+  }
 };
 
 TEST_F(RtuCutFrame, AFrameThatNobodyWaitsForMayPauseForTheSlackToo) {
@@ -84,13 +94,7 @@ TEST_F(RtuCutFrame, ButNoSilenceIsNoPause) {
 }
 
 TEST_F(RtuCutFrame, ABitOfNoiseBeforeWhatWasCutIsNoPartOfIt) {
-  framer_.listen();
-  add("B6");
-  after(16ms);
-  add("01 03 04 00");
-  framer_.listen();
-  add("03 0D 40 0F 53");
-  const auto unsolicited = framer_.take_unsolicited();
+  const auto unsolicited = cut_behind("B6");
   ASSERT_TRUE(unsolicited);
   EXPECT_EQ(unsolicited->address, 1);
 }
@@ -98,13 +102,7 @@ TEST_F(RtuCutFrame, ABitOfNoiseBeforeWhatWasCutIsNoPartOfIt) {
 // A damaged frame that could be the beginning of a longer one, a pause, and a late answer that the
 // end of a wait has cut.
 TEST_F(RtuCutFrame, NorIsWhatCameShortlyBefore) {
-  framer_.listen();
-  add("02 03 20 00 07 FF EE DD CC BB AA 99 88");
-  after(16ms);
-  add("01 03 04 00");
-  framer_.listen();
-  add("03 0D 40 0F 53");
-  const auto unsolicited = framer_.take_unsolicited();
+  const auto unsolicited = cut_behind("02 03 20 00 07 FF EE DD CC BB AA 99 88");
   ASSERT_TRUE(unsolicited);
   EXPECT_EQ(unsolicited->address, 1);
   EXPECT_FALSE(unsolicited->after_noise);
