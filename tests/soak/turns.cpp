@@ -16,11 +16,16 @@ void TurnRules::check(const Flight& flight) const {
   const Asked* asked = only_one(flight);
   const bool is_read = asked != nullptr && asked->is_read();
   if (asked == nullptr || !is_clear(flight)) {
-    turns.reads.clear();
-    turns.last.clear();
-    turns.writes = 0;
+    const unsigned most_writes = turns.most_writes;
+    turns = {};
+    turns.most_writes = most_writes;
   } else {
+    if (oracle_.reloaded_ > turns.read_at) {
+      turns.since_empty.clear();
+      turns.reader.reset();
+    }
     judge(flight, *asked, turns);
+    count(flight, *asked, turns);
     turns.writes = is_read ? 0 : turns.writes + 1;
     turns.last[asked->host] = flight.begin;
     if (is_read) {
@@ -67,15 +72,17 @@ std::vector<const Asked*> TurnRules::others_that_may_go(const Flight& flight) co
   return others;
 }
 
+bool TurnRules::waits_for_its_turn(const Asked& asked, const Flight& flight) {
+  return (asked.is_read() || asked.kind == Kind::write) && asked.pieces.size() == 1 &&
+         asked.pieces.front().counted && !asked.dropped && !asked.doomed && !asked.ordered &&
+         !asked.ahead && !asked.pieces.front().taken_back && asked.accepted < flight.begin &&
+         flight.begin < asked.deadline - (asked.written - asked.earliest);
+}
+
 // It waits for nothing but its turn: the oldest of its client to a device that owes nothing, is
 // there, and needs no gap.
 bool TurnRules::may_go(const Asked& asked, const Lane& lane, const Flight& flight) const {
-  const bool is_plain = (asked.is_read() || asked.kind == Kind::write) &&
-                        asked.pieces.size() == 1 && asked.pieces.front().counted &&
-                        !asked.dropped && !asked.doomed && !asked.ordered && !asked.ahead &&
-                        !asked.pieces.front().taken_back && asked.accepted < flight.begin &&
-                        flight.begin < asked.deadline - (asked.written - asked.earliest);
-  if (!is_plain || !lane.device || lane.held_until >= flight.begin ||
+  if (!waits_for_its_turn(asked, flight) || !lane.device || lane.held_until >= flight.begin ||
       oracle_.is_past_offline(flight.bus, lane) ||
       oracle_.devices_[*lane.device].settings().timing.gap > Duration{0}) {
     return false;
@@ -101,6 +108,7 @@ void TurnRules::judge(const Flight& flight, const Asked& asked, const Turns& tur
       oracle_.violation("write_overtaken", oracle_.name(**write) + " by " + oracle_.name(asked));
     }
     judge_reads(flight, asked, turns, others);
+    judge_weight(asked, turns, others);
     return;
   }
   const auto read = std::ranges::find_if(others, &Asked::is_read);
@@ -133,6 +141,67 @@ void TurnRules::judge_reads(const Flight& flight, const Asked& read, const Turns
                                       std::to_string(read.host) + " had " + std::to_string(count) +
                                       " turns");
       return;
+    }
+  }
+}
+
+// A client address that was served before another one, which could have gone then too, stays before
+// it until it has had the turns of its weight, if it always has something that waits.
+void TurnRules::judge_weight(const Asked& read, const Turns& turns,
+                             const std::vector<const Asked*>& others) const {
+  if (!turns.reader || *turns.reader == read.host ||
+      std::ranges::find(turns.came_after, read.id) == turns.came_after.end()) {
+    return;
+  }
+  const auto taken = turns.since_empty.find(*turns.reader);
+  if (taken == turns.since_empty.end() || taken->second % weight_of(*turns.reader) == 0) {
+    return;
+  }
+  const auto left = std::ranges::find_if(others, [&](const Asked* other) {
+    return other->is_read() && other->host == *turns.reader && other->accepted < turns.read_at;
+  });
+  if (left != others.end()) {
+    oracle_.violation("turn_cut_short", oracle_.name(**left) + " after " +
+                                            std::to_string(taken->second) + " turns by " +
+                                            oracle_.name(read));
+  }
+}
+
+// How many turns an address has had since nothing of it waited is known as long as something did
+// for certain, or nothing for certain.
+void TurnRules::count(const Flight& flight, const Asked& asked, Turns& turns) const {
+  const auto& lanes = oracle_.books_[flight.bus].lanes;
+  bool may_wait = false;
+  bool waits = false;
+  for (const Lane& lane : lanes) {
+    for (const Asked* other : lane.open) {
+      if (other->host == asked.host && other->id != asked.id) {
+        may_wait = true;
+        waits = waits || waits_for_its_turn(*other, flight);
+      }
+    }
+  }
+  const auto known = turns.since_empty.find(asked.host);
+  const auto last = turns.last.find(asked.host);
+  const bool was_empty = known != turns.since_empty.end() && known->second == 0;
+  const bool has_waited = known != turns.since_empty.end() && last != turns.last.end() &&
+                          !asked.ordered && !asked.ahead && asked.accepted < last->second;
+  if (!may_wait) {
+    turns.since_empty[asked.host] = 0;
+  } else if (waits && (was_empty || has_waited)) {
+    ++known->second;
+  } else {
+    turns.since_empty.erase(asked.host);
+  }
+  turns.reader.reset();
+  turns.came_after.clear();
+  if (asked.is_read()) {
+    turns.reader = asked.host;
+    turns.read_at = flight.begin;
+    for (const Asked* other : others_that_may_go(flight)) {
+      if (other->is_read() && other->host != asked.host) {
+        turns.came_after.push_back(other->id);
+      }
     }
   }
 }

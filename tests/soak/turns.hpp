@@ -6,6 +6,8 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <vector>
 
 #include "soak/asked.hpp"
 #include "soak/flight.hpp"
@@ -21,6 +23,11 @@ struct Turns {
   unsigned most_writes = 0;                        ///< the same at most
   std::map<unsigned, std::vector<Instant>> reads;  ///< of each client address since it was unclear
   std::map<unsigned, Instant> last;                ///< turn of each
+  /// Turns that a client address has had since nothing of it waited here; absent if nobody knows.
+  std::map<unsigned, unsigned> since_empty;
+  std::optional<unsigned> reader;         ///< whose read went last, if that was clear
+  Instant read_at;                        ///< when
+  std::vector<std::uint64_t> came_after;  ///< reads of others that could have gone then
 };
 
 class TurnRules {
@@ -34,9 +41,13 @@ class TurnRules {
   [[nodiscard]] const Asked* only_one(const Flight& flight) const;
   [[nodiscard]] bool is_clear(const Flight& flight) const;
   [[nodiscard]] std::vector<const Asked*> others_that_may_go(const Flight& flight) const;
+  [[nodiscard]] static bool waits_for_its_turn(const Asked& asked, const Flight& flight);
   [[nodiscard]] bool may_go(const Asked& asked, const Lane& lane, const Flight& flight) const;
   [[nodiscard]] unsigned weight_of(unsigned host) const;
   void judge(const Flight& flight, const Asked& asked, const Turns& turns) const;
+  void judge_weight(const Asked& read, const Turns& turns,
+                    const std::vector<const Asked*>& others) const;
+  void count(const Flight& flight, const Asked& asked, Turns& turns) const;
   void judge_reads(const Flight& flight, const Asked& read, const Turns& turns,
                    const std::vector<const Asked*>& others) const;
 

@@ -59,7 +59,7 @@ void SerialWire::ask_as_stranger() {
     return;
   }
   around_.report.fault("foreign");
-  const Pdu request = *Pdu::from(strange_request());
+  const modbus::Pdu request = *modbus::Pdu::from(strange_request());
   Frame both = encode(address, request);
   const std::size_t lead = both.size();
   const Frame reply = encode(address, *device.carry_out(request, around_.schedule.now()).answer);
