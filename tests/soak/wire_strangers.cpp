@@ -19,7 +19,7 @@ std::vector<std::uint8_t> SerialWire::strange_request() {
   const unsigned at = echo_random_.between(0U, 30U);
   const auto count = [this](unsigned most) { return echo_random_.between(1U, most); };
   const auto value = static_cast<std::uint16_t>(0xC000U | at);
-  switch (echo_random_.between(0U, 16U)) {
+  switch (echo_random_.between(0U, 18U)) {
     case 0: return fields(1, kFirstRunOfCoils + at, count(100));
     case 1: return fields(2, at, count(100));
     case 2: return fields(4, at, count(20));
@@ -42,6 +42,8 @@ std::vector<std::uint8_t> SerialWire::strange_request() {
     case 13: return {0x14, 7, 6, 0, 4, 0, low(at), 0, low(count(8))};
     case 14: return {0x18, 0, low(at)};
     case 15: return {0x2B, 0x0E, 0x01, 0x00};
+    case 16: return {0x15, 11, 6, 0, 4, 0, 7, 0, 2, high(value), low(value), 0xAF, 0xBE};
+    case 17: return {kOwnFunction, kKnownCommand, high(value), low(value)};
     default: return fields(8, 0, value);
   }
 }
