@@ -6,8 +6,10 @@
 
 namespace mbgate::gateway {
 
-ClientSession::ClientSession(const ClientInfo& info, const ListenerSettings& listener, Instant now)
+ClientSession::ClientSession(ClientId id, const ClientInfo& info, const ListenerSettings& listener,
+                             Instant now)
     : last_activity(now),
+      id_(id),
       info_(info),
       listener_(&listener),
       ordered_(listener.ordered),
@@ -99,6 +101,36 @@ std::optional<ClientSession::Reading> ClientSession::update_reading(Instant now)
     return Reading::pause;
   }
   return Reading::resume;
+}
+
+ClientSession::Overdue ClientSession::overdue(Instant now) const {
+  if (partial_since && now >= *partial_since + listener_->frame_timeout) {
+    return Overdue::within_request;
+  }
+  const bool may_be_idle = listener_->idle_timeout > Duration{0} && outstanding() == 0;
+  return may_be_idle && now >= last_activity + listener_->idle_timeout ? Overdue::idle
+                                                                       : Overdue::nothing;
+}
+
+std::optional<Instant> ClientSession::next_look(Instant now) const {
+  std::optional<Instant> next;
+  if (partial_since) {
+    next = *partial_since + listener_->frame_timeout;
+  }
+  if (listener_->idle_timeout > Duration{0}) {
+    const Instant active = outstanding() > 0 ? now : last_activity;
+    next = bus::earlier(next, active + listener_->idle_timeout);
+  }
+  return next;
+}
+
+void ClientSession::note_partial(Instant now) {
+  const bool is_partial = !input.empty() && !is_full();
+  if (!is_partial) {
+    partial_since.reset();
+  } else if (!partial_since) {
+    partial_since = now;
+  }
 }
 
 }  // namespace mbgate::gateway

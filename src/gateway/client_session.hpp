@@ -31,8 +31,9 @@ class ClientSession {
   enum class AnswerId : std::uint64_t {};
   using Ready = boost::container::small_vector<modbus::MbapBytes, 1>;
 
-  ClientSession(const ClientInfo& info, const ListenerSettings& listener, Instant now);
+  ClientSession(ClientId id, const ClientInfo& info, const ListenerSettings& listener, Instant now);
 
+  [[nodiscard]] ClientId id() const { return id_; }
   [[nodiscard]] const ClientInfo& info() const { return info_; }
   [[nodiscard]] const ListenerSettings& listener() const { return *listener_; }
   [[nodiscard]] routing::ClientRights rights() const { return rights_; }
@@ -59,8 +60,12 @@ class ClientSession {
   Instant arrival_of(std::size_t bytes, std::size_t unread, Instant now);
   /// Where in the client's stream the next request begins.
   [[nodiscard]] std::uint64_t position() const { return position_; }
-  /// The next request was dealt with.
-  void pass(std::size_t bytes) { position_ += bytes; }
+  /// The request at the front of the input was dealt with.
+  void pass(std::size_t bytes) {
+    position_ += bytes;
+    input.consume(bytes);
+    partial_since.reset();
+  }
   /// Is the request that begins there older than this process?
   [[nodiscard]] bool is_before_ready(std::uint64_t position) const {
     return position < info_.bytes_before_ready;
@@ -78,14 +83,23 @@ class ClientSession {
     return half_closed_ && pauses_.empty() && outstanding() == 0;
   }
 
+  /// What the client has done for too long.
+  enum class Overdue : std::uint8_t { nothing, idle, within_request };
+  [[nodiscard]] Overdue overdue(Instant now) const;
+  /// When something may be overdue next.
+  [[nodiscard]] std::optional<Instant> next_look(Instant now) const;
+  /// To be called when requests were taken: is there a part of one that could be?
+  void note_partial(Instant now);
+
   ReadAhead input;
   EarlyStops ahead;
   bool has_asked = false;   ///< a request was understood
+  bool is_closed = false;   ///< it goes as soon as nobody works with it
   bool is_leaving = false;  ///< its stops are taken, and nobody reads answers any more
   bool speaks_rtu_reported = false;
   Instant last_activity;
   std::optional<Instant> partial_since;   ///< an incomplete ADU is at the front of `input`
-  std::optional<Instant> timer_armed_at;  ///< the entry in the gateway's timers
+  std::optional<Instant> timer_armed_at;  ///< the entry in the timers of all sessions
   boost::container::small_vector<std::uint32_t, 4> exchanges;
 
  private:
@@ -95,6 +109,7 @@ class ClientSession {
     std::optional<modbus::MbapBytes> adu;
   };
 
+  ClientId id_;
   ClientInfo info_;
   const ListenerSettings* listener_;
   bool ordered_;

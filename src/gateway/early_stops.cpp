@@ -17,9 +17,12 @@ void EarlyStops::note_write(std::size_t device, std::uint64_t position) {
   }
 }
 
-void EarlyStops::keep_writes(std::uint64_t begin, std::uint64_t end) {
+void EarlyStops::begin_look(std::uint64_t front, bool at_all) {
+  looking_at_ = at_all ? front : std::max(looked_at_, front);
+  first_held_.reset();
+  // Reading has come to the others, or they will be looked at again.
   std::erase_if(writes_,
-                [&](const Place& it) { return it.position < begin || it.position >= end; });
+                [&](const Place& it) { return it.position < front || it.position >= looking_at_; });
 }
 
 bool EarlyStops::write_lies_before(const DevicePlaces& devices, std::uint64_t position) const {
@@ -28,31 +31,12 @@ bool EarlyStops::write_lies_before(const DevicePlaces& devices, std::uint64_t po
   });
 }
 
-void EarlyStops::forbid(const DevicePlaces& devices, std::uint64_t before) {
-  for (const std::size_t device : devices) {
-    const auto known = std::ranges::find(forbidden_, device, &Place::device);
-    if (known != forbidden_.end()) {
-      known->position = before;
-    } else {
-      forbidden_.push_back({device, before});
-    }
-  }
-}
-
-bool EarlyStops::forbids(std::size_t device, std::uint64_t position) const {
-  return std::ranges::any_of(
-      forbidden_, [&](const Place& it) { return it.device == device && position < it.position; });
-}
-
 std::optional<EarlyStops::Stop> EarlyStops::take(std::uint64_t position) {
   if (stops_.empty() || stops_.front().position != position) {
     return std::nullopt;
   }
   Stop stop = std::move(stops_.front());
   stops_.erase(stops_.begin());
-  if (stops_.empty()) {
-    forbidden_.clear();  // each of them lay before a stop
-  }
   return stop;
 }
 

@@ -30,45 +30,37 @@ class EarlyStops {
   [[nodiscard]] bool has(std::uint64_t position) const {
     return std::ranges::find(stops_, position, &Stop::position) != stops_.end();
   }
+
+  /// Begins to look at what lies behind `front`: all of it, or what was not looked at before.
+  void begin_look(std::uint64_t front, bool at_all);
+  [[nodiscard]] std::uint64_t looking_at() const { return looking_at_; }
+  void look_past(std::size_t bytes) { looking_at_ += bytes; }
+  /// The stop there lets a write go first that lies before it: it will be looked at again.
+  void hold(std::uint64_t position) { first_held_ = first_held_.value_or(position); }
+  void end_look() { looked_at_ = first_held_.value_or(looking_at_); }
   /// A write to the device, which a stop of it lets go first, lies at the position.
   void note_write(std::size_t device, std::uint64_t position);
-  /// Forgets the others: reading has come to them, or they will be looked at again.
-  void keep_writes(std::uint64_t begin, std::uint64_t end);
   [[nodiscard]] bool write_lies_before(const DevicePlaces& devices, std::uint64_t position) const;
-  /// Writes to these devices that lie before the position are overtaken by a stop.
-  void forbid(const DevicePlaces& devices, std::uint64_t before);
-  [[nodiscard]] bool forbids(std::size_t device, std::uint64_t position) const;
   /// Reading has come to the position: the stop that was taken there, if there was one.
   std::optional<Stop> take(std::uint64_t position);
   /// Keeps the answer for later; false if it needs not wait.
   bool keep_answer(std::uint32_t exchange, const std::optional<modbus::MbapAdu>& answer);
-  /// Other settings: the new place of each device, none if it is gone.
-  template <typename NewPlace>
-  void renumber(NewPlace new_place);
-
-  std::uint64_t looked_at = 0;  ///< whole requests before this position were looked at
+  /// Other settings: what lies there may reach other devices now.
+  void look_again() {
+    writes_.clear();
+    looked_at_ = 0;
+  }
 
  private:
   struct Place {
     std::size_t device;
     std::uint64_t position;
   };
-  std::vector<Stop> stops_;       // in the order of their positions
-  std::vector<Place> forbidden_;  // writes before the position
+  std::vector<Stop> stops_;  // in the order of their positions
   std::vector<Place> writes_;
+  std::uint64_t looked_at_ = 0;  // whole requests before this position were looked at
+  std::uint64_t looking_at_ = 0;
+  std::optional<std::uint64_t> first_held_;
 };
-
-template <typename NewPlace>
-void EarlyStops::renumber(NewPlace new_place) {
-  std::vector<Place> kept;
-  for (const Place& it : forbidden_) {
-    if (const std::optional<std::size_t> device = new_place(it.device)) {
-      kept.push_back({*device, it.position});
-    }
-  }
-  forbidden_ = std::move(kept);
-  writes_.clear();
-  looked_at = 0;  // what lies there may reach other devices now
-}
 
 }  // namespace mbgate::gateway

@@ -4,10 +4,10 @@
 namespace mbgate::gateway {
 
 void Exchange::note(const bus::Job& job, bus::Ending ending) {
+  was_on_wire = was_on_wire || job.was_on_wire;
   if (!plan) {
     return;  // nobody is answered
   }
-  was_on_wire = was_on_wire || job.was_on_wire;
   switch (ending) {
     case bus::Ending::answered: response = plan->answer(job.responses()); break;
     case bus::Ending::transmitted: break;
@@ -45,7 +45,8 @@ std::optional<modbus::Pdu> Exchange::result() const {
   if (response) {
     return response;
   }
-  return reply == routing::BroadcastReply::echo ? std::optional(plan->echo()) : std::nullopt;
+  return route->route.broadcast_reply == routing::BroadcastReply::echo ? std::optional(plan->echo())
+                                                                       : std::nullopt;
 }
 
 }  // namespace mbgate::gateway

@@ -1,53 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
-// The doors of the machine for buses and time, and the loop that works off what an input set off.
 #include "gateway/gateway.hpp"
-
-#include <algorithm>
 
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
+
 Gateway::Gateway(Settings settings, Instant now)
-    : listener_clients_(settings.listeners.size()),
-      stop_marks_(settings.devices.size()),
-      writers_(settings.devices.size()),
-      started_(now) {
-  const Settings& given = snapshots_.emplace_back(std::move(settings)).settings;
-  failsafe_ = current().new_failsafe();
-  for (std::size_t index = 0; index < given.buses.size(); ++index) {
-    const BusId id{static_cast<std::uint32_t>(index)};
-    buses_.push_back(std::make_unique<BusSlot>(given.buses[index], given.devices_on(id)));
-    touch(id).start();
-  }
+    : settings_(std::move(settings)),
+      exchanges_(settings_, buses_, actions_),
+      buses_(settings_.settings()),
+      rules_(settings_.in_force()),
+      failsafe_(settings_, exchanges_, rules_, actions_),
+      clients_(settings_, buses_, exchanges_, rules_, failsafe_, actions_, now) {
+  settle(now);
+}
+
+void Gateway::handle_client_connected(ClientId client, const ClientInfo& info, Instant now) {
+  clients_.connected(client, info, now);
+  settle(now);  // whoever made room for it may have been the last that may write
+}
+
+void Gateway::handle_client_bytes(ClientId client, modbus::Bytes bytes, Instant now,
+                                  std::size_t unread) {
+  clients_.received(client, bytes, unread, now);
+  settle(now);
+}
+
+void Gateway::handle_client_sent(ClientId client, Instant now) {
+  clients_.sent(client, now);
+  settle(now);
+}
+
+void Gateway::handle_client_half_closed(ClientId client, Instant now) {
+  clients_.half_closed(client);
+  settle(now);
+}
+
+void Gateway::handle_client_disconnected(ClientId client, Instant now) {
+  clients_.disconnected(client, now);
   settle(now);
 }
 
 void Gateway::handle_bus_opened(BusId bus, Instant now, bus::LineKind kind) {
-  bus::Bus& opened = touch(bus);
+  bus::Bus& opened = buses_.touch(bus);
   if (!opened.is_open() && !opened.is_reopening()) {
     report(BusOpened{bus});
   }
   opened.handle_opened(now, kind);
-  for (std::size_t place = 0; place < settings().devices.size(); ++place) {
-    if (settings().devices[place].bus == bus) {
-      failsafe_.line_is_back(place);
-    }
-  }
+  failsafe_.bus_opened(bus);
   settle(now);
 }
 
 void Gateway::handle_bus_bytes(BusId bus, modbus::Bytes bytes, Instant now) {
-  touch(bus).handle_bytes(bytes, now);
+  buses_.touch(bus).handle_bytes(bytes, now);
   settle(now);
 }
 
 void Gateway::handle_bus_looked(BusId bus, Instant now) {
-  touch(bus).handle_looked(now);
+  buses_.touch(bus).handle_looked(now);
   settle(now);
 }
 
 void Gateway::handle_bus_lost(BusId bus, Instant now, bus::Loss loss) {
-  bus::Bus& lost = touch(bus);
+  bus::Bus& lost = buses_.touch(bus);
   const bool was_open = lost.is_open() || lost.is_reopening();
   lost.handle_lost(now, loss);
   if (was_open && !lost.is_open()) {
@@ -57,20 +72,12 @@ void Gateway::handle_bus_lost(BusId bus, Instant now, bus::Loss loss) {
 }
 
 void Gateway::handle_deadline(Instant now) {
-  for (std::size_t index = 0; index < buses_.size(); ++index) {
-    const auto wake = buses_[index]->bus.next_wake();
-    if (wake && wake->at <= now) {
-      touch(BusId{static_cast<std::uint32_t>(index)}).handle_deadline(now);
-    }
-  }
-  while (const auto due = timers_.take_due(now)) {
-    check_client(*due, now);
-  }
+  buses_.handle_deadline(now);
+  clients_.handle_deadline(now);
   if (stop_deadline_ && now >= *stop_deadline_) {
     stop_deadline_.reset();
-    for (std::size_t index = 0; index < buses_.size(); ++index) {
-      touch(BusId{static_cast<std::uint32_t>(index)}).give_up(now);
-    }
+    clients_.set_phase(Phase::nothing);
+    buses_.give_up(now);
   }
   settle(now);
 }
@@ -81,14 +88,42 @@ void Gateway::handle_shutdown(Instant now) {
   }
   stopping_ = true;
   stop_deadline_ = now + kShutdownGrace;
-  for (std::size_t index = 0; index < buses_.size(); ++index) {
-    touch(BusId{static_cast<std::uint32_t>(index)}).stop(now);
-  }
-  take_failsafe_at_exit(now);
-  for (const auto& [client, session] : sessions_) {
-    ready_clients_.push_back(client);
-  }
+  buses_.stop(now);
+  failsafe_.send_at_exit(now);
+  clients_.set_phase(Phase::only_stops);
   settle(now);
+}
+
+void Gateway::handle_settings(Settings settings, Instant now) {
+  if (stopping_) {
+    return;
+  }
+  const SettingsDiff diff(settings_.settings(), settings);
+  clients_.close_unwanted(settings, diff, now);
+  const SettingsSnapshot& before = settings_.adopt(std::move(settings));
+  exchanges_.end_changed(before, diff);
+  exchanges_.renumber(diff);
+  rules_.adopt(settings_.in_force(), diff);
+  clients_.adopt(diff, now);
+  failsafe_.adopt(before, diff, clients_.sessions(), now);
+  adopt_buses(diff, now);
+  settings_.forget_unused();
+  settle(now);
+}
+
+void Gateway::adopt_buses(const SettingsDiff& diff, Instant now) {
+  for (const BusSet::GivenUp& given_up : buses_.adopt(settings(), diff, now)) {
+    // What was on the wire ends, and what waits. Nobody needs its news any more.
+    given_up.bus->handle_lost(now);
+    while (const auto action = given_up.bus->poll()) {
+      if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
+        exchanges_.end(*ended->job, ended->ending);
+      }
+    }
+    if (given_up.successor) {
+      line_actions_.push(Shut{*given_up.successor});
+    }
+  }
 }
 
 std::optional<Action> Gateway::poll_action() {
@@ -99,109 +134,83 @@ std::optional<Action> Gateway::poll_action() {
 }
 
 std::optional<Wake> Gateway::next_wake() const {
-  auto judgement = bus::earlier(timers_.next(), stop_deadline_);
+  auto judgement = bus::earlier(clients_.next_deadline(), stop_deadline_);
   if (!stopping_) {
     judgement = bus::earlier(judgement, failsafe_.next());
   }
-  auto first = judgement ? std::optional(bus::Wake{*judgement}) : std::nullopt;
-  std::uint32_t of = 0;
-  for (std::uint32_t index = 0; index < buses_.size(); ++index) {
-    const auto wake = buses_[index]->bus.next_wake();
-    of = wake && (!first || wake->at < first->at) ? index : of;
-    first = bus::earlier(first, wake);
-  }
-  if (!first) {
-    return std::nullopt;
-  }
-  return Wake{first->at, first->ends_silence ? std::optional(BusId{of}) : std::nullopt};
+  return buses_.next_wake(judgement);
 }
 
-Status Gateway::status() const {
-  const auto open =
-      std::ranges::count_if(buses_, [](const auto& slot) { return slot->bus.is_open(); });
-  return {sessions_.size(), static_cast<std::size_t>(open)};
-}
-
-bus::Bus& Gateway::touch(BusId id) {
-  BusSlot& slot = *buses_[static_cast<std::size_t>(id)];
-  if (!slot.dirty) {
-    slot.dirty = true;
-    dirty_buses_.push_back(id);
-  }
-  return slot.bus;
-}
+Status Gateway::status() const { return {clients_.size(), buses_.open_count()}; }
 
 // Everything that one input set off, until nothing is left. A list of work instead of recursion: an
 // answer may free a place, which takes a request, which may be answered at once.
 void Gateway::settle(Instant now) {
-  for (;;) {
-    if (!dirty_buses_.empty()) {
-      const BusId bus = dirty_buses_.back();
-      dirty_buses_.pop_back();
-      collect(bus);
-      continue;
-    }
-    if (!ready_clients_.empty()) {
-      const ClientId client = ready_clients_.back();
-      ready_clients_.pop_back();
-      if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
-        after_input(client, entry->second, now);
-      }
-      continue;
-    }
-    auto due = stopping_ ? std::nullopt : failsafe_.take_due(now);
-    if (!due) {
-      break;
-    }
-    send_failsafe(*std::move(due), now);
+  while (settle_one(now)) {
   }
-  finish_if_stopped();
-}
-
-void Gateway::collect(BusId id) {
-  BusSlot& slot = *buses_[static_cast<std::size_t>(id)];
-  slot.dirty = false;
-  while (auto action = slot.bus.poll()) {
-    if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
-      end_part(*ended->job, ended->ending);
-    } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&*action)) {
-      line_actions_.push(Transmit{id, transmit->frame});
-    } else if (std::holds_alternative<bus::LookAtLine>(*action)) {
-      line_actions_.push(Look{id});
-    } else if (std::holds_alternative<bus::OpenLine>(*action)) {
-      line_actions_.push(Open{id});
-    } else if (std::holds_alternative<bus::CloseLine>(*action)) {
-      report(BusLost{id});
-      line_actions_.push(Shut{id});
-    } else if (const auto* reopen = std::get_if<bus::ReopenLine>(&*action)) {
-      if (reopen->first) {
-        report(AdapterSilent{id, reopen->silence, reopen->requests});
-      }
-      line_actions_.push(Shut{id});
-      line_actions_.push(Open{id});
-    } else if (const auto* replace = std::get_if<bus::ReplaceLine>(&*action)) {
-      if (replace->is_news) {
-        report(ConnectionReplaced{id});
-      }
-      line_actions_.push(Shut{id});
-    } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&*action)) {
-      report(DeviceNews{id, *notice});
-    } else if (std::holds_alternative<bus::NeverSilent>(*action)) {
-      report(LineNeverSilent{id});
-    } else if (const auto* quality = std::get_if<bus::QualityNotice>(&*action)) {
-      report(QualityNews{id, *quality});
-    } else {
-      report(LineNews{id, std::get<bus::LineNotice>(*action).fault});
-    }
-  }
-  note_failsafe_sent();
-}
-
-void Gateway::finish_if_stopped() {
-  if (stopping_ && !finished_ && exchanges_.in_use() == 0) {
+  clients_.sweep();
+  if (stopping_ && !finished_ && !exchanges_.any_open()) {
     finished_ = true;
     stop_deadline_.reset();
+    clients_.set_phase(Phase::nothing);
     actions_.push(Finished{});
+  }
+}
+
+bool Gateway::settle_one(Instant now) {
+  if (const auto exchange = exchanges_.take_completed()) {
+    failsafe_.ended(*exchange);
+    clients_.complete(*exchange);
+    exchanges_.close(*exchange);
+    return true;
+  }
+  if (const auto bus = buses_.take_touched()) {
+    collect(*bus);
+    return true;
+  }
+  return clients_.serve_one(now) || (!stopping_ && failsafe_.send_due(now));
+}
+
+void Gateway::collect(BusId bus) {
+  while (const auto action = buses_.poll(bus)) {
+    if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
+      exchanges_.end(*ended->job, ended->ending);
+    } else {
+      carry_out(bus, *action);
+    }
+  }
+  failsafe_.note_sent();
+}
+
+void Gateway::carry_out(BusId bus, const bus::BusAction& action) {
+  if (const auto* transmit = std::get_if<bus::TransmitFrame>(&action)) {
+    line_actions_.push(Transmit{bus, transmit->frame});
+  } else if (std::holds_alternative<bus::LookAtLine>(action)) {
+    line_actions_.push(Look{bus});
+  } else if (std::holds_alternative<bus::OpenLine>(action)) {
+    line_actions_.push(Open{bus});
+  } else if (std::holds_alternative<bus::CloseLine>(action)) {
+    report(BusLost{bus});
+    line_actions_.push(Shut{bus});
+  } else if (const auto* reopen = std::get_if<bus::ReopenLine>(&action)) {
+    if (reopen->first) {
+      report(AdapterSilent{bus, reopen->silence, reopen->requests});
+    }
+    line_actions_.push(Shut{bus});
+    line_actions_.push(Open{bus});
+  } else if (const auto* replace = std::get_if<bus::ReplaceLine>(&action)) {
+    if (replace->is_news) {
+      report(ConnectionReplaced{bus});
+    }
+    line_actions_.push(Shut{bus});
+  } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&action)) {
+    report(DeviceNews{bus, *notice});
+  } else if (std::holds_alternative<bus::NeverSilent>(action)) {
+    report(LineNeverSilent{bus});
+  } else if (const auto* quality = std::get_if<bus::QualityNotice>(&action)) {
+    report(QualityNews{bus, *quality});
+  } else {
+    report(LineNews{bus, std::get<bus::LineNotice>(action).fault});
   }
 }
 

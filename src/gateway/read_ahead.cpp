@@ -9,6 +9,8 @@ void ReadAhead::append(modbus::Bytes bytes, bus::Instant arrival) {
   if (bytes.empty()) {
     return;
   }
+  bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(consumed_));
+  consumed_ = 0;
   bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   if (marks_.size() < kArrivalMarks && (marks_.empty() || marks_.back().arrival != arrival)) {
     marks_.push_back({bytes.size(), arrival});
@@ -27,7 +29,11 @@ bus::Instant ReadAhead::arrival_at(std::size_t offset) const {
 }
 
 void ReadAhead::consume(std::size_t bytes) {
-  bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(bytes));
+  consumed_ += bytes;
+  if (consumed_ == bytes_.size()) {
+    bytes_.clear();
+    consumed_ = 0;
+  }
   while (bytes > 0) {
     Mark& front = marks_.front();
     if (front.bytes > bytes) {

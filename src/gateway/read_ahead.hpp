@@ -14,9 +14,9 @@ class ReadAhead {
  public:
   void append(modbus::Bytes bytes, bus::Instant arrival);
   void consume(std::size_t bytes);
-  [[nodiscard]] bool empty() const { return bytes_.empty(); }
-  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
-  [[nodiscard]] modbus::Bytes bytes() const { return bytes_; }
+  [[nodiscard]] bool empty() const { return size() == 0; }
+  [[nodiscard]] std::size_t size() const { return bytes_.size() - consumed_; }
+  [[nodiscard]] modbus::Bytes bytes() const { return modbus::Bytes(bytes_).subspan(consumed_); }
   /// When the byte at `offset` arrived, or earlier; there must be one.
   [[nodiscard]] bus::Instant arrival_at(std::size_t offset) const;
 
@@ -26,7 +26,8 @@ class ReadAhead {
     bus::Instant arrival;
   };
   std::vector<std::uint8_t> bytes_;
-  std::vector<Mark> marks_;  // oldest first; their sizes add up to bytes_.size()
+  std::size_t consumed_ = 0;  // of these, not taken out yet
+  std::vector<Mark> marks_;   // oldest first; their sizes add up to size()
 };
 
 }  // namespace mbgate::gateway

@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "gateway/settings.hpp"
@@ -22,6 +23,17 @@ class SettingsDiff {
   [[nodiscard]] std::optional<ListenerId> listener(ListenerId old) const;
   [[nodiscard]] std::optional<BusId> bus(BusId old) const;
   [[nodiscard]] std::optional<std::size_t> device(std::size_t old) const { return devices_[old]; }
+  /// What is known of each device, by its place, goes over to its new place.
+  template <typename Known>
+  void move_devices(std::vector<Known>& known, std::size_t devices) const {
+    std::vector<Known> moved(devices);
+    for (std::size_t old = 0; old < known.size(); ++old) {
+      if (const auto place = device(old)) {
+        moved[*place] = std::move(known[old]);
+      }
+    }
+    known = std::move(moved);
+  }
   /// Does the bus go on over the same line?
   [[nodiscard]] bool keeps_line(BusId old) const {
     return kept_lines_[static_cast<std::size_t>(old)];

@@ -3,6 +3,7 @@
 // with, so that a change of settings takes nothing away under them.
 #pragma once
 
+#include <list>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,30 @@ struct SettingsSnapshot {
 
   /// By listener: devices with failsafe writes that a way with write access leads to.
   std::vector<DevicePlaces> watched_;
+};
+
+/// The settings in force, and older ones as long as requests that were planned with them are open.
+class SettingsHistory {
+ public:
+  explicit SettingsHistory(Settings settings) { snapshots_.emplace_back(std::move(settings)); }
+
+  [[nodiscard]] SettingsSnapshot& in_force() { return snapshots_.back(); }
+  [[nodiscard]] const SettingsSnapshot& in_force() const { return snapshots_.back(); }
+  [[nodiscard]] const Settings& settings() const { return in_force().settings; }
+  /// Returns those that were in force before; they stay until forget_unused().
+  const SettingsSnapshot& adopt(Settings next) {
+    const SettingsSnapshot& before = in_force();
+    snapshots_.emplace_back(std::move(next));
+    return before;
+  }
+  void forget_unused() {
+    snapshots_.remove_if(
+        [this](const SettingsSnapshot& it) { return it.exchanges == 0 && &it != &in_force(); });
+  }
+
+ private:
+  friend struct mbgate::StateReader;
+  std::list<SettingsSnapshot> snapshots_;  // each has a stable address
 };
 
 }  // namespace mbgate::gateway

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a stop was last taken for each device. A write that had arrived before, wherever it lay
-// meanwhile, must not follow it.
+// Which writes the stops that were taken forbid, device by device: those that had arrived before,
+// wherever they lay meanwhile, must not follow.
 #pragma once
 
+#include <algorithm>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "gateway/event.hpp"
+#include "gateway/settings_diff.hpp"
 
 namespace mbgate::gateway {
 
@@ -23,18 +26,28 @@ class StopMarks {
     }
     mark.at = now;
   }
-  /// Does a stop forbid a write to the device that arrived then? A client's own stops do not count
-  /// here: its connection knows which of its writes lie before them (EarlyStops), and those behind
-  /// them may be as old by the clock.
-  [[nodiscard]] bool forbids(std::size_t device, ClientId client, Instant arrival) const {
+  /// One was taken from the client although requests before it in its stream were not.
+  void note_early(std::size_t device, ClientId client, std::uint64_t position) {
+    std::vector<Place>& places = early_[client];
+    const auto known = std::ranges::find(places, device, &Place::device);
+    if (known != places.end()) {
+      known->position = std::max(known->position, position);
+    } else {
+      places.push_back({device, position});
+    }
+  }
+  /// Does a stop forbid a write to the device that arrived then, and lies there in its client's
+  /// stream? By the clock only the stops of others do: a client's own writes behind its stop may be
+  /// as old as that.
+  [[nodiscard]] bool forbids(std::size_t device, ClientId client, std::uint64_t position,
+                             Instant arrival) const {
     const Mark& mark = marks_[device];
-    return arrival < (mark.client == client ? mark.others_at : mark.at);
+    return arrival < (mark.client == client ? mark.others_at : mark.at) ||
+           lies_before_early(device, client, position);
   }
-  [[nodiscard]] std::size_t size() const { return marks_.size(); }
-  /// The mark of a device in `old` goes over to its new place.
-  void carry(std::size_t device, const StopMarks& old, std::size_t old_device) {
-    marks_[device] = old.marks_[old_device];
-  }
+  void client_gone(ClientId client) { early_.erase(client); }
+  /// Other settings: what is known of a device goes over to its new place.
+  void renumber(const SettingsDiff& diff, std::size_t devices);
 
  private:
   struct Mark {
@@ -42,7 +55,30 @@ class StopMarks {
     std::optional<ClientId> client;      ///< whose stop that was
     Instant others_at = Instant::min();  ///< the last one before that of anybody else
   };
+  struct Place {
+    std::size_t device;
+    std::uint64_t position;
+  };
+  [[nodiscard]] bool lies_before_early(std::size_t device, ClientId client,
+                                       std::uint64_t position) const {
+    const auto places = early_.find(client);
+    return places != early_.end() && std::ranges::any_of(places->second, [&](const Place& it) {
+             return it.device == device && position < it.position;
+           });
+  }
+
   std::vector<Mark> marks_;
+  std::unordered_map<ClientId, std::vector<Place>> early_;
 };
+
+inline void StopMarks::renumber(const SettingsDiff& diff, std::size_t devices) {
+  diff.move_devices(marks_, devices);
+  for (auto& [client, places] : early_) {
+    std::erase_if(places, [&](const Place& it) { return !diff.device(it.device); });
+    for (Place& place : places) {
+      place.device = *diff.device(place.device);
+    }
+  }
+}
 
 }  // namespace mbgate::gateway

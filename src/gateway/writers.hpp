@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gateway/device_guard.hpp"
+#include "gateway/settings_diff.hpp"
 #include "modbus/pdu.hpp"
 
 namespace mbgate::gateway {
@@ -24,9 +25,9 @@ class Writers {
   void note(std::size_t device, const routing::ClientAddress& client, bus::Instant now) {
     owners_[device] = Owner{client, now};
   }
-  /// The owner of a device in `old` goes over to its new place.
-  void carry(std::size_t device, const Writers& old, std::size_t old_device) {
-    owners_[device] = old.owners_[old_device];
+  /// Other settings: the owner of a device goes over to its new place.
+  void renumber(const SettingsDiff& diff, std::size_t devices) {
+    diff.move_devices(owners_, devices);
   }
 
  private:

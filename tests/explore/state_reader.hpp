@@ -29,6 +29,7 @@ struct StateReader {
   };
 
   // state_reader_gateway.cpp
+  static void read(gateway::Clients& clients, gateway::Gateway& gateway, Hash& hash);
   static void read(const gateway::ClientSession& session, gateway::Gateway& gateway, Hash& hash);
   static void read(const gateway::Exchange& exchange, gateway::Gateway& gateway, Hash& hash);
   static void read(const routing::Plan& plan, Hash& hash);

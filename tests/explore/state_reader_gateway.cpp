@@ -6,48 +6,64 @@
 namespace mbgate {
 
 void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
-  // Counted, told or shown only: own_unit, client_counters, unrouted_told, started. Only without
-  // guards: writers, failsafe, failsafe_runs. Read with those that refer to them: exchanges, jobs.
-  // Only with partial requests or idle timeouts: timers. Empty when the machine was asked for its
-  // actions: dirty_buses, ready_clients, line_actions, actions. As many as there are clients:
-  // listener_clients, sources, free_sources. Whatever arrives from now on is younger than all of
-  // them: stop_marks.
-  auto& [generations, own_unit, exchanges, jobs, buses, sessions, listener_clients, client_counters,
-         sources, free_sources, timers, stop_marks, writers, failsafe, failsafe_runs, unrouted_told,
-         dirty_buses, ready_clients, line_actions, actions, started, stopping, finished,
-         stop_deadline] = gateway;
-  explore::require(generations.size() == 1 && gateway.settings().guards.empty(),
+  // Empty when the machine was asked for its actions: line_actions, actions.
+  auto& [line_actions, actions, settings, exchanges, buses, rules, failsafe, clients, stopping,
+         finished, stop_deadline] = gateway;
+  const auto& [snapshots] = settings;
+  explore::require(snapshots.size() == 1 && gateway.settings().guards.empty(),
                    "one snapshot of settings, and no guards");
-  explore::require(!timers.next() && dirty_buses.empty() && ready_clients.empty(),
-                   "nothing is left to do");
   hash.add(stopping);
   hash.add(finished);
   hash.add(stop_deadline.has_value());
-  hash.add(sessions.size());
-  for (std::uint64_t client = 1; client <= sessions.size(); ++client) {
-    read(sessions.at(gateway::ClientId{client}), gateway, hash);
-  }
-  hash.add(exchanges.in_use());
+  read(clients, gateway, hash);
+  // Its requests and jobs are read with those that refer to them; the others belong to the gateway.
+  auto& [of_settings, of_buses, of_actions, requests, jobs, completed] = exchanges;
+  explore::require(!completed.poll(), "nothing is left to do");
+  hash.add(requests.in_use());
   hash.add(jobs.in_use());
-  for (const auto& slot : buses) {
-    read(slot->bus, gateway, hash);
+  // Whatever arrives from now on is younger than all of them: stop_marks. Only without guards:
+  // writers, and all of failsafe.
+  [[maybe_unused]] auto& [in_force, stop_marks, writers] = rules;
+  auto& [slots, touched] = buses;
+  explore::require(touched.empty(), "nothing is left to do");
+  for (const auto& slot : slots) {
+    read(*slot.bus, gateway, hash);
+  }
+}
+
+void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Hash& hash) {
+  // The gateway's: settings, exchanges, rules, failsafe, actions. Of the requests there are only
+  // counters beyond these.
+  auto& [settings, exchanges, rules, failsafe, actions, sessions, intake, requests] = clients;
+  // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
+  // unrouted_told.
+  [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, counters, unrouted_told] =
+      intake;
+  // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,
+  // addresses, free_keys.
+  auto& [in_force, by_number, closed, ready, timers, on_listener, addresses, free_keys] = sessions;
+  explore::require(closed.empty() && ready.empty() && !timers.next(), "nothing is left to do");
+  hash.add(by_number.size());
+  for (std::uint64_t client = 1; client <= by_number.size(); ++client) {
+    read(by_number.at(gateway::ClientId{client}), gateway, hash);
   }
 }
 
 void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& gateway,
                        Hash& hash) {
-  // Settings: info, listener, ordered, rights. Told only: speaks_rtu_reported, has_asked. Counts
-  // for idle clients only: last_activity. Nothing is read ahead and no pipeline is full: ahead,
-  // partial_since, timer_armed_at, held, first_held, pauses, and where in the stream it is:
+  // Settings: id, info, listener, ordered, rights. Told only: speaks_rtu_reported, has_asked.
+  // Counts for idle clients only: last_activity. Nothing is read ahead and no pipeline is full:
+  // ahead, partial_since, timer_armed_at, held, first_held, pauses, and where in the stream it is:
   // position, read_position, unread.
-  const auto& [input, ahead, has_asked, is_leaving, speaks_rtu_reported, last_activity,
-               partial_since, timer_armed_at, exchanges, info, listener, ordered, rights, open,
+  const auto& [input, ahead, has_asked, is_closed, is_leaving, speaks_rtu_reported, last_activity,
+               partial_since, timer_armed_at, exchanges, id, info, listener, ordered, rights, open,
                unsent, held, first_held, position, paused, half_closed, pauses, read_position,
                unread] = session;
   explore::require(input.empty() && !session.is_full() && held.empty() && pauses.empty() &&
                        !partial_since && !timer_armed_at && unread == 0,
                    "nothing is read ahead");
   explore::require(listener->idle_timeout == Duration{0}, "idle clients stay");
+  explore::require(!is_closed, "closed clients are gone");
   hash.add(is_leaving);
   hash.add(open);
   hash.add(unsent);
@@ -55,7 +71,7 @@ void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& 
   hash.add(half_closed);
   hash.add(exchanges.size());
   for (const std::uint32_t index : exchanges) {
-    read(gateway.exchanges_[index], gateway, hash);
+    read(gateway.exchanges_.exchanges_[index], gateway, hash);
   }
 }
 
@@ -63,12 +79,12 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
   if (!hash.name(&exchange)) {
     return;
   }
-  // One for all: generation, word_order, reply. Of its client: listener, address. Unordered answers
-  // have no place: answer.
-  const auto& [snapshot, client, listener, word_order, address, client_gone, is_stop, left_out,
-               failsafe, answer, header, reply, plan, parts, response, failed, had_no_path,
-               was_on_wire, wrong_word_order] = exchange;
-  explore::require(plan && !failsafe && left_out.empty(), "a request of a client");
+  // One for all: snapshot; of that and the unit: route. Of its client: listener, address. Unordered
+  // answers have no place: answer.
+  const auto& [snapshot, route, client, listener, address, client_gone, is_stop, left_out, answer,
+               header, plan, parts, response, failed, was_on_wire, wrong_word_order, had_no_path] =
+      exchange;
+  explore::require(plan && left_out.empty(), "a request of a client");
   hash.add(client);
   hash.add(header.transaction);
   hash.add(header.unit);
@@ -82,7 +98,7 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
   }
   read(*plan, hash);
   hash.add(parts.size());
-  const bus::DeviceTable& devices = gateway.buses_.front()->bus.devices_;
+  const bus::DeviceTable& devices = gateway.buses_.buses_.front().bus->devices_;
   for (const auto& [bus, job] : parts) {
     hash.add(bus);
     read(job, devices, gateway, hash);

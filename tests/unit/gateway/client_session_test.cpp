@@ -30,7 +30,7 @@ class PausedSession : public testing::Test {
 
   const Instant start_{1s};
   ListenerSettings listener_ = of_one();
-  ClientSession session_{{}, listener_, start_};
+  ClientSession session_{{}, {}, listener_, start_};
 };
 
 TEST_F(PausedSession, WhatLayThereBeforeALaterPauseIsAsOldAsTheFirst) {

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Objects that are handed out and taken back, and have a stable address meanwhile. Grows to the
+// most ever needed.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+namespace mbgate::gateway {
+
+template <typename Object>
+class Pool {
+ public:
+  std::uint32_t take() {
+    if (free_.empty()) {
+      objects_.emplace_back();
+      return static_cast<std::uint32_t>(objects_.size() - 1);
+    }
+    const std::uint32_t index = free_.back();
+    free_.pop_back();
+    return index;
+  }
+  void give_back(std::uint32_t index) {
+    objects_[index] = Object{};
+    free_.push_back(index);
+  }
+  Object& operator[](std::uint32_t index) { return objects_[index]; }
+  /// Those that are not in use are as new.
+  [[nodiscard]] std::deque<Object>& all() { return objects_; }
+  [[nodiscard]] std::size_t in_use() const { return objects_.size() - free_.size(); }
+
+ private:
+  std::deque<Object> objects_;
+  std::vector<std::uint32_t> free_;
+};
+
+}  // namespace mbgate::gateway

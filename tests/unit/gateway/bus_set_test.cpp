@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// The buses alone: who has something to say, and what other settings make of them.
+#include "gateway/bus_set.hpp"
+
+#include <gtest/gtest.h>
+
+#include "unit/gateway/parts_plant.hpp"
+
+namespace mbgate::test {
+namespace {
+
+Settings two_buses() {
+  Settings settings = one_bus();
+  settings.buses.push_back(settings.buses[0]);
+  settings.buses[1].name = "line-b";
+  settings.buses[1].line.device = "/dev/ttyS1";
+  return settings;
+}
+
+void collect(gateway::BusSet& buses) {
+  while (const auto bus = buses.take_touched()) {
+    while (buses.poll(*bus)) {
+    }
+  }
+}
+
+TEST(BusesAlone, EachIsCollectedOnceHoweverOftenItWasTouched) {
+  gateway::BusSet buses(two_buses());
+  static_cast<void>(buses.touch(BusId{1}));
+  EXPECT_EQ(buses.take_touched(), BusId{1});
+  EXPECT_EQ(buses.take_touched(), BusId{0});
+  EXPECT_EQ(buses.take_touched(), std::nullopt);
+}
+
+TEST(BusesAlone, WakeForTheirEarliestOrForTheJudgementBeforeIt) {
+  gateway::BusSet buses(two_buses());
+  buses.touch(BusId{0}).handle_opened(Instant{1s}, bus::LineKind::virtual_line);
+  buses.touch(BusId{1}).handle_lost(Instant{1s});
+  collect(buses);
+  const auto reopening = buses[BusId{1}].next_wake();
+  ASSERT_TRUE(reopening);
+  EXPECT_EQ(buses.next_wake(std::nullopt)->at, reopening->at);
+  EXPECT_EQ(buses.next_wake(Instant{1s})->at, Instant{1s});
+  EXPECT_EQ(buses.open_count(), 1U);
+}
+
+TEST(BusesAlone, OtherSettingsKeepABusThatKeepsItsLineAndGiveUpTheOther) {
+  const Settings before = two_buses();
+  gateway::BusSet buses(before);
+  const bus::Bus* const kept = &buses[BusId{1}];
+  Settings next = two_buses();
+  std::swap(next.buses[0], next.buses[1]);
+  next.buses[1].line.device = "/dev/ttyS7";
+  const auto given_up = buses.adopt(next, SettingsDiff(before, next), Instant{1s});
+  EXPECT_EQ(&buses[BusId{0}], kept);
+  ASSERT_EQ(given_up.size(), 1U);
+  EXPECT_EQ(given_up[0].successor, BusId{1});
+}
+
+}  // namespace
+}  // namespace mbgate::test
