@@ -40,7 +40,7 @@ class Machine {
   Machine(unsigned clients, unsigned registers)
       : gateway_(settings(), now_), registers_(registers) {
     drain();
-    gateway_.handle_bus_opened(gateway::BusId{0}, now_);
+    gateway_.handle(gateway::LineOpened{gateway::BusId{0}}, now_);
     drain();
     for (unsigned client = 0; client < clients; ++client) {
       const auto rtu = make_request(1 + client % 4, client * registers, registers);
@@ -48,9 +48,10 @@ class Machine {
       adu.insert(adu.end(), rtu.begin(), rtu.end() - 2);
       requests_.push_back(std::move(adu));
       responses_.push_back(answer(0, rtu));
-      gateway_.handle_client_connected(
-          gateway::ClientId{client},
-          {gateway::ListenerId{0}, *routing::ClientAddress::parse("192.0.2.1"), 0}, now_);
+      gateway_.handle(gateway::ClientConnected{gateway::ClientId{client},
+                                               {gateway::ListenerId{0},
+                                                *routing::ClientAddress::parse("192.0.2.1"), 0}},
+                      now_);
       drain();
       ask(client);
     }
@@ -63,12 +64,12 @@ class Machine {
       if (const auto wake = gateway_.next_wake()) {
         now_ = std::max(now_, wake->at);
       }
-      gateway_.handle_deadline(now_);
+      gateway_.handle(gateway::DeadlineReached{}, now_);
       drain();
       if (transmitted_) {
         transmitted_ = false;
         now_ += 10ms;
-        gateway_.handle_bus_bytes(gateway::BusId{0}, responses_.at(asked_), now_);
+        gateway_.handle(gateway::LineBytes{gateway::BusId{0}, responses_.at(asked_)}, now_);
         drain();
       }
     }
@@ -77,14 +78,14 @@ class Machine {
 
  private:
   void ask(std::size_t client) {
-    gateway_.handle_client_bytes(gateway::ClientId{client}, requests_[client], now_);
+    gateway_.handle(gateway::ClientBytes{gateway::ClientId{client}, requests_[client]}, now_);
     drain();
   }
 
   void drain() {
     while (const auto action = gateway_.poll_action()) {
       if (const auto* look = std::get_if<gateway::Look>(&*action)) {
-        gateway_.handle_bus_looked(look->bus, now_);
+        gateway_.handle(gateway::LineLooked{look->bus}, now_);
       } else if (const auto* frame = std::get_if<gateway::Transmit>(&*action)) {
         transmitted_ = true;
         asked_ = modbus::load_be16(modbus::Bytes(frame->frame), 2) / registers_;
@@ -96,7 +97,7 @@ class Machine {
     }
     if (sent_) {
       const auto client = *std::exchange(sent_, std::nullopt);
-      gateway_.handle_client_sent(client, now_);
+      gateway_.handle(gateway::ClientSent{client}, now_);
       drain();
     }
   }

@@ -18,9 +18,11 @@ class ActionQueue {
     waiting_.emplace_back(std::forward<Kind>(action));
   }
 
+  [[nodiscard]] bool empty() const { return next_ == waiting_.size(); }
+
   /// The oldest one; nothing if none is left.
   std::optional<Action> poll() {
-    if (next_ == waiting_.size()) {
+    if (empty()) {
       return std::nullopt;
     }
     std::optional<Action> action(std::move(waiting_[next_]));

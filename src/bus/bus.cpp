@@ -107,6 +107,13 @@ void Bus::withdraw(Job& job) {
   next_start_ = Wake{pumped_at_};  // what waited behind it may go now
 }
 
+void Bus::abandon(Job& job) {
+  job.abandoned = true;
+  if (!job.in_flight) {
+    next_start_ = Wake{pumped_at_};  // it ends, and what waited for it may go now
+  }
+}
+
 void Bus::stop(Instant now) {
   stopping_ = true;
   link_.stop();

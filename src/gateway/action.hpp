@@ -12,7 +12,7 @@
 
 namespace mbgate::gateway {
 
-/// Send this ADU in one piece; then call handle_client_sent().
+/// Send this ADU in one piece; then ClientSent is to be handed in.
 struct Send {
   ClientId client;
   modbus::MbapBytes adu;
@@ -29,7 +29,7 @@ struct Resume {
 struct Close {
   ClientId client;
 };
-/// Open the line; then call handle_bus_opened() or handle_bus_lost().
+/// Open the line; then hand in LineOpened or LineLost.
 struct Open {
   BusId bus;
 };
@@ -51,7 +51,7 @@ struct Shut {
 struct Report {
   Event event;
 };
-/// After handle_shutdown(): everything is answered, the process may end.
+/// After ShutdownAsked: everything is answered, the process may end.
 struct Finished {};
 
 using Action =

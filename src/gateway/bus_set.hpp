@@ -14,7 +14,7 @@
 
 namespace mbgate::gateway {
 
-/// When the driver is to call handle_deadline() next.
+/// When the driver is to hand in DeadlineReached next.
 struct Wake {
   Instant at;
   /// A silence ends then on the line of this bus, and something may be transmitted: the driver may

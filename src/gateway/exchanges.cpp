@@ -115,7 +115,7 @@ void Exchanges::end_unsent(const Exchange::Part& part) {
     buses_.touch(part.bus).withdraw(*part.job);
     end(*part.job, bus::Ending::cancelled);
   } else {
-    part.job->abandoned = true;
+    buses_.touch(part.bus).abandon(*part.job);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/gateway.hpp"
 
+#include "base/assert.hpp"
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
@@ -15,63 +16,56 @@ Gateway::Gateway(Settings settings, Instant now)
   settle(now);
 }
 
-void Gateway::handle_client_connected(ClientId client, const ClientInfo& info, Instant now) {
-  clients_.connected(client, info, now);
-  settle(now);  // whoever made room for it may have been the last that may write
-}
-
-void Gateway::handle_client_bytes(ClientId client, modbus::Bytes bytes, Instant now,
-                                  std::size_t unread) {
-  clients_.received(client, bytes, unread, now);
+void Gateway::handle(const Input& input, Instant now) {
+  std::visit([&](const auto& what) { on(what, now); }, input);
   settle(now);
 }
 
-void Gateway::handle_client_sent(ClientId client, Instant now) {
-  clients_.sent(client, now);
-  settle(now);
+void Gateway::on(const ClientConnected& input, Instant now) {
+  clients_.connected(input.client, input.info, now);
 }
 
-void Gateway::handle_client_half_closed(ClientId client, Instant now) {
-  clients_.half_closed(client);
-  settle(now);
+void Gateway::on(const ClientBytes& input, Instant now) {
+  clients_.received(input.client, input.bytes, input.unread, now);
 }
 
-void Gateway::handle_client_disconnected(ClientId client, Instant now) {
-  clients_.disconnected(client, now);
-  settle(now);
+void Gateway::on(const ClientSent& input, Instant now) { clients_.sent(input.client, now); }
+
+void Gateway::on(const ClientHalfClosed& input, Instant /*now*/) {
+  clients_.half_closed(input.client);
 }
 
-void Gateway::handle_bus_opened(BusId bus, Instant now, bus::LineKind kind) {
-  bus::Bus& opened = buses_.touch(bus);
+void Gateway::on(const ClientDisconnected& input, Instant now) {
+  clients_.disconnected(input.client, now);
+}
+
+void Gateway::on(const LineOpened& input, Instant now) {
+  bus::Bus& opened = buses_.touch(input.bus);
   if (!opened.is_open() && !opened.is_reopening()) {
-    report(BusOpened{bus});
+    report(BusOpened{input.bus});
   }
-  opened.handle_opened(now, kind);
-  failsafe_.bus_opened(bus);
-  settle(now);
+  opened.handle_opened(now, input.kind);
+  failsafe_.bus_opened(input.bus);
 }
 
-void Gateway::handle_bus_bytes(BusId bus, modbus::Bytes bytes, Instant now) {
-  buses_.touch(bus).handle_bytes(bytes, now);
-  settle(now);
+void Gateway::on(const LineBytes& input, Instant now) {
+  buses_.touch(input.bus).handle_bytes(input.bytes, now);
 }
 
-void Gateway::handle_bus_looked(BusId bus, Instant now) {
-  buses_.touch(bus).handle_looked(now);
-  settle(now);
+void Gateway::on(const LineLooked& input, Instant now) {
+  buses_.touch(input.bus).handle_looked(now);
 }
 
-void Gateway::handle_bus_lost(BusId bus, Instant now, bus::Loss loss) {
-  bus::Bus& lost = buses_.touch(bus);
+void Gateway::on(const LineLost& input, Instant now) {
+  bus::Bus& lost = buses_.touch(input.bus);
   const bool was_open = lost.is_open() || lost.is_reopening();
-  lost.handle_lost(now, loss);
+  lost.handle_lost(now, input.loss);
   if (was_open && !lost.is_open()) {
-    report(BusLost{bus});
+    report(BusLost{input.bus});
   }
-  settle(now);
 }
 
-void Gateway::handle_deadline(Instant now) {
+void Gateway::on(const DeadlineReached& /*input*/, Instant now) {
   buses_.handle_deadline(now);
   clients_.handle_deadline(now);
   if (stop_deadline_ && now >= *stop_deadline_) {
@@ -79,10 +73,9 @@ void Gateway::handle_deadline(Instant now) {
     clients_.set_phase(Phase::nothing);
     buses_.give_up(now);
   }
-  settle(now);
 }
 
-void Gateway::handle_shutdown(Instant now) {
+void Gateway::on(const ShutdownAsked& /*input*/, Instant now) {
   if (stopping_) {
     return;
   }
@@ -91,16 +84,17 @@ void Gateway::handle_shutdown(Instant now) {
   buses_.stop(now);
   failsafe_.send_at_exit(now);
   clients_.set_phase(Phase::only_stops);
-  settle(now);
 }
 
-void Gateway::handle_settings(Settings settings, Instant now) {
+void Gateway::on(const SettingsChanged& input, Instant now) {
+  MBGATE_ASSERT(actions_.empty() && line_actions_.empty(),
+                "the numbers in actions are those of the settings in force");
   if (stopping_) {
     return;
   }
-  const SettingsDiff diff(settings_.settings(), settings);
-  clients_.close_unwanted(settings, diff, now);
-  const SettingsSnapshot& before = settings_.adopt(std::move(settings));
+  const SettingsDiff diff(settings_.settings(), *input.settings);
+  clients_.close_unwanted(*input.settings, diff, now);
+  const SettingsSnapshot& before = settings_.adopt(*input.settings);
   exchanges_.end_changed(before, diff);
   exchanges_.renumber(diff);
   rules_.adopt(settings_.in_force(), diff);
@@ -108,7 +102,6 @@ void Gateway::handle_settings(Settings settings, Instant now) {
   failsafe_.adopt(before, diff, clients_.sessions(), now);
   adopt_buses(diff, now);
   settings_.forget_unused();
-  settle(now);
 }
 
 void Gateway::adopt_buses(const SettingsDiff& diff, Instant now) {

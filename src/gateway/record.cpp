@@ -58,6 +58,14 @@ struct Words {
   }
 };
 
+void append_config(std::string& out, std::string_view text) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    ((out += "| ") += text.substr(begin, end - begin)) += '\n';
+    begin = end + 1;
+  }
+}
+
 struct InputWords {
   Words words;
 
@@ -81,6 +89,7 @@ struct InputWords {
   }
   void operator()(const LineLooked& input) { words.word("looked").bus(input.bus); }
   void operator()(const DeadlineReached& /*input*/) { words.word("time"); }
+  void operator()(const SettingsChanged& /*input*/) { words.word("settings"); }
   void operator()(const ShutdownAsked& /*input*/) { words.word("shutdown"); }
 };
 
@@ -109,6 +118,9 @@ struct ActionWords {
 }  // namespace
 
 void append_line(std::string& out, const Input& input, Instant at) {
+  if (const auto* changed = std::get_if<SettingsChanged>(&input)) {
+    append_config(out, changed->config);
+  }
   append_number(out, at.time_since_epoch().count());
   std::visit(InputWords{{out}}, input);
   out += '\n';
@@ -133,11 +145,7 @@ std::string head_lines(const RecordingHead& head) {
   if (!head.profiles.empty()) {
     out += "profiles " + head.profiles + '\n';
   }
-  for (std::size_t begin = 0; begin < head.text.size();) {
-    const std::size_t end = std::min(head.text.find('\n', begin), head.text.size());
-    out += "| " + head.text.substr(begin, end - begin) + '\n';
-    begin = end + 1;
-  }
+  append_config(out, head.text);
   return out;
 }
 

@@ -10,10 +10,12 @@
 //   | name = "line-a"                     < transmit 0 010300000001840A
 //   500 start                             ...
 //
+// Other settings are recorded as in the head: the lines of their configuration, and "900 settings".
 // Bytes are hexadecimal; a client is its number, a bus or a listener its place in the settings.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -58,6 +60,8 @@ void append_line(std::string& out, const Action& action, const Settings& setting
 /// "end WHY": nothing was recorded after this, although the machine went on.
 void append_end(std::string& out, std::string_view why);
 
+/// A line of the configuration, in the head or before other settings; nothing if it is another one.
+std::optional<std::string_view> config_line(std::string_view line);
 inline bool is_end_line(std::string_view line) { return line.starts_with("end "); }
 inline bool is_action_line(std::string_view line) { return line.starts_with('<'); }
 
@@ -67,7 +71,7 @@ struct RecordedInput {
 };
 
 /// The input of a line without its newline, or what is wrong with it. `storage` receives the bytes
-/// that the input refers to.
+/// that the input refers to. Of other settings it is only known that they came.
 Result<RecordedInput, std::string> parse_line(std::string_view line,
                                               std::vector<std::uint8_t>& storage);
 

@@ -159,6 +159,9 @@ Input input_of(Words& words, std::vector<std::uint8_t>& storage) {
   if (kind == "looked") {
     return LineLooked{words.bus()};
   }
+  if (kind == "settings") {
+    return SettingsChanged{};
+  }
   if (kind == "shutdown") {
     return ShutdownAsked{};
   }
@@ -179,6 +182,10 @@ bool take_key(std::string_view& line, std::string_view key) {
 
 }  // namespace
 
+std::optional<std::string_view> config_line(std::string_view line) {
+  return take_key(line, "|") ? std::optional(line) : std::nullopt;
+}
+
 Result<RecordedInput, std::string> parse_line(std::string_view line,
                                               std::vector<std::uint8_t>& storage) {
   Words words(line);
@@ -198,8 +205,8 @@ Result<bool, std::string> HeadReader::read(std::string_view line) {
                   : std::string("expected \"mbgate recording 1\": this is no recording");
   }
   std::string_view value = line;
-  if (take_key(value, "|")) {
-    (head_.text += value) += '\n';
+  if (const auto config = config_line(line)) {
+    (head_.text += *config) += '\n';
   } else if (take_key(value, "version")) {
     head_.version = value;
   } else if (take_key(value, "config")) {

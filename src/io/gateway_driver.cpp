@@ -150,7 +150,7 @@ void GatewayDriver::feed(const gateway::Input& input) {
   if (recorder_ != nullptr) {
     recorder_->note(input, at);
   }
-  gateway::apply(gateway_, input, at);
+  gateway_.handle(input, at);
 }
 
 void GatewayDriver::carry_out_actions() {

@@ -56,6 +56,7 @@ struct Flight {
   bool heard = false;                ///< it was handed in, good
   bool cut = false;                  ///< a stop may have ended the wait for it
   bool in_time = false;              ///< while it was waited for
+  bool perhaps = false;              ///< what came meanwhile may have been taken for its answer
   std::optional<Instant> half_at{};  ///< its first half came
   bool rest_comes = false;           ///< and the other one may still come
 };

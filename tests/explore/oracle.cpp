@@ -122,8 +122,14 @@ void Oracle::note_judged(Instant now) {
   }
   flight->cut = flight->cut || is_cut_at(now);
   if (now >= flight->due) {
-    end_running(now, true);
+    flight->perhaps ? end_uncertain() : end_running(now, true);
   }
+}
+
+// Nobody outside knows whether it was answered, or left unanswered.
+void Oracle::end_uncertain() {
+  books_[running()->device].stop_unanswered = true;
+  running_.reset();
 }
 
 // Whatever is waited for that it may have been the answer to is not waited for any longer.
@@ -154,6 +160,12 @@ void Oracle::note_heard(Flight& flight, Instant now) {
   if (waited_for != &flight) {  // nobody can tell, and the other one may still come
     book.held_until = std::max(book.held_until, waited_for->due + hold_);
     is_disturbed_ = true;
+  }
+  // Who knows that the answer to a write is owed takes none for that to a stop before.
+  if (waited_for->word == Word::stop && flight.word == Word::write) {
+    running()->perhaps = true;
+    book.answered_at = now;
+    return;
   }
   book.longest_took = std::max(book.longest_took, now - waited_for->left);
   book.answered_at = now;
@@ -230,14 +242,14 @@ void Oracle::read(StateHash& hash) const {
       continue;
     }
     const auto& [serial, device, word, value, event, left, due, outstanding, late, spoilt, heard,
-                 cut, in_time, half_at, rest_comes] = flight;
+                 cut, in_time, perhaps, half_at, rest_comes] = flight;
     hash.add(plant_.device().cache > Duration{0} ? serial : 0);
     hash.add(device);
     hash.add(word);
     hash.add(value);
     hash.ordered(Order::event, event);
-    for (const bool flag :
-         {outstanding, late, spoilt, heard, cut, in_time, rest_comes, running_ == serial}) {
+    for (const bool flag : {outstanding, late, spoilt, heard, cut, in_time, perhaps, rest_comes,
+                            running_ == serial}) {
       hash.add(flag);
     }
     if (rest_comes) {

@@ -86,6 +86,7 @@ class Oracle {
   [[nodiscard]] bool takes_part(const Request& request, const Flight& flight) const;
   [[nodiscard]] bool is_live(const Flight& flight) const;
   [[nodiscard]] Flight* running() { return running_ ? &flights_[*running_] : nullptr; }
+  void end_uncertain();
   void end_running(Instant now, bool counts);
   [[nodiscard]] bool is_cut_at(Instant now) const;
   [[nodiscard]] bool is_waited_for(const Flight& flight);

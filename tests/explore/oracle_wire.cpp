@@ -71,6 +71,10 @@ void Oracle::check_overlap(Instant now) {
   if (running() == nullptr) {
     return;
   }
+  if (running()->perhaps) {
+    end_uncertain();
+    return;
+  }
   if (!is_cut_at(now)) {
     report("overlap: transmitted while an answer is waited for");
   }

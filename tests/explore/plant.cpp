@@ -16,6 +16,7 @@ gateway::Settings usual() {
   bus::BusSettings& line = settings.buses.emplace_back();
   line.name = "line";
   line.line.echo = false;
+  line.timing.response_timeout = 250ms;  // the longest of the bus, as of its devices
   for (std::uint8_t address = 1; address <= kDevices; ++address) {
     drive::Device& device = settings.devices.emplace_back();
     device.name = "device-" + std::to_string(address);

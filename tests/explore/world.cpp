@@ -33,11 +33,13 @@ World::World(const Plant& plant, const Bounds& bounds, bool is_told)
       seen_(now_) {
   settle();
   now_ += kQuiet;
-  gateway_.handle_deadline(now_);
+  gateway_.handle(gateway::DeadlineReached{}, now_);
   for (std::uint8_t client = 0; client < kClients; ++client) {
     const std::string address = "192.0.2." + std::to_string(client + 1);
-    gateway_.handle_client_connected(
-        client_id(client), {routing::ListenerId{0}, *routing::ClientAddress::parse(address)}, now_);
+    gateway_.handle(
+        gateway::ClientConnected{client_id(client),
+                                 {routing::ListenerId{0}, *routing::ClientAddress::parse(address)}},
+        now_);
   }
   settle();
 }
@@ -83,7 +85,7 @@ void World::pass() {
     settle();
     miss(now_);
     oracle_.note_judged(now_);
-    gateway_.handle_deadline(now_);
+    gateway_.handle(gateway::DeadlineReached{}, now_);
     const auto wake = gateway_.next_wake();
     if (wake && wake->at <= now_ && gateway_.poll_action() == std::nullopt) {
       oracle_.report("no progress: a deadline stays due");
@@ -147,7 +149,7 @@ void World::ask(const Ask& ask) {
 void World::take_client(std::uint8_t client) {
   const Octets bytes = std::exchange(sockets_[client], {});
   oracle_.note_taken(client, now_);
-  gateway_.handle_client_bytes(client_id(client), bytes, now_);
+  gateway_.handle(gateway::ClientBytes{client_id(client), bytes}, now_);
 }
 
 void World::arrive(std::uint16_t serial, Act form) {
@@ -200,7 +202,7 @@ void World::hand_in() {
     }
   }
   oracle_.note_bytes(now_);
-  gateway_.handle_bus_bytes(kLine, bytes, now_);
+  gateway_.handle(gateway::LineBytes{kLine, bytes}, now_);
 }
 
 void World::settle() {
@@ -208,7 +210,7 @@ void World::settle() {
     handle(*action);
   }
   for (const gateway::ClientId client : std::exchange(written_, {})) {
-    gateway_.handle_client_sent(client, now_);
+    gateway_.handle(gateway::ClientSent{client}, now_);
   }
   require(!gateway_.poll_action().has_value(), "nothing follows when an answer is written");
 }
@@ -238,9 +240,9 @@ void World::handle(const gateway::Action& action) {
     }
   } else if (std::holds_alternative<gateway::Look>(action)) {
     hand_in();
-    gateway_.handle_bus_looked(kLine, now_);
+    gateway_.handle(gateway::LineLooked{kLine}, now_);
   } else if (std::holds_alternative<gateway::Open>(action)) {
-    gateway_.handle_bus_opened(kLine, now_);
+    gateway_.handle(gateway::LineOpened{kLine}, now_);
   } else if (!std::holds_alternative<gateway::Report>(action)) {
     oracle_.report("an action that no small world has");
   }

@@ -28,8 +28,9 @@ void Driver::connect(std::uint32_t listener, std::uint8_t host, std::size_t byte
   octets[15] = host;
   const ClientId id{next_client_++};
   clients_.try_emplace(id);
-  gateway_.handle_client_connected(
-      id, {gateway::ListenerId{listener}, routing::ClientAddress(octets), bytes_before_ready},
+  gateway_.handle(
+      gateway::ClientConnected{
+          id, {gateway::ListenerId{listener}, routing::ClientAddress(octets), bytes_before_ready}},
       now_);
   drain();
 }
@@ -55,7 +56,7 @@ void Driver::read(ClientId id, Client& client, modbus::Bytes bytes) {
   for (const auto& piece : client.held) {
     unread += piece.size();
   }
-  gateway_.handle_client_bytes(id, bytes, now_, unread);
+  gateway_.handle(gateway::ClientBytes{id, bytes, unread}, now_);
 }
 
 /// Every whole request of the stream is due one answer.
@@ -81,7 +82,7 @@ void Driver::half_close(std::size_t index) {
   Client* const client = client_at(index);
   if (client != nullptr && !client->ended) {
     client->ended = true;  // noticed at once; reading may come to it later
-    gateway_.handle_client_half_closed(ClientId{index}, now_);
+    gateway_.handle(gateway::ClientHalfClosed{ClientId{index}}, now_);
     drain();
   }
 }
@@ -89,7 +90,7 @@ void Driver::half_close(std::size_t index) {
 void Driver::disconnect(std::size_t index) {
   if (Client* const client = client_at(index)) {
     client->open = false;
-    gateway_.handle_client_disconnected(ClientId{index}, now_);
+    gateway_.handle(gateway::ClientDisconnected{ClientId{index}}, now_);
     drain();
   }
 }
@@ -98,14 +99,14 @@ void Driver::confirm(std::size_t index) {
   Client* const client = client_at(index);
   if (client != nullptr && client->unconfirmed > 0) {
     --client->unconfirmed;
-    gateway_.handle_client_sent(ClientId{index}, now_);
+    gateway_.handle(gateway::ClientSent{ClientId{index}}, now_);
     drain();
   }
 }
 
 void Driver::line_bytes(std::size_t bus, modbus::Bytes bytes) {
   if (lines_[bus].open && !bytes.empty()) {
-    gateway_.handle_bus_bytes(BusId{static_cast<std::uint32_t>(bus)}, bytes, now_);
+    gateway_.handle(gateway::LineBytes{BusId{static_cast<std::uint32_t>(bus)}, bytes}, now_);
     drain();
   }
 }
@@ -113,7 +114,7 @@ void Driver::line_bytes(std::size_t bus, modbus::Bytes bytes) {
 void Driver::lose(std::size_t bus) {
   if (lines_[bus].open) {
     lines_[bus].open = false;
-    gateway_.handle_bus_lost(BusId{static_cast<std::uint32_t>(bus)}, now_);
+    gateway_.handle(gateway::LineLost{BusId{static_cast<std::uint32_t>(bus)}}, now_);
     drain();
   }
 }
@@ -124,6 +125,9 @@ void Driver::set_slow(std::size_t bus, bool slow) {
 }
 
 void Driver::reload(gateway::Settings settings, bool is_same) {
+  if (is_same) {
+    handle_due();  // what is due now is not set off by the settings
+  }
   if (!stopping_) {
     const auto before = std::exchange(lines_, {});
     const auto& old = gateway_.settings().buses;
@@ -136,7 +140,7 @@ void Driver::reload(gateway::Settings settings, bool is_same) {
       }
     }
   }
-  gateway_.handle_settings(std::move(settings), now_);
+  gateway_.handle(gateway::SettingsChanged{&settings}, now_);
   undisturbed_ = is_same;
   drain();
   require(std::ranges::none_of(lines_, &Line::outdated), "a line that has changed is closed");
@@ -144,7 +148,7 @@ void Driver::reload(gateway::Settings settings, bool is_same) {
 
 void Driver::shutdown() {
   stopping_ = true;
-  gateway_.handle_shutdown(now_);
+  gateway_.handle(gateway::ShutdownAsked{}, now_);
   drain();
 }
 
@@ -162,7 +166,7 @@ void Driver::handle_due() {
   int turns = 0;
   for (auto next = gateway_.next_wake(); next && next->at <= now_; next = gateway_.next_wake()) {
     require(++turns <= kMostTurns, "handling a deadline gets on");
-    gateway_.handle_deadline(now_);
+    gateway_.handle(gateway::DeadlineReached{}, now_);
     drain();
   }
 }
@@ -218,7 +222,8 @@ bool Driver::serve_lines() {
       const BusId bus{static_cast<std::uint32_t>(index)};
       any = true;
       line.open = line.present;
-      line.present ? gateway_.handle_bus_opened(bus, now_) : gateway_.handle_bus_lost(bus, now_);
+      line.present ? gateway_.handle(gateway::LineOpened{bus}, now_)
+                   : gateway_.handle(gateway::LineLost{bus}, now_);
     }
   }
   return any;
@@ -233,8 +238,8 @@ bool Driver::serve_clients() {
       continue;
     }
     if (client->held.empty()) {
-      client->ended ? gateway_.handle_client_half_closed(id, now_)
-                    : gateway_.handle_client_bytes(id, {}, now_, 0);
+      client->ended ? gateway_.handle(gateway::ClientHalfClosed{id}, now_)
+                    : gateway_.handle(gateway::ClientBytes{id, {}, 0}, now_);
       continue;
     }
     const auto bytes = std::move(client->held.front());

@@ -47,7 +47,7 @@ void Driver::take(const gateway::Open& action) {
 
 void Driver::take(const gateway::Look& action) {
   require(line(action.bus).open, "an open line is looked at");
-  gateway_.handle_bus_looked(action.bus, now_);
+  gateway_.handle(gateway::LineLooked{action.bus}, now_);
 }
 
 void Driver::take(const gateway::Transmit& action) {

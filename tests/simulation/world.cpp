@@ -57,30 +57,32 @@ ClientId World::connect(std::size_t listener, unsigned host) {
   const ClientId client{++clients_};
   const auto address = routing::ClientAddress::parse("10.0." + std::to_string(host / 250) + "." +
                                                      std::to_string(host % 250 + 1));
-  gateway_->handle_client_connected(
-      client, {ListenerId{static_cast<std::uint32_t>(listener)}, *address}, now_);
+  gateway_->handle(
+      gateway::ClientConnected{client,
+                               {ListenerId{static_cast<std::uint32_t>(listener)}, *address}},
+      now_);
   drain();
   return client;
 }
 
 void World::send(ClientId client, modbus::Bytes bytes) {
-  gateway_->handle_client_bytes(client, bytes, now_);
+  gateway_->handle(gateway::ClientBytes{client, bytes}, now_);
   drain();
 }
 
 void World::half_close(ClientId client) {
-  gateway_->handle_client_half_closed(client, now_);
+  gateway_->handle(gateway::ClientHalfClosed{client}, now_);
   drain();
 }
 
 void World::disconnect(ClientId client) {
-  gateway_->handle_client_disconnected(client, now_);
+  gateway_->handle(gateway::ClientDisconnected{client}, now_);
   drain();
 }
 
 void World::unplug(std::size_t bus) {
   wires_[bus].disconnect();
-  gateway_->handle_bus_lost(BusId{static_cast<std::uint32_t>(bus)}, now_);
+  gateway_->handle(gateway::LineLost{BusId{static_cast<std::uint32_t>(bus)}}, now_);
   drain();
 }
 
@@ -109,26 +111,26 @@ void World::step() {
   for (std::size_t bus = 0; bus < wires_.size(); ++bus) {
     const auto bytes = wires_[bus].advance(now_);
     if (!bytes.empty()) {
-      gateway_->handle_bus_bytes(BusId{static_cast<std::uint32_t>(bus)}, bytes, now_);
+      gateway_->handle(gateway::LineBytes{BusId{static_cast<std::uint32_t>(bus)}, bytes}, now_);
       drain();
     }
   }
-  gateway_->handle_deadline(now_);
+  gateway_->handle(gateway::DeadlineReached{}, now_);
   drain();
 }
 
 void World::drain() {
   while (const auto action = gateway_->poll_action()) {
     if (const auto* send = std::get_if<gateway::Send>(&*action)) {
-      gateway_->handle_client_sent(send->client, now_);
+      gateway_->handle(gateway::ClientSent{send->client}, now_);
       on_answer_(send->client, {send->adu.data(), send->adu.size()});
     } else if (const auto* transmit = std::get_if<gateway::Transmit>(&*action)) {
       wires_[static_cast<std::size_t>(transmit->bus)].transmit(
           {transmit->frame.data(), transmit->frame.size()}, now_);
     } else if (const auto* look = std::get_if<gateway::Look>(&*action)) {
-      gateway_->handle_bus_looked(look->bus, now_);
+      gateway_->handle(gateway::LineLooked{look->bus}, now_);
     } else if (const auto* open = std::get_if<gateway::Open>(&*action)) {
-      gateway_->handle_bus_opened(open->bus, now_);
+      gateway_->handle(gateway::LineOpened{open->bus}, now_);
     } else if (const auto* close = std::get_if<gateway::Close>(&*action)) {
       closed_[close->client] = true;
     }

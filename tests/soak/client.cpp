@@ -54,8 +54,9 @@ void Client::connect() {
       tools_.all, [&](const Client& it) { return it.connected_ && it.shares_listener(*this); }));
   is_connecting_ = true;
   tools_.full = present > most ? manners_.listener : kNoListener;
-  tools_.gateway.handle_client_connected(
-      number_, {*listener, address_of(manners_.host), socket_.size()}, tools_.schedule.now());
+  tools_.gateway.handle(
+      gateway::ClientConnected{number_, {*listener, address_of(manners_.host), socket_.size()}},
+      tools_.schedule.now());
   tools_.drain();
   tools_.full = kNoListener;
   is_connecting_ = false;
@@ -203,7 +204,7 @@ void Client::vanish() {
 void Client::be_gone() {
   connected_ = false;
   tools_.oracle.gone(number_);
-  tools_.gateway.handle_client_disconnected(number_, tools_.schedule.now());
+  tools_.gateway.handle(gateway::ClientDisconnected{number_}, tools_.schedule.now());
   tools_.drain();
   reconnect_later();
 }
@@ -225,7 +226,7 @@ void Client::half_close() {
     }
     if (paused_) {
       tools_.oracle.half_closed(number_);
-      tools_.gateway.handle_client_half_closed(number_, tools_.schedule.now());
+      tools_.gateway.handle(gateway::ClientHalfClosed{number_}, tools_.schedule.now());
       tools_.drain();
     } else {
       feed();

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soak/replay.hpp"
 
+#include <utility>
 #include <vector>
 
 #include "config/load.hpp"
+#include "gateway/gateway.hpp"
 #include "gateway/record.hpp"
 
 namespace mbgate::test {
@@ -45,15 +47,31 @@ std::string read_head(Lines& lines, gateway::HeadReader& reader) {
   return "the recording ends before the gateway started";
 }
 
-config::Loaded load(const gateway::RecordingHead& head,
-                    std::optional<std::filesystem::path> profiles) {
-  config::ProfileSearch search;
-  search.folder = std::move(profiles);
-  if (!search.folder && !head.profiles.empty()) {
-    search.folder = head.profiles;
+/// Reads configurations as the recorded gateway did.
+class Loader {
+ public:
+  Loader(const gateway::RecordingHead& head, std::optional<std::filesystem::path> profiles)
+      : config_(head.config) {
+    search_.folder = std::move(profiles);
+    if (!search_.folder && !head.profiles.empty()) {
+      search_.folder = head.profiles;
+    }
   }
-  return config::load_settings_text(head.config, head.text, search);
-}
+  /// Nothing if it is not valid here; `error` says why.
+  [[nodiscard]] std::optional<gateway::Settings> load(const std::string& text,
+                                                      std::string& error) const {
+    auto loaded = config::load_settings_text(config_, text, search_);
+    if (!loaded.settings) {
+      error =
+          "the recorded configuration is not valid here:\n" + config::render(loaded.diagnostics);
+    }
+    return std::move(loaded.settings);
+  }
+
+ private:
+  std::string config_;
+  config::ProfileSearch search_;
+};
 
 /// Does the input name a bus and a listener that there are?
 bool fits(const gateway::Settings& settings, const gateway::Input& input) {
@@ -72,8 +90,9 @@ bool fits(const gateway::Settings& settings, const gateway::Input& input) {
 
 class Player {
  public:
-  Player(gateway::Settings settings, gateway::Instant start, ReplayOutcome& outcome)
-      : gateway_(std::move(settings), start), outcome_(outcome) {}
+  Player(gateway::Settings settings, gateway::Instant start, const Loader& loader,
+         ReplayOutcome& outcome)
+      : gateway_(std::move(settings), start), loader_(loader), outcome_(outcome) {}
 
   /// What is wrong with the line, or nothing.
   std::string play(const std::string& line) {
@@ -87,6 +106,10 @@ class Player {
 
  private:
   std::string feed(const std::string& line) {
+    if (const auto config = gateway::config_line(line)) {
+      (config_ += *config) += '\n';
+      return {};
+    }
     const auto recorded = gateway::parse_line(line, storage_);
     if (!recorded) {
       return recorded.error();
@@ -94,9 +117,19 @@ class Player {
     if (!fits(gateway_.settings(), recorded->input)) {
       return "the configuration has no such bus or listener: \"" + line + '"';
     }
-    gateway::apply(gateway_, recorded->input, recorded->at);
     ++outcome_.inputs;
+    if (std::holds_alternative<gateway::SettingsChanged>(recorded->input)) {
+      return change_settings(recorded->at);
+    }
+    gateway_.handle(recorded->input, recorded->at);
     return {};
+  }
+  std::string change_settings(gateway::Instant at) {
+    std::string error;
+    if (const auto settings = loader_.load(std::exchange(config_, {}), error)) {
+      gateway_.handle(gateway::SettingsChanged{&*settings}, at);
+    }
+    return error;
   }
   std::string compare(const std::string& line) {
     ++outcome_.actions;
@@ -114,7 +147,9 @@ class Player {
   }
 
   Gateway gateway_;
+  const Loader& loader_;
   ReplayOutcome& outcome_;
+  std::string config_;  // of the settings that come next
   std::vector<std::uint8_t> storage_;
   bool finished_ = false;
 };
@@ -132,13 +167,12 @@ ReplayOutcome replay(std::istream& recording,
   }
   const gateway::RecordingHead& head = reader.head();
   outcome.version = head.version;
-  auto loaded = load(head, profiles);
-  if (!loaded.settings) {
-    outcome.difference =
-        "the recorded configuration is not valid here:\n" + config::render(loaded.diagnostics);
+  const Loader loader(head, profiles);
+  auto settings = loader.load(head.text, outcome.difference);
+  if (!settings) {
     return outcome;
   }
-  Player player(*std::move(loaded.settings), head.start, outcome);
+  Player player(*std::move(settings), head.start, loader, outcome);
   while (outcome.difference.empty() && lines.next()) {
     if (gateway::is_end_line(lines.line())) {
       outcome.ended = lines.line().substr(4);

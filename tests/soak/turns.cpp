@@ -2,6 +2,7 @@
 #include "soak/turns.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "soak/client.hpp"
 #include "soak/oracle.hpp"
@@ -16,9 +17,11 @@ void TurnRules::check(const Flight& flight) const {
   const Asked* asked = only_one(flight);
   const bool is_read = asked != nullptr && asked->is_read();
   if (asked == nullptr || !is_clear(flight)) {
-    const unsigned most_writes = turns.most_writes;
-    turns = {};
-    turns.most_writes = most_writes;
+    turns.reads.clear();
+    turns.last.clear();
+    turns.since_empty.clear();
+    turns.reader.reset();
+    turns.writes = 0;
   } else {
     if (oracle_.reloaded_ > turns.read_at) {
       turns.since_empty.clear();
@@ -33,6 +36,22 @@ void TurnRules::check(const Flight& flight) const {
     }
   }
   turns.most_writes = is_read ? 0 : turns.most_writes + 1;
+  note_empty(flight, turns);
+}
+
+// Of whom nothing waits has all turns of its weight before it when something comes.
+void TurnRules::note_empty(const Flight& flight, Turns& turns) const {
+  std::set<unsigned> may_wait;
+  for (const Lane& lane : oracle_.books_[flight.bus].lanes) {
+    for (const Asked* asked : lane.open) {
+      may_wait.insert(asked->host);
+    }
+  }
+  for (const Manners& client : oracle_.plan_.clients) {
+    if (!may_wait.contains(client.host)) {
+      turns.since_empty[client.host] = 0;
+    }
+  }
 }
 
 // The request that alone it is for, for the first time, and which is no more than that.

@@ -114,7 +114,7 @@ Driver::Hands World::hands() {
   return {[this](std::size_t bus, Bytes bytes) { hand_in(bus, bytes); },
           [this](std::size_t bus) { lost(bus); },
           [this] {
-            gateway_.handle_deadline(schedule_.now());
+            gateway_.handle(gateway::DeadlineReached{}, schedule_.now());
             drain();
           },
           [this] {
@@ -234,7 +234,7 @@ void World::carry_out(const gateway::Action& action) {
     check_report(report->event);
   } else if (const auto* look = std::get_if<gateway::Look>(&action)) {
     driver_.look(static_cast<std::size_t>(bus_of(look->bus)), carried_out_ == 1);
-    gateway_.handle_bus_looked(look->bus, schedule_.now());
+    gateway_.handle(gateway::LineLooked{look->bus}, schedule_.now());
   } else if (const auto* open_line = std::get_if<gateway::Open>(&action)) {
     open(bus_of(open_line->bus));
   } else if (const auto* shut_line = std::get_if<gateway::Shut>(&action)) {

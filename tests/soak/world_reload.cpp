@@ -39,7 +39,8 @@ void World::reload(const Reload& reload, const std::vector<bool>& absent) {
   }
   take_effect(reload, absent);
   order_only_ = reload.is_order_only();
-  gateway_.handle_settings(reloads_.take_settings(), schedule_.now());
+  const gateway::Settings settings = reloads_.take_settings();
+  gateway_.handle(gateway::SettingsChanged{&settings}, schedule_.now());
   drain();
   order_only_ = false;
   oracle_.check_taken_back();

@@ -48,7 +48,7 @@ class MachineRig {
     drain();
     if (open_lines) {
       for (std::uint32_t bus = 0; bus < gateway.settings().buses.size(); ++bus) {
-        gateway.handle_bus_opened(BusId{bus}, now);
+        gateway.handle(gateway::LineOpened{BusId{bus}}, now);
         drain();
       }
       advance(5ms);  // more than t3.5
@@ -59,29 +59,31 @@ class MachineRig {
 
   void connect(std::uint64_t client, std::string_view address = "192.0.2.1",
                std::uint32_t listener = 0, std::size_t bytes_before_ready = 0) {
-    gateway.handle_client_connected(
-        ClientId{client},
-        {ListenerId{listener}, *routing::ClientAddress::parse(address), bytes_before_ready}, now);
+    gateway.handle(
+        gateway::ClientConnected{
+            ClientId{client},
+            {ListenerId{listener}, *routing::ClientAddress::parse(address), bytes_before_ready}},
+        now);
     drain();
   }
   void receive(std::uint64_t client, std::string_view bytes, std::size_t unread = 0) {
-    gateway.handle_client_bytes(ClientId{client}, unhex(bytes), now, unread);
+    gateway.handle(gateway::ClientBytes{ClientId{client}, unhex(bytes), unread}, now);
     drain();
   }
   void half_close(std::uint64_t client) {
-    gateway.handle_client_half_closed(ClientId{client}, now);
+    gateway.handle(gateway::ClientHalfClosed{ClientId{client}}, now);
     drain();
   }
   void disconnect(std::uint64_t client) {
-    gateway.handle_client_disconnected(ClientId{client}, now);
+    gateway.handle(gateway::ClientDisconnected{ClientId{client}}, now);
     drain();
   }
   void confirm_sent(std::uint64_t client) {
-    gateway.handle_client_sent(ClientId{client}, now);
+    gateway.handle(gateway::ClientSent{ClientId{client}}, now);
     drain();
   }
   void line(std::string_view bytes, std::uint32_t bus = 0) {
-    gateway.handle_bus_bytes(BusId{bus}, unhex(bytes), now);
+    gateway.handle(gateway::LineBytes{BusId{bus}, unhex(bytes)}, now);
     drain();
   }
   /// A device's answer: address and PDU; the CRC is added.
@@ -89,28 +91,28 @@ class MachineRig {
     const auto bytes = unhex(address_and_pdu);
     const auto frame =
         modbus::encode_rtu(bytes[0], *modbus::Pdu::from(modbus::Bytes(bytes).subspan(1)));
-    gateway.handle_bus_bytes(BusId{bus}, {frame.data(), frame.size()}, now);
+    gateway.handle(gateway::LineBytes{BusId{bus}, {frame.data(), frame.size()}}, now);
     drain();
   }
   void lose_line(std::uint32_t bus = 0) {
-    gateway.handle_bus_lost(BusId{bus}, now);
+    gateway.handle(gateway::LineLost{BusId{bus}}, now);
     drain();
   }
   /// The far end of a connection closes it.
   void close_line(std::uint32_t bus = 0) {
-    gateway.handle_bus_lost(BusId{bus}, now, bus::Loss::closed);
+    gateway.handle(gateway::LineLost{BusId{bus}, bus::Loss::closed}, now);
     drain();
   }
   void open_line(std::uint32_t bus = 0) {
-    gateway.handle_bus_opened(BusId{bus}, now);
+    gateway.handle(gateway::LineOpened{BusId{bus}}, now);
     drain();
   }
-  void reload(Settings settings) {
-    gateway.handle_settings(std::move(settings), now);
+  void reload(const Settings& settings) {
+    gateway.handle(gateway::SettingsChanged{&settings}, now);
     drain();
   }
   void shutdown() {
-    gateway.handle_shutdown(now);
+    gateway.handle(gateway::ShutdownAsked{}, now);
     drain();
   }
   /// Lets time pass, stopping at every deadline on the way.
@@ -118,7 +120,7 @@ class MachineRig {
     const Instant end = now + duration;
     for (auto wake = gateway.next_wake(); wake && wake->at <= end; wake = gateway.next_wake()) {
       now = std::max(now, wake->at);
-      gateway.handle_deadline(now);
+      gateway.handle(gateway::DeadlineReached{}, now);
       drain();
     }
     now = end;
@@ -155,11 +157,11 @@ class MachineRig {
     const auto client = static_cast<std::uint64_t>(action.client);
     sent[client].push_back(hex({action.adu.data(), action.adu.size()}));
     if (confirms) {
-      gateway.handle_client_sent(action.client, now);
+      gateway.handle(gateway::ClientSent{action.client}, now);
     }
   }
   void take(const gateway::Shut& /*action*/) { ++shut; }
-  void take(const gateway::Look& action) { gateway.handle_bus_looked(action.bus, now); }
+  void take(const gateway::Look& action) { gateway.handle(gateway::LineLooked{action.bus}, now); }
   void take(const gateway::Transmit& action) {
     const auto bus = static_cast<std::uint32_t>(action.bus);
     transmitted[bus].push_back(hex({action.frame.data(), action.frame.size()}));

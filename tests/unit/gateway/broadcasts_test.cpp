@@ -50,5 +50,28 @@ TEST(Gateway, BroadcastsToSeveralBusesAndAnswersWhenAllHaveTransmitted) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 00 86 0A"));
 }
 
+// Its write is to be repeated when the quarantine is over, and nobody may broadcast before.
+TEST(Gateway, BroadcastsAsSoonAsTheClientOfARepeatedWriteHasGone) {
+  Settings settings = one_bus();
+  settings.routes.clear();
+  settings.listeners[0].bus = BusId{0};
+  settings.listeners[0].broadcast = true;
+  auto& device = settings.devices.emplace_back();
+  device.name = "axis";
+  device.address = 1;
+  device.timing.response_timeout = 100ms;
+  device.timing.retry_writes = true;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.connect(2);
+  rig.receive(1, "0001 0000 0006 01 06 0000 0001");
+  rig.advance(120ms);
+  rig.receive(2, "0002 0000 0006 00 06 007C 00E1");
+  EXPECT_EQ(rig.take_transmitted().size(), 1U);
+  rig.disconnect(1);
+  rig.advance(0ms);
+  EXPECT_THAT(rig.take_transmitted(), ElementsAre("00 06 00 7C 00 E1 89 8B"));
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -69,7 +69,7 @@ TEST(Gateway, OpensAnAdapterAgainThatHearsNothingAndSaysSoOnce) {
   settings.buses[0].hung_requests = 2;
   MachineRig rig(settings, false);
   const auto open = [&] {
-    rig.gateway.handle_bus_opened(BusId{0}, rig.now, bus::LineKind::uart);
+    rig.gateway.handle(gateway::LineOpened{BusId{0}, bus::LineKind::uart}, rig.now);
     rig.advance(5ms);
   };
   open();

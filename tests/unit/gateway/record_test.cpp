@@ -153,14 +153,14 @@ TEST(Record, AMachineDoesTheSameAgain) {
     std::string line;
     append_line(line, input, kAt + after);
     recorded += line;
-    apply(first, input, kAt + after);
+    first.handle(input, kAt + after);
     while (const auto action = first.poll_action()) {
       append_line(recorded, *action, first.settings());
     }
     line.pop_back();
     const auto read = parse_line(line, storage);
     ASSERT_TRUE(read);
-    apply(second, read->input, read->at);
+    second.handle(read->input, read->at);
     append_line(replayed, read->input, read->at);
     while (const auto action = second.poll_action()) {
       append_line(replayed, *action, second.settings());

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// A recording in which other settings come is played again.
+#include "soak/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "config/load.hpp"
+#include "gateway/gateway.hpp"
+#include "gateway/record.hpp"
+#include "support/hex.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using namespace std::chrono_literals;
+using gateway::Instant;
+
+// One bus of this name, and a listener that leads to it.
+std::string plant(const std::string& bus) {
+  return "[[listen]]\nname = \"plant\"\nport = 0\nbus = \"" + bus + "\"\n[[bus]]\nname = \"" + bus +
+         "\"\ndevice = \"/dev/ttyS0\"\n";
+}
+
+gateway::Settings settings_of(const std::string& text) {
+  return config::load_settings_text("test.toml", text, {}).settings.value();
+}
+
+class Recording {
+ public:
+  explicit Recording(const std::string& config) : gateway_(settings_of(config), Instant{1s}) {
+    text_ = gateway::head_lines({"0", "test.toml", "", config, Instant{1s}});
+    gateway::append_start(text_, Instant{1s});
+    drain();
+  }
+  void input(const gateway::Input& input, Instant now) {
+    gateway::append_line(text_, input, now);
+    gateway_.handle(input, now);
+    drain();
+  }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  void drain() {
+    while (const auto action = gateway_.poll_action()) {
+      gateway::append_line(text_, *action, gateway_.settings());
+    }
+  }
+  gateway::Gateway gateway_;
+  std::string text_;
+};
+
+Recording with_other_settings() {
+  const std::string next = plant("line-b");
+  const gateway::Settings settings = settings_of(next);
+  const auto request = unhex("0001 0000 0006 01 03 0000 0001");
+  Recording recording(plant("line-a"));
+  recording.input(gateway::LineOpened{gateway::BusId{0}}, Instant{2s});
+  recording.input(gateway::ClientConnected{gateway::ClientId{0},
+                                           {gateway::ListenerId{0},
+                                            *routing::ClientAddress::parse("192.0.2.1"), 0}},
+                  Instant{2s});
+  recording.input(gateway::ClientBytes{gateway::ClientId{0}, request}, Instant{3s});
+  recording.input(gateway::SettingsChanged{&settings, next}, Instant{4s});
+  recording.input(gateway::LineOpened{gateway::BusId{0}}, Instant{5s});
+  return recording;
+}
+
+TEST(Replay, OtherSettingsStandInTheRecordingAndComeAgain) {
+  const Recording recording = with_other_settings();
+  EXPECT_NE(recording.text().find("| name = \"line-b\"\n"), std::string::npos);
+  EXPECT_NE(recording.text().find("< report bus line-b is open\n"), std::string::npos);
+  std::istringstream stream(recording.text());
+  const ReplayOutcome outcome = replay(stream, std::nullopt);
+  EXPECT_EQ(outcome.difference, "");
+  EXPECT_EQ(outcome.inputs, 5U);
+}
+
+TEST(Replay, OnesThatAreNotValidAreSaid) {
+  std::string text = with_other_settings().text();
+  const std::string name = "| name = \"line-b\"";
+  text.replace(text.find(name), name.size(), "| name = 5");
+  std::istringstream stream(text);
+  EXPECT_NE(replay(stream, std::nullopt).difference.find("is not valid here"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mbgate::test
