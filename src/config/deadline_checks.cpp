@@ -52,7 +52,8 @@ Duration repeated_after(const Draft& draft, const drive::Device& device) {
 }
 
 bool writes_reach(const Route& route, const drive::Device& device) {
-  return route.may_write() && route.leads_to(device);
+  // A route to a device that nobody knows has no bus.
+  return !route.buses.empty() && route.may_write() && route.leads_to(device);
 }
 
 /// Transparent listeners have no deadline of their own.
