@@ -19,6 +19,7 @@ Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
       longest_response_timeout_(bus::longest_response_timeout(settings, devices)),
       line_(settings, listening_time(), counters_),
       queue_(settings.queue),
+      probes_(settings_, devices_),
       most_running_(settings.line.framing == Framing::tcp ? settings.outstanding : 1),
       quarantines_(settings.line.framing != Framing::tcp),
       link_(settings.reopen_min) {}
@@ -192,14 +193,7 @@ void Bus::release(Job& job) {
   if (job.job_class != JobClass::read) {
     devices_.end_write(job);
   }
-  free_probes_ -= std::exchange(job.probes_freely, false) ? 1U : 0U;
-  DeviceEntry& entry = devices_[job.address()];
-  if (entry.probe == &job) {
-    entry.probe = nullptr;
-  } else {
-    --others_;
-    others_gone_at_ = pumped_at_;
-  }
+  probes_.note_released(job, pumped_at_);
 }
 
 void Bus::notify(DeviceNotice::Kind kind, std::uint8_t address) {

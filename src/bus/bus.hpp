@@ -16,6 +16,7 @@
 #include "bus/line_discipline.hpp"
 #include "bus/line_quality.hpp"
 #include "bus/link_state.hpp"
+#include "bus/probes.hpp"
 #include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
@@ -126,8 +127,6 @@ class Bus {
   void classify(Job& job) const;
   std::optional<Ending> end_at_once(Job& job, Instant now);
   bool take_cached(Job& job, Instant now);
-  [[nodiscard]] bool may_probe(const DeviceEntry& entry, const Job& job, Instant now) const;
-  [[nodiscard]] bool nobody_else_asks(Instant now) const;
   void note_accepted(Job& job, Instant now);
   void refuse_free_probes(Instant now);
   bool push(Job& job);
@@ -195,7 +194,6 @@ class Bus {
   void tell_quality(std::uint8_t address);
   /// Of writes that were to be repeated, and may not be any more.
   void end_repeats();
-  void note_probe(Job& job, Instant now);
   void go_offline(DeviceEntry& entry, std::uint8_t address, Instant now);
   void advance(Job& job, Ending ending);
   void finish(Job& job, Ending ending);
@@ -221,21 +219,18 @@ class Bus {
   BusCounters counters_;
   LineDiscipline line_;
   BusQueue queue_;
+  Probes probes_;
   bool stopping_ = false;
   std::vector<Job*> running_;  // from their first transmission until they end
   std::size_t most_running_;
-  bool quarantines_;                     // late answers cannot be told apart
-  std::uint64_t sequence_ = 0;           // of the job that was accepted last
-  unsigned writes_in_row_ = 0;           // transmitted since the last read
-  std::uint64_t turn_ = 0;               // of the last transmission
-  std::uint64_t other_turn_ = 0;         // of the last one that was no stop
-  std::uint8_t last_address_ = 0;        // that of the last turn
-  std::uint64_t turn_of_others_ = 0;     // the last one of another address than that
-  const Job* let_by_ = nullptr;          // on the wire between two tries of a stop
-  Instant next_probe_ = Instant::min();  // of all devices, while somebody else asks
-  std::size_t others_ = 0;               // jobs that are here and no probes
-  std::size_t free_probes_ = 0;          // probes that are here because nobody else asks
-  Instant others_gone_at_ = Instant::min();
+  bool quarantines_;                  // late answers cannot be told apart
+  std::uint64_t sequence_ = 0;        // of the job that was accepted last
+  unsigned writes_in_row_ = 0;        // transmitted since the last read
+  std::uint64_t turn_ = 0;            // of the last transmission
+  std::uint64_t other_turn_ = 0;      // of the last one that was no stop
+  std::uint8_t last_address_ = 0;     // that of the last turn
+  std::uint64_t turn_of_others_ = 0;  // the last one of another address than that
+  const Job* let_by_ = nullptr;       // on the wire between two tries of a stop
   bool never_silent_reported_ = false;
   bool foreign_reported_ = false;
   bool replacement_reported_ = false;

@@ -9,10 +9,6 @@
 namespace mbgate::bus {
 namespace {
 
-/// So long may a request to an offline device wait for others of its kind: what a client waits for
-/// a silent device anyway.
-constexpr Duration kLongestProbing = std::chrono::seconds(1);
-
 /// Has one of its transmissions, or forms, ended? Questions of the gateway's own are none.
 bool is_begun(const Job& stop) {
   return std::ranges::any_of(std::span(stop.transactions).first(stop.current),
@@ -53,15 +49,9 @@ void Bus::note_accepted(Job& job, Instant now) {
   if (job.job_class != JobClass::read) {
     devices_.begin_write(job);
   }
-  DeviceEntry& entry = devices_[job.address()];
-  if (entry.health.is_offline() && job.job_class != JobClass::stop && !job.is_broadcast()) {
-    entry.probe = &job;
-    job.probes_freely = nobody_else_asks(now);
-    free_probes_ += job.probes_freely ? 1U : 0U;
-    return;
+  if (!probes_.note_accepted(job, now)) {
+    refuse_free_probes(now);
   }
-  ++others_;
-  refuse_free_probes(now);
 }
 
 void Bus::classify(Job& job) const {
@@ -93,7 +83,7 @@ std::optional<Ending> Bus::end_at_once(Job& job, Instant now) {
     return std::nullopt;
   }
   DeviceEntry& entry = devices_[job.address()];
-  if (entry.health.is_offline() && !may_probe(entry, job, now)) {
+  if (entry.health.is_offline() && (now < held_until(job) || !probes_.may_ask(job, now))) {
     entry.health.set_wanted_at(now);
     ++counters_.refused_offline;
     return Ending::offline;
@@ -116,33 +106,9 @@ bool Bus::take_cached(Job& job, Instant now) {
   return true;
 }
 
-// Offline devices take turns: the one that was asked longest ago goes first, if anybody still asks
-// for it. While nobody else asks, some may wait for their turn, so that the bus is never idle.
-bool Bus::may_probe(const DeviceEntry& entry, const Job& job, Instant now) const {
-  const DeviceHealth& health = entry.health;
-  const bool freely = nobody_else_asks(now);
-  if (entry.probe != nullptr || (!freely && now < next_probe_) || now < health.probe_at() ||
-      now < entry.free_at || now < held_until(job)) {
-    return false;
-  }
-  const auto ahead = std::ranges::count_if(devices_.entries(), [&](const DeviceEntry& other) {
-    const bool goes_first = other.health.is_offline() &&
-                            other.health.probe_at() < health.probe_at() &&
-                            now < other.health.wanted_at() + other.timing().probe_interval;
-    return other.probe != nullptr || goes_first;
-  });
-  return ahead < (freely ? std::max<std::int64_t>(
-                               kLongestProbing / entry.timing().probe_timeout_or_default(), 1)
-                         : 1);
-}
-
-bool Bus::nobody_else_asks(Instant now) const {
-  return others_ == 0 && now >= others_gone_at_ + settings_.timing.probe_interval;
-}
-
 // Somebody else asks now: what waits for offline devices must not be in the way.
 void Bus::refuse_free_probes(Instant now) {
-  if (free_probes_ == 0) {
+  if (!probes_.any_free()) {
     return;
   }
   std::vector<Job*> refused;

@@ -9,8 +9,6 @@
 namespace mbgate::bus {
 namespace {
 
-constexpr int kPercent = 100;
-
 bool holds_one_of(const std::vector<std::uint16_t>& wanted, const Transaction& transaction) {
   constexpr std::size_t kData = 2;  // after function and byte count (6.3)
   const modbus::Pdu& response = *transaction.response;
@@ -55,7 +53,7 @@ void Bus::handle_end(const LineEnd& end, Instant now) {
       ++entry.counters.bad_crcs;
       entry.health.note_spoilt(end.transaction->request, end.due);
       entry.note_heard();
-      note_probe(job, now);
+      probes_.note_unanswered(job, now);
       handle_failure(job, now);
       break;
   }
@@ -159,7 +157,7 @@ void Bus::handle_silence(Job& job, const LineEnd& end, Instant now) {
   entry.setting_known = false;
   entry.cache.clear();
   if (transaction.may_stay_silent()) {
-    note_probe(job, now);
+    probes_.note_unanswered(job, now);
     if (transaction.boot_time) {
       entry.free_at = now + *transaction.boot_time;
     }
@@ -173,7 +171,7 @@ void Bus::handle_silence(Job& job, const LineEnd& end, Instant now) {
   }
   const bool lost =
       entry.health.note_unanswered(transaction.request, job.last_sent, end.due, entry.timing());
-  note_probe(job, now);
+  probes_.note_unanswered(job, now);
   if (lost) {
     go_offline(entry, transaction.address, now);
   }
@@ -207,16 +205,6 @@ void Bus::end_repeats() {
       finish(*job, Ending::no_answer);
     }
   }
-}
-
-// All probes of a bus together take no more than their share of its time.
-void Bus::note_probe(Job& job, Instant now) {
-  if (!job.is_probe) {
-    return;
-  }
-  DeviceEntry& entry = devices_[job.on_wire().address];
-  entry.health.set_probe_at(job.last_sent + entry.timing().probe_interval);
-  next_probe_ = job.last_sent + (now - job.last_sent) * kPercent / settings_.probe_share;
 }
 
 void Bus::go_offline(DeviceEntry& entry, std::uint8_t address, Instant now) {

@@ -66,7 +66,7 @@ void Bus::rest(Instant now) {
 // Nobody knows whether the server has done what was on its way. A read does no harm if it is done
 // twice; if the next connection is closed too before its answer, it has failed.
 void Bus::handle_cut(Job& job, Instant now) {
-  note_probe(job, now);
+  probes_.note_unanswered(job, now);
   if (job.job_class == JobClass::stop) {
     handle_failure(job, now);
   } else if (job.on_wire().request.is_read() && !job.is_probe && job.cut != job.current) {

@@ -13,11 +13,10 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   // never_silent, foreign, replacement, quality, frame_heard, own_heard, denied_echoes. Watches
   // real adapters only: adapter. Empty when the machine was asked for its actions: actions. What
   // waits behind a job that is taken back may go since `pumped_at`: at once.
-  auto& [settings, devices, longest, counters, line, queue, stopping, running, most_running,
+  auto& [settings, devices, longest, counters, line, queue, probes, stopping, running, most_running,
          quarantines, sequence, writes_in_row, turn, other_turn, last_address, turn_of_others,
-         let_by, next_probe, others, free_probes, others_gone_at, never_silent, foreign,
-         replacement, quality, frame_heard, own_heard, denied_echoes, pumped_at, next_start,
-         looking, adapter, link, actions] = bus;
+         let_by, never_silent, foreign, replacement, quality, frame_heard, own_heard, denied_echoes,
+         pumped_at, next_start, looking, adapter, link, actions] = bus;
   bool may_be_offline = false;
   for (const drive::Device& device : devices.devices()) {
     may_be_offline = may_be_offline || device.timing.offline_after != 0;
@@ -36,6 +35,7 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   if (next_start) {
     hash.deadline(std::max(next_start->at, hash.now()));  // perhaps that of a request
   }
+  const auto& [of_settings, of_devices, next_probe, others, free_probes, others_gone_at] = probes;
   hash.add(others);
   hash.add(free_probes);
   if (may_be_offline) {
