@@ -127,13 +127,13 @@ bool Clients::serve_one(Instant now) {
 }
 
 void Clients::serve(ClientSession& session, Instant now) {
-  for (;;) {
-    auto next = intake_.next(session, now);
-    if (auto* request = std::get_if<Request>(&next)) {
-      requests_.accept(session, std::move(*request), now);
-    } else if (const auto* stop = std::get_if<EarlyStops::Stop>(&next)) {
-      requests_.pass_early(session, *stop);
-    } else if (std::holds_alternative<FramingLost>(next)) {
+  while (!session.input.empty()) {
+    const auto next = intake_.next(session, now);
+    if (next.request != nullptr) {
+      requests_.accept(session, *next.request, now);
+    } else if (next.stop) {
+      requests_.pass_early(session, *next.stop);
+    } else if (next.framing_lost) {
       close(session);
       return;
     } else {
@@ -161,8 +161,8 @@ void Clients::serve(ClientSession& session, Instant now) {
 
 void Clients::take_early_stops(ClientSession& session, Instant now) {
   intake_.begin_early(session);
-  while (auto stop = intake_.next_early(session, now)) {
-    requests_.accept(session, *std::move(stop), now);
+  while (Request* stop = intake_.next_early(session, now)) {
+    requests_.accept(session, *stop, now);
   }
 }
 

@@ -18,7 +18,7 @@ Intake::Next Intake::next(ClientSession& session, Instant now) {
         actions_.push(Report{
             ClientFramingLost{session.info().listener, session.info().address, lost->length}});
       }
-      return FramingLost{};
+      return {.framing_lost = true};
     }
     if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
       notice_rtu(session, session.input.bytes());
@@ -33,21 +33,21 @@ Intake::Next Intake::next(ClientSession& session, Instant now) {
     const std::uint64_t position = session.position();
     if (auto stop = session.ahead.take(position)) {
       session.pass(frame->size);
-      return *std::move(stop);
+      return {.stop = std::move(stop)};
     }
-    Request request = understand(session, frame->adu, position, session.input.arrival_at(0));
+    Request& request = understand(session, frame->adu, position, session.input.arrival_at(0));
     judge(session, request, now);
     session.pass(frame->size);
     session.has_asked = true;
     ++counters_.requests;
-    return request;
+    return {.request = &request};
   }
-  return std::monostate{};
+  return {};
 }
 
-Request Intake::understand(const ClientSession& session, const modbus::MbapAdu& adu,
-                           std::uint64_t position, Instant arrival) const {
-  Request request{adu, position, arrival};
+Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu& adu,
+                            std::uint64_t position, Instant arrival) {
+  Request& request = request_.emplace(adu, position, arrival);
   if (settings_.settings().own_unit == adu.header.unit) {
     request.for_gateway = true;
     return request;
@@ -130,7 +130,7 @@ void Intake::begin_early(ClientSession& session) const {
   session.ahead.begin_look(session.position(), session.is_leaving);
 }
 
-std::optional<Request> Intake::next_early(ClientSession& session, Instant now) {
+Request* Intake::next_early(ClientSession& session, Instant now) {
   while (session.is_leaving || session.ahead.has_room()) {
     const std::uint64_t position = session.ahead.looking_at();
     const std::size_t offset = position - session.position();
@@ -149,17 +149,17 @@ std::optional<Request> Intake::next_early(ClientSession& session, Instant now) {
         session.is_before_ready(position)) {
       continue;
     }
-    Request request = understand(session, frame->adu, position, session.input.arrival_at(offset));
+    Request& request = understand(session, frame->adu, position, session.input.arrival_at(offset));
     if (request.plan && is_taken_early(session, request, now)) {
       request.is_early = true;
       request.left_out = left_out_of(session, request, now);
       session.has_asked = true;
       ++counters_.requests;
-      return request;
+      return &request;
     }
   }
   session.ahead.end_look();
-  return std::nullopt;
+  return nullptr;
 }
 
 bool Intake::is_taken_early(ClientSession& session, const Request& request, Instant now) const {

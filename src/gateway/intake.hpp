@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 #include <utility>
-#include <variant>
 
 #include "gateway/client_session.hpp"
 #include "gateway/reports.hpp"
@@ -38,24 +37,25 @@ struct Request {
     return {session.id(), session.info().address, position, arrival};
   }
 };
-/// Nobody can tell any more where the client's requests begin.
-struct FramingLost {};
-
 class Intake {
  public:
   Intake(const SettingsHistory& settings, const WriteRules& rules, ActionQueue& actions)
       : settings_(settings), rules_(rules), actions_(actions) {}
 
-  /// The next request in the client's stream, or the stop there that was taken early; nothing if
-  /// there is none, or the pipeline has no room.
-  using Next = std::variant<std::monostate, Request, EarlyStops::Stop, FramingLost>;
+  /// What comes next in a client's stream; nothing if there is no whole request, or the pipeline
+  /// has no room.
+  struct Next {
+    Request* request = nullptr;              ///< until the next call, because it is large
+    std::optional<EarlyStops::Stop> stop{};  ///< that was taken early
+    bool framing_lost = false;  ///< nobody can tell any more where the client's requests begin
+  };
   [[nodiscard]] Next next(ClientSession& session, Instant now);
   /// Begins to look for stops behind a full pipeline. What was looked at before is not looked at
   /// again, unless the client is leaving: it has sent what it has sent, and all its stops are
   /// taken, however many there are.
   void begin_early(ClientSession& session) const;
-  /// The next one; nothing if there is no other.
-  [[nodiscard]] std::optional<Request> next_early(ClientSession& session, Instant now);
+  /// The next one, until the next call; nothing if there is no other.
+  [[nodiscard]] Request* next_early(ClientSession& session, Instant now);
   /// Tells it once if these bytes look like RTU.
   void notice_rtu(ClientSession& session, modbus::Bytes stream);
 
@@ -68,8 +68,8 @@ class Intake {
 
  private:
   friend struct mbgate::StateReader;
-  [[nodiscard]] Request understand(const ClientSession& session, const modbus::MbapAdu& adu,
-                                   std::uint64_t position, Instant arrival) const;
+  Request& understand(const ClientSession& session, const modbus::MbapAdu& adu,
+                      std::uint64_t position, Instant arrival);
   void judge(const ClientSession& session, Request& request, Instant now);
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(const ClientSession& session,
                                                                const Request& request,
@@ -84,6 +84,7 @@ class Intake {
   const WriteRules& rules_;
   ActionQueue& actions_;
   Phase phase_ = Phase::running;
+  std::optional<Request> request_;  // the last one
   ClientCounters counters_;
   std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_told_;
 };

@@ -8,7 +8,7 @@
 
 namespace mbgate::gateway {
 
-void Requests::accept(ClientSession& session, Request request, Instant now) {
+void Requests::accept(ClientSession& session, Request& request, Instant now) {
   failsafe_.client_asked(session.id(), now);
   std::optional<modbus::Pdu> answer;
   if (request.for_gateway) {
@@ -19,11 +19,11 @@ void Requests::accept(ClientSession& session, Request request, Instant now) {
   if (answer) {
     send(session, session.open_answer(), modbus::MbapAdu{request.adu.header, *answer});
   } else {
-    begin(session, std::move(request), now);
+    begin(session, request, now);
   }
 }
 
-void Requests::begin(ClientSession& session, Request request, Instant now) {
+void Requests::begin(ClientSession& session, Request& request, Instant now) {
   const WriteOrigin origin = request.origin(session);
   const std::uint32_t index = exchanges_.open();
   Exchange& exchange = exchanges_[index];
@@ -49,15 +49,13 @@ void Requests::place_answer(ClientSession& session, const Request& request, std:
     return;
   }
   session.exchanges.push_back(index);
-  EarlyStops::Stop stop{request.position};
-  if (request.is_early && session.is_ordered()) {
-    stop.answer_waits = true;
-    stop.exchange = index;
-  } else {
+  const bool answer_waits = request.is_early && session.is_ordered();
+  if (!answer_waits) {
     exchanges_[index].answer = session.open_answer();
   }
   if (request.is_early) {
-    session.ahead.add(stop);
+    session.ahead.add(
+        {request.position, answer_waits, answer_waits ? std::optional(index) : std::nullopt});
   }
 }
 

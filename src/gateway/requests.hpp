@@ -26,7 +26,8 @@ class Requests {
         actions_(actions),
         started_(now) {}
 
-  void accept(ClientSession& session, Request request, Instant now);
+  /// The plan is taken out of the request.
+  void accept(ClientSession& session, Request& request, Instant now);
   /// Reading has come to a stop that was taken early: its answer gets its place, if it waits for
   /// one.
   void pass_early(ClientSession& session, const EarlyStops::Stop& stop);
@@ -35,7 +36,7 @@ class Requests {
 
  private:
   friend struct mbgate::StateReader;
-  void begin(ClientSession& session, Request request, Instant now);
+  void begin(ClientSession& session, Request& request, Instant now);
   void place_answer(ClientSession& session, const Request& request, std::uint32_t index);
   [[nodiscard]] modbus::Pdu answer_of_gateway(const ClientSession& session,
                                               const modbus::Pdu& request, Instant now);

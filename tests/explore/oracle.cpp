@@ -156,13 +156,19 @@ void Oracle::note_heard(Flight& flight, Instant now) {
     return;
   }
   const Flight* waited_for = running();
-  flight.in_time = waited_for == &flight && !flight.cut;
+  const bool owes_write = std::ranges::any_of(flights_, [&](const Flight& it) {
+    return it.device == flight.device && it.word == Word::write && !it.heard &&
+           it.event < waited_for->event;
+  });
+  const bool is_certain =
+      waited_for->word != Word::stop || (flight.word != Word::write && !owes_write);
+  flight.in_time = waited_for == &flight && !flight.cut && is_certain;
   if (waited_for != &flight) {  // nobody can tell, and the other one may still come
     book.held_until = std::max(book.held_until, waited_for->due + hold_);
     is_disturbed_ = true;
   }
   // Who knows that the answer to a write is owed takes none for that to a stop before.
-  if (waited_for->word == Word::stop && flight.word == Word::write) {
+  if (!is_certain) {
     running()->perhaps = true;
     book.answered_at = now;
     return;

@@ -36,9 +36,9 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
   // counters beyond these.
   auto& [settings, exchanges, rules, failsafe, actions, sessions, intake, requests] = clients;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
-  // unrouted_told.
-  [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, counters, unrouted_told] =
-      intake;
+  // unrouted_told. Dealt with: request.
+  [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, counters,
+                          unrouted_told] = intake;
   // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,
   // addresses, free_keys.
   auto& [in_force, by_number, closed, ready, timers, on_listener, addresses, free_keys] = sessions;
