@@ -12,6 +12,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
+constexpr Duration kRest = 60s;
 constexpr Duration kLongestCut = 5ms;  // from one part of a request to the next
 
 }  // namespace
@@ -100,6 +101,13 @@ void Client::act() {
     const Duration limit = tools_.settings.listeners[manners_.listener].idle_timeout;
     if (limit > Duration{0}) {
       tools_.report.fault("rest");
+    } else {  // nobody closes it, and a plant in which all rest for ever shows nothing
+      tools_.schedule.after(kRest, [this, life = life_] {
+        if (life == life_ && connected_) {
+          is_silent_ = false;
+          plan_next();
+        }
+      });
     }
     be_closed_after(limit, "idle_timeout");
     return;
