@@ -41,9 +41,6 @@ class Bus {
   /// Whoever calls this has handed in before what already lay in the line.
   void handle_deadline(Instant now);
 
-  /// Is this a stop of the device at the address, or of one that hears the broadcast?
-  [[nodiscard]] bool is_stop(std::uint8_t address, const modbus::Request& request,
-                             drive::BroadcastForm broadcast) const;
   /// Queues a job, or answers it at once; it lies still until its JobEnded, which may be among the
   /// actions already. False: the queue is full, and the bus does not have the job.
   [[nodiscard]] bool submit(Job& job, Instant now);

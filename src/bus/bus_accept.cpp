@@ -17,11 +17,6 @@ bool is_begun(const Job& stop) {
 
 }  // namespace
 
-bool Bus::is_stop(std::uint8_t address, const modbus::Request& request,
-                  drive::BroadcastForm broadcast) const {
-  return devices_.is_stop(address, request, broadcast);
-}
-
 bool Bus::submit(Job& job, Instant now) {
   MBGATE_ASSERT(!job.is_waiting() && !job.accepted, "a job is submitted once");
   classify(job);
@@ -56,7 +51,7 @@ void Bus::note_accepted(Job& job, Instant now) {
 
 void Bus::classify(Job& job) const {
   const auto is_part_of_stop = [&](const Transaction& transaction) {
-    return is_stop(transaction.address, transaction.request, transaction.broadcast);
+    return devices_.is_stop(transaction.address, transaction.request, transaction.broadcast);
   };
   if (job.job_class == JobClass::stop) {
     return;  // its owner knows better

@@ -243,7 +243,7 @@ void Bus::handle_stop_failure(Job& stop, Instant now) {
   DeviceEntry& entry = devices_[stop.on_wire().address];
   // What its owner sends as a stop, but is none, may not be harmless if it is done twice.
   const Transaction& sent = stop.transaction();
-  const bool may_repeat = is_stop(sent.address, sent.request, sent.broadcast);
+  const bool may_repeat = devices_.is_stop(sent.address, sent.request, sent.broadcast);
   const bool is_given_up = stop.is_one_try && entry.stops_given_up;
   if (may_repeat && !is_given_up && stop.tries <= entry.timing().stop_retries) {
     repeat_stop(stop, now);

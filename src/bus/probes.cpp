@@ -61,7 +61,7 @@ void Probes::note_unanswered(const Job& job, Instant now) {
   if (!job.is_probe) {
     return;
   }
-  DeviceEntry& entry = devices_[job.transactions[job.current].address];
+  DeviceEntry& entry = devices_[job.transaction().address];
   entry.health.set_probe_at(job.last_sent + entry.timing().probe_interval);
   next_at_ = job.last_sent + (now - job.last_sent) * kPercent / settings_.probe_share;
 }

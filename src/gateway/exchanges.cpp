@@ -17,8 +17,7 @@ std::uint32_t Exchanges::open() {
   return index;
 }
 
-void Exchanges::start(std::uint32_t index, const WriteRules& rules, Turns turns, Instant arrival,
-                      Instant now) {
+void Exchanges::start(std::uint32_t index, Turns turns, Instant arrival, Instant now) {
   Exchange& exchange = exchanges_[index];
   const routing::Plan& plan = *exchange.plan;
   const Instant deadline = arrival + time_for(exchange.route->route, plan);
@@ -28,9 +27,7 @@ void Exchanges::start(std::uint32_t index, const WriteRules& rules, Turns turns,
       continue;
     }
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
-      const bool stops = exchange.is_stop && rules.stops_on(planned.bus, plan);
-      const auto other = plan.is_read() ? bus::JobClass::read : bus::JobClass::write;
-      add_job(index, planned.bus, stops ? bus::JobClass::stop : other, turns, deadline);
+      add_job(index, planned.bus, turns, deadline);
     }
     auto& transactions = exchange.parts.back().job->transactions;
     transactions.push_back(
@@ -50,13 +47,11 @@ Duration Exchanges::time_for(const routing::Route& route, const routing::Plan& p
   return plan.is_read() ? read_deadline(longest) : write_deadline(longest);
 }
 
-bus::Job& Exchanges::add_job(std::uint32_t index, BusId bus, bus::JobClass job_class, Turns turns,
-                             Instant deadline) {
+bus::Job& Exchanges::add_job(std::uint32_t index, BusId bus, Turns turns, Instant deadline) {
   const std::uint32_t number = jobs_.take();
   bus::Job& job = jobs_[number];
   job.number = number;
   job.owner = index;
-  job.job_class = job_class;
   job.source = turns.key;
   job.weight = turns.weight;
   job.deadline = deadline;

@@ -11,7 +11,6 @@
 #include "gateway/exchange.hpp"
 #include "gateway/pool.hpp"
 #include "gateway/reports.hpp"
-#include "gateway/write_rules.hpp"
 
 namespace mbgate::gateway {
 
@@ -24,11 +23,9 @@ class Exchanges {
   std::uint32_t open();
   [[nodiscard]] Exchange& operator[](std::uint32_t index) { return exchanges_[index]; }
   /// Begins to carry out the plan.
-  void start(std::uint32_t index, const WriteRules& rules, Turns turns, Instant arrival,
-             Instant now);
+  void start(std::uint32_t index, Turns turns, Instant arrival, Instant now);
   /// A job more of an exchange; to be submitted.
-  bus::Job& add_job(std::uint32_t index, BusId bus, bus::JobClass job_class, Turns turns,
-                    Instant deadline);
+  bus::Job& add_job(std::uint32_t index, BusId bus, Turns turns, Instant deadline);
   void submit(std::uint32_t index, Instant now);
   /// A bus has done with a job.
   void end(bus::Job& job, bus::Ending ending);

@@ -56,7 +56,8 @@ void FailsafeWrites::send(Failsafe::Due due, Instant now) {
     const std::uint32_t index = exchanges_.open();
     exchanges_[index].client_gone = true;
     exchanges_[index].is_stop = true;
-    bus::Job& job = exchanges_.add_job(index, device.bus, bus::JobClass::stop, {}, now);
+    bus::Job& job = exchanges_.add_job(index, device.bus, {}, now);
+    job.job_class = bus::JobClass::stop;
     job.transactions.push_back({device.address, writes[place]});
     run.unsent.push_back({index, place});
     run.exchanges.push_back(index);

@@ -10,6 +10,7 @@
 #include "gateway/exchanges.hpp"
 #include "gateway/failsafe.hpp"
 #include "gateway/sessions.hpp"
+#include "gateway/write_rules.hpp"
 
 namespace mbgate::gateway {
 

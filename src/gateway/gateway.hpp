@@ -56,7 +56,7 @@ class Gateway {
   void adopt_buses(const SettingsDiff& diff, Instant now);
   void report(const Event& event) { actions_.push(Report{event}); }
 
-  bus::ActionQueue<Action> line_actions_;
+  ActionQueue line_actions_;
   ActionQueue actions_;
   SettingsHistory settings_;
   Exchanges exchanges_;  // its jobs outlive the queues that link them

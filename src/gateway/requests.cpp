@@ -40,7 +40,7 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   if (request.is_early) {
     rules_.note_early(*exchange.plan, origin);
   }
-  exchanges_.start(index, rules_, sessions_.turns_of(origin.address), origin.arrival, now);
+  exchanges_.start(index, sessions_.turns_of(origin.address), origin.arrival, now);
 }
 
 void Requests::place_answer(ClientSession& session, const Request& request, std::uint32_t index) {

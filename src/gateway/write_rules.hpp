@@ -26,8 +26,6 @@ class WriteRules {
 
   /// A run of writes is a stop if each of them is, a broadcast if any device takes it for one.
   [[nodiscard]] bool is_stop(const routing::Plan& plan) const;
-  /// A broadcast that is a stop may be a write like others on some of its buses.
-  [[nodiscard]] bool stops_on(BusId bus, const routing::Plan& stop) const;
   /// The devices to which writes that came before the stop are not transmitted any more.
   [[nodiscard]] DevicePlaces overtaken_by(const routing::Plan& stop) const;
   /// The devices that the write reaches, whose stops let it go first.
@@ -56,6 +54,8 @@ class WriteRules {
  private:
   friend struct mbgate::StateReader;
   [[nodiscard]] bool is_stop(const routing::PlannedTransaction& transaction) const;
+  /// A broadcast that is a stop may be a write like others on some of its buses.
+  [[nodiscard]] bool stops_on(BusId bus, const routing::Plan& stop) const;
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(
       const routing::PlannedTransaction& write, const WriteOrigin& origin, Instant now) const;
 

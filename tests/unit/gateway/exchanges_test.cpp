@@ -19,7 +19,7 @@ class ExchangesAlone : public testing::Test {
     exchanges_[index].header = {1, 1};
     exchanges_[index].plan = *routing::Plan::make(*route, 1, {}, *modbus::Pdu::from(unhex(pdu)));
     exchanges_[index].is_stop = rules_.is_stop(*exchanges_[index].plan);
-    exchanges_.start(index, rules_, {}, {}, {});
+    exchanges_.start(index, {}, {}, {});
     return index;
   }
 
