@@ -1,206 +1,172 @@
 // SPDX-License-Identifier: Apache-2.0
-// The doors of a bus: bytes and time come in, jobs are taken back, everything ends.
+// The entry points of a bus: bytes and time come in, the line comes and goes, everything ends.
 #include "bus/bus.hpp"
 
-#include <algorithm>
-#include <utility>
-
 namespace mbgate::bus {
-namespace {
-
-constexpr Duration kLongestListening = std::chrono::seconds(1);
-constexpr Duration kNeverSilent = std::chrono::seconds(1);
-
-}  // namespace
 
 Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
-    : settings_(settings),
-      devices_(settings, devices),
-      longest_response_timeout_(bus::longest_response_timeout(settings, devices)),
-      line_(settings, listening_time(), counters_),
-      queue_(settings.queue),
-      probes_(settings_, devices_),
-      most_running_(settings.line.framing == Framing::tcp ? settings.outstanding : 1),
-      quarantines_(settings.line.framing != Framing::tcp),
-      link_(settings.reopen_min) {}
+    : parts_(settings, devices) {}
 
 void Bus::update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now) {
-  settings_ = settings;
-  devices_.update(settings, devices);
-  longest_response_timeout_ = bus::longest_response_timeout(settings, devices);
-  line_.update(settings_, listening_time());
-  queue_.set_limit(settings.queue);
-  overtake_writes();
-  end_repeats();
-  most_running_ = settings.line.framing == Framing::tcp ? settings.outstanding : 1;
-  pump(now);
+  parts_.update(settings, devices);
+  parts_.stops.visit([this](const Transmission& stop) { ends_.overtake_writes(*stop.leader); });
+  ends_.end_repeats();
+  dispatch_.pump(now);
 }
 
-Duration Bus::listening_time() const {
-  return settings_.listen_first.value_or(std::min(longest_response_timeout_, kLongestListening));
+void Bus::start() { parts_.actions.push(OpenLine{}); }
+
+void Bus::handle_opened(Instant now, LineKind kind) {
+  parts_.link.note_opened(now);
+  parts_.adapter.open(kind, now);
+  parts_.devices.forget_what_was_read();
+  diagnosis_.note_opened();
+  parts_.line.open(now, kind);
+  dispatch_.pump(now);
 }
 
-void Bus::start() { actions_.push(OpenLine{}); }
-
-void Bus::handle_bytes(modbus::Bytes bytes, Instant now) {
-  if (!link_.is_open()) {
+void Bus::handle_lost(Instant now, Loss loss) {
+  LinkState& link = parts_.link;
+  LineDiscipline& line = parts_.line;
+  if (link.is_resting()) {
+    return;  // nobody has asked for a line
+  }
+  const bool in_order =
+      line.has_answered() || (line.is_unused() && !link.is_new(parts_.settings, now));
+  if (loss == Loss::closed && link.is_open() && in_order) {
+    line.note_closed(now);
+    rest(now);
     return;
   }
-  adapter_.note_byte(now);
-  const bool asked = in_flight() > 0;
-  line_.handle_bytes(bytes, now);
-  watch_silence(now);
-  if (!asked) {
-    quality_.note_unasked();
+  parts_.counters.losses += link.serves() ? 1U : 0U;
+  outcomes_.note_lost();
+  line.abort();
+  dispatch_.forget_look();
+  link.note_lost(parts_.settings, now);
+  if (parts_.stopping) {
+    link.stop();
   }
+  ends_.end_running(Ending::closed);
+  ends_.end_waiting(Ending::closed, true);
+  dispatch_.pump(now);
+}
+
+// Who waits for the connection goes on waiting: it is opened again at once, or when somebody asks.
+void Bus::rest(Instant now) {
+  parts_.link.rest(parts_.settings, parts_.line.has_answered());
+  dispatch_.forget_look();
+  parts_.line.abort();
+  outcomes_.handle_cut(now);
+  dispatch_.pump(now);
+}
+
+// The far end takes what is sent, and says nothing.
+void Bus::replace(Instant now) {
+  ++parts_.counters.losses;
+  parts_.actions.push(ReplaceLine{diagnosis_.note_unanswered_connection()});
+  rest(now);
+}
+
+void Bus::handle_bytes(modbus::Bytes bytes, Instant now) {
+  if (!parts_.link.is_open()) {
+    return;
+  }
+  parts_.adapter.note_byte(now);
+  const bool asked = parts_.transmissions.first_in_flight() != nullptr;
+  parts_.line.handle_bytes(bytes, now);
+  diagnosis_.note_bytes(asked, now);
   collect(now);
-  pump(now);
+  dispatch_.pump(now);
 }
 
-void Bus::handle_looked(Instant now) {
-  looking_ = Looking::done;
-  pump(now);
-  looking_ = Looking::no;
-}
-
-// Told once until somebody is understood again.
-void Bus::watch_silence(Instant now) {
-  const Duration limit = std::max(kNeverSilent, longest_stream(settings_));
-  const auto since = line_.busy_since();
-  if (since && now >= *since + limit && !std::exchange(never_silent_reported_, true)) {
-    actions_.push(NeverSilent{});
-  }
-}
+void Bus::handle_looked(Instant now) { dispatch_.pump_looked(now); }
 
 void Bus::handle_deadline(Instant now) {
-  if (link_.take_due(now)) {
-    actions_.push(OpenLine{});
+  if (parts_.link.take_due(now)) {
+    parts_.actions.push(OpenLine{});
   }
-  if (link_.is_open()) {
-    line_.handle_deadline(now);
+  if (parts_.link.is_open()) {
+    parts_.line.handle_deadline(now);
     collect(now);
   }
-  handle_looked(now);
+  dispatch_.pump_looked(now);
 }
 
+// What the line discipline has found.
 void Bus::collect(Instant now) {
-  while (const auto unsolicited = line_.take_unsolicited()) {
-    handle_unsolicited(*unsolicited);
+  while (const auto unsolicited = parts_.line.take_unsolicited()) {
+    diagnosis_.note_unsolicited(*unsolicited);
   }
-  while (const auto end = line_.take_end()) {
-    handle_end(*end, now);
+  while (const auto end = parts_.line.take_end()) {
+    outcomes_.handle_end(*end, now);
   }
-  while (const auto fault = line_.take_fault()) {
+  while (const auto fault = parts_.line.take_fault()) {
     if (fault == LineFault::framing_lost) {
-      actions_.push(CloseLine{});
+      parts_.actions.push(CloseLine{});
       handle_lost(now);
     } else if (fault != LineFault::unanswered) {
-      actions_.push(LineNotice{*fault});
-    } else if (!stopping_) {
+      parts_.actions.push(LineNotice{*fault});
+    } else if (!parts_.stopping) {
       replace(now);
     }
   }
 }
 
+bool Bus::submit(Job& job, Instant now) {
+  const Admitted admitted = admission_.admit(job, now);
+  if (admitted != Admitted::ended) {
+    dispatch_.pump(now);
+  }
+  return admitted != Admitted::refused;
+}
+
 void Bus::withdraw(Job& job) {
-  queue_.remove(job);
-  release(job);
-  next_start_ = Wake{pumped_at_};  // what waited behind it may go now
+  parts_.queue.remove(job);
+  ends_.release(job);
+  dispatch_.wake_at_once();  // what waited behind it may go now
 }
 
 void Bus::abandon(Job& job) {
   job.abandoned = true;
-  if (!job.in_flight) {
-    next_start_ = Wake{pumped_at_};  // it ends, and what waited for it may go now
+  if (!is_in_flight(job)) {
+    dispatch_.wake_at_once();  // it ends, and what waited for it may go now
   }
 }
 
 void Bus::stop(Instant now) {
-  stopping_ = true;
-  link_.stop();
-  end_waiting(Ending::cancelled, false);
-  pump(now);
+  parts_.stopping = true;
+  parts_.link.stop();
+  ends_.end_waiting(Ending::cancelled, false);
+  dispatch_.pump(now);
 }
 
 void Bus::give_up(Instant now) {
-  line_.abort();
-  end_running(Ending::no_answer);
-  end_waiting(Ending::cancelled, true);
-  pump(now);
+  parts_.line.abort();
+  ends_.end_running(Ending::no_answer);
+  ends_.end_waiting(Ending::cancelled, true);
+  dispatch_.pump(now);
 }
 
-std::optional<BusAction> Bus::poll() { return actions_.poll(); }
+std::optional<BusAction> Bus::poll() { return parts_.actions.poll(); }
 
 std::optional<Wake> Bus::next_wake() const {
-  auto judgement = earlier(link_.next_attempt(), queue_.first_deadline());
-  if (link_.is_open()) {
-    judgement = earlier(judgement, line_.next_deadline());
+  auto judgement = earlier(parts_.link.next_attempt(), parts_.queue.first_deadline());
+  if (parts_.link.is_open()) {
+    judgement = earlier(judgement, parts_.line.next_deadline());
   }
-  return earlier(judgement ? std::optional(Wake{*judgement}) : std::nullopt, next_start_);
+  return earlier(judgement ? std::optional(Wake{*judgement}) : std::nullopt,
+                 dispatch_.next_start());
 }
 
 void Bus::clear_counters() {
-  counters_ = {};
-  devices_.clear_counters();
+  parts_.counters = {};
+  parts_.devices.clear_counters();
 }
 
 Duration Bus::held_back(std::uint8_t address, Instant now) const {
-  const DeviceEntry& entry = devices_[address];
+  const DeviceEntry& entry = parts_.devices[address];
   const Instant until = entry.health.held_until(entry.timing());
-  return quarantines_ && until > now ? until - now : Duration{0};
-}
-
-void Bus::end_running(Ending ending) {
-  for (Job* job : std::exchange(running_, {})) {
-    end_group(*job, ending);
-  }
-}
-
-void Bus::end_waiting(Ending ending, bool stops_too) {
-  while (Job* job = queue_.first_to_expire()) {
-    queue_.remove(*job);
-    end_job(*job, ending);
-  }
-  while (Job* stop = stops_too ? queue_.first_stop() : nullptr) {
-    queue_.remove(*stop);
-    end_group(*stop, ending);
-  }
-}
-
-// The job, and before it those that share its transmission. Stops share its responses too.
-void Bus::end_group(Job& leader, Ending ending) {
-  for (Job* follower : leader.followers) {
-    if (leader.job_class == JobClass::stop) {
-      follower->transactions = leader.transactions;
-      follower->current = leader.current;
-    }
-    end_job(*follower, ending);
-  }
-  leader.followers.clear();
-  end_job(leader, ending);
-}
-
-void Bus::end_job(Job& job, Ending ending) {
-  release(job);
-  actions_.push(JobEnded{&job, ending});
-}
-
-// The bus has it no more.
-void Bus::release(Job& job) {
-  if (!std::exchange(job.accepted, false)) {
-    return;
-  }
-  if (job.job_class != JobClass::read) {
-    devices_.end_write(job);
-  }
-  probes_.note_released(job, pumped_at_);
-}
-
-void Bus::notify(DeviceNotice::Kind kind, std::uint8_t address) {
-  DeviceNotice notice{kind, address};
-  notice.answered_before = quality_[address].has_answered();
-  notice.requests = devices_[address].health.unanswered_in_row();
-  actions_.push(notice);
+  return parts_.quarantines() && until > now ? until - now : Duration{0};
 }
 
 }  // namespace mbgate::bus

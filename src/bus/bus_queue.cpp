@@ -14,13 +14,6 @@ BusQueue::Source& BusQueue::source_of(const Job& job) {
 }
 
 bool BusQueue::push(Job& job) {
-  if (job.job_class == JobClass::stop) {
-    if (stops_.size() >= kRoomForStops) {
-      return false;
-    }
-    stops_.push_back(job);
-    return true;
-  }
   if (by_deadline_.size() >= limit_) {
     return false;
   }
@@ -69,10 +62,6 @@ bool BusQueue::write_waits_between(std::uint8_t address, std::uint64_t from,
 }
 
 void BusQueue::take(Job& job) {
-  if (job.job_class == JobClass::stop) {
-    remove(job);
-    return;
-  }
   Source& source = source_of(job);
   remove(job);
   if (!source.round_hook.is_linked()) {
@@ -85,10 +74,6 @@ void BusQueue::take(Job& job) {
 }
 
 void BusQueue::remove(Job& job) {
-  if (job.job_class == JobClass::stop) {
-    stops_.erase(JobList::s_iterator_to(job));
-    return;
-  }
   Source& source = source_of(job);
   source.waiting.erase(JobList::s_iterator_to(job));
   if (source.waiting.empty()) {

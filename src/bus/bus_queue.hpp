@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The requests waiting for a bus: client addresses take turns by their weight, each address's
-// requests to one device stay in order, and stops stand in a line of their own. Bounded; allocates
-// only when a client address is seen for the first time.
+// The reads and writes waiting for a bus: client addresses take turns by their weight, each
+// address's requests to one device stay in order. Stops wait in a lane of their own. Bounded;
+// allocates only when a client address is seen for the first time.
 #pragma once
 
 #include <bitset>
@@ -15,38 +15,19 @@
 
 namespace mbgate::bus {
 
-/// Stops that may wait beyond the limit of a queue; identical ones share a place, and so many may
-/// share one.
-inline constexpr std::size_t kRoomForStops = 256;
-
 class BusQueue {
  public:
   explicit BusQueue(std::size_t limit) : limit_(limit) {}
   void set_limit(std::size_t limit) { limit_ = limit; }
 
-  /// Queues a job behind those of its client address; a stop behind the other stops. False if there
-  /// is no room; the job is then untouched.
+  /// Queues a job behind those of its client address. False if there is no room; the job is then
+  /// untouched.
   bool push(Job& job);
   /// Queues a job that was there before, in front of those of its client address.
   void push_front(Job& job);
-  /// Queues a stop that was there before, behind the other stops.
-  void push_again(Job& stop) { stops_.push_back(stop); }
-  /// The same, in front of them.
-  void push_stop_front(Job& stop) { stops_.push_front(stop); }
   /// The waiting read that has to make room in a full queue: the newest of the client address with
   /// the most waiting requests. Nothing if that one has no read that waits.
   [[nodiscard]] Job* read_to_evict();
-
-  [[nodiscard]] Job* first_stop() { return stops_.empty() ? nullptr : &stops_.front(); }
-  /// A waiting stop for which `is_it` says yes.
-  template <typename Predicate>
-  [[nodiscard]] Job* find_stop(Predicate is_it);
-
-  /// Shows `visit` every waiting stop; these must lie still.
-  template <typename Visit>
-  void visit_stops(Visit visit) {
-    std::ranges::for_each(stops_, visit);
-  }
 
   /// Shows `visit` the jobs of the class that may go next, in the order of their turns: of each
   /// client address the oldest to each device, if it is of that class. A broadcast is for every
@@ -58,7 +39,7 @@ class BusQueue {
   /// it returns true; behind a broadcast there are none.
   template <typename Visit>
   void visit_fronts(std::uint8_t address, Visit visit);
-  /// Shows `visit` every waiting job that is no stop.
+  /// Shows `visit` every waiting job.
   template <typename Visit>
   void visit_all(Visit visit);
   /// Does a write to the device wait that was accepted between these two?
@@ -73,11 +54,10 @@ class BusQueue {
   void take(Job& job);
   /// Takes any waiting job out.
   void remove(Job& job);
-  /// The waiting job whose deadline comes first, or nothing. Stops have none.
+  /// The waiting job whose deadline comes first, or nothing.
   [[nodiscard]] Job* first_to_expire();
   [[nodiscard]] std::optional<Instant> first_deadline() const;
-  /// Stops included.
-  [[nodiscard]] std::size_t size() const { return by_deadline_.size() + stops_.size(); }
+  [[nodiscard]] std::size_t size() const { return by_deadline_.size(); }
 
  private:
   friend struct mbgate::StateReader;
@@ -124,18 +104,11 @@ class BusQueue {
   static bool visit_source(Source& source, JobClass job_class, Visit& visit);
 
   std::size_t limit_;
-  std::deque<Source> sources_;  // by FairnessKey; a deque because its elements lie still
+  std::deque<Source> sources_;  // by FairnessKey; a deque because its elements have a stable address
   Round round_;                 // sources that have jobs waiting
-  JobList stops_;
   DeadlineSet by_deadline_;
   WriteSet writes_;
 };
-
-template <typename Predicate>
-Job* BusQueue::find_stop(Predicate is_it) {
-  const auto found = std::ranges::find_if(stops_, is_it);
-  return found == stops_.end() ? nullptr : &*found;
-}
 
 template <typename Visit>
 void BusQueue::visit_candidates(JobClass job_class, Visit visit) {

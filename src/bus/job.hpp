@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A job: the ordered transactions of one client request on one bus. Nothing comes between them.
-// Jobs are owned by the gateway and lie still in memory; the bus links them into its queue. Jobs
-// that ask for the same at the same time share a transmission: one leads, the others follow.
+// Jobs are owned by the gateway and have a stable address; the bus links them into its queue.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +9,6 @@
 #include <boost/intrusive/list_hook.hpp>
 #include <boost/intrusive/set_hook.hpp>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -68,6 +66,8 @@ enum class Ending : std::uint8_t {
   cancelled     ///< taken back, evicted, or the gateway is stopping
 };
 
+struct Transmission;
+
 struct Job {
   boost::intrusive::list_member_hook<> queue_hook;
   boost::intrusive::set_member_hook<> deadline_hook;
@@ -82,29 +82,18 @@ struct Job {
   Instant deadline;                     ///< of no meaning for stops
   boost::container::small_vector<Transaction, 1> transactions;
   std::size_t current = 0;  ///< the transaction whose turn it is
-  unsigned tries = 0;       ///< transmissions of the current transaction
-  /// The transaction that is asked once more because a connection was closed before its answer.
-  std::optional<std::size_t> cut;
+  Transmission* leads =
+      nullptr;  ///< from when it is transmitted for the first time, a stop at once
+  Instant accepted_at;
   bool was_on_wire = false;    ///< something that its client asked for was transmitted
-  bool in_flight = false;      ///< its current transaction was transmitted and has not ended
   bool abandoned = false;      ///< its client is gone: no further transmission
   bool passed_over = false;    ///< another job went while this one waited for its device's gap
   bool overtaken = false;      ///< a stop of its device came: no further transmission
-  bool is_probe = false;       ///< lets the bus know whether an offline device answers again
-  bool probes_freely = false;  ///< it may only because nobody else asks
-  bool is_one_try = false;     ///< a stop that is not repeated, because its device is given up
+  bool probes_freely = false;  ///< it may probe only because nobody else asks
   bool accepted = false;       ///< the bus has it
   bool unmerged = false;       ///< it was part of a longer read that failed, and goes alone now
-  Instant waits_since;         ///< accepted then, or repeated
-  /// Of a stop: for so long the writes were held back that it let go first.
-  Duration held_by_writes{0};
-  Instant transmitted_at;           ///< its current transaction, for the first time
-  Instant last_sent;                ///< the last transmission of anything of it
-  std::uint64_t turn = 0;           ///< which transmission of its bus that was
-  std::uint64_t writes_before = 0;  ///< to its device, ended before it was transmitted
-  boost::container::small_vector<Job*, 1> followers;
-  std::unique_ptr<Transaction> merged;  ///< what is transmitted instead, for all of them
 
+  /// In the queue, where stops never are.
   [[nodiscard]] bool is_waiting() const { return queue_hook.is_linked(); }
   /// May others share its device with it? One that may change something may not, nor one that must
   /// not be interrupted.
@@ -120,8 +109,6 @@ struct Job {
   [[nodiscard]] std::uint8_t address() const { return transactions.front().address; }
   [[nodiscard]] Transaction& transaction() { return transactions[current]; }
   [[nodiscard]] const Transaction& transaction() const { return transactions[current]; }
-  /// What is transmitted for it and its followers.
-  [[nodiscard]] Transaction& on_wire() { return merged ? *merged : transaction(); }
   /// Of a job that ended as answered: the responses to what its client asked for, in order; the
   /// last one may be the exception that ended it.
   [[nodiscard]] auto responses() const {

@@ -57,13 +57,13 @@ void Probes::note_released(Job& job, Instant at) {
   }
 }
 
-void Probes::note_unanswered(const Job& job, Instant now) {
-  if (!job.is_probe) {
+void Probes::note_unanswered(const Transmission& probe, Instant now) {
+  if (!probe.is_probe) {
     return;
   }
-  DeviceEntry& entry = devices_[job.transaction().address];
-  entry.health.set_probe_at(job.last_sent + entry.timing().probe_interval);
-  next_at_ = job.last_sent + (now - job.last_sent) * kPercent / settings_.probe_share;
+  DeviceEntry& entry = devices_[probe.on_wire().address];
+  entry.health.set_probe_at(probe.last_sent + entry.timing().probe_interval);
+  next_at_ = probe.last_sent + (now - probe.last_sent) * kPercent / settings_.probe_share;
 }
 
 }  // namespace mbgate::bus

@@ -7,6 +7,7 @@
 #include "bus/device_table.hpp"
 #include "bus/settings.hpp"
 #include "bus/state_reader.hpp"
+#include "bus/transmission.hpp"
 
 namespace mbgate::bus {
 
@@ -23,8 +24,8 @@ class Probes {
   bool note_accepted(Job& job, Instant now);
   /// The bus has it no more.
   void note_released(Job& job, Instant at);
-  /// A probe was left unanswered, or its answer was damaged or cut off.
-  void note_unanswered(const Job& job, Instant now);
+  /// If it is a probe: it was left unanswered, or its answer was damaged or cut off.
+  void note_unanswered(const Transmission& probe, Instant now);
   /// Are there some that may wait only because nobody else asks?
   [[nodiscard]] bool any_free() const { return free_ > 0; }
 

@@ -25,14 +25,16 @@ bool same_request(const Transaction& a, const Transaction& b) {
 // Collects the jobs that join; they are taken out of the queue when it is not looked at any more.
 class Gathering {
  public:
-  Gathering(BusQueue& queue, Job& leader, const drive::Device& device, Sharing sharing)
+  Gathering(BusQueue& queue, Transmission& transmission, const drive::Device& device,
+            Sharing sharing)
       : queue_(queue),
-        leader_(leader),
+        transmission_(transmission),
+        leader_(*transmission.leader),
         device_(device),
         sharing_(sharing),
-        merges_(sharing.merge && can_merge(leader)) {
+        merges_(sharing.merge && can_merge(leader_)) {
     if (merges_) {
-      range_ = leader.transaction().request.reads()->range;
+      range_ = leader_.transaction().request.reads()->range;
     }
   }
 
@@ -45,12 +47,12 @@ class Gathering {
     } while (merges_ && joined_.size() > before);
     for (Job* job : joined_) {
       queue_.remove(*job);
-      leader_.followers.push_back(job);
+      transmission_.followers.push_back(job);
     }
     const bool differ =
         std::ranges::any_of(joined_, [this](const Job* job) { return !is_identical(*job); });
     if (differ) {
-      leader_.merged =
+      transmission_.merged =
           std::make_unique<Transaction>(Transaction{leader_.address(), modbus::make_read(range_)});
     }
   }
@@ -120,7 +122,8 @@ class Gathering {
   }
 
   BusQueue& queue_;
-  Job& leader_;
+  Transmission& transmission_;
+  const Job& leader_;
   const drive::Device& device_;
   Sharing sharing_;
   bool merges_;
@@ -130,9 +133,10 @@ class Gathering {
 
 }  // namespace
 
-void gather_followers(BusQueue& queue, Job& leader, const drive::Device& device, Sharing sharing) {
-  if (leader.is_single_read() && (sharing.coalesce || sharing.merge)) {
-    Gathering(queue, leader, device, sharing).run();
+void gather_followers(BusQueue& queue, Transmission& transmission, const drive::Device& device,
+                      Sharing sharing) {
+  if (transmission.leader->is_single_read() && (sharing.coalesce || sharing.merge)) {
+    Gathering(queue, transmission, device, sharing).run();
   }
 }
 

@@ -6,8 +6,8 @@
 #pragma once
 
 #include "bus/bus_queue.hpp"
-#include "bus/job.hpp"
 #include "bus/settings.hpp"
+#include "bus/transmission.hpp"
 #include "drive/device.hpp"
 
 namespace mbgate::bus {
@@ -18,9 +18,10 @@ struct Sharing {
   bool merge;
 };
 
-/// Takes out of the queue what can be answered by the transmission of `leader`, whose turn it is,
-/// and makes them its followers. `leader.merged` is then the longer read, if there is one.
-void gather_followers(BusQueue& queue, Job& leader, const drive::Device& device, Sharing sharing);
+/// Takes out of the queue what can be answered by the transmission, whose turn it is, and makes
+/// them its followers. `merged` is then the longer read, if there is one.
+void gather_followers(BusQueue& queue, Transmission& transmission, const drive::Device& device,
+                      Sharing sharing);
 
 /// The part of a read's normal response (01 to 04) that answers a shorter read within it.
 modbus::Pdu part_of(const modbus::Pdu& response, const modbus::TableRange& whole,

@@ -47,7 +47,7 @@ std::optional<bus::BusAction> BusSet::poll(BusId id) {
 
 std::size_t BusSet::open_count() const {
   return static_cast<std::size_t>(
-      std::ranges::count_if(buses_, [](const Slot& slot) { return slot.bus->is_open(); }));
+      std::ranges::count_if(buses_, [](const Slot& slot) { return slot.bus->link().serves(); }));
 }
 
 Duration BusSet::longest_response_timeout(std::span<const BusId> buses) const {

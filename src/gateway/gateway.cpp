@@ -41,7 +41,7 @@ void Gateway::on(const ClientDisconnected& input, Instant now) {
 
 void Gateway::on(const LineOpened& input, Instant now) {
   bus::Bus& opened = buses_.touch(input.bus);
-  if (!opened.is_open() && !opened.is_reopening()) {
+  if (!opened.link().serves() && !opened.link().is_reopening()) {
     report(BusOpened{input.bus});
   }
   opened.handle_opened(now, input.kind);
@@ -58,9 +58,9 @@ void Gateway::on(const LineLooked& input, Instant now) {
 
 void Gateway::on(const LineLost& input, Instant now) {
   bus::Bus& lost = buses_.touch(input.bus);
-  const bool was_open = lost.is_open() || lost.is_reopening();
+  const bool was_open = lost.link().serves() || lost.link().is_reopening();
   lost.handle_lost(now, input.loss);
-  if (was_open && !lost.is_open()) {
+  if (was_open && !lost.link().serves()) {
     report(BusLost{input.bus});
   }
 }

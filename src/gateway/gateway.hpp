@@ -33,7 +33,7 @@ class Gateway {
   [[nodiscard]] const Settings& settings() const { return settings_.settings(); }
   [[nodiscard]] Status status() const;
   /// There is a line, or a connection that is opened as soon as somebody asks.
-  [[nodiscard]] bool is_open(BusId bus) const { return buses_[bus].is_open(); }
+  [[nodiscard]] bool is_open(BusId bus) const { return buses_[bus].link().serves(); }
 
  private:
   friend struct mbgate::StateReader;

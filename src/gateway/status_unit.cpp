@@ -51,7 +51,7 @@ void put_quality(Block& block, const bus::QualityVerdict& verdict) {
 
 Block bus_block(const bus::Bus& bus) {
   const bus::BusCounters& counters = bus.counters();
-  Block block{static_cast<std::uint16_t>(bus.is_open() ? 1 : 0), saturated(bus.waiting())};
+  Block block{static_cast<std::uint16_t>(bus.link().serves() ? 1 : 0), saturated(bus.waiting())};
   for (const std::uint64_t count :
        {counters.transmissions,    counters.responses,        counters.exceptions,
         counters.timeouts,         counters.bad_crcs,         counters.unsolicited_frames,
@@ -64,7 +64,7 @@ Block bus_block(const bus::Bus& bus) {
         counters.refused_offline,  counters.evicted}) {
     put32(block, count);
   }
-  put_quality(block, bus.quality());
+  put_quality(block, bus.quality().verdict());
   block.resize(kBusSize);
   return block;
 }
@@ -76,11 +76,13 @@ std::uint16_t milliseconds(bus::Duration duration) {
 }
 
 Block device_block(const drive::Device& device, const bus::Bus& bus, bus::Instant now) {
-  const bus::DeviceCounters& counters = bus.device_counters(device.address);
+  const bus::DeviceEntry& entry = bus.device(device.address);
+  const bus::DeviceCounters& counters = entry.counters;
+  const bus::QualityVerdict& quality = bus.quality()[device.address].verdict();
   std::uint16_t state = 0;
-  if (bus.is_offline(device.address)) {
+  if (entry.health.is_offline()) {
     state = 3;
-  } else if (bus.unanswered_in_row(device.address) > 0) {
+  } else if (entry.health.unanswered_in_row() > 0) {
     state = 2;
   } else if (counters.responses > 0) {
     state = 1;
@@ -88,17 +90,17 @@ Block device_block(const drive::Device& device, const bus::Bus& bus, bus::Instan
     state = 4;
   }
   Block block{static_cast<std::uint16_t>(static_cast<std::uint32_t>(device.bus) + 1),
-              device.address, state, saturated(bus.unanswered_in_row(device.address))};
+              device.address, state, saturated(entry.health.unanswered_in_row())};
   for (const std::uint64_t count :
        {counters.transmissions, counters.responses, counters.exceptions, counters.timeouts,
         counters.bad_crcs, counters.late_responses, counters.early_responses}) {
     put32(block, count);
   }
-  block.push_back(bus.is_offline(device.address) ? 1 : 0);
+  block.push_back(entry.health.is_offline() ? 1 : 0);
   block.push_back(milliseconds(bus.held_back(device.address, now)));
   put32(block, counters.noise_bytes);
-  put_quality(block, bus.quality(device.address));
-  block.push_back(milliseconds(bus.quality(device.address).needed));
+  put_quality(block, quality);
+  block.push_back(milliseconds(quality.needed));
   block.resize(kDeviceSize);
   return block;
 }

@@ -47,7 +47,7 @@ class RouteTable {
   [[nodiscard]] Index way_of_autonics(const ResolvedRoute& resolved, Index broadcast);
 
   std::span<const drive::Device> devices_;
-  std::deque<ResolvedRoute> ways_;  // they lie still while the table is built
+  std::deque<ResolvedRoute> ways_;  // their addresses are stable while the table is built
   std::vector<Units> listeners_;
 };
 

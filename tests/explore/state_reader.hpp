@@ -36,15 +36,15 @@ struct StateReader {
 
   // state_reader_bus.cpp
   static void read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash);
-  static void read(const bus::BusQueue& queue, const bus::DeviceTable& devices,
-                   gateway::Gateway& gateway, Hash& hash);
+  static void read(const bus::BusQueue& queue, gateway::Gateway& gateway, Hash& hash);
   static void read(const bus::DeviceTable& devices, const Sight& sight, Hash& hash);
   static void read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash);
   static void read(const bus::DeviceHealth& health, const drive::DeviceTiming& timing, Hash& hash);
   static void read(const bus::ReadCache& cache, Duration age, Hash& hash);
   static void read(const bus::LinkState& link, Hash& hash);
-  static void read(const bus::Job* job, const bus::DeviceTable& devices, gateway::Gateway& gateway,
-                   Hash& hash);
+  static void read(const bus::Transmission& transmission, const bus::DeviceTable& devices,
+                   gateway::Gateway& gateway, Hash& hash);
+  static void read(const bus::Job* job, gateway::Gateway& gateway, Hash& hash);
   static void read(const bus::Transaction& transaction, Hash& hash);
 
   // state_reader_line.cpp

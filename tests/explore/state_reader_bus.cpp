@@ -9,23 +9,23 @@ using explore::kFarPast;
 using explore::Order;
 
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
-  // Settings: settings, longest, most_running, quarantines. Counted or told only: counters,
-  // never_silent, foreign, replacement, quality, frame_heard, own_heard, denied_echoes. Watches
-  // real adapters only: adapter. Empty when the machine was asked for its actions: actions. What
-  // waits behind a job that is taken back may go since `pumped_at`: at once.
-  auto& [settings, devices, longest, counters, line, queue, probes, stopping, running, most_running,
-         quarantines, sequence, writes_in_row, turn, other_turn, last_address, turn_of_others,
-         let_by, never_silent, foreign, replacement, quality, frame_heard, own_heard, denied_echoes,
-         pumped_at, next_start, looking, adapter, link, actions] = bus;
+  auto& [parts, ends, diagnosis, outcomes, dispatch, admission] = bus;
+  // Settings: settings, longest. Counted only: counters. Watches real adapters only: adapter. Empty
+  // when the machine was asked for its actions: actions.
+  auto& [settings, devices, longest, counters, line, queue, transmissions, stops, turns, probes,
+         adapter, link, stopping, pumped_at, actions] = parts;
+  // Told only: diagnosis. They know nothing of their own: ends, outcomes.
+  const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, next_start, looking] = dispatch;
+  const auto& [of_admission, ends_too, sequence] = admission;
   bool may_be_offline = false;
   for (const drive::Device& device : devices.devices()) {
     may_be_offline = may_be_offline || device.timing.offline_after != 0;
   }
-  const Sight sight{queue.first_stop() != nullptr, may_be_offline,
-                    settings.frame_slack_or_default()};
+  const Sight sight{!stops.empty(), may_be_offline, settings.frame_slack_or_default()};
   hash.add(stopping);
   hash.add(looking);
   hash.ordered(Order::acceptance, sequence);
+  const auto& [writes_in_row, turn, other_turn, last_address, turn_of_others] = turns;
   hash.add(std::min(writes_in_row, settings.burst));
   hash.ordered(Order::turn, turn);
   hash.ordered(Order::turn, other_turn);
@@ -44,12 +44,18 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
     hash.since(pumped_at, settings.timing.probe_interval);  // the others may be gone since then
   }
   read(link, hash);
+  // A setting: room. Those that are in use are shown: all, free.
+  const auto& [room, running, all, free] = transmissions;
   hash.add(running.size());
-  for (const bus::Job* job : running) {
-    read(job, devices, gateway, hash);
+  for (const bus::Transmission* transmission : running) {
+    read(*transmission, devices, gateway, hash);
   }
-  read(queue, devices, gateway, hash);
-  read(let_by, devices, gateway, hash);
+  read(queue, gateway, hash);
+  const auto& [waiting_stops] = stops;
+  hash.add(waiting_stops.size());
+  for (const bus::Transmission& stop : waiting_stops) {
+    read(stop, devices, gateway, hash);
+  }
   read(devices, sight, hash);
   read(line, sight, hash);
 }
@@ -63,9 +69,8 @@ void StateReader::read(const bus::LinkState& link, Hash& hash) {
 
 // Sources that nobody waits for begin anew; `by_deadline` and `writes` say of the same jobs in
 // which order they are looked at.
-void StateReader::read(const bus::BusQueue& queue, const bus::DeviceTable& devices,
-                       gateway::Gateway& gateway, Hash& hash) {
-  const auto& [limit, sources, round, stops, by_deadline, writes] = queue;
+void StateReader::read(const bus::BusQueue& queue, gateway::Gateway& gateway, Hash& hash) {
+  const auto& [limit, sources, round, by_deadline, writes] = queue;
   hash.add(round.size());
   for (const bus::BusQueue::Source& source : round) {
     const auto& [round_hook, waiting, weight, turns] = source;
@@ -73,12 +78,8 @@ void StateReader::read(const bus::BusQueue& queue, const bus::DeviceTable& devic
     hash.add(turns);
     hash.add(waiting.size());
     for (const bus::Job& job : waiting) {
-      read(&job, devices, gateway, hash);
+      read(&job, gateway, hash);
     }
-  }
-  hash.add(stops.size());
-  for (const bus::Job& stop : stops) {
-    read(&stop, devices, gateway, hash);
   }
   for (const bus::Job& job : by_deadline) {
     hash.name(&job);
@@ -86,20 +87,49 @@ void StateReader::read(const bus::BusQueue& queue, const bus::DeviceTable& devic
   hash.add(writes.size());
 }
 
-void StateReader::read(const bus::Job* job, const bus::DeviceTable& devices,
+void StateReader::read(const bus::Transmission& transmission, const bus::DeviceTable& devices,
                        gateway::Gateway& gateway, Hash& hash) {
+  // Where it is linked is told by who shows it: stop_hook. No line is lost: cut.
+  const auto& [stop_hook, leader, followers, merged, tries, cut, in_flight, is_probe, is_one_try,
+               is_let_by, waits_since, held_by_writes, transmitted_at, last_sent, turn,
+               writes_before] = transmission;
+  for (const bool flag : {in_flight, is_probe, is_one_try, is_let_by}) {
+    hash.add(flag);
+  }
+  hash.add(tries);
+  hash.ordered(Order::turn, turn);
+  if (transmission.is_stop()) {  // only a stop asks how long it has waited
+    hash.since(waits_since, kFarPast);
+    hash.add(held_by_writes);
+  }
+  if (devices[leader->address()].device->cache > Duration{0}) {
+    hash.since(transmitted_at, kFarPast);
+    hash.ordered(Order::cached_writes, writes_before);
+  }
+  if (is_probe) {
+    hash.since(last_sent, kFarPast);
+  }
+  hash.add(merged != nullptr);
+  if (merged) {
+    read(*merged, hash);
+  }
+  read(leader, gateway, hash);
+  hash.add(followers.size());
+  for (const bus::Job* follower : followers) {
+    read(follower, gateway, hash);
+  }
+}
+
+void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& hash) {
   if (!hash.name(job)) {
     return;
   }
-  // Where it is linked is told by who shows it: hooks. A name only: number.
+  // Where it is linked is told by who shows it: hooks, leads. A name only: number.
   const auto& [queue_hook, deadline_hook, write_hook, number, owner, source, weight, job_class,
-               sequence, deadline, transactions, current, tries, cut, was_on_wire, in_flight,
-               abandoned, passed_over, overtaken, is_probe, probes_freely, is_one_try, accepted,
-               unmerged, waits_since, held_by_writes, transmitted_at, last_sent, turn,
-               writes_before, followers, merged] = *job;
-  const bool is_stop = job_class == bus::JobClass::stop;
-  for (const bool flag : {was_on_wire, in_flight, abandoned, passed_over, overtaken, is_probe,
-                          probes_freely, is_one_try, accepted, unmerged}) {
+               sequence, deadline, transactions, current, leads, accepted_at, was_on_wire,
+               abandoned, passed_over, overtaken, probes_freely, accepted, unmerged] = *job;
+  for (const bool flag :
+       {was_on_wire, abandoned, passed_over, overtaken, probes_freely, accepted, unmerged}) {
     hash.add(flag);
   }
   hash.add(source);
@@ -107,35 +137,16 @@ void StateReader::read(const bus::Job* job, const bus::DeviceTable& devices,
   hash.add(job_class);
   hash.ordered(Order::acceptance, sequence);
   hash.add(current);
-  hash.add(tries);
-  hash.add(cut);
-  hash.ordered(Order::turn, turn);
-  if (is_stop) {  // a stop has no deadline, and only a stop asks how long it has waited
-    hash.since(waits_since, kFarPast);
-    hash.add(held_by_writes);
+  if (job_class == bus::JobClass::stop) {  // it has no deadline, and may have to wait once more
+    hash.since(accepted_at, kFarPast);
   } else {
     hash.deadline(deadline);
-  }
-  if (devices[job->address()].device->cache > Duration{0}) {
-    hash.since(transmitted_at, kFarPast);
-    hash.ordered(Order::cached_writes, writes_before);
-  }
-  if (is_probe) {
-    hash.since(last_sent, kFarPast);
   }
   hash.add(transactions.size());
   for (const bus::Transaction& transaction : transactions) {
     read(transaction, hash);
   }
-  hash.add(merged != nullptr);
-  if (merged) {
-    read(*merged, hash);
-  }
   read(gateway.exchanges_[owner], gateway, hash);
-  hash.add(followers.size());
-  for (const bus::Job* follower : followers) {
-    read(follower, devices, gateway, hash);
-  }
 }
 
 void StateReader::read(const bus::Transaction& transaction, Hash& hash) {

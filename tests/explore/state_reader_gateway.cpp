@@ -98,10 +98,9 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
   }
   read(*plan, hash);
   hash.add(parts.size());
-  const bus::DeviceTable& devices = gateway.buses_.buses_.front().bus->devices_;
   for (const auto& [bus, job] : parts) {
     hash.add(bus);
-    read(job, devices, gateway, hash);
+    read(job, gateway, hash);
   }
 }
 

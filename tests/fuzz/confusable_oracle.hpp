@@ -92,7 +92,7 @@ class Oracle {
   [[nodiscard]] const Request& sender(const bus::FrameBytes& frame) const {
     const Request* sender = nullptr;
     for (const Request& request : requests_) {
-      if (request.job.in_flight) {
+      if (is_in_flight(request.job)) {
         require(sender == nullptr, "one transaction at a time");
         sender = &request;
       }

@@ -44,7 +44,7 @@ TEST_F(BusCache, AWriteEmptiesItWhenAcceptedAndWhenEnded) {
   advance(10ms);
   line("01 06 00 00 00 01 48 0A");
   advance(5ms);
-  EXPECT_TRUE(meanwhile.in_flight);
+  EXPECT_TRUE(is_in_flight(meanwhile));
 }
 
 TEST_F(BusCache, ABroadcastEmptiesItToo) {

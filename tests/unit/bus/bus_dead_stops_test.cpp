@@ -33,7 +33,7 @@ class BusDeadStops : public Bus {
     submit(job(kHalt));
     advance(600ms);
     EXPECT_EQ(stops_sent(), 4U);
-    EXPECT_TRUE(bus_->is_offline(1));
+    EXPECT_TRUE(bus_->device(1).health.is_offline());
     frames_.clear();
     endings_.clear();
   }
@@ -112,7 +112,7 @@ TEST_F(BusDeadStops, AndCutsNothingThatRuns) {
   open_axis(slow);
   submit(job(kHalt));
   advance(5s);
-  EXPECT_TRUE(bus_->is_offline(1));
+  EXPECT_TRUE(bus_->device(1).health.is_offline());
   endings_.clear();
   submit(job_of(1, kRead, 2));
   submit(job(kHalt));
@@ -150,7 +150,7 @@ TEST_F(BusDeadStops, AStopInEveryScanToADeadDriveLeavesTheOthersTheBus) {
       submit(*read);
     }
     advance(10ms);
-    if (read->in_flight) {
+    if (is_in_flight(*read)) {
       line("02 03 02 12 34 F1 33");
       answered += read->accepted ? 0U : 1U;
     }

@@ -40,15 +40,15 @@ TEST_F(BusHung, IsReopenedAndWhatWaitsGoesAfterwards) {
   open_adapter(bus::LineKind::uart);
   ask_in_vain(10);
   advance(30s);
-  EXPECT_FALSE(bus_->is_reopening()) << "nobody wants anything";
+  EXPECT_FALSE(bus_->link().is_reopening()) << "nobody wants anything";
   submit(job(kRead));
-  EXPECT_TRUE(bus_->is_reopening());
+  EXPECT_TRUE(bus_->link().is_reopening());
   EXPECT_THAT(frames_, IsEmpty());
   submit(job(kRead, 2));
   advance(3s);
   EXPECT_THAT(endings_, IsEmpty());
   opened_again();
-  EXPECT_FALSE(bus_->is_reopening());
+  EXPECT_FALSE(bus_->link().is_reopening());
   EXPECT_THAT(frames_, SizeIs(1));
   line(kAnswer);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
@@ -65,7 +65,7 @@ TEST_F(BusHung, IsReopenedBetweenTheTriesOfARead) {
   submit(job(kRead));
   EXPECT_THAT(frames_, SizeIs(1)) << "the tenth request";
   advance(150ms);
-  EXPECT_TRUE(bus_->is_reopening());
+  EXPECT_TRUE(bus_->link().is_reopening());
   opened_again();
   EXPECT_THAT(frames_, SizeIs(2));
   line(kAnswer);
@@ -78,13 +78,13 @@ TEST_F(BusHung, IsNotReopenedAfterAByteOrOnAVirtualLine) {
   line("00");
   advance(31s);
   submit(job(kRead));
-  EXPECT_FALSE(bus_->is_reopening());
+  EXPECT_FALSE(bus_->link().is_reopening());
   open_adapter(bus::LineKind::virtual_line);
   endings_.clear();
   ask_in_vain(10);
   advance(31s);
   submit(job(kRead));
-  EXPECT_FALSE(bus_->is_reopening());
+  EXPECT_FALSE(bus_->link().is_reopening());
 }
 
 TEST_F(BusHung, LetsAStopGoFirst) {
@@ -92,11 +92,11 @@ TEST_F(BusHung, LetsAStopGoFirst) {
   ask_in_vain(10);
   advance(30s);
   submit_stop();
-  EXPECT_FALSE(bus_->is_reopening());
+  EXPECT_FALSE(bus_->link().is_reopening());
   EXPECT_THAT(frames_, SizeIs(1));
   advance(2s);
   EXPECT_THAT(endings_, SizeIs(1)) << "its repetitions are over";
-  EXPECT_TRUE(bus_->is_reopening());
+  EXPECT_TRUE(bus_->link().is_reopening());
 }
 
 TEST_F(BusHung, StopsThatComeWhileItIsReopenedAndTheGatewayStopsGoAfterwards) {
@@ -104,7 +104,7 @@ TEST_F(BusHung, StopsThatComeWhileItIsReopenedAndTheGatewayStopsGoAfterwards) {
   ask_in_vain(10);
   advance(30s);
   submit(job(kRead));
-  ASSERT_TRUE(bus_->is_reopening());
+  ASSERT_TRUE(bus_->link().is_reopening());
   bus_->stop(now_);
   submit_stop();
   opened_again();
@@ -119,7 +119,7 @@ TEST_F(BusHung, EndsWhatWaitsInTimeWhileItIsReopened) {
   bus::Job& read = job(kRead);
   read.deadline = now_ + 1s;
   submit(read);
-  ASSERT_TRUE(bus_->is_reopening());
+  ASSERT_TRUE(bus_->link().is_reopening());
   advance(1s);
   EXPECT_THAT(endings_, ElementsAre(Ending::expired));
 }
@@ -134,7 +134,7 @@ TEST_F(BusHung, EndsWhatIsRepeatedInTimeWhileItIsReopened) {
   read.deadline = now_ + 1s;
   submit(read);
   advance(150ms);
-  ASSERT_TRUE(bus_->is_reopening());
+  ASSERT_TRUE(bus_->link().is_reopening());
   EXPECT_THAT(endings_, IsEmpty());
   advance(1s);
   EXPECT_THAT(endings_, SizeIs(1));
@@ -145,10 +145,10 @@ TEST_F(BusHung, IsLostIfItCannotBeOpenedAgain) {
   ask_in_vain(10);
   advance(30s);
   submit(job(kRead));
-  ASSERT_TRUE(bus_->is_reopening());
+  ASSERT_TRUE(bus_->link().is_reopening());
   bus_->handle_lost(now_);
   drain();
-  EXPECT_FALSE(bus_->is_reopening());
+  EXPECT_FALSE(bus_->link().is_reopening());
   EXPECT_THAT(endings_, ElementsAre(Ending::closed));
 }
 
@@ -159,7 +159,7 @@ TEST_F(BusHung, IsReopenedAtDoublingIntervals) {
   while (intervals.size() < 4) {
     submit(job(kRead));
     advance(1s);
-    if (bus_->is_reopening()) {
+    if (bus_->link().is_reopening()) {
       intervals.push_back(std::chrono::duration_cast<std::chrono::seconds>(now_ - opened));
       opened_again();
       opened = now_;

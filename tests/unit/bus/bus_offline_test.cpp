@@ -24,7 +24,7 @@ class BusOffline : public Bus {
       submit(job(kRead));
       advance(300ms);
     }
-    EXPECT_TRUE(bus_->is_offline(1));
+    EXPECT_TRUE(bus_->device(1).health.is_offline());
     frames_.clear();
     frame_times_.clear();
     endings_.clear();
@@ -74,7 +74,7 @@ TEST_F(BusOffline, OneResponseBringsItBack) {
   advance(20ms);
   line(kAnswer);
   EXPECT_THAT(notices_, ElementsAre(Kind::lost, Kind::back));
-  EXPECT_FALSE(bus_->is_offline(1));
+  EXPECT_FALSE(bus_->device(1).health.is_offline());
   advance(200ms);
   submit(job(kRead));
   submit(job_of(1, kRead));
@@ -89,7 +89,7 @@ TEST_F(BusOffline, AnAnswerThatComesAfterTheProbesTimeBringsItBackToo) {
   advance(70ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   line(kAnswer);
-  EXPECT_FALSE(bus_->is_offline(1));
+  EXPECT_FALSE(bus_->device(1).health.is_offline());
 }
 
 TEST_F(BusOffline, ProbesTakeTheirShareOfTheTimeAndNoMore) {
@@ -141,7 +141,7 @@ class BusOfThirty : public BusOffline {
     open(slow);
     poll(200s);
     for (std::uint8_t address = 1; address <= 30; ++address) {
-      EXPECT_TRUE(bus_->is_offline(address)) << int{address};
+      EXPECT_TRUE(bus_->device(address).health.is_offline()) << int{address};
     }
   }
   /// Each is asked every `every_`, by a client that waits for the answer; `alive` answers.
@@ -156,7 +156,7 @@ class BusOfThirty : public BusOffline {
         }
       }
       advance(10ms);
-      if (alive && polls_.at(*alive).job->in_flight) {
+      if (alive && is_in_flight(*polls_.at(*alive).job)) {
         const auto answer = modbus::encode_rtu(*alive, *modbus::Pdu::from(unhex("83 02")));
         bus_->handle_bytes({answer.data(), answer.size()}, now_);
         drain();
@@ -177,7 +177,7 @@ TEST_F(BusOfThirty, OnAnIdleBusADriveThatIsSwitchedOnIsBackWithinFiveSeconds) {
   for (const std::uint8_t address : std::initializer_list<std::uint8_t>{1, 17, 30}) {
     const Instant since = now_;
     poll(60s, address);
-    EXPECT_FALSE(bus_->is_offline(address)) << int{address};
+    EXPECT_FALSE(bus_->device(address).health.is_offline()) << int{address};
     EXPECT_LT(now_ - since, 5s) << int{address};
     poll(30s);  // it is switched off again
   }
@@ -189,7 +189,7 @@ TEST_F(BusOfThirty, NobodyWaitsMuchLongerThanForASilentDevice) {
   poll(20s);
   EXPECT_GT(ended_at_.size(), before);
   for (const bus::Job& job : jobs_) {
-    EXPECT_TRUE(!job.accepted || now_ - job.waits_since < 1200ms);
+    EXPECT_TRUE(!job.accepted || now_ - job.accepted_at < 1200ms);
   }
 }
 
@@ -229,7 +229,7 @@ TEST_F(BusOffline, AProbeThatFoundNoRoomIsNone) {
   EXPECT_FALSE(bus_->submit(job(kRead), now_));
   advance(3s);
   submit(job(kRead));
-  EXPECT_TRUE(jobs_.back().in_flight);
+  EXPECT_TRUE(is_in_flight(jobs_.back()));
 }
 
 TEST_F(BusOffline, BadCrcsSayNothingAboutIt) {
@@ -241,7 +241,7 @@ TEST_F(BusOffline, BadCrcsSayNothingAboutIt) {
     advance(220ms);
   }
   EXPECT_EQ(bus_->counters().bad_crcs, 5U);
-  EXPECT_FALSE(bus_->is_offline(1));
+  EXPECT_FALSE(bus_->device(1).health.is_offline());
 }
 
 }  // namespace

@@ -196,7 +196,9 @@ TEST_F(BusSharing, MergingKeepsToLimitsGroupsWindowsValuesAndWhatMayBeRead) {
     add(follower, other);
     follower.transactions[0].window_begin = window;
     EXPECT_TRUE(queue.push(follower));
-    bus::gather_followers(queue, leader, device, {false, true});
+    bus::Transmission transmission;
+    transmission.leader = &leader;
+    bus::gather_followers(queue, transmission, device, {false, true});
     const bool merged = !follower.is_waiting();
     if (!merged) {
       queue.remove(follower);
@@ -264,7 +266,7 @@ TEST_F(BusSharing, AMergedReadThatWasRefusedIsNotMergedAgainUntilItsDeviceWasOff
   refuse(3);  // the merged one, and its parts
   submit(job(kRead));
   advance(3s);
-  EXPECT_TRUE(bus_->is_offline(1));
+  EXPECT_TRUE(bus_->device(1).health.is_offline());
   submit(job(kRead));
   advance(10ms);
   line(kAnswer);

@@ -187,7 +187,7 @@ TEST_F(BusStops, NeitherQuarantineNorBreakerNorDeadlineHoldsAStop) {
   open_with(dying);
   submit(job(kRead));
   time_out();
-  EXPECT_TRUE(bus_->is_offline(1));
+  EXPECT_TRUE(bus_->device(1).health.is_offline());
   EXPECT_GT(bus_->held_back(1, now_), 0ms);
   bus::Job& stop = job(kStop);
   stop.deadline = now_ - 1s;
@@ -195,7 +195,7 @@ TEST_F(BusStops, NeitherQuarantineNorBreakerNorDeadlineHoldsAStop) {
   EXPECT_EQ(stops_sent(), 1U);
   advance(20ms);
   line(kStopFrame);
-  EXPECT_FALSE(bus_->is_offline(1));
+  EXPECT_FALSE(bus_->device(1).health.is_offline());
 }
 
 TEST_F(BusStops, ListeningSettlingAndGapDoNotHoldAStopButSilenceDoes) {
@@ -270,7 +270,7 @@ TEST_F(BusStops, ThereIsRoomForStopsInAFullQueue) {
   submit(job_of(1, kRead, 2));
   submit(job_of(1, "06 0000 0001", 3));
   submit(job(kStop));
-  EXPECT_TRUE(jobs_.back().is_waiting());
+  EXPECT_TRUE(jobs_.back().accepted);
 }
 
 TEST_F(BusStops, TwoDeadDevicesDoNotKeepEachOthersStopsWaiting) {

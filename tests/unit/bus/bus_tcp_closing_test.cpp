@@ -24,7 +24,7 @@ TEST_F(BusTcpClosing, AConnectionThatHasAnsweredIsOpenedAgainWhenSomebodyAsks) {
   advance(60s);
   close();
   EXPECT_EQ(next_deadline(), std::nullopt);
-  EXPECT_TRUE(bus_->is_open());
+  EXPECT_TRUE(bus_->link().serves());
   EXPECT_EQ(opens_, 1U);
   submit(job(kRead));
   EXPECT_EQ(opens_, 2U);
@@ -42,7 +42,7 @@ TEST_F(BusTcpClosing, SoIsOneOnWhichNothingWasAsked) {
   advance(60s);
   close();
   EXPECT_EQ(next_deadline(), std::nullopt);
-  EXPECT_TRUE(bus_->is_open());
+  EXPECT_TRUE(bus_->link().serves());
   submit(job(kRead));
   reopen();
   answer_last();
@@ -161,7 +161,7 @@ TEST_F(BusTcpClosing, WhatWaitsIsRefusedIfTheServerHasGone) {
   bus_->handle_lost(now_);
   drain();
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::closed));
-  EXPECT_FALSE(bus_->is_open());
+  EXPECT_FALSE(bus_->link().serves());
   EXPECT_EQ(*next_deadline() - now_, 100ms);
   EXPECT_EQ(bus_->counters().losses, 1U);
 }
@@ -171,7 +171,7 @@ TEST_F(BusTcpClosing, AConnectionThatDiesIsOpenedAgainAfterADelay) {
   ask_and_answer();
   bus_->handle_lost(now_);
   drain();
-  EXPECT_FALSE(bus_->is_open());
+  EXPECT_FALSE(bus_->link().serves());
   EXPECT_EQ(*next_deadline() - now_, 100ms);
 }
 

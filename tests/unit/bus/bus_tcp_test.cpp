@@ -79,7 +79,7 @@ TEST_F(BusTcp, TheTimeoutRunsFromTheTransmission) {
   EXPECT_EQ(ended_at_[0] - start, 100ms);
   EXPECT_EQ(ended_at_[1] - start, 130ms);
   EXPECT_EQ(bus_->counters().timeouts, 2U);
-  EXPECT_EQ(bus_->unanswered_in_row(1), 1U);
+  EXPECT_EQ(bus_->device(1).health.unanswered_in_row(), 1U);
 }
 
 TEST_F(BusTcp, ALateAnswerIsNobodys) {
@@ -152,7 +152,7 @@ TEST_F(BusTcp, ALengthThatCannotBeEndsTheConnection) {
       "00 01 00 00 00 05 01 03 02 12 34"  // what came before is good
       "00 02 00 00 00 01 02 03");
   EXPECT_EQ(closes_, 1U);
-  EXPECT_FALSE(bus_->is_open());
+  EXPECT_FALSE(bus_->link().serves());
   EXPECT_THAT(endings_, UnorderedElementsAre(Ending::answered, Ending::closed, Ending::closed));
   EXPECT_EQ(bus_->counters().losses, 1U);
   EXPECT_EQ(*next_deadline() - now_, 100ms);

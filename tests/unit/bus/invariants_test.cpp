@@ -12,7 +12,7 @@ TEST_F(Invariants, AJobThatIsSubmittedTwiceEndsTheProcess) {
   bus::Job& waiting = job("03 0000 0001");
   submit(job("03 0000 0002"));
   submit(waiting);
-  EXPECT_DEATH(submit(waiting), "broken invariant: a job is submitted once \\(.*bus_accept\\.cpp:");
+  EXPECT_DEATH(submit(waiting), "broken invariant: a job is submitted once \\(.*admission\\.cpp:");
 }
 
 }  // namespace

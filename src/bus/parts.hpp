@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bus consists of: each part owns what it knows, and none knows the others. Who decides
+// (turns, stop_order) looks at them; who acts (Admission, Dispatch, Outcomes, JobEnds) changes
+// them.
+#pragma once
+
+#include <algorithm>
+#include <span>
+
+#include "bus/action_queue.hpp"
+#include "bus/adapter_watch.hpp"
+#include "bus/bus_action.hpp"
+#include "bus/bus_queue.hpp"
+#include "bus/device_table.hpp"
+#include "bus/line_discipline.hpp"
+#include "bus/link_state.hpp"
+#include "bus/probes.hpp"
+#include "bus/stop_lane.hpp"
+#include "bus/transmission.hpp"
+#include "bus/turn_book.hpp"
+
+namespace mbgate::bus {
+
+struct Parts {
+  Parts(const BusSettings& in_force, std::span<const drive::Device> known)
+      : settings(in_force),
+        devices(in_force, known),
+        longest_response_timeout(bus::longest_response_timeout(in_force, known)),
+        line(in_force, listening_time(), counters),
+        queue(in_force.queue),
+        transmissions(most_in_flight()),
+        probes(settings, devices),
+        link(in_force.reopen_min) {}
+  Parts(const Parts&) = delete;  // some refer to others
+  Parts& operator=(const Parts&) = delete;
+
+  /// The same line with other rules, or other devices.
+  void update(const BusSettings& in_force, std::span<const drive::Device> known) {
+    settings = in_force;
+    devices.update(settings, known);
+    longest_response_timeout = bus::longest_response_timeout(settings, known);
+    line.update(settings, listening_time());
+    queue.set_limit(settings.queue);
+    transmissions.set_room(most_in_flight());
+  }
+
+  /// Late answers cannot be told apart from others.
+  [[nodiscard]] bool quarantines() const { return settings.line.framing != Framing::tcp; }
+
+  BusSettings settings;
+  DeviceTable devices;
+  Duration longest_response_timeout;
+  BusCounters counters;
+  LineDiscipline line;
+  BusQueue queue;
+  Transmissions transmissions;
+  StopLane stops;  // links them: goes first
+  TurnBook turns;
+  Probes probes;
+  AdapterWatch adapter;
+  LinkState link;
+  bool stopping = false;
+  Instant pumped_at;  ///< when it was decided last what goes next
+  ActionQueue<BusAction> actions;
+
+ private:
+  friend struct mbgate::StateReader;
+  [[nodiscard]] Duration listening_time() const {
+    constexpr Duration kLongestListening = std::chrono::seconds(1);
+    return settings.listen_first.value_or(std::min(longest_response_timeout, kLongestListening));
+  }
+  [[nodiscard]] std::size_t most_in_flight() const {
+    return settings.line.framing == Framing::tcp ? settings.outstanding : 1;
+  }
+};
+
+}  // namespace mbgate::bus

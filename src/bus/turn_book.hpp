@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which transmissions of a bus went when: so that no class, and no device, has it for itself. Each
+// transmission has a number, its turn.
+#pragma once
+
+#include <cstdint>
+
+#include "bus/job.hpp"
+#include "bus/state_reader.hpp"
+
+namespace mbgate::bus {
+
+class TurnBook {
+ public:
+  /// A transmission goes to the address. Returns its turn.
+  std::uint64_t note(JobClass job_class, std::uint8_t address) {
+    turn_of_others_ = last_address_ == address ? turn_of_others_ : turn_;
+    last_address_ = address;
+    ++turn_;
+    other_turn_ = job_class == JobClass::stop ? other_turn_ : turn_;
+    writes_in_row_ = job_class == JobClass::read ? 0 : writes_in_row_ + 1;
+    return turn_;
+  }
+  /// The last one that was no stop.
+  [[nodiscard]] std::uint64_t last_but_stops() const { return other_turn_; }
+  /// The last one before those that went to this address without another between them.
+  [[nodiscard]] std::uint64_t last_but_to(std::uint8_t address) const {
+    return last_address_ == address ? turn_of_others_ : turn_;
+  }
+  /// Transmitted since the last read, stops included.
+  [[nodiscard]] unsigned writes_in_row() const { return writes_in_row_; }
+
+ private:
+  friend struct mbgate::StateReader;
+  unsigned writes_in_row_ = 0;
+  std::uint64_t turn_ = 0;
+  std::uint64_t other_turn_ = 0;
+  std::uint8_t last_address_ = 0;
+  std::uint64_t turn_of_others_ = 0;
+};
+
+}  // namespace mbgate::bus
