@@ -104,8 +104,9 @@ class BusQueue {
   static bool visit_source(Source& source, JobClass job_class, Visit& visit);
 
   std::size_t limit_;
-  std::deque<Source> sources_;  // by FairnessKey; a deque because its elements have a stable address
-  Round round_;                 // sources that have jobs waiting
+  std::deque<Source>
+      sources_;  // by FairnessKey; a deque because its elements have a stable address
+  Round round_;  // sources that have jobs waiting
   DeadlineSet by_deadline_;
   WriteSet writes_;
 };
