@@ -13,7 +13,7 @@
 
 #include "moment.hpp"
 #include "plant.hpp"
-#include "sim/pty.hpp"
+#include "sim/program/pty.hpp"
 
 namespace mbgate::bench {
 

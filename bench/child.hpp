@@ -10,7 +10,7 @@
 #include <string>
 
 #include "samples.hpp"
-#include "sim/file_descriptor.hpp"
+#include "sim/program/file_descriptor.hpp"
 
 namespace mbgate::bench {
 

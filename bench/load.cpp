@@ -16,7 +16,7 @@
 #include <system_error>
 
 #include "moment.hpp"
-#include "sim/file_descriptor.hpp"
+#include "sim/program/file_descriptor.hpp"
 
 namespace mbgate::bench {
 namespace {

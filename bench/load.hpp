@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "plant.hpp"
-#include "sim/file_descriptor.hpp"
+#include "sim/program/file_descriptor.hpp"
 
 namespace mbgate::bench {
 

@@ -4,15 +4,14 @@
 // for on the way.
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "counted_new.hpp"
-#include "gateway/gateway.hpp"
 #include "modbus/crc16.hpp"
 #include "plant.hpp"
+#include "support/gateway_harness.hpp"
 
 namespace mbgate::bench {
 namespace {
@@ -38,21 +37,18 @@ gateway::Settings settings() {
 class Machine {
  public:
   Machine(unsigned clients, unsigned registers)
-      : gateway_(settings(), now_), registers_(registers) {
+      : harness_(settings(), Instant(1s)), registers_(registers) {
     drain();
-    gateway_.handle(gateway::LineOpened{gateway::BusId{0}}, now_);
-    drain();
+    feed(gateway::LineOpened{gateway::BusId{0}});
     for (unsigned client = 0; client < clients; ++client) {
       const auto rtu = make_request(1 + client % 4, client * registers, registers);
       Frame adu{0, 0, 0, 0, 0, 6};
       adu.insert(adu.end(), rtu.begin(), rtu.end() - 2);
       requests_.push_back(std::move(adu));
       responses_.push_back(answer(0, rtu));
-      gateway_.handle(gateway::ClientConnected{gateway::ClientId{client},
-                                               {gateway::ListenerId{0},
-                                                *routing::ClientAddress::parse("192.0.2.1"), 0}},
-                      now_);
-      drain();
+      feed(gateway::ClientConnected{
+          gateway::ClientId{client},
+          {gateway::ListenerId{0}, *routing::ClientAddress::parse("192.0.2.1"), 0}});
       ask(client);
     }
   }
@@ -61,16 +57,12 @@ class Machine {
   void transact() {
     const std::uint64_t before = answers_;
     while (answers_ == before) {
-      if (const auto wake = gateway_.next_wake()) {
-        now_ = std::max(now_, wake->at);
-      }
-      gateway_.handle(gateway::DeadlineReached{}, now_);
+      harness_.wake();
       drain();
       if (transmitted_) {
         transmitted_ = false;
-        now_ += 10ms;
-        gateway_.handle(gateway::LineBytes{gateway::BusId{0}, responses_.at(asked_)}, now_);
-        drain();
+        harness_.go_on(harness_.now() + 10ms);
+        feed(gateway::LineBytes{gateway::BusId{0}, responses_.at(asked_)});
       }
     }
     ask(answered_);
@@ -78,32 +70,35 @@ class Machine {
 
  private:
   void ask(std::size_t client) {
-    gateway_.handle(gateway::ClientBytes{gateway::ClientId{client}, requests_[client]}, now_);
+    feed(gateway::ClientBytes{gateway::ClientId{client}, requests_[client]});
+  }
+
+  void feed(const gateway::Input& input) {
+    harness_.handle(input);
     drain();
   }
 
   void drain() {
-    while (const auto action = gateway_.poll_action()) {
-      if (const auto* look = std::get_if<gateway::Look>(&*action)) {
-        gateway_.handle(gateway::LineLooked{look->bus}, now_);
-      } else if (const auto* frame = std::get_if<gateway::Transmit>(&*action)) {
-        transmitted_ = true;
-        asked_ = modbus::load_be16(modbus::Bytes(frame->frame), 2) / registers_;
-      } else if (const auto* answer = std::get_if<gateway::Send>(&*action)) {
-        ++answers_;
-        answered_ = static_cast<std::size_t>(answer->client);
-        sent_ = answer->client;
-      }
-    }
+    harness_.drain([this](const gateway::Action& action) { take(action); });
     if (sent_) {
-      const auto client = *std::exchange(sent_, std::nullopt);
-      gateway_.handle(gateway::ClientSent{client}, now_);
-      drain();
+      feed(gateway::ClientSent{*std::exchange(sent_, std::nullopt)});
     }
   }
 
-  Instant now_ = Instant(1s);
-  gateway::Gateway gateway_;
+  void take(const gateway::Action& action) {
+    if (const auto* look = std::get_if<gateway::Look>(&action)) {
+      harness_.handle(gateway::LineLooked{look->bus});
+    } else if (const auto* frame = std::get_if<gateway::Transmit>(&action)) {
+      transmitted_ = true;
+      asked_ = modbus::load_be16(modbus::Bytes(frame->frame), 2) / registers_;
+    } else if (const auto* answer = std::get_if<gateway::Send>(&action)) {
+      ++answers_;
+      answered_ = static_cast<std::size_t>(answer->client);
+      sent_ = answer->client;
+    }
+  }
+
+  test::GatewayHarness harness_;
   unsigned registers_;  ///< of each client, one client's behind the other's
   std::vector<Frame> requests_;
   std::vector<Frame> responses_;

@@ -5,6 +5,9 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
+#include <iostream>
+
+#include "config/keys/keys.hpp"
 
 namespace mbgate::app {
 
@@ -27,11 +30,19 @@ std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
       ->type_name("FILE");
   app.add_flag("--check", options.check,
                "Validate the configuration without touching a port, then exit");
+  bool keys = false;
+  app.add_flag("--keys", keys,
+               "Print what each plain key of the configuration takes: section, key, range, default "
+               "and where it belongs, separated by tabs; then exit");
   app.set_version_flag("--version", "mbgated " + version);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : EX_USAGE;
+  }
+  if (keys) {
+    std::cout << config::list_keys();
+    return EXIT_SUCCESS;
   }
   return options;
 }

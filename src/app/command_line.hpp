@@ -18,7 +18,7 @@ struct Options {
   bool check = false;  ///< validate the configuration and exit
 };
 
-/// The options, or the exit status when help, version or an error has been printed already.
+/// The options, or the exit status when help, version, keys or an error has been printed already.
 std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
                                               const std::string& version);
 

@@ -44,6 +44,7 @@ bool Listeners::listen(ListenerId id, const ListenerSettings& listener,
   for (auto& socket : inherited) {
     if (socket.fd.is_open() && socket.name == listener.name) {
       adopted = true;
+      inherited_.insert(id);
       all = keep(id, listener, io::adopt_listener(context_, listener, std::move(socket.fd))) && all;
     }
   }
@@ -83,9 +84,66 @@ void Listeners::start() {
   for (auto& line : std::exchange(lines_, {})) {
     log_.print(std::move(line));
   }
-  if (!waiting_.empty()) {
+  keep_trying();
+}
+
+void Listeners::keep_trying() {
+  if (!waiting_.empty() && !std::exchange(trying_, true)) {
     io::supervise(context_, try_on(), "listeners");
   }
+}
+
+bool Listeners::stays(ListenerId id, const ListenerSettings& old,
+                      const ListenerSettings& next) const {
+  const bool same = old.address == next.address && old.port == next.port &&
+                    old.freebind == next.freebind && old.tcp == next.tcp;
+  return !old.is_gone && !next.is_gone && (same || inherited_.contains(id));
+}
+
+// An address can be had once at a time: what goes makes room before anything is bound.
+bool Listeners::reload(const std::vector<ListenerSettings>& old,
+                       const std::vector<ListenerSettings>& next, const Drop& drop) {
+  std::vector<std::size_t> dropped;
+  std::vector<std::size_t> wanted;
+  for (std::size_t i = 0; i < next.size(); ++i) {
+    const auto id = static_cast<ListenerId>(i);
+    const bool was = i < old.size() && !old[i].is_gone;
+    if (was && stays(id, old[i], next[i])) {
+      continue;
+    }
+    if (was) {
+      dropped.push_back(i);
+      drop(id);
+      std::erase_if(waiting_, [id](const Waiting& waiting) { return waiting.id == id; });
+    }
+    if (!next[i].is_gone) {
+      wanted.push_back(i);
+    }
+  }
+  std::vector<Bound> bound;
+  bool all = true;
+  for (const std::size_t i : wanted) {
+    bound.push_back(bind_(context_, next[i]));
+    if (!bound.back() && !bound.back().error().absent) {
+      log_.write(Level::error, bound.back().error().why);
+      all = false;
+    }
+  }
+  if (!all) {
+    bound.clear();
+    for (const std::size_t i : dropped) {
+      const auto id = static_cast<ListenerId>(i);
+      if (!keep(id, old[i], bind_(context_, old[i]))) {
+        waiting_.push_back({id, old[i], {}});  // somebody was quick
+      }
+    }
+  } else {
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      keep(static_cast<ListenerId>(wanted[i]), next[wanted[i]], std::move(bound[i]));
+    }
+  }
+  keep_trying();
+  return all;
 }
 
 void Listeners::stop() {
@@ -113,11 +171,12 @@ boost::asio::awaitable<void> Listeners::try_on() {
     const auto [error] =
         co_await timer_.async_wait(boost::asio::as_tuple(boost::asio::use_awaitable));
     if (error) {
-      co_return;
+      break;
     }
     std::erase_if(waiting_, [this](Waiting& waiting) { return try_again(waiting); });
     wait = std::min(2 * wait, waits_.longest);
   }
+  trying_ = false;
 }
 
 }  // namespace mbgate::app

@@ -9,13 +9,14 @@
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "app/log.hpp"
 #include "app/systemd.hpp"
 #include "gateway/settings.hpp"
-#include "io/listening_socket.hpp"
+#include "io/clients/listening_socket.hpp"
 
 namespace mbgate::app {
 
@@ -33,6 +34,8 @@ class Listeners {
                                                                  const gateway::ListenerSettings&)>;
   /// Gets every socket that listens, at once or later.
   using Take = std::function<void(gateway::ListenerId, Acceptor)>;
+  /// Closes the sockets of a listener.
+  using Drop = std::function<void(gateway::ListenerId)>;
 
   Listeners(boost::asio::io_context& context, Log& log, Take take, Bind bind = io::bind_listener,
             ListenerWaits waits = {});
@@ -47,11 +50,18 @@ class Listeners {
   /// Prints "listening NAME ADDRESS:PORT" for each socket, and tries those that wait again. Their
   /// lines are printed when they listen.
   void start();
+  /// After start(): what differs between these settings, which have the same numbers. Sockets of
+  /// listeners that are no more are closed, and those of listeners at another address or with other
+  /// options of TCP, but for sockets from systemd; those and new ones listen, or wait for their
+  /// address. False: one can do neither, the journal says why, and all is as it was.
+  bool reload(const std::vector<gateway::ListenerSettings>& old,
+              const std::vector<gateway::ListenerSettings>& next, const Drop& drop);
   void stop();
   /// Those that wait for their address.
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
  private:
+  using Bound = Result<Acceptor, io::ListenFailure>;
   struct Waiting {
     gateway::ListenerId id;
     gateway::ListenerSettings listener;
@@ -63,8 +73,11 @@ class Listeners {
   bool keep(gateway::ListenerId id, const gateway::ListenerSettings& listener,
             Result<Acceptor, io::ListenFailure> acceptor);
   void add(gateway::ListenerId id, const gateway::ListenerSettings& listener, Acceptor acceptor);
+  [[nodiscard]] bool stays(gateway::ListenerId id, const gateway::ListenerSettings& old,
+                           const gateway::ListenerSettings& next) const;
   /// Does it listen now?
   bool try_again(Waiting& waiting);
+  void keep_trying();
   boost::asio::awaitable<void> try_on();
 
   boost::asio::io_context& context_;
@@ -76,6 +89,8 @@ class Listeners {
   bool started_ = false;
   std::vector<std::string> lines_;  ///< to be printed once all are served
   std::vector<Waiting> waiting_;
+  bool trying_ = false;
+  std::set<gateway::ListenerId> inherited_;  ///< their sockets are systemd's
 };
 
 }  // namespace mbgate::app

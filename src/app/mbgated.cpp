@@ -22,7 +22,7 @@
 #include "app/service.hpp"
 #include "app/text.hpp"
 #include "config/load.hpp"
-#include "io/descriptors.hpp"
+#include "io/clients/descriptors.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -52,7 +52,18 @@ void lock_memory(Log& log) {
   }
 }
 
-int serve(gateway::Settings settings, std::optional<RecordingBegun> recording) {
+/// The settings out of one reading of the file, so that what is recorded is what is run.
+config::Loaded load(const Options& options, std::string& text) {
+  const config::ProfileSearch search{.folder = options.profiles};
+  if (options.record) {
+    text = read_text(options.config);
+  }
+  return text.empty() ? config::load_settings(options.config, search)
+                      : config::load_settings_text(options.config.string(), text, search);
+}
+
+int serve(gateway::Settings settings, const Options& options,
+          std::optional<RecordingBegun> recording) {
   Log log(is_standard_error_the_journal());
   if (settings.lock_memory) {
     lock_memory(log);
@@ -65,7 +76,12 @@ int serve(gateway::Settings settings, std::optional<RecordingBegun> recording) {
         log.write(Level::warning, "the recording has ended: " + why);
       });
     }
-    Service service(std::move(settings), log, recorder ? &*recorder : nullptr);
+    const auto read = [options] {
+      Configuration configuration;
+      configuration.loaded = load(options, configuration.text);
+      return configuration;
+    };
+    Service service(std::move(settings), read, log, recorder ? &*recorder : nullptr);
     status = service.run();
     if (recorder && !recorder->close(kRecordingFlush)) {
       log.write(Level::warning, "the recording is not complete");
@@ -77,16 +93,6 @@ int serve(gateway::Settings settings, std::optional<RecordingBegun> recording) {
     std::_Exit(status);
   }
   return status;
-}
-
-/// The settings out of one reading of the file, so that what is recorded is what is run.
-config::Loaded load(const Options& options, std::string& text) {
-  const config::ProfileSearch search{.folder = options.profiles};
-  if (options.record) {
-    text = read_text(options.config);
-  }
-  return text.empty() ? config::load_settings(options.config, search)
-                      : config::load_settings_text(options.config.string(), text, search);
 }
 
 Result<RecordingBegun, std::string> begin_recording(const Options& options, std::string text,
@@ -135,7 +141,7 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
     }
     recording = *std::move(begun);
   }
-  return serve(*std::move(loaded.settings), std::move(recording));
+  return serve(*std::move(loaded.settings), options, std::move(recording));
 }
 
 }  // namespace mbgate::app

@@ -10,9 +10,11 @@
 #include <utility>
 #include <variant>
 
+#include "app/changes.hpp"
 #include "app/systemd.hpp"
 #include "app/text.hpp"
-#include "io/descriptors.hpp"
+#include "gateway/settings/numbering.hpp"
+#include "io/clients/descriptors.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -56,9 +58,11 @@ std::string kind_of(const gateway::Event& event) {
 
 }  // namespace
 
-Service::Service(gateway::Settings settings, Log& log, io::Recorder* recorder)
+Service::Service(gateway::Settings settings, Read read, Log& log, io::Recorder* recorder)
     : log_(log),
-      signals_(context_, SIGTERM, SIGINT),
+      read_(std::move(read)),
+      signals_(context_, SIGTERM, SIGINT, SIGHUP),
+      blocking_(context_),
       status_timer_(context_),
       failures_(settings.buses.size()),
       driver_(context_, std::move(settings), *this, recorder),
@@ -67,7 +71,7 @@ Service::Service(gateway::Settings settings, Log& log, io::Recorder* recorder)
         on_status_changed();
       }) {
   // What other daemons take for "tell" or "reopen your log" must not end a gateway of drives.
-  for (const int ignored : {SIGPIPE, SIGHUP, SIGUSR1, SIGUSR2}) {
+  for (const int ignored : {SIGPIPE, SIGUSR1, SIGUSR2}) {
     std::signal(ignored, SIG_IGN);
   }
 }
@@ -94,13 +98,79 @@ int Service::run() {
 }
 
 boost::asio::awaitable<void> Service::wait_for_signal() {
-  co_await signals_.async_wait(boost::asio::as_tuple(boost::asio::use_awaitable));
+  while (true) {
+    const auto [error, signal] =
+        co_await signals_.async_wait(boost::asio::as_tuple(boost::asio::use_awaitable));
+    if (error || signal != SIGHUP) {
+      break;
+    }
+    begin_reload();
+  }
+  stop();
+}
+
+void Service::stop() {
   log_.write(Level::info, "stopping");
   status_timer_.cancel();
   ready_ = false;
   notify_stopping();
   listeners_.stop();
   driver_.shutdown();
+}
+
+void Service::begin_reload() {
+  if (reading_) {
+    read_again_ = true;
+    return;
+  }
+  notify_reloading();
+  reading_ = blocking_.run(read_, [this](const Configuration& read) { finish_reload(read); });
+  if (!reading_) {
+    log_.write(Level::error, "the configuration stays as it is: no thread to read it on");
+    notify_ready(last_status_);
+  }
+}
+
+void Service::finish_reload(const Configuration& read) {
+  reading_ = false;
+  if (!ready_) {
+    return;  // the process ends
+  }
+  if (!change(read)) {
+    log_.write(Level::error, "the configuration stays as it is");
+  }
+  last_status_ = status();
+  notify_ready(last_status_);
+  if (std::exchange(read_again_, false)) {
+    begin_reload();
+  }
+}
+
+bool Service::change(const Configuration& read) {
+  for (const auto& diagnostic : read.loaded.diagnostics) {
+    log_.write(diagnostic.severity == config::Severity::error ? Level::error : Level::warning,
+               config::headline(diagnostic));
+  }
+  if (!read.loaded.settings) {
+    return false;
+  }
+  const gateway::Settings before = driver_.settings();
+  const gateway::Settings next = gateway::numbered_after(before, *read.loaded.settings);
+  if (!listeners_.reload(before.listeners, next.listeners,
+                         [this](ListenerId listener) { driver_.remove_servers(listener); })) {
+    return false;
+  }
+  failures_.resize(next.buses.size());
+  driver_.reload(*read.loaded.settings, read.text);
+  const auto changes = changes_between(before, next);
+  for (const auto& change : changes) {
+    log_.write(Level::notice, "reload: " + change);
+  }
+  log_.write(Level::info, changes.empty() ? "reload: nothing has changed" : "reload: done");
+  if (before.lock_memory != next.lock_memory) {
+    log_.write(Level::warning, "reload: lock_memory takes effect at the next start");
+  }
+  return true;
 }
 
 void Service::on_event(const gateway::Event& event) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The running gateway as a process: binds the listeners, drives the machine, tells systemd and the
-// operator, and ends in order on SIGTERM or SIGINT.
+// operator, reads the configuration again on SIGHUP, and ends in order on SIGTERM or SIGINT.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -8,19 +8,31 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "app/listeners.hpp"
 #include "app/log.hpp"
+#include "config/load.hpp"
+#include "io/blocking_calls.hpp"
 #include "io/gateway_driver.hpp"
 
 namespace mbgate::app {
 
+/// What a configuration says, and its text if a recording needs it.
+struct Configuration {
+  config::Loaded loaded;
+  std::string text;
+};
+
 class Service final : public io::DriverObserver {
  public:
-  Service(gateway::Settings settings, Log& log, io::Recorder* recorder);
+  /// Reads the configuration again, on a thread that may wait.
+  using Read = std::function<Configuration()>;
+
+  Service(gateway::Settings settings, Read read, Log& log, io::Recorder* recorder);
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
   ~Service() override = default;
@@ -39,14 +51,23 @@ class Service final : public io::DriverObserver {
   void on_finished() override;
 
   boost::asio::awaitable<void> wait_for_signal();
+  void stop();
+  void begin_reload();
+  void finish_reload(const Configuration& read);
+  /// Are these the settings now? If not, the journal says why.
+  bool change(const Configuration& read);
   void send_status();
   [[nodiscard]] std::string status() const;
   [[nodiscard]] std::string bus_text(gateway::BusId bus, const std::string& text) const;
 
   Log& log_;
+  Read read_;
   // One thread runs it and uses its sockets, lines and timers; others only post to it.
   boost::asio::io_context context_{BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO};
   boost::asio::signal_set signals_;
+  io::BlockingCalls blocking_;
+  bool reading_ = false;     ///< the configuration
+  bool read_again_ = false;  ///< it was asked for meanwhile
   boost::asio::steady_timer status_timer_;
   bool status_pending_ = false;
   bool ready_ = false;

@@ -4,6 +4,7 @@
 #include <systemd/sd-daemon.h>
 
 #include <cstdlib>
+#include <ctime>
 #include <memory>
 
 namespace mbgate::app {
@@ -32,6 +33,15 @@ void notify_ready(const std::string& status) {
 }
 
 void notify_status(const std::string& status) { ::sd_notify(0, ("STATUS=" + status).c_str()); }
+
+void notify_reloading() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  constexpr long kMicrosecond = 1000;
+  constexpr long kSecond = 1'000'000;
+  ::sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld\nSTATUS=reading the configuration",
+               static_cast<long long>(now.tv_sec) * kSecond + now.tv_nsec / kMicrosecond);
+}
 
 void notify_stopping() { ::sd_notify(0, "STOPPING=1\nSTATUS=stopping"); }
 

@@ -22,5 +22,7 @@ std::vector<InheritedSocket> take_inherited_sockets();
 void notify_ready(const std::string& status);
 void notify_status(const std::string& status);
 void notify_stopping();
+/// notify_ready() ends it.
+void notify_reloading();
 
 }  // namespace mbgate::app

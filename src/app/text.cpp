@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/text.hpp"
 
+#include <algorithm>
+
 namespace mbgate::app {
 namespace {
 
@@ -8,8 +10,14 @@ std::string counted(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
+/// Those that a reload took away are none.
+std::size_t count_there(const auto& all) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(all, [](const auto& it) { return !it.is_gone; }));
+}
+
 std::string listeners_text(const gateway::Settings& settings) {
-  return counted(settings.listeners.size(), "listener", "listeners");
+  return counted(count_there(settings.listeners), "listener", "listeners");
 }
 
 }  // namespace
@@ -26,9 +34,9 @@ std::string status_text(const gateway::Settings& settings, const gateway::Status
   const std::string listening =
       listeners_waiting == 0
           ? ""
-          : std::to_string(settings.listeners.size() - listeners_waiting) + " of ";
+          : std::to_string(count_there(settings.listeners) - listeners_waiting) + " of ";
   return listening + listeners_text(settings) + ", " + std::to_string(status.buses_open) + " of " +
-         counted(settings.buses.size(), "bus", "buses") + " open, " +
+         counted(count_there(settings.buses), "bus", "buses") + " open, " +
          counted(status.clients, "client", "clients");
 }
 

@@ -7,13 +7,13 @@
 
 #include <span>
 
-#include "bus/admission.hpp"
-#include "bus/dispatch.hpp"
-#include "bus/job_ends.hpp"
-#include "bus/line_diagnosis.hpp"
-#include "bus/outcomes.hpp"
+#include "bus/health/line_diagnosis.hpp"
 #include "bus/parts.hpp"
+#include "bus/queue/admission.hpp"
 #include "bus/state_reader.hpp"
+#include "bus/transmission/dispatch.hpp"
+#include "bus/transmission/job_ends.hpp"
+#include "bus/transmission/outcomes.hpp"
 
 namespace mbgate::bus {
 

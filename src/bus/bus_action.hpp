@@ -4,9 +4,9 @@
 
 #include <variant>
 
+#include "bus/health/line_quality.hpp"
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
-#include "bus/line_quality.hpp"
 
 namespace mbgate::bus {
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <variant>
 
-#include "bus/serial_discipline.hpp"
+#include "bus/serial/serial_discipline.hpp"
 #include "bus/state_reader.hpp"
-#include "bus/tcp_discipline.hpp"
+#include "bus/tcp/tcp_discipline.hpp"
 
 namespace mbgate::bus {
 

@@ -8,16 +8,16 @@
 #include <span>
 
 #include "bus/action_queue.hpp"
-#include "bus/adapter_watch.hpp"
 #include "bus/bus_action.hpp"
-#include "bus/bus_queue.hpp"
-#include "bus/device_table.hpp"
+#include "bus/health/adapter_watch.hpp"
+#include "bus/health/device_table.hpp"
+#include "bus/health/probes.hpp"
 #include "bus/line_discipline.hpp"
 #include "bus/link_state.hpp"
-#include "bus/probes.hpp"
-#include "bus/stop_lane.hpp"
-#include "bus/transmission.hpp"
-#include "bus/turn_book.hpp"
+#include "bus/queue/bus_queue.hpp"
+#include "bus/queue/stop_lane.hpp"
+#include "bus/queue/turn_book.hpp"
+#include "bus/transmission/transmission.hpp"
 
 namespace mbgate::bus {
 

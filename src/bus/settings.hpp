@@ -80,6 +80,7 @@ inline constexpr Duration kNetworkSlack = std::chrono::milliseconds(200);
 
 struct BusSettings {
   std::string name;
+  bool is_gone = false;  ///< a reload took it away; nobody else gets its number
   LineSettings line;
   /// For addresses without a device of their own.
   drive::DeviceTiming timing;

@@ -37,14 +37,18 @@ std::string caret_indent(std::string_view line, std::uint32_t column) {
 
 }  // namespace
 
-std::string render(const Diagnostic& diagnostic) {
+std::string headline(const Diagnostic& diagnostic) {
   std::string text = diagnostic.file + ":";
   if (diagnostic.position.line != 0) {
     text += std::to_string(diagnostic.position.line) + ":" +
             std::to_string(diagnostic.position.column) + ":";
   }
   text += diagnostic.severity == Severity::error ? " error: " : " warning: ";
-  text += diagnostic.message + "\n";
+  return text + diagnostic.message;
+}
+
+std::string render(const Diagnostic& diagnostic) {
+  std::string text = headline(diagnostic) + "\n";
   if (diagnostic.position.line != 0) {
     const std::string line = printable(diagnostic.source_line);
     text += line + "\n" + caret_indent(line, diagnostic.position.column) + "^\n";

@@ -35,6 +35,9 @@ struct Diagnostic {
 ///          ^
 std::string render(const Diagnostic& diagnostic);
 
+/// The first line of it, without its end.
+std::string headline(const Diagnostic& diagnostic);
+
 /// All of them, in the given order.
 std::string render(const std::vector<Diagnostic>& diagnostics);
 

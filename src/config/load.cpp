@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "config/sections.hpp"
+#include "config/sections/sections.hpp"
 
 namespace mbgate::config {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "config/diagnostic.hpp"
-#include "config/profile_library.hpp"
+#include "config/profiles/profile_library.hpp"
 #include "gateway/settings.hpp"
 
 namespace mbgate::config {

@@ -5,9 +5,9 @@
 #include <map>
 #include <sstream>
 
-#include "config/duration_text.hpp"
-#include "ctl/carry_out.hpp"
-#include "ctl/scan.hpp"
+#include "config/toml/duration_text.hpp"
+#include "ctl/request/carry_out.hpp"
+#include "ctl/scan/scan.hpp"
 
 namespace mbgate::ctl {
 namespace {

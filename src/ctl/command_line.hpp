@@ -5,7 +5,7 @@
 #include <string>
 #include <variant>
 
-#include "ctl/command.hpp"
+#include "ctl/request/command.hpp"
 
 namespace mbgate::ctl {
 

@@ -4,8 +4,8 @@
 
 #include <iostream>
 
-#include "ctl/carry_out.hpp"
 #include "ctl/command_line.hpp"
+#include "ctl/request/carry_out.hpp"
 
 int main(int argc, char** argv) {
   auto parsed = mbgate::ctl::parse_command_line(MBGATE_VERSION, argc, argv);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,9 @@ namespace mbgate::drive {
 
 /// The place of a bus in the settings.
 enum class BusId : std::uint32_t {};
+
+/// In place of the bus of a device that is no more.
+inline constexpr BusId kNoBus{std::numeric_limits<std::uint32_t>::max()};
 
 struct DeviceTiming {
   /// From the computed end of transmission to the first byte of the response (Serial Line
@@ -72,6 +76,8 @@ struct Device {
   /// Reads are answered with what was read up to so long ago; 0: never.
   Duration cache{0};
 
+  /// A reload took it away. Nobody else gets its number.
+  [[nodiscard]] bool is_gone() const { return bus == kNoBus; }
   /// The times of this request: slow registers have a longer timeout.
   [[nodiscard]] DeviceTiming timing_of(const modbus::Request& request) const;
   /// Does the request write a communication register of the drive?

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "bus/job.hpp"
+#include "gateway/client.hpp"
 #include "gateway/event.hpp"
 #include "modbus/mbap.hpp"
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "gateway/settings/numbering.hpp"
+
 namespace mbgate::gateway {
 
 BusSet::BusSet(const Settings& settings) : buses_(settings.buses.size()) {
@@ -32,13 +34,15 @@ bus::Bus& BusSet::touch(BusId id) {
 }
 
 std::optional<BusId> BusSet::take_touched() {
-  if (touched_.empty()) {
-    return std::nullopt;
+  while (!touched_.empty()) {
+    const BusId id = touched_.back();
+    touched_.pop_back();
+    buses_[static_cast<std::size_t>(id)].touched = false;
+    if (is_there(id)) {
+      return id;
+    }
   }
-  const BusId id = touched_.back();
-  touched_.pop_back();
-  buses_[static_cast<std::size_t>(id)].touched = false;
-  return id;
+  return std::nullopt;
 }
 
 std::optional<bus::BusAction> BusSet::poll(BusId id) {
@@ -46,8 +50,9 @@ std::optional<bus::BusAction> BusSet::poll(BusId id) {
 }
 
 std::size_t BusSet::open_count() const {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(buses_, [](const Slot& slot) { return slot.bus->link().serves(); }));
+  std::size_t open = 0;
+  for_each([&](BusId, const bus::Bus& it) { open += it.link().serves() ? 1 : 0; });
+  return open;
 }
 
 Duration BusSet::longest_response_timeout(std::span<const BusId> buses) const {
@@ -60,59 +65,53 @@ Duration BusSet::longest_response_timeout(std::span<const BusId> buses) const {
 
 std::optional<Wake> BusSet::next_wake(std::optional<Instant> judgement) const {
   auto first = judgement ? std::optional(bus::Wake{*judgement}) : std::nullopt;
-  std::size_t of = 0;
-  for (std::size_t place = 0; place < buses_.size(); ++place) {
-    const auto wake = buses_[place].bus->next_wake();
-    of = wake && (!first || wake->at < first->at) ? place : of;
+  BusId of{};
+  for_each([&](BusId id, const bus::Bus& it) {
+    const auto wake = it.next_wake();
+    of = wake && (!first || wake->at < first->at) ? id : of;
     first = bus::earlier(first, wake);
-  }
+  });
   if (!first) {
     return std::nullopt;
   }
-  return Wake{first->at, first->ends_silence ? std::optional(id_of(of)) : std::nullopt};
+  return Wake{first->at, first->ends_silence ? std::optional(of) : std::nullopt};
 }
 
 void BusSet::handle_deadline(Instant now) {
-  for (std::size_t place = 0; place < buses_.size(); ++place) {
-    const auto wake = buses_[place].bus->next_wake();
+  for_each([&](BusId id, const bus::Bus& it) {
+    const auto wake = it.next_wake();
     if (wake && wake->at <= now) {
-      touch(id_of(place)).handle_deadline(now);
+      touch(id).handle_deadline(now);
     }
-  }
+  });
 }
 
 void BusSet::stop(Instant now) {
-  for (std::size_t place = 0; place < buses_.size(); ++place) {
-    touch(id_of(place)).stop(now);
-  }
+  for_each([&](BusId id, const bus::Bus&) { touch(id).stop(now); });
 }
 
 void BusSet::give_up(Instant now) {
-  for (std::size_t place = 0; place < buses_.size(); ++place) {
-    touch(id_of(place)).give_up(now);
-  }
+  for_each([&](BusId id, const bus::Bus&) { touch(id).give_up(now); });
 }
 
 void BusSet::clear_counters() {
-  std::ranges::for_each(buses_, [](Slot& slot) { slot.bus->clear_counters(); });
+  for_each([&](BusId id, const bus::Bus&) { touch(id).clear_counters(); });
 }
 
-std::vector<BusSet::GivenUp> BusSet::adopt(const Settings& next, const SettingsDiff& diff,
-                                           Instant now) {
-  auto before = std::exchange(buses_, std::vector<Slot>(next.buses.size()));
-  touched_.clear();  // those under their old numbers
+std::vector<BusSet::GivenUp> BusSet::adopt(const Settings& old, const Settings& next, Instant now) {
   std::vector<GivenUp> given_up;
-  for (std::size_t place = 0; place < before.size(); ++place) {
-    const auto id = diff.bus(id_of(place));
-    if (diff.keeps_line(id_of(place))) {
-      buses_[static_cast<std::size_t>(*id)].bus = std::move(before[place].bus);
-      touch(*id).update(next.bus(*id), next.devices_on(*id), now);
-    } else {
-      given_up.push_back({std::move(before[place].bus), id});
+  for (std::size_t place = 0; place < buses_.size(); ++place) {
+    Slot& slot = buses_[place];
+    const BusId id = id_of(place);
+    if (slot.bus != nullptr && keeps_line(old, next, id)) {
+      touch(id).update(next.bus(id), next.devices_on(id), now);
+    } else if (slot.bus != nullptr) {
+      given_up.push_back({id, std::move(slot.bus)});
     }
   }
+  buses_.resize(next.buses.size());
   for (std::size_t place = 0; place < buses_.size(); ++place) {
-    if (buses_[place].bus == nullptr) {
+    if (buses_[place].bus == nullptr && !next.buses[place].is_gone) {
       begin(id_of(place), next);
     }
   }

@@ -10,7 +10,6 @@
 #include "bus/bus.hpp"
 #include "bus/state_reader.hpp"
 #include "gateway/settings.hpp"
-#include "gateway/settings_diff.hpp"
 
 namespace mbgate::gateway {
 
@@ -27,6 +26,10 @@ class BusSet {
   /// Asks for every line.
   explicit BusSet(const Settings& settings);
 
+  /// Of the others no number is left anywhere but outside.
+  [[nodiscard]] bool is_there(BusId id) const {
+    return buses_[static_cast<std::size_t>(id)].bus != nullptr;
+  }
   [[nodiscard]] const bus::Bus& operator[](BusId id) const;
   /// For whatever may change the bus: it is then one of those that have something to say.
   [[nodiscard]] bus::Bus& touch(BusId id);
@@ -34,7 +37,6 @@ class BusSet {
   std::optional<BusId> take_touched();
   std::optional<bus::BusAction> poll(BusId id);
 
-  [[nodiscard]] std::size_t size() const { return buses_.size(); }
   [[nodiscard]] std::size_t open_count() const;
   /// Of these buses.
   [[nodiscard]] Duration longest_response_timeout(std::span<const BusId> buses) const;
@@ -50,19 +52,27 @@ class BusSet {
 
   /// A bus that is not in the settings any more, or gets another line.
   struct GivenUp {
+    BusId id;
     std::unique_ptr<bus::Bus> bus;
-    std::optional<BusId> successor;  ///< has its name
   };
-  /// Other settings: buses that keep their line go on under their new number, and others are begun.
-  std::vector<GivenUp> adopt(const Settings& next, const SettingsDiff& diff, Instant now);
+  /// Other settings: buses that keep their line go on, and others are begun.
+  std::vector<GivenUp> adopt(const Settings& old, const Settings& next, Instant now);
 
  private:
   friend struct mbgate::StateReader;
   struct Slot {
-    std::unique_ptr<bus::Bus> bus;
+    std::unique_ptr<bus::Bus> bus;  ///< none: it is gone
     bool touched = false;
   };
   void begin(BusId id, const Settings& settings);
+  template <typename Visit>
+  void for_each(Visit visit) const {
+    for (std::size_t place = 0; place < buses_.size(); ++place) {
+      if (buses_[place].bus != nullptr) {
+        visit(id_of(place), *buses_[place].bus);
+      }
+    }
+  }
   [[nodiscard]] BusId id_of(std::size_t place) const {
     return BusId{static_cast<std::uint32_t>(place)};
   }

@@ -32,6 +32,7 @@ struct DeviceGuard {
 struct ClientWeight {
   routing::Network network;
   unsigned weight = 1;
+  friend bool operator==(const ClientWeight&, const ClientWeight&) = default;
 };
 
 }  // namespace mbgate::gateway

@@ -12,9 +12,6 @@
 
 namespace mbgate::gateway {
 
-/// A TCP connection; the driver numbers them and uses no number twice.
-enum class ClientId : std::uint64_t {};
-
 enum class RefusalReason : std::uint8_t {
   not_allowed,  ///< not in the listener's allow list
   full,         ///< max_connections reached and no idle connection could make room

@@ -3,6 +3,7 @@
 
 #include "base/assert.hpp"
 #include "gateway/limits.hpp"
+#include "gateway/settings/numbering.hpp"
 
 namespace mbgate::gateway {
 
@@ -17,7 +18,16 @@ Gateway::Gateway(Settings settings, Instant now)
 }
 
 void Gateway::handle(const Input& input, Instant now) {
-  std::visit([&](const auto& what) { on(what, now); }, input);
+  std::visit(
+      [&](const auto& what) {
+        if constexpr (requires { what.bus; }) {
+          if (!buses_.is_there(what.bus)) {
+            return;  // a line that a reload took away
+          }
+        }
+        on(what, now);
+      },
+      input);
   settle(now);
 }
 
@@ -88,24 +98,23 @@ void Gateway::on(const ShutdownAsked& /*input*/, Instant now) {
 
 void Gateway::on(const SettingsChanged& input, Instant now) {
   MBGATE_ASSERT(actions_.empty() && line_actions_.empty(),
-                "the numbers in actions are those of the settings in force");
+                "what older settings have decided is carried out before newer ones");
   if (stopping_) {
     return;
   }
-  const SettingsDiff diff(settings_.settings(), *input.settings);
-  clients_.close_unwanted(*input.settings, diff, now);
-  const SettingsSnapshot& before = settings_.adopt(*input.settings);
-  exchanges_.end_changed(before, diff);
-  exchanges_.renumber(diff);
-  rules_.adopt(settings_.in_force(), diff);
-  clients_.adopt(diff, now);
-  failsafe_.adopt(before, diff, clients_.sessions(), now);
-  adopt_buses(diff, now);
+  Settings next = numbered_after(settings(), *input.settings);
+  clients_.close_unwanted(next, now);
+  const SettingsSnapshot& before = settings_.adopt(std::move(next));
+  exchanges_.end_changed(before);
+  rules_.adopt(settings_.in_force());
+  clients_.adopt(now);
+  failsafe_.adopt(before, clients_.sessions(), now);
+  adopt_buses(before.settings, now);
   settings_.forget_unused();
 }
 
-void Gateway::adopt_buses(const SettingsDiff& diff, Instant now) {
-  for (const BusSet::GivenUp& given_up : buses_.adopt(settings(), diff, now)) {
+void Gateway::adopt_buses(const Settings& before, Instant now) {
+  for (const BusSet::GivenUp& given_up : buses_.adopt(before, settings(), now)) {
     // What was on the wire ends, and what waits. Nobody needs its news any more.
     given_up.bus->handle_lost(now);
     while (const auto action = given_up.bus->poll()) {
@@ -113,9 +122,7 @@ void Gateway::adopt_buses(const SettingsDiff& diff, Instant now) {
         exchanges_.end(*ended->job, ended->ending);
       }
     }
-    if (given_up.successor) {
-      line_actions_.push(Shut{*given_up.successor});
-    }
+    line_actions_.push(Shut{given_up.id});
   }
 }
 

@@ -7,7 +7,7 @@
 
 #include <optional>
 
-#include "gateway/clients.hpp"
+#include "gateway/clients/clients.hpp"
 #include "gateway/input.hpp"
 
 namespace mbgate::gateway {
@@ -53,7 +53,7 @@ class Gateway {
   bool settle_one(Instant now);
   void collect(BusId bus);
   void carry_out(BusId bus, const bus::BusAction& action);
-  void adopt_buses(const SettingsDiff& diff, Instant now);
+  void adopt_buses(const Settings& before, Instant now);
   void report(const Event& event) { actions_.push(Report{event}); }
 
   ActionQueue line_actions_;

@@ -8,7 +8,7 @@
 
 #include "bus/line_discipline.hpp"
 #include "bus/link_state.hpp"
-#include "gateway/client_session.hpp"
+#include "gateway/client.hpp"
 
 namespace mbgate::gateway {
 
@@ -60,11 +60,11 @@ struct LineLooked {
 /// before: nothing is judged that could have been known.
 struct DeadlineReached {};
 /// Other settings from now on, consistent as in the constructor. Listeners, buses and devices are
-/// the same if their names are; the numbers in actions and inputs are those of the new settings at
-/// once. Lines that did not change go on without losing a transaction; Shut is asked for those that
-/// changed, and Open for these and new ones. The driver drops the lines of buses that are no more.
-/// Clients of listeners that are no more, or do not allow them any more, are closed. To be handed
-/// in when poll_action() has nothing left: the numbers in older actions are the older ones.
+/// the same if their names are, and keep their numbers (settings/numbering): Gateway::settings()
+/// has them. Lines that did not change go on without losing a transaction; Shut is asked for those
+/// that changed or are no more, and Open for those that changed and new ones. Clients of listeners
+/// that are no more, or do not allow them any more, are closed. To be handed in when poll_action()
+/// has nothing left: what older settings have decided is carried out before newer ones.
 struct SettingsChanged {
   const Settings* settings = nullptr;  ///< of somebody else, and copied
   std::string_view config{};           ///< what they were read from, for a recording

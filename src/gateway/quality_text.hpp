@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "bus/line_quality.hpp"
+#include "bus/health/line_quality.hpp"
 
 namespace mbgate::gateway {
 

@@ -3,14 +3,40 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 namespace mbgate::gateway {
+namespace {
+
+std::vector<std::size_t> all(std::size_t count) {
+  std::vector<std::size_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  return numbers;
+}
+
+}  // namespace
 
 std::vector<drive::Device> Settings::devices_on(BusId bus) const {
   std::vector<drive::Device> found;
   std::ranges::copy_if(devices, std::back_inserter(found),
                        [bus](const drive::Device& device) { return device.bus == bus; });
   return found;
+}
+
+std::vector<BusId> Settings::written_buses() const {
+  std::vector<BusId> written;
+  for (const std::size_t number : written_order ? written_order->buses : all(buses.size())) {
+    written.push_back(BusId{static_cast<std::uint32_t>(number)});
+  }
+  return written;
+}
+
+std::vector<const drive::Device*> Settings::written_devices() const {
+  std::vector<const drive::Device*> written;
+  for (const std::size_t number : written_order ? written_order->devices : all(devices.size())) {
+    written.push_back(&devices[number]);
+  }
+  return written;
 }
 
 }  // namespace mbgate::gateway

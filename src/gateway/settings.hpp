@@ -29,10 +29,12 @@ struct TcpSettings {
   /// How long sent bytes may stay unacknowledged before the connection is given up.
   Duration user_timeout = std::chrono::seconds(30);
   unsigned backlog = 1024;
+  friend bool operator==(const TcpSettings&, const TcpSettings&) = default;
 };
 
 struct ListenerSettings {
   std::string name;
+  bool is_gone = false;  ///< a reload took it away; nobody else gets its number
   std::string address = "127.0.0.1";
   std::uint16_t port = 502;  ///< 0: the kernel chooses
   bool freebind = false;     ///< listens though the address is not there yet
@@ -50,11 +52,13 @@ struct ListenerSettings {
   TcpSettings tcp;
 };
 
+/// Listeners, buses and devices are numbered by their places here; a reload leaves them their
+/// numbers (settings/numbering).
 struct Settings {
   /// The gateway's own unit identifier on every listener; none turns it off.
-  std::optional<std::uint8_t> own_unit = 255;
+  std::optional<std::uint8_t> status_unit = 255;
   bool lock_memory = false;  ///< nothing of the process is ever swapped out
-  /// Timers ring late: so long before an instant the driver is woken and waits for it busily.
+  /// Kernel timers fire late: the driver wakes so long before an instant and busy-waits for it.
   Duration wake_early = std::chrono::microseconds(100);
   std::vector<ListenerSettings> listeners;
   std::vector<BusSettings> buses;
@@ -63,11 +67,20 @@ struct Settings {
   std::vector<DeviceGuard> guards;
   std::vector<routing::Route> routes;
   std::vector<ClientWeight> weights;  ///< the first that fits counts; others have weight 1
+  /// Numbers in the order in which things were written down; none: as they are numbered.
+  struct WrittenOrder {
+    std::vector<std::size_t> buses;
+    std::vector<std::size_t> devices;
+  };
+  std::optional<WrittenOrder> written_order{};
 
   [[nodiscard]] const ListenerSettings& listener(ListenerId id) const {
     return listeners[static_cast<std::size_t>(id)];
   }
   [[nodiscard]] std::vector<drive::Device> devices_on(BusId bus) const;
+  /// Those that are there, as they were written down.
+  [[nodiscard]] std::vector<BusId> written_buses() const;
+  [[nodiscard]] std::vector<const drive::Device*> written_devices() const;
   [[nodiscard]] const BusSettings& bus(BusId id) const {
     return buses[static_cast<std::size_t>(id)];
   }

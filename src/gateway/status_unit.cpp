@@ -43,7 +43,7 @@ Block head_block(const StatusView& view) {
   return block;
 }
 
-// In the order of own_unit.hpp.
+// In the order of status_unit.hpp.
 void put_quality(Block& block, const bus::QualityVerdict& verdict) {
   block.push_back(static_cast<std::uint16_t>(verdict.quality));
   block.push_back(saturated(verdict.quality == bus::Quality::bad_crc ? verdict.percent() : 0));
@@ -75,7 +75,9 @@ std::uint16_t milliseconds(bus::Duration duration) {
       static_cast<std::uint64_t>(std::chrono::ceil<std::chrono::milliseconds>(duration).count()));
 }
 
-Block device_block(const drive::Device& device, const bus::Bus& bus, bus::Instant now) {
+Block device_block(const StatusView::Device& shown, const StatusView& view) {
+  const drive::Device& device = *shown.device;
+  const bus::Bus& bus = *view.buses[shown.bus];
   const bus::DeviceEntry& entry = bus.device(device.address);
   const bus::DeviceCounters& counters = entry.counters;
   const bus::QualityVerdict& quality = bus.quality()[device.address].verdict();
@@ -89,15 +91,15 @@ Block device_block(const drive::Device& device, const bus::Bus& bus, bus::Instan
   } else if (counters.bad_crcs > 0) {
     state = 4;
   }
-  Block block{static_cast<std::uint16_t>(static_cast<std::uint32_t>(device.bus) + 1),
-              device.address, state, saturated(entry.health.unanswered_in_row())};
+  Block block{static_cast<std::uint16_t>(shown.bus + 1), device.address, state,
+              saturated(entry.health.unanswered_in_row())};
   for (const std::uint64_t count :
        {counters.transmissions, counters.responses, counters.exceptions, counters.timeouts,
         counters.bad_crcs, counters.late_responses, counters.early_responses}) {
     put32(block, count);
   }
   block.push_back(entry.health.is_offline() ? 1 : 0);
-  block.push_back(milliseconds(bus.held_back(device.address, now)));
+  block.push_back(milliseconds(bus.held_back(device.address, view.now)));
   put32(block, counters.noise_bytes);
   put_quality(block, quality);
   block.push_back(milliseconds(quality.needed));
@@ -112,9 +114,7 @@ std::pair<std::uint32_t, Block> block_at(std::uint32_t address, const StatusView
     if (index >= view.devices.size()) {
       return {};
     }
-    const drive::Device& device = view.devices[index];
-    return {kDevicesAt + index * kDeviceSize,
-            device_block(device, *view.buses[static_cast<std::size_t>(device.bus)], view.now)};
+    return {kDevicesAt + index * kDeviceSize, device_block(view.devices[index], view)};
   }
   if (address >= kBusesAt) {
     const std::uint32_t index = (address - kBusesAt) / kBusSize;

@@ -44,7 +44,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "bus/bus.hpp"
@@ -62,8 +61,12 @@ struct ClientCounters {
 
 /// What the gateway looks like at the moment of a request.
 struct StatusView {
+  struct Device {
+    const drive::Device* device;
+    std::size_t bus;  ///< among `buses`
+  };
   std::vector<const bus::Bus*> buses;
-  std::span<const drive::Device> devices;
+  std::vector<Device> devices;
   std::size_t clients = 0;
   ClientCounters counters;
   bus::Duration uptime{0};

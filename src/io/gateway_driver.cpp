@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/gateway_driver.hpp"
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <chrono>
 #include <utility>
 #include <variant>
 
+#include "io/clients/descriptors.hpp"
 #include "io/clock.hpp"
-#include "io/descriptors.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -33,40 +34,35 @@ GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings
       timer_(context),
       blocking_(context),
       clients_(context, *this),
+      lines_({context, blocking_, *this}),
+      servers_(context, *this),
       flush_timer_(context) {
   if (recorder_ != nullptr) {
     recorder_->begin(started_);
   }
-  for (std::size_t i = 0; i < gateway_.settings().buses.size(); ++i) {
-    const auto bus = static_cast<BusId>(i);
-    lines_.push_back(
-        make_line({context, blocking_, *this}, bus, gateway_.settings().bus(bus).line));
-  }
 }
 
 void GatewayDriver::add_server(ListenerId listener, boost::asio::ip::tcp::acceptor acceptor) {
-  servers_.push_back(std::make_unique<TcpServer>(context_, listener, std::move(acceptor), *this,
-                                                 end_of_client_descriptors(settings())));
-  if (phase_ == Phase::serving) {
-    servers_.back()->start();
-  }
+  servers_.add(listener, std::move(acceptor), end_of_client_descriptors(settings()));
 }
+
+void GatewayDriver::remove_servers(ListenerId listener) { servers_.remove(listener); }
 
 void GatewayDriver::start() {
   carry_out_actions();
-  for (const auto& server : servers_) {
-    server->accept_waiting();
-  }
-  for (const auto& server : servers_) {
-    server->start();
-  }
+  servers_.start();
   phase_ = Phase::serving;
 }
 
+void GatewayDriver::reload(const gateway::Settings& settings, std::string_view config) {
+  feed(gateway::SettingsChanged{&settings, config});
+  servers_.set_end(end_of_client_descriptors(gateway_.settings()));
+  carry_out_actions();
+  observer_.on_status_changed();
+}
+
 void GatewayDriver::shutdown() {
-  for (const auto& server : servers_) {
-    server->stop();
-  }
+  servers_.stop();
   feed(gateway::ShutdownAsked{});
   carry_out_actions();
 }
@@ -198,9 +194,7 @@ void GatewayDriver::handle_wake() {
     wait_for_end_of_silence(*wake);
   }
   reading_at_ = now();
-  for (const auto& line : lines_) {
-    line->read_now();
-  }
+  lines_.read_now();
   feed(gateway::DeadlineReached{});
   reading_at_.reset();
   carry_out_actions();
@@ -212,7 +206,7 @@ void GatewayDriver::wait_for_end_of_silence(const gateway::Wake& wake) {
   if (!wake.silence_of || wake.at - now() > gateway_.settings().wake_early) {
     return;
   }
-  Line& watched = line(*wake.silence_of);
+  Line& watched = lines_[*wake.silence_of];
   while (now() < wake.at && !watched.has_bytes()) {
   }
 }
@@ -247,22 +241,24 @@ void GatewayDriver::carry_out(const gateway::Close& action) {
   observer_.on_status_changed();
 }
 
-void GatewayDriver::carry_out(const gateway::Open& action) { line(action.bus).open(); }
+void GatewayDriver::carry_out(const gateway::Open& action) {
+  lines_.with_settings(action.bus, settings().bus(action.bus).line).open();
+}
 
 void GatewayDriver::carry_out(const gateway::Look& action) {
-  line(action.bus).read_now();
+  lines_[action.bus].read_now();
   feed(gateway::LineLooked{action.bus});
 }
 
 void GatewayDriver::carry_out(const gateway::Transmit& action) {
-  if (const auto why = line(action.bus).transmit(action.frame)) {
+  if (const auto why = lines_[action.bus].transmit(action.frame)) {
     observer_.on_line_failure(action.bus, *why);
     feed(gateway::LineLost{action.bus});
     observer_.on_status_changed();
   }
 }
 
-void GatewayDriver::carry_out(const gateway::Shut& action) { line(action.bus).close(); }
+void GatewayDriver::carry_out(const gateway::Shut& action) { lines_[action.bus].close(); }
 
 void GatewayDriver::carry_out(const gateway::Report& action) { observer_.on_event(action.event); }
 

@@ -7,19 +7,19 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gateway/action.hpp"
 #include "gateway/gateway.hpp"
 #include "gateway/input.hpp"
 #include "io/blocking_calls.hpp"
-#include "io/client_connections.hpp"
-#include "io/line.hpp"
+#include "io/clients/client_connections.hpp"
+#include "io/clients/server_set.hpp"
+#include "io/lines/line_set.hpp"
 #include "io/recorder.hpp"
-#include "io/tcp_server.hpp"
 
 namespace mbgate::io {
 
@@ -53,6 +53,11 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   /// Begins to open the lines and accepts what is already waiting, as older than this process. On
   /// return the gateway is ready.
   void start();
+  /// Other settings from now on (gateway::SettingsChanged), read from `config`. Sockets of
+  /// listeners that are no more are closed; new ones come by add_server().
+  void reload(const gateway::Settings& settings, std::string_view config);
+  /// Nobody is accepted any more on the sockets of this listener.
+  void remove_servers(gateway::ListenerId listener);
   /// Accepts no more, lets the machine finish, and ends in on_finished().
   void shutdown();
 
@@ -95,7 +100,6 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void carry_out(const gateway::Finished& action);
   void drop(gateway::ClientId client);
   void finish();
-  Line& line(gateway::BusId bus) { return *lines_[static_cast<std::size_t>(bus)]; }
 
   boost::asio::io_context& context_;
   DriverObserver& observer_;
@@ -109,8 +113,8 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   std::optional<gateway::Instant> reading_at_;
   BlockingCalls blocking_;
   ClientConnections clients_;
-  std::vector<std::unique_ptr<Line>> lines_;
-  std::vector<std::unique_ptr<TcpServer>> servers_;
+  LineSet lines_;
+  ServerSet servers_;
   enum class Phase : std::uint8_t { starting, serving, flushing, finished };
   Phase phase_ = Phase::starting;
   boost::asio::steady_timer flush_timer_;

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-#include "gateway/record.hpp"
+#include "gateway/recording/record.hpp"
 #include "io/unique_fd.hpp"
 
 namespace mbgate::io {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes as every room passes them: a view, and big-endian fields inside one.
+// Bytes as every module passes them: a view, and big-endian fields inside one.
 #pragma once
 
 #include <cstddef>

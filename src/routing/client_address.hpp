@@ -40,6 +40,7 @@ class Network {
   [[nodiscard]] bool contains(const ClientAddress& address) const;
   /// Is every address of the other one in it?
   [[nodiscard]] bool contains(const Network& other) const;
+  friend bool operator==(const Network&, const Network&) = default;
 
  private:
   Network(const ClientAddress& address, unsigned prefix) : address_(address), prefix_(prefix) {}

@@ -31,6 +31,7 @@ struct AddressWindow {
   std::uint32_t count = 0;  ///< 1 to 65536; neither side passes 65536
   modbus::Table to_table = modbus::Table::holding_registers;
   std::uint16_t to = 0;
+  friend bool operator==(const AddressWindow&, const AddressWindow&) = default;
 };
 
 /// The function codes that a route lets through. 08/01 and 08/04 silence a device and pass only
@@ -43,6 +44,7 @@ struct FunctionRules {
   static FunctionRules all();
   /// Those whose addresses a window can rewrite: 01-06, 15, 16, 22, 23, 24.
   static FunctionRules rewritable();
+  friend bool operator==(const FunctionRules&, const FunctionRules&) = default;
 };
 
 struct Route {
@@ -76,6 +78,7 @@ struct Route {
   [[nodiscard]] bool may_write() const;
   /// Is the device one of those that it leads to?
   [[nodiscard]] bool leads_to(const drive::Device& server) const;
+  friend bool operator==(const Route&, const Route&) = default;
 };
 
 }  // namespace mbgate::routing

@@ -7,7 +7,7 @@
 #include <iostream>
 
 #include "config/diagnostic.hpp"
-#include "sim/simulator.hpp"
+#include "sim/program/simulator.hpp"
 
 namespace {
 

@@ -5,9 +5,9 @@
 
 #include <stdexcept>
 
-#include "config/profile_library.hpp"
+#include "config/profiles/profile_library.hpp"
 #include "modbus/rtu.hpp"
-#include "unit/gateway/printed_examples.hpp"
+#include "unit/gateway/exchanges/printed_examples.hpp"
 
 namespace mbgate::test {
 

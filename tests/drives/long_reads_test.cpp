@@ -3,7 +3,7 @@
 // becomes three, and its answer is one.
 #include "drives/drive_bench.hpp"
 #include "drives/simulated_maps.hpp"
-#include "sim/moons_drive.hpp"
+#include "sim/drives/moons_drive.hpp"
 
 namespace mbgate::test {
 namespace {

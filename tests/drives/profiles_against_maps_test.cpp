@@ -8,9 +8,9 @@
 #include "drives/drive_bench.hpp"
 #include "drives/simulated_maps.hpp"
 #include "modbus/make_request.hpp"
-#include "sim/aic_drive.hpp"
-#include "sim/moons_drive.hpp"
-#include "sim/stepper_drive.hpp"
+#include "sim/drives/aic_drive.hpp"
+#include "sim/drives/moons_drive.hpp"
+#include "sim/drives/stepper_drive.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "modbus/request.hpp"
-#include "sim/aic_map.hpp"
-#include "sim/fda6000_map.hpp"
-#include "sim/moons_map.hpp"
-#include "sim/stepper_map.hpp"
+#include "sim/drives/maps/aic_map.hpp"
+#include "sim/drives/maps/fda6000_map.hpp"
+#include "sim/drives/maps/moons_map.hpp"
+#include "sim/drives/maps/stepper_map.hpp"
 
 namespace mbgate::test {
 

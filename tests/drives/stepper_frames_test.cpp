@@ -5,7 +5,7 @@
 
 #include "drives/drive_bench.hpp"
 #include "drives/simulated_maps.hpp"
-#include "sim/stepper_drive.hpp"
+#include "sim/drives/stepper_drive.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 gateway::Settings usual() {
   gateway::Settings settings;
-  settings.own_unit.reset();
+  settings.status_unit.reset();
   settings.listeners.emplace_back().name = "clients";
   bus::BusSettings& line = settings.buses.emplace_back();
   line.name = "line";

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "bus/device_health.hpp"
+#include "bus/health/device_health.hpp"
 
 namespace mbgate::explore {
 

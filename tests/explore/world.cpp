@@ -26,26 +26,23 @@ World::World(const Plant& plant, const Bounds& bounds, bool is_told)
       bounds_(bounds),
       left_(bounds),
       is_told_(is_told),
-      now_(Instant{} + 1h),
-      begun_(now_ + kQuiet),
+      harness_(plant.settings, Instant{} + 1h),
+      begun_(now() + kQuiet),
       oracle_(plant),
-      gateway_(plant.settings, now_),
-      seen_(now_) {
+      seen_(now()) {
   settle();
-  now_ += kQuiet;
-  gateway_.handle(gateway::DeadlineReached{}, now_);
+  harness_.go_on(begun_);
+  harness_.handle(gateway::DeadlineReached{});
   for (std::uint8_t client = 0; client < kClients; ++client) {
     const std::string address = "192.0.2." + std::to_string(client + 1);
-    gateway_.handle(
-        gateway::ClientConnected{client_id(client),
-                                 {routing::ListenerId{0}, *routing::ClientAddress::parse(address)}},
-        now_);
+    harness_.handle(gateway::ClientConnected{
+        client_id(client), {routing::ListenerId{0}, *routing::ClientAddress::parse(address)}});
   }
   settle();
 }
 
 void World::take(const Choice& choice) {
-  seen_ = StateHash(now_);
+  seen_ = StateHash(now());
   if (is_told_) {
     tell("-- " + to_text(choice));
   }
@@ -68,7 +65,7 @@ void World::take(const Choice& choice) {
       break;
     case Act::sleep:
       --left_.delays;
-      asleep_since_ = now_;
+      asleep_since_ = now();
       oracle_.note_sleep();
       break;
     case Act::wake: asleep_since_.reset(); break;
@@ -83,18 +80,18 @@ void World::pass() {
   if (!asleep_since_ && is_due()) {
     hand_in();
     settle();
-    miss(now_);
-    oracle_.note_judged(now_);
-    gateway_.handle(gateway::DeadlineReached{}, now_);
-    const auto wake = gateway_.next_wake();
-    if (wake && wake->at <= now_ && gateway_.poll_action() == std::nullopt) {
+    miss(now());
+    oracle_.note_judged(now());
+    harness_.handle(gateway::DeadlineReached{});
+    const auto wake = harness_.next_wake();
+    if (wake && wake->at <= now() && harness_.gateway().poll_action() == std::nullopt) {
       oracle_.report("no progress: a deadline stays due");
     }
     return;
   }
   const auto next = next_instant();
   if (!asleep_since_) {
-    oracle_.note_passing(now_, left_.faults == bounds_.faults && left_.delays == bounds_.delays);
+    oracle_.note_passing(now(), left_.faults == bounds_.faults && left_.delays == bounds_.delays);
   }
   go_on(*next);
 }
@@ -125,7 +122,7 @@ void World::go_on(Instant to) {
   for (Flight& flight : oracle_.flights()) {
     flight.outstanding = flight.outstanding && to <= oracle_.end_of(flight);
   }
-  now_ = to;
+  harness_.go_on(to);
   require(age() < kLongestLife, "no world lives longer");
 }
 
@@ -134,7 +131,7 @@ void World::ask(const Ask& ask) {
   clients_ = std::max<std::uint8_t>(clients_, ask.client + 1U);
   devices_ = std::max<std::uint8_t>(devices_, ask.device + 1U);
   has_read_ = has_read_ || ask.is_read();
-  const std::size_t slot = oracle_.note_asked(ask, now_);
+  const std::size_t slot = oracle_.note_asked(ask, now());
   const Octets pdu = pdu_of(ask.word, static_cast<std::uint16_t>(kFirstValue + slot));
   const Octets adu = soak::spec::tcp_adu(static_cast<std::uint16_t>(slot),
                                          static_cast<std::uint8_t>(ask.device + 1U), pdu);
@@ -148,8 +145,8 @@ void World::ask(const Ask& ask) {
 
 void World::take_client(std::uint8_t client) {
   const Octets bytes = std::exchange(sockets_[client], {});
-  oracle_.note_taken(client, now_);
-  gateway_.handle(gateway::ClientBytes{client_id(client), bytes}, now_);
+  oracle_.note_taken(client, now());
+  harness_.handle(gateway::ClientBytes{client_id(client), bytes});
 }
 
 void World::arrive(std::uint16_t serial, Act form) {
@@ -171,7 +168,7 @@ void World::arrive(std::uint16_t serial, Act form) {
     case Act::twice: frame.insert(frame.end(), frame.begin(), frame.end()); break;
     case Act::half:
       frame.erase(middle, frame.end());
-      flight.half_at = now_;
+      flight.half_at = now();
       flight.rest_comes = true;
       break;
     case Act::rest:
@@ -196,28 +193,27 @@ void World::hand_in() {
   for (const Piece& piece : std::exchange(pieces_, {})) {
     Flight& flight = oracle_.flights()[piece.serial];
     if (piece.form == Act::damaged) {
-      oracle_.note_damaged(flight, now_);
+      oracle_.note_damaged(flight, now());
     } else if (piece.form != Act::half) {
-      oracle_.note_heard(flight, now_);
+      oracle_.note_heard(flight, now());
     }
   }
-  oracle_.note_bytes(now_);
-  gateway_.handle(gateway::LineBytes{kLine, bytes}, now_);
+  oracle_.note_bytes(now());
+  harness_.handle(gateway::LineBytes{kLine, bytes});
 }
 
 void World::settle() {
-  while (auto action = gateway_.poll_action()) {
-    handle(*action);
-  }
+  harness_.drain([this](const gateway::Action& action) { handle(action); });
   for (const gateway::ClientId client : std::exchange(written_, {})) {
-    gateway_.handle(gateway::ClientSent{client}, now_);
+    harness_.handle(gateway::ClientSent{client});
   }
-  require(!gateway_.poll_action().has_value(), "nothing follows when an answer is written");
+  require(!harness_.gateway().poll_action().has_value(),
+          "nothing follows when an answer is written");
 }
 
 void World::handle(const gateway::Action& action) {
   if (is_told_) {
-    tell(gateway::to_text(action, gateway_.settings()));
+    tell(gateway::to_text(action, harness_.settings()));
   }
   if (const auto* send = std::get_if<gateway::Send>(&action)) {
     const Octets adu(send->adu.begin(), send->adu.end());
@@ -226,31 +222,31 @@ void World::handle(const gateway::Action& action) {
     seen_.add(soak::spec::word_at(adu, 0));
     seen_.add(adu.back());
     seen_.add(adu.size());
-    oracle_.note_sent(client, adu, now_);
+    oracle_.note_sent(client, adu, now());
     written_.push_back(send->client);
   } else if (const auto* transmit = std::get_if<gateway::Transmit>(&action)) {
     const Octets frame(transmit->frame.begin(), transmit->frame.end());
     seen_.add(std::span(frame));
     for (Flight& flight : oracle_.flights()) {  // the line was looked at, and nothing lay there
-      flight.outstanding = flight.outstanding && now_ < oracle_.end_of(flight);
+      flight.outstanding = flight.outstanding && now() < oracle_.end_of(flight);
     }
-    oracle_.note_transmitted(frame, now_);
+    oracle_.note_transmitted(frame, now());
     if (const auto cut = oracle_.take_cut()) {
       miss_cut(oracle_.flights()[*cut]);
     }
   } else if (std::holds_alternative<gateway::Look>(action)) {
     hand_in();
-    gateway_.handle(gateway::LineLooked{kLine}, now_);
+    harness_.handle(gateway::LineLooked{kLine});
   } else if (std::holds_alternative<gateway::Open>(action)) {
-    gateway_.handle(gateway::LineOpened{kLine}, now_);
+    harness_.handle(gateway::LineOpened{kLine});
   } else if (!std::holds_alternative<gateway::Report>(action)) {
     oracle_.report("an action that no small world has");
   }
 }
 
 Digest World::digest() {
-  StateHash hash(now_);
-  StateReader::read(gateway_, hash);
+  StateHash hash(now());
+  StateReader::read(harness_.gateway(), hash);
   oracle_.read(hash);
   hash.add(left_.requests);
   for (const Octets& socket : sockets_) {
@@ -263,7 +259,7 @@ Digest World::digest() {
   hash.add(pieces_.size());
   hash.add(is_left_);
   hash.add(asleep_since_.has_value());
-  hash.since(asleep_since_.value_or(now_), kFarPast);
+  hash.since(asleep_since_.value_or(now()), kFarPast);
   hash.add(clients_);
   hash.add(devices_);
   hash.add(has_read_);
@@ -273,7 +269,7 @@ Digest World::digest() {
 Digest World::seen() { return seen_.digest(); }
 
 void World::tell(const std::string& text) const {
-  const auto since = std::chrono::duration<double, std::milli>(now_ - begun_);
+  const auto since = std::chrono::duration<double, std::milli>(now() - begun_);
   std::printf("%14.6f ms  %s\n", since.count(), text.c_str());
 }
 

@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "explore/oracle.hpp"
-#include "gateway/gateway.hpp"
+#include "support/gateway_harness.hpp"
 
 namespace mbgate::explore {
 
@@ -71,7 +71,7 @@ class World {
   /// What was seen from outside since the last choice: frames and answers, less the numbers that
   /// only tell transmissions apart.
   [[nodiscard]] Digest seen();
-  [[nodiscard]] Duration age() const { return now_ - begun_; }
+  [[nodiscard]] Duration age() const { return now() - begun_; }
 
  private:
   struct Piece {
@@ -92,6 +92,7 @@ class World {
   [[nodiscard]] unsigned missed(Instant until) const;
   [[nodiscard]] const Flight* half_heard() const;
 
+  [[nodiscard]] Instant now() const { return harness_.now(); }
   void pass();
   void miss(Instant until);
   void miss_cut(Flight& flight);
@@ -108,10 +109,9 @@ class World {
   Bounds bounds_;
   Bounds left_;
   bool is_told_;
-  Instant now_;
+  test::GatewayHarness harness_;
   Instant begun_;
   Oracle oracle_;
-  gateway::Gateway gateway_;
   std::vector<Octets> sockets_{kClients};  ///< what the kernel has of clients,
   Octets kernel_;                          ///< and of the line
   std::vector<Piece> pieces_;              ///< that these are

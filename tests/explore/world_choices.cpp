@@ -19,8 +19,8 @@ constexpr Duration kLatest = 500ms;
 }  // namespace
 
 bool World::is_due() const {
-  const auto wake = gateway_.next_wake();
-  return wake && wake->at <= now_;
+  const auto wake = harness_.next_wake();
+  return wake && wake->at <= now();
 }
 
 const Flight* World::half_heard() const {
@@ -29,7 +29,7 @@ const Flight* World::half_heard() const {
 }
 
 bool World::may_come(const Flight& flight) const {
-  return flight.outstanding && now_ >= flight.left + kAnswering && cost_of(flight) <= left_.faults;
+  return flight.outstanding && now() >= flight.left + kAnswering && cost_of(flight) <= left_.faults;
 }
 
 // Its device would have left others unanswered.
@@ -54,7 +54,7 @@ unsigned World::missed(Instant until) const {
 // A deadline judges what has come by then; time that goes on passes all instants before the next.
 bool World::may_pass() const {
   if (!asleep_since_ && is_due()) {
-    return missed(now_) <= left_.faults;
+    return missed(now()) <= left_.faults;
   }
   const auto next = next_instant();
   return next && missed(*next - kAnInstant) <= left_.faults;
@@ -63,7 +63,7 @@ bool World::may_pass() const {
 std::optional<Instant> World::next_instant() const {
   std::vector<Instant> edges;
   std::vector<Instant> instants;
-  const auto wake = gateway_.next_wake();
+  const auto wake = harness_.next_wake();
   if (wake) {
     edges.push_back(wake->at);
   }
@@ -84,7 +84,7 @@ std::optional<Instant> World::next_instant() const {
     instants.push_back(*asleep_since_ + kLatest);
   }
   for (const Instant edge : edges) {
-    if (edge + kAnInstant <= now_) {
+    if (edge + kAnInstant <= now()) {
       continue;
     }
     instants.push_back(edge);
@@ -95,7 +95,7 @@ std::optional<Instant> World::next_instant() const {
       instants.push_back(edge + kAnInstant);
     }
   }
-  std::erase_if(instants, [&](Instant it) { return it <= now_; });
+  std::erase_if(instants, [&](Instant it) { return it <= now(); });
   if (instants.empty()) {
     return std::nullopt;
   }
@@ -183,7 +183,7 @@ std::vector<Choice> World::choices() {
   if (may_pass()) {
     choices.push_back({Act::pass});
   }
-  if (asleep_since_ && now_ > *asleep_since_) {
+  if (asleep_since_ && now() > *asleep_since_) {
     choices.push_back({Act::wake});
   } else if (!asleep_since_ && is_due() && left_.delays > 0) {
     choices.push_back({Act::sleep});

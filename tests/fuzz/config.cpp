@@ -4,7 +4,7 @@
 
 #include "config/load.hpp"
 #include "fuzz/fuzz.hpp"
-#include "gateway/gateway.hpp"
+#include "support/gateway_harness.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mbgate;
@@ -18,12 +18,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(config::render(loaded.diagnostics).empty() == loaded.diagnostics.empty(),
           "every diagnostic says something");
   if (loaded.settings && loaded.settings->buses.size() < 100) {
-    gateway::Gateway gateway(*std::move(loaded.settings), gateway::Instant{});
+    test::GatewayHarness harness(*std::move(loaded.settings), gateway::Instant{});
     std::size_t lines = 0;
-    while (const auto action = gateway.poll_action()) {
-      lines += std::holds_alternative<gateway::Open>(*action) ? 1U : 0U;
-    }
-    require(lines == gateway.settings().buses.size(), "a gateway asks for every line");
+    harness.drain([&](const gateway::Action& action) {
+      lines += std::holds_alternative<gateway::Open>(action) ? 1U : 0U;
+    });
+    require(lines == harness.settings().buses.size(), "a gateway asks for every line");
   }
   return 0;
 }

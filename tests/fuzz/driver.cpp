@@ -18,7 +18,7 @@ constexpr bus::Duration kPatience = 60s;
 }  // namespace
 
 Driver::Driver(gateway::Settings settings)
-    : gateway_(std::move(settings), now_), lines_(gateway_.settings().buses.size()) {
+    : harness_(std::move(settings), bus::Instant{1s}), lines_(harness_.settings().buses.size()) {
   drain();
 }
 
@@ -28,11 +28,8 @@ void Driver::connect(std::uint32_t listener, std::uint8_t host, std::size_t byte
   octets[15] = host;
   const ClientId id{next_client_++};
   clients_.try_emplace(id);
-  gateway_.handle(
-      gateway::ClientConnected{
-          id, {gateway::ListenerId{listener}, routing::ClientAddress(octets), bytes_before_ready}},
-      now_);
-  drain();
+  feed(gateway::ClientConnected{
+      id, {gateway::ListenerId{listener}, routing::ClientAddress(octets), bytes_before_ready}});
 }
 
 void Driver::client_bytes(std::size_t index, modbus::Bytes bytes) {
@@ -56,7 +53,7 @@ void Driver::read(ClientId id, Client& client, modbus::Bytes bytes) {
   for (const auto& piece : client.held) {
     unread += piece.size();
   }
-  gateway_.handle(gateway::ClientBytes{id, bytes, unread}, now_);
+  harness_.handle(gateway::ClientBytes{id, bytes, unread});
 }
 
 /// Every whole request of the stream is due one answer.
@@ -82,16 +79,14 @@ void Driver::half_close(std::size_t index) {
   Client* const client = client_at(index);
   if (client != nullptr && !client->ended) {
     client->ended = true;  // noticed at once; reading may come to it later
-    gateway_.handle(gateway::ClientHalfClosed{ClientId{index}}, now_);
-    drain();
+    feed(gateway::ClientHalfClosed{ClientId{index}});
   }
 }
 
 void Driver::disconnect(std::size_t index) {
   if (Client* const client = client_at(index)) {
     client->open = false;
-    gateway_.handle(gateway::ClientDisconnected{ClientId{index}}, now_);
-    drain();
+    feed(gateway::ClientDisconnected{ClientId{index}});
   }
 }
 
@@ -99,23 +94,20 @@ void Driver::confirm(std::size_t index) {
   Client* const client = client_at(index);
   if (client != nullptr && client->unconfirmed > 0) {
     --client->unconfirmed;
-    gateway_.handle(gateway::ClientSent{ClientId{index}}, now_);
-    drain();
+    feed(gateway::ClientSent{ClientId{index}});
   }
 }
 
 void Driver::line_bytes(std::size_t bus, modbus::Bytes bytes) {
   if (lines_[bus].open && !bytes.empty()) {
-    gateway_.handle(gateway::LineBytes{BusId{static_cast<std::uint32_t>(bus)}, bytes}, now_);
-    drain();
+    feed(gateway::LineBytes{BusId{static_cast<std::uint32_t>(bus)}, bytes});
   }
 }
 
 void Driver::lose(std::size_t bus) {
   if (lines_[bus].open) {
     lines_[bus].open = false;
-    gateway_.handle(gateway::LineLost{BusId{static_cast<std::uint32_t>(bus)}}, now_);
-    drain();
+    feed(gateway::LineLost{BusId{static_cast<std::uint32_t>(bus)}});
   }
 }
 
@@ -126,21 +118,16 @@ void Driver::set_slow(std::size_t bus, bool slow) {
 
 void Driver::reload(gateway::Settings settings, bool is_same) {
   if (is_same) {
-    handle_due();  // what is due now is not set off by the settings
+    advance({});  // what is due now is not set off by the settings
   }
-  if (!stopping_) {
-    const auto before = std::exchange(lines_, {});
-    const auto& old = gateway_.settings().buses;
-    for (const auto& bus : settings.buses) {
-      const auto same = std::ranges::find(old, bus.name, &bus::BusSettings::name);
-      Line& line = lines_.emplace_back();
-      if (same != old.end()) {
-        line = before[static_cast<std::size_t>(same - old.begin())];
-        line.outdated = same->line != bus.line;
-      }
-    }
+  const auto before = harness_.settings().buses;
+  harness_.handle(gateway::SettingsChanged{&settings});
+  const auto& after = harness_.settings().buses;
+  for (std::size_t bus = 0; bus < before.size(); ++bus) {
+    const bool changed = after[bus].is_gone || after[bus].line != before[bus].line;
+    lines_[bus].outdated = !before[bus].is_gone && changed;
   }
-  gateway_.handle(gateway::SettingsChanged{&settings}, now_);
+  lines_.resize(after.size());
   undisturbed_ = is_same;
   drain();
   require(std::ranges::none_of(lines_, &Line::outdated), "a line that has changed is closed");
@@ -148,27 +135,23 @@ void Driver::reload(gateway::Settings settings, bool is_same) {
 
 void Driver::shutdown() {
   stopping_ = true;
-  gateway_.handle(gateway::ShutdownAsked{}, now_);
-  drain();
+  feed(gateway::ShutdownAsked{});
 }
 
 void Driver::advance(bus::Duration duration) {
-  const bus::Instant end = now_ + duration;
-  for (auto next = gateway_.next_wake(); next && next->at <= end; next = gateway_.next_wake()) {
-    now_ = std::max(now_, next->at);
-    handle_due();
-  }
-  now_ = end;
+  bus::Instant place = harness_.now();
+  int turns = 0;
+  harness_.advance(place + duration, [&] {
+    turns = harness_.now() > place ? 1 : turns + 1;
+    place = harness_.now();
+    require(turns <= kMostTurns, "handling a deadline gets on");
+    drain();
+  });
 }
 
-/// Time stands still until nothing is due any more.
-void Driver::handle_due() {
-  int turns = 0;
-  for (auto next = gateway_.next_wake(); next && next->at <= now_; next = gateway_.next_wake()) {
-    require(++turns <= kMostTurns, "handling a deadline gets on");
-    gateway_.handle(gateway::DeadlineReached{}, now_);
-    drain();
-  }
+void Driver::feed(const gateway::Input& input) {
+  harness_.handle(input);
+  drain();
 }
 
 void Driver::finish() {
@@ -176,8 +159,8 @@ void Driver::finish() {
     line.slow = false;
   }
   drain();
-  const bus::Instant end = now_ + kPatience;
-  while (now_ < end) {
+  const bus::Instant end = harness_.now() + kPatience;
+  while (harness_.now() < end) {
     for (auto& [id, client] : clients_) {
       while (client.open && client.unconfirmed > 0) {
         confirm(static_cast<std::size_t>(id));
@@ -197,15 +180,15 @@ void Driver::finish() {
 void Driver::drain() {
   int actions = 0;
   do {
-    while (const auto action = gateway_.poll_action()) {
+    harness_.drain([&](const gateway::Action& action) {
       require(++actions <= kMostActions, "one input does not set off actions without end");
       require(!undisturbed_, "the same settings again change nothing");
-      std::visit([this](const auto& wanted) { take(wanted); }, *action);
-    }
+      std::visit([this](const auto& wanted) { take(wanted); }, action);
+    });
     undisturbed_ = false;
   } while (serve_lines() || serve_clients());
-  const auto next = gateway_.next_wake();
-  require(!next || next->at < now_ + 1h, "no deadline is further away than any timeout");
+  const auto next = harness_.next_wake();
+  require(!next || next->at < harness_.now() + 1h, "no deadline is further away than any timeout");
 }
 
 Driver::Line& Driver::line(BusId bus) {
@@ -222,8 +205,8 @@ bool Driver::serve_lines() {
       const BusId bus{static_cast<std::uint32_t>(index)};
       any = true;
       line.open = line.present;
-      line.present ? gateway_.handle(gateway::LineOpened{bus}, now_)
-                   : gateway_.handle(gateway::LineLost{bus}, now_);
+      line.present ? harness_.handle(gateway::LineOpened{bus})
+                   : harness_.handle(gateway::LineLost{bus});
     }
   }
   return any;
@@ -238,8 +221,8 @@ bool Driver::serve_clients() {
       continue;
     }
     if (client->held.empty()) {
-      client->ended ? gateway_.handle(gateway::ClientHalfClosed{id}, now_)
-                    : gateway_.handle(gateway::ClientBytes{id, {}, 0}, now_);
+      client->ended ? harness_.handle(gateway::ClientHalfClosed{id})
+                    : harness_.handle(gateway::ClientBytes{id, {}, 0});
       continue;
     }
     const auto bytes = std::move(client->held.front());

@@ -9,8 +9,8 @@
 
 #include "fuzz/fuzz.hpp"
 #include "fuzz/plant.hpp"
-#include "gateway/gateway.hpp"
 #include "modbus/ascii.hpp"
+#include "support/gateway_harness.hpp"
 
 namespace mbgate::fuzz {
 
@@ -42,9 +42,9 @@ class Driver {
   void finish();
 
   [[nodiscard]] std::size_t buses() const { return lines_.size(); }
-  [[nodiscard]] std::size_t listeners() const { return gateway_.settings().listeners.size(); }
+  [[nodiscard]] std::size_t listeners() const { return harness_.settings().listeners.size(); }
   [[nodiscard]] bus::Framing framing(std::size_t bus) const {
-    return gateway_.settings().buses[bus].line.framing;
+    return harness_.settings().buses[bus].line.framing;
   }
   /// What the line has last heard from the machine.
   [[nodiscard]] const bus::FrameBytes& heard(std::size_t bus) const { return lines_[bus].heard; }
@@ -79,11 +79,11 @@ class Driver {
   }
   void read(ClientId id, Client& client, modbus::Bytes bytes);
   void expect_answers(Client& client);
+  void feed(const gateway::Input& input);
   void drain();
   [[nodiscard]] Line& line(BusId bus);
   bool serve_lines();
   bool serve_clients();
-  void handle_due();
   void take(const gateway::Send& action);
   void take(const gateway::Pause& action);
   void take(const gateway::Resume& action);
@@ -95,8 +95,7 @@ class Driver {
   void take(const gateway::Report& action);
   void take(const gateway::Finished& action);
 
-  bus::Instant now_{std::chrono::seconds(1)};
-  gateway::Gateway gateway_;
+  test::GatewayHarness harness_;
   std::vector<Line> lines_;
   std::map<ClientId, Client> clients_;
   std::vector<ClientId> resumed_;

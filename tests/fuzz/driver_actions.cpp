@@ -47,7 +47,7 @@ void Driver::take(const gateway::Open& action) {
 
 void Driver::take(const gateway::Look& action) {
   require(line(action.bus).open, "an open line is looked at");
-  gateway_.handle(gateway::LineLooked{action.bus}, now_);
+  harness_.handle(gateway::LineLooked{action.bus});
 }
 
 void Driver::take(const gateway::Transmit& action) {
@@ -64,7 +64,7 @@ void Driver::take(const gateway::Shut& action) {
 }
 
 void Driver::take(const gateway::Report& action) {
-  require(!gateway::to_text(action.event, gateway_.settings()).empty(), "an event has a text");
+  require(!gateway::to_text(action.event, harness_.settings()).empty(), "an event has a text");
 }
 
 void Driver::take(const gateway::Finished& /*action*/) {

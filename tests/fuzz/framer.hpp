@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "bus/framer.hpp"
+#include "bus/serial/framer.hpp"
 #include "fuzz/fuzz.hpp"
 
 namespace mbgate::fuzz {

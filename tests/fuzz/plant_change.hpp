@@ -110,7 +110,7 @@ inline gateway::Settings changed(gateway::Settings settings, std::uint16_t chang
   }
   if (chosen(9)) {
     settings.listeners[0].read_only = {*routing::Network::parse("0.0.0.0/8")};
-    settings.own_unit.reset();
+    settings.status_unit.reset();
   }
   if (chosen(10)) {
     settings.listeners.pop_back();

@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-#include "config/profile_file.hpp"
+#include "config/profiles/profile_file.hpp"
 #include "fuzz/fuzz.hpp"
 #include "modbus/make_request.hpp"
 #include "routing/plan.hpp"

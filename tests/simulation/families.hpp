@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "config/profile_file.hpp"
+#include "config/profiles/profile_file.hpp"
 #include "simulation/world.hpp"
 #include "support/hex.hpp"
 

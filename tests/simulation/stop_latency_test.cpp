@@ -3,7 +3,7 @@
 // move which waited for the same drive never runs. Every instant is exact.
 #include <numeric>
 
-#include "config/profile_file.hpp"
+#include "config/profiles/profile_file.hpp"
 #include "simulation/traffic.hpp"
 
 namespace mbgate::test {

@@ -45,11 +45,10 @@ World::World(const std::vector<BusPlan>& buses, OnAnswer on_answer)
 
 World::World(const gateway::Settings& settings,
              const std::vector<std::vector<sim::DeviceSettings>>& devices, OnAnswer on_answer)
-    : on_answer_(std::move(on_answer)) {
+    : on_answer_(std::move(on_answer)), harness_(settings, Instant{1s}) {
   for (std::size_t bus = 0; bus < devices.size(); ++bus) {
     wires_.emplace_back(wire_for(settings.buses[bus]), devices[bus]);
   }
-  gateway_.emplace(settings, now_);
   drain();
 }
 
@@ -57,37 +56,26 @@ ClientId World::connect(std::size_t listener, unsigned host) {
   const ClientId client{++clients_};
   const auto address = routing::ClientAddress::parse("10.0." + std::to_string(host / 250) + "." +
                                                      std::to_string(host % 250 + 1));
-  gateway_->handle(
-      gateway::ClientConnected{client,
-                               {ListenerId{static_cast<std::uint32_t>(listener)}, *address}},
-      now_);
-  drain();
+  feed(gateway::ClientConnected{client,
+                                {ListenerId{static_cast<std::uint32_t>(listener)}, *address}});
   return client;
 }
 
 void World::send(ClientId client, modbus::Bytes bytes) {
-  gateway_->handle(gateway::ClientBytes{client, bytes}, now_);
-  drain();
+  feed(gateway::ClientBytes{client, bytes});
 }
 
-void World::half_close(ClientId client) {
-  gateway_->handle(gateway::ClientHalfClosed{client}, now_);
-  drain();
-}
+void World::half_close(ClientId client) { feed(gateway::ClientHalfClosed{client}); }
 
-void World::disconnect(ClientId client) {
-  gateway_->handle(gateway::ClientDisconnected{client}, now_);
-  drain();
-}
+void World::disconnect(ClientId client) { feed(gateway::ClientDisconnected{client}); }
 
 void World::unplug(std::size_t bus) {
   wires_[bus].disconnect();
-  gateway_->handle(gateway::LineLost{BusId{static_cast<std::uint32_t>(bus)}}, now_);
-  drain();
+  feed(gateway::LineLost{BusId{static_cast<std::uint32_t>(bus)}});
 }
 
 std::optional<Instant> World::next_event() const {
-  const auto wake = gateway_->next_wake();
+  const auto wake = harness_.next_wake();
   auto next = wake ? std::optional(wake->at) : std::nullopt;
   for (const sim::Wire& wire : wires_) {
     next = bus::earlier(next, wire.next_event());
@@ -99,41 +87,46 @@ void World::run(Instant limit, const std::function<bool()>& done) {
   while (!done()) {
     const auto next = next_event();
     if (!next || *next > limit) {
-      now_ = std::max(now_, limit);
+      harness_.go_on(std::max(now(), limit));
       return;
     }
-    now_ = std::max(now_, *next);
+    harness_.go_on(std::max(now(), *next));
     step();
   }
 }
 
 void World::step() {
   for (std::size_t bus = 0; bus < wires_.size(); ++bus) {
-    const auto bytes = wires_[bus].advance(now_);
+    const auto bytes = wires_[bus].advance(now());
     if (!bytes.empty()) {
-      gateway_->handle(gateway::LineBytes{BusId{static_cast<std::uint32_t>(bus)}, bytes}, now_);
-      drain();
+      feed(gateway::LineBytes{BusId{static_cast<std::uint32_t>(bus)}, bytes});
     }
   }
-  gateway_->handle(gateway::DeadlineReached{}, now_);
+  feed(gateway::DeadlineReached{});
+}
+
+void World::feed(const gateway::Input& input) {
+  harness_.handle(input);
   drain();
 }
 
 void World::drain() {
-  while (const auto action = gateway_->poll_action()) {
-    if (const auto* send = std::get_if<gateway::Send>(&*action)) {
-      gateway_->handle(gateway::ClientSent{send->client}, now_);
-      on_answer_(send->client, {send->adu.data(), send->adu.size()});
-    } else if (const auto* transmit = std::get_if<gateway::Transmit>(&*action)) {
-      wires_[static_cast<std::size_t>(transmit->bus)].transmit(
-          {transmit->frame.data(), transmit->frame.size()}, now_);
-    } else if (const auto* look = std::get_if<gateway::Look>(&*action)) {
-      gateway_->handle(gateway::LineLooked{look->bus}, now_);
-    } else if (const auto* open = std::get_if<gateway::Open>(&*action)) {
-      gateway_->handle(gateway::LineOpened{open->bus}, now_);
-    } else if (const auto* close = std::get_if<gateway::Close>(&*action)) {
-      closed_[close->client] = true;
-    }
+  harness_.drain([this](const gateway::Action& action) { take(action); });
+}
+
+void World::take(const gateway::Action& action) {
+  if (const auto* send = std::get_if<gateway::Send>(&action)) {
+    harness_.handle(gateway::ClientSent{send->client});
+    on_answer_(send->client, {send->adu.data(), send->adu.size()});
+  } else if (const auto* transmit = std::get_if<gateway::Transmit>(&action)) {
+    wires_[static_cast<std::size_t>(transmit->bus)].transmit(
+        {transmit->frame.data(), transmit->frame.size()}, now());
+  } else if (const auto* look = std::get_if<gateway::Look>(&action)) {
+    harness_.handle(gateway::LineLooked{look->bus});
+  } else if (const auto* open = std::get_if<gateway::Open>(&action)) {
+    harness_.handle(gateway::LineOpened{open->bus});
+  } else if (const auto* close = std::get_if<gateway::Close>(&action)) {
+    closed_[close->client] = true;
   }
 }
 

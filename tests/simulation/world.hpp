@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "gateway/gateway.hpp"
-#include "sim/wire.hpp"
+#include "sim/wire/wire.hpp"
+#include "support/gateway_harness.hpp"
 
 namespace mbgate::test {
 
@@ -46,25 +46,26 @@ class World {
   /// Runs until nothing is left to happen before `limit`, or `done` says so.
   void run(Instant limit, const std::function<bool()>& done);
   void run_for(Duration duration) {
-    run(now_ + duration, [] { return false; });
+    run(now() + duration, [] { return false; });
   }
 
-  [[nodiscard]] Instant now() const { return now_; }
+  [[nodiscard]] Instant now() const { return harness_.now(); }
   [[nodiscard]] sim::Wire& wire(std::size_t bus) { return wires_[bus]; }
-  [[nodiscard]] gateway::Gateway& gateway() { return *gateway_; }
+  [[nodiscard]] gateway::Gateway& gateway() { return harness_.gateway(); }
   [[nodiscard]] bool is_closed(ClientId client) const { return closed_.contains(client); }
   [[nodiscard]] std::uint64_t silence_violations() const;
   [[nodiscard]] std::uint64_t collisions() const;
 
  private:
+  void feed(const gateway::Input& input);
   void drain();
+  void take(const gateway::Action& action);
   void step();
   [[nodiscard]] std::optional<Instant> next_event() const;
 
   OnAnswer on_answer_;
-  Instant now_{1s};
+  GatewayHarness harness_;
   std::deque<sim::Wire> wires_;
-  std::optional<gateway::Gateway> gateway_;
   std::map<ClientId, bool> closed_;
   std::uint64_t clients_ = 0;
 };

@@ -21,12 +21,16 @@ Places places_of(const std::vector<bool>& absent, Random* random) {
   return places;
 }
 
-template <typename Id>
-std::optional<Id> find(const Places& places, std::size_t of_plan) {
+std::optional<std::size_t> find(const Places& places, std::size_t of_plan) {
   const auto found = std::ranges::find(places, of_plan);
-  return found == places.end()
-             ? std::nullopt
-             : std::optional(Id{static_cast<std::uint32_t>(found - places.begin())});
+  return found == places.end() ? std::nullopt
+                               : std::optional(static_cast<std::size_t>(found - places.begin()));
+}
+
+// The number that the written settings have for it.
+template <typename Id>
+Id written(const Places& places, Id of_plan) {
+  return Id{static_cast<std::uint32_t>(*find(places, static_cast<std::size_t>(of_plan)))};
 }
 
 }  // namespace
@@ -39,12 +43,12 @@ Arrangement::Arrangement(const SoakPlan& plan, Random* random)
     : listeners_(places_of(plan.absent.listeners, random)),
       buses_(places_of(plan.absent.buses, random)),
       devices_(places_of(plan.absent.devices, random)) {
-  settings_.own_unit = plan.settings.own_unit;
+  settings_.status_unit = plan.settings.status_unit;
   settings_.weights = plan.settings.weights;
   for (const std::size_t place : listeners_) {
     auto& listener = settings_.listeners.emplace_back(plan.settings.listeners[place]);
     if (listener.bus) {
-      listener.bus = bus(static_cast<std::size_t>(*listener.bus));
+      listener.bus = written(buses_, *listener.bus);
     }
   }
   for (const std::size_t place : buses_) {
@@ -57,7 +61,7 @@ Arrangement::Arrangement(const SoakPlan& plan, Random* random)
 void Arrangement::add_devices(const SoakPlan& plan) {
   for (const std::size_t place : devices_) {
     auto& device = settings_.devices.emplace_back(plan.settings.devices[place]);
-    device.bus = *bus(static_cast<std::size_t>(device.bus));
+    device.bus = written(buses_, device.bus);
     if (!plan.settings.guards.empty()) {
       settings_.guards.push_back(place < plan.settings.guards.size() ? plan.settings.guards[place]
                                                                      : gateway::DeviceGuard{});
@@ -71,8 +75,8 @@ void Arrangement::add_routes(const SoakPlan& plan, const Places& order) {
     routing::Route route = plan.settings.routes[place];
     std::vector<gateway::BusId> there;
     for (const gateway::BusId it : route.buses) {
-      if (const auto id = bus(static_cast<std::size_t>(it))) {
-        there.push_back(*id);
+      if (!plan.absent.buses[static_cast<std::size_t>(it)]) {
+        there.push_back(written(buses_, it));
       }
     }
     if (there.empty() || (route.device && plan.absent.devices[*route.device])) {
@@ -81,25 +85,21 @@ void Arrangement::add_routes(const SoakPlan& plan, const Places& order) {
     route.buses = std::move(there);
     if (route.device) {
       route.first_address = plan.settings.devices[*route.device].address;
-      route.device = device(*route.device);
+      route.device = find(devices_, *route.device);
     }
     if (route.listener) {
-      route.listener = listener(static_cast<std::size_t>(*route.listener));
+      route.listener = written(listeners_, *route.listener);
     }
     settings_.routes.push_back(std::move(route));
   }
 }
 
-std::optional<gateway::BusId> Arrangement::bus(std::size_t of_plan) const {
-  return find<gateway::BusId>(buses_, of_plan);
+std::optional<std::size_t> Arrangement::place_of_bus(std::size_t of_plan) const {
+  return find(buses_, of_plan);
 }
 
-std::optional<gateway::ListenerId> Arrangement::listener(std::size_t of_plan) const {
-  return find<gateway::ListenerId>(listeners_, of_plan);
-}
-
-std::optional<std::size_t> Arrangement::device(std::size_t of_plan) const {
-  return find<std::size_t>(devices_, of_plan);
+std::optional<std::size_t> Arrangement::place_of_device(std::size_t of_plan) const {
+  return find(devices_, of_plan);
 }
 
 }  // namespace mbgate::soak

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plan's settings as a user wrote them down: what is there at present, in any order. The
-// gateway numbers things by their places there, the soak by their places in the plan.
+// The plan's settings as a user wrote them down: what is there at present, in any order. Numbers
+// are the places in the plan, because all of it is there when the gateway begins.
 #pragma once
 
 #include <utility>
@@ -19,13 +19,9 @@ class Arrangement {
 
   /// To be asked once: they are given away.
   [[nodiscard]] gateway::Settings take_settings() { return std::move(settings_); }
-  /// Nothing: it is absent.
-  [[nodiscard]] std::optional<gateway::BusId> bus(std::size_t of_plan) const;
-  [[nodiscard]] std::optional<gateway::ListenerId> listener(std::size_t of_plan) const;
-  [[nodiscard]] std::optional<std::size_t> device(std::size_t of_plan) const;
-  [[nodiscard]] std::size_t plan_bus(gateway::BusId bus) const {
-    return buses_[static_cast<std::size_t>(bus)];
-  }
+  /// Where it is written down; nothing: it is absent.
+  [[nodiscard]] std::optional<std::size_t> place_of_bus(std::size_t of_plan) const;
+  [[nodiscard]] std::optional<std::size_t> place_of_device(std::size_t of_plan) const;
 
  private:
   Arrangement(const SoakPlan& plan, Random* random);

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "gateway/event.hpp"
+#include "gateway/client.hpp"
 #include "modbus/request.hpp"
 #include "soak/plan.hpp"
 #include "soak/registers.hpp"

@@ -55,7 +55,7 @@ void Client::connect() {
       tools_.all, [&](const Client& it) { return it.connected_ && it.shares_listener(*this); }));
   is_connecting_ = true;
   tools_.full = present > most ? manners_.listener : kNoListener;
-  tools_.gateway.handle(
+  tools_.harness.handle(
       gateway::ClientConnected{number_, {*listener, address_of(manners_.host), socket_.size()}},
       tools_.schedule.now());
   tools_.drain();
@@ -212,7 +212,7 @@ void Client::vanish() {
 void Client::be_gone() {
   connected_ = false;
   tools_.oracle.gone(number_);
-  tools_.gateway.handle(gateway::ClientDisconnected{number_}, tools_.schedule.now());
+  tools_.harness.handle(gateway::ClientDisconnected{number_}, tools_.schedule.now());
   tools_.drain();
   reconnect_later();
 }
@@ -234,7 +234,7 @@ void Client::half_close() {
     }
     if (paused_) {
       tools_.oracle.half_closed(number_);
-      tools_.gateway.handle(gateway::ClientHalfClosed{number_}, tools_.schedule.now());
+      tools_.harness.handle(gateway::ClientHalfClosed{number_}, tools_.schedule.now());
       tools_.drain();
     } else {
       feed();

@@ -7,10 +7,10 @@
 #include <functional>
 #include <vector>
 
-#include "gateway/gateway.hpp"
 #include "soak/asking.hpp"
 #include "soak/driver.hpp"
 #include "soak/oracle.hpp"
+#include "support/gateway_harness.hpp"
 
 namespace mbgate::soak {
 
@@ -19,7 +19,7 @@ inline constexpr std::size_t kNoListener = ~std::size_t{0};
 class Client {
  public:
   struct Tools {
-    gateway::Gateway& gateway;
+    test::GatewayHarness& harness;
     Driver& driver;
     Oracle& oracle;
     Schedule& schedule;

@@ -40,7 +40,7 @@ void Client::feed() {
   if (connected_ && !paused_ && half_closed_ && !fin_read_ && socket_.empty()) {
     fin_read_ = true;
     tools_.oracle.half_closed(number_);
-    tools_.gateway.handle(gateway::ClientHalfClosed{number_}, tools_.schedule.now());
+    tools_.harness.handle(gateway::ClientHalfClosed{number_}, tools_.schedule.now());
     tools_.drain();
   }
 }
@@ -67,7 +67,7 @@ void Client::read_some() {
     tools_.oracle.delivered(number_, marks_.front().id);
     marks_.pop_front();
   }
-  tools_.gateway.handle(gateway::ClientBytes{number_, piece, socket_.size()},
+  tools_.harness.handle(gateway::ClientBytes{number_, piece, socket_.size()},
                         tools_.schedule.now());
   tools_.drain();
 }
@@ -79,7 +79,7 @@ void Client::resume() {
       return;
     }
     if (socket_.empty()) {
-      tools_.gateway.handle(gateway::ClientBytes{number_, {}, 0}, tools_.schedule.now());
+      tools_.harness.handle(gateway::ClientBytes{number_, {}, 0}, tools_.schedule.now());
       tools_.drain();
     }
     feed();
@@ -105,7 +105,7 @@ void Client::confirm() {
   --unconfirmed_;
   active_ = tools_.schedule.now();
   tools_.oracle.answer_sent(number_);
-  tools_.gateway.handle(gateway::ClientSent{number_}, tools_.schedule.now());
+  tools_.harness.handle(gateway::ClientSent{number_}, tools_.schedule.now());
   tools_.drain();
 }
 

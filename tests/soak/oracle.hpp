@@ -8,8 +8,8 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <unordered_map>
 
+#include "gateway/event.hpp"
 #include "soak/asked.hpp"
 #include "soak/device.hpp"
 #include "soak/failsafe_watch.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bus/bus_queue.hpp"
+#include "bus/queue/stop_lane.hpp"
 #include "gateway/limits.hpp"
 #include "soak/oracle.hpp"
 

@@ -2,7 +2,7 @@
 // What devices owe, what a frame that came says of it, and where nobody can tell.
 #include <algorithm>
 
-#include "bus/device_health.hpp"
+#include "bus/health/device_health.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "bus/device_health.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {

@@ -6,7 +6,7 @@
 
 #include "config/load.hpp"
 #include "gateway/gateway.hpp"
-#include "gateway/record.hpp"
+#include "gateway/recording/record.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "config/load.hpp"
-#include "gateway/gateway.hpp"
-#include "gateway/record.hpp"
+#include "gateway/recording/record.hpp"
+#include "support/gateway_harness.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {
@@ -29,25 +29,25 @@ gateway::Settings settings_of(const std::string& text) {
 
 class Recording {
  public:
-  explicit Recording(const std::string& config) : gateway_(settings_of(config), Instant{1s}) {
+  explicit Recording(const std::string& config) : harness_(settings_of(config), Instant{1s}) {
     text_ = gateway::head_lines({"0", "test.toml", "", config, Instant{1s}});
     gateway::append_start(text_, Instant{1s});
     drain();
   }
   void input(const gateway::Input& input, Instant now) {
     gateway::append_line(text_, input, now);
-    gateway_.handle(input, now);
+    harness_.handle(input, now);
     drain();
   }
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
   void drain() {
-    while (const auto action = gateway_.poll_action()) {
-      gateway::append_line(text_, *action, gateway_.settings());
-    }
+    harness_.drain([this](const gateway::Action& action) {
+      gateway::append_line(text_, action, harness_.settings());
+    });
   }
-  gateway::Gateway gateway_;
+  GatewayHarness harness_;
   std::string text_;
 };
 
@@ -63,7 +63,7 @@ Recording with_other_settings() {
                   Instant{2s});
   recording.input(gateway::ClientBytes{gateway::ClientId{0}, request}, Instant{3s});
   recording.input(gateway::SettingsChanged{&settings, next}, Instant{4s});
-  recording.input(gateway::LineOpened{gateway::BusId{0}}, Instant{5s});
+  recording.input(gateway::LineOpened{gateway::BusId{1}}, Instant{5s});
   return recording;
 }
 

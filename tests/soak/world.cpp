@@ -17,6 +17,7 @@ constexpr Duration kLongestRun = std::chrono::hours(20);
 // has.
 constexpr Duration kPlace = 10ms;
 constexpr unsigned kMostInPlace = 200'000;
+constexpr const char* kEndlessActions = "the gateway's actions have no end";
 constexpr std::uint64_t kDriversChance = 0x445249564552ULL;  // apart from the plant's
 
 }  // namespace
@@ -48,9 +49,9 @@ World::World(std::uint64_t seed, bool trace)
       buses_(plan_.settings.buses.size()),
       hangs_(plan_),
       reloads_(plan_, devices_, oracle_, seed),
-      gateway_(plan_.settings, schedule_.now()),
+      harness_(plan_.settings, schedule_.now()),
       driver_(plan_.driver, buses_.size(), seed ^ kDriversChance, schedule_, report_, hands()),
-      tools_{gateway_,
+      tools_{harness_,
              driver_,
              oracle_,
              schedule_,
@@ -59,7 +60,11 @@ World::World(std::uint64_t seed, bool trace)
              asking_,
              [this] { drain(); },
              [this] { return ClientId{++last_number_}; },
-             [this](std::size_t it) { return reloads_.arrangement().listener(it); },
+             [this](std::size_t it) {
+               return plan_.absent.listeners[it]
+                          ? std::nullopt
+                          : std::optional(gateway::ListenerId{static_cast<std::uint32_t>(it)});
+             },
              plan_,
              plan_.settings,
              clients_,
@@ -114,11 +119,11 @@ Driver::Hands World::hands() {
   return {[this](std::size_t bus, Bytes bytes) { hand_in(bus, bytes); },
           [this](std::size_t bus) { lost(bus); },
           [this] {
-            gateway_.handle(gateway::DeadlineReached{}, schedule_.now());
+            harness_.handle(gateway::DeadlineReached{}, schedule_.now());
             drain();
           },
           [this] {
-            const auto wake = gateway_.next_wake();
+            const auto wake = harness_.next_wake();
             return wake ? std::optional(bus::Wake{wake->at, wake->silence_of.has_value()})
                         : std::nullopt;
           },
@@ -186,24 +191,29 @@ void World::drain() {
   }
   draining_ = true;
   carried_out_ = 0;
-  for (auto action = gateway_.poll_action();
-       (action || !frames_.empty()) && makes_progress("the gateway's actions have no end");
-       action = gateway_.poll_action()) {
-    if (!action) {
-      action = std::move(frames_.front());
-      frames_.pop_front();
-      carry_out(*action);
-    } else if (std::holds_alternative<gateway::Transmit>(*action) && schedule_.now() < end_) {
-      frames_.push_back(*std::move(action));
-    } else {
-      carry_out(*action);
-    }
+  const auto take_one = [this](const gateway::Action& action) { return take(action); };
+  while (harness_.drain(take_one) && !frames_.empty() && makes_progress(kEndlessActions)) {
+    const gateway::Action frame = std::move(frames_.front());
+    frames_.pop_front();
+    carry_out(frame);
   }
   draining_ = false;
   if (!driver_.is_awake()) {
     driver_.set_timer();
     oracle_.check_waiting();
   }
+}
+
+bool World::take(const gateway::Action& action) {
+  if (!makes_progress(kEndlessActions)) {
+    return false;
+  }
+  if (std::holds_alternative<gateway::Transmit>(action) && schedule_.now() < end_) {
+    frames_.push_back(action);
+  } else {
+    carry_out(action);
+  }
+  return true;
 }
 
 void World::trace(const std::string& text) const {
@@ -217,9 +227,9 @@ void World::trace(const std::string& text) const {
 void World::carry_out(const gateway::Action& action) {
   ++carried_out_;
   if (trace_) {
-    trace(gateway::to_text(action, gateway_.settings()));
+    trace(gateway::to_text(action, harness_.settings()));
   }
-  const auto bus_of = [this](gateway::BusId bus) { return reloads_.arrangement().plan_bus(bus); };
+  const auto bus_of = [](gateway::BusId bus) { return static_cast<std::size_t>(bus); };
   check_order_only(action);
   if (const auto* send = std::get_if<gateway::Send>(&action)) {
     if (Client* client = find(send->client)) {
@@ -234,7 +244,7 @@ void World::carry_out(const gateway::Action& action) {
     check_report(report->event);
   } else if (const auto* look = std::get_if<gateway::Look>(&action)) {
     driver_.look(static_cast<std::size_t>(bus_of(look->bus)), carried_out_ == 1);
-    gateway_.handle(gateway::LineLooked{look->bus}, schedule_.now());
+    harness_.handle(gateway::LineLooked{look->bus}, schedule_.now());
   } else if (const auto* open_line = std::get_if<gateway::Open>(&action)) {
     open(bus_of(open_line->bus));
   } else if (const auto* shut_line = std::get_if<gateway::Shut>(&action)) {

@@ -48,6 +48,7 @@ class World {
   void interrupt(Duration time);
   Driver::Hands hands();
   void drain();
+  [[nodiscard]] bool take(const gateway::Action& action);
   void carry_out(const gateway::Action& action);
   void open(std::size_t bus);
   void opened(std::size_t bus, bool refused);
@@ -66,7 +67,7 @@ class World {
   void check_order_only(const gateway::Action& action);
   void restore();
   [[nodiscard]] gateway::BusId id_of(std::size_t bus) const {
-    return *reloads_.arrangement().bus(bus);
+    return gateway::BusId{static_cast<std::uint32_t>(bus)};
   }
   void transmit(std::size_t bus, Bytes frame);
   Client* find(ClientId number);
@@ -102,7 +103,7 @@ class World {
   std::set<std::size_t> shut_due_;  // lines that the gateway gives up because of a reload
   std::set<ClientId> close_due_;    // and connections
   bool order_only_ = false;         // the actions are those to a reload that changes nothing
-  gateway::Gateway gateway_;
+  test::GatewayHarness harness_;    ///< its time is the schedule's
   Driver driver_;
   Client::Tools tools_;
   std::deque<Client> clients_;

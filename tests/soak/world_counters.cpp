@@ -78,8 +78,8 @@ void World::check_head(Client& client) {
 
 void World::check_bus(Client& client, std::size_t bus) {
   const std::string& name = plan_.settings.buses[bus].name;
-  const PduBytes& pdu =
-      own_registers(client, kBusesAt + kBusSize * static_cast<std::size_t>(id_of(bus)), kBusSize);
+  const PduBytes& pdu = own_registers(
+      client, kBusesAt + kBusSize * *reloads_.arrangement().place_of_bus(bus), kBusSize);
   const BusCount& count = oracle_.count(bus);
   const std::uint64_t responses = long_at(pdu, 4);
   compare(name + ": open", word_at(pdu, 0), 1);
@@ -100,13 +100,13 @@ void World::check_bus(Client& client, std::size_t bus) {
 void World::check_device(Client& client, std::size_t index) {
   const drive::Device& device = plan_.settings.devices[index];
   const auto bus = static_cast<std::size_t>(device.bus);
-  const auto place = reloads_.arrangement().device(index);
+  const auto place = reloads_.arrangement().place_of_device(index);
   if (!place) {
     return;
   }
   const PduBytes& pdu = own_registers(client, kDevicesAt + kDeviceSize * *place, kDeviceSize);
   const BusCount& count = oracle_.count(bus, device.address);
-  compare(device.name + ": bus", word_at(pdu, 0), static_cast<std::size_t>(id_of(bus)) + 1);
+  compare(device.name + ": bus", word_at(pdu, 0), *reloads_.arrangement().place_of_bus(bus) + 1);
   compare(device.name + ": address", word_at(pdu, 1), device.address);
   // What is written when the last client has gone nothing comes after: it may have been cut by the
   // next one, or been taken for answered by an echo.

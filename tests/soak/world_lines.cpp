@@ -31,7 +31,7 @@ void World::hand_in(std::size_t bus, Bytes bytes) {
   }
   oracle_.bytes_handed_in(bus);
   hangs_.read(bus, schedule_.now());
-  gateway_.handle(gateway::LineBytes{id_of(bus), bytes}, schedule_.now());
+  harness_.handle(gateway::LineBytes{id_of(bus), bytes}, schedule_.now());
   drain();
 }
 
@@ -65,7 +65,7 @@ void World::open(std::size_t bus) {
 void World::opened(std::size_t bus, bool refused) {
   if (refused) {
     oracle_.bus_lost(bus);
-    gateway_.handle(gateway::LineLost{id_of(bus)}, schedule_.now());
+    harness_.handle(gateway::LineLost{id_of(bus)}, schedule_.now());
   } else {
     const auto& line = plan_.settings.buses[bus].line;
     trace(plan_.settings.buses[bus].name + ": echo = " +
@@ -76,7 +76,7 @@ void World::opened(std::size_t bus, bool refused) {
           (is_paced(plan_, bus) ? ", paced" : ", not paced"));
     oracle_.bus_opened(bus);
     hangs_.opened(bus, schedule_.now());
-    gateway_.handle(gateway::LineOpened{id_of(bus), plan_.kinds[bus]}, schedule_.now());
+    harness_.handle(gateway::LineOpened{id_of(bus), plan_.kinds[bus]}, schedule_.now());
     driver_.watch_line(bus);
   }
   drain();
@@ -125,7 +125,7 @@ void World::lost(std::size_t bus) {
   const bool in_order =
       end == End::closed_after_answers || (end == End::closed && oracle_.was_idle(bus));
   in_order ? oracle_.tcp_closed(bus) : oracle_.bus_lost(bus);
-  gateway_.handle(
+  harness_.handle(
       gateway::LineLost{id_of(bus), end == End::lost ? bus::Loss::failed : bus::Loss::closed},
       schedule_.now());
   drain();

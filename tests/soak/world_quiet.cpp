@@ -56,7 +56,7 @@ void World::shut_down() {
   is_stopping_ = true;
   end_ = schedule_.now() + kGrace;
   oracle_.begin_shutdown();
-  gateway_.handle(gateway::ShutdownAsked{}, schedule_.now());
+  harness_.handle(gateway::ShutdownAsked{}, schedule_.now());
   drain();
   run_until(schedule_.now() + kUntilStopped);
   oracle_.check_stopped();

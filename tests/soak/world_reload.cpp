@@ -40,7 +40,7 @@ void World::reload(const Reload& reload, const std::vector<bool>& absent) {
   take_effect(reload, absent);
   order_only_ = reload.is_order_only();
   const gateway::Settings settings = reloads_.take_settings();
-  gateway_.handle(gateway::SettingsChanged{&settings}, schedule_.now());
+  harness_.handle(gateway::SettingsChanged{&settings}, schedule_.now());
   drain();
   order_only_ = false;
   oracle_.check_taken_back();
@@ -72,7 +72,7 @@ void World::take_effect(const Reload& reload, const std::vector<bool>& absent) {
     std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
     oracle_.line_given_up(bus);
     hangs_.forget(bus);
-    if (!absent[bus] && !plan_.absent.buses[bus]) {
+    if (!absent[bus]) {
       shut_due_.insert(bus);
     }
   }
@@ -85,12 +85,12 @@ void World::check_order_only(const gateway::Action& action) {
                         std::holds_alternative<gateway::Shut>(action) ||
                         std::holds_alternative<gateway::Close>(action);
   if (const auto* shut = std::get_if<gateway::Shut>(&action)) {
-    const auto bus = static_cast<std::size_t>(reloads_.arrangement().plan_bus(shut->bus));
+    const auto bus = static_cast<std::size_t>(shut->bus);
     // The line hangs, or what a look at it has brought cannot be followed.
     order_only_ = order_only_ && !hangs_.is_due(bus, schedule_.now()) && !buses_[bus].framing_lost;
   }
   if (order_only_ && gives_up) {
-    oracle_.violation("reload_disturbs", gateway::to_text(action, gateway_.settings()));
+    oracle_.violation("reload_disturbs", gateway::to_text(action, harness_.settings()));
   }
 }
 

@@ -19,7 +19,7 @@ bool is_text_of_any(const std::string& text) {
 }  // namespace
 
 void World::check_report(const gateway::Event& event) {
-  const auto bus_of = [this](gateway::BusId bus) { return reloads_.arrangement().plan_bus(bus); };
+  const auto bus_of = [](gateway::BusId bus) { return static_cast<std::size_t>(bus); };
   if (const auto* news = std::get_if<gateway::LineNews>(&event)) {
     oracle_.line_news(bus_of(news->bus), news->fault);
   } else if (const auto* silent = std::get_if<gateway::AdapterSilent>(&event)) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "gateway/gateway.hpp"
+#include "support/gateway_harness.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {
@@ -44,12 +44,11 @@ inline Settings one_bus() {
 class MachineRig {
  public:
   explicit MachineRig(Settings settings = one_bus(), bool open_lines = true)
-      : gateway(std::move(settings), now) {
+      : harness(std::move(settings), Instant{}) {
     drain();
     if (open_lines) {
-      for (std::uint32_t bus = 0; bus < gateway.settings().buses.size(); ++bus) {
-        gateway.handle(gateway::LineOpened{BusId{bus}}, now);
-        drain();
+      for (std::uint32_t bus = 0; bus < harness.settings().buses.size(); ++bus) {
+        open_line(bus);
       }
       advance(5ms);  // more than t3.5
       opened.clear();
@@ -59,71 +58,36 @@ class MachineRig {
 
   void connect(std::uint64_t client, std::string_view address = "192.0.2.1",
                std::uint32_t listener = 0, std::size_t bytes_before_ready = 0) {
-    gateway.handle(
-        gateway::ClientConnected{
-            ClientId{client},
-            {ListenerId{listener}, *routing::ClientAddress::parse(address), bytes_before_ready}},
-        now);
-    drain();
+    feed(gateway::ClientConnected{
+        ClientId{client},
+        {ListenerId{listener}, *routing::ClientAddress::parse(address), bytes_before_ready}});
   }
   void receive(std::uint64_t client, std::string_view bytes, std::size_t unread = 0) {
-    gateway.handle(gateway::ClientBytes{ClientId{client}, unhex(bytes), unread}, now);
-    drain();
+    feed(gateway::ClientBytes{ClientId{client}, unhex(bytes), unread});
   }
-  void half_close(std::uint64_t client) {
-    gateway.handle(gateway::ClientHalfClosed{ClientId{client}}, now);
-    drain();
-  }
-  void disconnect(std::uint64_t client) {
-    gateway.handle(gateway::ClientDisconnected{ClientId{client}}, now);
-    drain();
-  }
-  void confirm_sent(std::uint64_t client) {
-    gateway.handle(gateway::ClientSent{ClientId{client}}, now);
-    drain();
-  }
+  void half_close(std::uint64_t client) { feed(gateway::ClientHalfClosed{ClientId{client}}); }
+  void disconnect(std::uint64_t client) { feed(gateway::ClientDisconnected{ClientId{client}}); }
+  void confirm_sent(std::uint64_t client) { feed(gateway::ClientSent{ClientId{client}}); }
   void line(std::string_view bytes, std::uint32_t bus = 0) {
-    gateway.handle(gateway::LineBytes{BusId{bus}, unhex(bytes)}, now);
-    drain();
+    feed(gateway::LineBytes{BusId{bus}, unhex(bytes)});
   }
   /// A device's answer: address and PDU; the CRC is added.
   void respond(std::string_view address_and_pdu, std::uint32_t bus = 0) {
     const auto bytes = unhex(address_and_pdu);
     const auto frame =
         modbus::encode_rtu(bytes[0], *modbus::Pdu::from(modbus::Bytes(bytes).subspan(1)));
-    gateway.handle(gateway::LineBytes{BusId{bus}, {frame.data(), frame.size()}}, now);
-    drain();
+    feed(gateway::LineBytes{BusId{bus}, {frame.data(), frame.size()}});
   }
-  void lose_line(std::uint32_t bus = 0) {
-    gateway.handle(gateway::LineLost{BusId{bus}}, now);
-    drain();
-  }
+  void lose_line(std::uint32_t bus = 0) { feed(gateway::LineLost{BusId{bus}}); }
   /// The far end of a connection closes it.
-  void close_line(std::uint32_t bus = 0) {
-    gateway.handle(gateway::LineLost{BusId{bus}, bus::Loss::closed}, now);
-    drain();
-  }
-  void open_line(std::uint32_t bus = 0) {
-    gateway.handle(gateway::LineOpened{BusId{bus}}, now);
-    drain();
-  }
-  void reload(const Settings& settings) {
-    gateway.handle(gateway::SettingsChanged{&settings}, now);
-    drain();
-  }
-  void shutdown() {
-    gateway.handle(gateway::ShutdownAsked{}, now);
-    drain();
-  }
+  void close_line(std::uint32_t bus = 0) { feed(gateway::LineLost{BusId{bus}, bus::Loss::closed}); }
+  void open_line(std::uint32_t bus = 0) { feed(gateway::LineOpened{BusId{bus}}); }
+  void reload(const Settings& settings) { feed(gateway::SettingsChanged{&settings}); }
+  void shutdown() { feed(gateway::ShutdownAsked{}); }
+  [[nodiscard]] Instant now() const { return harness.now(); }
   /// Lets time pass, stopping at every deadline on the way.
   void advance(Duration duration) {
-    const Instant end = now + duration;
-    for (auto wake = gateway.next_wake(); wake && wake->at <= end; wake = gateway.next_wake()) {
-      now = std::max(now, wake->at);
-      gateway.handle(gateway::DeadlineReached{}, now);
-      drain();
-    }
-    now = end;
+    harness.advance(now() + duration, [this] { drain(); });
   }
 
   /// What went out since the last call, as hexadecimal text.
@@ -134,8 +98,7 @@ class MachineRig {
     return std::exchange(transmitted[bus], {});
   }
 
-  Instant now{};
-  gateway::Gateway gateway;
+  GatewayHarness harness;
   bool confirms = true;  ///< sockets take every answer at once
   std::map<std::uint64_t, std::vector<std::string>> sent;
   std::map<std::uint32_t, std::vector<std::string>> transmitted;
@@ -147,25 +110,19 @@ class MachineRig {
   unsigned shut = 0;
   bool finished = false;
 
- private:
-  void drain() {
-    while (const auto action = gateway.poll_action()) {
-      std::visit([this](const auto& what) { take(what); }, *action);
-    }
-  }
   void take(const gateway::Send& action) {
     const auto client = static_cast<std::uint64_t>(action.client);
     sent[client].push_back(hex({action.adu.data(), action.adu.size()}));
     if (confirms) {
-      gateway.handle(gateway::ClientSent{action.client}, now);
+      harness.handle(gateway::ClientSent{action.client});
     }
   }
   void take(const gateway::Shut& /*action*/) { ++shut; }
-  void take(const gateway::Look& action) { gateway.handle(gateway::LineLooked{action.bus}, now); }
+  void take(const gateway::Look& action) { harness.handle(gateway::LineLooked{action.bus}); }
   void take(const gateway::Transmit& action) {
     const auto bus = static_cast<std::uint32_t>(action.bus);
     transmitted[bus].push_back(hex({action.frame.data(), action.frame.size()}));
-    transmitted_at[bus].push_back(now);
+    transmitted_at[bus].push_back(now());
   }
   void take(const gateway::Pause& action) {
     paused.insert(static_cast<std::uint64_t>(action.client));
@@ -176,11 +133,18 @@ class MachineRig {
   void take(const gateway::Close& action) {
     closed.insert(static_cast<std::uint64_t>(action.client));
   }
-  void take(const gateway::Open& /*action*/) { opened.push_back(now); }
+  void take(const gateway::Open& /*action*/) { opened.push_back(now()); }
   void take(const gateway::Report& action) {
-    events.push_back(gateway::to_text(action.event, gateway.settings()));
+    events.push_back(gateway::to_text(action.event, harness.settings()));
   }
   void take(const gateway::Finished& /*action*/) { finished = true; }
+
+ private:
+  void drain() { harness.drain(*this); }
+  void feed(const gateway::Input& input) {
+    harness.handle(input);
+    drain();
+  }
 };
 
 /// A read of register 0, and a write of 1 to it, as MBAP in hexadecimal.

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps the arrows between the rooms of src/ (see src/README.md) and a few rules that a compiler does not know.
+"""Keeps the arrows between the modules of src/ (see src/README.md) and a few rules that a compiler does not know.
 
-Every header is visible to every target, so nothing else stops a room from including what it must not know.
+Every header is visible to every target, so nothing else stops a module from including what it must not know.
 usage: arrows.py [FOLDER], FOLDER holding src/, tests/ and bench/.
 """
 
@@ -10,7 +10,11 @@ import pathlib
 import re
 import sys
 
-# Who may include whom; what a room's headers show of the rooms below is within its reach.
+sys.dont_write_bytecode = True
+
+import fronts  # noqa: E402  (nothing is written beside it)
+
+# Who may include whom; what a module's headers show of the modules below is within its reach.
 BASE = {"base"}
 MODBUS = BASE | {"modbus"}
 DRIVE = MODBUS | {"drive"}
@@ -19,7 +23,7 @@ BUS = DRIVE | {"bus"}
 GATEWAY = ROUTING | BUS | {"gateway"}
 IO = GATEWAY | {"io"}
 CONFIG = DRIVE | {"config"}
-ROOMS = {
+MODULES = {
     "base": BASE,
     "modbus": MODBUS,
     "drive": DRIVE,
@@ -32,13 +36,13 @@ ROOMS = {
     "sim": CONFIG | {"sim"},
     "ctl": CONFIG | {"ctl"},
 }
-# Single headers beyond a room's arrows: plain data that carries no decision.
+# Single headers beyond a module's arrows: plain data that carries no decision.
 SETTINGS = {"gateway/settings.hpp", "gateway/limits.hpp", "routing/route.hpp", "routing/client_address.hpp", "bus/settings.hpp"}
 EXTRA_HEADERS = {
     "config": SETTINGS,
     "sim": {"bus/instant.hpp"},
 }
-# The rooms that tests of several rooms see. Integration tests know only the built programs.
+# The modules that tests of several modules see. Integration tests know only the built programs.
 TEST_FOLDERS = {
     "simulation": GATEWAY | CONFIG | {"sim"},
     "drives": GATEWAY | CONFIG | {"sim"},
@@ -51,10 +55,12 @@ TEST_FOLDERS = {
 }
 # The harness is no part of the gateway, nor does it know it: CRCs and ptys, and the machine for what is timed alone.
 BENCH = GATEWAY | {"sim"}
+# What it shares with the tests: one loop that takes the machine's actions.
+BENCH_TESTS = {"support/gateway_harness.hpp"}
 
-PURE_ROOMS = {"modbus", "drive", "routing", "bus", "gateway"}
+PURE_MODULES = {"modbus", "drive", "routing", "bus", "gateway"}
 PURE_BOOST = ("boost/container/", "boost/intrusive/", "boost/system/")
-# A pure room has no clock of its own, no thread, no socket, no file and no terminal.
+# A pure module has no clock of its own, no thread, no socket, no file and no terminal.
 IMPURE_STANDARD = {
     "atomic", "barrier", "condition_variable", "coroutine", "ctime", "filesystem", "fstream", "future", "iostream",
     "latch", "mutex", "random", "semaphore", "shared_mutex", "stop_token", "thread",
@@ -65,7 +71,7 @@ IMPURE_WORDS = re.compile(r"_clock::now\b|\bclock_gettime\b|\bgetenv\b|\bstd::ra
 # Libraries that only some files may see: a pattern of includes, and a pattern of the files.
 LIBRARIES = (
     (r"boost/asio", r"src/(io|app)/|src/(sim|ctl)/(main|shell|.*_shell|pty.*)\.|tests/unit/(io|app)/"),
-    (r"toml\+\+", r"src/config/toml_reader\."),
+    (r"toml\+\+", r"src/config/toml/toml_reader\."),
     (r"systemd/", r"src/app/(systemd|log)\."),
     (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),
     (r"CLI/", r"src/(app|ctl|sim)/(command_line|main)\.|bench/main\."),
@@ -76,33 +82,39 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 SPDX = "SPDX-License-Identifier: Apache-2.0"
 MOST_LINES = 300
+# A folder with more units (a header, a source or both) is a warehouse, not a module.
+MOST_UNITS = 20
 
 
-def rooms_in_reach(path):
-    """The rooms that the file `path` may include."""
+def modules_in_reach(path):
+    """The modules that the file `path` may include."""
     parts = path.split("/")
     if parts[0] == "src":
-        return ROOMS.get(parts[1])
+        return MODULES.get(parts[1])
     if parts[0] == "bench":
         return BENCH
     if parts[1] == "unit":
-        return ROOMS.get(parts[2])
+        return MODULES.get(parts[2])
     return TEST_FOLDERS.get(parts[1])
 
 
-def check_room(path, header):
-    """An include of ours, "room/file.hpp": does an arrow lead there?"""
-    room = header.split("/")[0]
-    if room not in ROOMS or "/" not in header:
-        return []  # a file of the same tests
+def check_module(path, header):
+    """An include of ours, "module/file.hpp": does an arrow lead there?"""
+    module = header.split("/")[0]
+    if "/" not in header:
+        return []  # a file of the same folder
     parts = path.split("/")
-    reach = rooms_in_reach(path)
+    if module not in MODULES:
+        if parts[0] == "tests" or (parts[0] == "bench" and header in BENCH_TESTS):
+            return []
+        return [f'{path}: includes "{header}", but no arrow leads from here to the tests']
+    reach = modules_in_reach(path)
     if reach is None:
-        return [f"{path}: stands in no room that tests/tidy/arrows.py knows"]
-    own_room = parts[1] if parts[0] == "src" else parts[2] if parts[1] == "unit" else ""
-    if room in reach or header in EXTRA_HEADERS.get(own_room, set()):
+        return [f"{path}: stands in no module that tests/tidy/arrows.py knows"]
+    own_module = parts[1] if parts[0] == "src" else parts[2] if parts[1] == "unit" else ""
+    if module in reach or header in EXTRA_HEADERS.get(own_module, set()):
         return []
-    return [f'{path}: includes "{header}", but no arrow leads from here to {room}/']
+    return [f'{path}: includes "{header}", but no arrow leads from here to {module}/']
 
 
 def check_libraries(path, header):
@@ -114,11 +126,11 @@ def check_libraries(path, header):
 
 
 def check_purity(path, header):
-    """A system include in a pure room: only what has no outside."""
+    """A system include in a pure module: only what has no outside."""
     if (path, header) in PURE_EXCEPTIONS or header.startswith(PURE_BOOST):
         return []
     if "/" in header or header.endswith(".h") or header in IMPURE_STANDARD:
-        return [f"{path}: includes <{header}>, but this room is pure"]
+        return [f"{path}: includes <{header}>, but this module is pure"]
     return []
 
 
@@ -132,16 +144,16 @@ def check_source(path, text):
         found.append(f"{path}: has {lines} lines, more than {MOST_LINES}")
     if path.endswith(".hpp") and "\n#pragma once\n" not in text:
         found.append(f"{path}: a header without #pragma once")
-    pure = path.startswith("src/") and path.split("/")[1] in PURE_ROOMS
+    pure = path.startswith("src/") and path.split("/")[1] in PURE_MODULES
     for bracket, header in INCLUDE.findall(text):
         if bracket == '"':
-            found += check_room(path, header)
+            found += check_module(path, header)
         found += check_libraries(path, header)
         if pure and bracket == "<":
             found += check_purity(path, header)
     if pure:
         for word in IMPURE_WORDS.findall(COMMENT.sub("", text)):
-            found.append(f"{path}: says {word}, but this room is pure")
+            found.append(f"{path}: says {word}, but this module is pure")
     return found
 
 
@@ -151,20 +163,35 @@ def check_script(path, text):
     return [] if f"# {SPDX}" in head else [f"{path}: the first line (after #!) must be # {SPDX}"]
 
 
+def check_crowding(root):
+    """Folders of src/ with more units than a reader keeps in mind."""
+    units = {}
+    for file in (root / "src").rglob("*"):
+        if file.suffix in (".cpp", ".hpp"):
+            units.setdefault(file.parent.relative_to(root).as_posix(), set()).add(file.stem)
+    return [
+        f"{folder}: has {len(held)} units, more than {MOST_UNITS}"
+        for folder, held in sorted(units.items())
+        if len(held) > MOST_UNITS
+    ]
+
+
 def check_tree(root):
     """All findings about src/, tests/ and bench/ below `root`, and how many files were looked at."""
-    found, files = [], 0
+    found, files, includes = check_crowding(root), 0, []
     for file in sorted(path for folder in ("src", "tests", "bench") for path in (root / folder).rglob("*") if path.is_file()):
         path = file.relative_to(root).as_posix()
         if file.suffix in (".cpp", ".hpp", ".h", ".cc"):
             files += 1
             if file.suffix not in (".cpp", ".hpp"):
                 found.append(f"{path}: sources end in .cpp and .hpp")
-            found += check_source(path, file.read_text(encoding="utf-8"))
+            text = file.read_text(encoding="utf-8")
+            includes += [(path, header) for bracket, header in INCLUDE.findall(text) if bracket == '"']
+            found += check_source(path, text) + fronts.check_mirror(root, path)
         elif file.suffix in (".py", ".sh") or file.name == "CMakeLists.txt":
             files += 1
             found += check_script(path, file.read_text(encoding="utf-8"))
-    return found, files
+    return found + fronts.check(root, includes), files
 
 
 def main():

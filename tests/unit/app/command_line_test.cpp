@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/command_line.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -51,6 +52,14 @@ TEST(CommandLine, PrintsTheVersion) {
   testing::internal::CaptureStdout();
   const auto parsed = parse({"--version"});
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "mbgated 1.2.3\n");
+  EXPECT_EQ(std::get<int>(parsed), 0);
+}
+
+TEST(CommandLine, PrintsWhatKeysTake) {
+  testing::internal::CaptureStdout();
+  const auto parsed = parse({"--keys"});
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              testing::HasSubstr("[[bus]]\tburst\tan integer from 1 to 1000\t8\teverywhere\n"));
   EXPECT_EQ(std::get<int>(parsed), 0);
 }
 

@@ -145,6 +145,78 @@ TEST_F(ListenersTest, TryNoMoreOnceStopped) {
   EXPECT_EQ(listeners.waiting(), 0U);
 }
 
+class ListenersReload : public ListenersTest {
+ protected:
+  using All = std::vector<gateway::ListenerSettings>;
+  void SetUp() override {
+    ListenersTest::SetUp();
+    ASSERT_TRUE(listeners().begin(before_, {}));
+    listeners().start();
+    said_ = "listening plant " + address_of(0) + "\nlistening office " + address_of(1) + "\n";
+  }
+  Listeners& listeners() {
+    if (!listeners_) {
+      listeners_.emplace(context_, *log_, take(), script(), kFast);
+    }
+    return *listeners_;
+  }
+  bool reload(const All& next) {
+    return listeners().reload(before_, next,
+                              [this](gateway::ListenerId id) { dropped_.push_back(id); });
+  }
+
+  const All before_{listener_at("plant", "127.0.0.1"), listener_at("office", "127.0.0.1")};
+  std::optional<Listeners> listeners_;
+  std::string said_;
+  std::vector<gateway::ListenerId> dropped_;
+};
+
+TEST_F(ListenersReload, LeavesWhatDidNotMoveAsItIs) {
+  All next = before_;
+  next[0].pipeline = 1;
+  EXPECT_TRUE(reload(next));
+  EXPECT_TRUE(dropped_.empty());
+  EXPECT_EQ(taken_.size(), 2U);
+  EXPECT_EQ(written(), said_);
+}
+
+TEST_F(ListenersReload, BindsWhatMovedAndWhatIsNewAndDropsWhatIsGone) {
+  All next = before_;
+  next[0].tcp.keepalive_probes = 9;
+  next[1].is_gone = true;
+  next.push_back(listener_at("lab", "127.0.0.1"));
+  EXPECT_TRUE(reload(next));
+  EXPECT_EQ(dropped_, (std::vector{gateway::ListenerId{0}, gateway::ListenerId{1}}));
+  ASSERT_EQ(taken_.size(), 4U);
+  EXPECT_EQ(taken_[2].id, gateway::ListenerId{0});
+  EXPECT_EQ(taken_[3].id, gateway::ListenerId{2});
+  EXPECT_EQ(written(),
+            said_ + "listening plant " + address_of(2) + "\nlistening lab " + address_of(3) + "\n");
+}
+
+TEST_F(ListenersReload, IsRefusedWholeWhereOneCannotListen) {
+  failures_ = {{"in use", false}};
+  All next = before_;
+  next[0].freebind = true;
+  next.push_back(listener_at("lan", kNobodys));
+  EXPECT_FALSE(reload(next));
+  EXPECT_EQ(dropped_, std::vector{gateway::ListenerId{0}});
+  ASSERT_EQ(taken_.size(), 3U);  // as it was before
+  EXPECT_EQ(taken_[2].id, gateway::ListenerId{0});
+  EXPECT_EQ(written(), said_ + "error: in use\nlistening plant " + address_of(2) + "\n");
+}
+
+TEST_F(ListenersReload, TriesAnAddressThatIsNotThereAgain) {
+  failures_ = {{"not there", true}, {"not there", true}};
+  All next = before_;
+  next.push_back(listener_at("lan", kNobodys));
+  EXPECT_TRUE(reload(next));
+  EXPECT_EQ(listeners().waiting(), 1U);
+  run_until_taken(3);
+  ASSERT_EQ(taken_.size(), 3U);
+  EXPECT_EQ(taken_[2].id, gateway::ListenerId{2});
+}
+
 bool give_address(std::string_view interface, const char* address) {
   const io::UniqueFd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   ifreq request{};

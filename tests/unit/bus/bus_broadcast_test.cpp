@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Broadcasts in the forms that the devices of a bus hear.
 #include "bus_rig.hpp"
-#include "stop_axis.hpp"
+#include "unit/bus/queue/stop_axis.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -88,7 +88,7 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   const auto loaded = load(kFolder / "valid/every-key.toml");
   ASSERT_TRUE(loaded.settings);
   const auto& settings = *loaded.settings;
-  EXPECT_EQ(settings.own_unit, 200);
+  EXPECT_EQ(settings.status_unit, 200);
   EXPECT_TRUE(settings.lock_memory);
   EXPECT_EQ(settings.wake_early, 20us);
   const auto& routed = settings.listeners.at(0);
@@ -216,7 +216,7 @@ TEST(LoadSettings, FillsWindowsAndBroadcasts) {
 TEST(LoadSettings, TurnsTheOwnUnitOff) {
   const auto loaded = load(kFolder / "valid/own-unit-off.toml");
   ASSERT_TRUE(loaded.settings);
-  EXPECT_FALSE(loaded.settings->own_unit);
+  EXPECT_FALSE(loaded.settings->status_unit);
   EXPECT_EQ(loaded.settings->routes.at(0).first_unit, 255);
 }
 

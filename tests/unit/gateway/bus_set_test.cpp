@@ -49,12 +49,25 @@ TEST(BusesAlone, OtherSettingsKeepABusThatKeepsItsLineAndGiveUpTheOther) {
   gateway::BusSet buses(before);
   const bus::Bus* const kept = &buses[BusId{1}];
   Settings next = two_buses();
-  std::swap(next.buses[0], next.buses[1]);
-  next.buses[1].line.device = "/dev/ttyS7";
-  const auto given_up = buses.adopt(next, SettingsDiff(before, next), Instant{1s});
-  EXPECT_EQ(&buses[BusId{0}], kept);
+  next.buses[0].line.device = "/dev/ttyS7";
+  const auto given_up = buses.adopt(before, next, Instant{1s});
+  EXPECT_EQ(&buses[BusId{1}], kept);
   ASSERT_EQ(given_up.size(), 1U);
-  EXPECT_EQ(given_up[0].successor, BusId{1});
+  EXPECT_EQ(given_up[0].id, BusId{0});
+  EXPECT_TRUE(buses.is_there(BusId{0}));
+}
+
+TEST(BusesAlone, OneThatIsGoneHasNothingToSayAnyMore) {
+  const Settings before = two_buses();
+  gateway::BusSet buses(before);
+  Settings next = two_buses();
+  next.buses[0].is_gone = true;
+  EXPECT_EQ(buses.adopt(before, next, Instant{1s}).size(), 1U);
+  EXPECT_FALSE(buses.is_there(BusId{0}));
+  EXPECT_EQ(buses.take_touched(), BusId{1});
+  EXPECT_EQ(buses.take_touched(), std::nullopt);
+  EXPECT_TRUE(buses.adopt(next, before, Instant{2s}).empty());
+  EXPECT_TRUE(buses.is_there(BusId{0}));
 }
 
 }  // namespace

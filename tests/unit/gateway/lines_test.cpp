@@ -33,18 +33,18 @@ TEST(Gateway, AnswersWith0AAtOnceWhileThePortIsAbsentAndTriesAgain) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 83 0A"));
   rig.receive(1, kRead2);
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 01 83 0A"));
-  const Instant lost = rig.now;
+  const Instant lost = rig.now();
   std::vector<Duration> waits;
   for (int attempt = 0; attempt < 8; ++attempt) {
     rig.opened.clear();
-    const Instant before = rig.now;
+    const Instant before = rig.now();
     rig.advance(6s);
     ASSERT_THAT(rig.opened, SizeIs(1));
     waits.push_back(rig.opened[0] - before);
     rig.lose_line();
   }
   EXPECT_THAT(waits, ElementsAre(100ms, 200ms, 400ms, 800ms, 1600ms, 3200ms, 5s, 5s));
-  EXPECT_GT(rig.now, lost);
+  EXPECT_GT(rig.now(), lost);
 }
 
 TEST(Gateway, AVanishedLineEndsWhatWasOnTheWireWith0BAndTheRestWith0A) {
@@ -69,7 +69,7 @@ TEST(Gateway, OpensAnAdapterAgainThatHearsNothingAndSaysSoOnce) {
   settings.buses[0].hung_requests = 2;
   MachineRig rig(settings, false);
   const auto open = [&] {
-    rig.gateway.handle(gateway::LineOpened{BusId{0}, bus::LineKind::uart}, rig.now);
+    rig.harness.handle(gateway::LineOpened{BusId{0}, bus::LineKind::uart});
     rig.advance(5ms);
   };
   open();

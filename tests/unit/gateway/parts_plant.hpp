@@ -2,15 +2,14 @@
 // What parts of the gateway need to be tried without it: settings, and clients of their own.
 #pragma once
 
-#include "gateway/intake.hpp"
-#include "unit/gateway/stop_plant.hpp"
+#include "gateway/clients/intake.hpp"
+#include "unit/gateway/writes/stop_plant.hpp"
 
 namespace mbgate::test {
 
 using gateway::ActionQueue;
 using gateway::ClientInfo;
 using gateway::ClientSession;
-using gateway::SettingsDiff;
 using gateway::SettingsHistory;
 
 inline ClientInfo info_of(std::string_view address, std::uint32_t listener = 0) {

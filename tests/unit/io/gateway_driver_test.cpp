@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "io/listening_socket.hpp"
-#include "pseudo_terminal.hpp"
+#include "io/clients/listening_socket.hpp"
 #include "run_until.hpp"
-#include "socket_pair.hpp"
+#include "unit/io/clients/socket_pair.hpp"
+#include "unit/io/lines/pseudo_terminal.hpp"
 
 namespace mbgate::io {
 namespace {

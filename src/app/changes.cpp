@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/changes.hpp"
+
+#include <algorithm>
+#include <span>
+#include <type_traits>
+
+#include "config/keys/keys.hpp"
+
+namespace mbgate::app {
+namespace {
+
+using bus::BusSettings;
+using config::PlainKey;
+using drive::Device;
+using gateway::DeviceGuard;
+using gateway::ListenerSettings;
+using gateway::Settings;
+
+/// The keys of one section that differ.
+class Differences {
+ public:
+  template <typename Section>
+  void compare(std::span<const PlainKey<Section>> keys, const std::type_identity_t<Section>& old,
+               const std::type_identity_t<Section>& next) {
+    for (const auto& key : keys) {
+      const auto before = key.get(old);
+      const auto after = key.get(next);
+      if (before != after) {
+        add(std::string(key.name) + ' ' + config::value_text(before) + " -> " +
+            config::value_text(after));
+      }
+    }
+  }
+  /// A key whose values are too long to be told.
+  template <typename Value>
+  void compare(const char* key, const Value& old, const Value& next) {
+    if (!(old == next)) {
+      add(key);
+    }
+  }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  void add(const std::string& difference) { text_ += (text_.empty() ? "" : ", ") + difference; }
+  std::string text_;
+};
+
+std::string differences(const Settings& old, const Settings& next, std::size_t number,
+                        const ListenerSettings& /*kind*/) {
+  const ListenerSettings& a = old.listeners[number];
+  const ListenerSettings& b = next.listeners[number];
+  Differences found;
+  found.compare("address", a.address, b.address);
+  found.compare("port", a.port, b.port);
+  found.compare(config::listener_keys(), a, b);
+  found.compare("allow", a.allow, b.allow);
+  found.compare("read_only", a.read_only, b.read_only);
+  found.compare("keep", a.keep, b.keep);
+  found.compare("bus", a.bus, b.bus);
+  found.compare("broadcast_reply", a.broadcast_reply, b.broadcast_reply);
+  return found.text();
+}
+
+std::string differences(const Settings& old, const Settings& next, std::size_t number,
+                        const BusSettings& /*kind*/) {
+  const BusSettings& a = old.buses[number];
+  const BusSettings& b = next.buses[number];
+  Differences found;
+  found.compare("mode", a.line.framing, b.line.framing);
+  found.compare("device", a.line.device, b.line.device);
+  if (a.line.device == b.line.device) {
+    found.compare("host or port", a.line.remote, b.line.remote);
+  }
+  found.compare(config::bus_keys(), a, b);
+  found.compare("data_bits", a.line.format.data_bits, b.line.format.data_bits);
+  found.compare("parity", a.line.format.parity, b.line.format.parity);
+  found.compare("rs485", a.line.rs485, b.line.rs485);
+  found.compare("echo", a.line.echo, b.line.echo);
+  found.compare("paced", a.line.paced, b.line.paced);
+  found.compare(config::timing_keys(), a.timing, b.timing);
+  return found.text();
+}
+
+/// The new times of a device, without what only follows its bus, which is told there.
+drive::DeviceTiming times_after(const Settings& old, const Settings& next, std::size_t device) {
+  const Device& a = old.devices[device];
+  drive::DeviceTiming times = next.devices[device].timing;
+  if (a.bus != next.devices[device].bus) {
+    return times;
+  }
+  const auto& before = old.bus(a.bus).timing;
+  const auto& after = next.bus(a.bus).timing;
+  for (const auto& key : config::timing_keys()) {
+    if (key.get(a.timing) == key.get(before) && key.get(times) == key.get(after)) {
+      key.set(times, key.get(a.timing));
+    }
+  }
+  return times;
+}
+
+DeviceGuard guard_of(const Settings& settings, std::size_t device) {
+  return device < settings.guards.size() ? settings.guards[device] : DeviceGuard();
+}
+
+std::vector<modbus::Pdu> pdus(const std::vector<modbus::Request>& requests) {
+  std::vector<modbus::Pdu> found;
+  for (const auto& request : requests) {
+    found.push_back(request.pdu());
+  }
+  return found;
+}
+
+std::string differences(const Settings& old, const Settings& next, std::size_t number,
+                        const Device& /*kind*/) {
+  const Device& a = old.devices[number];
+  const Device& b = next.devices[number];
+  const DeviceGuard guarded = guard_of(old, number);
+  const DeviceGuard guards = guard_of(next, number);
+  Differences found;
+  found.compare("bus", a.bus, b.bus);
+  found.compare("address", a.address, b.address);
+  found.compare("profile or values of its own", a.profile, b.profile);
+  found.compare("word_order", a.word_order, b.word_order);
+  found.compare("opcode_order", a.opcode_order, b.opcode_order);
+  found.compare("write_function", a.write_function, b.write_function);
+  found.compare(config::device_keys(), a, b);
+  found.compare(config::timing_keys(), a.timing, times_after(old, next, number));
+  found.compare("writer", guarded.writer, guards.writer);
+  found.compare("writer's addresses", guarded.writers, guards.writers);
+  found.compare("failsafe", pdus(guarded.failsafe), pdus(guards.failsafe));
+  found.compare(config::guard_keys(), guarded, guards);
+  return found.text();
+}
+
+bool is_gone(const Device& device) { return device.is_gone(); }
+bool is_gone(const auto& named) { return named.is_gone; }
+
+template <typename Named>
+void compare_all(std::vector<std::string>& changes, const char* kind, const Settings& old,
+                 const Settings& next, std::vector<Named> Settings::*member) {
+  const std::vector<Named>& before = old.*member;
+  const std::vector<Named>& after = next.*member;
+  for (std::size_t number = 0; number < after.size(); ++number) {
+    const bool was = number < before.size() && !is_gone(before[number]);
+    const bool is = !is_gone(after[number]);
+    const std::string name = std::string(kind) + ' ' + after[number].name;
+    if (was != is) {
+      changes.push_back(name + (is ? " added" : " removed"));
+    } else if (is) {
+      if (const std::string found = differences(old, next, number, Named()); !found.empty()) {
+        changes.push_back(name + ": " + found);
+      }
+    }
+  }
+}
+
+/// How many of these are not among the others.
+std::size_t count_missing(const std::vector<routing::Route>& these,
+                          std::vector<routing::Route> others) {
+  std::size_t missing = 0;
+  for (const auto& route : these) {
+    const auto same = std::ranges::find(others, route);
+    if (same == others.end()) {
+      ++missing;
+    } else {
+      others.erase(same);
+    }
+  }
+  return missing;
+}
+
+void note_count(std::vector<std::string>& changes, std::size_t count, const char* what) {
+  if (count > 0) {
+    changes.push_back(std::to_string(count) + (count == 1 ? " route " : " routes ") + what);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> changes_between(const Settings& old, const Settings& next) {
+  std::vector<std::string> changes;
+  Differences gateway;
+  gateway.compare("unit", old.status_unit, next.status_unit);
+  gateway.compare(config::gateway_keys(), old, next);
+  if (!gateway.text().empty()) {
+    changes.push_back("gateway: " + gateway.text());
+  }
+  compare_all(changes, "listener", old, next, &Settings::listeners);
+  compare_all(changes, "bus", old, next, &Settings::buses);
+  compare_all(changes, "device", old, next, &Settings::devices);
+  note_count(changes, count_missing(next.routes, old.routes), "added");
+  note_count(changes, count_missing(old.routes, next.routes), "removed");
+  if (!(old.weights == next.weights)) {
+    changes.emplace_back("clients: weights");
+  }
+  return changes;
+}
+
+}  // namespace mbgate::app

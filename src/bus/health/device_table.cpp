@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/health/device_table.hpp"
+
+#include <algorithm>
+
+namespace mbgate::bus {
+
+DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Device> devices) {
+  update(settings, devices);
+}
+
+void DeviceTable::update(const BusSettings& settings, std::span<const drive::Device> devices) {
+  devices_.assign(devices.begin(), devices.end());
+  other_.timing = settings.timing;
+  for (DeviceEntry& entry : entries_) {
+    entry.device = &other_;
+    entry.early_reported = false;
+    entry.merge_refused = false;
+    entry.second_reported = false;
+  }
+  for (const drive::Device& device : devices_) {
+    entries_.at(device.address).device = &device;
+  }
+  forget_what_was_read();
+}
+
+bool DeviceTable::is_stop(std::uint8_t address, const modbus::Request& request,
+                          drive::BroadcastForm broadcast) const {
+  if (broadcast == drive::BroadcastForm::none) {
+    return entries_.at(address).device->is_stop(request);
+  }
+  return std::ranges::any_of(devices_, [&](const drive::Device& device) {
+    return device.profile.broadcast.form == broadcast && device.is_stop(request);
+  });
+}
+
+void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {
+  for (const drive::Device& device : devices_) {
+    const auto boot_time = device.silent_after(broadcast.request);
+    if (boot_time && device.profile.broadcast.form == broadcast.broadcast) {
+      entries_.at(device.address).free_at = now + *boot_time;
+    }
+  }
+}
+
+void DeviceTable::note_reconfiguring(const Transaction& transaction) {
+  if (!transaction.request.writes()) {
+    return;
+  }
+  for (const drive::Device& device : devices_) {
+    const bool heard = transaction.is_broadcast() || device.address == transaction.address;
+    if (heard && device.is_reconfigured_by(transaction.request)) {
+      entries_.at(device.address).setting_known = false;
+    }
+  }
+}
+
+void DeviceTable::forget_what_was_read() {
+  for (DeviceEntry& entry : entries_) {
+    entry.setting_known = false;
+    entry.cache.clear();
+  }
+}
+
+void DeviceTable::begin_write(const Job& write) {
+  if (!write.is_broadcast()) {
+    entries_.at(write.address()).cache.begin_write();
+    return;
+  }
+  std::ranges::for_each(entries_, [](DeviceEntry& entry) { entry.cache.begin_write(); });
+}
+
+void DeviceTable::end_write(const Job& write) {
+  if (!write.is_broadcast()) {
+    entries_.at(write.address()).cache.end_write();
+    return;
+  }
+  std::ranges::for_each(entries_, [](DeviceEntry& entry) { entry.cache.end_write(); });
+}
+
+void DeviceTable::clear_counters() {
+  for (DeviceEntry& entry : entries_) {
+    entry.counters = {};
+  }
+}
+
+}  // namespace mbgate::bus

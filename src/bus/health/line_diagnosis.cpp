@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/health/line_diagnosis.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace mbgate::bus {
+namespace {
+
+constexpr Duration kNeverSilent = std::chrono::seconds(1);
+
+// Another client may have asked for the same a moment before, and an adapter kept that; hardly for
+// two requests in a row.
+constexpr unsigned kEchoesToTell = 2;
+
+// Fewer bytes than these are a driver that turns off.
+constexpr std::size_t kLeastHeard = 3;
+
+}  // namespace
+
+void LineDiagnosis::note_opened() {
+  foreign_reported_ = false;
+  own_heard_ = false;
+  denied_echoes_ = 0;
+  never_silent_reported_ = false;
+  quality_.forget();
+}
+
+// A line that is never silent is told once until somebody is understood again.
+void LineDiagnosis::note_bytes(bool asked, Instant now) {
+  const Duration limit = std::max(kNeverSilent, longest_stream(parts_.settings));
+  const auto since = parts_.line.busy_since();
+  if (since && now >= *since + limit && !std::exchange(never_silent_reported_, true)) {
+    parts_.actions.push(NeverSilent{});
+  }
+  if (!asked) {
+    quality_.note_unasked();
+  }
+}
+
+void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end) {
+  if (!std::exchange(own_heard_, false) && end.how == LineEnd::How::response && asked.is_read) {
+    note_denied_echo(false);
+  }
+  const bool heard_frame = std::exchange(frame_heard_, false);
+  if (!asked.wants_answer) {
+    return;
+  }
+  AnswerQuality& quality = quality_[asked.address];
+  switch (end.how) {
+    case LineEnd::How::response:
+      quality.note_answered();
+      quality_.note_answer(false);
+      break;
+    case LineEnd::How::damaged:
+      quality.note_damaged();
+      quality_.note_answer(true);
+      break;
+    case LineEnd::How::no_response:
+      if (end.heard >= kLeastHeard && !heard_frame) {
+        quality.note_unreadable(end.heard_after, quality_.unasked());
+      } else {
+        quality.note_silent();
+      }
+      break;
+    case LineEnd::How::sent: break;
+  }
+  tell_quality(asked.address);
+}
+
+void LineDiagnosis::tell_quality(std::uint8_t address) {
+  while (const auto change = quality_.take_change(address)) {
+    parts_.actions.push(*change);
+  }
+}
+
+bool LineDiagnosis::note_unanswered_connection() {
+  return !std::exchange(replacement_reported_, true) || parts_.line.has_answered();
+}
+
+void LineDiagnosis::notify(DeviceNotice::Kind kind, std::uint8_t address) {
+  DeviceNotice notice{kind, address};
+  notice.answered_before = quality_[address].has_answered();
+  notice.requests = parts_.devices[address].health.unanswered_in_row();
+  parts_.actions.push(notice);
+}
+
+void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
+  const std::uint8_t address = unsolicited.address;
+  DeviceEntry& entry = parts_.devices[address];
+  frame_heard_ = true;
+  if (unsolicited.is_echo) {
+    return;
+  }
+  const auto late =
+      unsolicited.is_response
+          ? entry.health.note_unexpected(unsolicited.pdu.bytes(), unsolicited.came, entry.timing())
+          : std::optional<DeviceHealth::Late>();
+  if (!late) {
+    note_foreign(unsolicited);
+    return;
+  }
+  ++parts_.counters.late_responses;
+  ++entry.counters.late_responses;
+  entry.note_heard();
+  if (late->grew) {
+    parts_.actions.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
+                                     entry.health.quarantine(unsolicited.came, entry.timing())});
+  }
+  if (late->back) {
+    notify(DeviceNotice::Kind::back, address);
+    quality_[address].note_heard();  // it was asked by probes only: no matter of its timeout
+  } else if (late->lateness > Duration{0}) {  // else what stood before it was in its way
+    quality_[address].note_late(late->lateness, entry.timing().response_timeout);
+    tell_quality(address);
+  }
+}
+
+// A request that somebody else sent, or a frame of a device that has owed nothing for so long that
+// it can be no late answer: another client is on this line, or another device at this address. What
+// a line had in store when it was opened says nothing.
+void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
+  const Instant now = unsolicited.came;
+  const std::uint8_t address = unsolicited.address;
+  DeviceEntry& entry = parts_.devices[address];
+  const Duration longest = entry.timing().quarantine_max;
+  const auto running = parts_.transmissions.running();
+  const auto asked = std::ranges::find_if(running, [&](const Transmission* transmission) {
+    return transmission->in_flight && transmission->on_wire().address == address;
+  });
+  const bool is_asked = asked != running.end();
+  const bool is_own = is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(),
+                                                     unsolicited.pdu.bytes());
+  if (is_own && unsolicited.is_request && !std::exchange(own_heard_, true)) {
+    note_denied_echo(true);
+  }
+  if (unsolicited.after_noise || is_own || now < parts_.link.opened_at() + longest) {
+    return;
+  }
+  const bool is_old = entry.owed_until == Instant::min() || now > entry.owed_until + longest;
+  if (!unsolicited.is_request && (!unsolicited.is_response || is_asked || !is_old)) {
+    return;
+  }
+  const bool answered_just_now = unsolicited.is_response && entry.answered_at != Instant::min() &&
+                                 now <= entry.answered_at + entry.timing().response_timeout &&
+                                 unsolicited.pdu.function() == entry.answered_function;
+  if (answered_just_now && !foreign_reported_) {
+    if (!std::exchange(entry.second_reported, true)) {
+      notify(DeviceNotice::Kind::second_answer, address);
+    }
+    return;
+  }
+  ++parts_.counters.foreign_frames;
+  if (!std::exchange(foreign_reported_, true)) {
+    DeviceNotice notice{DeviceNotice::Kind::foreign, address};
+    notice.is_request = unsolicited.is_request;
+    parts_.actions.push(notice);
+  }
+}
+
+// Was the own request heard, though the settings say that there is no echo? Told once.
+void LineDiagnosis::note_denied_echo(bool was_heard) {
+  if (parts_.settings.line.echo != false || denied_echoes_ == kEchoesToTell) {
+    return;
+  }
+  denied_echoes_ = was_heard ? denied_echoes_ + 1 : 0;
+  if (denied_echoes_ == kEchoesToTell) {
+    parts_.actions.push(LineNotice{LineFault::echo_denied});
+  }
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/queue/bus_queue.hpp"
+
+#include <algorithm>
+
+namespace mbgate::bus {
+
+BusQueue::Source& BusQueue::source_of(const Job& job) {
+  const auto index = static_cast<std::size_t>(job.source);
+  while (sources_.size() <= index) {
+    sources_.emplace_back();
+  }
+  return sources_[index];
+}
+
+bool BusQueue::push(Job& job) {
+  if (by_deadline_.size() >= limit_) {
+    return false;
+  }
+  Source& source = source_of(job);
+  source.waiting.push_back(job);
+  link(job, source);
+  return true;
+}
+
+void BusQueue::push_front(Job& job) {
+  Source& source = source_of(job);
+  source.waiting.push_front(job);
+  link(job, source);
+}
+
+void BusQueue::link(Job& job, Source& source) {
+  source.weight = job.weight;
+  if (!source.round_hook.is_linked()) {
+    source.turns = source.weight;
+    round_.push_back(source);
+  }
+  by_deadline_.insert(job);
+  if (job.job_class == JobClass::write) {
+    writes_.insert(job);
+  }
+}
+
+Job* BusQueue::read_to_evict() {
+  const auto most = std::ranges::max_element(
+      round_, {}, [](const Source& source) { return source.waiting.size(); });
+  if (most == round_.end()) {
+    return nullptr;
+  }
+  const auto newest = std::find_if(most->waiting.rbegin(), most->waiting.rend(),
+                                   [](const Job& job) { return job.job_class == JobClass::read; });
+  return newest == most->waiting.rend() ? nullptr : &*newest;
+}
+
+bool BusQueue::write_waits_between(std::uint8_t address, std::uint64_t from,
+                                   std::uint64_t to) const {
+  const auto any = [&](unsigned place) {
+    const auto first = writes_.lower_bound(WritePlace{place, from}, ByPlace{});
+    return first != writes_.end() && place_of(*first) < WritePlace{place, to};
+  };
+  return any(address) || any(kEveryAddress);
+}
+
+void BusQueue::take(Job& job) {
+  Source& source = source_of(job);
+  remove(job);
+  if (!source.round_hook.is_linked()) {
+    return;
+  }
+  if (--source.turns == 0) {
+    source.turns = source.weight;
+    round_.splice(round_.end(), round_, Round::s_iterator_to(source));
+  }
+}
+
+void BusQueue::remove(Job& job) {
+  Source& source = source_of(job);
+  source.waiting.erase(JobList::s_iterator_to(job));
+  if (source.waiting.empty()) {
+    round_.erase(Round::s_iterator_to(source));
+  }
+  by_deadline_.erase(DeadlineSet::s_iterator_to(job));
+  if (job.write_hook.is_linked()) {
+    writes_.erase(WriteSet::s_iterator_to(job));
+  }
+}
+
+Job* BusQueue::first_to_expire() { return by_deadline_.empty() ? nullptr : &*by_deadline_.begin(); }
+
+std::optional<Instant> BusQueue::first_deadline() const {
+  return by_deadline_.empty() ? std::nullopt : std::optional(by_deadline_.begin()->deadline);
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reads and writes waiting for a bus: client addresses take turns by their weight, each
+// address's requests to one device stay in order. Stops wait in a lane of their own. Bounded;
+// allocates only when a client address is seen for the first time.
+#pragma once
+
+#include <bitset>
+#include <boost/intrusive/list.hpp>
+#include <boost/intrusive/set.hpp>
+#include <deque>
+
+#include "bus/health/device_table.hpp"
+#include "bus/job.hpp"
+#include "bus/state_reader.hpp"
+
+namespace mbgate::bus {
+
+class BusQueue {
+ public:
+  explicit BusQueue(std::size_t limit) : limit_(limit) {}
+  void set_limit(std::size_t limit) { limit_ = limit; }
+
+  /// Queues a job behind those of its client address. False if there is no room; the job is then
+  /// untouched.
+  bool push(Job& job);
+  /// Queues a job that was there before, in front of those of its client address.
+  void push_front(Job& job);
+  /// The waiting read that has to make room in a full queue: the newest of the client address with
+  /// the most waiting requests. Nothing if that one has no read that waits.
+  [[nodiscard]] Job* read_to_evict();
+
+  /// Shows `visit` the jobs of the class that may go next, in the order of their turns: of each
+  /// client address the oldest to each device, if it is of that class. A broadcast is for every
+  /// device: nothing of its client address overtakes it, and it overtakes nothing. Ends when
+  /// `visit` returns true; the queue must not be changed before.
+  template <typename Visit>
+  void visit_candidates(JobClass job_class, Visit visit);
+  /// Shows `visit` of each client address the waiting jobs to the device, in order, for as long as
+  /// it returns true; behind a broadcast there are none.
+  template <typename Visit>
+  void visit_fronts(std::uint8_t address, Visit visit);
+  /// Shows `visit` every waiting job.
+  template <typename Visit>
+  void visit_all(Visit visit);
+  /// Does a write to the device wait that was accepted between these two?
+  [[nodiscard]] bool write_waits_between(std::uint8_t address, std::uint64_t from,
+                                         std::uint64_t to) const;
+  /// Does a write to the device wait that was accepted before this?
+  [[nodiscard]] bool write_waits_before(std::uint8_t address, std::uint64_t sequence) const {
+    return write_waits_between(address, 0, sequence);
+  }
+
+  /// Takes a job whose turn it is, which costs its client address a turn.
+  void take(Job& job);
+  /// Takes any waiting job out.
+  void remove(Job& job);
+  /// The waiting job whose deadline comes first, or nothing.
+  [[nodiscard]] Job* first_to_expire();
+  [[nodiscard]] std::optional<Instant> first_deadline() const;
+  [[nodiscard]] std::size_t size() const { return by_deadline_.size(); }
+
+ private:
+  friend struct mbgate::StateReader;
+  using JobList = boost::intrusive::list<
+      Job,
+      boost::intrusive::member_hook<Job, boost::intrusive::list_member_hook<>, &Job::queue_hook>>;
+  struct ByDeadline {
+    bool operator()(const Job& a, const Job& b) const { return a.deadline < b.deadline; }
+  };
+  using DeadlineSet = boost::intrusive::multiset<
+      Job, boost::intrusive::compare<ByDeadline>,
+      boost::intrusive::member_hook<Job, boost::intrusive::set_member_hook<>, &Job::deadline_hook>>;
+  /// Broadcasts stand together, as writes to an address that no device has.
+  struct WritePlace {
+    unsigned address;
+    std::uint64_t sequence;
+    auto operator<=>(const WritePlace&) const = default;
+  };
+  static constexpr unsigned kEveryAddress = kAddresses;
+  static WritePlace place_of(const Job& job) {
+    return {job.is_broadcast() ? kEveryAddress : job.address(), job.sequence};
+  }
+  struct ByPlace {
+    bool operator()(const Job& a, const Job& b) const { return place_of(a) < place_of(b); }
+    bool operator()(const Job& a, const WritePlace& b) const { return place_of(a) < b; }
+    bool operator()(const WritePlace& a, const Job& b) const { return a < place_of(b); }
+  };
+  using WriteSet = boost::intrusive::multiset<
+      Job, boost::intrusive::compare<ByPlace>,
+      boost::intrusive::member_hook<Job, boost::intrusive::set_member_hook<>, &Job::write_hook>>;
+  struct Source {
+    boost::intrusive::list_member_hook<> round_hook;
+    JobList waiting;
+    unsigned weight = 1;
+    unsigned turns = 1;  // left before it goes to the back of the round
+  };
+  using Round = boost::intrusive::list<
+      Source, boost::intrusive::member_hook<Source, boost::intrusive::list_member_hook<>,
+                                            &Source::round_hook>>;
+
+  Source& source_of(const Job& job);
+  void link(Job& job, Source& source);
+  template <typename Visit>
+  static bool visit_source(Source& source, JobClass job_class, Visit& visit);
+
+  std::size_t limit_;
+  std::deque<Source>
+      sources_;  // by FairnessKey; a deque because its elements have a stable address
+  Round round_;  // sources that have jobs waiting
+  DeadlineSet by_deadline_;
+  WriteSet writes_;
+};
+
+template <typename Visit>
+void BusQueue::visit_candidates(JobClass job_class, Visit visit) {
+  const std::size_t reads = by_deadline_.size() - writes_.size();
+  if (job_class == JobClass::write ? writes_.empty() : reads == 0) {
+    return;  // nobody needs to look at hundreds of reads to find no write
+  }
+  for (Source& source : round_) {
+    if (visit_source(source, job_class, visit)) {
+      return;
+    }
+  }
+}
+
+template <typename Visit>
+bool BusQueue::visit_source(Source& source, JobClass job_class, Visit& visit) {
+  std::bitset<kAddresses> seen;
+  for (Job& job : source.waiting) {
+    if (job.is_broadcast()) {
+      return seen.none() && job.job_class == job_class && visit(job);
+    }
+    if (!seen[job.address()]) {
+      seen.set(job.address());
+      if (job.job_class == job_class && visit(job)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+template <typename Visit>
+void BusQueue::visit_fronts(std::uint8_t address, Visit visit) {
+  for (Source& source : round_) {
+    for (Job& job : source.waiting) {
+      if (job.is_broadcast() || (job.address() == address && !visit(job))) {
+        break;
+      }
+    }
+  }
+}
+
+template <typename Visit>
+void BusQueue::visit_all(Visit visit) {
+  for (Source& source : round_) {
+    for (Job& job : source.waiting) {
+      visit(job);
+    }
+  }
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stops that wait for a bus, ahead of everything else, in the order in which they go. Identical
+// ones share a place.
+#pragma once
+
+#include <algorithm>
+#include <boost/intrusive/list.hpp>
+#include <cstddef>
+
+#include "bus/state_reader.hpp"
+#include "bus/transmission/transmission.hpp"
+
+namespace mbgate::bus {
+
+/// Stops that may wait beyond the limit of a queue; identical ones share a place, and so many may
+/// share one.
+inline constexpr std::size_t kRoomForStops = 256;
+
+class StopLane {
+ public:
+  [[nodiscard]] bool has_room() const { return stops_.size() < kRoomForStops; }
+  /// Behind the others.
+  void push(Transmission& stop) { stops_.push_back(stop); }
+  /// In front of them.
+  void push_front(Transmission& stop) { stops_.push_front(stop); }
+  void remove(Transmission& stop) { stops_.erase(List::s_iterator_to(stop)); }
+
+  [[nodiscard]] bool empty() const { return stops_.empty(); }
+  /// Those that share a place count once.
+  [[nodiscard]] std::size_t size() const { return stops_.size(); }
+  [[nodiscard]] Transmission* first() { return stops_.empty() ? nullptr : &stops_.front(); }
+  /// The first for which `is_it` says yes, or nothing.
+  template <typename Predicate>
+  [[nodiscard]] Transmission* find(Predicate is_it) {
+    const auto found = std::ranges::find_if(stops_, is_it);
+    return found == stops_.end() ? nullptr : &*found;
+  }
+  /// Shows `visit` every one of them; the lane must not be changed meanwhile.
+  template <typename Visit>
+  void visit(Visit visit) {
+    std::ranges::for_each(stops_, visit);
+  }
+
+ private:
+  friend struct mbgate::StateReader;
+  using List = boost::intrusive::list<
+      Transmission,
+      boost::intrusive::member_hook<Transmission, boost::intrusive::list_member_hook<>,
+                                    &Transmission::stop_hook>>;
+  List stops_;
+};
+
+}  // namespace mbgate::bus

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/queue/turns.hpp"
+
+#include <algorithm>
+#include <bitset>
+
+namespace mbgate::bus {
+namespace {
+
+/// What was found while the waiting jobs are looked at.
+struct Search {
+  Instant soonest;  ///< anything may go
+  std::optional<Choice> best;
+  Job* waits_for_gap = nullptr;
+  std::bitset<kAddresses> claimed;  ///< by jobs that wait for what is in flight to their device
+  Bounds bounds;
+  bool decided = false;
+};
+
+// Reads share a device; a write, and a job of several transactions, has it for itself; a broadcast
+// has all of them. Nor does anything for the same device overtake a read that is being repeated;
+// of broadcasts, those of the same client address do not.
+bool may_join(const Parts& parts, const Job& job) {
+  const auto is_of_same = [&](const Job* other) { return other->source == job.source; };
+  return std::ranges::none_of(parts.transmissions.running(), [&](const Transmission* running) {
+    const Job& other = *running->leader;
+    if (job.is_broadcast() && other.is_single_read() && running->is_between_tries()) {
+      return is_of_same(&other) || std::ranges::any_of(running->followers, is_of_same);
+    }
+    const bool meets =
+        other.address() == job.address() || job.is_broadcast() || other.is_broadcast();
+    const bool shares =
+        other.is_single_read() && job.is_single_read() && running->in_flight && running->tries == 1;
+    return meets && !shares;
+  });
+}
+
+// Between two tries each other device has one turn at most.
+bool had_its_turn(const Parts& parts, const Job& job, Instant now) {
+  const std::uint64_t last_turn = parts.devices[job.transaction().address].last_turn;
+  return std::ranges::any_of(parts.transmissions.running(), [&](const Transmission* repeated) {
+    return repeated->is_between_tries() && last_turn > repeated->turn &&
+           !is_held_back(parts, *repeated->leader, now);
+  });
+}
+
+// Jobs are looked at in the order of their turns. One that cannot go yet lets those to other
+// devices pass: for as long as its device is held back or busy, but only once for its device's gap,
+// because on a line that is never silent for so long its turn would never come.
+void look_for(Parts& parts, JobClass job_class, Search& search, Instant now) {
+  parts.queue.visit_candidates(job_class, [&](Job& job) {
+    const std::uint8_t address = job.transaction().address;
+    if (!is_within(parts, search.bounds, job) || had_its_turn(parts, job, now)) {
+      return false;
+    }
+    if (search.claimed[address] || !may_join(parts, job)) {
+      search.claimed.set(address);
+      return false;
+    }
+    const Instant ready = std::max(now, ready_at(parts, job));
+    if (!search.best || ready < search.best->at) {
+      search.best = Choice{&job, ready, search.waits_for_gap};
+    }
+    if (ready > search.soonest && held_until(parts, job) < ready) {
+      search.waits_for_gap = search.waits_for_gap != nullptr ? search.waits_for_gap : &job;
+      search.decided = job.passed_over;
+      return search.decided;
+    }
+    search.decided = ready == search.soonest;
+    return search.decided;
+  });
+}
+
+// The one that waits for its next try for longest.
+Job* next_repeated(Parts& parts, const Bounds& bounds, Instant now) {
+  const Transmission* next = nullptr;
+  for (const Transmission* running : parts.transmissions.running()) {
+    if (running->is_between_tries() && !is_held_back(parts, *running->leader, now) &&
+        is_within(parts, bounds, *running->leader) &&
+        (next == nullptr || running->turn < next->turn)) {
+      next = running;
+    }
+  }
+  return next == nullptr ? nullptr : next->leader;
+}
+
+}  // namespace
+
+std::optional<Choice> next_waiting(Parts& parts, const Bounds& bounds, Instant now) {
+  Search search{std::max(now, parts.line.ready_at(Duration{0})), {}, nullptr, {}, bounds, false};
+  const bool reads_first = parts.turns.writes_in_row() >= parts.settings.burst;
+  const JobClass first = reads_first ? JobClass::read : JobClass::write;
+  const JobClass second = first == JobClass::write ? JobClass::read : JobClass::write;
+  if (bounds.before != nullptr) {
+    look_for(parts, JobClass::write, search, now);
+    look_for(parts, JobClass::read, search, now);
+    return search.best;
+  }
+  look_for(parts, first, search, now);
+  if (!search.decided) {
+    look_for(parts, second, search, now);
+  }
+  return search.best;
+}
+
+std::optional<Choice> next_turn(Parts& parts, const Bounds& bounds, Instant now) {
+  const auto choice = next_waiting(parts, bounds, now);
+  Job* repeated = next_repeated(parts, bounds, now);
+  if (repeated == nullptr) {
+    return choice;
+  }
+  const Instant ready = std::max(now, ready_at(parts, *repeated));
+  return choice && choice->at <= ready ? choice : Choice{repeated, ready};
+}
+
+Wake wake_for(const Parts& parts, const Job& job, Instant at) {
+  return {at, held_until(parts, job) < at};
+}
+
+bool has_place(const Parts& parts, Instant now) {
+  const bool stop_waits = !parts.stops.empty();
+  const auto occupied =
+      std::ranges::count_if(parts.transmissions.running(), [&](const Transmission* running) {
+        return running->in_flight || (!stop_waits && !running->is_between_tries() &&
+                                      !is_held_back(parts, *running->leader, now));
+      });
+  return static_cast<std::size_t>(occupied) < parts.transmissions.room();
+}
+
+bool is_within(Parts& parts, const Bounds& bounds, const Job& job) {
+  if (bounds.before != nullptr) {
+    return (job.transaction().address == bounds.before->address() || job.is_broadcast()) &&
+           job.sequence < bounds.before->sequence;
+  }
+  return !bounds.beside_stops ||
+         (!job.is_broadcast() && parts.stops.find([&](const Transmission& stop) {
+           return stop.leader->address() == job.address() || stop.leader->is_broadcast();
+         }) == nullptr);
+}
+
+Instant held_until(const Parts& parts, const Job& job) {
+  if (job.job_class == JobClass::stop) {
+    return Instant::min();
+  }
+  const std::size_t next = next_transaction(parts, job);
+  const Transaction& transaction = job.transactions[next];
+  const DeviceEntry& entry = parts.devices[transaction.address];
+  const bool repeats_read = job.leads != nullptr && job.leads->tries > 0 && next == job.current &&
+                            transaction.request.is_read();
+  const std::uint8_t function = transaction.request.function();
+  return parts.quarantines() && !repeats_read
+             ? std::max(entry.free_at, entry.health.held_until(function, entry.timing()))
+             : entry.free_at;
+}
+
+bool is_held_back(const Parts& parts, const Job& job, Instant now) {
+  return !job.transactions[next_transaction(parts, job)].is_broadcast() &&
+         held_until(parts, job) > now;
+}
+
+Instant ready_at(const Parts& parts, const Job& job) {
+  if (job.job_class == JobClass::stop) {
+    return parts.line.ready_for_stop_at();
+  }
+  const Transaction& transaction = job.transactions[next_transaction(parts, job)];
+  if (transaction.is_broadcast()) {
+    return parts.line.ready_at(parts.settings.timing.gap);
+  }
+  const DeviceEntry& entry = parts.devices[transaction.address];
+  return std::max(held_until(parts, job), parts.line.ready_at(entry.timing().gap));
+}
+
+std::size_t next_transaction(const Parts& parts, const Job& job) {
+  std::size_t next = job.current;
+  while (job.transactions[next].must_hold != nullptr &&
+         (job.job_class == JobClass::stop ||
+          parts.devices[job.transactions[next].address].setting_known)) {
+    ++next;
+  }
+  return next;
+}
+
+}  // namespace mbgate::bus

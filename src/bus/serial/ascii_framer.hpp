@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds the response to one request in the characters that come from an ASCII line: ':' begins a
+// frame, and begins it anew where one had begun already, CR LF ends it, and its characters are
+// never further apart than 1 s (Serial Line V1.02, 2.5.2.1).
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "bus/counters.hpp"
+#include "bus/job.hpp"
+#include "bus/serial/verdict.hpp"
+#include "modbus/ascii.hpp"
+
+namespace mbgate::bus {
+
+/// From one character of a frame to the next.
+inline constexpr Duration kLongestCharacterGap = std::chrono::seconds(1);
+
+/// How often an answer may begin anew before it is none: a line that babbles must not stand still
+/// for ever.
+inline constexpr unsigned kMostRestarts = 8;
+
+class AsciiFramer {
+ public:
+  explicit AsciiFramer(BusCounters& counters) : counters_(counters) {}
+
+  /// From now on the answer to `transaction` is looked for; it must outlive the search.
+  void expect(const Transaction& transaction);
+  /// Nothing is asked any more. A frame that has begun goes on: it may be a late answer.
+  void listen();
+  /// Another connection: what has begun does not go on.
+  void forget();
+  /// Characters as they came in. After a verdict other than none comes expect(), again() or
+  /// listen().
+  Verdict add(modbus::Bytes bytes, Instant now);
+  /// The response was none: the search goes on in what came behind it.
+  Verdict again(Instant now);
+  /// Time has passed: a frame may prove to stay incomplete.
+  Verdict handle_deadline(Instant now);
+  [[nodiscard]] std::optional<Instant> next_deadline() const;
+  /// Has a frame begun that may be the answer? The response timeout is then over, its rest has its
+  /// own time.
+  [[nodiscard]] bool in_progress() const;
+  /// A frame says itself where it ends.
+  [[nodiscard]] static bool awaits_silence() { return false; }
+  [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
+  /// When the first character of the response came.
+  [[nodiscard]] Instant response_began() const { return began_; }
+  /// Nothing at all came before the response since expect().
+  [[nodiscard]] bool came_first() const { return began_first_; }
+  /// Where a frame begins is told by its ':'.
+  [[nodiscard]] static std::size_t noise() { return 0; }
+  /// A good frame that answers nothing that was asked, each once.
+  std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
+
+ private:
+  Verdict take(std::uint8_t character, Instant now);
+  Verdict judge(Instant now);
+  /// Counts what has been gathered as stray and forgets it.
+  void discard();
+
+  BusCounters& counters_;
+  const Transaction* transaction_ = nullptr;
+  modbus::AsciiBytes buffer_;            // empty, or a frame from its ':' on
+  bool is_earlier_ = false;              // it began before what is asked was transmitted
+  std::array<std::uint8_t, 3> start_{};  // of an answer: ':' and the address
+  std::size_t longest_ = 0;              // that an answer can be
+  Instant last_character_;
+  unsigned restarts_ = 0;  // of what seemed to be the answer
+  std::optional<modbus::Pdu> response_;
+  Instant began_;             // the frame in the buffer, or the last one
+  bool began_first_ = false;  // of all since expect()
+  std::size_t taken_ = 0;     // characters since then
+  modbus::AsciiBytes rest_;   // what came behind the response
+  UnsolicitedFrames<kMostUnsolicited> unsolicited_;
+};
+
+}  // namespace mbgate::bus

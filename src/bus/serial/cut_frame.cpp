@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/serial/cut_frame.hpp"
+
+#include <algorithm>
+
+#include "bus/serial/rtu_shape.hpp"
+
+namespace mbgate::bus {
+
+void CutFrame::clear() {
+  kept_.clear();
+  pieces_.clear();
+}
+
+void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack) {
+  if (began - last_ > slack || kept_.size() + bytes.size() > kept_.capacity()) {
+    clear();
+  }
+  if (bytes.size() <= kept_.capacity()) {
+    if (pieces_.size() < pieces_.capacity()) {
+      pieces_.push_back(kept_.size());
+    }
+    kept_.insert(kept_.end(), bytes.begin(), bytes.end());
+    last_ = last;
+  }
+  while (!kept_.empty() && !may_begin_frame({kept_.data(), kept_.size()})) {
+    kept_.erase(kept_.begin());
+    std::ranges::for_each(pieces_,
+                          [](std::size_t& piece) { piece -= std::min<std::size_t>(piece, 1); });
+  }
+}
+
+std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant began,
+                                                   Duration slack) {
+  if (began - last_ > slack) {
+    clear();
+  }
+  if (kept_.empty() || bytes.empty()) {
+    return std::nullopt;
+  }
+  // A good frame is no rest of another, whatever its bytes make with those.
+  if (bytes.size() > 1 && good_frame(bytes)) {
+    clear();
+    return std::nullopt;
+  }
+  const std::size_t more = std::min(bytes.size(), kept_.capacity() - kept_.size());
+  auto joined = kept_;
+  joined.insert(joined.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(more));
+  const std::size_t before = kept_.size();
+  for (const std::size_t piece : pieces_) {
+    const std::size_t last = std::min({piece + kMostNoise, before - 1, joined.size() - 2});
+    for (std::size_t at = piece; at <= last; ++at) {
+      const modbus::Bytes all = modbus::Bytes(joined.data(), joined.size()).subspan(at);
+      const auto frame = good_frame(all);
+      if (!frame || (at > piece && is_exception(all))) {
+        continue;
+      }
+      clear();
+      if (at + frame->size <= before) {
+        return std::nullopt;  // it was whole already, and was seen or given up
+      }
+      return Joined{*modbus::decode_rtu(all.first(frame->size)), at + frame->size - before,
+                    frame->is_response, at > piece};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace mbgate::bus

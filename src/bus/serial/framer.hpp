@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// The framing of a serial line, RTU or ASCII: makes frames of requests and finds their responses in
+// what comes back. RtuFramer and AsciiFramer say what each function promises.
+#pragma once
+
+#include <variant>
+
+#include "bus/serial/ascii_framer.hpp"
+#include "bus/serial/rtu_framer.hpp"
+#include "bus/settings.hpp"
+#include "bus/state_reader.hpp"
+
+namespace mbgate::bus {
+
+class Framer {
+ public:
+  Framer(const BusSettings& settings, const modbus::RtuTiming& timing, BusCounters& counters)
+      : framer_(make(settings, timing, counters)) {}
+  /// Other times on the same line.
+  void update(const BusSettings& settings) {
+    if (auto* rtu = std::get_if<RtuFramer>(&framer_)) {
+      rtu->set_slack(settings.frame_slack_or_default());
+    }
+  }
+
+  [[nodiscard]] FrameBytes encode(std::uint8_t address, const modbus::Pdu& pdu) const {
+    if (std::holds_alternative<AsciiFramer>(framer_)) {
+      const auto frame = modbus::encode_ascii(address, pdu);
+      return {frame.begin(), frame.end()};
+    }
+    const auto frame = modbus::encode_rtu(address, pdu);
+    return {frame.begin(), frame.end()};
+  }
+  /// In ASCII a frame says itself where it begins: no echo stands in the way of what follows.
+  void expect(const Transaction& transaction, Instant sent) {
+    if (auto* rtu = std::get_if<RtuFramer>(&framer_)) {
+      rtu->expect(transaction, sent);
+    } else {
+      std::get<AsciiFramer>(framer_).expect(transaction);
+    }
+  }
+  Verdict add(modbus::Bytes bytes, Instant now) {
+    return std::visit([&](auto& framer) { return framer.add(bytes, now); }, framer_);
+  }
+  Verdict handle_deadline(Instant now) {
+    return std::visit([&](auto& framer) { return framer.handle_deadline(now); }, framer_);
+  }
+  [[nodiscard]] std::optional<Instant> next_deadline() const {
+    return std::visit([](const auto& framer) { return framer.next_deadline(); }, framer_);
+  }
+  [[nodiscard]] bool in_progress() const {
+    return std::visit([](const auto& framer) { return framer.in_progress(); }, framer_);
+  }
+  [[nodiscard]] bool awaits_silence() const {
+    return std::visit([](const auto& framer) { return framer.awaits_silence(); }, framer_);
+  }
+  void listen() {
+    std::visit([](auto& framer) { framer.listen(); }, framer_);
+  }
+  /// Another connection: nothing of before goes on.
+  void forget() {
+    std::visit([](auto& framer) { framer.forget(); }, framer_);
+  }
+  Verdict again(Instant now) {
+    return std::visit([&](auto& framer) { return framer.again(now); }, framer_);
+  }
+  [[nodiscard]] Instant response_began() const {
+    return std::visit([](const auto& framer) { return framer.response_began(); }, framer_);
+  }
+  [[nodiscard]] bool came_first() const {
+    return std::visit([](const auto& framer) { return framer.came_first(); }, framer_);
+  }
+  [[nodiscard]] std::size_t noise() const {
+    return std::visit([](const auto& framer) { return framer.noise(); }, framer_);
+  }
+  std::optional<UnsolicitedFrame> take_unsolicited() {
+    return std::visit([](auto& framer) { return framer.take_unsolicited(); }, framer_);
+  }
+  [[nodiscard]] const modbus::Pdu& response() const {
+    return std::visit(
+        [](const auto& framer) -> const auto& { return framer.response(); }, framer_);
+  }
+
+ private:
+  friend struct mbgate::StateReader;
+  using Variant = std::variant<RtuFramer, AsciiFramer>;
+  static Variant make(const BusSettings& settings, const modbus::RtuTiming& timing,
+                      BusCounters& counters) {
+    if (settings.line.framing == Framing::ascii) {
+      return Variant(std::in_place_type<AsciiFramer>, counters);
+    }
+    return Variant(std::in_place_type<RtuFramer>, timing, settings.frame_slack_or_default(),
+                   counters);
+  }
+
+  Variant framer_;
+};
+
+}  // namespace mbgate::bus

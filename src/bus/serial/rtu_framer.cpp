@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/serial/rtu_framer.hpp"
+
+#include <algorithm>
+
+#include "bus/serial/rtu_shape.hpp"
+
+namespace mbgate::bus {
+namespace {
+
+using Kind = modbus::PduLength::Kind;
+
+}  // namespace
+
+RtuFramer::RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters)
+    : timing_(timing), slack_(slack), counters_(counters) {}
+
+void RtuFramer::expect(const Transaction& transaction, Instant sent) {
+  listen();
+  transaction_ = &transaction;
+  sent_ = sent;
+  given_ = 0;
+  response_.reset();
+}
+
+void RtuFramer::listen() {
+  give_up_buffer();
+  transaction_ = nullptr;
+  answer_ = Answer::not_begun;
+  discarding_ = false;
+}
+
+void RtuFramer::forget() {
+  listen();
+  cut_ = {};
+}
+
+// Silence, or a new question, has ended what stands here. It may have been a frame whose length
+// cannot be known, such as another client's request; not the beginning of one that is longer.
+void RtuFramer::give_up_buffer() {
+  const bool is_told = !std::exchange(answers_another_, false);
+  if (is_told && modbus::decode_rtu(buffer_.bytes()) && !may_begin_frame(buffer_.bytes())) {
+    note_unsolicited(0, buffer_.size());
+  } else {
+    counters_.stray_bytes += buffer_.size();
+    if (is_told && buffer_.size() > 0) {
+      cut_.keep(buffer_.bytes(), buffer_.came_at(0), buffer_.came_at(buffer_.size() - 1),
+                silence());
+    }
+  }
+  buffer_.clear();
+}
+
+// The rest of a frame whose beginning was given up. One that has lost its last byte must not take
+// that from the answer.
+void RtuFramer::join_cut(Instant now) {
+  const modbus::Bytes bytes = buffer_.bytes();
+  if (bytes.empty() || looker().begins_as_asked(bytes)) {
+    return;
+  }
+  if (const auto joined = cut_.complete(bytes, buffer_.came_at(0), silence())) {
+    const modbus::RtuAdu& frame = joined->frame;
+    ++counters_.unsolicited_frames;
+    unsolicited_.add({frame.address, frame.pdu, now, joined->after_noise});
+    discarding_ = answers_another_ =
+        !joined->is_response &&
+        !looker().is_echo(frame.address, frame.pdu.bytes(), buffer_.came_at(joined->taken - 1));
+    buffer_.drop(joined->taken);
+    answer_ = Answer::not_begun;
+  }
+}
+
+void RtuFramer::note_unsolicited(std::size_t at, std::size_t size) {
+  ++counters_.unsolicited_frames;
+  const modbus::Bytes frame = buffer_.bytes().subspan(at, size);
+  const modbus::Bytes pdu = frame.subspan(1, size - modbus::kRtuOverhead);
+  unsolicited_.add({frame[0], *modbus::Pdu::from(pdu), buffer_.came_at(at + size - 1), at > 0});
+}
+
+// What stands here is not the answer. It is kept until silence tells what it was.
+void RtuFramer::discard() {
+  answer_ = Answer::not_begun;
+  discarding_ = true;
+}
+
+// The longest frame is over, and there was no silence behind it.
+bool RtuFramer::is_never_silent(Instant now) const {
+  return awaits_silence() && now >= buffer_.came_at(answer_at_) +
+                                        timing_.duration_of(modbus::kMaxRtuSize) + slack_ +
+                                        silence();
+}
+
+Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
+  if (is_never_silent(now)) {
+    discard();
+  }
+  const bool silence_before = now - last_byte_ >= timing_.t3_5();
+  last_byte_ = now;
+  given_ += bytes.size();
+  if (silence_before && !in_progress()) {
+    // What stands here was not the answer, and a new frame begins.
+    give_up_buffer();
+    discarding_ = false;
+  } else if (silence_before && answer_ == Answer::incomplete) {
+    // Nor was what stands before it a part of anything.
+    counters_.stray_bytes += answer_at_;
+    if (answer_at_ > 0) {
+      cut_.keep(buffer_.bytes().first(answer_at_), buffer_.came_at(0),
+                buffer_.came_at(answer_at_ - 1), silence());
+    }
+    buffer_.drop(answer_at_);
+    answer_at_ = 0;
+  }
+  if (!buffer_.add(bytes, now)) {
+    counters_.stray_bytes += buffer_.size() + bytes.size();
+    buffer_.clear();
+    discard();
+  }
+  join_cut(now);
+  return discarding_ ? Verdict::none : search(false);
+}
+
+Verdict RtuFramer::again(Instant /*now*/) {
+  response_.reset();
+  return search(false);
+}
+
+// Another client's request is a frame too: what comes behind it, without a silence, answers that.
+Verdict RtuFramer::search(bool silence) {
+  for (;;) {
+    const RtuFind find = looker().look(silence);
+    answer_ = find.answer;
+    switch (find.what) {
+      case RtuFind::What::response: accept(find); return Verdict::response;
+      case RtuFind::What::answer: answer_at_ = find.at; return Verdict::none;
+      case RtuFind::What::unfinished: return Verdict::none;
+      case RtuFind::What::nothing: discard(); return Verdict::none;
+      case RtuFind::What::other: consume(find.at, find.size); break;
+      case RtuFind::What::request:
+        consume(find.at, find.size);
+        discarding_ = answers_another_ = true;
+        return Verdict::none;
+      case RtuFind::What::echo:
+        counters_.stray_bytes += find.at + find.size;
+        buffer_.drop(find.at + find.size);
+        break;
+    }
+  }
+}
+
+void RtuFramer::accept(const RtuFind& response) {
+  response_ = modbus::Pdu::from(
+      buffer_.bytes().subspan(response.at + 1, response.size - modbus::kRtuOverhead));
+  response_began_ = buffer_.came_at(response.at);
+  came_first_ = response.at == 0 && buffer_.size() == given_;
+  noise_ = response.at;
+  counters_.noise_bytes += response.at;
+  buffer_.drop(response.at + response.size);
+  answer_ = Answer::not_begun;
+}
+
+void RtuFramer::consume(std::size_t at, std::size_t size) {
+  note_unsolicited(at, size);
+  counters_.noise_bytes += at;
+  buffer_.drop(at + size);
+}
+
+std::optional<Instant> RtuFramer::next_deadline() const {
+  if (!in_progress()) {
+    return std::nullopt;
+  }
+  if (awaits_silence()) {
+    return last_byte_ + silence();
+  }
+  const modbus::PduLength length = looker().length_of(buffer_.bytes().subspan(answer_at_));
+  const std::size_t size =
+      length.kind == Kind::known ? length.bytes + modbus::kRtuOverhead : modbus::kMaxRtuSize;
+  return buffer_.came_at(answer_at_) + timing_.duration_of(size) + slack_;
+}
+
+Verdict RtuFramer::handle_deadline(Instant now) {
+  const auto deadline = next_deadline();
+  if (!deadline || now < *deadline) {
+    return Verdict::none;
+  }
+  switch (answer_) {
+    case Answer::opaque: return end_by_silence();
+    case Answer::unsure:
+      if (search(true) == Verdict::response) {
+        return Verdict::response;
+      }
+      break;
+    case Answer::not_begun:
+    case Answer::incomplete:
+    case Answer::bad_crc: break;
+  }
+  if (answer_ == Answer::bad_crc) {
+    noise_ = answer_at_;
+    counters_.noise_bytes += noise_;
+    buffer_.drop(noise_);
+    return Verdict::damaged;
+  }
+  discard();
+  return Verdict::none;
+}
+
+Verdict RtuFramer::end_by_silence() {
+  const auto frame = modbus::decode_rtu(buffer_.bytes());
+  if (!frame) {
+    noise_ = 0;
+    return Verdict::damaged;
+  }
+  if (is_fitting(modbus::check_response(transaction_->request, frame->pdu.bytes()))) {
+    accept({RtuFind::What::response, 0, buffer_.size()});
+    return Verdict::response;
+  }
+  consume(0, buffer_.size());
+  answer_ = Answer::not_begun;
+  return Verdict::none;
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds the response to one request in the bytes that come from an RTU line. Known functions end by
+// their predicted length and CRC, at once; unknown ones by silence with a good CRC. Gaps between
+// bytes mean nothing by themselves, because a USB adapter's gaps are not the wire's; t1.5 is never
+// enforced. Good frames that are no response to it are told, and while nothing was asked all are.
+//
+// rtu_search says what begins where. What follows a request of another client answers that; what
+// was sent itself, and is heard though nobody said so, is no answer.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+
+#include "bus/counters.hpp"
+#include "bus/instant.hpp"
+#include "bus/job.hpp"
+#include "bus/serial/cut_frame.hpp"
+#include "bus/serial/received_bytes.hpp"
+#include "bus/serial/rtu_search.hpp"
+#include "bus/serial/verdict.hpp"
+#include "bus/settings.hpp"
+#include "bus/state_reader.hpp"
+#include "modbus/response.hpp"
+
+namespace mbgate::bus {
+
+class RtuFramer {
+ public:
+  /// `slack` is what an answer may pause in all, and the silence that ends what has no known end.
+  RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters);
+  void set_slack(Duration slack) { slack_ = slack; }
+
+  /// From now on the answer to `transaction` is looked for; it must outlive the search. A request
+  /// like it that begins before `sent` is its echo: the end of emission, if the line keeps its
+  /// pace.
+  void expect(const Transaction& transaction, Instant sent = Instant::min());
+  /// Nothing is asked any more. What is left of the bytes is stray.
+  void listen();
+  /// Another connection: what was cut does not go on.
+  void forget();
+  /// Bytes as they came in. After a verdict other than none comes expect(), again() or listen().
+  Verdict add(modbus::Bytes bytes, Instant now);
+  /// The response was none: the search goes on in what came behind it.
+  Verdict again(Instant now);
+  /// Time has passed: silence may end a frame or show that one stays incomplete.
+  Verdict handle_deadline(Instant now);
+  [[nodiscard]] std::optional<Instant> next_deadline() const;
+  /// Has an answer begun that is still incomplete? The response timeout is then over, its rest has
+  /// its own time.
+  [[nodiscard]] bool in_progress() const { return answer_ != Answer::not_begun; }
+  /// Is a frame complete as far as can be seen, and only silence can tell?
+  [[nodiscard]] bool awaits_silence() const {
+    return answer_ != Answer::not_begun && answer_ != Answer::incomplete;
+  }
+  [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
+  /// When the first byte of the response came.
+  [[nodiscard]] Instant response_began() const { return response_began_; }
+  /// Nothing at all came before the response since expect().
+  [[nodiscard]] bool came_first() const { return came_first_; }
+  /// Bytes before the response, or before the damaged one, that were no part of it.
+  [[nodiscard]] std::size_t noise() const { return noise_; }
+  /// A good frame that answers nothing that was asked, each once.
+  std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
+
+ private:
+  friend struct mbgate::StateReader;
+  [[nodiscard]] RtuSearch looker() const { return {buffer_, transaction_, timing_, sent_}; }
+  /// Counts what is left as stray and forgets it, until the next silence.
+  void discard();
+  void give_up_buffer();
+  void join_cut(Instant now);
+  Verdict search(bool silence);
+  void accept(const RtuFind& response);
+  void consume(std::size_t at, std::size_t size);
+  Verdict end_by_silence();
+  /// What ends a frame of which nothing else tells the end.
+  [[nodiscard]] Duration silence() const { return std::max(timing_.t3_5(), slack_); }
+  /// What waits for a silence that has not come by now is no answer.
+  [[nodiscard]] bool is_never_silent(Instant now) const;
+  void note_unsolicited(std::size_t at, std::size_t size);
+
+  modbus::RtuTiming timing_;
+  Duration slack_;
+  BusCounters& counters_;
+  const Transaction* transaction_ = nullptr;
+  Instant sent_;
+  ReceivedBytes buffer_;
+  Instant last_byte_;
+  Answer answer_ = Answer::not_begun;
+  std::size_t answer_at_ = 0;     // its place among the bytes
+  std::size_t given_ = 0;         // bytes since expect()
+  bool answers_another_ = false;  // what stands here follows another client's request
+  bool discarding_ = false;       // the buffer is no frame: everything until silence is stray
+  std::optional<modbus::Pdu> response_;
+  Instant response_began_;
+  bool came_first_ = false;
+  std::size_t noise_ = 0;
+  CutFrame cut_;
+  UnsolicitedFrames<kMostUnsolicited> unsolicited_;
+};
+
+}  // namespace mbgate::bus

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/serial/serial_discipline.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "base/assert.hpp"
+
+namespace mbgate::bus {
+namespace {
+
+// Autonics' form of a broadcast has a function of its own (AiC manual, section 2.13).
+modbus::Pdu pdu_on_wire(const Transaction& transaction) {
+  const modbus::Pdu& pdu = transaction.request.pdu();
+  if (transaction.broadcast != drive::BroadcastForm::autonics) {
+    return pdu;
+  }
+  std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
+  bytes.front() = static_cast<std::uint8_t>(pdu.function() | modbus::kExceptionBit);
+  return *modbus::Pdu::from(bytes);
+}
+
+}  // namespace
+
+SerialDiscipline::SerialDiscipline(const BusSettings& settings, Duration listen_first,
+                                   BusCounters& counters)
+    : timing_(settings.line.baud, settings.line.format),
+      frame_gap_(settings.frame_gap.value_or(timing_.t3_5())),
+      turnaround_(settings.turnaround),
+      settle_(settings.settle),
+      listen_first_(listen_first),
+      paced_setting_(settings.line.paced),
+      counters_(counters),
+      echo_(settings.line.echo, counters, faults_),
+      framer_(settings, timing_, counters) {}
+
+void SerialDiscipline::open(Instant now, LineKind kind) {
+  abort();
+  framer_.forget();
+  paced_ = paced_setting_.value_or(kind == LineKind::uart);
+  echo_.open();
+  unpaced_told_ = false;
+  quiet_since_ = now;
+  busy_since_ = now;
+  emission_ends_ = now;
+  listening_until_ = now + listen_first_;
+  settling_until_ = now;
+  turnaround_until_ = std::max(turnaround_until_, now);  // the drives know nothing of the adapter
+}
+
+void SerialDiscipline::update(const BusSettings& settings, Duration listen_first) {
+  listen_first_ = listen_first;
+  frame_gap_ = settings.frame_gap.value_or(timing_.t3_5());
+  turnaround_ = settings.turnaround;
+  settle_ = settings.settle;
+  framer_.update(settings);
+}
+
+Instant SerialDiscipline::ready_at(Duration gap) const {
+  return std::max(
+      {quiet_since_ + frame_gap_ + gap, settling_until_, listening_until_, turnaround_until_});
+}
+
+Instant SerialDiscipline::ready_for_stop_at() const {
+  return std::max(quiet_since_ + frame_gap_, turnaround_until_);
+}
+
+FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
+                                   OwedAnswers owed, Instant now) {
+  MBGATE_ASSERT(transaction_ == nullptr, "a serial line has one transaction at a time");
+  MBGATE_ASSERT(now >= possible_at(), "nothing is transmitted into an own frame");
+  const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
+  transaction_ = &transaction;
+  end_.reset();
+  emission_ends_ = now + timing_.duration_of(frame.size());
+  quiet_since_ = emission_ends_;
+  busy_since_ = emission_ends_;
+  response_wait_ = timing.response_wait;
+  owed_ = owed;
+  draining_ = false;
+  response_due_ =
+      emission_ends_ +
+      (transaction.boot_time ? turnaround_ : timing.response_timeout + timing.response_wait);
+  response_deadline_ = response_due_;
+  heard_ = 0;
+  echo_.expect(transaction, frame, now, response_due_);
+  if (transaction.is_broadcast()) {
+    turnaround_until_ = emission_ends_ + turnaround_;
+    framer_.listen();
+  } else {
+    framer_.expect(transaction, paced_ ? emission_ends_ : Instant::min());
+  }
+  return frame;
+}
+
+void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Instant instant,
+                                  Duration least) {
+  response_deadline_ = std::min(response_deadline_, std::max(instant, emission_ends_ + least));
+}
+
+void SerialDiscipline::abort() {
+  framer_.listen();
+  transaction_ = nullptr;
+  echo_.forget();
+  end_.reset();
+}
+
+void SerialDiscipline::end(LineEnd::How how) {
+  const bool early = how == LineEnd::How::response && response_wait_ > Duration{0} && is_early();
+  end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_,
+                 std::max(quiet_since_ - emission_ends_, Duration{0}), early};
+  const bool framed = how == LineEnd::How::response || how == LineEnd::How::damaged;
+  end_->heard = heard_;
+  end_->heard_after = heard_ > 0 ? heard_at_ - emission_ends_ : Duration{0};
+  end_->noise = framed ? framer_.noise() : 0;
+  framer_.listen();
+}
+
+void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
+  if (framer_.awaits_silence()) {
+    handle_deadline(now);  // if silence has ended a frame already, these bytes are no part of it
+  }
+  if (now > quiet_since_ + frame_gap_) {
+    busy_since_ = now;
+  }
+  quiet_since_ = std::max(quiet_since_, now);
+  const Echo::Heard heard = echo_.take(bytes, now);
+  judge_held(heard.held, now);
+  bytes = heard.bytes;
+  if (bytes.empty()) {
+    return;
+  }
+  draining_ = draining_ || transaction_ == nullptr;
+  if (echo_.is_spoilt()) {
+    counters_.stray_bytes += bytes.size();
+    return;
+  }
+  if (now >= emission_ends_) {
+    heard_at_ = heard_ == 0 ? now : heard_at_;
+    heard_ += bytes.size();
+  }
+  judge(framer_.add(bytes, now), now);
+}
+
+void SerialDiscipline::handle_deadline(Instant now) {
+  if (transaction_ == nullptr) {
+    return;
+  }
+  if (transaction_->is_broadcast()) {
+    if (now >= emission_ends_) {
+      end(LineEnd::How::sent);
+    }
+    return;
+  }
+  if (now >= response_deadline_) {
+    judge_held(echo_.release(), now);  // it has begun to answer, or it was nothing
+    if (transaction_ == nullptr) {
+      return;
+    }
+  }
+  judge(framer_.handle_deadline(now), now);
+  if (transaction_ != nullptr && now >= response_deadline_ && !framer_.in_progress()) {
+    if (!transaction_->may_stay_silent()) {
+      settling_until_ = std::max(settling_until_, now + settle_);
+    }
+    end(LineEnd::How::no_response);
+  }
+}
+
+std::optional<Instant> SerialDiscipline::next_deadline() const {
+  if (transaction_ == nullptr) {
+    return std::nullopt;
+  }
+  if (transaction_->is_broadcast()) {
+    return emission_ends_;
+  }
+  return framer_.in_progress() ? framer_.next_deadline() : response_deadline_;
+}
+
+std::optional<LineEnd> SerialDiscipline::take_end() { return std::exchange(end_, std::nullopt); }
+
+std::optional<LineFault> SerialDiscipline::take_fault() {
+  if (faults_.empty()) {
+    return std::nullopt;
+  }
+  const LineFault fault = faults_.front();
+  faults_.erase(faults_.begin());
+  return fault;
+}
+
+std::optional<UnsolicitedFrame> SerialDiscipline::take_unsolicited() {
+  auto unsolicited = refused_.take();
+  unsolicited = unsolicited ? unsolicited : framer_.take_unsolicited();
+  if (unsolicited) {
+    unsolicited->is_echo = echo_.is_of_read(unsolicited->address, unsolicited->pdu);
+  }
+  return unsolicited;
+}
+
+LineState SerialDiscipline::state(Instant now) const {
+  if (transaction_ != nullptr) {
+    return now < emission_ends_ ? LineState::emission : LineState::waiting_for_reply;
+  }
+  if (now < listening_until_) {
+    return LineState::initial;
+  }
+  if (now < turnaround_until_) {
+    return LineState::waiting_turnaround_delay;
+  }
+  return draining_ && now < quiet_since_ + frame_gap_ ? LineState::draining : LineState::idle;
+}
+
+}  // namespace mbgate::bus

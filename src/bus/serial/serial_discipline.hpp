@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// The line discipline of a serial line, RTU or ASCII: one transaction at a time, silence before
+// each transmission, a time limit for each response. It knows nothing of queues and retries; the
+// bus above decides what is sent when. States as in Serial Line V1.02, figures 7 and 14.
+#pragma once
+
+#include <optional>
+
+#include "bus/counters.hpp"
+#include "bus/job.hpp"
+#include "bus/line_end.hpp"
+#include "bus/serial/echo.hpp"
+#include "bus/serial/framer.hpp"
+#include "bus/settings.hpp"
+#include "bus/state_reader.hpp"
+
+namespace mbgate::bus {
+
+class SerialDiscipline {
+ public:
+  SerialDiscipline(const BusSettings& settings, Duration listen_first, BusCounters& counters);
+  SerialDiscipline(const SerialDiscipline&) = delete;  // its parts refer to each other
+  SerialDiscipline& operator=(const SerialDiscipline&) = delete;
+
+  /// The line was opened: listening begins, nothing of before counts any more.
+  void open(Instant now, LineKind kind);
+  /// Other times on the same line.
+  void update(const BusSettings& settings, Duration listen_first);
+  /// From when on the silence before a transmission suffices; `gap` is asked for on top of it.
+  [[nodiscard]] Instant ready_at(Duration gap) const;
+  /// The same for a stop, which waits for nothing but silence and a turnaround delay.
+  [[nodiscard]] Instant ready_for_stop_at() const;
+  /// The same where nobody waits for silence: an own frame and a turnaround delay are over.
+  [[nodiscard]] Instant possible_at() const { return std::max(emission_ends_, turnaround_until_); }
+  /// Since when bytes follow each other without the silence before a transmission. If they have
+  /// ended, ready_for_stop_at() tells.
+  [[nodiscard]] std::optional<Instant> busy_since() const { return busy_since_; }
+  /// Starts to transmit now; no other transaction may be running, and `transaction`, which gets the
+  /// response, must outlive its end. The device owes `owed`: so many answers are refused that begin
+  /// before their time, or may be those to another write. Returns the frame.
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
+                   Instant now);
+  /// The running transaction counts as timed out at `instant`, but not before it has left and had
+  /// `least` for its response, unless this has begun by then.
+  void limit_wait(const Transaction& transaction, Instant instant, Duration least);
+  /// When the response timeout of the last transmission ends.
+  [[nodiscard]] Instant response_due() const { return response_due_; }
+  /// Gives up the running transaction: nothing of it will be reported.
+  void abort();
+
+  void handle_bytes(modbus::Bytes bytes, Instant now);
+  void handle_deadline(Instant now);
+  [[nodiscard]] std::optional<Instant> next_deadline() const;
+  /// The end of the running transaction, once.
+  std::optional<LineEnd> take_end();
+  /// What was noticed of the line itself since the last call.
+  std::optional<LineFault> take_fault();
+  /// A good frame that answers nothing that was asked, each once.
+  std::optional<UnsolicitedFrame> take_unsolicited();
+  [[nodiscard]] LineState state(Instant now) const;
+
+ private:
+  friend struct mbgate::StateReader;
+  void judge_held(const Echo::Held& held, Instant now);
+  [[nodiscard]] bool is_no_answer() const;
+  Verdict refuse(Instant now);
+  Verdict settle_echo(Verdict verdict, Instant now);
+  void judge(Verdict verdict, Instant now);
+  [[nodiscard]] bool is_early() const;
+  [[nodiscard]] bool may_answer_another() const;
+  [[nodiscard]] bool begins_as_echo() const;
+  void end(LineEnd::How how);
+
+  modbus::RtuTiming timing_;
+  Duration frame_gap_;
+  Duration turnaround_;
+  Duration settle_;
+  Duration listen_first_;
+  std::optional<bool> paced_setting_;
+  bool paced_ = false;
+  BusCounters& counters_;
+  LineFaults faults_;
+  Echo echo_;
+  Framer framer_;
+
+  Instant quiet_since_;  // the last byte in either direction
+  Instant busy_since_;   // the first one after the last silence
+  Instant settling_until_;
+  Instant listening_until_;
+  Instant turnaround_until_;
+  Transaction* transaction_ = nullptr;
+  Instant emission_ends_;
+  Instant response_due_;                         // the end of the response timeout
+  Instant response_deadline_;                    // the same, or earlier because a stop waits
+  Duration response_wait_{0};                    // the device holds its answer back for so long
+  OwedAnswers owed_;                             // those that may still come
+  UnsolicitedFrames<kMostUnsolicited> refused_;  // of these, those that came, and were not told yet
+  bool draining_ = false;  // what came last was no response: it must end first
+  std::size_t heard_ = 0;  // bytes since the last own frame had left
+  Instant heard_at_;       // the first of them
+  bool unpaced_told_ = false;
+  std::optional<LineEnd> end_;
+};
+
+}  // namespace mbgate::bus

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether what a line has brought is the answer: not what is owed, what is an echo, or what came
+// before it can have been one.
+#include <algorithm>
+#include <utility>
+
+#include "bus/serial/serial_discipline.hpp"
+
+namespace mbgate::bus {
+namespace {
+
+// Less than this is no proof: clocks differ, and so does what a drive counts its wait from.
+constexpr int kEarlyPart = 8;  // of the response wait
+
+// A USB adapter may keep an echo for so long (its latency timer, and a busy host).
+constexpr Duration kEchoKept = std::chrono::milliseconds(20);
+
+}  // namespace
+
+bool SerialDiscipline::is_early() const {
+  return framer_.response_began() < emission_ends_ + response_wait_ - response_wait_ / kEarlyPart;
+}
+
+// While an answer is owed, of all writes only stops are sent. An exception names no address, and
+// the answer to 15 or 16 no value: it may be the answer to the write that was stopped.
+bool SerialDiscipline::may_answer_another() const {
+  return transaction_->request.writes() && (framer_.response().is_exception() || owed_.alike > 0);
+}
+
+void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
+  if (!held.bytes.empty()) {
+    judge(framer_.add({held.bytes.data(), held.bytes.size()}, held.since), now);
+  }
+}
+
+// With zeros behind it, such as a driver makes that turns off, the echo of a request without fields
+// is a good frame: the CRC of what ends in its own CRC is 0, and zeros leave it so. Its data begin
+// with the CRC of the request.
+bool SerialDiscipline::begins_as_echo() const {
+  const modbus::Bytes request = transaction_->request.pdu().bytes();
+  if (!echo_.is_learned() || echo_.is_present() || framer_.response().size() <= request.size() ||
+      !std::ranges::equal(request, framer_.response().bytes().first(request.size()))) {
+    return false;
+  }
+  const FrameBytes sent = framer_.encode(transaction_->address, transaction_->request.pdu());
+  const FrameBytes came = framer_.encode(transaction_->address, framer_.response());
+  return std::equal(sent.begin(), sent.end(), came.begin());
+}
+
+// It may be a late echo; what begins before the request has left a paced line answers nothing; and
+// an owed answer begins before the device can have answered this request, or fits another one too.
+bool SerialDiscipline::is_no_answer() const {
+  return echo_.is_owed(framer_.response()) || begins_as_echo() ||
+         (paced_ && framer_.response_began() < emission_ends_) ||
+         (owed_.count > 0 && (is_early() || may_answer_another()));
+}
+
+Verdict SerialDiscipline::refuse(Instant now) {
+  const bool is_echo_of_now = paced_ && framer_.response_began() < emission_ends_ &&
+                              echo_.is_repetition(framer_.response());
+  if (echo_.take_owed(framer_.response()) || begins_as_echo()) {
+    ++counters_.unsolicited_frames;
+  } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
+             (owed_.count == 0 || echo_.is_unknown()) && !echo_.pass()) {
+    if (owed_.count == 0) {
+      echo_.find();
+    } else {
+      ++counters_.unsolicited_frames;  // an echo, or what is owed: that stays owed
+    }
+  } else if (owed_.count > 0 && !is_echo_of_now) {
+    --owed_.count;
+    owed_.alike -= owed_.alike > 0 && !framer_.response().is_exception() ? 1U : 0U;
+    refused_.add({transaction_->address, framer_.response(), now});
+  } else {
+    ++counters_.unsolicited_frames;
+    if (transaction_->request.is_read() && !std::exchange(unpaced_told_, true)) {
+      note_fault(faults_, LineFault::answered_while_sending);
+    }
+  }
+  return framer_.again(now);
+}
+
+// Until a read has shown whether the line hears itself, a repetition that comes at once may be an
+// echo. If something else that fits stands behind it, it was; alone it is taken.
+Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
+  // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
+  const bool is_echo = echo_.was_shown() || transaction_->request.is_read();
+  const bool is_late = framer_.response_began() > emission_ends_ + kEchoKept;
+  if (!echo_.is_unknown() || !echo_.is_repetition(framer_.response()) || (is_late && !is_echo)) {
+    return verdict;
+  }
+  if (is_echo && echo_.pass()) {
+    if (owed_.count == 0) {
+      echo_.find();  // two came, and only one of them can be the echo
+    }
+    return verdict;
+  }
+  if (is_echo) {
+    Verdict behind = framer_.again(now);
+    if (behind == Verdict::response && owed_.count == 0) {
+      echo_.find();
+    }
+    while (behind == Verdict::response && is_no_answer()) {
+      behind = refuse(now);
+    }
+    return behind;
+  }
+  const modbus::Pdu repetition = framer_.response();
+  if (owed_.count == 0 && framer_.again(now) == Verdict::response) {
+    echo_.find();
+    return Verdict::response;
+  }
+  echo_.note_unproven();
+  transaction_->response = repetition;
+  end(LineEnd::How::response);
+  return Verdict::none;
+}
+
+void SerialDiscipline::judge(Verdict verdict, Instant now) {
+  while (verdict == Verdict::response && is_no_answer()) {
+    verdict = refuse(now);
+  }
+  if (verdict == Verdict::response) {
+    verdict = settle_echo(verdict, now);
+  }
+  switch (verdict) {
+    case Verdict::none: return;
+    case Verdict::response:
+      if (framer_.came_first()) {
+        echo_.note_answered();
+      }
+      transaction_->response = framer_.response();
+      end(LineEnd::How::response);
+      return;
+    case Verdict::damaged:
+      draining_ = true;
+      end(LineEnd::How::damaged);
+      return;
+  }
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/tcp/tcp_discipline.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+#include "modbus/response.hpp"
+
+namespace mbgate::bus {
+namespace {
+
+constexpr std::size_t kProtocolFieldEnd = 4;
+
+// A server speaks Modbus and nothing else: another protocol means that this is no header.
+bool is_foreign(modbus::Bytes stream) {
+  return stream.size() >= kProtocolFieldEnd && modbus::load_be16(stream, 2) != 0;
+}
+
+}  // namespace
+
+void TcpDiscipline::open(Instant now, LineKind /*kind*/) {
+  abort();
+  quiet_since_ = now;
+  was_asked_ = has_answered_ = false;
+  closes_by_ = Instant::min();
+}
+
+void TcpDiscipline::update(const BusSettings& settings, Duration /*listen_first*/) {
+  check_unit_ = settings.check_unit;
+  replace_after_ = settings.replace_after;
+}
+
+void TcpDiscipline::limit_wait(const Transaction& transaction, Instant instant, Duration least) {
+  const auto flight = std::ranges::find(flights_, &transaction, &Flight::transaction);
+  flight->response_deadline =
+      std::min(flight->response_deadline, std::max(instant, flight->sent + least));
+}
+
+FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
+                                OwedAnswers /*owed*/, Instant now) {
+  if (transaction.is_broadcast()) {
+    std::abort();  // routing refuses them
+  }
+  const std::uint16_t identifier = new_identifier();
+  const Instant due = now + timing.response_timeout + timing.response_wait;
+  flights_.push_back({identifier, &transaction, now, due, due});
+  quiet_since_ = now;
+  was_asked_ = true;
+  unheard_since_ = unheard_since_.value_or(now);
+  const modbus::MbapBytes adu =
+      modbus::encode({{identifier, transaction.address}, transaction.request.pdu()});
+  return {adu.begin(), adu.end()};
+}
+
+void TcpDiscipline::abort() {
+  flights_.clear();
+  stream_.clear();
+  ends_.clear();
+  expired_.clear();
+  unsolicited_.clear();
+  fault_.reset();
+  unheard_since_.reset();
+  unanswered_ = 0;
+}
+
+void TcpDiscipline::note_closed(Instant now) {
+  closes_after_answer_ = has_answered_ && now - answered_at_ <= kTimeToClose;
+}
+
+TcpDiscipline::Flights::iterator TcpDiscipline::find(std::uint16_t identifier) {
+  return std::ranges::find(flights_, identifier, &Flight::identifier);
+}
+
+std::uint16_t TcpDiscipline::new_identifier() {
+  do {
+    ++last_identifier_;
+  } while (find(last_identifier_) != flights_.end());
+  std::erase_if(expired_, [this](const Expired& it) { return it.identifier == last_identifier_; });
+  return last_identifier_;
+}
+
+void TcpDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
+  quiet_since_ = now;
+  unheard_since_.reset();
+  unanswered_ = 0;
+  if (fault_) {
+    return;
+  }
+  stream_.insert(stream_.end(), bytes.begin(), bytes.end());
+  while (take_answer(now)) {
+  }
+}
+
+bool TcpDiscipline::take_answer(Instant now) {
+  const modbus::MbapScan scan = modbus::scan_mbap(stream_);
+  if (is_foreign(stream_) || std::holds_alternative<modbus::MbapLost>(scan)) {
+    counters_.stray_bytes += stream_.size();
+    stream_.clear();
+    fault_ = LineFault::framing_lost;
+    return false;
+  }
+  const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
+  if (frame == nullptr) {
+    return false;
+  }
+  match(frame->adu, now);
+  stream_.erase(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(frame->size));
+  return true;
+}
+
+void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
+  const auto flight = find(answer.header.transaction);
+  if (flight == flights_.end() ||
+      !is_unit_right(answer.header.unit, flight->transaction->address)) {
+    ++counters_.unsolicited_frames;
+    const auto expired =
+        std::ranges::find(expired_, answer.header.transaction, &Expired::identifier);
+    if (expired != expired_.end() && is_unit_right(answer.header.unit, expired->address)) {
+      note_answer(now);
+      unsolicited_.add({expired->address, answer.pdu, now});
+      expired_.erase(expired);
+    }
+    return;
+  }
+  Transaction& transaction = *flight->transaction;
+  if (!is_fitting(modbus::check_response(transaction.request, answer.pdu.bytes()))) {
+    ++counters_.unsolicited_frames;
+    return;
+  }
+  note_answer(now);
+  transaction.response = answer.pdu;
+  ends_.push_back({LineEnd::How::response, &transaction, flight->due});
+  flights_.erase(flight);
+}
+
+// One that stays open after its first answer is as others are.
+void TcpDiscipline::note_answer(Instant now) {
+  closes_after_answer_ = closes_after_answer_ && !has_answered_;
+  closes_by_ = closes_after_answer_ ? now + kTimeToClose : Instant::min();
+  has_answered_ = true;
+  answered_at_ = now;
+}
+
+std::optional<Instant> TcpDiscipline::replace_at() const {
+  const bool enough = replace_after_ > 0 && unanswered_ >= replace_after_;
+  return enough ? std::optional(*unheard_since_ + kSilenceToReplace) : std::nullopt;
+}
+
+void TcpDiscipline::handle_deadline(Instant now) {
+  for (const Flight& flight : flights_) {
+    if (now >= flight.response_deadline) {
+      // One that was sent before the last byte came says nothing of the time since.
+      const bool counts = unheard_since_ && flight.sent >= *unheard_since_;
+      unanswered_ += counts && !flight.transaction->may_stay_silent() ? 1U : 0U;
+      ends_.push_back({LineEnd::How::no_response, flight.transaction, flight.due});
+      expired_.push_back({flight.identifier, flight.transaction->address});
+      if (expired_.size() > kMostExpired) {
+        expired_.pop_front();
+      }
+    }
+  }
+  std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
+  if (const auto at = replace_at(); at && now >= *at) {
+    unheard_since_.reset();
+    unanswered_ = 0;
+    fault_ = LineFault::unanswered;
+  }
+}
+
+std::optional<Instant> TcpDiscipline::next_deadline() const {
+  std::optional<Instant> deadline = replace_at();
+  for (const Flight& flight : flights_) {
+    deadline = earlier(deadline, flight.response_deadline);
+  }
+  return deadline;
+}
+
+std::optional<LineEnd> TcpDiscipline::take_end() {
+  if (ends_.empty()) {
+    return std::nullopt;
+  }
+  const LineEnd end = ends_.front();
+  ends_.pop_front();
+  return end;
+}
+
+std::optional<LineFault> TcpDiscipline::take_fault() { return std::exchange(fault_, std::nullopt); }
+
+LineState TcpDiscipline::state(Instant /*now*/) const {
+  return flights_.empty() ? LineState::idle : LineState::waiting_for_reply;
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// The line discipline of a connection to a Modbus TCP server: several transactions at a time, told
+// apart by transaction identifiers of our own. A late answer is taken for no other (Messaging on
+// TCP/IP V1.0b, 4.4.1): it is dropped, but tells that its device is there.
+#pragma once
+
+#include <algorithm>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "bus/counters.hpp"
+#include "bus/job.hpp"
+#include "bus/line_end.hpp"
+#include "bus/settings.hpp"
+#include "bus/unsolicited.hpp"
+#include "modbus/mbap.hpp"
+
+namespace mbgate::bus {
+
+/// Transactions that timed out and whose late answers are still recognised.
+inline constexpr std::size_t kMostExpired = 64;
+
+/// A connection that is to be replaced was asked for so long, and nothing has come meanwhile.
+inline constexpr Duration kSilenceToReplace = std::chrono::seconds(30);
+/// A server that closes after each answer does so in this time. What was sent to it meanwhile
+/// would be lost.
+inline constexpr Duration kTimeToClose = std::chrono::milliseconds(50);
+
+class TcpDiscipline {
+ public:
+  TcpDiscipline(const BusSettings& settings, BusCounters& counters)
+      : check_unit_(settings.check_unit),
+        replace_after_(settings.replace_after),
+        counters_(counters) {}
+
+  /// The connection is there, and new: nothing of before counts any more.
+  void open(Instant now, LineKind kind);
+  /// A connection needs no silence but the `gap` that is asked for. Where the last one was closed
+  /// right after an answer, this one is given the time to be closed too.
+  [[nodiscard]] Instant ready_at(Duration gap) const {
+    return std::max(quiet_since_ + gap, closes_by_);
+  }
+  /// Transmits now; `transaction`, which gets the response, must outlive its end. No broadcasts.
+  /// Returns the ADU.
+  /// Answers that a device owes are told apart by their identifiers.
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
+                   Instant now);
+  /// A stop waits for neither.
+  [[nodiscard]] Instant ready_for_stop_at() const { return quiet_since_; }
+  [[nodiscard]] Instant possible_at() const { return quiet_since_; }
+  /// A connection is never busy.
+  [[nodiscard]] static std::optional<Instant> busy_since() { return std::nullopt; }
+  /// The running transaction counts as timed out at `instant`, but not before it had `least` for
+  /// its response.
+  void limit_wait(const Transaction& transaction, Instant instant, Duration least);
+  /// No device owes anything to another connection: nothing of this one can come there.
+  [[nodiscard]] static std::optional<Instant> response_due() { return std::nullopt; }
+  void update(const BusSettings& settings, Duration listen_first);
+  /// A late answer, each once. Nobody else is heard on a connection.
+  std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
+  /// Gives up all running transactions: nothing of them will be reported.
+  void abort();
+  /// Something that was asked on this connection was answered, in time or late.
+  [[nodiscard]] bool has_answered() const { return has_answered_; }
+  /// Nothing was asked on this connection.
+  [[nodiscard]] bool is_unused() const { return !was_asked_; }
+  /// The far end has closed the connection.
+  void note_closed(Instant now);
+
+  void handle_bytes(modbus::Bytes bytes, Instant now);
+  void handle_deadline(Instant now);
+  [[nodiscard]] std::optional<Instant> next_deadline() const;
+  /// The ends of running transactions, each once.
+  std::optional<LineEnd> take_end();
+  /// Once: the connection is of no use, because its stream cannot be followed any further, or
+  /// because nothing comes.
+  std::optional<LineFault> take_fault();
+  [[nodiscard]] LineState state(Instant now) const;
+
+ private:
+  /// A transaction whose answer is waited for.
+  struct Flight {
+    std::uint16_t identifier;
+    Transaction* transaction;
+    Instant sent;
+    Instant due;                ///< the end of the response timeout
+    Instant response_deadline;  ///< the same, or earlier because a stop waits
+  };
+  /// One that timed out.
+  struct Expired {
+    std::uint16_t identifier;
+    std::uint8_t address;
+  };
+  using Flights = std::vector<Flight>;
+
+  Flights::iterator find(std::uint16_t identifier);
+  std::uint16_t new_identifier();
+  /// Takes one answer off the stream. False: there is no whole one, or framing is lost.
+  bool take_answer(Instant now);
+  void match(const modbus::MbapAdu& answer, Instant now);
+  void note_answer(Instant now);
+  [[nodiscard]] bool is_unit_right(std::uint8_t answered, std::uint8_t asked) const {
+    return !check_unit_ || answered == asked;
+  }
+  /// When the connection is to be replaced if nothing comes.
+  [[nodiscard]] std::optional<Instant> replace_at() const;
+
+  bool check_unit_;
+  unsigned replace_after_;
+  BusCounters& counters_;
+  Flights flights_;
+  std::uint16_t last_identifier_ = 0;
+  std::vector<std::uint8_t> stream_;      // less than an answer, between calls
+  Instant quiet_since_;                   // the last byte in either direction
+  std::optional<Instant> unheard_since_;  // the first request since the last byte that came
+  unsigned unanswered_ = 0;               // of these requests, those that timed out
+  bool was_asked_ = false;
+  bool has_answered_ = false;
+  Instant answered_at_;
+  bool closes_after_answer_ = false;  // the connection before was closed right after an answer
+  Instant closes_by_ = Instant::min();
+  std::deque<LineEnd> ends_;
+  std::deque<Expired> expired_;                  // the newest kMostExpired
+  UnsolicitedFrames<kMostExpired> unsolicited_;  // each of them had expired
+  std::optional<LineFault> fault_;
+};
+
+}  // namespace mbgate::bus

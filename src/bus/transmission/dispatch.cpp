@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/transmission/dispatch.hpp"
+
+#include <algorithm>
+#include <functional>
+
+namespace mbgate::bus {
+
+void Dispatch::pump_looked(Instant now) {
+  looking_ = Looking::done;
+  pump(now);
+  looking_ = Looking::no;
+}
+
+void Dispatch::pump(Instant now) {
+  parts_.pumped_at = now;
+  next_start_.reset();
+  ends_.expire(now);
+  ends_.end_over(now);
+  watch_deadlines();
+  if (!parts_.link.is_open() || reopen_if_hung(now)) {
+    wait_for_line();
+    return;
+  }
+  if (serve_stops(now)) {
+    return;
+  }
+  continue_running(now);
+  while (has_place(parts_, now)) {
+    // A stop that waits now lets the writes to its device go first, and nothing goes before these.
+    const Transmission* stop = parts_.stops.first();
+    const auto choice = next_turn(parts_, {stop == nullptr ? nullptr : stop->leader}, now);
+    if (!choice) {
+      return;
+    }
+    if (choice->at > now) {
+      wait_until(wake_for(parts_, *choice->job, choice->at));
+      return;
+    }
+    if (!has_looked()) {
+      return;
+    }
+    begin(*choice, now);
+  }
+}
+
+// Nothing is transmitted before what already lies in the line was looked at: it may be the answer
+// to an earlier request, or show that the line is not silent.
+bool Dispatch::has_looked() {
+  if (looking_ == Looking::no) {
+    looking_ = Looking::asked;
+    parts_.actions.push(LookAtLine{});
+  }
+  return looking_ == Looking::done;
+}
+
+Transmission& Dispatch::begin(const Choice& choice, Instant now) {
+  Job& job = *choice.job;
+  if (choice.passed_over != nullptr) {
+    choice.passed_over->passed_over = true;
+  }
+  if (job.is_waiting()) {
+    parts_.queue.take(job);
+    parts_.transmissions.start(parts_.transmissions.lead(job));
+  }
+  transmit(*job.leads, now);
+  return *job.leads;
+}
+
+// Goes on with jobs of several transactions.
+void Dispatch::continue_running(Instant now) {
+  const Transmission* stop = parts_.stops.first();
+  for (Transmission* running : parts_.transmissions.running()) {
+    const Job& job = *running->leader;
+    if (running->in_flight) {
+      continue;
+    }
+    if (stop != nullptr && job.address() != stop->leader->address() && !job.is_broadcast()) {
+      continue;  // the writes that the stop lets go first go before it
+    }
+    const Instant ready = ready_at(parts_, job);
+    if (running->is_between_tries() && !is_held_back(parts_, job, now)) {
+      continue;  // next_turn() has it
+    }
+    if (now < ready) {
+      wait_until(wake_for(parts_, job, ready));
+    } else if (parts_.transmissions.has_room() && has_looked()) {
+      transmit(*running, now);
+    }
+  }
+}
+
+// Only between transmissions, so that nothing on the wire is cut; what waits, and what is repeated,
+// goes on once the line is open. A stop finds the line as it is.
+bool Dispatch::reopen_if_hung(Instant now) {
+  const bool stop_waits = !parts_.stops.empty() ||
+                          std::ranges::any_of(parts_.transmissions.running(),
+                                              [](const Transmission* it) { return it->is_stop(); });
+  if (parts_.stopping || stop_waits || parts_.transmissions.first_in_flight() != nullptr ||
+      !parts_.adapter.is_hung(parts_.settings, now)) {
+    return false;
+  }
+  parts_.link.restart();
+  forget_look();
+  const ReopenLine reopen{parts_.adapter.silence(now), parts_.adapter.requests(),
+                          parts_.adapter.note_reopening()};
+  parts_.actions.push(reopen);
+  return true;
+}
+
+// What a close has cut, and what is repeated, waits for the line.
+void Dispatch::wait_for_line() {
+  const bool is_wanted =
+      !parts_.transmissions.running().empty() || parts_.queue.size() > 0 || !parts_.stops.empty();
+  if (parts_.link.is_resting() && is_wanted) {
+    parts_.link.wake();
+    parts_.actions.push(OpenLine{});
+  }
+}
+
+// Of what is neither in the queue nor on the wire, whatever keeps it waiting.
+void Dispatch::watch_deadlines() {
+  for (const Transmission* running : parts_.transmissions.running()) {
+    if (running->in_flight || running->is_stop()) {
+      continue;
+    }
+    wait_until(Wake{running->leader->deadline});
+    for (const Job* follower : running->followers) {
+      wait_until(Wake{follower->deadline});
+    }
+  }
+}
+
+// True: nothing else may begin now. False: no stop waits, or only such as let writes go first, and
+// nothing but these may begin.
+bool Dispatch::serve_stops(Instant now) {
+  go_on_with_stops(now);
+  take_back_held_writes(now);
+  if (!send_stops(now)) {
+    return true;
+  }
+  const Transmission* stop = next_stop(parts_);
+  const Transmission* other = stop != nullptr ? in_the_way_of(parts_, *stop->leader) : nullptr;
+  if (other != nullptr && !waits_patiently(parts_, *stop)) {
+    const bool has_own_time =
+        other->is_stop() || other->is_let_by ||
+        (lets_writes_go(parts_, *stop->leader) && goes_before(*other->leader, *stop->leader));
+    const Duration stop_wait = parts_.settings.stop_wait;
+    parts_.line.limit_wait(other->on_wire(), stop->waits_since + stop_wait,
+                           has_own_time ? stop_wait : Duration{0});
+  }
+  return other != nullptr;
+}
+
+// Of several transmissions, or forms, each goes like the first, and no other stop between them.
+void Dispatch::go_on_with_stops(Instant now) {
+  const auto next_part = [this] {
+    const auto running = parts_.transmissions.running();
+    const auto found = std::ranges::find_if(
+        running, [](const Transmission* it) { return it->is_stop() && !it->in_flight; });
+    return found == running.end() ? nullptr : *found;
+  };
+  while (Transmission* stop = next_part()) {
+    stop->waits_since = now;
+    parts_.transmissions.leave(*stop);
+    parts_.stops.push_front(*stop);
+  }
+}
+
+// If none of the writes that a stop lets go first can begin in time, all that wait are taken back
+// at once: they must not follow the stop.
+void Dispatch::take_back_held_writes(Instant now) {
+  const Transmission* stop = parts_.stops.first();
+  if (stop != nullptr && is_held_too_long(parts_, *stop, now)) {
+    ends_.overtake_writes_before(*stop->leader);
+    ends_.end_over(now);
+  }
+}
+
+// Those that can go. False: nothing else may begin now, because one of them waits for silence.
+bool Dispatch::send_stops(Instant now) {
+  while (const auto choice = choose_stop(parts_, now)) {
+    const auto& before = choice->before;
+    if (before && before->at > now) {
+      wait_until(wake_for(parts_, *before->job, before->at));
+      return false;
+    }
+    if (before && !has_looked()) {
+      return false;
+    }
+    if (before) {
+      begin(*before, now).is_let_by = true;
+    } else if (!send_stop(*choice->stop, now)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// True: it is on its way, or ended. False: not yet, because the line is not silent. Where it never
+// is, there is nothing to lose: the stop is transmitted all the same, but not repeated so.
+bool Dispatch::send_stop(Transmission& stop, Instant now) {
+  const Instant silent_at = parts_.line.ready_for_stop_at();
+  if (silent_at > now) {
+    const Instant overdue_at = std::max(stop_overdue_at(parts_, stop), parts_.line.possible_at());
+    if (overdue_at > now) {
+      wait_until(Wake{std::min(silent_at, overdue_at), silent_at <= overdue_at});
+      return false;
+    }
+    if (stop.tries > 0) {
+      parts_.stops.remove(stop);
+      outcomes_.give_up_stop(stop);
+      return true;
+    }
+  }
+  if (!has_looked()) {
+    return false;
+  }
+  if (silent_at > now) {
+    diagnosis_.notify(DeviceNotice::Kind::stop_forced, stop.leader->address());
+  }
+  parts_.stops.remove(stop);
+  parts_.transmissions.start(stop);
+  transmit(stop, now);
+  return true;
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// A transaction goes on the wire: what must hold by then, and what is noted of it.
+#include "base/assert.hpp"
+#include "bus/sharing/shared_read.hpp"
+#include "bus/transmission/dispatch.hpp"
+
+namespace mbgate::bus {
+
+void Dispatch::skip_known_settings(Transmission& transmission) const {
+  Job& job = *transmission.leader;
+  if (const std::size_t next = next_transaction(parts_, job); next != job.current) {
+    job.current = next;
+    transmission.tries = 0;
+  }
+}
+
+// What src/README.md says of each transmission.
+void Dispatch::check_allowed(const Transmission& transmission, Instant now) const {
+  const Job& job = *transmission.leader;
+  const bool is_stop = transmission.is_stop();
+  MBGATE_ASSERT(!transmission.in_flight, "a job has one transmission on the wire");
+  MBGATE_ASSERT(is_stop || !job.abandoned, "nothing is transmitted for a client that has gone");
+  MBGATE_ASSERT(is_stop || !job.overtaken, "no write is transmitted behind its stop");
+  MBGATE_ASSERT(is_stop || now < job.deadline, "nothing is transmitted after its deadline");
+  MBGATE_ASSERT(is_stop || ready_at(parts_, job) <= now,
+                "nothing is transmitted before its silence, nor to a device that owes an answer");
+  MBGATE_ASSERT(is_stop || transmission.tries == 0 || job.transaction().request.is_read() ||
+                    parts_.devices[job.transaction().address].timing().retry_writes,
+                "a write is transmitted once");
+}
+
+void Dispatch::transmit(Transmission& transmission, Instant now) {
+  skip_known_settings(transmission);
+  check_allowed(transmission, now);
+  const Job& job = *transmission.leader;
+  Transmission* stop =
+      transmission.is_stop() ? nullptr : parts_.stops.find([this](const Transmission& it) {
+        return !waits_patiently(parts_, it);
+      });
+  if (stop != nullptr) {
+    stop->held_by_writes += held_by(parts_, *stop, ready_at(parts_, job));
+  }
+  if (transmission.tries == 0) {
+    const DeviceEntry& entry = parts_.devices[job.address()];
+    transmission.transmitted_at = now;
+    transmission.writes_before = entry.cache.writes_ended();
+    const bool merges = parts_.settings.merge && !entry.merge_refused;
+    gather_followers(parts_.queue, transmission, *entry.device, {parts_.settings.coalesce, merges});
+  }
+  const drive::DeviceTiming timing = note_transmission(transmission, now);
+  Transaction& sent = transmission.on_wire();
+  OwedAnswers owed;
+  if (parts_.quarantines()) {
+    // By the device's own times: that a probe waits for less makes no quarantine shorter.
+    const DeviceEntry& entry = parts_.devices[sent.address];
+    owed.count = entry.health.owed(sent.request.function(), now, entry.timing());
+    owed.alike = entry.health.owed_alike(sent.request, now, entry.timing());
+  }
+  parts_.actions.push(TransmitFrame{parts_.line.begin(sent, timing, owed, now)});
+  if (stop != nullptr && in_the_way_of(parts_, *stop->leader) == &transmission) {
+    const Duration stop_wait = parts_.settings.stop_wait;
+    parts_.line.limit_wait(sent, stop->waits_since + stop_wait, stop_wait);
+  }
+}
+
+// Keeps the books of it; returns the times that hold for it.
+drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Instant now) {
+  Job& job = *transmission.leader;
+  Transaction& sent = transmission.on_wire();
+  BusCounters& counters = parts_.counters;
+  DeviceEntry& entry = parts_.devices[sent.address];
+  drive::DeviceTiming timing = parts_.settings.timing;
+  if (sent.is_broadcast()) {
+    ++counters.broadcasts;
+  } else {
+    ++entry.counters.transmissions;
+    timing = entry.device->timing_of(sent.request);
+    sent.boot_time = entry.device->silent_after(sent.request);
+    if (entry.health.is_offline()) {
+      timing.response_timeout = timing.probe_timeout_or_default();
+      transmission.is_probe = !transmission.is_stop();
+      counters.probes += transmission.is_probe ? 1U : 0U;
+    }
+    entry.health.note_asked(now, entry.timing());
+    if (job.job_class == JobClass::write && !sent.request.is_read()) {
+      entry.health.note_written();
+    }
+    if (!sent.may_stay_silent()) {
+      parts_.adapter.note_request();
+    }
+  }
+  parts_.devices.note_reconfiguring(sent);
+  if (transmission.is_stop() && transmission.tries == 0) {
+    transmission.is_one_try = waits_patiently(parts_, transmission);
+  }
+  transmission.turn = parts_.turns.note(job.job_class, sent.address);
+  entry.last_turn = transmission.is_stop() ? entry.last_turn : transmission.turn;
+  ++counters.transmissions;
+  counters.stops += transmission.is_stop() ? 1U : 0U;
+  counters.retries += transmission.tries > 0 ? 1U : 0U;
+  ++transmission.tries;
+  transmission.last_sent = now;
+  transmission.in_flight = true;
+  job.was_on_wire = job.was_on_wire || sent.must_hold == nullptr;
+  for (Job* follower : transmission.followers) {
+    follower->was_on_wire = true;
+  }
+  return timing;
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/transmission/outcomes.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/assert.hpp"
+#include "bus/sharing/shared_read.hpp"
+
+namespace mbgate::bus {
+namespace {
+
+bool holds_one_of(const std::vector<std::uint16_t>& wanted, const modbus::Pdu& response) {
+  constexpr std::size_t kRegister = 2;  // after function and byte count (6.3)
+  return !response.is_exception() &&
+         std::ranges::find(wanted, modbus::load_be16(response.bytes(), kRegister)) != wanted.end();
+}
+
+bool is_still_asked_for(const drive::Device& device, const std::vector<std::uint16_t>& wanted) {
+  const auto* stated = device.stated_order();
+  return stated != nullptr && *stated == wanted;
+}
+
+}  // namespace
+
+void Outcomes::handle_end(const LineEnd& end, Instant now) {
+  Transmission& transmission = parts_.transmissions.find(end.transaction);
+  transmission.in_flight = false;
+  transmission.is_let_by = false;
+  const Transaction& sent = *end.transaction;
+  const Asked asked{sent.address, sent.request.is_read(),
+                    !sent.is_broadcast() && !sent.may_stay_silent()};
+  const std::uint8_t function = sent.request.function();
+  DeviceEntry& entry = parts_.devices[asked.address];
+  entry.counters.noise_bytes += end.noise;
+  switch (end.how) {
+    case LineEnd::How::response:
+      handle_response(transmission, end, now);
+      entry.answered_at = now;
+      entry.answered_function = function;
+      break;
+    case LineEnd::How::sent:
+      parts_.devices.hold_booting(sent, now);
+      ends_.advance(transmission, Ending::transmitted);
+      break;
+    case LineEnd::How::no_response: handle_silence(transmission, end, now); break;
+    case LineEnd::How::damaged: handle_damaged(transmission, end, now); break;
+  }
+  const bool is_owed =
+      end.how != LineEnd::How::response || now < entry.health.held_until(entry.timing());
+  if (asked.wants_answer && is_owed) {
+    entry.owed_until = std::max(entry.owed_until, end.due);
+  }
+  diagnosis_.note_ended(asked, end);
+}
+
+void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, Instant now) {
+  const Transaction& asked = transmission.on_wire();
+  const modbus::Pdu& response = *asked.response;
+  MBGATE_ASSERT(is_fitting(modbus::check_response(asked.request, response.bytes())),
+                "a response fits the request on the wire");
+  DeviceEntry& entry = parts_.devices[asked.address];
+  const bool exception = response.is_exception();
+  ++parts_.counters.responses;
+  ++entry.counters.responses;
+  entry.note_heard();
+  diagnosis_.note_understood();
+  parts_.counters.exceptions += exception ? 1U : 0U;
+  entry.counters.exceptions += exception ? 1U : 0U;
+  if (end.early) {
+    ++parts_.counters.early_responses;
+    ++entry.counters.early_responses;
+    if (!std::exchange(entry.early_reported, true)) {
+      diagnosis_.notify(DeviceNotice::Kind::early, asked.address);
+    }
+  }
+  if (entry.health.note_answered(
+          {asked.request, response.bytes(), transmission.last_sent, end.due, end.took}, now)) {
+    diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
+  }
+  transmission.is_probe = false;
+  if (exception && transmission.merged) {
+    entry.merge_refused = true;
+    ends_.split_up(transmission, Ending::answered);
+    return;
+  }
+  const Job& leader = *transmission.leader;
+  if (leader.is_single_read()) {
+    share_response(transmission);
+  }
+  const Transaction& own = leader.transaction();
+  if (own.must_hold != nullptr && !holds_what_it_must(own)) {
+    ends_.finish(transmission, Ending::mismatched);
+    return;
+  }
+  if (exception) {
+    ends_.finish(transmission, Ending::answered);
+    return;
+  }
+  if (own.boot_time) {
+    entry.free_at = now + *own.boot_time;  // it boots, though it has answered before
+  }
+  remember(leader, transmission);
+  ends_.advance(transmission, Ending::answered);
+}
+
+// Other settings, which came meanwhile, may expect the question's register to hold something else.
+bool Outcomes::holds_what_it_must(const Transaction& question) {
+  DeviceEntry& entry = parts_.devices[question.address];
+  const bool holds = holds_one_of(*question.must_hold, *question.response);
+  entry.setting_known = holds && is_still_asked_for(*entry.device, *question.must_hold);
+  return holds;
+}
+
+void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, Instant now) {
+  const Transaction& sent = transmission.on_wire();
+  const std::uint8_t address = sent.address;
+  DeviceEntry& entry = parts_.devices[address];
+  entry.setting_known = false;
+  entry.cache.clear();
+  if (sent.may_stay_silent()) {
+    parts_.probes.note_unanswered(transmission, now);
+    if (sent.boot_time) {
+      entry.free_at = now + *sent.boot_time;
+    }
+    ends_.advance(transmission, Ending::transmitted);
+    return;
+  }
+  ++parts_.counters.timeouts;
+  ++entry.counters.timeouts;
+  if (transmission.is_stop()) {
+    entry.last_stop_turn = transmission.turn;
+  }
+  const bool lost =
+      entry.health.note_unanswered(sent.request, transmission.last_sent, end.due, entry.timing());
+  parts_.probes.note_unanswered(transmission, now);
+  if (lost) {
+    go_offline(entry, address, now);
+  }
+  handle_failure(transmission, now);
+}
+
+void Outcomes::handle_damaged(Transmission& transmission, const LineEnd& end, Instant now) {
+  const Transaction& sent = transmission.on_wire();
+  DeviceEntry& entry = parts_.devices[sent.address];
+  ++parts_.counters.bad_crcs;
+  ++entry.counters.bad_crcs;
+  entry.health.note_spoilt(sent.request, end.due);
+  entry.note_heard();
+  parts_.probes.note_unanswered(transmission, now);
+  handle_failure(transmission, now);
+}
+
+void Outcomes::handle_failure(Transmission& transmission, Instant now) {
+  const DeviceEntry& entry = parts_.devices[transmission.on_wire().address];
+  if (transmission.is_stop()) {
+    handle_stop_failure(transmission, now);
+    return;
+  }
+  const Transaction& own = transmission.leader->transaction();
+  const bool may_repeat = (own.request.is_read() || entry.timing().retry_writes) &&
+                          !entry.health.is_offline() && !transmission.is_probe;
+  if (may_repeat && transmission.tries <= entry.timing().retries) {
+    return;
+  }
+  if (transmission.merged && !entry.health.is_offline()) {
+    ends_.split_up(transmission, Ending::no_answer);
+  } else {
+    ends_.finish(transmission, Ending::no_answer);
+  }
+}
+
+// It is repeated behind other stops that wait, so that a dead device does not keep them waiting.
+void Outcomes::handle_stop_failure(Transmission& stop, Instant now) {
+  // What its owner sends as a stop, but is none, may not be harmless if it is done twice.
+  const Transaction& sent = stop.on_wire();
+  DeviceEntry& entry = parts_.devices[sent.address];
+  const bool may_repeat = parts_.devices.is_stop(sent.address, sent.request, sent.broadcast);
+  const bool is_given_up = stop.is_one_try && entry.stops_given_up;
+  if (may_repeat && !is_given_up && stop.tries <= entry.timing().stop_retries) {
+    parts_.transmissions.leave(stop);
+    stop.waits_since = now;
+    parts_.stops.push(stop);
+    return;
+  }
+  entry.stops_given_up = entry.last_stop_turn != 0 && (may_repeat || entry.stops_given_up);
+  give_up_stop(stop);
+}
+
+void Outcomes::give_up_stop(Transmission& stop) {
+  part_from_untried(stop);
+  ++parts_.counters.stops_unanswered;
+  diagnosis_.notify(DeviceNotice::Kind::stop_unanswered, stop.on_wire().address);
+  ends_.finish(stop, Ending::no_answer);
+}
+
+// Those that joined it after its last transmission are still to be transmitted once.
+void Outcomes::part_from_untried(Transmission& stop) {
+  const auto untried = std::ranges::stable_partition(stop.followers, &Job::was_on_wire);
+  if (untried.empty()) {
+    return;
+  }
+  Transmission& heir = parts_.transmissions.lead(*untried.front());
+  heir.followers.assign(untried.begin() + 1, untried.end());
+  stop.followers.erase(untried.begin(), untried.end());
+  parts_.stops.push(heir);
+}
+
+void Outcomes::go_offline(DeviceEntry& entry, std::uint8_t address, Instant now) {
+  entry.health.set_probe_at(now + entry.timing().probe_interval);
+  entry.merge_refused = false;
+  diagnosis_.notify(DeviceNotice::Kind::lost, address);
+  ends_.end_waiting_for(address);
+}
+
+void Outcomes::share_response(Transmission& transmission) {
+  const modbus::Pdu response = *transmission.on_wire().response;
+  const auto whole = transmission.merged ? transmission.merged->request.reads() : std::nullopt;
+  const auto give = [&](Job& job) {
+    const auto& own = job.transaction().request.reads();
+    job.transaction().response =
+        whole && !response.is_exception() ? part_of(response, whole->range, own->range) : response;
+    job.current = job.transactions.size() - 1;
+  };
+  give(*transmission.leader);
+  for (Job* follower : transmission.followers) {
+    give(*follower);
+    remember(*follower, transmission);
+    ++follower->current;
+    ++parts_.counters.shared_reads;
+    parts_.counters.merged_reads += transmission.merged ? 1U : 0U;
+  }
+}
+
+// What was read may answer the next one that asks, where the device allows it.
+void Outcomes::remember(const Job& job, const Transmission& transmission) {
+  const Transaction& transaction = job.transaction();
+  DeviceEntry& entry = parts_.devices[transaction.address];
+  if (job.is_single_read() && entry.device->cache > Duration{0} &&
+      ReadCache::can_hold(transaction.request) && !transaction.response->is_exception()) {
+    entry.cache.put(transaction.request, *transaction.response, transmission.transmitted_at,
+                    transmission.writes_before);
+  }
+}
+
+// Nobody knows whether the server has done what was on its way. A read does no harm if it is done
+// twice; if the next connection is closed too before its answer, it has failed.
+void Outcomes::handle_cut(Instant now) {
+  const auto running = parts_.transmissions.running();
+  for (Transmission* cut : std::vector(running.begin(), running.end())) {
+    if (!std::exchange(cut->in_flight, false)) {
+      continue;
+    }
+    parts_.probes.note_unanswered(*cut, now);
+    const std::size_t current = cut->leader->current;
+    if (cut->is_stop()) {
+      handle_failure(*cut, now);
+    } else if (cut->on_wire().request.is_read() && !cut->is_probe && cut->cut != current) {
+      cut->cut = current;
+    } else {
+      ends_.finish(*cut, Ending::no_answer);
+    }
+  }
+}
+
+void Outcomes::note_lost() {
+  const auto due = parts_.line.response_due();
+  for (const Transmission* running : parts_.transmissions.running()) {
+    const Transaction& sent = running->on_wire();
+    if (due && running->in_flight && !sent.is_broadcast() && !sent.may_stay_silent()) {
+      parts_.devices[sent.address].health.note_spoilt(sent.request, *due);
+    }
+  }
+}
+
+}  // namespace mbgate::bus

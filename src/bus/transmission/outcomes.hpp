@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// What becomes of a transmission that has ended: what its answer, or that there is none, says of
+// the device, and whether it is repeated, goes on, or is over.
+#pragma once
+
+#include "bus/health/line_diagnosis.hpp"
+#include "bus/parts.hpp"
+#include "bus/transmission/job_ends.hpp"
+
+namespace mbgate::bus {
+
+class Outcomes {
+ public:
+  Outcomes(Parts& parts, JobEnds& ends, LineDiagnosis& diagnosis)
+      : parts_(parts), ends_(ends), diagnosis_(diagnosis) {}
+
+  void handle_end(const LineEnd& end, Instant now);
+  /// A connection was closed by its far end: what was on its way has no answer.
+  void handle_cut(Instant now);
+  /// The line is lost: devices may still answer what is on it.
+  void note_lost();
+  /// The stop has had its tries.
+  void give_up_stop(Transmission& stop);
+
+ private:
+  void handle_response(Transmission& transmission, const LineEnd& end, Instant now);
+  [[nodiscard]] bool holds_what_it_must(const Transaction& question);
+  void handle_silence(Transmission& transmission, const LineEnd& end, Instant now);
+  void handle_damaged(Transmission& transmission, const LineEnd& end, Instant now);
+  void handle_failure(Transmission& transmission, Instant now);
+  void handle_stop_failure(Transmission& stop, Instant now);
+  void part_from_untried(Transmission& stop);
+  void go_offline(DeviceEntry& entry, std::uint8_t address, Instant now);
+  void share_response(Transmission& transmission);
+  void remember(const Job& job, const Transmission& transmission);
+
+  Parts& parts_;
+  JobEnds& ends_;
+  LineDiagnosis& diagnosis_;
+};
+
+}  // namespace mbgate::bus

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/transmission/transmission.hpp"
+
+#include <algorithm>
+
+#include "base/assert.hpp"
+
+namespace mbgate::bus {
+
+Transmission& Transmissions::lead(Job& leader) {
+  if (free_.empty()) {
+    free_.push_back(&all_.emplace_back());
+  }
+  Transmission& transmission = *free_.back();
+  free_.pop_back();
+  transmission.leader = &leader;
+  transmission.waits_since = leader.accepted_at;
+  leader.leads = &transmission;
+  return transmission;
+}
+
+void Transmissions::start(Transmission& transmission) { running_.push_back(&transmission); }
+
+void Transmissions::leave(Transmission& transmission) {
+  MBGATE_ASSERT(!transmission.in_flight, "what is on the wire runs until it ends");
+  std::erase(running_, &transmission);
+}
+
+void Transmissions::end(Transmission& transmission) {
+  MBGATE_ASSERT(transmission.followers.empty(), "who shares a transmission gets its end");
+  std::erase(running_, &transmission);
+  transmission.leader->leads = nullptr;
+  transmission = {};
+  free_.push_back(&transmission);
+}
+
+void Transmissions::hand_over(Transmission& transmission) {
+  MBGATE_ASSERT(!transmission.in_flight, "who is asked for on the wire leads");
+  transmission.leader->leads = nullptr;
+  transmission.leader = transmission.followers.front();
+  transmission.leader->leads = &transmission;
+  transmission.followers.erase(transmission.followers.begin());
+}
+
+Transmission& Transmissions::find(const Transaction* on_wire) const {
+  const auto found = std::ranges::find_if(
+      running_, [&](const Transmission* running) { return &running->on_wire() == on_wire; });
+  MBGATE_ASSERT(found != running_.end(), "what ends on the wire runs");
+  return **found;
+}
+
+Transmission* Transmissions::first_in_flight() const {
+  const auto first = std::ranges::find_if(running_, &Transmission::in_flight);
+  return first == running_.end() ? nullptr : *first;
+}
+
+std::size_t Transmissions::in_flight() const {
+  return static_cast<std::size_t>(std::ranges::count_if(running_, &Transmission::in_flight));
+}
+
+}  // namespace mbgate::bus

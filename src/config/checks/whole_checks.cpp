@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// What only the whole configuration shows.
+#include <algorithm>
+
+#include "config/sections/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using gateway::Settings;
+using routing::Route;
+
+bool stands_nowhere(TomlTable root, std::string_view key) {
+  const auto* found = root.value(key);
+  return found == nullptr || is_empty_list(*found);
+}
+
+void check_present(Draft& draft) {
+  if (stands_nowhere(draft.document.root(), "listen")) {
+    draft.document.error({}, "no [[listen]]: nobody could connect");
+  }
+  if (stands_nowhere(draft.document.root(), "bus")) {
+    draft.document.error({}, "no [[bus]]: there would be nothing to reach");
+  }
+}
+
+/// A unit leads to one place only; the later route of two is reported. A route that names its
+/// listener goes before one that names none, so these two do not clash.
+void check_overlaps(Draft& draft) {
+  const auto& routes = draft.settings.routes;
+  for (std::size_t later = 0; later < routes.size(); ++later) {
+    const auto& units = draft.route_units[later];
+    for (std::size_t earlier = 0; units && earlier < later; ++earlier) {
+      const auto& taken = draft.route_units[earlier];
+      if (!taken || !units->overlaps(*taken) ||
+          routes[later].listener != routes[earlier].listener) {
+        continue;
+      }
+      draft.routes[later].error(
+          "unit", std::to_string(std::max(units->first, taken->first)) +
+                      " has a route already at " +
+                      place(draft.document, draft.routes[earlier].value_position("unit")));
+      break;
+    }
+  }
+}
+
+bool is_reached(const Settings& settings, drive::BusId id) {
+  return std::ranges::any_of(settings.listeners, [&](const auto& it) { return it.bus == id; }) ||
+         std::ranges::any_of(settings.routes, [&](const Route& route) {
+           return std::ranges::find(route.buses, id) != route.buses.end();
+         });
+}
+
+/// Transparent listeners pass units 1 to 247, and broadcasts if they are told to.
+bool passes_writes(const gateway::ListenerSettings& listener, const drive::Device& device) {
+  constexpr std::uint8_t kLastUnit = 247;
+  return listener.bus == device.bus &&
+         (listener.broadcast || (device.address >= 1 && device.address <= kLastUnit));
+}
+
+/// Failsafe writes are sent when the last client that may write has gone.
+void check_failsafe(Draft& draft) {
+  const auto& settings = draft.settings;
+  for (std::size_t i = 0; i < settings.devices.size(); ++i) {
+    const auto& device = settings.devices[i];
+    const bool written =
+        std::ranges::any_of(settings.listeners,
+                            [&](const auto& it) { return passes_writes(it, device); }) ||
+        std::ranges::any_of(settings.routes, [&](const Route& route) {
+          return route.may_write() && route.leads_to(device);
+        });
+    if (!settings.guards[i].failsafe.empty() && !written) {
+      draft.devices[i].warning("failsafe",
+                               "is never sent: no listener and no route lets a client write to "
+                               "this device");
+    }
+  }
+}
+
+void check_ways(Draft& draft) {
+  const auto& settings = draft.settings;
+  for (std::size_t i = 0; i < settings.buses.size(); ++i) {
+    if (!is_reached(settings, drive::BusId{static_cast<std::uint32_t>(i)})) {
+      draft.document.warning(draft.buses[i].value_position("name"),
+                             "no listener and no route leads to this bus");
+    }
+  }
+  bool any_routed = false;
+  for (std::size_t i = 0; i < settings.listeners.size(); ++i) {
+    const bool routed = !settings.listeners[i].bus;
+    const bool served = std::ranges::any_of(settings.routes, [&](const Route& route) {
+      return !route.listener || index(*route.listener) == i;
+    });
+    any_routed = any_routed || routed;
+    if (routed && !served) {
+      draft.document.warning(draft.listeners[i].value_position("name"),
+                             "no route serves this listener and it has no 'bus'");
+    }
+  }
+  if (!any_routed && !draft.routes.empty()) {
+    draft.document.warning(draft.routes[0].position(),
+                           "[[route]]: every listener has its 'bus', so routes serve nobody");
+  }
+}
+
+}  // namespace
+
+void check_whole(Draft& draft) {
+  check_present(draft);
+  check_overlaps(draft);
+  check_routes(draft);
+  check_deadlines(draft);
+  // After an error a way may be missing only because the entry that leads there is wrong.
+  if (!draft.document.failed()) {
+    check_ways(draft);
+    check_failsafe(draft);
+  }
+}
+
+}  // namespace mbgate::config

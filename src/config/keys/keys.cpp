@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config/keys/keys.hpp"
+
+#include <array>
+#include <limits>
+
+namespace mbgate::config {
+namespace {
+
+using namespace std::chrono_literals;
+using bus::BusSettings;
+using bus::ConnectionTimes;
+using bus::LineSettings;
+using drive::Device;
+using drive::DeviceTiming;
+using gateway::DeviceGuard;
+using gateway::ListenerSettings;
+using gateway::Settings;
+using gateway::TcpSettings;
+
+constexpr std::string_view kSerial =
+    "belongs to a serial line; a Modbus TCP server has 'host' and 'port'";
+constexpr std::string_view kRtu = "belongs to mode = \"rtu\": ASCII characters may be 1s apart";
+constexpr std::string_view kPort = "belongs to a serial port of this machine";
+constexpr std::string_view kServer = "belongs to mode = \"tcp\"";
+constexpr std::string_view kConnection =
+    "belongs to a TCP connection: mode = \"tcp\", or device = \"tcp://host:port\"";
+constexpr std::string_view kSilence = "belongs to serial lines: a connection needs no silence";
+constexpr std::string_view kIdentified =
+    "belongs to serial lines: the late responses of a Modbus TCP server are known by their "
+    "transaction identifiers";
+
+constexpr std::int64_t kFastest = std::numeric_limits<std::uint32_t>::max();
+/// A server takes 1 to 16 transactions at a time (Messaging on TCP/IP V1.0b, 4.3.2,
+/// NumberMaxOfServerTransaction): more would only wait there instead of here.
+constexpr IntegerRange kOutstanding = {1, 16};
+/// The longest that Linux takes (serial_core.c, RS485_MAX_RTS_DELAY).
+constexpr DurationRange kRtsDelay = {.min = 0s, .max = 100ms, .step = 1ms};
+/// What Linux takes for TCP_KEEPIDLE and TCP_KEEPINTVL (tcp.h, MAX_TCP_KEEPIDLE), and for
+/// TCP_KEEPCNT.
+constexpr std::chrono::seconds kLongestKeepalive = 32767s;
+constexpr IntegerRange kKeepaliveProbes = {1, 127};
+
+constexpr std::array kGatewayKeys = {
+    plain<&Settings::lock_memory>("lock_memory", Truth{}),
+    plain<&Settings::wake_early>("wake_early", DurationRange{0us, 1ms}),
+};
+
+constexpr std::array kListenerKeys = {
+    plain<&ListenerSettings::freebind>("freebind", Truth{}),
+    plain<&ListenerSettings::max_connections>("max_connections", IntegerRange{1, 100'000}),
+    plain<&ListenerSettings::pipeline>("pipeline", IntegerRange{1, 1024}),
+    plain<&ListenerSettings::ordered>("ordered", Truth{}),
+    plain<&ListenerSettings::idle_timeout>("idle_timeout", DurationRange{10ms, 1000h, true}),
+    plain<&ListenerSettings::frame_timeout>("frame_timeout", DurationRange{10ms, 1h}),
+    plain<&ListenerSettings::tcp, &TcpSettings::keepalive_idle>(
+        "keepalive_idle", DurationRange{1s, kLongestKeepalive, true, 1s}),
+    plain<&ListenerSettings::tcp, &TcpSettings::keepalive_interval>(
+        "keepalive_interval", DurationRange{1s, kLongestKeepalive, false, 1s}),
+    plain<&ListenerSettings::tcp, &TcpSettings::keepalive_probes>("keepalive_probes",
+                                                                  kKeepaliveProbes),
+    plain<&ListenerSettings::tcp, &TcpSettings::user_timeout>("user_timeout",
+                                                              DurationRange{100ms, 24h, true}),
+    plain<&ListenerSettings::tcp, &TcpSettings::backlog>("backlog", IntegerRange{1, 65535}),
+    plain<&ListenerSettings::broadcast>("broadcast", Truth{}),
+};
+
+constexpr std::array kBusKeys = {
+    plain<&BusSettings::line, &LineSettings::baud>("baud", IntegerRange{1, kFastest}, Lines::serial,
+                                                   kSerial),
+    plain<&BusSettings::line, &LineSettings::format, &modbus::CharacterFormat::stop_bits>(
+        "stop_bits", IntegerRange{1, 2}, Lines::serial, kSerial),
+    plain<&BusSettings::line, &LineSettings::rs485_rts_on_send>("rs485_rts_on_send", Truth{},
+                                                                Lines::serial, kSerial),
+    plain<&BusSettings::line, &LineSettings::rs485_delay_before>("rs485_delay_before", kRtsDelay,
+                                                                 Lines::serial, kSerial),
+    plain<&BusSettings::line, &LineSettings::rs485_delay_after>("rs485_delay_after", kRtsDelay,
+                                                                Lines::serial, kSerial),
+    plain<&BusSettings::line, &LineSettings::low_latency>("low_latency", Truth{}, Lines::ports,
+                                                          kPort),
+    plain<&BusSettings::turnaround>("turnaround", DurationRange{0s, 1min}, Lines::serial, kSerial),
+    plain<&BusSettings::frame_gap>("frame_gap", DurationRange{0s, 1s}, Lines::serial, kSerial),
+    plain<&BusSettings::frame_slack>("frame_slack", DurationRange{1ms, 10s}, Lines::rtu, kRtu),
+    plain<&BusSettings::listen_first>("listen_first", DurationRange{0s, 1min}, Lines::serial,
+                                      kSerial),
+    plain<&BusSettings::settle>("settle", DurationRange{0s, 1min}, Lines::serial, kSerial),
+    plain<&BusSettings::queue>("queue", IntegerRange{1, 1'000'000}),
+    plain<&BusSettings::burst>("burst", IntegerRange{1, 1000}),
+    plain<&BusSettings::stop_wait>("stop_wait", DurationRange{0s, 10s}),
+    plain<&BusSettings::stop_deadline>("stop_deadline", DurationRange{1ms, 1min}, Lines::serial,
+                                       kSilence),
+    plain<&BusSettings::probe_share>("probe_share", IntegerRange{1, 100}),
+    plain<&BusSettings::coalesce>("coalesce", Truth{}),
+    plain<&BusSettings::merge>("merge", Truth{}),
+    plain<&BusSettings::reopen_min>("reopen_min", DurationRange{10ms, 1h}),
+    plain<&BusSettings::reopen_max>("reopen_max", DurationRange{10ms, 1h}),
+    plain<&BusSettings::hung_after>("hung_after", DurationRange{1s, 24h, true}, Lines::ports,
+                                    kPort),
+    plain<&BusSettings::hung_max>("hung_max", DurationRange{1s, 24h}, Lines::ports, kPort),
+    plain<&BusSettings::hung_requests>("hung_requests", IntegerRange{1, 1'000'000}, Lines::ports,
+                                       kPort),
+    plain<&BusSettings::outstanding>(
+        "outstanding", kOutstanding,
+        Lines::server, "belongs to mode = \"tcp\": a serial line carries one request at a time"),
+    plain<&BusSettings::check_unit>("check_unit", Truth{}, Lines::server, kServer),
+    plain<&BusSettings::replace_after>("replace_after", IntegerRange{0, 1000}, Lines::server,
+                                       kServer),
+    plain<&BusSettings::line, &LineSettings::connection, &ConnectionTimes::connect_timeout>(
+        "connect_timeout", DurationRange{100ms, 1min}, Lines::connections, kConnection),
+    plain<&BusSettings::line, &LineSettings::connection, &ConnectionTimes::acknowledge_timeout>(
+        "acknowledge_timeout", DurationRange{100ms, 1min}, Lines::connections, kConnection),
+    plain<&BusSettings::line, &LineSettings::connection, &ConnectionTimes::idle_probe>(
+        "idle_probe", DurationRange{2s, 1h, false, 1s}, Lines::connections, kConnection),
+};
+
+constexpr std::array kTimingKeys = {
+    plain<&DeviceTiming::response_timeout>("response_timeout", DurationRange{1ms, 1h}),
+    plain<&DeviceTiming::retries>("retries", IntegerRange{0, 100}),
+    plain<&DeviceTiming::stop_retries>("stop_retries", IntegerRange{0, 100}),
+    plain<&DeviceTiming::quarantine>("quarantine", DurationRange{0s, 1h}, Lines::serial,
+                                     kIdentified),
+    plain<&DeviceTiming::quarantine_max>("quarantine_max", DurationRange{0s, 1h}, Lines::serial,
+                                         kIdentified),
+    plain<&DeviceTiming::offline_after>("offline_after", IntegerRange{0, 1000}),
+    plain<&DeviceTiming::probe_interval>("probe_interval", DurationRange{1ms, 1h}),
+    plain<&DeviceTiming::probe_timeout>("probe_timeout", DurationRange{1ms, 1h}),
+};
+
+constexpr std::array kDeviceKeys = {
+    plain<&Device::timing, &DeviceTiming::response_wait>("response_wait", DurationRange{0s, 1min}),
+    plain<&Device::timing, &DeviceTiming::gap>("gap", DurationRange{0s, 1min}),
+    plain<&Device::timing, &DeviceTiming::retry_writes>("retry_writes", Truth{}),
+    plain<&Device::stop_cancels>("stop_cancels", Truth{}),
+    plain<&Device::cache>("cache", DurationRange{0s, 1h}),
+    plain<&Device::verify_word_order>("verify_word_order", Truth{}),
+    plain<&Device::split_values>("split_values", Truth{}),
+    plain<&Device::split_writes>("split_writes", Truth{}),
+    plain<&Device::allow_reconfigure>("allow_reconfigure", Truth{}),
+};
+
+constexpr std::array kGuardKeys = {
+    plain<&DeviceGuard::writer_hold>("writer_hold", DurationRange{1ms, 1h}),
+    plain<&DeviceGuard::quiet>("quiet", DurationRange{10ms, 24h, true}),
+    plain<&DeviceGuard::failsafe_on_exit>("failsafe_on_exit", Truth{}),
+};
+
+}  // namespace
+
+std::span<const PlainKey<Settings>> gateway_keys() { return kGatewayKeys; }
+std::span<const PlainKey<ListenerSettings>> listener_keys() { return kListenerKeys; }
+std::span<const PlainKey<BusSettings>> bus_keys() { return kBusKeys; }
+std::span<const PlainKey<DeviceTiming>> timing_keys() { return kTimingKeys; }
+std::span<const PlainKey<Device>> device_keys() { return kDeviceKeys; }
+std::span<const PlainKey<DeviceGuard>> guard_keys() { return kGuardKeys; }
+
+Lines lines_of(const LineSettings& line) {
+  switch (line.framing) {
+    case bus::Framing::tcp: return Lines::server;
+    case bus::Framing::rtu: return line.remote ? Lines::remote_rtu : Lines::port_rtu;
+    case bus::Framing::ascii: return line.remote ? Lines::remote_ascii : Lines::port_ascii;
+  }
+  return Lines::any;
+}
+
+}  // namespace mbgate::config

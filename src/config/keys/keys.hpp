@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plain keys of each section: from these tables come their reading, what is said of a wrong
+// type, a wrong range or a wrong kind of line, `mbgated --keys` and mbgate.toml(5). What they mean
+// stands in conf/mbgate.toml.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "config/keys/plain_key.hpp"
+#include "gateway/settings.hpp"
+
+namespace mbgate::config {
+
+/// [gateway]
+std::span<const PlainKey<gateway::Settings>> gateway_keys();
+/// [[listen]]
+std::span<const PlainKey<gateway::ListenerSettings>> listener_keys();
+/// [[bus]]
+std::span<const PlainKey<bus::BusSettings>> bus_keys();
+/// [[bus]] and [[device]]
+std::span<const PlainKey<drive::DeviceTiming>> timing_keys();
+/// [[device]]
+std::span<const PlainKey<drive::Device>> device_keys();
+/// [[device]]
+std::span<const PlainKey<gateway::DeviceGuard>> guard_keys();
+
+/// What the bus is; any, if `settings` are not what was meant.
+Lines lines_of(const bus::LineSettings& settings);
+
+/// As it would stand in the file; "-" for none.
+std::string value_text(const KeyValue& value);
+
+/// A line for each plain key: section, key, what it takes, its default and where it belongs,
+/// separated by tabs. A default that depends on other keys is "-".
+std::string list_keys();
+
+}  // namespace mbgate::config

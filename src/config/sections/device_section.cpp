@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config/sections/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+constexpr IntegerRange kSerialAddresses = {1, 247};
+constexpr IntegerRange kUnits = {0, 255};
+constexpr std::uint8_t kLoneServer = 255;
+constexpr std::uint8_t kAutonicsBroadcast = 129;  // Autonics AiC manual, section 2.13
+
+void read_bus(Draft& draft, TomlTable& table, drive::Device& device) {
+  if (!table.require("bus")) {
+    return;
+  }
+  if (const auto bus = find_named(table, "bus", draft.settings.buses)) {
+    device.bus = drive::BusId{static_cast<std::uint32_t>(*bus)};
+    device.timing = draft.settings.buses[*bus].timing;
+  } else {
+    device.bus = drive::BusId{~0U};  // on no bus: its address clashes with nobody's but its like
+  }
+}
+
+void read_timing(Draft& draft, TomlTable& table, drive::Device& device) {
+  TimingOrigin origin;
+  if (index(device.bus) < draft.buses.size()) {
+    origin.lines = lines_of(draft.settings.bus(device.bus).line);
+    origin.longest_quarantine = draft.buses[index(device.bus)].has("quarantine_max");
+  }
+  read_shared_timing(table, origin, device.timing);
+}
+
+/// Two devices of one address would answer at the same time.
+void check_address_free(Draft& draft, const drive::Device& device) {
+  const auto& all = draft.settings.devices;
+  const auto same = std::ranges::find_if(all, [&](const drive::Device& other) {
+    return other.bus == device.bus && other.address == device.address;
+  });
+  if (same != all.end()) {
+    const auto first = static_cast<std::size_t>(same - all.begin());
+    draft.devices.back().error(
+        "address", std::to_string(device.address) + " on this bus is taken already at " +
+                       place(draft.document, draft.devices[first].value_position("address")));
+  }
+}
+
+/// Serial Line V1.02, 2.2: 1 to 247. A Modbus TCP server takes any unit identifier, and one that
+/// is alone behind its connection answers to 255 (Messaging on TCP/IP V1.0b, 4.4.2.3).
+void read_address(Draft& draft, TomlTable& table, drive::Device& device) {
+  const bool tcp = is_tcp(draft, device.bus);
+  if (tcp && !table.has("address")) {
+    device.address = kLoneServer;
+    check_address_free(draft, device);
+    return;
+  }
+  table.require("address");
+  const auto address = table.integer("address", tcp ? kUnits : kSerialAddresses);
+  device.address = static_cast<std::uint8_t>(address.value_or(0));
+  if (address && index(device.bus) < draft.settings.buses.size()) {
+    check_address_free(draft, device);
+  }
+}
+
+void check_address_of_profile(const Draft& draft, TomlTable& table, const drive::Device& device) {
+  const auto& profile = device.profile;
+  if (device.address != 0 && !is_tcp(draft, device.bus) &&
+      (device.address < profile.first_address || device.address > profile.last_address)) {
+    table.warning("address", std::to_string(device.address) + " is none of the addresses of " +
+                                 in_quotes(profile.name) + ", " +
+                                 std::to_string(profile.first_address) + " to " +
+                                 std::to_string(profile.last_address));
+  }
+}
+
+/// Where the AiC's own form of a broadcast is used, its address can be no device's.
+void check_broadcast_address(Draft& draft) {
+  const auto& devices = draft.settings.devices;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const auto hearer = std::ranges::find_if(devices, [&](const drive::Device& other) {
+      return other.bus == devices[i].bus &&
+             other.profile.broadcast.form == drive::BroadcastForm::autonics;
+    });
+    if (devices[i].address == kAutonicsBroadcast && hearer != devices.end()) {
+      draft.devices[i].error("address", "129 is the address of broadcasts on this bus (" +
+                                            in_quotes(hearer->name) + " hears them there)");
+    }
+  }
+}
+
+}  // namespace
+
+void read_devices(Draft& draft) {
+  for (auto table : draft.document.root().tables("device")) {
+    drive::Device device;
+    draft.devices.push_back(table);
+    device.name = read_name(table);
+    check_name(draft.devices, draft.settings.devices, device.name);
+    read_bus(draft, table, device);
+    read_address(draft, table, device);
+    read_drive(draft, table, device);
+    read_timing(draft, table, device);
+    check_address_of_profile(draft, table, device);
+    draft.settings.guards.push_back(read_guard(table, device));
+    draft.settings.devices.push_back(std::move(device));
+  }
+  check_broadcast_address(draft);
+}
+
+}  // namespace mbgate::config

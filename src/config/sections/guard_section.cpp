@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who may write to a device, and what is written to it when nobody is left who might.
+#include <array>
+
+#include "config/sections/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using gateway::DeviceGuard;
+using gateway::WriterRule;
+
+void read_writer(TomlTable& table, DeviceGuard& guard) {
+  constexpr std::array kRules = {Word{"any", WriterRule::any}, Word{"first", WriterRule::first}};
+  const auto* found = table.value("writer");
+  if (found == nullptr) {
+    return;
+  }
+  const auto* text = std::get_if<std::string>(&found->data);
+  const auto rule = std::ranges::find_if(
+      kRules, [&](const auto& word) { return text != nullptr && *text == word.text; });
+  if (rule != kRules.end()) {
+    guard.writer = rule->value;
+  } else if (is_empty_list(*found)) {
+    table.error("writer",
+                "expected at least one address; access = \"read-only\" on the routes lets "
+                "nobody write");
+  } else if (std::holds_alternative<std::vector<TomlValue>>(found->data)) {
+    guard.writer = WriterRule::listed;
+    guard.writers = read_networks(table, "writer");
+  } else {
+    table.report_expected("writer", *found,
+                          R"("any", "first", or a list of addresses such as ["192.168.10.5"])");
+  }
+}
+
+void check_hold(TomlTable& table, const DeviceGuard& guard) {
+  if (table.has("writer_hold") && guard.writer != WriterRule::first) {
+    table.warning("writer_hold", "does nothing without writer = \"first\"");
+  }
+}
+
+void check_occasions(TomlTable& table) {
+  const auto* writes = table.value("failsafe");
+  const bool has_writes = writes != nullptr && !is_empty_list(*writes);
+  if (table.has("quiet") && !has_writes) {
+    table.error("quiet", "needs 'failsafe': what is written after so long a silence");
+  }
+  if (table.has("failsafe_on_exit") && !has_writes) {
+    table.error("failsafe_on_exit", "needs 'failsafe': what is written when the gateway stops");
+  }
+}
+
+}  // namespace
+
+gateway::DeviceGuard read_guard(TomlTable& table, const drive::Device& device) {
+  DeviceGuard guard;
+  read_keys(table, guard_keys(), guard);
+  read_writer(table, guard);
+  check_hold(table, guard);
+  guard.failsafe = read_failsafe(table, device);
+  check_occasions(table);
+  return guard;
+}
+
+}  // namespace mbgate::config

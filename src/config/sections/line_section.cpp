@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// The line of a bus: a serial port, a serial device server behind TCP, or a Modbus TCP server.
+#include <array>
+#include <charconv>
+#include <span>
+
+#include "config/sections/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using bus::Framing;
+using modbus::Parity;
+
+constexpr std::array kModes = {Word{"rtu", Framing::rtu}, Word{"ascii", Framing::ascii},
+                               Word{"tcp", Framing::tcp}};
+constexpr std::array kParities = {Word{"none", Parity::none}, Word{"even", Parity::even},
+                                  Word{"odd", Parity::odd}};
+constexpr std::array kDirections = {
+    Word{"off", bus::Rs485::off}, Word{"kernel", bus::Rs485::kernel}, Word{"rts", bus::Rs485::rts}};
+
+constexpr std::string_view kScheme = "tcp://";
+
+/// Keys of serial lines, and of a Modbus TCP server, that are no plain ones.
+constexpr std::array kSerialKeys = {"device", "data_bits", "parity", "rs485", "echo", "paced"};
+constexpr std::array kServerKeys = {"host", "port"};
+
+/// "host:port", "[::1]:port".
+std::optional<bus::Endpoint> parse_endpoint(std::string_view text) {
+  const auto colon = text.rfind(':');
+  if (colon == std::string_view::npos) {
+    return std::nullopt;
+  }
+  auto host = text.substr(0, colon);
+  const auto digits = text.substr(colon + 1);
+  bus::Endpoint endpoint;
+  const auto* end = digits.data() + digits.size();
+  const auto [at, error] = std::from_chars(digits.data(), end, endpoint.port);
+  if (error != std::errc{} || at != end || endpoint.port == 0) {
+    return std::nullopt;
+  }
+  const bool bracketed = host.starts_with('[') && host.ends_with(']');
+  if (bracketed) {
+    host = host.substr(1, host.size() - 2);
+  }
+  if (host.empty() || bracketed != (host.find(':') != std::string_view::npos) ||
+      host.find_first_of("/[]@ ") != std::string_view::npos) {
+    return std::nullopt;
+  }
+  endpoint.host = host;
+  return endpoint;
+}
+
+void read_device(TomlTable& table, bus::LineSettings& line) {
+  if (!table.require("device")) {
+    return;
+  }
+  assign(line.device, table.string("device"));
+  const std::string_view device = line.device;
+  if (device.empty() && std::get_if<std::string>(&table.value("device")->data) != nullptr) {
+    table.error("device", "expected the path of a serial port, found an empty string");
+  }
+  if (device.find("://") == std::string_view::npos) {
+    return;
+  }
+  if (device.starts_with(kScheme)) {
+    line.remote = parse_endpoint(device.substr(kScheme.size()));
+  }
+  if (!line.remote) {
+    table.report_expected("device", *table.value("device"),
+                          "the path of a serial port, or \"tcp://host:port\" of a serial device "
+                          "server (an IPv6 address in brackets)");
+  }
+}
+
+void read_character(TomlTable& table, bus::LineSettings& line) {
+  const bool ascii = line.framing == Framing::ascii;
+  line.format.data_bits = ascii ? 7 : 8;
+  const auto data_bits = table.integer("data_bits", {5, 8});
+  if (data_bits && ascii && *data_bits < 7) {
+    table.error("data_bits",
+                "ASCII characters have 7 or 8 data bits, found " + std::to_string(*data_bits));
+  } else if (data_bits && !ascii && *data_bits != 8) {
+    table.error("data_bits", "RTU characters have 8 data bits (Serial Line V1.02, 2.5.1), found " +
+                                 std::to_string(*data_bits));
+  } else {
+    assign(line.format.data_bits, data_bits);
+  }
+  assign(line.format.parity, table.word<Parity>("parity", kParities));
+}
+
+/// How the kernel turns the line round, where it is told otherwise than by the device tree.
+void read_direction(TomlTable& table, bus::LineSettings& line) {
+  assign(line.rs485, table.word<bus::Rs485>("rs485", kDirections));
+  for (const auto* key : {"rs485_rts_on_send", "rs485_delay_before", "rs485_delay_after"}) {
+    if (table.has(key) && line.rs485 != bus::Rs485::kernel) {
+      table.error(key, "belongs to rs485 = \"kernel\"");
+    }
+  }
+}
+
+/// true, false, or "auto": found out.
+void read_switch(TomlTable& table, const char* key, std::optional<bool>& target) {
+  const TomlValue* value = table.value(key);
+  if (value == nullptr) {
+    return;
+  }
+  const auto* text = std::get_if<std::string>(&value->data);
+  const auto* chosen = std::get_if<bool>(&value->data);
+  if (chosen != nullptr) {
+    target = *chosen;
+  } else if (text != nullptr && *text == "auto") {
+    target.reset();
+  } else {
+    table.report_expected(key, *value, "true, false or \"auto\"");
+  }
+}
+
+/// Reports those of `keys` that are there.
+void report_misplaced(TomlTable& table, std::span<const char* const> keys,
+                      std::string_view message) {
+  for (const auto* key : keys) {
+    if (table.has(key)) {
+      table.error(key, message);
+    }
+  }
+}
+
+void read_serial(TomlTable& table, bus::LineSettings& line) {
+  read_character(table, line);
+  read_direction(table, line);
+  read_switch(table, "echo", line.echo);
+  read_switch(table, "paced", line.paced);
+  if (line.remote && line.rs485 != bus::Rs485::off) {
+    table.error("rs485", "the serial device server turns its line round itself: expected \"off\"");
+  }
+  check_habits(table, line);
+  report_misplaced(
+      table, kServerKeys,
+      "belongs to mode = \"tcp\"; a serial device server is device = \"tcp://host:port\"");
+}
+
+void read_server(TomlTable& table, bus::LineSettings& line) {
+  bus::Endpoint server;
+  if (table.require("host")) {
+    assign(server.host, table.string("host"));
+    if (server.host.empty() && std::get_if<std::string>(&table.value("host")->data) != nullptr) {
+      table.error("host", "expected a name or an address, found an empty string");
+    }
+  }
+  assign(server.port, table.integer("port", {1, 65535}));
+  line.remote = std::move(server);
+  report_misplaced(table, kSerialKeys,
+                   "belongs to a serial line; a Modbus TCP server has 'host' and 'port'");
+}
+
+}  // namespace
+
+Lines read_line(TomlTable& table, bus::BusSettings& settings) {
+  const bool moded = table.has("mode");
+  const auto mode = table.word<Framing>("mode", kModes);
+  assign(settings.line.framing, mode);
+  if (moded && !mode) {
+    // Nobody can say which of these keys are right; none of them is unknown.
+    for (const auto* key : kSerialKeys) {
+      table.has(key);
+    }
+    for (const auto* key : kServerKeys) {
+      table.has(key);
+    }
+    read_keys(table, bus_keys(), settings);
+    return Lines::any;
+  }
+  if (settings.line.framing == Framing::tcp) {
+    read_server(table, settings.line);
+  } else {
+    read_device(table, settings.line);
+  }
+  const Lines lines = lines_of(settings.line);
+  read_keys(table, bus_keys(), settings, lines);
+  if (lines != Lines::server) {
+    read_serial(table, settings.line);
+  }
+  return lines;
+}
+
+}  // namespace mbgate::config

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include "config/sections/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using gateway::ListenerSettings;
+using routing::BroadcastReply;
+using routing::ClientAddress;
+
+constexpr std::array kBroadcastReplies = {Word{"echo", BroadcastReply::echo},
+                                          Word{"none", BroadcastReply::none}};
+
+void read_address(TomlTable& table, ListenerSettings& listener) {
+  if (const auto address = table.string("address")) {
+    listener.address = *address;
+    if (!ClientAddress::parse(*address)) {
+      table.report_expected("address", *table.value("address"),
+                            R"(an IPv4 or IPv6 address, such as "127.0.0.1" or "::")");
+    }
+  }
+  table.require("port");
+  listener.port = static_cast<std::uint16_t>(table.integer("port", {0, 65535}).value_or(0));
+}
+
+bool is_every_interface(const ClientAddress& address) {
+  return address == ClientAddress::parse("0.0.0.0") || address == ClientAddress::parse("::");
+}
+
+/// Drives are not opened to every network that the machine is in by one line.
+void check_open(TomlTable& table, const ListenerSettings& listener) {
+  const auto address = ClientAddress::parse(listener.address);
+  if (address && is_every_interface(*address) && !table.has("allow")) {
+    table.error("address", in_quotes(listener.address) +
+                               " is every interface: expected 'allow' with those who may connect, "
+                               "such as allow = [\"192.168.10.0/24\"]");
+  }
+}
+
+void read_access(TomlTable& table, ListenerSettings& listener) {
+  listener.allow = read_networks(table, "allow");
+  listener.read_only = read_networks(table, "read_only");
+  listener.keep = read_networks(table, "keep");
+  const auto* allowed = table.value("allow");
+  if (allowed != nullptr && is_empty_list(*allowed)) {
+    table.error("allow", "expected at least one address; leave the key out to let everyone in");
+  }
+}
+
+void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener) {
+  const bool transparent = table.has("bus");
+  if (const auto bus = find_named(table, "bus", draft.settings.buses)) {
+    listener.bus = drive::BusId{static_cast<std::uint32_t>(*bus)};
+  } else if (transparent) {
+    listener.bus = drive::BusId{~0U};  // stays transparent, of no bus
+  }
+  assign(listener.broadcast_reply,
+         table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
+  const bool mixed = table.boolean("broadcast_mixed").value_or(false);
+  for (const auto* key : {"broadcast", "broadcast_mixed", "broadcast_reply"}) {
+    if (!transparent && table.has(key)) {
+      table.error(key, "belongs to a listener with 'bus'; here, a [[route]] with unit = 0 does it");
+    }
+  }
+  if (!listener.broadcast || !listener.bus) {
+    return;
+  }
+  if (is_tcp(draft, *listener.bus)) {
+    table.error("broadcast", in_quotes(draft.settings.bus(*listener.bus).name) +
+                                 " is a Modbus TCP server: there are no broadcasts to it");
+  } else if (!mixed) {
+    check_broadcast_mixed(draft, table, "broadcast", {*listener.bus});
+  }
+}
+
+/// The kernel gives a port to one listening socket only; a wildcard takes it on every address of
+/// its kind.
+bool clash(const ListenerSettings& a, const ListenerSettings& b) {
+  const auto first = ClientAddress::parse(a.address);
+  const auto second = ClientAddress::parse(b.address);
+  if (a.port == 0 || a.port != b.port || !first || !second) {
+    return false;
+  }
+  return *first == *second || (first->is_v4() == second->is_v4() &&
+                               (is_every_interface(*first) || is_every_interface(*second)));
+}
+
+void check_port(Draft& draft, const ListenerSettings& listener) {
+  const auto& all = draft.settings.listeners;
+  const auto same = std::ranges::find_if(all, [&](const auto& it) { return clash(it, listener); });
+  if (same != all.end()) {
+    const auto first = static_cast<std::size_t>(same - all.begin());
+    draft.listeners.back().error(
+        "port", std::to_string(listener.port) + " of " + listener.address +
+                    " is taken already at " +
+                    place(draft.document, draft.listeners[first].value_position("port")));
+  }
+}
+
+}  // namespace
+
+void read_listeners(Draft& draft) {
+  for (auto table : draft.document.root().tables("listen")) {
+    ListenerSettings listener;
+    draft.listeners.push_back(table);
+    listener.name = read_name(table);
+    check_name(draft.listeners, draft.settings.listeners, listener.name);
+    read_keys(table, listener_keys(), listener);
+    read_address(table, listener);
+    check_port(draft, listener);
+    read_access(table, listener);
+    check_open(table, listener);
+    read_transparent(draft, table, listener);
+    draft.settings.listeners.push_back(std::move(listener));
+  }
+}
+
+}  // namespace mbgate::config

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a route begins and where it leads; what it lets through is in route_rules.cpp.
+#include <array>
+
+#include "config/sections/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using routing::BroadcastReply;
+using routing::Route;
+
+constexpr std::array kBroadcastReplies = {Word{"echo", BroadcastReply::echo},
+                                          Word{"none", BroadcastReply::none}};
+constexpr std::array kBroadcastTargets = {Word{"all", true}};
+constexpr IntegerRange kUnits = {0, 255};
+constexpr IntegerRange kAddresses = {1, 247};  // Serial Line V1.02, 2.2
+
+void read_listener(Draft& draft, TomlTable& table, Route& route) {
+  const auto listener = find_named(table, "listener", draft.settings.listeners);
+  if (!listener) {
+    return;
+  }
+  route.listener = routing::ListenerId{static_cast<std::uint32_t>(*listener)};
+  if (draft.settings.listeners[*listener].bus) {
+    table.error("listener", in_quotes(draft.settings.listeners[*listener].name) +
+                                " is transparent (it has 'bus'): it takes no routes");
+  }
+}
+
+std::optional<UnitRange> read_unit(const Draft& draft, TomlTable& table, Route& route) {
+  table.require("unit");
+  const auto units = read_units(table, "unit", kUnits);
+  if (!units) {
+    return std::nullopt;
+  }
+  route.first_unit = units->first;
+  route.last_unit = units->last;
+  const auto own = draft.settings.status_unit;
+  if (own && units->contains(*own)) {
+    table.error("unit", std::to_string(*own) + " is the gateway itself ([gateway] unit)");
+  }
+  if (units->first == 0 && units->last != 0) {
+    table.error("unit", "0 is for broadcasts: it stands alone, in a route of its own");
+    return std::nullopt;
+  }
+  return units;
+}
+
+void read_device(Draft& draft, TomlTable& table, const UnitRange& units, Route& route) {
+  if (table.has("address")) {
+    table.error("address", "belongs to a route with 'bus'; a device has its own address");
+  }
+  if (units.size() != 1) {
+    table.error("unit", "a route to a device has one unit, found a range of " +
+                            std::to_string(units.size()));
+  }
+  if (const auto found = find_named(table, "device", draft.settings.devices)) {
+    const auto& device = draft.settings.devices[*found];
+    route.buses = {device.bus};
+    route.first_address = device.address;
+    route.device = found;
+  }
+}
+
+void read_bus(Draft& draft, TomlTable& table, const UnitRange& units, Route& route) {
+  bool tcp = false;
+  if (const auto bus = find_named(table, "bus", draft.settings.buses)) {
+    route.buses = {drive::BusId{static_cast<std::uint32_t>(*bus)}};
+    tcp = is_tcp(draft, route.buses.front());
+  }
+  if (!table.has("address")) {
+    if (!tcp && units.last > kAddresses.max) {
+      table.error("unit", "no bus has an address " + std::to_string(units.last) +
+                              " (1 to 247): give 'address'");
+    }
+    route.first_address = units.first;
+    return;
+  }
+  const auto addresses = read_units(table, "address", tcp ? kUnits : kAddresses);
+  if (!addresses) {
+    return;
+  }
+  route.first_address = addresses->first;
+  if (addresses->size() != units.size()) {
+    table.error("address", "expected as many addresses as units (" + std::to_string(units.size()) +
+                               "), found " + std::to_string(addresses->size()));
+  }
+}
+
+void read_unicast_target(Draft& draft, TomlTable& table, const UnitRange& units, Route& route) {
+  const bool to_device = table.has("device");
+  for (const auto* key : {"broadcast", "broadcast_mixed", "broadcast_reply"}) {
+    if (table.has(key)) {
+      table.error(key, units.first == 0 ? "a route that names a device is no broadcast"
+                                        : "belongs to a route with unit = 0");
+    }
+  }
+  const bool to_bus = table.has("bus");
+  if (to_device && to_bus) {
+    table.error("bus", "a route leads to a device or to a bus, not to both");
+  } else if (to_device) {
+    read_device(draft, table, units, route);
+  } else if (to_bus) {
+    read_bus(draft, table, units, route);
+  } else {
+    draft.document.error(table.position(),
+                         "[[route]]: it leads nowhere: give 'device', or 'bus' and 'address'");
+  }
+}
+
+/// Every serial line; a Modbus TCP server has no broadcasts.
+std::vector<drive::BusId> serial_buses(const Draft& draft) {
+  std::vector<drive::BusId> buses;
+  for (std::size_t i = 0; i < draft.settings.buses.size(); ++i) {
+    const drive::BusId id{static_cast<std::uint32_t>(i)};
+    if (!is_tcp(draft, id)) {
+      buses.push_back(id);
+    }
+  }
+  return buses;
+}
+
+void read_broadcast_buses(Draft& draft, TomlTable& table, Route& route) {
+  const auto bus = find_named(table, "bus", draft.settings.buses);
+  const auto all = table.word<bool>("broadcast", kBroadcastTargets);
+  if (table.has("bus") && table.has("broadcast")) {
+    table.error("broadcast", "a broadcast goes to one bus or to all, not to both");
+  } else if (bus) {
+    route.buses = {drive::BusId{static_cast<std::uint32_t>(*bus)}};
+    if (is_tcp(draft, route.buses.front())) {
+      table.error("bus", in_quotes(draft.settings.buses[*bus].name) +
+                             " is a Modbus TCP server: there are no broadcasts to it");
+    }
+  } else if (all) {
+    route.buses = serial_buses(draft);
+    if (route.buses.empty() && !draft.settings.buses.empty()) {
+      table.error("broadcast", "every [[bus]] is a Modbus TCP server: there are no broadcasts");
+    }
+  } else if (!table.has("bus") && !table.has("broadcast")) {
+    draft.document.error(table.position(),
+                         "[[route]]: it leads nowhere: give 'bus' or broadcast = \"all\", or "
+                         "'device' if unit 0 is to be no broadcast");
+  }
+}
+
+void read_broadcast_target(Draft& draft, TomlTable& table, Route& route) {
+  if (table.has("address")) {
+    table.error("address",
+                "a broadcast (unit 0) is for a whole bus: give 'bus' or broadcast = \"all\"; a "
+                "route that names a device is none");
+  }
+  assign(route.broadcast_reply, table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
+  read_broadcast_buses(draft, table, route);
+  if (!table.boolean("broadcast_mixed").value_or(false)) {
+    check_broadcast_mixed(draft, table, table.has("bus") ? "bus" : "broadcast", route.buses);
+  }
+}
+
+/// Without a usable unit nobody can say which of these keys are right; none of them is unknown.
+void accept_target_keys(TomlTable& table) {
+  for (const auto* key :
+       {"device", "bus", "address", "broadcast", "broadcast_mixed", "broadcast_reply"}) {
+    table.has(key);
+  }
+}
+
+}  // namespace
+
+void read_routes(Draft& draft) {
+  for (auto table : draft.document.root().tables("route")) {
+    Route route;
+    read_listener(draft, table, route);
+    const auto units = read_unit(draft, table, route);
+    accept_target_keys(table);
+    const bool broadcast = units && units->first == 0 && !table.has("device");
+    if (broadcast) {
+      read_broadcast_target(draft, table, route);
+    } else if (units) {
+      read_unicast_target(draft, table, *units, route);
+    }
+    read_route_rules(table, route, broadcast);
+    draft.routes.push_back(table);
+    draft.route_units.push_back(units);
+    draft.settings.routes.push_back(std::move(route));
+  }
+}
+
+}  // namespace mbgate::config

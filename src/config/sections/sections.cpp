@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config/sections/sections.hpp"
+
+#include <system_error>
+
+namespace mbgate::config {
+
+namespace {
+
+constexpr std::size_t kLongestName = 64;
+
+bool is_name_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+         c == '_' || c == '.';
+}
+
+void read_status_unit(TomlTable& table, gateway::Settings& settings) {
+  const auto* unit = table.value("unit");
+  if (unit == nullptr) {
+    return;
+  }
+  const auto* number = std::get_if<std::int64_t>(&unit->data);
+  const auto* truth = std::get_if<bool>(&unit->data);
+  if (number != nullptr && *number >= 1 && *number <= 255) {
+    settings.status_unit = static_cast<std::uint8_t>(*number);
+  } else if (truth != nullptr && !*truth) {
+    settings.status_unit.reset();
+  } else {
+    table.report_expected("unit", *unit, "an integer from 1 to 255 or false");
+  }
+}
+
+/// The folder that `profiles` names, relative to the folder of the file.
+std::optional<std::filesystem::path> read_profiles(TomlTable& table) {
+  const auto named = table.string("profiles");
+  if (!named) {
+    return std::nullopt;
+  }
+  auto folder = std::filesystem::path(table.document().name()).parent_path() / *named;
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    table.error("profiles", "there is no folder " + in_quotes(folder.string()));
+  }
+  return folder;
+}
+
+}  // namespace
+
+void read_gateway(Draft& draft, const std::optional<std::filesystem::path>& profile_folder) {
+  std::optional<std::filesystem::path> folder;
+  if (auto table = draft.document.root().table("gateway")) {
+    read_status_unit(*table, draft.settings);
+    read_keys(*table, gateway_keys(), draft.settings);
+    folder = read_profiles(*table);
+  }
+  if (profile_folder) {
+    folder = profile_folder;
+  }
+  if (folder) {
+    draft.library = ProfileLibrary({*folder});
+  }
+}
+
+bool is_tcp(const Draft& draft, drive::BusId bus) {
+  return index(bus) < draft.settings.buses.size() &&
+         draft.settings.bus(bus).line.framing == bus::Framing::tcp;
+}
+
+std::string read_name(TomlTable& table) {
+  table.require("name");
+  auto name = table.string("name");
+  if (!name) {
+    return {};
+  }
+  if (name->empty() || name->size() > kLongestName || !std::ranges::all_of(*name, is_name_letter)) {
+    table.report_expected("name", *table.value("name"),
+                          "1 to 64 letters, digits, '-', '_' and '.'");
+  }
+  return *std::move(name);
+}
+
+std::optional<routing::Network> read_network(TomlTable& table, std::string_view key,
+                                             const TomlValue& found) {
+  const auto* text = std::get_if<std::string>(&found.data);
+  const auto network = text == nullptr ? std::nullopt : routing::Network::parse(*text);
+  if (!network) {
+    table.report_expected(key, found,
+                          "an address or a block without bits beyond its prefix, such as "
+                          "\"192.168.10.0/24\"");
+  }
+  return network;
+}
+
+routing::NetworkList read_networks(TomlTable& table, std::string_view key) {
+  routing::NetworkList networks;
+  for (const auto& [text, position] : table.strings(key).value_or(std::vector<TomlText>())) {
+    if (const auto network = read_network(table, key, {position, text})) {
+      networks.push_back(*network);
+    }
+  }
+  return networks;
+}
+
+std::string place(const TomlDocument& document, Position position) {
+  return document.name() + ":" + std::to_string(position.line) + ":" +
+         std::to_string(position.column);
+}
+
+void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,
+                  std::string_view what) {
+  auto& again = tables.back();
+  again.error(key, in_quotes(what) + " is taken already at " +
+                       place(again.document(), tables[first].value_position(key)));
+}
+
+}  // namespace mbgate::config

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Typed reading of a TOML text. A TomlDocument owns the text, what it says and what was found wrong
+// in it; a TomlTable is a light view of one table of it. Every key that is asked for becomes known;
+// keys nobody asked for are reported by finish(), so ask for every key of a table before that.
+// Nothing here throws: what is wrong becomes a diagnostic, and the caller gets nothing.
+//
+//   auto document = TomlDocument::load("conf/x.toml");
+//   for (TomlTable bus : document.root().tables("bus")) {
+//     bus.require("name");
+//     assign(settings.name, bus.string("name"));
+//     assign(settings.response_timeout, bus.duration("response_timeout", {1ms, 1h}));
+//   }
+//   std::vector<Diagnostic> diagnostics = document.finish();   // if has_errors(), do not use the
+//   settings
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "config/diagnostic.hpp"
+#include "config/toml/toml_value.hpp"
+
+namespace mbgate::config {
+
+/// Both ends belong to the range.
+struct IntegerRange {
+  std::int64_t min;
+  std::int64_t max;
+};
+
+struct NumberRange {
+  double min;
+  double max;
+};
+
+/// Where `zero_is_off`, a duration of 0 is allowed besides the range and turns something off.
+struct DurationRange {
+  std::chrono::nanoseconds min;
+  std::chrono::nanoseconds max;
+  bool zero_is_off = false;
+  std::chrono::nanoseconds step{0};  ///< 1s or 1ms: a whole number of these
+};
+
+/// "an integer from 1 to 16", "a duration from 10ms to 1h".
+std::string range_text(const IntegerRange& range);
+std::string range_text(const DurationRange& range);
+
+/// One word of a closed set and what it stands for.
+template <typename Value>
+struct Word {
+  std::string_view text;
+  Value value;
+};
+
+class TomlDocument;
+
+/// Valid as long as its document. Each getter returns nothing if the key is absent, and also if its
+/// value is wrong, which is then reported at the value.
+class TomlTable {
+ public:
+  /// Where the table begins: its header, or the brace of an inline table.
+  [[nodiscard]] Position position() const;
+  /// "[[bus]]", "[gateway]"; empty for the root.
+  [[nodiscard]] const std::string& title() const;
+
+  /// Is the key there? Makes it known.
+  bool has(std::string_view key);
+  /// Reports the key as missing if it is not there.
+  bool require(std::string_view key);
+  /// The value of a key that may have several types; nullptr if absent.
+  const TomlValue* value(std::string_view key);
+  /// Where the value of a key is; the table's position if the key is absent.
+  [[nodiscard]] Position value_position(std::string_view key) const;
+
+  std::optional<std::string> string(std::string_view key);
+  std::optional<bool> boolean(std::string_view key);
+  std::optional<std::int64_t> integer(std::string_view key, IntegerRange range);
+  /// An integer or a float.
+  std::optional<double> number(std::string_view key, NumberRange range);
+  /// A string with its unit: "250us", "1.75ms", "2s", "10m", "1h"; exact.
+  std::optional<std::chrono::nanoseconds> duration(std::string_view key, DurationRange range);
+  /// The strings of a list, each with its position.
+  std::optional<std::vector<TomlText>> strings(std::string_view key);
+  /// The elements of a list of mixed types; nullptr if absent.
+  const std::vector<TomlValue>* list(std::string_view key);
+  /// One of the words.
+  template <typename Value>
+  std::optional<Value> word(std::string_view key, std::span<const Word<Value>> words) {
+    std::vector<std::string_view> texts;
+    for (const auto& word : words) {
+      texts.push_back(word.text);
+    }
+    const auto index = word_index(key, texts);
+    return index ? std::optional<Value>(words[*index].value) : std::nullopt;
+  }
+
+  /// `[key]`; absent: nothing.
+  std::optional<TomlTable> table(std::string_view key);
+  /// `[[key]]`, in the order of the text; absent: none.
+  std::vector<TomlTable> tables(std::string_view key);
+
+  /// Reports an error at the value of `key` (at the table if it is absent), headed by the key.
+  void error(std::string_view key, std::string_view message);
+  /// Reports at `found`: "KEY: expected EXPECTED, found ...".
+  void report_expected(std::string_view key, const TomlValue& found, std::string_view expected);
+  void warning(std::string_view key, std::string_view message);
+  [[nodiscard]] TomlDocument& document() const { return *document_; }
+
+ private:
+  friend class TomlDocument;
+  TomlTable(TomlDocument& document, TomlTableValue& node) : document_(&document), node_(&node) {}
+  std::optional<std::size_t> word_index(std::string_view key,
+                                        const std::vector<std::string_view>& words);
+
+  TomlDocument* document_;
+  TomlTableValue* node_;
+};
+
+/// One configuration file. Neither copied nor moved while views of it exist.
+class TomlDocument {
+ public:
+  /// Reads a file of at most 1 MiB. A file that cannot be read, or is no TOML, gives an empty
+  /// document with a diagnostic.
+  static TomlDocument load(const std::filesystem::path& path);
+  /// `name` stands in the diagnostics.
+  static TomlDocument parse(std::string name, std::string_view text);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  /// False if the text could not be read or is no TOML; then there is nothing to ask for.
+  [[nodiscard]] bool parsed() const { return parsed_; }
+  [[nodiscard]] TomlTable root();
+  /// Was an error reported so far?
+  [[nodiscard]] bool failed() const { return has_errors(diagnostics_); }
+
+  void error(Position position, std::string message);
+  void warning(Position position, std::string message);
+
+  /// Reports the keys that nobody asked for and hands over all diagnostics, in the order of the
+  /// text.
+  std::vector<Diagnostic> finish();
+
+ private:
+  explicit TomlDocument(std::string name);
+  void report(Severity severity, Position position, std::string message);
+  void report_syntax(Position position, std::string_view description);
+  void report_unknown_keys(const TomlTableValue& table);
+
+  std::string name_;
+  std::vector<std::string> lines_;
+  std::unique_ptr<TomlTableValue> root_;
+  std::vector<Diagnostic> diagnostics_;
+  bool parsed_ = false;
+};
+
+/// Takes over what was read; without it the target keeps its default. Ranges given to the getters
+/// make sure that a number fits its target.
+template <typename Target, typename Source>
+void assign(Target& target, std::optional<Source> source) {
+  if (source) {
+    target = static_cast<Target>(*std::move(source));
+  }
+}
+
+template <typename Value>
+void assign(std::optional<Value>& target, std::optional<Value> source) {
+  if (source) {
+    target = std::move(source);
+  }
+}
+
+}  // namespace mbgate::config

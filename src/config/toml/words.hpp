@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Words that stand in more than one kind of file.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "config/toml/toml_reader.hpp"
+#include "drive/word_order.hpp"
+#include "modbus/request.hpp"
+
+namespace mbgate::config {
+
+inline constexpr std::array kTables = {Word{"coils", modbus::Table::coils},
+                                       Word{"discrete", modbus::Table::discrete_inputs},
+                                       Word{"input", modbus::Table::input_registers},
+                                       Word{"holding", modbus::Table::holding_registers}};
+/// Tables that can be written.
+inline constexpr std::array kWritableTables = {Word{"coils", modbus::Table::coils},
+                                               Word{"holding", modbus::Table::holding_registers}};
+/// Tables of registers.
+inline constexpr std::array kRegisterTables = {Word{"input", modbus::Table::input_registers},
+                                               Word{"holding", modbus::Table::holding_registers}};
+inline constexpr std::array kWordOrders = {Word{"big", drive::WordOrder::big},
+                                           Word{"little", drive::WordOrder::little}};
+
+/// "coils", "discrete", "input" or "holding".
+constexpr std::string_view table_word(modbus::Table table) {
+  for (const auto& word : kTables) {
+    if (word.value == table) {
+      return word.text;
+    }
+  }
+  return {};
+}
+
+constexpr std::string_view order_word(drive::WordOrder order) {
+  return order == drive::WordOrder::big ? "big" : "little";
+}
+
+}  // namespace mbgate::config

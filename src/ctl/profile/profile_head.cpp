@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// The head of a profile's text: one line for each thing that concerns the whole drive.
+#include <array>
+#include <cstdio>
+#include <utility>
+
+#include "config/toml/duration_text.hpp"
+#include "ctl/profile/profile_text.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+using config::ProfileFile;
+using config::to_text;
+using modbus::Table;
+
+constexpr std::size_t kFunctions = 127;
+
+std::string functions_text(const ProfileFile& file) {
+  const auto& functions = file.profile.functions;
+  if (functions.count() == kFunctions) {
+    return "all";
+  }
+  std::vector<unsigned> codes;
+  for (unsigned code = 1; code < functions.size(); ++code) {
+    if (functions.test(code)) {
+      codes.push_back(code);
+    }
+  }
+  return joined(codes, [](unsigned code) { return std::to_string(code); });
+}
+
+std::string order_text(const ProfileFile& file) {
+  const auto& profile = file.profile;
+  if (profile.word_order) {
+    return *profile.word_order == drive::WordOrder::big ? "big: high word first"
+                                                        : "little: low word first";
+  }
+  if (!profile.word_order_settable) {
+    return "none";
+  }
+  if (!profile.word_order_register) {
+    return "set at the drive";
+  }
+  const auto& place = *profile.word_order_register;
+  const auto codes = [](const std::vector<std::uint16_t>& list) {
+    return joined(
+        list, [](std::uint16_t code) { return std::to_string(code); }, " or ");
+  };
+  return "set at the drive: " + file.number(Table::holding_registers, place.address) + " holds " +
+         codes(place.big) + " when big, " + codes(place.little) + " when little" +
+         (file.word_order_line ? " (line " + line_text(file.word_order_line) + ")" : "");
+}
+
+/// "50 holding registers", "1 input register"
+std::string limit_text(std::uint16_t limit, Table table) {
+  auto name = table_name(table);
+  if (limit == 1) {
+    name.remove_suffix(1);
+  }
+  return std::to_string(limit) + " " + std::string(name);
+}
+
+/// The limits of what the drive's functions can do at all.
+std::string reads_text(const ProfileFile& file) {
+  constexpr std::array kReads = {std::pair(1U, Table::coils), std::pair(2U, Table::discrete_inputs),
+                                 std::pair(3U, Table::holding_registers),
+                                 std::pair(4U, Table::input_registers)};
+  std::vector<std::string> limits;
+  for (const auto& [function, table] : kReads) {
+    if (file.profile.functions.test(function)) {
+      limits.push_back(limit_text(file.profile.limits.read_from(table), table));
+    }
+  }
+  return joined(limits, [](const std::string& limit) { return limit; });
+}
+
+std::string writes_text(const ProfileFile& file) {
+  const auto& profile = file.profile;
+  std::vector<std::string> limits;
+  if (profile.functions.test(15)) {
+    limits.push_back(limit_text(profile.limits.write_coils, Table::coils));
+  }
+  if (profile.functions.test(16)) {
+    limits.push_back(limit_text(profile.limits.write_registers, Table::holding_registers));
+  }
+  if (profile.write_function) {
+    limits.push_back("preferably with function " + std::to_string(*profile.write_function));
+  }
+  return joined(limits, [](const std::string& limit) { return limit; });
+}
+
+std::string broadcast_text(const ProfileFile& file) {
+  const auto& broadcast = file.profile.broadcast;
+  std::string text;
+  switch (broadcast.form) {
+    case drive::BroadcastForm::none: return "none stated";
+    case drive::BroadcastForm::standard: text = "at address 0"; break;
+    case drive::BroadcastForm::autonics:
+      text = "at address 129, with functions 0x85, 0x86 and 0x90";
+      break;
+  }
+  if (broadcast.most_registers) {
+    text += ", at most " + std::to_string(*broadcast.most_registers) + " registers";
+  }
+  if (!file.broadcast_allowed.empty()) {
+    text += ", only to " + joined(file.broadcast_allowed, [&](const auto& allowed) {
+              return std::string(table_name(allowed.fact.table)) + " " +
+                     number_text(file, allowed.fact);
+            });
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string profile_head(const config::ProfileFile& file) {
+  const auto& profile = file.profile;
+  std::vector<std::vector<std::string>> rows = {{"manual", file.manual}};
+  if (!file.section.empty()) {
+    rows.push_back({"section", file.section + (file.lines.empty() ? "" : ", lines " + file.lines)});
+  }
+  if (!file.path.empty()) {
+    rows.push_back({"file", file.path});
+  }
+  rows.push_back({"addresses", std::to_string(profile.first_address) + "-" +
+                                   std::to_string(profile.last_address) + " on a serial line"});
+  rows.push_back({"functions", functions_text(file)});
+  rows.push_back({"reads at most", reads_text(file)});
+  rows.push_back({"writes at most", writes_text(file)});
+  if (profile.input_as_holding) {
+    rows.push_back({"function 4", "reads the holding registers"});
+  }
+  rows.push_back({"word order", order_text(file)});
+  rows.push_back({"response wait", to_text(profile.response_wait)});
+  rows.push_back({"broadcasts", broadcast_text(file)});
+  return profile.name + ": " + file.description + "\n" + columns(rows);
+}
+
+std::string hex(unsigned number) {
+  std::array<char, 16> text{};
+  const int length = std::snprintf(text.data(), text.size(), "0x%04X", number);
+  return {text.data(), static_cast<std::size_t>(length)};
+}
+
+std::string_view table_name(Table table) {
+  switch (table) {
+    case Table::coils: return "coils";
+    case Table::discrete_inputs: return "discrete inputs";
+    case Table::holding_registers: return "holding registers";
+    case Table::input_registers: return "input registers";
+  }
+  return {};
+}
+
+std::string line_text(const std::optional<std::uint32_t>& line) {
+  return line ? std::to_string(*line) : "";
+}
+
+std::string number_text(const ProfileFile& file, const drive::TableRange& range) {
+  const auto first = file.number(range.table, range.first);
+  return range.count == 1 ? first
+                          : first + "-" + file.number(range.table, drive::end_of(range) - 1);
+}
+
+}  // namespace mbgate::ctl

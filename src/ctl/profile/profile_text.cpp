@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/profile/profile_text.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "config/toml/duration_text.hpp"
+#include "config/toml/words.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+using config::ProfileFile;
+using config::Source;
+using config::to_text;
+using drive::WriteMatch;
+using modbus::Table;
+using Rows = std::vector<std::vector<std::string>>;
+
+/// Characters, not bytes.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      text, [](char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }));
+}
+
+std::string name_text(const Source& source, std::string_view besides = {}) {
+  std::string text = source.name;
+  for (const std::string_view more : {besides, std::string_view(source.note)}) {
+    if (!more.empty()) {
+      text.append(text.empty() ? "" : "; ").append(more);
+    }
+  }
+  return text;
+}
+
+/// "4", "4-5"; as a manual prints them "40005", "40005-40006".
+std::string address_text(const drive::TableRange& range) {
+  const auto first = std::to_string(range.first);
+  return range.count == 1 ? first : first + "-" + std::to_string(drive::end_of(range) - 1);
+}
+void add_section(std::string& text, std::string_view title, Rows rows,
+                 std::vector<std::string> header) {
+  if (rows.empty()) {
+    return;
+  }
+  rows.insert(rows.begin(), std::move(header));
+  text.append("\n").append(title).append("\n").append(columns(rows));
+}
+
+std::string condition(const WriteMatch& match) {
+  if (match.table == Table::coils) {
+    return match.value == 0 ? "off" : "on";
+  }
+  const std::string masked = match.mask == 0xFFFF ? "" : "& " + hex(match.mask) + " ";
+  const std::string parameters =
+      match.parameters == 0 ? ""
+                            : ", with up to " + std::to_string(match.parameters) + " parameters";
+  return masked + (match.other ? "other than " : "= ") + hex(match.value) + parameters;
+}
+
+std::vector<std::string> match_cells(const ProfileFile& file, const WriteMatch& match) {
+  const drive::TableRange range{match.table, match.address, 1};
+  return {address_text(range), number_text(file, range), condition(match)};
+}
+
+void add_writes(std::string& text, const ProfileFile& file) {
+  Rows rows;
+  for (const auto& [stop, source] : file.stops) {
+    rows.push_back(match_cells(file, stop));
+    rows.back().insert(rows.back().end(), {line_text(source.line), name_text(source)});
+  }
+  add_section(text, "Stop commands", std::exchange(rows, {}),
+              {"address", "manual", "written", "line", "name"});
+  for (const auto& [unanswered, source] : file.unanswered) {
+    rows.push_back(match_cells(file, unanswered.match));
+    rows.back().insert(rows.back().end(),
+                       {to_text(unanswered.after), line_text(source.line), name_text(source)});
+  }
+  add_section(text, "Writes that are never answered", std::exchange(rows, {}),
+              {"address", "manual", "written", "deaf for", "line", "name"});
+  for (const auto& [slow, source] : file.slow) {
+    rows.push_back({std::string(config::table_word(slow.range.table)), address_text(slow.range),
+                    number_text(file, slow.range), to_text(slow.response_timeout),
+                    line_text(source.line), name_text(source)});
+  }
+  add_section(text, "Slow registers", std::move(rows),
+              {"table", "address", "manual", "response timeout", "line", "name"});
+}
+
+void add_ranges(std::string& text, const ProfileFile& file, std::string_view title,
+                const config::DocumentedRanges& ranges) {
+  Rows rows;
+  for (const auto& [range, source] : ranges) {
+    rows.push_back({std::string(config::table_word(range.table)), address_text(range),
+                    number_text(file, range), line_text(source.line), name_text(source)});
+  }
+  add_section(text, title, std::move(rows), {"table", "address", "manual", "line", "name"});
+}
+
+void add_opcodes(std::string& text, const ProfileFile& file) {
+  if (const auto& opcodes = file.profile.position_opcodes) {
+    text += "\nOpcodes with a position, whose word order the device's opcode_order says\n" +
+            columns({{"opcode in", file.number(Table::holding_registers, opcodes->address)},
+                     {"opcodes", joined(opcodes->opcodes, hex)},
+                     {"position from",
+                      file.number(Table::holding_registers, opcodes->position) +
+                          (file.position_opcodes_line
+                               ? " (line " + line_text(file.position_opcodes_line) + ")"
+                               : "")}});
+  }
+}
+
+std::string_view access_text(config::ValueAccess access) {
+  switch (access) {
+    case config::ValueAccess::read: return "r";
+    case config::ValueAccess::write: return "w";
+    case config::ValueAccess::read_write: return "rw";
+  }
+  return {};
+}
+
+void add_values(std::string& text, const ProfileFile& file, Table table, unsigned registers) {
+  Rows rows;
+  for (const auto& [value, access, source] : file.values) {
+    if (value.table == table && value.registers == registers) {
+      rows.push_back({std::to_string(value.first), file.number(table, value.first),
+                      std::string(access_text(access)), line_text(source.line),
+                      name_text(source, value.motion ? "starts motion" : "")});
+    }
+  }
+  const auto title = std::to_string(16 * registers) + "-bit values in " +
+                     std::string(table_name(table)) + ": " + std::to_string(rows.size());
+  add_section(text, title, std::move(rows), {"address", "manual", "access", "line", "name"});
+}
+
+}  // namespace
+
+std::string columns(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      widths[i] = std::max(widths[i], width_of(row[i]));
+    }
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      text.append("  ").append(row[i]).append(widths[i] - width_of(row[i]), ' ');
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string profile_text(const config::ProfileFile& file) {
+  std::string text = profile_head(file);
+  add_writes(text, file);
+  add_ranges(text, file, "Communication registers, guarded unless allow_reconfigure = true",
+             file.communication);
+  add_opcodes(text, file);
+  for (const unsigned registers : {2U, 4U}) {
+    for (const auto table : {Table::holding_registers, Table::input_registers}) {
+      add_values(text, file, table, registers);
+    }
+  }
+  add_ranges(text, file, "Write-only registers besides values", file.write_only);
+  add_ranges(text, file, "Strings, never exchanged", file.strings);
+  add_ranges(text, file, "Parameter groups, no request goes over a border", file.groups);
+  return text;
+}
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// A profile for people: what the gateway knows of a drive, and where in its manual that stands.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/profiles/profile_file.hpp"
+
+namespace mbgate::ctl {
+
+/// Rows of cells in columns, each as wide as its widest cell, two spaces before each. The last
+/// column is not filled up.
+std::string columns(const std::vector<std::vector<std::string>>& rows);
+
+// Parts of the text.
+
+/// "0x00C8"
+std::string hex(unsigned number);
+/// "holding registers"
+std::string_view table_name(modbus::Table table);
+/// A line of the manual, or nothing.
+std::string line_text(const std::optional<std::uint32_t>& line);
+/// As the manual counts: "40005", "40005-40006".
+std::string number_text(const config::ProfileFile& file, const drive::TableRange& range);
+
+/// What `text` makes of each element, with `between` between.
+template <typename List, typename Text>
+std::string joined(const List& list, Text text, std::string_view between = ", ") {
+  std::string all;
+  for (const auto& element : list) {
+    all.append(all.empty() ? "" : between).append(text(element));
+  }
+  return all;
+}
+
+/// What concerns the whole drive.
+std::string profile_head(const config::ProfileFile& file);
+
+/// The whole profile, each line ended by a newline.
+std::string profile_text(const config::ProfileFile& file);
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/request/carry_out.hpp"
+
+#include <ostream>
+#include <string_view>
+
+#include "ctl/profile/show_profile.hpp"
+#include "ctl/request/modbus_client.hpp"
+#include "ctl/scan/scan_command.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+/// What the code means to the one who asked, be it made by the device or by a gateway on the way.
+std::string_view meaning(std::uint8_t code) {
+  switch (code) {
+    case 0x01: return "the device does not know this function, or the gateway does not allow it";
+    case 0x02:
+      return "there is no such register or coil, or it lies outside every window of the route";
+    case 0x03: return "the device refuses the value or the number of values";
+    case 0x04: return "the device failed while it carried the request out";
+    case 0x05: return "the device has accepted the request and is still working on it";
+    case 0x06: return "the request was not carried out: gateway or device is busy; try again";
+    case 0x08: return "the device's memory has a parity error";
+    case 0x0A:
+      return "never transmitted: no route, no such device, its line is closed, or it was a write "
+             "to "
+             "a device that does not answer";
+    case 0x0B: return "no valid answer came";
+    default: return "a code of the device's maker; its manual says what it means";
+  }
+}
+
+void print(const ReadCommand& command, const modbus::Pdu& response, std::ostream& out) {
+  std::size_t address = command.place.address;
+  for (const auto value : response_values(command, response)) {
+    const auto type = command.place.type;
+    out << (command.quiet ? value_text(type, value)
+                          : value_line(static_cast<std::uint16_t>(address), type, value))
+        << '\n';
+    address += width(type);
+  }
+}
+
+void print(const WriteCommand& command, const modbus::Pdu& /*response*/, std::ostream& out) {
+  std::size_t address = command.place.address;
+  for (const auto value : command.values) {
+    if (!command.quiet) {
+      out << value_line(static_cast<std::uint16_t>(address), command.place.type, value)
+          << " written\n";
+    }
+    address += width(command.place.type);
+  }
+}
+
+int fail(int status, const std::string& error, std::ostream& errors) {
+  errors << "mbgatectl: " << error << '\n';
+  return status;
+}
+
+template <typename AnyCommand>
+int carry_out_one(const AnyCommand& command, std::ostream& out, std::ostream& errors) {
+  const auto request = make_request(command);
+  if (!request) {
+    return fail(kExitUsage, request.error(), errors);
+  }
+  auto client = ModbusClient::connect(command.target);
+  if (!client) {
+    return fail(kExitNotDone, client.error(), errors);
+  }
+  const auto response = client->ask(*request);
+  if (!response) {
+    return fail(kExitNotDone, response.error(), errors);
+  }
+  if (response->is_exception()) {
+    const auto text = explain_exception(response->bytes()[1], !request->is_read());
+    return fail(kExitNotDone, "unit " + std::to_string(command.target.unit) + ": " + text, errors);
+  }
+  print(command, *response, out);
+  return kExitDone;
+}
+
+int carry_out_one(const ProfileCommand& command, std::ostream& out, std::ostream& errors) {
+  return show_profile(command, out, errors);
+}
+
+int carry_out_one(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
+  return carry_out_scan(command, out, errors);
+}
+
+}  // namespace
+
+int carry_out(const Command& command, std::ostream& out, std::ostream& errors) {
+  return std::visit([&](const auto& one) { return carry_out_one(one, out, errors); }, command);
+}
+
+std::string explain_exception(std::uint8_t code, bool is_write) {
+  std::string text = modbus::exception_text(code);
+  text.append(": ").append(meaning(code));
+  if (is_write &&
+      code == static_cast<std::uint8_t>(modbus::ExceptionCode::gateway_target_failed_to_respond)) {
+    text.append("; the write may have been done");
+  }
+  return text;
+}
+
+}  // namespace mbgate::ctl

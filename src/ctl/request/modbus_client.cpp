@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/request/modbus_client.hpp"
+
+#include <modbus/modbus.h>
+#include <netdb.h>
+
+#include <array>
+#include <cerrno>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "config/toml/duration_text.hpp"
+#include "modbus/mbap.hpp"
+#include "modbus/response.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+std::string endpoint_text(const Target& target) {
+  const bool v6 = target.host.find(':') != std::string::npos;
+  return (v6 ? "[" + target.host + "]" : target.host) + ":" + std::to_string(target.port);
+}
+
+/// libmodbus reports an unknown host as a refused connection, so names are looked up here first.
+std::string find_lookup_error(const Target& target) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const int error =
+      getaddrinfo(target.host.c_str(), std::to_string(target.port).c_str(), &hints, &found);
+  if (error != 0) {
+    return gai_strerror(error);
+  }
+  freeaddrinfo(found);
+  return {};
+}
+
+std::string misfit_text(modbus::ResponseFit fit) {
+  switch (fit) {
+    case modbus::ResponseFit::wrong_function: return "it is of another function";
+    case modbus::ResponseFit::wrong_length: return "its length is wrong";
+    case modbus::ResponseFit::wrong_echo: return "it repeats another address, value or quantity";
+    case modbus::ResponseFit::normal:
+    case modbus::ResponseFit::exception: break;
+  }
+  return {};
+}
+
+}  // namespace
+
+void ModbusClient::Free::operator()(_modbus* context) const {
+  modbus_close(context);
+  modbus_free(context);
+}
+
+ModbusClient::ModbusClient(Target target, std::unique_ptr<_modbus, Free> context)
+    : target_(std::move(target)), context_(std::move(context)) {}
+
+Result<ModbusClient, std::string> ModbusClient::connect(const Target& target) {
+  const std::string prefix = "cannot connect to " + endpoint_text(target) + ": ";
+  if (const auto error = find_lookup_error(target); !error.empty()) {
+    return prefix + error;
+  }
+  std::unique_ptr<_modbus, Free> context(
+      modbus_new_tcp_pi(target.host.c_str(), std::to_string(target.port).c_str()));
+  if (!context) {
+    return prefix + modbus_strerror(errno);
+  }
+  const auto microseconds =
+      std::chrono::duration_cast<std::chrono::microseconds>(target.timeout).count();
+  modbus_set_response_timeout(context.get(), static_cast<std::uint32_t>(microseconds / 1'000'000),
+                              static_cast<std::uint32_t>(microseconds % 1'000'000));
+  if (modbus_connect(context.get()) != 0) {
+    return prefix + (errno == ETIMEDOUT ? "no answer within " + config::to_text(target.timeout)
+                                        : std::string(modbus_strerror(errno)));
+  }
+  return ModbusClient(target, std::move(context));
+}
+
+std::string ModbusClient::failure(int error, const modbus::Request& request) const {
+  std::string text = endpoint_text(target_);
+  switch (error) {
+    case ETIMEDOUT:
+      text = "no answer from " + text + " within " + config::to_text(target_.timeout);
+      break;
+    case ECONNRESET:
+    case EPIPE: text += " closed the connection without an answer"; break;
+    default: text += ": " + std::string(modbus_strerror(error)); break;
+  }
+  return request.is_read() ? text : text + "; the write may have been done";
+}
+
+Result<modbus::Pdu, std::string> ModbusClient::ask(const modbus::Request& request) {
+  std::vector<std::uint8_t> outgoing{target_.unit};
+  const auto pdu = request.pdu().bytes();
+  outgoing.insert(outgoing.end(), pdu.begin(), pdu.end());
+  if (modbus_send_raw_request(context_.get(), outgoing.data(), static_cast<int>(outgoing.size())) <
+      0) {
+    return failure(errno, request);
+  }
+  std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> incoming{};
+  const int size = modbus_receive_confirmation(context_.get(), incoming.data());
+  if (size < 0) {
+    return failure(errno, request);
+  }
+  const std::string misfit =
+      "the response of " + endpoint_text(target_) + " does not fit the request: ";
+  const auto scan =
+      modbus::scan_mbap(modbus::Bytes(incoming).first(static_cast<std::size_t>(size)));
+  const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
+  if (frame == nullptr) {
+    return misfit + "it is no Modbus TCP response";
+  }
+  if (frame->adu.header.unit != target_.unit) {
+    return misfit + "it is of unit " + std::to_string(frame->adu.header.unit);
+  }
+  if (auto why = misfit_text(modbus::check_response(request, frame->adu.pdu.bytes()));
+      !why.empty()) {
+    return misfit + why;
+  }
+  return frame->adu.pdu;
+}
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// A Modbus TCP client for one question at a time, over libmodbus. The request goes out and the
+// response comes in as raw bytes, because libmodbus' own calls hide the number of an exception that
+// the standard does not name, and drives have such (0x11 to 0x13).
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "ctl/request/command.hpp"
+#include "modbus/pdu.hpp"
+#include "modbus/request.hpp"
+#include "modbus/result.hpp"
+
+struct _modbus;  // libmodbus' modbus_t
+
+namespace mbgate::ctl {
+
+class ModbusClient {
+ public:
+  /// Connects within the timeout of the target. The error is a whole sentence that names host and
+  /// port.
+  static Result<ModbusClient, std::string> connect(const Target& target);
+
+  /// Sends the request and waits for its response: normal, or an exception. An answer that does not
+  /// fit the request is an error, and so is none within the timeout.
+  Result<modbus::Pdu, std::string> ask(const modbus::Request& request);
+
+ private:
+  struct Free {
+    void operator()(_modbus* context) const;
+  };
+  ModbusClient(Target target, std::unique_ptr<_modbus, Free> context);
+  [[nodiscard]] std::string failure(int error, const modbus::Request& request) const;
+
+  Target target_;
+  std::unique_ptr<_modbus, Free> context_;
+};
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/scan/scan_command.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <memory>
+#include <ostream>
+#include <system_error>
+
+#include "config/profiles/profile_library.hpp"
+#include "ctl/request/carry_out.hpp"
+#include "ctl/request/modbus_client.hpp"
+#include "ctl/scan/scan_report.hpp"
+#include "ctl/scan/starting_config.hpp"
+#include "modbus/exception_code.hpp"
+#include "modbus/make_request.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+using modbus::TableRange;
+
+/// A connection for each unit, made anew after an answer that did not come: it may still come, and
+/// must not be taken for the next one.
+class UnitAsker {
+ public:
+  explicit UnitAsker(Target target) : target_(std::move(target)) {}
+
+  Result<Answer, std::string> ask(std::uint8_t unit, const TableRange& read) {
+    if (!client_ || target_.unit != unit) {
+      target_.unit = unit;
+      client_.reset();
+      auto client = ModbusClient::connect(target_);
+      if (!client) {
+        return client.error();
+      }
+      client_.emplace(*std::move(client));
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    const auto response = client_->ask(modbus::make_read(read));
+    if (!response) {
+      client_.reset();
+      return Answer{AnswerKind::silence};
+    }
+    auto answer = answer_of(read, *response);
+    answer.took = std::chrono::steady_clock::now() - begin;
+    return answer;
+  }
+
+ private:
+  Target target_;
+  std::optional<ModbusClient> client_;
+};
+
+AnswerKind kind_of_exception(std::uint8_t code) {
+  switch (static_cast<modbus::ExceptionCode>(code)) {
+    case modbus::ExceptionCode::acknowledge:
+    case modbus::ExceptionCode::server_device_busy: return AnswerKind::busy;
+    case modbus::ExceptionCode::gateway_path_unavailable: return AnswerKind::no_way;
+    case modbus::ExceptionCode::gateway_target_failed_to_respond: return AnswerKind::silence;
+    default: return AnswerKind::exception;
+  }
+}
+
+std::vector<const config::ProfileFile*> load_all(config::ProfileLibrary& library,
+                                                 std::ostream& errors) {
+  std::vector<const config::ProfileFile*> files;
+  for (const auto& name : library.names()) {
+    if (const auto* file = library.find(name)) {
+      files.push_back(file);
+    }
+  }
+  errors << config::render(library.diagnostics());
+  return files;
+}
+
+std::string folders_text(const config::ProfileFolders& folders) {
+  std::string text;
+  for (const auto& folder : folders) {
+    text.append(text.empty() ? "" : " or ").append(folder.string());
+  }
+  return text;
+}
+
+/// Empty if the file was written, else what was wrong.
+std::string write_new_file(const std::filesystem::path& path, const std::string& text) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wx"),
+                                                             &std::fclose);
+  if (file == nullptr) {
+    return path.string() + ": " + std::generic_category().message(errno);
+  }
+  const bool written = std::fputs(text.c_str(), file.get()) >= 0 && std::fflush(file.get()) == 0;
+  return written ? std::string() : path.string() + ": " + std::generic_category().message(errno);
+}
+
+void report_misses(const ScanCommand& command, const ScanResult& result, std::ostream& errors) {
+  for (const auto unit : result.busy) {
+    errors << "mbgatectl: unit " << static_cast<unsigned>(unit)
+           << " is busy, or its bus is: not scanned\n";
+  }
+  if (result.error) {
+    errors << "mbgatectl: " << *result.error << '\n';
+  } else if (result.found.empty() && result.busy.empty()) {
+    errors << "mbgatectl: no unit answered"
+           << (result.any_way ? "\n"
+                              : ", and the gateway transmitted nothing: is port " +
+                                    std::to_string(command.target.port) +
+                                    " that of a transparent listener, and is its line open?\n");
+  }
+}
+
+int report_found(const ScanCommand& command, const ScanResult& result, std::ostream& out,
+                 std::ostream& errors) {
+  out << scan_table(result);
+  const auto text = starting_config(command.target, command.bus, result.found);
+  if (!command.config) {
+    out << '\n' << text;
+    return kExitDone;
+  }
+  if (const auto error = write_new_file(*command.config, text); !error.empty()) {
+    errors << "mbgatectl: " << error << '\n';
+    out << '\n' << text;  // a scan may have taken minutes
+    return kExitNotDone;
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+Answer answer_of(const TableRange& read, const modbus::Pdu& response) {
+  Answer answer;
+  if (response.is_exception()) {
+    answer.exception = response.bytes()[1];
+    answer.kind = kind_of_exception(answer.exception);
+    return answer;
+  }
+  answer.kind = AnswerKind::data;
+  const bool bits = read.table == Table::coils || read.table == Table::discrete_inputs;
+  ReadCommand command;
+  command.place = {read.table, read.first, bits ? ValueType::bit : ValueType::u16,
+                   drive::WordOrder::big};
+  command.count = read.count;
+  for (const auto value : response_values(command, response)) {
+    answer.registers.push_back(static_cast<std::uint16_t>(value));
+  }
+  return answer;
+}
+
+int carry_out_scan(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
+  std::error_code ignored;
+  if (command.config && std::filesystem::exists(*command.config, ignored)) {
+    errors << "mbgatectl: " << command.config->string() << " is there already\n";
+    return kExitUsage;
+  }
+  config::ProfileLibrary library(command.folder ? config::ProfileFolders{*command.folder}
+                                                : config::default_profile_folders());
+  const Catalogue catalogue(load_all(library, errors));
+  if (catalogue.candidates().empty()) {
+    errors << "mbgatectl: there is no profile to compare with in "
+           << folders_text(library.folders()) << '\n';
+    return kExitUsage;
+  }
+  UnitAsker asker(command.target);
+  const auto progress = [&](std::uint8_t unit, std::size_t found) {
+    if (command.show_progress) {
+      errors << "\rasking unit " << static_cast<unsigned>(unit) << ", " << found << " found "
+             << std::flush;
+    }
+  };
+  const auto result = scan_units(
+      command.units, catalogue,
+      [&](std::uint8_t unit, const TableRange& read) { return asker.ask(unit, read); }, progress);
+  if (command.show_progress) {
+    errors << "\r\x1b[K" << std::flush;
+  }
+  report_misses(command, result, errors);
+  if (result.found.empty()) {
+    return kExitNotDone;
+  }
+  const int status = report_found(command, result, out, errors);
+  return result.error ? kExitNotDone : status;
+}
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/scan/starting_config.hpp"
+
+#include <array>
+
+#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
+#include "config/toml/words.hpp"
+#include "ctl/scan/scan_report.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::array kRoundTimes{100ms,  200ms,  300ms,  500ms,   1000ms,
+                                 2000ms, 3000ms, 5000ms, 10'000ms};
+constexpr unsigned kMargin = 3;
+
+std::string quoted(const std::string& text) { return config::in_quotes(text); }
+
+std::string head(const Target& target, const std::string& bus) {
+  return "# What mbgatectl scan found at " + target.host + ", port " + std::to_string(target.port) +
+         ". Look through every line before it\n"
+         "# runs: a scan only reads, and what reading cannot tell is marked CHOOSE.\n"
+         "\n"
+         "[[listen]]\n"
+         "name = \"plant\"\n"
+         "address = \"127.0.0.1\"          # CHOOSE: the address that the clients reach, and who "
+         "may: `allow`\n"
+         "port = 502\n"
+         "\n"
+         "[[bus]]\n"
+         "name = " +
+         quoted(bus) +
+         "\n"
+         "device = \"/dev/ttyUSB0\"        # CHOOSE: better a name in /dev/serial/by-id\n"
+         "baud = 19200                   # CHOOSE these three as the line is set now\n"
+         "parity = \"even\"\n"
+         "stop_bits = 1\n";
+}
+
+std::string source_of(const FoundUnit& unit) {
+  const auto& found = unit.identification;
+  std::string text;
+  for (const auto& [name, value] : found.texts) {
+    text += "# " + name + ": " + quoted(value) + "\n";
+  }
+  return text;
+}
+
+std::string profile_lines(const Identification& found) {
+  if (found.likely.empty()) {
+    return "# No profile fits: generic limits, no 32-bit values. A profile can be written for it.\n"
+           "profile = \"generic\"\n";
+  }
+  if (found.likely.size() == 1) {
+    const auto& file = *found.likely.front();
+    return "profile = " + quoted(file.profile.name) + "  # " + file.description + "; " +
+           std::to_string(found.fitting) + " of " + std::to_string(found.judged) + " answers fit\n";
+  }
+  std::string text = "# CHOOSE one: reading cannot tell them apart, and their values differ.\n";
+  for (const auto* file : found.likely) {
+    text += "# profile = " + quoted(file->profile.name) + "  # " + file->description + "\n";
+  }
+  return text;
+}
+
+std::string order_lines(const Identification& found) {
+  if (word_order_unknown(found)) {
+    return "# CHOOSE as the drive is set: it does not say.\n"
+           "# word_order = \"big\"  # or \"little\"\n";
+  }
+  if (!found.word_order) {
+    return {};
+  }
+  const auto line = "word_order = " + quoted(std::string(config::order_word(*found.word_order)));
+  return found.likely.size() == 1 ? line + "\n" : "# " + line + "  # as read\n";
+}
+
+std::string device(const FoundUnit& unit, const std::string& bus) {
+  const auto& found = unit.identification;
+  const auto slowest = std::chrono::ceil<std::chrono::milliseconds>(unit.slowest);
+  return source_of(unit) + "[[device]]\nname = \"unit-" + std::to_string(unit.unit) +
+         "\"\nbus = " + quoted(bus) + "\naddress = " + std::to_string(unit.unit) + "\n" +
+         profile_lines(found) + order_lines(found) +
+         "response_timeout = " + quoted(config::to_text(sensible_timeout(unit.slowest))) +
+         "  # it took up to " + config::to_text(slowest) + ", seen from here\n";
+}
+
+std::string route(const FoundUnit& unit) {
+  const auto& found = unit.identification;
+  const auto name = std::to_string(unit.unit);
+  const bool chosen = found.likely.size() <= 1 && !word_order_unknown(found);
+  return "[[route]]\nunit = " + name + "\ndevice = \"unit-" + name + "\"\n" +
+         (chosen
+              ? "word_order = \"big\"\n"
+              : "# word_order = \"big\"  # once the choice above is made: what the clients see\n");
+}
+
+}  // namespace
+
+std::string starting_config(const Target& target, const std::string& bus,
+                            const std::vector<FoundUnit>& found) {
+  std::string text = head(target, bus);
+  for (const auto& unit : found) {
+    text += "\n" + device(unit, bus) + "\n" + route(unit);
+  }
+  return text;
+}
+
+std::chrono::milliseconds sensible_timeout(std::chrono::nanoseconds slowest) {
+  for (const auto time : kRoundTimes) {
+    if (time >= kMargin * slowest) {
+      return time;
+    }
+  }
+  return std::chrono::ceil<std::chrono::seconds>(kMargin * slowest);
+}
+
+}  // namespace mbgate::ctl

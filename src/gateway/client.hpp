@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is known of a client wherever its requests are: where it came in, whose turns it takes,
+// which answer is its own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "bus/job.hpp"
+#include "gateway/settings.hpp"
+#include "routing/client_address.hpp"
+
+namespace mbgate::gateway {
+
+/// A TCP connection; the driver numbers them and uses no number twice.
+enum class ClientId : std::uint64_t {};
+
+/// What the shell knows of a client when it connects.
+struct ClientInfo {
+  ListenerId listener{};
+  routing::ClientAddress address;
+  /// Bytes that were readable at accept, for connections accepted before the first READY=1; else 0.
+  /// Writes among them are older than this process and must not be carried out.
+  std::size_t bytes_before_ready = 0;
+};
+
+/// The place of an answer among those of its connection.
+enum class AnswerId : std::uint64_t {};
+
+/// Whose turn a request takes on a bus, and how many it has where others have one.
+struct Turns {
+  bus::FairnessKey key{};
+  unsigned weight = 1;
+};
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/clients/client_session.hpp"
+
+#include "base/assert.hpp"
+#include "gateway/limits.hpp"
+
+namespace mbgate::gateway {
+
+ClientSession::ClientSession(ClientId id, const ClientInfo& info, const ListenerSettings& listener,
+                             Instant now)
+    : last_activity(now),
+      id_(id),
+      info_(info),
+      listener_(&listener),
+      ordered_(listener.ordered),
+      rights_{routing::contains(listener.read_only, info.address)} {}
+
+void ClientSession::adopt(const ListenerSettings& listener) {
+  listener_ = &listener;
+  rights_ = {routing::contains(listener.read_only, info_.address)};
+}
+
+ClientSession::AnswerId ClientSession::open_answer() {
+  if (!ordered_) {
+    ++open_;
+    return AnswerId{0};
+  }
+  held_.emplace_back();
+  return AnswerId{first_held_ + held_.size() - 1};
+}
+
+ClientSession::Ready ClientSession::close_answer(AnswerId id,
+                                                 std::optional<modbus::MbapBytes> adu) {
+  Ready ready;
+  if (!ordered_) {
+    MBGATE_ASSERT(open_ > 0, "one answer for each request");
+    --open_;
+    if (adu) {
+      ready.push_back(*adu);
+    }
+  } else {
+    const std::uint64_t place = static_cast<std::uint64_t>(id) - first_held_;
+    MBGATE_ASSERT(place < held_.size() && !held_[place].done, "one answer for each request");
+    Held& held = held_[place];
+    held.done = true;
+    held.adu = adu;
+    while (!held_.empty() && held_.front().done) {
+      if (held_.front().adu) {
+        ready.push_back(*held_.front().adu);
+      }
+      held_.pop_front();
+      ++first_held_;
+    }
+  }
+  unsent_ += ready.size();
+  return ready;
+}
+
+void ClientSession::confirm_sent() {
+  if (unsent_ > 0) {
+    --unsent_;
+  }
+}
+
+Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant now) {
+  const Instant arrival = pauses_.empty() ? now : pauses_.front().began;
+  read_position_ += bytes;
+  unread_ = unread;
+  while (pauses_.size() > 1 && pauses_[1].position <= read_position_) {
+    pauses_.erase(pauses_.begin());
+  }
+  if (unread == 0) {
+    pauses_.clear();
+  }
+  return arrival;
+}
+
+void ClientSession::half_close() {
+  half_closed_ = true;
+  if (!paused_) {
+    pauses_.clear();  // the FIN was read, and so was everything before it
+  }
+}
+
+std::optional<ClientSession::Reading> ClientSession::update_reading(Instant now) {
+  // One more piece must still fit into the read-ahead.
+  const bool enough = is_full() && input.size() + kClientReadSize > kReadAhead;
+  if (enough == paused_) {
+    return std::nullopt;
+  }
+  paused_ = enough;
+  if (paused_) {
+    // What is in the socket by now is as old as it was; what comes behind it counts from this
+    // pause. Without room for another mark it counts as older still.
+    if (pauses_.empty()) {
+      pauses_.push_back({read_position_, now});
+    } else if (pauses_.size() < kArrivalMarks) {
+      pauses_.push_back({read_position_ + unread_, now});
+    }
+    return Reading::pause;
+  }
+  return Reading::resume;
+}
+
+ClientSession::Overdue ClientSession::overdue(Instant now) const {
+  if (partial_since && now >= *partial_since + listener_->frame_timeout) {
+    return Overdue::within_request;
+  }
+  const bool may_be_idle = listener_->idle_timeout > Duration{0} && outstanding() == 0;
+  return may_be_idle && now >= last_activity + listener_->idle_timeout ? Overdue::idle
+                                                                       : Overdue::nothing;
+}
+
+std::optional<Instant> ClientSession::next_look(Instant now) const {
+  std::optional<Instant> next;
+  if (partial_since) {
+    next = *partial_since + listener_->frame_timeout;
+  }
+  if (listener_->idle_timeout > Duration{0}) {
+    const Instant active = outstanding() > 0 ? now : last_activity;
+    next = bus::earlier(next, active + listener_->idle_timeout);
+  }
+  return next;
+}
+
+void ClientSession::note_partial(Instant now) {
+  const bool is_partial = !input.empty() && !is_full();
+  if (!is_partial) {
+    partial_since.reset();
+  } else if (!partial_since) {
+    partial_since = now;
+  }
+}
+
+}  // namespace mbgate::gateway

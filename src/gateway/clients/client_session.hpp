@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// One TCP connection: bytes read ahead, answers that are due, and when it may be read further.
+// It neither parses nor routes; the gateway does.
+#pragma once
+
+#include <boost/container/small_vector.hpp>
+#include <deque>
+#include <optional>
+
+#include "bus/state_reader.hpp"
+#include "gateway/client.hpp"
+#include "gateway/clients/early_stops.hpp"
+#include "gateway/clients/read_ahead.hpp"
+#include "modbus/mbap.hpp"
+#include "routing/access.hpp"
+
+namespace mbgate::gateway {
+
+class ClientSession {
+ public:
+  using AnswerId = gateway::AnswerId;
+  using Ready = boost::container::small_vector<modbus::MbapBytes, 1>;
+
+  ClientSession(ClientId id, const ClientInfo& info, const ListenerSettings& listener, Instant now);
+
+  [[nodiscard]] ClientId id() const { return id_; }
+  [[nodiscard]] const ClientInfo& info() const { return info_; }
+  [[nodiscard]] const ListenerSettings& listener() const { return *listener_; }
+  [[nodiscard]] routing::ClientRights rights() const { return rights_; }
+  /// Whether answers are given in the order of the requests stays as it was at the beginning:
+  /// answers may be held.
+  [[nodiscard]] bool is_ordered() const { return ordered_; }
+  /// Other settings: the listener says other things.
+  void adopt(const ListenerSettings& listener);
+
+  /// Requests without an answer that has been written whole; `pipeline` at most.
+  [[nodiscard]] std::size_t outstanding() const { return open_ + held_.size() + unsent_; }
+  [[nodiscard]] bool is_full() const { return outstanding() >= listener_->pipeline; }
+
+  /// A request was taken: its answer is due.
+  AnswerId open_answer();
+  /// The answer is there, or (nothing) none will be given. Returns what is to be sent now: with
+  /// `ordered = true` an answer waits for those before it.
+  Ready close_answer(AnswerId id, std::optional<modbus::MbapBytes> adu);
+  /// An answer has been written whole.
+  void confirm_sent();
+
+  /// When bytes that were just read must be taken to have arrived: when reading was paused, if they
+  /// may have come since then. `unread` bytes still lie in the socket behind them.
+  Instant arrival_of(std::size_t bytes, std::size_t unread, Instant now);
+  /// Where in the client's stream the next request begins.
+  [[nodiscard]] std::uint64_t position() const { return position_; }
+  /// The request at the front of the input was dealt with.
+  void pass(std::size_t bytes) {
+    position_ += bytes;
+    input.consume(bytes);
+    partial_since.reset();
+  }
+  /// Is the request that begins there older than this process?
+  [[nodiscard]] bool is_before_ready(std::uint64_t position) const {
+    return position < info_.bytes_before_ready;
+  }
+
+  /// To be called after bytes or answers came: reading must stop or may go on. Nothing: as it is.
+  enum class Reading : std::uint8_t { pause, resume };
+  std::optional<Reading> update_reading(Instant now);
+
+  /// The peer has sent FIN. While reading is paused, bytes may still lie before it in the socket.
+  void half_close();
+  [[nodiscard]] bool is_half_closed() const { return half_closed_; }
+  /// Half-closed, everything read, everything answered and sent.
+  [[nodiscard]] bool is_finished() const {
+    return half_closed_ && pauses_.empty() && outstanding() == 0;
+  }
+
+  /// What the client has done for too long.
+  enum class Overdue : std::uint8_t { nothing, idle, within_request };
+  [[nodiscard]] Overdue overdue(Instant now) const;
+  /// When something may be overdue next.
+  [[nodiscard]] std::optional<Instant> next_look(Instant now) const;
+  /// To be called when requests were taken: is there a part of one that could be?
+  void note_partial(Instant now);
+
+  ReadAhead input;
+  EarlyStops ahead;
+  bool has_asked = false;   ///< a request was understood
+  bool is_closed = false;   ///< it goes as soon as nobody works with it
+  bool is_leaving = false;  ///< its stops are taken, and nobody reads answers any more
+  bool speaks_rtu_reported = false;
+  Instant last_activity;
+  std::optional<Instant> partial_since;   ///< an incomplete ADU is at the front of `input`
+  std::optional<Instant> timer_armed_at;  ///< the entry in the timers of all sessions
+  boost::container::small_vector<std::uint32_t, 4> exchanges;
+
+ private:
+  friend struct mbgate::StateReader;
+  struct Held {
+    bool done = false;
+    std::optional<modbus::MbapBytes> adu;
+  };
+
+  ClientId id_;
+  ClientInfo info_;
+  const ListenerSettings* listener_;
+  bool ordered_;
+  routing::ClientRights rights_;
+  std::size_t open_ = 0;    // unordered: answers that are due
+  std::size_t unsent_ = 0;  // answers on their way to the socket
+  std::deque<Held> held_;   // ordered: answers due or waiting, oldest first
+  std::uint64_t first_held_ = 0;
+  std::uint64_t position_ = 0;
+  bool paused_ = false;
+  bool half_closed_ = false;
+  /// From this position of the stream on, bytes came after a pause had begun.
+  struct PauseMark {
+    std::uint64_t position;
+    Instant began;
+  };
+  boost::container::small_vector<PauseMark, 1> pauses_;  // as long as the socket was not seen empty
+  std::uint64_t read_position_ = 0;
+  std::size_t unread_ = 0;  // in the socket, after the last reading
+};
+
+}  // namespace mbgate::gateway

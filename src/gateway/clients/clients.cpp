@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/clients/clients.hpp"
+
+#include <utility>
+
+namespace mbgate::gateway {
+
+Clients::Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exchanges,
+                 WriteRules& rules, FailsafeWrites& failsafe, ActionQueue& actions, Instant now)
+    : settings_(settings),
+      exchanges_(exchanges),
+      rules_(rules),
+      failsafe_(failsafe),
+      actions_(actions),
+      sessions_(settings.settings()),
+      intake_(settings, rules, actions),
+      requests_(settings, buses, exchanges, rules, failsafe, sessions_, intake_, actions, now) {}
+
+void Clients::connected(ClientId client, const ClientInfo& info, Instant now) {
+  if (!admit(info)) {
+    actions_.push(Close{client});
+    return;
+  }
+  if (const ClientSession* session = sessions_.add(client, info, now)) {
+    failsafe_.client_came(*session);
+  }
+}
+
+bool Clients::admit(const ClientInfo& info) {
+  const ListenerSettings& listener = settings_.settings().listener(info.listener);
+  if (intake_.phase() != Phase::running) {
+    refuse(info, RefusalReason::stopping);
+    return false;
+  }
+  if (listener.is_gone) {
+    return false;  // it was let in before a reload, and told after it
+  }
+  if (!listener.allow.empty() && !routing::contains(listener.allow, info.address)) {
+    refuse(info, RefusalReason::not_allowed);
+    return false;
+  }
+  if (!sessions_.is_full(info.listener)) {
+    return true;
+  }
+  ClientSession* idlest = sessions_.idlest(info.listener);
+  if (idlest == nullptr) {
+    refuse(info, RefusalReason::full);
+    return false;
+  }
+  actions_.push(Report{ClientDisplaced{info.listener, idlest->info().address}});
+  close(*idlest);
+  return true;
+}
+
+void Clients::refuse(const ClientInfo& info, RefusalReason reason) {
+  actions_.push(Report{ClientRefused{info.listener, info.address, reason}});
+}
+
+void Clients::received(ClientId client, modbus::Bytes bytes, std::size_t unread, Instant now) {
+  ClientSession* session = sessions_.find(client);
+  if (session == nullptr) {
+    return;
+  }
+  if (!bytes.empty()) {
+    session->last_activity = now;
+  }
+  if (!session->has_asked) {
+    intake_.notice_rtu(*session, bytes);  // some RTU frames can be read as MBAP
+  }
+  session->input.append(bytes, session->arrival_of(bytes.size(), unread, now));
+  sessions_.wake(*session);
+}
+
+void Clients::sent(ClientId client, Instant now) {
+  if (ClientSession* session = sessions_.find(client)) {
+    session->confirm_sent();
+    session->last_activity = now;
+    sessions_.wake(*session);
+  }
+}
+
+void Clients::half_closed(ClientId client) {
+  ClientSession* session = sessions_.find(client);
+  if (session == nullptr) {
+    return;
+  }
+  session->half_close();
+  for (const std::uint32_t exchange : session->exchanges) {
+    if (!exchanges_[exchange].plan->is_read()) {
+      exchanges_.cancel(exchange);
+    }
+  }
+  sessions_.wake(*session);
+}
+
+void Clients::disconnected(ClientId client, Instant now) {
+  if (ClientSession* session = sessions_.find(client)) {
+    leave(*session, now);
+    forget(*session);
+  }
+}
+
+void Clients::handle_deadline(Instant now) {
+  while (ClientSession* session = sessions_.take_due(now)) {
+    switch (session->overdue(now)) {
+      case ClientSession::Overdue::within_request:
+        actions_.push(
+            Report{ClientFrameTimedOut{session->info().listener, session->info().address}});
+        close(*session);
+        break;
+      case ClientSession::Overdue::idle: close(*session); break;
+      case ClientSession::Overdue::nothing:
+        sessions_.look_at(*session, session->next_look(now));
+        break;
+    }
+  }
+}
+
+void Clients::set_phase(Phase phase) {
+  intake_.set_phase(phase);
+  sessions_.for_each([this](const ClientSession& session) { sessions_.wake(session); });
+}
+
+bool Clients::serve_one(Instant now) {
+  ClientSession* session = sessions_.take_ready();
+  if (session != nullptr) {
+    serve(*session, now);
+  }
+  return session != nullptr;
+}
+
+void Clients::serve(ClientSession& session, Instant now) {
+  while (!session.input.empty()) {
+    const auto next = intake_.next(session, now);
+    if (next.request != nullptr) {
+      requests_.accept(session, *next.request, now);
+    } else if (next.stop) {
+      requests_.pass_early(session, *next.stop);
+    } else if (next.framing_lost) {
+      close(session);
+      return;
+    } else {
+      break;
+    }
+  }
+  if (session.is_full()) {
+    take_early_stops(session, now);
+  }
+  failsafe_.client_waits(session.id(), !session.exchanges.empty(), now);
+  if (session.is_finished()) {
+    close(session);
+    return;
+  }
+  if (const auto reading = session.update_reading(now)) {
+    if (*reading == ClientSession::Reading::pause) {
+      actions_.push(Pause{session.id()});
+    } else {
+      actions_.push(Resume{session.id()});
+    }
+  }
+  session.note_partial(now);
+  sessions_.look_at(session, session.next_look(now));
+}
+
+void Clients::take_early_stops(ClientSession& session, Instant now) {
+  intake_.begin_early(session);
+  while (Request* stop = intake_.next_early(session, now)) {
+    requests_.accept(session, *stop, now);
+  }
+}
+
+// The stops that it has sent are still taken.
+void Clients::leave(ClientSession& session, Instant now) {
+  session.is_leaving = true;
+  drop_requests(session);  // before a stop sets the bus going
+  take_early_stops(session, now);
+}
+
+// Nobody is told what becomes of its requests.
+void Clients::drop_requests(ClientSession& session) {
+  for (const std::uint32_t exchange : std::exchange(session.exchanges, {})) {
+    exchanges_[exchange].client_gone = true;
+    exchanges_.cancel(exchange);
+  }
+}
+
+void Clients::close(ClientSession& session) {
+  actions_.push(Close{session.id()});
+  forget(session);
+}
+
+void Clients::forget(ClientSession& session) {
+  drop_requests(session);
+  failsafe_.client_gone(session.id());
+  rules_.client_gone(session.id());
+  sessions_.close(session);
+}
+
+void Clients::close_unwanted(const Settings& next, Instant now) {
+  sessions_.for_each([&](ClientSession& session) {
+    const ListenerId number = session.info().listener;
+    const routing::ClientAddress& address = session.info().address;
+    const ListenerSettings& listener = next.listener(number);
+    if (!listener.is_gone &&
+        (listener.allow.empty() || routing::contains(listener.allow, address))) {
+      return;
+    }
+    if (!listener.is_gone) {
+      actions_.push(Report{ClientRefused{number, address, RefusalReason::not_allowed}});
+    }
+    leave(session, now);
+    close(session);
+  });
+}
+
+void Clients::adopt(Instant now) {
+  sessions_.adopt(settings_.settings(), now);
+  intake_.adopt();
+}
+
+}  // namespace mbgate::gateway

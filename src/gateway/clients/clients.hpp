@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The side of the clients: who is let in, when a connection is read, and when it ends.
+#pragma once
+
+#include "gateway/clients/requests.hpp"
+
+namespace mbgate::gateway {
+
+class Clients {
+ public:
+  Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exchanges, WriteRules& rules,
+          FailsafeWrites& failsafe, ActionQueue& actions, Instant now);
+
+  void connected(ClientId client, const ClientInfo& info, Instant now);
+  void received(ClientId client, modbus::Bytes bytes, std::size_t unread, Instant now);
+  void sent(ClientId client, Instant now);
+  void half_closed(ClientId client);
+  void disconnected(ClientId client, Instant now);
+  /// Closes those whose time is over.
+  void handle_deadline(Instant now);
+  [[nodiscard]] std::optional<Instant> next_deadline() const { return sessions_.next_look(); }
+  /// From now on only so much is begun, and what was read ahead is answered.
+  void set_phase(Phase phase);
+
+  /// Serves a client for which something may be done; false if there is none.
+  bool serve_one(Instant now);
+  /// All jobs of the request have ended: answers it.
+  void complete(std::uint32_t exchange) { requests_.complete(exchange); }
+  /// Forgets who was closed, once nothing is left to do.
+  void sweep() { sessions_.sweep(); }
+  [[nodiscard]] std::size_t size() const { return sessions_.size(); }
+
+  /// Before other settings come: closes whom they do not let in.
+  void close_unwanted(const Settings& next, Instant now);
+  /// They are in force.
+  void adopt(Instant now);
+  [[nodiscard]] const Sessions& sessions() const { return sessions_; }
+
+ private:
+  friend struct mbgate::StateReader;
+  [[nodiscard]] bool admit(const ClientInfo& info);
+  void refuse(const ClientInfo& info, RefusalReason reason);
+  void serve(ClientSession& session, Instant now);
+  void take_early_stops(ClientSession& session, Instant now);
+  void leave(ClientSession& session, Instant now);
+  void drop_requests(ClientSession& session);
+  void close(ClientSession& session);
+  void forget(ClientSession& session);
+
+  const SettingsHistory& settings_;
+  Exchanges& exchanges_;
+  WriteRules& rules_;
+  FailsafeWrites& failsafe_;
+  ActionQueue& actions_;
+  Sessions sessions_;
+  Intake intake_;
+  Requests requests_;
+};
+
+}  // namespace mbgate::gateway

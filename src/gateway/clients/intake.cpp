@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/clients/intake.hpp"
+
+#include "gateway/limits.hpp"
+
+namespace mbgate::gateway {
+
+using modbus::ExceptionCode;
+
+Intake::Next Intake::next(ClientSession& session, Instant now) {
+  // When the gateway stops, what was read ahead is answered too.
+  while (phase_ != Phase::running || !session.is_full()) {
+    const modbus::MbapScan scan = modbus::scan_mbap(session.input.bytes());
+    if (const auto* lost = std::get_if<modbus::MbapLost>(&scan)) {
+      notice_rtu(session, session.input.bytes());
+      ++counters_.framing_lost;
+      if (!session.speaks_rtu_reported) {
+        actions_.push(Report{
+            ClientFramingLost{session.info().listener, session.info().address, lost->length}});
+      }
+      return {.framing_lost = true};
+    }
+    if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
+      notice_rtu(session, session.input.bytes());
+      ++counters_.foreign_adus;
+      session.pass(foreign->size);
+      continue;
+    }
+    const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
+    if (frame == nullptr) {
+      break;
+    }
+    const std::uint64_t position = session.position();
+    if (auto stop = session.ahead.take(position)) {
+      session.pass(frame->size);
+      return {.stop = std::move(stop)};
+    }
+    Request& request = understand(session, frame->adu, position, session.input.arrival_at(0));
+    judge(session, request, now);
+    session.pass(frame->size);
+    session.has_asked = true;
+    ++counters_.requests;
+    return {.request = &request};
+  }
+  return {};
+}
+
+Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu& adu,
+                            std::uint64_t position, Instant arrival) {
+  Request& request = request_.emplace(adu, position, arrival);
+  if (settings_.settings().status_unit == adu.header.unit) {
+    request.for_gateway = true;
+    return request;
+  }
+  request.route = settings_.in_force().routes.find(session.info().listener, adu.header.unit);
+  if (!modbus::is_request_function(adu.pdu.function())) {
+    request.refused = ExceptionCode::illegal_function;
+  } else if (request.route == nullptr) {
+    request.refused = ExceptionCode::gateway_path_unavailable;
+  } else {
+    auto plan = routing::Plan::make(*request.route, adu.header.unit, session.rights(), adu.pdu);
+    if (plan) {
+      request.is_stop = rules_.is_stop(*plan);
+      request.plan = *std::move(plan);
+    } else {
+      request.refused = plan.error();
+    }
+  }
+  return request;
+}
+
+void Intake::judge(const ClientSession& session, Request& request, Instant now) {
+  if (request.plan) {
+    request.refused = objection(session, request, now);
+  }
+  if (request.refused) {
+    notice_unrouted(session, request);
+  } else if (request.is_stop) {
+    request.left_out = left_out_of(session, request, now);
+  }
+}
+
+// Why a request that could be planned is not carried out now. Stops go until the process ends, but
+// not those of another time.
+std::optional<ExceptionCode> Intake::objection(const ClientSession& session, const Request& request,
+                                               Instant now) const {
+  constexpr auto kNotNow = ExceptionCode::server_device_busy;
+  const routing::Plan& plan = *request.plan;
+  const bool is_running = phase_ == Phase::running;
+  if (plan.is_read()) {
+    return is_running ? std::nullopt : std::optional(kNotNow);
+  }
+  if (session.is_before_ready(request.position)) {
+    return kNotNow;
+  }
+  if (request.is_stop) {
+    return phase_ == Phase::nothing ? std::optional(kNotNow) : std::nullopt;
+  }
+  if (!is_running || session.is_half_closed()) {
+    return kNotNow;
+  }
+  return rules_.objection(plan, request.origin(session), now);
+}
+
+// Where a part of a stop is none, it is a write like others: it goes only if it might go alone, in
+// its place among the requests of its connection and as long as its client is there.
+BusList Intake::left_out_of(const ClientSession& session, const Request& stop, Instant now) const {
+  const bool may_write = phase_ == Phase::running && !session.is_leaving &&
+                         !session.is_half_closed() && stop.position == session.position();
+  return rules_.left_out_of(*stop.plan, stop.origin(session), may_write, now);
+}
+
+void Intake::notice_unrouted(const ClientSession& session, const Request& request) {
+  const ClientInfo& info = session.info();
+  if (request.route == nullptr && unrouted_told_.size() < kUnroutedTold &&
+      unrouted_told_.emplace(info.listener, info.address).second) {
+    actions_.push(Report{UnitNotRouted{info.listener, info.address, request.adu.header.unit,
+                                       settings_.in_force().routes.units(info.listener)}});
+  }
+}
+
+void Intake::notice_rtu(ClientSession& session, modbus::Bytes stream) {
+  if (!session.speaks_rtu_reported && modbus::looks_like_rtu(stream)) {
+    session.speaks_rtu_reported = true;
+    actions_.push(Report{ClientSpeaksRtu{session.info().listener, session.info().address}});
+  }
+}
+
+void Intake::begin_early(ClientSession& session) const {
+  session.ahead.begin_look(session.position(), session.is_leaving);
+}
+
+Request* Intake::next_early(ClientSession& session, Instant now) {
+  while (session.is_leaving || session.ahead.has_room()) {
+    const std::uint64_t position = session.ahead.looking_at();
+    const std::size_t offset = position - session.position();
+    const modbus::MbapScan scan = modbus::scan_mbap(session.input.bytes().subspan(offset));
+    if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
+      session.ahead.look_past(foreign->size);
+      continue;
+    }
+    const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
+    if (frame == nullptr) {
+      break;
+    }
+    session.ahead.look_past(frame->size);
+    // Most of what waits are reads, and need no plan.
+    if (modbus::is_read(frame->adu.pdu.bytes()) || session.ahead.has(position) ||
+        session.is_before_ready(position)) {
+      continue;
+    }
+    Request& request = understand(session, frame->adu, position, session.input.arrival_at(offset));
+    if (request.plan && is_taken_early(session, request, now)) {
+      request.is_early = true;
+      request.left_out = left_out_of(session, request, now);
+      session.has_asked = true;
+      ++counters_.requests;
+      return &request;
+    }
+  }
+  session.ahead.end_look();
+  return nullptr;
+}
+
+bool Intake::is_taken_early(ClientSession& session, const Request& request, Instant now) const {
+  const routing::Plan& plan = *request.plan;
+  if (!request.is_stop) {
+    // One that its client may never make goes before nothing.
+    if (rules_.objection(plan, request.origin(session), now) != ExceptionCode::illegal_function) {
+      for (const std::size_t place : rules_.goes_before_stops_of(plan)) {
+        session.ahead.note_write(place, request.position);
+      }
+    }
+    return false;
+  }
+  // Only one for a single device may let writes go first.
+  const bool lets_go = rules_.overtaken_by(plan).empty();
+  const DevicePlaces devices =
+      settings_.in_force().devices.addressed_by(plan.transactions().front());
+  if (lets_go && !session.is_leaving &&
+      session.ahead.write_lies_before(devices, request.position)) {
+    session.ahead.hold(request.position);
+    return false;
+  }
+  return true;
+}
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a client's bytes to its requests, one at a time: which are understood, where they go, and
+// what is refused before any bus knows of it. Stops are also taken out of what waits behind a full
+// pipeline.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "gateway/clients/client_session.hpp"
+#include "gateway/reports.hpp"
+#include "gateway/settings/settings_snapshot.hpp"
+#include "gateway/status_unit.hpp"
+#include "gateway/writes/write_rules.hpp"
+
+namespace mbgate::gateway {
+
+/// What the gateway still begins.
+enum class Phase : std::uint8_t { running, only_stops, nothing };
+
+/// A request as it was read, and what becomes of it.
+struct Request {
+  modbus::MbapAdu adu;
+  std::uint64_t position;  ///< in the client's stream
+  Instant arrival;
+  bool is_early = false;     ///< a stop that overtakes what lies before it in the stream
+  bool for_gateway = false;  ///< for the gateway's own unit
+  std::optional<modbus::ExceptionCode> refused{};
+  const routing::ResolvedRoute* route = nullptr;  ///< nothing: there is none
+  std::optional<routing::Plan> plan{};            ///< unless it is refused
+  bool is_stop = false;
+  BusList left_out{};
+
+  [[nodiscard]] WriteOrigin origin(const ClientSession& session) const {
+    return {session.id(), session.info().address, position, arrival};
+  }
+};
+class Intake {
+ public:
+  Intake(const SettingsHistory& settings, const WriteRules& rules, ActionQueue& actions)
+      : settings_(settings), rules_(rules), actions_(actions) {}
+
+  /// What comes next in a client's stream; nothing if there is no whole request, or the pipeline
+  /// has no room.
+  struct Next {
+    Request* request = nullptr;              ///< until the next call, because it is large
+    std::optional<EarlyStops::Stop> stop{};  ///< that was taken early
+    bool framing_lost = false;  ///< nobody can tell any more where the client's requests begin
+  };
+  [[nodiscard]] Next next(ClientSession& session, Instant now);
+  /// Begins to look for stops behind a full pipeline. What was looked at before is not looked at
+  /// again, unless the client is leaving: it has sent what it has sent, and all its stops are
+  /// taken, however many there are.
+  void begin_early(ClientSession& session) const;
+  /// The next one, until the next call; nothing if there is no other.
+  [[nodiscard]] Request* next_early(ClientSession& session, Instant now);
+  /// Tells it once if these bytes look like RTU.
+  void notice_rtu(ClientSession& session, modbus::Bytes stream);
+
+  void set_phase(Phase phase) { phase_ = phase; }
+  [[nodiscard]] Phase phase() const { return phase_; }
+  [[nodiscard]] const ClientCounters& counters() const { return counters_; }
+  void clear_counters() { counters_ = {}; }
+  /// Other settings: clients that ask for a unit without a route are told once more.
+  void adopt() { unrouted_told_.clear(); }
+
+ private:
+  friend struct mbgate::StateReader;
+  Request& understand(const ClientSession& session, const modbus::MbapAdu& adu,
+                      std::uint64_t position, Instant arrival);
+  void judge(const ClientSession& session, Request& request, Instant now);
+  [[nodiscard]] std::optional<modbus::ExceptionCode> objection(const ClientSession& session,
+                                                               const Request& request,
+                                                               Instant now) const;
+  [[nodiscard]] BusList left_out_of(const ClientSession& session, const Request& stop,
+                                    Instant now) const;
+  [[nodiscard]] bool is_taken_early(ClientSession& session, const Request& request,
+                                    Instant now) const;
+  void notice_unrouted(const ClientSession& session, const Request& request);
+
+  const SettingsHistory& settings_;
+  const WriteRules& rules_;
+  ActionQueue& actions_;
+  Phase phase_ = Phase::running;
+  std::optional<Request> request_;  // the last one
+  ClientCounters counters_;
+  std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_told_;
+};
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/clients/requests.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/assert.hpp"
+
+namespace mbgate::gateway {
+
+void Requests::accept(ClientSession& session, Request& request, Instant now) {
+  failsafe_.client_asked(session.id(), now);
+  std::optional<modbus::Pdu> answer;
+  if (request.for_gateway) {
+    answer = answer_of_gateway(session, request.adu.pdu, now);
+  } else if (request.refused) {
+    answer = modbus::Pdu::exception(request.adu.pdu.function(), *request.refused);
+  }
+  if (answer) {
+    send(session, session.open_answer(), modbus::MbapAdu{request.adu.header, *answer});
+  } else {
+    begin(session, request, now);
+  }
+}
+
+void Requests::begin(ClientSession& session, Request& request, Instant now) {
+  const WriteOrigin origin = request.origin(session);
+  const std::uint32_t index = exchanges_.open();
+  Exchange& exchange = exchanges_[index];
+  exchange.client = session.id();
+  exchange.listener = session.info().listener;
+  exchange.address = session.info().address;
+  exchange.header = request.adu.header;
+  exchange.route = request.route;
+  exchange.is_stop = request.is_stop;
+  exchange.left_out = std::move(request.left_out);
+  exchange.plan = *std::move(request.plan);
+  place_answer(session, request, index);
+  rules_.note_accepted(*exchange.plan, exchange.left_out, origin, now);
+  if (request.is_early) {
+    rules_.note_early(*exchange.plan, origin);
+  }
+  exchanges_.start(index, sessions_.turns_of(origin.address), origin.arrival, now);
+}
+
+void Requests::place_answer(ClientSession& session, const Request& request, std::uint32_t index) {
+  if (session.is_leaving) {
+    exchanges_[index].client_gone = true;
+    return;
+  }
+  session.exchanges.push_back(index);
+  const bool answer_waits = request.is_early && session.is_ordered();
+  if (!answer_waits) {
+    exchanges_[index].answer = session.open_answer();
+  }
+  if (request.is_early) {
+    session.ahead.add(
+        {request.position, answer_waits, answer_waits ? std::optional(index) : std::nullopt});
+  }
+}
+
+modbus::Pdu Requests::answer_of_gateway(const ClientSession& session, const modbus::Pdu& request,
+                                        Instant now) {
+  if (session.rights().read_only && !modbus::is_read(request.bytes())) {
+    return modbus::Pdu::exception(request.function(), modbus::ExceptionCode::illegal_function);
+  }
+  StatusView view{{}, {}, sessions_.size(), intake_.counters(), now - started_, now};
+  const std::vector<BusId> buses = settings_.settings().written_buses();
+  for (const BusId bus : buses) {
+    view.buses.push_back(&buses_[bus]);
+  }
+  for (const drive::Device* device : settings_.settings().written_devices()) {
+    const auto bus = std::ranges::find(buses, device->bus);
+    view.devices.push_back({device, static_cast<std::size_t>(bus - buses.begin())});
+  }
+  const StatusUnit::Answer answer = status_unit_.answer(request, view);
+  if (answer.clear_counters) {
+    intake_.clear_counters();
+    buses_.clear_counters();
+  }
+  return answer.pdu;
+}
+
+// Reading has come to a stop that was taken early.
+void Requests::pass_early(ClientSession& session, const EarlyStops::Stop& stop) {
+  if (!stop.answer_waits) {
+    return;
+  }
+  const auto answer = session.open_answer();
+  if (stop.exchange) {
+    exchanges_[*stop.exchange].answer = answer;
+  } else {
+    send(session, answer, stop.answer);
+  }
+}
+
+void Requests::complete(std::uint32_t index) {
+  const Exchange& exchange = exchanges_[index];
+  if (!exchange.client_gone) {
+    ClientSession* session = sessions_.find(exchange.client);
+    MBGATE_ASSERT(session != nullptr, "a request knows whether its client is there");
+    session->exchanges.erase(std::ranges::find(session->exchanges, index));
+    std::optional<modbus::MbapAdu> adu;
+    if (const auto pdu = exchange.result()) {
+      adu = modbus::MbapAdu{exchange.header, *pdu};
+    }
+    if (!session->ahead.keep_answer(index, adu)) {
+      send(*session, exchange.answer, adu);
+    }
+  }
+}
+
+void Requests::send(ClientSession& session, ClientSession::AnswerId answer,
+                    const std::optional<modbus::MbapAdu>& adu) {
+  const auto bytes = adu ? std::optional(modbus::encode(*adu)) : std::nullopt;
+  for (const modbus::MbapBytes& ready : session.close_answer(answer, bytes)) {
+    actions_.push(Send{session.id(), ready});
+  }
+  sessions_.wake(session);
+}
+
+}  // namespace mbgate::gateway

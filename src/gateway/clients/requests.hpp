@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What clients ask for, from the moment that it is understood: answered by the gateway itself, or
+// begun on the buses and answered when all its jobs have ended.
+#pragma once
+
+#include "gateway/clients/intake.hpp"
+#include "gateway/clients/sessions.hpp"
+#include "gateway/exchanges/exchanges.hpp"
+#include "gateway/status_unit.hpp"
+#include "gateway/writes/failsafe_writes.hpp"
+
+namespace mbgate::gateway {
+
+class Requests {
+ public:
+  Requests(const SettingsHistory& settings, BusSet& buses, Exchanges& exchanges, WriteRules& rules,
+           FailsafeWrites& failsafe, Sessions& sessions, Intake& intake, ActionQueue& actions,
+           Instant now)
+      : settings_(settings),
+        buses_(buses),
+        exchanges_(exchanges),
+        rules_(rules),
+        failsafe_(failsafe),
+        sessions_(sessions),
+        intake_(intake),
+        actions_(actions),
+        started_(now) {}
+
+  /// The plan is taken out of the request.
+  void accept(ClientSession& session, Request& request, Instant now);
+  /// Reading has come to a stop that was taken early: its answer gets its place, if it waits for
+  /// one.
+  void pass_early(ClientSession& session, const EarlyStops::Stop& stop);
+  /// All jobs of the exchange have ended.
+  void complete(std::uint32_t exchange);
+
+ private:
+  friend struct mbgate::StateReader;
+  void begin(ClientSession& session, Request& request, Instant now);
+  void place_answer(ClientSession& session, const Request& request, std::uint32_t index);
+  [[nodiscard]] modbus::Pdu answer_of_gateway(const ClientSession& session,
+                                              const modbus::Pdu& request, Instant now);
+  void send(ClientSession& session, ClientSession::AnswerId answer,
+            const std::optional<modbus::MbapAdu>& adu);
+
+  const SettingsHistory& settings_;
+  BusSet& buses_;
+  Exchanges& exchanges_;
+  WriteRules& rules_;
+  FailsafeWrites& failsafe_;
+  Sessions& sessions_;
+  Intake& intake_;
+  ActionQueue& actions_;
+  StatusUnit status_unit_;
+  Instant started_;
+};
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/clients/sessions.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace mbgate::gateway {
+
+bool Sessions::is_full(ListenerId listener) const {
+  return on_listener_[static_cast<std::size_t>(listener)] >=
+         settings_->listener(listener).max_connections;
+}
+
+ClientSession* Sessions::idlest(ListenerId listener) {
+  ClientSession* idlest = nullptr;
+  for_each([&](ClientSession& session) {
+    const bool may_go = session.info().listener == listener && session.outstanding() == 0 &&
+                        !routing::contains(session.listener().keep, session.info().address);
+    if (may_go && (idlest == nullptr || session.last_activity < idlest->last_activity)) {
+      idlest = &session;
+    }
+  });
+  return idlest;
+}
+
+ClientSession* Sessions::add(ClientId client, const ClientInfo& info, Instant now) {
+  const auto [entry, added] =
+      sessions_.try_emplace(client, client, info, settings_->listener(info.listener), now);
+  if (!added) {
+    return nullptr;
+  }
+  ++on(info.listener);
+  add_connection(info.address);
+  look_at(entry->second, entry->second.next_look(now));
+  return &entry->second;
+}
+
+ClientSession* Sessions::find(ClientId client) {
+  const auto entry = sessions_.find(client);
+  return entry == sessions_.end() || entry->second.is_closed ? nullptr : &entry->second;
+}
+
+void Sessions::close(ClientSession& session) {
+  session.is_closed = true;
+  closed_.push_back(session.id());
+  timers_.cancel(session.id(), session.timer_armed_at);
+  --on(session.info().listener);
+  const auto address = addresses_.find(session.info().address);
+  if (--address->second.connections == 0) {
+    free_keys_.push_back(address->second.key);
+    addresses_.erase(address);
+  }
+}
+
+void Sessions::sweep() {
+  for (const ClientId client : closed_) {
+    sessions_.erase(client);
+  }
+  closed_.clear();
+}
+
+ClientSession* Sessions::take_ready() {
+  while (!ready_.empty()) {
+    const ClientId client = ready_.back();
+    ready_.pop_back();
+    if (ClientSession* session = find(client)) {
+      return session;
+    }
+  }
+  return nullptr;
+}
+
+void Sessions::look_at(ClientSession& session, std::optional<Instant> at) {
+  if (at && (!session.timer_armed_at || *at < *session.timer_armed_at)) {
+    timers_.set(session.id(), session.timer_armed_at, *at);
+    session.timer_armed_at = at;
+  }
+}
+
+ClientSession* Sessions::take_due(Instant now) {
+  const auto client = timers_.take_due(now);
+  if (!client) {
+    return nullptr;
+  }
+  ClientSession& session = sessions_.at(*client);
+  session.timer_armed_at.reset();
+  return &session;
+}
+
+Turns Sessions::turns_of(const routing::ClientAddress& address) const {
+  const auto known = addresses_.find(address);
+  return known == addresses_.end() ? Turns{} : Turns{known->second.key, known->second.weight};
+}
+
+// Key 0 is the gateway's.
+void Sessions::add_connection(const routing::ClientAddress& address) {
+  const auto known = addresses_.find(address);
+  if (known != addresses_.end()) {
+    ++known->second.connections;
+    return;
+  }
+  bus::FairnessKey key{static_cast<std::uint32_t>(addresses_.size() + 1)};
+  if (!free_keys_.empty()) {
+    key = free_keys_.back();
+    free_keys_.pop_back();
+  }
+  addresses_.emplace(address, Address{key, 1, weight_of(address)});
+}
+
+unsigned Sessions::weight_of(const routing::ClientAddress& address) const {
+  const auto& weights = settings_->weights;
+  const auto fitting = std::ranges::find_if(
+      weights, [&](const ClientWeight& it) { return it.network.contains(address); });
+  return fitting == weights.end() ? 1 : fitting->weight;
+}
+
+void Sessions::adopt(const Settings& next, Instant now) {
+  settings_ = &next;
+  on_listener_.assign(next.listeners.size(), 0);
+  for_each([&](ClientSession& session) {
+    const ListenerId listener = session.info().listener;
+    session.adopt(next.listener(listener));
+    session.ahead.look_again();
+    ++on(listener);
+    if (session.listener().idle_timeout > Duration{0}) {
+      look_at(session, now + session.listener().idle_timeout);
+    }
+    wake(session);
+  });
+  for (auto& [address, known] : addresses_) {
+    known.weight = weight_of(address);
+  }
+}
+
+}  // namespace mbgate::gateway

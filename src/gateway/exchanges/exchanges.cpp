@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/exchanges/exchanges.hpp"
+
+#include <algorithm>
+
+#include "base/assert.hpp"
+#include "gateway/exchanges/write_effects.hpp"
+#include "gateway/limits.hpp"
+#include "gateway/settings/numbering.hpp"
+
+namespace mbgate::gateway {
+
+std::uint32_t Exchanges::open() {
+  const std::uint32_t index = exchanges_.take();
+  Exchange& exchange = exchanges_[index];
+  exchange.snapshot = &settings_.in_force();
+  ++exchange.snapshot->exchanges;
+  return index;
+}
+
+void Exchanges::start(std::uint32_t index, Turns turns, Instant arrival, Instant now) {
+  Exchange& exchange = exchanges_[index];
+  const routing::Plan& plan = *exchange.plan;
+  const Instant deadline = arrival + time_for(exchange.route->route, plan);
+  for (const routing::PlannedTransaction& planned : plan.transactions()) {
+    if (exchange.leaves_out(planned.bus)) {
+      exchange.failed = true;
+      continue;
+    }
+    if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
+      add_job(index, planned.bus, turns, deadline);
+    }
+    auto& transactions = exchange.parts.back().job->transactions;
+    transactions.push_back(
+        {planned.address, planned.request, planned.silence_is_success, planned.broadcast});
+    transactions.back().must_hold = planned.must_hold;
+    transactions.back().window_begin = planned.window_begin;
+    transactions.back().window_end = planned.window_end;
+  }
+  submit(index, now);
+}
+
+Duration Exchanges::time_for(const routing::Route& route, const routing::Plan& plan) const {
+  if (route.deadline) {
+    return *route.deadline;
+  }
+  const Duration longest = buses_.longest_response_timeout(route.buses);
+  return plan.is_read() ? read_deadline(longest) : write_deadline(longest);
+}
+
+bus::Job& Exchanges::add_job(std::uint32_t index, BusId bus, Turns turns, Instant deadline) {
+  const std::uint32_t number = jobs_.take();
+  bus::Job& job = jobs_[number];
+  job.number = number;
+  job.owner = index;
+  job.source = turns.key;
+  job.weight = turns.weight;
+  job.deadline = deadline;
+  exchanges_[index].parts.push_back({bus, &job});
+  return job;
+}
+
+void Exchanges::submit(std::uint32_t index, Instant now) {
+  const auto parts = exchanges_[index].parts;  // a part that ends at once is taken out
+  for (const Exchange::Part& part : parts) {
+    if (!buses_.touch(part.bus).submit(*part.job, now)) {
+      end(*part.job, bus::Ending::cancelled);
+    }
+  }
+  if (parts.empty()) {
+    completed_.push(index);
+  }
+}
+
+void Exchanges::end(bus::Job& job, bus::Ending ending) {
+  const std::uint32_t index = job.owner;
+  Exchange& exchange = exchanges_[index];
+  const auto part = std::ranges::find(exchange.parts, &job, &Exchange::Part::job);
+  MBGATE_ASSERT(part != exchange.parts.end(), "a job ends once");
+  exchange.note(job, ending);
+  report_effects(exchange, *part, ending, settings_.settings(), actions_);
+  exchange.parts.erase(part);
+  jobs_.give_back(job.number);
+  if (exchange.parts.empty()) {
+    completed_.push(index);
+  }
+}
+
+std::optional<std::uint32_t> Exchanges::take_completed() { return completed_.poll(); }
+
+void Exchanges::close(std::uint32_t index) {
+  SettingsSnapshot& snapshot = *exchanges_[index].snapshot;
+  MBGATE_ASSERT(snapshot.exchanges > 0, "a request keeps the settings of its plan");
+  --snapshot.exchanges;
+  exchanges_.give_back(index);
+  settings_.forget_unused();
+}
+
+void Exchanges::cancel(std::uint32_t index) {
+  const auto parts = exchanges_[index].parts;  // a part that ends is taken out
+  for (const Exchange::Part& part : parts) {
+    if (!part.is_stop()) {
+      end_unsent(part);
+    }
+  }
+}
+
+// Takes a job back, or, if it is on the wire, sees to it that nothing more of it follows.
+void Exchanges::end_unsent(const Exchange::Part& part) {
+  if (part.job->is_waiting()) {
+    buses_.touch(part.bus).withdraw(*part.job);
+    end(*part.job, bus::Ending::cancelled);
+  } else {
+    buses_.touch(part.bus).abandon(*part.job);
+  }
+}
+
+// Stops are sent: settings do not move a drive, and the one that was meant is still where it was.
+void Exchanges::end_changed(const SettingsSnapshot& old) {
+  std::vector<Exchange::Part> changed;
+  for (const Exchange& exchange : exchanges_.all()) {
+    for (const Exchange::Part& part : exchange.parts) {
+      if (!part.is_stop() && keeps_line(old.settings, settings_.settings(), part.bus) &&
+          means_otherwise(exchange, part, old, settings_.in_force())) {
+        changed.push_back(part);
+      }
+    }
+  }
+  for (const Exchange::Part& part : changed) {
+    end_unsent(part);
+  }
+}
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The requests that are open, and their jobs: from the plan to the buses and back. Who has asked is
+// not called: requests whose jobs have all ended are polled.
+#pragma once
+
+#include <optional>
+
+#include "bus/action_queue.hpp"
+#include "bus/state_reader.hpp"
+#include "gateway/bus_set.hpp"
+#include "gateway/exchanges/exchange.hpp"
+#include "gateway/pool.hpp"
+#include "gateway/reports.hpp"
+
+namespace mbgate::gateway {
+
+class Exchanges {
+ public:
+  Exchanges(SettingsHistory& settings, BusSet& buses, ActionQueue& actions)
+      : settings_(settings), buses_(buses), actions_(actions) {}
+
+  /// A new one, with the settings in force.
+  std::uint32_t open();
+  [[nodiscard]] Exchange& operator[](std::uint32_t index) { return exchanges_[index]; }
+  /// Begins to carry out the plan.
+  void start(std::uint32_t index, Turns turns, Instant arrival, Instant now);
+  /// A job more of an exchange; to be submitted.
+  bus::Job& add_job(std::uint32_t index, BusId bus, Turns turns, Instant deadline);
+  void submit(std::uint32_t index, Instant now);
+  /// A bus has done with a job.
+  void end(bus::Job& job, bus::Ending ending);
+  /// Takes back what waits; what is on the wire goes on, but is not repeated for a client that has
+  /// gone. Stops are carried out whatever becomes of their client.
+  void cancel(std::uint32_t index);
+
+  /// One whose jobs have all ended since; it is then to be closed.
+  std::optional<std::uint32_t> take_completed();
+  void close(std::uint32_t index);
+  [[nodiscard]] bool any_open() const { return exchanges_.in_use() > 0; }
+
+  /// Other settings are in force: jobs that would mean something else now are taken back.
+  void end_changed(const SettingsSnapshot& old);
+
+ private:
+  friend struct mbgate::StateReader;
+  [[nodiscard]] Duration time_for(const routing::Route& route, const routing::Plan& plan) const;
+  void end_unsent(const Exchange::Part& part);
+
+  SettingsHistory& settings_;
+  BusSet& buses_;
+  ActionQueue& actions_;
+  Pool<Exchange> exchanges_;
+  Pool<bus::Job> jobs_;
+  bus::ActionQueue<std::uint32_t> completed_;
+};
+
+}  // namespace mbgate::gateway

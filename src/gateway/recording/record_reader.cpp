@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reading of a recording. The text comes from outside: every line is checked whole.
+#include <charconv>
+#include <optional>
+
+#include "gateway/limits.hpp"
+#include "gateway/recording/record.hpp"
+
+namespace mbgate::gateway {
+namespace {
+
+template <typename Number>
+std::optional<Number> number_of(std::string_view text) {
+  Number number{};
+  const char* const end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc{} && at == end ? std::optional(number) : std::nullopt;
+}
+
+std::optional<unsigned> digit_of(char character) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  const std::size_t digit = kDigits.find(character);
+  return digit == std::string_view::npos ? std::nullopt
+                                         : std::optional(static_cast<unsigned>(digit));
+}
+
+/// Takes the words of a line one by one, each after one space; the first wrong one is kept as the
+/// error.
+class Words {
+ public:
+  explicit Words(std::string_view line) : rest_(line) {}
+
+  std::string_view next(std::string_view wanted) {
+    if (ended_ && error_.empty()) {
+      error_ = "expected " + std::string(wanted) + " at the end of the line";
+    }
+    const std::size_t space = rest_.find(' ');
+    const std::string_view word = rest_.substr(0, space);
+    ended_ = space == std::string_view::npos;
+    rest_ = ended_ ? std::string_view() : rest_.substr(space + 1);
+    return word;
+  }
+  template <typename Number>
+  Number number(std::string_view wanted) {
+    const std::string_view word = next(wanted);
+    const auto value = number_of<Number>(word);
+    if (!value) {
+      wrong(wanted, word);
+    }
+    return value.value_or(Number{});
+  }
+  ClientId client() { return ClientId{number<std::uint64_t>("the number of a client")}; }
+  BusId bus() { return BusId{number<std::uint32_t>("the place of a bus")}; }
+  routing::ClientAddress address() {
+    const std::string_view word = next("an address");
+    const auto value = routing::ClientAddress::parse(word);
+    if (!value) {
+      wrong("an address", word);
+    }
+    return value.value_or(routing::ClientAddress{});
+  }
+  bus::LineKind line_kind() {
+    const std::string_view word = next("uart, adapter or virtual");
+    if (word == "uart") {
+      return bus::LineKind::uart;
+    }
+    if (word == "adapter") {
+      return bus::LineKind::adapter;
+    }
+    if (word != "virtual") {
+      wrong("uart, adapter or virtual", word);
+    }
+    return bus::LineKind::virtual_line;
+  }
+  modbus::Bytes hex(std::vector<std::uint8_t>& storage) {
+    const std::string_view word = next("hexadecimal bytes");
+    storage.clear();
+    for (std::size_t at = 0; at < word.size(); at += 2) {
+      const auto high = digit_of(word[at]);
+      const auto low = at + 1 < word.size() ? digit_of(word[at + 1]) : std::nullopt;
+      if (!high || !low) {
+        wrong("hexadecimal bytes", word);
+        break;
+      }
+      storage.push_back(static_cast<std::uint8_t>(*high * 16 + *low));
+    }
+    return storage;
+  }
+  void wrong(std::string_view wanted, std::string_view found) {
+    if (error_.empty()) {
+      error_ = "expected " + std::string(wanted) + ", found \"" + std::string(found) + '"';
+    }
+  }
+  /// What was wrong, or nothing if the line ends here.
+  std::string error() {
+    if (!ended_) {
+      wrong("the end of the line", rest_);
+    }
+    return error_;
+  }
+
+ private:
+  std::string_view rest_;
+  bool ended_ = false;
+  std::string error_;
+};
+
+Instant instant_of(std::int64_t nanoseconds) { return Instant(Duration(nanoseconds)); }
+
+ClientConnected connected_of(Words& words) {
+  ClientConnected input{words.client(), {}};
+  input.info.listener = ListenerId{words.number<std::uint32_t>("the place of a listener")};
+  input.info.address = words.address();
+  input.info.bytes_before_ready = words.number<std::size_t>("a number of bytes");
+  return input;
+}
+
+ClientBytes bytes_of(Words& words, std::vector<std::uint8_t>& storage) {
+  ClientBytes input{words.client(), {}, words.number<std::size_t>("a number of bytes")};
+  input.bytes = words.hex(storage);
+  if (input.bytes.size() > kClientReadSize) {
+    words.wrong("at most " + std::to_string(kClientReadSize) + " bytes",
+                std::to_string(input.bytes.size()) + " bytes");
+  }
+  return input;
+}
+
+Input input_of(Words& words, std::vector<std::uint8_t>& storage) {
+  const std::string_view kind = words.next("an input");
+  if (kind == "connected") {
+    return connected_of(words);
+  }
+  if (kind == "read") {
+    return bytes_of(words, storage);
+  }
+  if (kind == "sent") {
+    return ClientSent{words.client()};
+  }
+  if (kind == "fin") {
+    return ClientHalfClosed{words.client()};
+  }
+  if (kind == "gone") {
+    return ClientDisconnected{words.client()};
+  }
+  if (kind == "opened") {
+    const BusId bus = words.bus();
+    return LineOpened{bus, words.line_kind()};
+  }
+  if (kind == "line") {
+    const BusId bus = words.bus();
+    return LineBytes{bus, words.hex(storage)};
+  }
+  if (kind == "lost") {
+    return LineLost{words.bus()};
+  }
+  if (kind == "closed") {
+    return LineLost{words.bus(), bus::Loss::closed};
+  }
+  if (kind == "looked") {
+    return LineLooked{words.bus()};
+  }
+  if (kind == "settings") {
+    return SettingsChanged{};
+  }
+  if (kind == "shutdown") {
+    return ShutdownAsked{};
+  }
+  if (kind != "time") {
+    words.wrong("an input", kind);
+  }
+  return DeadlineReached{};
+}
+
+/// Takes `key` and a space off the front of the line.
+bool take_key(std::string_view& line, std::string_view key) {
+  if (!line.starts_with(key) || line.size() <= key.size() || line[key.size()] != ' ') {
+    return false;
+  }
+  line.remove_prefix(key.size() + 1);
+  return true;
+}
+
+}  // namespace
+
+std::optional<std::string_view> config_line(std::string_view line) {
+  return take_key(line, "|") ? std::optional(line) : std::nullopt;
+}
+
+Result<RecordedInput, std::string> parse_line(std::string_view line,
+                                              std::vector<std::uint8_t>& storage) {
+  Words words(line);
+  const Instant at = instant_of(words.number<std::int64_t>("an instant in nanoseconds"));
+  RecordedInput recorded{at, input_of(words, storage)};
+  std::string error = words.error();
+  if (!error.empty()) {
+    return error;
+  }
+  return recorded;
+}
+
+Result<bool, std::string> HeadReader::read(std::string_view line) {
+  if (!begun_) {
+    begun_ = line == "mbgate recording 1";
+    return begun_ ? Result<bool, std::string>(false)
+                  : std::string("expected \"mbgate recording 1\": this is no recording");
+  }
+  std::string_view value = line;
+  if (const auto config = config_line(line)) {
+    (head_.text += *config) += '\n';
+  } else if (take_key(value, "version")) {
+    head_.version = value;
+  } else if (take_key(value, "config")) {
+    head_.config = value;
+  } else if (take_key(value, "profiles")) {
+    head_.profiles = value;
+  } else if (line.ends_with(" start")) {
+    const auto start = number_of<std::int64_t>(line.substr(0, line.size() - 6));
+    if (!start) {
+      return std::string("expected an instant in nanoseconds before \"start\"");
+    }
+    head_.start = instant_of(*start);
+    return true;
+  } else {
+    return "expected a line of the configuration or the start, found \"" + std::string(line) + '"';
+  }
+  return false;
+}
+
+}  // namespace mbgate::gateway

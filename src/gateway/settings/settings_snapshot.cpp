@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/settings/settings_snapshot.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace mbgate::gateway {
+namespace {
+
+std::vector<routing::ListenerKind> kinds_of(const std::vector<ListenerSettings>& listeners) {
+  std::vector<routing::ListenerKind> kinds;
+  kinds.reserve(listeners.size());
+  for (const auto& listener : listeners) {
+    kinds.push_back({listener.bus, listener.broadcast, listener.broadcast_reply});
+  }
+  return kinds;
+}
+
+bool reaches(const routing::ResolvedRoute& resolved, unsigned unit, const drive::Device& device) {
+  if (resolved.is_broadcast()) {
+    return std::ranges::any_of(resolved.audiences, [&](const routing::Audience& audience) {
+      return audience.bus == device.bus;
+    });
+  }
+  return resolved.route.buses.front() == device.bus &&
+         resolved.route.address_of(static_cast<std::uint8_t>(unit)) == device.address;
+}
+
+}  // namespace
+
+SettingsSnapshot::SettingsSnapshot(Settings given)
+    : settings(std::move(given)),
+      routes(kinds_of(settings.listeners), settings.routes, settings.devices),
+      devices(settings.devices, settings.buses.size()) {
+  for (std::size_t listener = 0; listener < settings.listeners.size(); ++listener) {
+    DevicePlaces& watched = watched_.emplace_back();
+    for (std::size_t place = 0; place < settings.devices.size(); ++place) {
+      if (!failsafe(place).empty() &&
+          leads_to(ListenerId{static_cast<std::uint32_t>(listener)}, settings.devices[place])) {
+        watched.push_back(place);
+      }
+    }
+  }
+}
+
+const DeviceGuard* SettingsSnapshot::guard(std::size_t device) const {
+  return device < settings.guards.size() ? &settings.guards[device] : nullptr;
+}
+
+std::span<const modbus::Request> SettingsSnapshot::failsafe(std::size_t device) const {
+  const DeviceGuard* known = guard(device);
+  return known != nullptr ? std::span(known->failsafe) : std::span<const modbus::Request>();
+}
+
+Failsafe SettingsSnapshot::new_failsafe() const {
+  Failsafe watches;
+  for (std::size_t place = 0; place < settings.devices.size(); ++place) {
+    if (!failsafe(place).empty()) {
+      watches.watch(place, guard(place)->quiet);
+    }
+  }
+  return watches;
+}
+
+DevicePlaces SettingsSnapshot::watched_for(const ClientInfo& client,
+                                           routing::ClientRights rights) const {
+  if (rights.read_only) {
+    return {};
+  }
+  DevicePlaces places = watched_[static_cast<std::size_t>(client.listener)];
+  const auto denied = std::ranges::remove_if(places, [&](std::size_t place) {
+    return guard(place)->writer == WriterRule::listed &&
+           !routing::contains(guard(place)->writers, client.address);
+  });
+  places.erase(denied.begin(), denied.end());
+  return places;
+}
+
+bool SettingsSnapshot::leads_to(ListenerId listener, const drive::Device& device) const {
+  for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
+    const routing::ResolvedRoute* resolved = routes.find(listener, static_cast<std::uint8_t>(unit));
+    if (resolved != nullptr && settings.status_unit != unit && resolved->route.may_write() &&
+        reaches(*resolved, unit, device)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/writes/failsafe_writes.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "gateway/settings/numbering.hpp"
+
+namespace mbgate::gateway {
+namespace {
+
+bool same_failsafe(const SettingsSnapshot& old, const SettingsSnapshot& next, std::size_t device) {
+  return std::ranges::equal(old.failsafe(device), next.failsafe(device), {}, &modbus::Request::pdu,
+                            &modbus::Request::pdu);
+}
+
+}  // namespace
+
+void FailsafeWrites::client_came(const ClientSession& client) {
+  watch_.client_came(client.id(), settings_.in_force().watched_for(client.info(), client.rights()));
+}
+
+void FailsafeWrites::client_asked(ClientId client, Instant now) {
+  for (const std::size_t device : watch_.client_asked(client, now)) {
+    report({device, FailsafeReason::gone}, FailsafeOutcome::client_back);
+  }
+}
+
+void FailsafeWrites::bus_opened(BusId bus) {
+  const auto& devices = settings_.settings().devices;
+  for (std::size_t place = 0; place < devices.size(); ++place) {
+    if (devices[place].bus == bus) {
+      watch_.line_is_back(place);
+    }
+  }
+}
+
+bool FailsafeWrites::send_due(Instant now) {
+  auto due = watch_.take_due(now);
+  if (due) {
+    send(*std::move(due), now);
+  }
+  return due.has_value();
+}
+
+// Each is a request of its own, because a stop is repeated and another write is not. The bus is
+// asked even if its line is away: it may be one that is opened on demand.
+void FailsafeWrites::send(Failsafe::Due due, Instant now) {
+  const drive::Device& device = settings_.settings().devices[due.device];
+  rules_.note_own_stop(due.device, now);
+  Run run{std::move(due)};
+  const auto writes = settings_.in_force().failsafe(run.due.device);
+  for (std::size_t place = 0; place < writes.size(); ++place) {
+    if (std::ranges::find(run.due.sent, place) != run.due.sent.end()) {
+      continue;
+    }
+    const std::uint32_t index = exchanges_.open();
+    exchanges_[index].client_gone = true;
+    exchanges_[index].is_stop = true;
+    bus::Job& job = exchanges_.add_job(index, device.bus, {}, now);
+    job.job_class = bus::JobClass::stop;
+    job.transactions.push_back({device.address, writes[place]});
+    run.unsent.push_back({index, place});
+    run.exchanges.push_back(index);
+  }
+  runs_.push_back(run);
+  for (const std::uint32_t index : run.exchanges) {
+    exchanges_.submit(index, now);
+  }
+}
+
+void FailsafeWrites::note_sent() {
+  for (Run& run : runs_) {
+    note_sent(run);
+  }
+}
+
+void FailsafeWrites::note_sent(Run& run) {
+  if (run.unsent.empty()) {
+    return;  // said already
+  }
+  std::erase_if(run.unsent, [&](const Write& write) {
+    const bool was_sent = write.exchange && exchanges_[*write.exchange].has_been_on_wire();
+    if (was_sent) {
+      run.due.sent.push_back(write.place);
+    }
+    return was_sent;
+  });
+  if (run.unsent.empty()) {
+    report(run.due, FailsafeOutcome::sent);
+  }
+}
+
+void FailsafeWrites::ended(std::uint32_t exchange) {
+  const auto run = std::ranges::find_if(runs_, [&](const Run& it) {
+    return std::ranges::find(it.exchanges, exchange) != it.exchanges.end();
+  });
+  if (run == runs_.end()) {
+    return;
+  }
+  note_sent(*run);
+  for (Write& write : run->unsent) {
+    write.exchange = write.exchange == exchange ? std::nullopt : write.exchange;
+  }
+  std::erase(run->exchanges, exchange);
+  if (run->exchanges.empty()) {
+    const Run ended = std::move(*run);
+    runs_.erase(run);
+    end(ended);
+  }
+}
+
+void FailsafeWrites::end(const Run& run) {
+  if (run.unsent.empty()) {
+    return;
+  }
+  Failsafe::Due due = run.due;
+  if (run.is_outdated) {
+    due.sent.clear();
+  }
+  const bool was_told = std::exchange(due.told, true);
+  if (stopping_) {
+    report(due, FailsafeOutcome::given_up);
+  } else if (!watch_.put_back(due)) {
+    report(due, FailsafeOutcome::client_back);
+  } else if (!was_told) {
+    report(due, FailsafeOutcome::waits);
+  }
+}
+
+void FailsafeWrites::send_at_exit(Instant now) {
+  stopping_ = true;
+  for (std::size_t place = 0; place < settings_.settings().devices.size(); ++place) {
+    auto due = watch_.take_at_exit(place);
+    if (!due) {
+      continue;
+    }
+    if (settings_.in_force().guard(place)->failsafe_on_exit) {
+      send(*std::move(due), now);
+    } else if (due->told) {
+      report(*due, FailsafeOutcome::given_up);
+    }
+  }
+}
+
+void FailsafeWrites::adopt(const SettingsSnapshot& before, const Sessions& clients, Instant now) {
+  const SettingsSnapshot& next = settings_.in_force();
+  const Failsafe old_watch = std::exchange(watch_, next.new_failsafe());
+  clients.for_each([&](const ClientSession& client) {
+    client_came(client);
+    if (client.has_asked) {
+      watch_.client_asked(client.id(), now);
+    }
+    // Its answers may have come of this reload: its silence begins then.
+    watch_.client_waits(client.id(), old_watch.does_wait(client.id()), now);
+  });
+  for (std::size_t device = 0; device < before.settings.devices.size(); ++device) {
+    if (keeps_device(before.settings, next.settings, device)) {
+      watch_.carry(device, old_watch, same_failsafe(before, next, device));
+    }
+  }
+  std::erase_if(runs_, [&](const Run& run) {
+    return next.failsafe(run.due.device).empty();  // nobody asks any more
+  });
+  for (Run& run : runs_) {
+    run.is_outdated = run.is_outdated || !same_failsafe(before, next, run.due.device);
+  }
+}
+
+void FailsafeWrites::report(const Failsafe::Due& due, FailsafeOutcome outcome) {
+  const drive::Device& device = settings_.settings().devices[due.device];
+  actions_.push(Report{FailsafeNews{device.bus, device.address, due.reason, outcome}});
+}
+
+}  // namespace mbgate::gateway

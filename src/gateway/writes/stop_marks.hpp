@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which writes the stops that were taken forbid, device by device: those that had arrived before,
+// wherever they lay meanwhile, must not follow.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "drive/device.hpp"
+#include "gateway/client.hpp"
+
+namespace mbgate::gateway {
+
+class StopMarks {
+ public:
+  explicit StopMarks(std::size_t devices) : marks_(devices) {}
+
+  /// A stop for the device was taken from this client; from none, if it is the gateway's own.
+  void note(std::size_t device, std::optional<ClientId> client, Instant now) {
+    Mark& mark = marks_[device];
+    if (mark.client != client) {
+      mark.others_at = mark.at;
+      mark.client = client;
+    }
+    mark.at = now;
+  }
+  /// One was taken from the client although requests before it in its stream were not.
+  void note_early(std::size_t device, ClientId client, std::uint64_t position) {
+    std::vector<Place>& places = early_[client];
+    const auto known = std::ranges::find(places, device, &Place::device);
+    if (known != places.end()) {
+      known->position = std::max(known->position, position);
+    } else {
+      places.push_back({device, position});
+    }
+  }
+  /// Does a stop forbid a write to the device that arrived then, and lies there in its client's
+  /// stream? By the clock only the stops of others do: a client's own writes behind its stop may be
+  /// as old as that.
+  [[nodiscard]] bool forbids(std::size_t device, ClientId client, std::uint64_t position,
+                             Instant arrival) const {
+    const Mark& mark = marks_[device];
+    return arrival < (mark.client == client ? mark.others_at : mark.at) ||
+           lies_before_early(device, client, position);
+  }
+  void client_gone(ClientId client) { early_.erase(client); }
+  /// Other settings: nothing is known of what is gone.
+  void adopt(const std::vector<drive::Device>& devices);
+
+ private:
+  struct Mark {
+    Instant at = Instant::min();
+    std::optional<ClientId> client;      ///< whose stop that was
+    Instant others_at = Instant::min();  ///< the last one before that of anybody else
+  };
+  struct Place {
+    std::size_t device;
+    std::uint64_t position;
+  };
+  [[nodiscard]] bool lies_before_early(std::size_t device, ClientId client,
+                                       std::uint64_t position) const {
+    const auto places = early_.find(client);
+    return places != early_.end() && std::ranges::any_of(places->second, [&](const Place& it) {
+             return it.device == device && position < it.position;
+           });
+  }
+
+  std::vector<Mark> marks_;
+  std::unordered_map<ClientId, std::vector<Place>> early_;
+};
+
+inline void StopMarks::adopt(const std::vector<drive::Device>& devices) {
+  marks_.resize(devices.size());
+  for (std::size_t device = 0; device < devices.size(); ++device) {
+    if (devices[device].is_gone()) {
+      marks_[device] = {};
+    }
+  }
+  for (auto& [client, places] : early_) {
+    std::erase_if(places, [&](const Place& it) { return devices[it.device].is_gone(); });
+  }
+}
+
+}  // namespace mbgate::gateway

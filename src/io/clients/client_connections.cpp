@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/clients/client_connections.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+namespace mbgate::io {
+
+using gateway::ClientId;
+
+ClientConnections::ClientConnections(boost::asio::io_context& context, ConnectionEvents& events)
+    : hangups_(context,
+               [this](std::uint64_t key, Hangup hangup) {
+                 if (auto* const client = find(ClientId{key})) {
+                   client->handle_hangup(hangup);
+                 }
+               }),
+      context_{context, hangups_, events, {}} {}
+
+ClientId ClientConnections::add(boost::asio::ip::tcp::socket socket) {
+  const auto id = static_cast<ClientId>(next_client_++);
+  connections_.emplace(id, std::make_shared<TcpConnection>(context_, id, std::move(socket)));
+  return id;
+}
+
+TcpConnection* ClientConnections::find(ClientId client) const {
+  const auto entry = connections_.find(client);
+  return entry == connections_.end() ? nullptr : entry->second.get();
+}
+
+bool ClientConnections::abort(ClientId client) {
+  const auto entry = connections_.extract(client);
+  if (entry) {
+    entry.mapped()->abort();
+  }
+  return !entry.empty();
+}
+
+void ClientConnections::close(ClientId client, bus::Duration limit) {
+  if (const auto entry = connections_.extract(client)) {
+    ++closing_;
+    entry.mapped()->close(limit);
+  }
+}
+
+void ClientConnections::close_all(bus::Duration limit) {
+  std::vector<ClientId> remaining;
+  std::ranges::transform(connections_, std::back_inserter(remaining),
+                         [](const auto& entry) { return entry.first; });
+  for (const ClientId client : remaining) {
+    close(client, limit);
+  }
+}
+
+}  // namespace mbgate::io

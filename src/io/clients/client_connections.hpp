@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The connections of all clients, by the number that the machine knows each by: those that it still
+// has, and how many that it has closed still send what was queued.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+
+#include "io/clients/hangup_watch.hpp"
+#include "io/clients/tcp_connection.hpp"
+
+namespace mbgate::io {
+
+class ClientConnections {
+ public:
+  ClientConnections(boost::asio::io_context& context, ConnectionEvents& events);
+  ClientConnections(const ClientConnections&) = delete;  // its parts refer to each other
+  ClientConnections& operator=(const ClientConnections&) = delete;
+
+  /// Gives it a number that no other one had. It reports nothing before TcpConnection::start().
+  gateway::ClientId add(boost::asio::ip::tcp::socket socket);
+  /// Null if it has ended, or was closed.
+  [[nodiscard]] TcpConnection* find(gateway::ClientId client) const;
+  /// It has ended by itself.
+  void note_disconnected(gateway::ClientId client) { connections_.erase(client); }
+  /// Ends it at once. False if there is none.
+  bool abort(gateway::ClientId client);
+  /// TcpConnection::close(), if there is one.
+  void close(gateway::ClientId client, bus::Duration limit);
+  void close_all(bus::Duration limit);
+  /// One that was closed has reported its end.
+  void note_closed() { --closing_; }
+  /// Some that were closed still send what was queued.
+  [[nodiscard]] bool are_closing() const { return closing_ > 0; }
+
+ private:
+  HangupWatch hangups_;
+  ConnectionContext context_;
+  std::unordered_map<gateway::ClientId, std::shared_ptr<TcpConnection>> connections_;
+  std::uint64_t next_client_ = 0;
+  std::size_t closing_ = 0;
+};
+
+}  // namespace mbgate::io

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/clients/descriptors.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace mbgate::io {
+namespace {
+
+/// What a line may need at a time: one descriptor that is being opened and one that is still being
+/// closed, or those with which a name is looked up.
+constexpr std::size_t kForEachLine = 4;
+/// The control socket, HTTP, and files that are open for a moment.
+constexpr std::size_t kForControl = 32;
+/// The process has these before the first client comes: its standard streams, timers, signals, the
+/// recording.
+constexpr std::size_t kOfTheProcess = 16;
+/// The socket that listens, and a spare one.
+constexpr std::size_t kForEachListener = 2;
+
+std::size_t count_there(const auto& all) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(all, [](const auto& it) { return !it.is_gone; }));
+}
+
+std::size_t reserved(const gateway::Settings& settings) {
+  return kForEachLine * count_there(settings.buses) + kForControl;
+}
+
+std::size_t descriptors_of(rlim_t limit) {
+  // RLIM_INFINITY among them: no descriptor is larger than an int.
+  return static_cast<std::size_t>(
+      std::min(limit, static_cast<rlim_t>(std::numeric_limits<int>::max())));
+}
+
+}  // namespace
+
+std::size_t raise_descriptor_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) {
+    return 0;
+  }
+  const rlim_t before = limit.rlim_cur;
+  limit.rlim_cur = limit.rlim_max;
+  return descriptors_of(::setrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_max : before);
+}
+
+std::size_t hard_descriptor_limit() {
+  rlimit limit{};
+  return ::getrlimit(RLIMIT_NOFILE, &limit) == 0 ? descriptors_of(limit.rlim_max) : 0;
+}
+
+DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t limit) {
+  const std::size_t others =
+      reserved(settings) + kOfTheProcess + kForEachListener * count_there(settings.listeners);
+  std::size_t wanted = 0;
+  for (const auto& listener : settings.listeners) {
+    wanted += listener.is_gone ? 0 : listener.max_connections;
+  }
+  DescriptorRoom room;
+  room.clients = limit > others ? limit - others : 0;
+  if (room.clients >= wanted) {
+    return room;
+  }
+  const std::string count = std::to_string(wanted);
+  room.shortage = "max_connections of all listeners together is " + count + ", but the limit of " +
+                  std::to_string(limit) + " open files leaves room for " +
+                  std::to_string(room.clients) +
+                  " clients: lower it, or raise the limit (LimitNOFILE= of the unit) to " +
+                  std::to_string(wanted + others);
+  return room;
+}
+
+int end_of_client_descriptors(const gateway::Settings& settings) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) {
+    return std::numeric_limits<int>::max();
+  }
+  const std::size_t all = descriptors_of(limit.rlim_cur);
+  return static_cast<int>(all - std::min(all, reserved(settings)));
+}
+
+}  // namespace mbgate::io

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/clients/listening_socket.hpp"
+
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <boost/asio/ip/v6_only.hpp>
+#include <cerrno>
+#include <chrono>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+namespace mbgate::io {
+namespace {
+
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// For each direction of a connection: hundreds of ADUs. The kernel's own limits are megabytes,
+/// which a client that never reads, or that never stops sending, could fill on every connection.
+constexpr int kSocketBuffer = 64 * 1024;
+
+template <typename Unit>
+int count_of(bus::Duration duration) {
+  return static_cast<int>(std::chrono::ceil<Unit>(duration).count());
+}
+
+void set_option(tcp::acceptor& acceptor, int level, int name, int value, error_code& error) {
+  if (!error && ::setsockopt(acceptor.native_handle(), level, name, &value, sizeof value) != 0) {
+    error.assign(errno, boost::system::system_category());
+  }
+}
+
+void set_freebind(tcp::acceptor& acceptor, bool v6, error_code& error) {
+  set_option(acceptor, v6 ? IPPROTO_IPV6 : IPPROTO_IP, v6 ? IPV6_FREEBIND : IP_FREEBIND, 1, error);
+}
+
+void set_connection_options(tcp::acceptor& acceptor, const gateway::TcpSettings& tcp,
+                            error_code& error) {
+  set_option(acceptor, IPPROTO_TCP, TCP_NODELAY, 1, error);
+  set_option(acceptor, SOL_SOCKET, SO_SNDBUF, kSocketBuffer, error);
+  set_option(acceptor, SOL_SOCKET, SO_RCVBUF, kSocketBuffer, error);
+  if (tcp.keepalive_idle > bus::Duration::zero()) {
+    set_option(acceptor, SOL_SOCKET, SO_KEEPALIVE, 1, error);
+    set_option(acceptor, IPPROTO_TCP, TCP_KEEPIDLE, count_of<seconds>(tcp.keepalive_idle), error);
+    set_option(acceptor, IPPROTO_TCP, TCP_KEEPINTVL, count_of<seconds>(tcp.keepalive_interval),
+               error);
+    set_option(acceptor, IPPROTO_TCP, TCP_KEEPCNT, static_cast<int>(tcp.keepalive_probes), error);
+  }
+  set_option(acceptor, IPPROTO_TCP, TCP_USER_TIMEOUT, count_of<milliseconds>(tcp.user_timeout),
+             error);
+}
+
+std::string hint(const error_code& error, std::uint16_t port) {
+  if (error.value() == EACCES && port < 1024) {
+    return "; a port below 1024 needs the capability CAP_NET_BIND_SERVICE";
+  }
+  return "";
+}
+
+ListenFailure refusal(const gateway::ListenerSettings& listener, const std::string& where,
+                      const std::string& why) {
+  return {"listener \"" + listener.name + "\": cannot listen on " + where + ": " + why};
+}
+
+/// The protocol of a listening TCP socket; nothing if the descriptor is something else.
+std::optional<tcp> protocol_of(int socket) {
+  int listening = 0;
+  socklen_t size = sizeof listening;
+  if (::getsockopt(socket, SOL_SOCKET, SO_ACCEPTCONN, &listening, &size) != 0 || listening == 0) {
+    return std::nullopt;
+  }
+  int family = 0;
+  size = sizeof family;
+  if (::getsockopt(socket, SOL_SOCKET, SO_DOMAIN, &family, &size) != 0) {
+    return std::nullopt;
+  }
+  if (family == AF_INET) {
+    return tcp::v4();
+  }
+  if (family == AF_INET6) {
+    return tcp::v6();
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<tcp::acceptor, ListenFailure> bind_listener(boost::asio::io_context& context,
+                                                   const gateway::ListenerSettings& listener) {
+  error_code error;
+  const auto address = boost::asio::ip::make_address(listener.address, error);
+  if (error) {
+    return refusal(listener, listener.address, "this is no IPv4 or IPv6 address");
+  }
+  const tcp::endpoint endpoint(address, listener.port);
+  tcp::acceptor acceptor(context);
+  acceptor.open(endpoint.protocol(), error);
+  if (!error) {
+    acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  }
+  if (!error && address.is_v6()) {
+    // Otherwise :: would take IPv4 as well, and a listener of its own for 0.0.0.0 could not be
+    // bound.
+    acceptor.set_option(boost::asio::ip::v6_only(true), error);
+  }
+  if (listener.freebind) {
+    set_freebind(acceptor, address.is_v6(), error);
+  }
+  set_connection_options(acceptor, listener.tcp, error);
+  if (!error) {
+    acceptor.bind(endpoint, error);
+  }
+  if (!error) {
+    acceptor.listen(static_cast<int>(listener.tcp.backlog), error);
+  }
+  if (!error) {
+    acceptor.non_blocking(true, error);
+  }
+  if (error) {
+    auto failure =
+        refusal(listener, to_text(endpoint), error.message() + hint(error, listener.port));
+    failure.absent = error.value() == EADDRNOTAVAIL;
+    return failure;
+  }
+  return acceptor;
+}
+
+Result<tcp::acceptor, ListenFailure> adopt_listener(boost::asio::io_context& context,
+                                                    const gateway::ListenerSettings& listener,
+                                                    UniqueFd socket) {
+  const auto protocol = protocol_of(socket.get());
+  if (!protocol) {
+    return refusal(listener, "the socket from systemd", "it is no listening TCP socket");
+  }
+  tcp::acceptor acceptor(context);
+  error_code error;
+  acceptor.assign(*protocol, socket.get(), error);
+  if (!error) {
+    socket.release();
+    acceptor.non_blocking(true, error);
+  }
+  set_connection_options(acceptor, listener.tcp, error);
+  if (error) {
+    return refusal(listener, "the socket from systemd", error.message());
+  }
+  return acceptor;
+}
+
+std::string to_text(const tcp::endpoint& endpoint) {
+  std::ostringstream text;
+  text << endpoint;
+  return text.str();
+}
+
+}  // namespace mbgate::io

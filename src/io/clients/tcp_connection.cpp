@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/clients/tcp_connection.hpp"
+
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <cerrno>
+#include <utility>
+
+#include "io/supervise.hpp"
+
+namespace mbgate::io {
+namespace {
+
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
+
+bool would_block(int error) { return error == EAGAIN || error == EINTR; }
+
+/// Bytes sent; nothing if the connection is broken.
+std::optional<std::size_t> try_send(int socket, modbus::Bytes bytes) {
+  const ssize_t count = ::send(socket, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (count >= 0) {
+    return static_cast<std::size_t>(count);
+  }
+  return would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
+}
+
+}  // namespace
+
+std::size_t unread_bytes(int socket) {
+  int bytes = 0;
+  return ::ioctl(socket, FIONREAD, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+}
+
+TcpConnection::TcpConnection(ConnectionContext& context, gateway::ClientId client,
+                             tcp::socket socket)
+    : context_(context), client_(client), socket_(std::move(socket)) {}
+
+void TcpConnection::start() {
+  if (!reading_ && !fin_seen_) {
+    reading_ = true;
+    supervise(context_.io, read_loop(shared_from_this()), "client read");
+  }
+}
+
+bool TcpConnection::pause() {
+  paused_ = true;
+  if (fin_seen_) {
+    return true;  // watched since the FIN
+  }
+  watched_ = context_.hangups.watch(socket_.native_handle(), static_cast<std::uint64_t>(client_),
+                                    !fin_reported_);
+  return watched_;
+}
+
+void TcpConnection::resume() {
+  paused_ = false;
+  if (!fin_seen_) {
+    stop_watching();
+    start();
+    boost::asio::post(context_.io, [self = shared_from_this()] { self->read_after_pause(); });
+  }
+}
+
+TcpConnection::SendOutcome TcpConnection::send(const modbus::MbapBytes& adu) {
+  answered_ = true;
+  if (outbox_.empty()) {
+    const auto count = try_send(socket_.native_handle(), adu);
+    if (!count) {
+      return SendOutcome::failed;
+    }
+    if (*count == adu.size()) {
+      return SendOutcome::sent;
+    }
+    written_ = *count;
+  }
+  outbox_.push_back(adu);
+  start_writing();
+  return SendOutcome::queued;
+}
+
+void TcpConnection::close(bus::Duration limit) {
+  stop_watching();
+  closing_.emplace(context_.io, limit);
+  const bool nothing_can_be_lost = outbox_.empty() && (fin_seen_ || !answered_);
+  if (nothing_can_be_lost) {
+    finish();
+    return;
+  }
+  closing_->async_wait([weak = weak_from_this()](const error_code& error) {
+    if (const auto self = weak.lock(); self && !error) {
+      self->finish();
+    }
+  });
+  start_writing();
+}
+
+void TcpConnection::abort() {
+  stop_watching();
+  error_code ignored;
+  socket_.close(ignored);
+}
+
+void TcpConnection::handle_hangup(Hangup hangup) {
+  switch (hangup) {
+    case Hangup::reset: disconnect(); return;
+    case Hangup::fin:
+      // One shot: a reset is still to be noticed.
+      if (context_.hangups.watch(socket_.native_handle(), static_cast<std::uint64_t>(client_),
+                                 false)) {
+        fin_reported_ = true;
+        context_.events.client_half_closed(client_);
+      } else {
+        disconnect();
+      }
+      return;
+  }
+}
+
+boost::asio::awaitable<void> TcpConnection::read_loop(std::shared_ptr<TcpConnection> self) {
+  while (!self->paused_ && !self->fin_seen_ && !self->closing_ && self->socket_.is_open()) {
+    const auto [error] = co_await self->socket_.async_wait(tcp::socket::wait_read, kUseTuple);
+    if (error) {
+      break;
+    }
+    if (!self->paused_ && !self->closing_) {
+      self->read_once();
+    }
+  }
+  self->reading_ = false;
+}
+
+void TcpConnection::read_once() {
+  ReadBuffer& buffer = context_.buffer;
+  const ssize_t count = ::recv(socket_.native_handle(), buffer.data(), buffer.size(), MSG_DONTWAIT);
+  if (count > 0) {
+    const auto size = static_cast<std::size_t>(count);
+    const std::size_t unread = size < buffer.size() ? 0 : unread_bytes(socket_.native_handle());
+    context_.events.client_bytes(client_, modbus::Bytes(buffer).first(size), unread);
+  } else if (count == 0) {
+    handle_fin();
+  } else if (!would_block(errno)) {
+    disconnect();
+  }
+}
+
+// Bytes that come later must not be taken for ones that came during the pause, so an empty socket
+// is reported.
+void TcpConnection::read_after_pause() {
+  if (paused_ || fin_seen_ || closing_ || !socket_.is_open()) {
+    return;
+  }
+  if (unread_bytes(socket_.native_handle()) == 0) {
+    context_.events.client_bytes(client_, {}, 0);
+  } else {
+    read_once();
+  }
+}
+
+void TcpConnection::handle_fin() {
+  fin_seen_ = true;
+  watched_ =
+      context_.hangups.watch(socket_.native_handle(), static_cast<std::uint64_t>(client_), false);
+  if (watched_) {
+    context_.events.client_half_closed(client_);
+  } else {
+    disconnect();
+  }
+}
+
+void TcpConnection::start_writing() {
+  if (!writing_) {
+    writing_ = true;
+    supervise(context_.io, write_loop(shared_from_this()), "client write");
+  }
+}
+
+boost::asio::awaitable<void> TcpConnection::write_loop(std::shared_ptr<TcpConnection> self) {
+  while (self->socket_.is_open() && !self->outbox_.empty()) {
+    const auto [error] = co_await self->socket_.async_wait(tcp::socket::wait_write, kUseTuple);
+    if (error || !self->write_queued()) {
+      break;
+    }
+  }
+  self->writing_ = false;
+  if (self->closing_ && self->socket_.is_open()) {
+    co_await discard_until_fin(self);
+    self->finish();
+  }
+}
+
+bool TcpConnection::write_queued() {
+  while (socket_.is_open() && !outbox_.empty()) {
+    const modbus::Bytes rest = modbus::Bytes(outbox_.front()).subspan(written_);
+    const auto count = try_send(socket_.native_handle(), rest);
+    if (!count) {
+      closing_ ? finish() : disconnect();
+      return false;
+    }
+    if (*count < rest.size()) {
+      written_ += *count;
+      return true;
+    }
+    outbox_.pop_front();
+    written_ = 0;
+    if (!closing_) {
+      context_.events.client_sent(client_);  // may send, or close this connection
+    }
+  }
+  return socket_.is_open();
+}
+
+boost::asio::awaitable<void> TcpConnection::discard_until_fin(std::shared_ptr<TcpConnection> self) {
+  error_code ignored;
+  self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
+  while (!self->fin_seen_ && self->socket_.is_open()) {
+    const auto [error] = co_await self->socket_.async_wait(tcp::socket::wait_read, kUseTuple);
+    if (error) {
+      co_return;
+    }
+    ReadBuffer& buffer = self->context_.buffer;
+    const ssize_t count =
+        ::recv(self->socket_.native_handle(), buffer.data(), buffer.size(), MSG_DONTWAIT);
+    if (count == 0 || (count < 0 && !would_block(errno))) {
+      co_return;
+    }
+  }
+}
+
+void TcpConnection::disconnect() {
+  abort();
+  context_.events.client_disconnected(client_);
+}
+
+void TcpConnection::finish() {
+  if (socket_.is_open()) {
+    abort();
+    closing_->cancel();
+    context_.events.client_closed(client_);
+  }
+}
+
+void TcpConnection::stop_watching() {
+  if (std::exchange(watched_, false)) {
+    context_.hangups.forget(socket_.native_handle());
+  }
+}
+
+}  // namespace mbgate::io

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// The socket of one client. It reports bytes, FIN and the end, and sends each ADU with one send()
+// as long as the client takes it. An idle connection holds no buffer: what can be read is read into
+// one that all share.
+#pragma once
+
+#include <array>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <list>
+#include <memory>
+#include <optional>
+
+#include "gateway/client.hpp"
+#include "gateway/limits.hpp"
+#include "io/clients/hangup_watch.hpp"
+#include "modbus/bytes.hpp"
+#include "modbus/mbap.hpp"
+
+namespace mbgate::io {
+
+class ConnectionEvents {
+ public:
+  virtual ~ConnectionEvents() = default;
+  /// `unread` more bytes are in the socket. Without bytes: reading was resumed and there was
+  /// nothing.
+  virtual void client_bytes(gateway::ClientId client, modbus::Bytes bytes, std::size_t unread) = 0;
+  /// The oldest ADU that send() called queued has been written.
+  virtual void client_sent(gateway::ClientId client) = 0;
+  /// FIN: once when it is noticed while reading is paused, before the bytes in front of it are
+  /// read, and once when reading comes to it.
+  virtual void client_half_closed(gateway::ClientId client) = 0;
+  /// The connection has ended by itself; its socket is closed.
+  virtual void client_disconnected(gateway::ClientId client) = 0;
+  /// After close(): the socket is closed.
+  virtual void client_closed(gateway::ClientId client) = 0;
+};
+
+/// Bytes that have come and were not read yet.
+std::size_t unread_bytes(int socket);
+
+using ReadBuffer = std::array<std::uint8_t, gateway::kClientReadSize>;
+
+/// What the connections of one io thread share.
+struct ConnectionContext {
+  boost::asio::io_context& io;
+  HangupWatch& hangups;
+  ConnectionEvents& events;
+  ReadBuffer buffer{};
+};
+
+class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
+ public:
+  enum class SendOutcome : std::uint8_t { sent, queued, failed };
+
+  TcpConnection(ConnectionContext& context, gateway::ClientId client,
+                boost::asio::ip::tcp::socket socket);
+
+  /// Reports bytes and FIN until pause().
+  void start();
+  /// Reads no more, but still reports FIN and reset. False if they cannot be watched: then the
+  /// connection is of no use any more.
+  [[nodiscard]] bool pause();
+  void resume();
+  /// `failed`: the connection is broken, and nothing is reported back.
+  SendOutcome send(const modbus::MbapBytes& adu);
+  /// Sends what is queued, then FIN, and closes when the client has closed too, after `limit` at
+  /// the latest: closing at once with bytes unread would make the kernel reset the connection, and
+  /// the last answers could be lost. Only client_closed() is reported from now on, perhaps from
+  /// within.
+  void close(bus::Duration limit);
+  /// Closes at once and reports nothing.
+  void abort();
+  /// From the hang-up watch.
+  void handle_hangup(Hangup hangup);
+
+ private:
+  static boost::asio::awaitable<void> read_loop(std::shared_ptr<TcpConnection> self);
+  static boost::asio::awaitable<void> write_loop(std::shared_ptr<TcpConnection> self);
+  static boost::asio::awaitable<void> discard_until_fin(std::shared_ptr<TcpConnection> self);
+  void read_once();
+  void read_after_pause();
+  bool write_queued();
+  void start_writing();
+  void handle_fin();
+  void disconnect();
+  void finish();
+  void stop_watching();
+
+  ConnectionContext& context_;
+  gateway::ClientId client_;
+  boost::asio::ip::tcp::socket socket_;
+  std::list<modbus::MbapBytes> outbox_;
+  std::size_t written_ = 0;  ///< bytes of the first ADU of the outbox
+  std::optional<boost::asio::steady_timer> closing_;
+  bool reading_ = false;  ///< read_loop runs
+  bool writing_ = false;  ///< write_loop runs
+  bool paused_ = false;
+  bool watched_ = false;
+  bool answered_ = false;      ///< something was sent
+  bool fin_seen_ = false;      ///< read up to the FIN
+  bool fin_reported_ = false;  ///< noticed while paused
+};
+
+}  // namespace mbgate::io

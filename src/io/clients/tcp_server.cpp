@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/clients/tcp_server.hpp"
+
+#include <fcntl.h>
+#include <sys/socket.h>
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <cerrno>
+#include <utility>
+
+#include "io/clients/tcp_connection.hpp"
+#include "io/supervise.hpp"
+
+namespace mbgate::io {
+namespace {
+
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
+
+/// Accepted in one go, and how long then nobody is: clients that connect without end must not take
+/// the time that lines need.
+constexpr int kBatch = 4;
+constexpr std::chrono::milliseconds kBreath{1};
+/// Turned away in one go for want of descriptors.
+constexpr int kMostShed = 64;
+/// More than the kernel's longest backlog: only a flood of new connections could make the start
+/// endless.
+constexpr int kMostWaiting = 65536;
+/// A failure that lasts must not keep the processor busy.
+constexpr std::chrono::milliseconds kPause{100};
+
+UniqueFd open_spare() { return UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
+
+int accept_socket(int listening, tcp::endpoint& peer) {
+  auto size = static_cast<socklen_t>(peer.capacity());
+  const int socket = ::accept4(listening, peer.data(), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  if (socket >= 0) {
+    peer.resize(size);
+  }
+  return socket;
+}
+
+}  // namespace
+
+routing::ClientAddress AcceptedClient::address() const {
+  const auto from = peer.address();
+  const auto v6 = from.is_v6()
+                      ? from.to_v6()
+                      : boost::asio::ip::make_address_v6(boost::asio::ip::v4_mapped, from.to_v4());
+  return routing::ClientAddress(v6.to_bytes());
+}
+
+TcpServer::TcpServer(boost::asio::io_context& context, gateway::ListenerId listener,
+                     tcp::acceptor acceptor, AcceptEvents& events, int end)
+    : context_(context),
+      listener_(listener),
+      acceptor_(std::move(acceptor)),
+      pause_(context),
+      events_(events),
+      end_(end),
+      spare_(open_spare()) {}
+
+void TcpServer::accept_waiting() {
+  for (int i = 0; i < kMostWaiting && accept_one(true) == Outcome::accepted; ++i) {
+  }
+}
+
+void TcpServer::start() { supervise(context_, run(), "accept"); }
+
+void TcpServer::stop() {
+  error_code ignored;
+  acceptor_.close(ignored);
+  pause_.cancel();
+}
+
+boost::asio::awaitable<void> TcpServer::run() {
+  while (true) {
+    const auto [error] = co_await acceptor_.async_wait(tcp::acceptor::wait_read, kUseTuple);
+    if (error) {
+      co_return;
+    }
+    Outcome outcome = Outcome::accepted;
+    for (int i = 0; i < kBatch && outcome == Outcome::accepted; ++i) {
+      outcome = accept_one(false);
+    }
+    pause_.expires_after(outcome == Outcome::failed ? kPause : kBreath);
+    const auto [stopped] = co_await pause_.async_wait(kUseTuple);
+    if (stopped) {
+      co_return;
+    }
+  }
+}
+
+TcpServer::Outcome TcpServer::accept_one(bool count_bytes) {
+  tcp::endpoint peer;
+  UniqueFd socket(accept_socket(acceptor_.native_handle(), peer));
+  if (socket.is_open() && socket.get() < end_) {
+    return take(std::move(socket), peer, count_bytes);
+  }
+  const int reason = socket.is_open() ? EMFILE : errno;
+  socket.reset();
+  switch (reason) {
+    case EAGAIN: return Outcome::none_waiting;
+    case EINTR:
+    case ECONNABORTED: return Outcome::accepted;  // that one has gone; the next one may be there
+    default: break;
+  }
+  const error_code error(reason, boost::system::system_category());
+  if (error.value() == EMFILE || error.value() == ENFILE) {
+    shed();
+  }
+  events_.accept_failed(listener_, error);
+  return Outcome::failed;
+}
+
+TcpServer::Outcome TcpServer::take(UniqueFd socket, const tcp::endpoint& peer, bool count_bytes) {
+  const std::size_t waiting = count_bytes ? unread_bytes(socket.get()) : 0;
+  tcp::socket connection(context_);
+  error_code error;
+  connection.assign(peer.protocol(), socket.get(), error);
+  if (error) {
+    events_.accept_failed(listener_, error);
+    return Outcome::failed;
+  }
+  socket.release();
+  events_.client_accepted(listener_, {std::move(connection), peer, waiting});
+  return Outcome::accepted;
+}
+
+void TcpServer::shed() {
+  spare_.reset();
+  tcp::endpoint peer;
+  for (int i = 0; i < kMostShed; ++i) {
+    if (!UniqueFd(accept_socket(acceptor_.native_handle(), peer)).is_open()) {
+      break;
+    }
+  }
+  spare_ = open_spare();
+}
+
+}  // namespace mbgate::io

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Accepts the connections of one listening socket. Running out of file descriptors is survived, and
+// some are left for others: the connections that cannot be had are closed, so that their clients
+// know, and the server goes on.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/system/error_code.hpp>
+
+#include "gateway/settings.hpp"
+#include "io/unique_fd.hpp"
+#include "routing/client_address.hpp"
+
+namespace mbgate::io {
+
+struct AcceptedClient {
+  boost::asio::ip::tcp::socket socket;
+  boost::asio::ip::tcp::endpoint peer;
+  /// Bytes that could be read at accept; counted by accept_waiting() only, else 0.
+  std::size_t bytes_waiting = 0;
+
+  /// The peer's, as the machine knows addresses.
+  [[nodiscard]] routing::ClientAddress address() const;
+};
+
+class AcceptEvents {
+ public:
+  virtual ~AcceptEvents() = default;
+  virtual void client_accepted(gateway::ListenerId listener, AcceptedClient client) = 0;
+  /// Accepting failed for want of descriptors or memory; it is tried again after a pause.
+  virtual void accept_failed(gateway::ListenerId listener,
+                             const boost::system::error_code& error) = 0;
+};
+
+class TcpServer {
+ public:
+  /// The acceptor listens already and is non-blocking. Descriptors from `end` on are not for
+  /// clients.
+  TcpServer(boost::asio::io_context& context, gateway::ListenerId listener,
+            boost::asio::ip::tcp::acceptor acceptor, AcceptEvents& events, int end);
+  TcpServer(const TcpServer&) = delete;
+  TcpServer& operator=(const TcpServer&) = delete;
+  ~TcpServer() = default;
+
+  /// Accepts, at once and without waiting, the connections that were made before now.
+  void accept_waiting();
+  /// Accepts those that come from now on.
+  void start();
+  /// Accepts no more.
+  void stop();
+  void set_end(int end) { end_ = end; }
+  [[nodiscard]] gateway::ListenerId listener() const { return listener_; }
+
+ private:
+  enum class Outcome : std::uint8_t { accepted, none_waiting, failed };
+
+  boost::asio::awaitable<void> run();
+  Outcome accept_one(bool count_bytes);
+  Outcome take(UniqueFd socket, const boost::asio::ip::tcp::endpoint& peer, bool count_bytes);
+  /// With the spare descriptor, accepts and closes what is waiting.
+  void shed();
+
+  boost::asio::io_context& context_;
+  gateway::ListenerId listener_;
+  boost::asio::ip::tcp::acceptor acceptor_;
+  boost::asio::steady_timer pause_;
+  AcceptEvents& events_;
+  int end_;
+  UniqueFd spare_;
+};
+
+}  // namespace mbgate::io

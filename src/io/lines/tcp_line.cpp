@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/lines/tcp_line.hpp"
+
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/experimental/awaitable_operators.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <cerrno>
+#include <chrono>
+#include <system_error>
+#include <tuple>
+#include <utility>
+#include <variant>
+
+#include "io/lines/read_waiting.hpp"
+#include "io/lines/tcp_options.hpp"
+#include "io/supervise.hpp"
+
+namespace mbgate::io {
+namespace {
+
+using namespace boost::asio::experimental::awaitable_operators;
+using boost::asio::error::operation_aborted;
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
+
+/// A kernel that does not take a frame holds hundreds of others that the far end does not read.
+constexpr std::chrono::milliseconds kTakeLimit{1000};
+
+bool has_far_end_closed(int error) { return error == ECONNRESET || error == EPIPE; }
+
+std::string text_of(int error) { return std::generic_category().message(error); }
+
+/// Bytes sent; nothing if the connection is broken.
+std::optional<std::size_t> try_send(tcp::socket& socket, modbus::Bytes bytes) {
+  const ssize_t count =
+      ::send(socket.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (count >= 0) {
+    return static_cast<std::size_t>(count);
+  }
+  return would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
+}
+
+/// What ended first: an operation on the socket, or the timer that limits it.
+using Ended = std::variant<std::tuple<error_code>, std::tuple<error_code>>;
+constexpr std::size_t kLimitReached = 1;
+
+/// By close(); or by the end of the line, of which nothing may be touched then.
+bool was_aborted(const Ended& ended) {
+  return std::visit([](const auto& result) { return std::get<0>(result) == operation_aborted; },
+                    ended);
+}
+
+/// With nobody listening at a port that the kernel also gives to connections, it may happen to be
+/// given to this very one, which then talks to itself and keeps the port from its owner.
+bool is_connected_to_itself(const tcp::socket& socket) {
+  error_code near_error;
+  error_code far_error;
+  const auto near = socket.local_endpoint(near_error);
+  const auto far = socket.remote_endpoint(far_error);
+  return !near_error && !far_error && near == far;
+}
+
+/// Why a connection was not made.
+error_code failure_of(const Ended& connecting, const tcp::socket& socket) {
+  if (connecting.index() == kLimitReached) {
+    return boost::asio::error::timed_out;
+  }
+  const error_code error = std::get<0>(std::get<0>(connecting));
+  return !error && is_connected_to_itself(socket) ? boost::asio::error::connection_refused : error;
+}
+
+}  // namespace
+
+TcpLine::TcpLine(LineContext context, drive::BusId bus, const bus::LineSettings& line)
+    : context_(context),
+      bus_(bus),
+      remote_(*line.remote),
+      times_(line.connection),
+      name_(to_text(remote_)),
+      socket_(context.io),
+      timer_(context.io) {}
+
+TcpLine::~TcpLine() { close_socket(); }
+
+void TcpLine::open() {
+  if (state_ != State::closed) {
+    return;
+  }
+  state_ = State::opening;
+  ++generation_;
+  if (const auto endpoint = numeric_endpoint(remote_)) {
+    start_connecting({*endpoint});
+  } else if (!resolving_) {
+    resolve_name();
+  }
+}
+
+void TcpLine::resolve_name() {
+  resolving_ = context_.blocking.run(
+      [remote = remote_] { return resolve(remote); },
+      [this](Result<HostAddresses, std::string> result) { finish_resolving(std::move(result)); });
+  if (!resolving_) {
+    boost::asio::post(context_.io, [this, generation = generation_] {
+      if (generation == generation_) {
+        fail_to_open("no thread to look the name up on");
+      }
+    });
+  }
+}
+
+void TcpLine::finish_resolving(Result<HostAddresses, std::string> result) {
+  resolving_ = false;
+  if (state_ != State::opening) {
+    return;  // closed in the meantime
+  }
+  if (result) {
+    start_connecting(std::move(*result));
+  } else {
+    fail_to_open(result.error());
+  }
+}
+
+void TcpLine::start_connecting(HostAddresses addresses) {
+  supervise(context_.io, connect(std::move(addresses), generation_), "line connect");
+}
+
+boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned generation) {
+  std::string failures;
+  for (const auto& address : addresses) {
+    timer_.expires_after(times_.connect_timeout);
+    const auto ended =
+        co_await (socket_.async_connect(address, kUseTuple) || timer_.async_wait(kUseTuple));
+    if (was_aborted(ended) || generation != generation_) {
+      co_return;
+    }
+    const error_code error = failure_of(ended, socket_);
+    if (!error) {
+      finish_open();
+      co_return;
+    }
+    close_socket();
+    const bool by_name = addresses.size() > 1 || !numeric_endpoint(remote_);
+    failures += (failures.empty() ? "" : "; ") +
+                (by_name ? address.address().to_string() + ": " : "") + error.message();
+  }
+  fail_to_open(failures);
+}
+
+void TcpLine::finish_open() {
+  state_ = State::open;
+  rest_.clear();
+  const auto warnings = set_options(socket_.native_handle(), times_, name_);
+  supervise(context_.io, read_loop(generation_), "line read");
+  context_.events.line_opened(bus_, bus::LineKind::virtual_line, warnings);
+}
+
+void TcpLine::fail_to_open(const std::string& why) {
+  state_ = State::closed;
+  context_.events.line_lost(bus_, "cannot connect to " + name_ + ": " + why);
+}
+
+std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
+  if (state_ != State::open) {
+    return std::nullopt;
+  }
+  if (!rest_.empty()) {
+    close();
+    return name_ + ": the far end has not taken the frame before";
+  }
+  const auto count = try_send(socket_, frame);
+  if (!count && has_far_end_closed(errno)) {
+    return std::nullopt;  // the reader, whose turn is next, tells it
+  }
+  if (!count) {
+    std::string why = name_ + ": cannot send: " + text_of(errno);
+    close();
+    return why;
+  }
+  if (*count < frame.size()) {
+    rest_.assign(frame.begin() + static_cast<std::ptrdiff_t>(*count), frame.end());
+    supervise(context_.io, write_rest(generation_), "line write");
+  }
+  return std::nullopt;
+}
+
+// It waits, and reads by itself: an operation that had read already, and whose end waits its turn,
+// would hold bytes back from read_now().
+boost::asio::awaitable<void> TcpLine::read_loop(unsigned generation) {
+  while (true) {
+    const auto [error] = co_await socket_.async_wait(tcp::socket::wait_read, kUseTuple);
+    if (error == operation_aborted || generation != generation_) {
+      co_return;
+    }
+    if (error) {
+      note_end(error);
+      co_return;
+    }
+    read_now();
+    if (generation != generation_) {
+      co_return;
+    }
+  }
+}
+
+bool TcpLine::has_bytes() {
+  error_code ignored;
+  return state_ == State::open && socket_.available(ignored) > 0;
+}
+
+// The end of the stream counts: what is sent into a connection that the far end has closed is lost.
+void TcpLine::read_now() {
+  if (state_ != State::open) {
+    return;
+  }
+  error_code ignored;
+  const auto error = read_waiting(
+      buffer_, std::max<std::size_t>(socket_.available(ignored), 1),
+      [fd = socket_.native_handle()](auto room) {
+        return ::recv(fd, room.data(), room.size(), MSG_DONTWAIT);
+      },
+      [this, generation = generation_](modbus::Bytes bytes) {
+        context_.events.line_bytes(bus_, bytes);
+        return generation == generation_;
+      });
+  if (error) {
+    note_end(error);
+  }
+}
+
+boost::asio::awaitable<void> TcpLine::write_rest(unsigned generation) {
+  timer_.expires_after(kTakeLimit);
+  while (!rest_.empty()) {
+    const auto ended = co_await (socket_.async_wait(tcp::socket::wait_write, kUseTuple) ||
+                                 timer_.async_wait(kUseTuple));
+    if (was_aborted(ended) || generation != generation_) {
+      co_return;
+    }
+    if (ended.index() == kLimitReached) {
+      lose("the far end does not take a frame in time");
+      co_return;
+    }
+    const auto count = try_send(socket_, rest_);
+    if (!count) {
+      lose("cannot send: " + text_of(errno));
+      co_return;
+    }
+    rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(*count));
+  }
+}
+
+void TcpLine::close() {
+  state_ = State::closed;
+  ++generation_;
+  timer_.cancel();
+  close_socket();
+}
+
+// Close alone would leave what the far end has not acknowledged to the kernel, which goes on
+// sending it. A reset throws it away.
+void TcpLine::close_socket() {
+  int unacknowledged = 0;
+  error_code ignored;
+  if (!rest_.empty() ||
+      (::ioctl(socket_.native_handle(), SIOCOUTQ, &unacknowledged) == 0 && unacknowledged > 0)) {
+    socket_.set_option(tcp::socket::linger(true, 0), ignored);
+  }
+  rest_.clear();
+  socket_.close(ignored);
+}
+
+void TcpLine::note_end(const error_code& error) {
+  const bool eof = error == boost::asio::error::eof;
+  if (!eof && !has_far_end_closed(error.value())) {
+    lose(error.message());
+    return;
+  }
+  close();
+  context_.events.line_closed(
+      bus_, name_ + ": " + (eof ? "the far end has closed the connection" : error.message()));
+}
+
+void TcpLine::lose(const std::string& why) {
+  close();
+  context_.events.line_lost(bus_, name_ + ": " + why);
+}
+
+}  // namespace mbgate::io

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// A TCP connection in place of a serial line: to a Modbus TCP server, or to a serial device server.
+// Nothing that was given to it leaves long after it was asked for: a far end that does not take or
+// acknowledge what was sent costs the connection, and what the kernel still holds goes with it.
+#pragma once
+
+#include <array>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/settings.hpp"
+#include "io/lines/host_addresses.hpp"
+#include "io/lines/line.hpp"
+
+namespace mbgate::io {
+
+class TcpLine final : public Line {
+ public:
+  /// `line` has a remote end.
+  TcpLine(LineContext context, drive::BusId bus, const bus::LineSettings& line);
+  ~TcpLine() override;
+
+  void open() override;
+  std::optional<std::string> transmit(modbus::Bytes frame) override;
+  void read_now() override;
+  [[nodiscard]] bool has_bytes() override;
+  void close() override;
+  /// A name that is being looked up is that of the far end of before.
+  [[nodiscard]] bool adopt(const bus::LineSettings& settings) override {
+    if (!settings.remote || resolving_ || state_ != State::closed) {
+      return false;
+    }
+    remote_ = *settings.remote;
+    times_ = settings.connection;
+    name_ = to_text(remote_);
+    return true;
+  }
+
+ private:
+  enum class State : std::uint8_t { closed, opening, open };
+
+  void resolve_name();
+  void finish_resolving(Result<HostAddresses, std::string> result);
+  void start_connecting(HostAddresses addresses);
+  boost::asio::awaitable<void> connect(HostAddresses addresses, unsigned generation);
+  boost::asio::awaitable<void> read_loop(unsigned generation);
+  boost::asio::awaitable<void> write_rest(unsigned generation);
+  void finish_open();
+  void fail_to_open(const std::string& why);
+  void lose(const std::string& why);
+  void note_end(const boost::system::error_code& error);
+  void close_socket();
+
+  LineContext context_;
+  drive::BusId bus_;
+  bus::Endpoint remote_;
+  bus::ConnectionTimes times_;
+  std::string name_;  ///< of the far end, in texts
+  boost::asio::ip::tcp::socket socket_;
+  boost::asio::steady_timer timer_;  ///< limits connecting, then writing
+  State state_ = State::closed;
+  bool resolving_ = false;  ///< a thread waits for the name servers
+  /// Counts the openings and closings, so that a coroutine of an earlier connection notices that
+  /// its connection has gone.
+  unsigned generation_ = 0;
+  std::vector<std::uint8_t> rest_;  ///< not taken by the kernel yet
+  std::array<std::uint8_t, 2048> buffer_{};
+};
+
+}  // namespace mbgate::io

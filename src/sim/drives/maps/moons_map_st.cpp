@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Registers of MOONS' ST, STAC, STM and SWM; STB drives ("Modbus User Manual",
+// Appendix 5). Behind each run stand its printed register numbers and the commands that set or read
+// them.
+#include <array>
+
+#include "sim/drives/maps/moons_map.hpp"
+
+namespace mbgate::sim {
+namespace {
+
+using enum Access;
+using enum Width;
+
+// The manual prints no ranges in these tables; what counts here is that a rate of 0 is none.
+constexpr Limits kRate{1, 32000};
+constexpr Limits kProtocol{1, 511};
+
+// Manual lines 1245 to 1339.
+constexpr std::array kSt{
+    RegisterRun{0x0000, 1, word, read_only},               // 40001 AL
+    RegisterRun{0x0001, 1, word, read_only, 0x0009},       // 40002 SC
+    RegisterRun{0x0002, 2, word, read_only},               // 40003..40004 IS, ISX
+    RegisterRun{0x0004, 3, value, read_only},              // 40005..40010 IE, EP, IP, SP
+    RegisterRun{0x000A, 2, word, read_only},               // 40011..40012 IV0, IV1
+    RegisterRun{0x000C, 1, word, read_only, 400},          // 40013 IT
+    RegisterRun{0x000D, 1, word, read_only, 240},          // 40014 IU
+    RegisterRun{0x000E, 1, value, read_only},              // 40015..40016 IX
+    RegisterRun{0x0010, 3, word, read_only},               // 40017..40019 IA, IC
+    RegisterRun{0x0013, 2, value, read_only},              // 40020..40023 ID
+    RegisterRun{0x0017, 4, word, read_only},               // 40024..40027 IA1, IA2, CM
+    RegisterRun{0x001B, 3, word, read_write, 240, kRate},  // 40028..40030 AC, DE, VE
+    RegisterRun{0x001E, 2, value, read_write},             // 40031..40034 DI, DC
+    RegisterRun{0x0022, 1, word, read_write, 240, kRate},  // 40035 VC
+    RegisterRun{0x0023, 5, word, read_only},               // 40036..40040
+    RegisterRun{0x0028, 1, value, read_write},             // 40041..40042
+    RegisterRun{0x002A, 2, word, read_write},              // 40043..40044
+    RegisterRun{0x002C, 1, value, read_write},             // 40045..40046
+    RegisterRun{0x002E, 3, word, read_write, 240, kRate},  // 40047..40049 JA, JL, JS
+    RegisterRun{0x0031, 4, word, read_write},              // 40050..40053 CA, CC, CI
+    RegisterRun{0x0035, 1, value, read_write},             // 40054..40055
+    RegisterRun{0x0037, 3, word, read_write},              // 40056..40058 AP, AT, AV
+    RegisterRun{0x003A, 23, value, read_write},            // 40059..40104
+    RegisterRun{0x0068, 3, word, read_write},              // 40105..40107 BD, BE, CD
+    RegisterRun{0x006B, 2, word, read_only},               // 40108..40109 reserved
+    RegisterRun{0x006D, 1, word, read_write},              // 40110 AF
+    RegisterRun{0x006E, 14, word, read_only},              // 40111..40124 reserved
+    RegisterRun{0x007C, 6, word, read_write}};             // 40125..40130
+
+// 40054..55 is printed as two SHORTs (line 1389) but is the pulse counter of the other series.
+// Manual lines 1341 to 1459.
+constexpr std::array kStb{
+    RegisterRun{0x0000, 1, word, read_only},                     // 40001 AL
+    RegisterRun{0x0001, 1, word, read_only, 0x0009},             // 40002 SC
+    RegisterRun{0x0002, 2, word, read_only},                     // 40003..40004 IS
+    RegisterRun{0x0004, 3, value, read_only},                    // 40005..40010 IE, EP, IP, SP
+    RegisterRun{0x000A, 2, word, read_only},                     // 40011..40012 IV0, IV1
+    RegisterRun{0x000C, 1, word, read_only, 400},                // 40013 IT
+    RegisterRun{0x000D, 1, word, read_only, 240},                // 40014 IU
+    RegisterRun{0x000E, 1, value, read_only},                    // 40015..40016 IX
+    RegisterRun{0x0010, 3, word, read_only},                     // 40017..40019 IC
+    RegisterRun{0x0013, 2, value, read_only},                    // 40020..40023 ID
+    RegisterRun{0x0017, 4, word, read_only},                     // 40024..40027 CM
+    RegisterRun{0x001B, 3, word, read_write, 240, kRate},        // 40028..40030 AC, DE, VE
+    RegisterRun{0x001E, 2, value, read_write},                   // 40031..40034 DI, DC
+    RegisterRun{0x0022, 1, word, read_write, 240, kRate},        // 40035 VC
+    RegisterRun{0x0023, 5, word, read_only},                     // 40036..40040
+    RegisterRun{0x0028, 1, value, read_write},                   // 40041..40042
+    RegisterRun{0x002A, 1, word, read_write},                    // 40043
+    RegisterRun{0x002B, 1, word, read_only},                     // 40044 reserved
+    RegisterRun{0x002C, 1, value, read_write},                   // 40045..40046
+    RegisterRun{0x002E, 3, word, read_write, 240, kRate},        // 40047..40049 JA, JL, JS
+    RegisterRun{0x0031, 4, word, read_write},                    // 40050..40053 CA, CC, CI, EG
+    RegisterRun{0x0035, 1, value, read_write},                   // 40054..40055
+    RegisterRun{0x0037, 3, word, read_write},                    // 40056..40058 AP, AT, AV
+    RegisterRun{0x003A, 1, value, read_only},                    // 40059..40060
+    RegisterRun{0x003C, 22, value, read_write},                  // 40061..40104
+    RegisterRun{0x0068, 3, word, read_write},                    // 40105..40107 BD, BE, CD
+    RegisterRun{0x006B, 2, word, read_only},                     // 40108..40109 reserved
+    RegisterRun{0x006D, 1, word, read_write},                    // 40110 AF
+    RegisterRun{0x006E, 14, word, read_only},                    // 40111..40124 reserved
+    RegisterRun{0x007C, 11, word, read_write},                   // 40125..40135 HG, HP, SF
+    RegisterRun{0x0087, 2, word, read_only},                     // 40136..40137 reserved
+    RegisterRun{0x0089, 8, word, read_write},                    // 40138..40145 CM to MO
+    RegisterRun{0x0091, 2, word, read_only},                     // 40146..40147 reserved
+    RegisterRun{0x0093, 1, word, read_write},                    // 40148 LV
+    RegisterRun{0x0094, 1, word, read_write, 5, Limits{1, 5}},   // 40149 BR
+    RegisterRun{0x0095, 1, word, read_write, 5, kProtocol},      // 40150 PR
+    RegisterRun{0x0096, 1, word, read_write, 0, Limits{0, 20}},  // 40151 TD
+    RegisterRun{0x0097, 49, word, read_only}};                   // 40152..40200 reserved
+
+}  // namespace
+
+RegisterMap moons_st_registers() { return kSt; }
+RegisterMap moons_stb_registers() { return kStb; }
+
+}  // namespace mbgate::sim

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// A virtual bus on a pty, or behind a TCP port as a serial device server has it: what comes out of
+// there goes onto the wire, what the wire delivers goes into it. Part of the simulator's shell; the
+// instants are those of the steady clock.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sim/program/pty.hpp"
+#include "sim/program/settings.hpp"
+#include "sim/program/tcp_port.hpp"
+#include "sim/wire/request_framer.hpp"
+#include "sim/wire/wire.hpp"
+
+namespace mbgate::sim {
+
+class LiveBus {
+ public:
+  explicit LiveBus(const BusSettings& settings);
+
+  /// Makes pty and link, or listens; an error text if that fails. A port that the kernel chose
+  /// stays the same from then on.
+  std::optional<std::string> connect();
+  /// The adapter vanishes; the drives keep their state.
+  void disconnect();
+  /// The connected pty, nullptr if there is none.
+  [[nodiscard]] const Pty* pty() const { return pty_ ? &*pty_ : nullptr; }
+  /// Those to be watched for something to read.
+  [[nodiscard]] std::vector<int> descriptors() const;
+  void release_exclusive() const;
+
+  void handle_readable(Instant now);
+  void handle_time(Instant now);
+  [[nodiscard]] std::optional<Instant> next_event() const;
+
+  /// "bus line-a ./line-a (/dev/pts/7)", "bus line-b 127.0.0.1:40123".
+  [[nodiscard]] std::string introduction() const;
+  /// "bus line-a: frames 3, answers 3, silence violations 0, collisions 0, bad CRC 0".
+  [[nodiscard]] std::string counters_text() const;
+
+ private:
+  std::optional<std::string> listen();
+  std::vector<std::uint8_t> receive();
+  /// Takes over how the client has set its port; what a pty does not keep is as the drives have it.
+  void read_mode();
+
+  std::string name_;
+  std::filesystem::path link_;
+  std::optional<ListenAddress> address_;  ///< where it listens, instead of the link
+  RequestFramer framer_;
+  Wire wire_;
+  std::optional<Pty> pty_;
+  std::optional<TcpPort> port_;
+};
+
+}  // namespace mbgate::sim

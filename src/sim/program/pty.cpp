@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/program/pty.hpp"
+
+#include <fcntl.h>
+#include <sys/ioctl.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <optional>
+#include <system_error>
+
+namespace mbgate::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string reason() { return std::generic_category().message(errno); }
+
+/// What stands at `link` after all that may be replaced is gone: an error text, or nothing.
+std::optional<std::string> clear_place(const fs::path& link, const std::string& target) {
+  std::error_code error;
+  const auto found = fs::symlink_status(link, error);
+  if (!fs::exists(found)) {
+    return std::nullopt;
+  }
+  const bool replaceable = fs::is_symlink(found) &&
+                           (fs::read_symlink(link, error) == target || !fs::exists(link, error));
+  if (!replaceable) {
+    return "link " + link.string() + " exists already and is in use or something else; remove it";
+  }
+  if (!fs::remove(link, error)) {
+    return "link " + link.string() + " cannot be replaced: " + error.message();
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> make_link(const fs::path& link, const std::string& target) {
+  if (auto refusal = clear_place(link, target)) {
+    return refusal;
+  }
+  std::error_code error;
+  fs::create_symlink(target, link, error);
+  if (error) {
+    return "link " + link.string() + " cannot be made: " + error.message();
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<Pty, std::string> Pty::open(const fs::path& link, PtySpeed speed) {
+  FileDescriptor controller(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  std::array<char, 64> path{};
+  if (controller.get() < 0 || ::grantpt(controller.get()) != 0 ||
+      ::unlockpt(controller.get()) != 0 ||
+      ::ptsname_r(controller.get(), path.data(), path.size()) != 0) {
+    return "no pty for " + link.string() + ": " + reason();
+  }
+  FileDescriptor port(::open(path.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  if (port.get() < 0 || !make_raw(port.get(), speed)) {
+    return std::string(path.data()) + ": " + reason();
+  }
+  if (auto refusal = make_link(link, path.data())) {
+    return *std::move(refusal);
+  }
+  return Pty(std::move(controller), std::move(port), path.data(), link);
+}
+
+Pty::Pty(FileDescriptor controller, FileDescriptor port, std::string path, fs::path link)
+    : controller_(std::move(controller)),
+      port_(std::move(port)),
+      path_(std::move(path)),
+      link_(std::move(link)) {}
+
+Pty::~Pty() {
+  std::error_code error;
+  if (controller_.get() >= 0 && fs::read_symlink(link_, error) == path_) {
+    fs::remove(link_, error);
+  }
+}
+
+std::vector<std::uint8_t> Pty::read() const {
+  std::vector<std::uint8_t> bytes;
+  std::array<std::uint8_t, 1024> part{};
+  for (;;) {
+    const ssize_t size = ::read(controller_.get(), part.data(), part.size());
+    if (size <= 0) {
+      return bytes;
+    }
+    bytes.insert(bytes.end(), part.begin(), part.begin() + size);
+    if (static_cast<std::size_t>(size) < part.size()) {
+      return bytes;
+    }
+  }
+}
+
+void Pty::write(modbus::Bytes bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t size = ::write(controller_.get(), bytes.data(), bytes.size());
+    if (size <= 0) {
+      return;
+    }
+    bytes = bytes.subspan(static_cast<std::size_t>(size));
+  }
+}
+
+void Pty::release_exclusive() const { ::ioctl(port_.get(), TIOCNXCL); }
+
+}  // namespace mbgate::sim

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// A pty that stands for a serial port, and the symbolic link under which it is found. Both are gone
+// with the object. Part of the simulator's shell.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "modbus/bytes.hpp"
+#include "modbus/result.hpp"
+#include "sim/program/file_descriptor.hpp"
+#include "sim/program/pty_mode.hpp"
+
+namespace mbgate::sim {
+
+class Pty {
+ public:
+  /// Error: a sentence that names the link and what is wrong. A link is replaced if it leads
+  /// nowhere or to this very pty; anything else at its place is left alone.
+  /// Until a client sets its port, it is set to `speed`.
+  static Result<Pty, std::string> open(const std::filesystem::path& link, PtySpeed speed = {});
+
+  Pty(Pty&&) = default;
+  Pty& operator=(Pty&&) = delete;
+  Pty(const Pty&) = delete;
+  Pty& operator=(const Pty&) = delete;
+  /// Removes the link if it is still ours.
+  ~Pty();
+
+  [[nodiscard]] int descriptor() const { return controller_.get(); }
+  /// "/dev/pts/7".
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+  /// How the other side has set its port; nothing if the system does not say.
+  [[nodiscard]] std::optional<PtySpeed> speed() const { return speed_of(port_.get()); }
+  /// What the other side has written since; never waits.
+  [[nodiscard]] std::vector<std::uint8_t> read() const;
+  /// Bytes that nobody reads for so long that the pty is full are lost, as on a serial line.
+  void write(modbus::Bytes bytes) const;
+  /// A terminal that was opened exclusively (TIOCEXCL) stays so until its last close, and the
+  /// simulator keeps the pty open: without this a program could not open its port a second time.
+  void release_exclusive() const;
+
+ private:
+  Pty(FileDescriptor controller, FileDescriptor port, std::string path, std::filesystem::path link);
+
+  FileDescriptor controller_;
+  FileDescriptor port_;  ///< held open, so that a client's close is no hang-up for us
+  std::string path_;
+  std::filesystem::path link_;
+};
+
+}  // namespace mbgate::sim

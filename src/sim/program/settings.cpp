@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/program/settings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "config/toml/toml_reader.hpp"
+
+namespace mbgate::sim {
+namespace {
+
+using config::TomlDocument;
+using config::TomlTable;
+using config::Word;
+using modbus::Parity;
+using namespace std::chrono_literals;
+
+constexpr std::array kParities = {Word{"none", Parity::none}, Word{"even", Parity::even},
+                                  Word{"odd", Parity::odd}};
+constexpr std::array kModes = {Word{"rtu", BusMode::rtu}, Word{"ascii", BusMode::ascii},
+                               Word{"tcp", BusMode::tcp}};
+constexpr std::array kModels = {Word{"moons", ModelKind::moons},
+                                Word{"stepper", ModelKind::stepper}, Word{"aic", ModelKind::aic},
+                                Word{"fda6000", ModelKind::fda6000}};
+constexpr std::array kSeries = {Word{"st", MoonsSeries::st},   Word{"stb", MoonsSeries::stb},
+                                Word{"stf", MoonsSeries::stf}, Word{"ssdc", MoonsSeries::ssdc},
+                                Word{"m2", MoonsSeries::m2},   Word{"m3", MoonsSeries::m3},
+                                Word{"mdx", MoonsSeries::mdx}, Word{"bldc", MoonsSeries::bldc}};
+constexpr std::array kOrders = {Word{"big", drive::WordOrder::big},
+                                Word{"little", drive::WordOrder::little}};
+
+std::string read_name(TomlTable& table) {
+  table.require("name");
+  const auto name = table.string("name");
+  if (name && name->empty()) {
+    table.error("name", "expected a name, found an empty string");
+  }
+  return name.value_or("");
+}
+
+template <typename Named>
+void check_unique(TomlTable& table, const std::vector<Named>& earlier, const std::string& name) {
+  const bool taken = std::ranges::any_of(
+      earlier, [&name](const Named& other) { return !name.empty() && other.name == name; });
+  if (taken) {
+    table.error("name", '"' + name + "\" is taken already");
+  }
+}
+
+// Serial Line V1.02: a character of RTU has 8 data bits (2.5.1), one of ASCII 7 (2.5.2); some
+// devices take 8 for ASCII too.
+void read_framing(TomlTable& table, BusMode mode, WireSettings& wire) {
+  const bool ascii = mode == BusMode::ascii;
+  wire.framing = ascii ? Framing::ascii : Framing::rtu;
+  wire.format.data_bits = ascii ? 7 : 8;
+  config::assign(wire.format.data_bits, table.integer("data_bits", {7, 8}));
+  if (!ascii && wire.format.data_bits != 8) {
+    table.error("data_bits", "an RTU bus has 8");
+  }
+  if (ascii && table.has("gap")) {
+    table.error("gap", "an ASCII bus needs no silence between frames");
+  }
+}
+
+void read_wire(TomlTable& table, WireSettings& wire) {
+  config::assign(wire.baud, table.integer("baud", {1, std::numeric_limits<std::uint32_t>::max()}));
+  config::assign(wire.format.parity, table.word<Parity>("parity", kParities));
+  config::assign(wire.format.stop_bits, table.integer("stop_bits", {1, 2}));
+  config::assign(wire.adapter_latency, table.duration("adapter_latency", {0s, 1s}));
+  wire.gap = table.duration("gap", {0s, 1s});
+  config::assign(wire.echo, table.boolean("echo"));
+  config::assign(wire.echo_delay, table.duration("echo_delay", {0s, 1s}));
+  if (table.has("echo_delay") && !wire.echo) {
+    table.error("echo_delay", "only a bus with echo = true has one");
+  }
+  wire.clocking = Clocking::real_time;
+}
+
+void read_faults(TomlTable& device, Faults& faults) {
+  auto table = device.table("faults");
+  if (!table) {
+    return;
+  }
+  config::assign(faults.silent, table->boolean("silent"));
+  faults.answer_after = table->duration("answer_after", {0s, 1h});
+  config::assign(faults.bad_crc, table->boolean("bad_crc"));
+  config::assign(faults.wrong_unit, table->boolean("wrong_unit"));
+  config::assign(faults.wrong_function, table->boolean("wrong_function"));
+  config::assign(faults.exception_every, table->integer("exception_every", {1, 1'000'000}));
+}
+
+void read_model(TomlTable& table, DeviceSettings& device) {
+  table.require("model");
+  const auto model = table.word<ModelKind>("model", kModels);
+  config::assign(device.model, model);
+  config::assign(device.word_order, table.word<drive::WordOrder>("word_order", kOrders));
+  config::assign(device.series, table.word<MoonsSeries>("series", kSeries));
+  for (const std::string_view key : {"word_order", "series"}) {
+    if (model && *model != ModelKind::moons && table.has(key)) {
+      table.error(key, "only a \"moons\" drive has one to be set");
+    }
+  }
+}
+
+// The AiC keeps its wait in a register, in milliseconds (405204); the others' is not limited by the
+// model.
+void read_times(TomlTable& table, DeviceSettings& device) {
+  device.processing = table.duration("processing", {0s, 1min});
+  if (device.model != ModelKind::aic) {
+    device.response_wait = table.duration("response_wait", {0s, 1min});
+    return;
+  }
+  device.response_wait = table.duration("response_wait", {1ms, 99ms});
+  if (device.response_wait && *device.response_wait % 1ms != 0ns) {
+    table.error("response_wait", "an AiC counts its waiting time in whole milliseconds");
+  }
+}
+
+// On Ethernet a drive is the only one behind its address, so its unit identifier need not be given.
+void read_unit(TomlTable& table, BusMode mode, std::uint8_t& address) {
+  if (mode == BusMode::tcp) {
+    address = 255;
+    config::assign(address, table.integer("address", {0, 255}));
+    return;
+  }
+  table.require("address");
+  config::assign(address, table.integer("address", {1, modbus::kMaxDeviceAddress}));
+}
+
+DeviceSettings read_device(TomlTable& table, BusMode mode) {
+  DeviceSettings device;
+  device.name = read_name(table);
+  read_unit(table, mode, device.address);
+  read_model(table, device);
+  read_times(table, device);
+  read_faults(table, device.faults);
+  if (mode == BusMode::tcp && device.faults.bad_crc) {
+    table.error("faults", "what a \"tcp\" bus carries has no CRC to be bad");
+  }
+  return device;
+}
+
+void read_link(TomlTable& table, const std::vector<BusSettings>& buses, BusSettings& bus) {
+  table.require("link");
+  bus.link = table.string("link").value_or("");
+  if (bus.link.empty() && table.has("link")) {
+    table.error("link", "expected the path of the link to make");
+  }
+  const bool taken = std::ranges::any_of(
+      buses, [&bus](const BusSettings& other) { return other.link == bus.link; });
+  if (taken && !bus.link.empty()) {
+    table.error("link", '"' + bus.link.string() + "\" is taken already");
+  }
+}
+
+void read_listen(TomlTable& table, const std::vector<BusSettings>& buses, BusSettings& bus) {
+  if (table.has("link")) {
+    table.error("link", "a bus that listens has no link");
+  }
+  const auto text = table.string("listen");
+  bus.listen = text ? ListenAddress::parse(*text) : ListenAddress{};
+  if (!bus.listen) {
+    table.report_expected("listen", *table.value("listen"),
+                          R"(an IPv4 address and a port, such as "127.0.0.1:0")");
+    return;
+  }
+  const bool taken = std::ranges::any_of(
+      buses, [&bus](const BusSettings& other) { return other.listen == bus.listen; });
+  if (taken && bus.listen->port != 0) {
+    table.error("listen", '"' + bus.listen->text() + "\" is taken already");
+  }
+}
+
+void refuse_wire(TomlTable& table) {
+  for (const std::string_view key : {"baud", "parity", "data_bits", "stop_bits", "adapter_latency",
+                                     "gap", "echo", "echo_delay"}) {
+    if (table.has(key)) {
+      table.error(key, "a \"tcp\" bus is no serial line");
+    }
+  }
+}
+
+BusSettings read_bus(TomlTable& table, const std::vector<BusSettings>& buses) {
+  BusSettings bus{.name = read_name(table)};
+  check_unique(table, buses, bus.name);
+  config::assign(bus.mode, table.word<BusMode>("mode", kModes));
+  if (bus.mode == BusMode::tcp || table.has("listen")) {
+    read_listen(table, buses, bus);
+  } else {
+    read_link(table, buses, bus);
+  }
+  config::assign(bus.wire.paced, table.boolean("paced"));
+  if (bus.mode == BusMode::tcp) {
+    refuse_wire(table);
+  } else {
+    read_framing(table, bus.mode, bus.wire);
+    read_wire(table, bus.wire);
+  }
+  return bus;
+}
+
+std::vector<BusSettings> read_buses(TomlTable root) {
+  std::vector<BusSettings> buses;
+  for (TomlTable table : root.tables("bus")) {
+    buses.push_back(read_bus(table, buses));
+  }
+  if (buses.empty()) {
+    root.document().error({}, "there is no [[bus]]: nothing to simulate");
+  }
+  return buses;
+}
+
+/// The bus that a device is on, nullptr if there is none.
+BusSettings* find_bus(TomlTable& table, std::vector<BusSettings>& buses) {
+  table.require("bus");
+  const auto name = table.string("bus");
+  if (!name) {
+    return nullptr;
+  }
+  const auto bus = std::ranges::find(buses, *name, &BusSettings::name);
+  if (bus == buses.end()) {
+    table.error("bus", "there is no bus \"" + *name + '"');
+    return nullptr;
+  }
+  return &*bus;
+}
+
+void place_device(TomlTable& table, const DeviceSettings& device, BusSettings& bus) {
+  const bool taken = std::ranges::any_of(bus.devices, [&device](const DeviceSettings& other) {
+    return other.address == device.address;
+  });
+  if (taken && (table.has("address") || bus.mode == BusMode::tcp)) {
+    table.error("address",
+                std::to_string(device.address) + " is taken already on bus \"" + bus.name + '"');
+  }
+  bus.devices.push_back(device);
+}
+
+void read_devices(TomlTable root, std::vector<BusSettings>& buses) {
+  std::vector<DeviceSettings> devices;
+  for (TomlTable table : root.tables("device")) {
+    BusSettings* const bus = find_bus(table, buses);
+    const DeviceSettings device = read_device(table, bus != nullptr ? bus->mode : BusMode::rtu);
+    check_unique(table, devices, device.name);
+    devices.push_back(device);
+    if (bus != nullptr) {
+      place_device(table, device, *bus);
+    }
+  }
+}
+
+Loaded read(TomlDocument document) {
+  Settings settings;
+  if (document.parsed()) {
+    TomlTable root = document.root();
+    config::assign(settings.reopen_after, root.duration("reopen_after", {0s, 1h}));
+    settings.buses = read_buses(root);
+    read_devices(root, settings.buses);
+  }
+  Loaded loaded{std::nullopt, document.finish()};
+  if (!config::has_errors(loaded.diagnostics)) {
+    loaded.settings = std::move(settings);
+  }
+  return loaded;
+}
+
+}  // namespace
+
+Loaded load_settings(const std::filesystem::path& path) { return read(TomlDocument::load(path)); }
+
+Loaded load_settings_text(std::string name, std::string_view text) {
+  return read(TomlDocument::parse(std::move(name), text));
+}
+
+}  // namespace mbgate::sim

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the simulator is told: its buses, where they are to be found and which drives are on them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/diagnostic.hpp"
+#include "sim/program/listen_address.hpp"
+#include "sim/wire/wire.hpp"
+
+namespace mbgate::sim {
+
+enum class BusMode : std::uint8_t {
+  rtu,
+  ascii,
+  tcp  ///< drives on Ethernet: no wire
+};
+
+/// Names and meanings are those of conf/demo-sim.toml.
+struct BusSettings {
+  std::string name;
+  BusMode mode = BusMode::rtu;
+  /// Symbolic link to the pty, made and removed by the simulator.
+  std::filesystem::path link{};
+  /// Where it listens: a TCP bus always, others instead of the link.
+  std::optional<ListenAddress> listen{};
+  WireSettings wire{};
+  std::vector<DeviceSettings> devices{};
+};
+
+struct Settings {
+  /// How long ptys and sockets stay away after SIGUSR2.
+  Duration reopen_after = std::chrono::seconds(1);
+  std::vector<BusSettings> buses;
+};
+
+struct Loaded {
+  std::optional<Settings> settings;  ///< none if there is an error among the diagnostics
+  std::vector<config::Diagnostic> diagnostics;
+};
+
+/// Reads the simulator's configuration; a file that cannot be read is a diagnostic too.
+Loaded load_settings(const std::filesystem::path& path);
+
+/// The same for a text; `name` stands in the diagnostics.
+Loaded load_settings_text(std::string name, std::string_view text);
+
+}  // namespace mbgate::sim

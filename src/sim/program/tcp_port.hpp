@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// A listening TCP socket and its connections, none of which is ever waited for. Part of the
+// simulator's shell.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "modbus/bytes.hpp"
+#include "modbus/result.hpp"
+#include "sim/program/file_descriptor.hpp"
+#include "sim/program/listen_address.hpp"
+#include "sim/wire/tcp_bus.hpp"
+
+namespace mbgate::sim {
+
+class TcpPort {
+ public:
+  /// At most `most_connections` at a time; further ones are closed as soon as they are made. Error:
+  /// a sentence that names the address and what is wrong.
+  static Result<TcpPort, std::string> open(const ListenAddress& address,
+                                           std::size_t most_connections);
+
+  /// Where it listens, the port that the kernel chose included.
+  [[nodiscard]] const ListenAddress& address() const { return address_; }
+  /// Those to be watched for something to read.
+  [[nodiscard]] std::vector<int> descriptors() const;
+
+  struct Received {
+    ConnectionId connection;
+    std::vector<std::uint8_t> bytes;
+    bool closed;  ///< by the other side, after these bytes
+  };
+  /// Takes new connections in and what all of them have sent since.
+  std::vector<Received> receive();
+  /// A connection that does not take all of it at once is as good as dead and is closed; the next
+  /// receive() says so.
+  void send(ConnectionId connection, modbus::Bytes bytes);
+  /// To all connections.
+  void send(modbus::Bytes bytes);
+  void close(ConnectionId connection) { connections_.erase(connection); }
+
+ private:
+  TcpPort(FileDescriptor listener, ListenAddress address, std::size_t most_connections);
+  void accept();
+
+  FileDescriptor listener_;
+  ListenAddress address_;
+  std::size_t most_connections_;
+  std::map<ConnectionId, FileDescriptor> connections_;
+  ConnectionId next_ = 1;
+};
+
+}  // namespace mbgate::sim

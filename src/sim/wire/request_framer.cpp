@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/wire/request_framer.hpp"
+
+#include <utility>
+
+#include "modbus/rtu.hpp"
+
+namespace mbgate::sim {
+namespace {
+
+// More than two of the largest frames without one that holds is noise.
+constexpr std::size_t kMostBytes = 2 * modbus::kMaxRtuSize;
+
+std::optional<std::size_t> counted(modbus::Bytes prefix, std::size_t count_at) {
+  if (prefix.size() <= count_at) {
+    return std::nullopt;
+  }
+  return count_at + 1 + prefix[count_at] + 2;
+}
+
+}  // namespace
+
+std::optional<std::size_t> request_frame_length(modbus::Bytes prefix) {
+  if (prefix.size() < 2) {
+    return std::nullopt;
+  }
+  switch (prefix[1]) {
+    case 0x01:
+    case 0x02:
+    case 0x03:
+    case 0x04:
+    case 0x05:
+    case 0x06:
+    case 0x08:
+    case 0x85:
+    case 0x86: return 8;
+    case 0x07:
+    case 0x0B:
+    case 0x0C:
+    case 0x11: return 4;
+    case 0x0F:
+    case 0x10:
+    case 0x90: return counted(prefix, 6);
+    case 0x14:
+    case 0x15: return counted(prefix, 2);
+    case 0x16: return 10;
+    case 0x17: return counted(prefix, 10);
+    case 0x18: return 6;
+    default: return std::nullopt;
+  }
+}
+
+void RequestFramer::feed(modbus::Bytes bytes, Instant now) {
+  if (bytes_.empty()) {
+    begin_ = now;
+  }
+  last_ = now;
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+}
+
+std::optional<ReceivedFrame> RequestFramer::poll(Instant now) {
+  if (bytes_.empty()) {
+    return std::nullopt;
+  }
+  const auto length = request_frame_length(bytes_);
+  if (length && bytes_.size() >= *length &&
+      modbus::has_good_crc(modbus::Bytes(bytes_).first(*length))) {
+    const auto end = bytes_.begin() + static_cast<std::ptrdiff_t>(*length);
+    ReceivedFrame frame{{bytes_.begin(), end}, begin_};
+    bytes_.erase(bytes_.begin(), end);
+    begin_ = last_;
+    return frame;
+  }
+  if (now >= last_ + silence_ || bytes_.size() > kMostBytes) {
+    return ReceivedFrame{std::exchange(bytes_, {}), begin_};
+  }
+  return std::nullopt;
+}
+
+std::optional<Instant> RequestFramer::deadline() const {
+  return bytes_.empty() ? std::nullopt : std::optional(last_ + silence_);
+}
+
+}  // namespace mbgate::sim

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/changes.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gateway/settings/numbering.hpp"
+
+namespace mbgate::app {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+gateway::Settings plant() {
+  gateway::Settings settings;
+  settings.listeners.emplace_back().name = "plant";
+  settings.buses.emplace_back().name = "line-a";
+  settings.buses[0].line.device = "/dev/ttyS0";
+  auto& device = settings.devices.emplace_back();
+  device.name = "axis-x";
+  device.timing = settings.buses[0].timing;
+  auto& route = settings.routes.emplace_back();
+  route.first_unit = route.last_unit = 1;
+  route.buses = {gateway::BusId{0}};
+  route.device = 0;
+  return settings;
+}
+
+std::vector<std::string> changes(const gateway::Settings& old, const gateway::Settings& read) {
+  return changes_between(old, gateway::numbered_after(old, read));
+}
+
+TEST(Changes, AreNoneWhereNothingIsChanged) { EXPECT_THAT(changes(plant(), plant()), IsEmpty()); }
+
+TEST(Changes, AreToldWithTheValuesOfPlainKeys) {
+  auto next = plant();
+  next.wake_early = 0us;
+  next.listeners[0].tcp.keepalive_idle = 1min;
+  next.buses[0].line.baud = modbus::Baud{115200};
+  next.buses[0].line.format.parity = modbus::Parity::none;
+  next.buses[0].frame_gap = 3ms;
+  next.devices[0].word_order = drive::WordOrder::little;
+  next.devices[0].cache = 50ms;
+  EXPECT_THAT(changes(plant(), next),
+              ElementsAre("gateway: wake_early \"100us\" -> \"0s\"",
+                          "listener plant: keepalive_idle \"30s\" -> \"1m\"",
+                          "bus line-a: baud 19200 -> 115200, frame_gap - -> \"3ms\", parity",
+                          "device axis-x: word_order, cache \"0s\" -> \"50ms\""));
+}
+
+TEST(Changes, OfABusAreNotToldAgainOfDevicesThatHaveItsTimes) {
+  auto next = plant();
+  next.buses[0].timing.retries = 2;
+  next.devices[0].timing.retries = 2;
+  EXPECT_THAT(changes(plant(), next), ElementsAre("bus line-a: retries 1 -> 2"));
+  next.devices[0].timing.retries = 5;
+  EXPECT_THAT(changes(plant(), next),
+              ElementsAre("bus line-a: retries 1 -> 2", "device axis-x: retries 1 -> 5"));
+}
+
+TEST(Changes, NameWhatComesAndGoes) {
+  auto next = plant();
+  next.buses.emplace_back().name = "line-b";
+  next.listeners[0].name = "office";
+  next.devices.clear();
+  next.routes[0].device.reset();
+  next.routes.push_back(next.routes[0]);
+  next.routes[1].first_unit = 2;
+  next.weights.push_back({*routing::Network::parse("10.0.0.1"), 4});
+  EXPECT_THAT(changes(plant(), next),
+              ElementsAre("listener plant removed", "listener office added", "bus line-b added",
+                          "device axis-x removed", "2 routes added", "1 route removed",
+                          "clients: weights"));
+}
+
+TEST(Changes, OfGuardsStandAtTheirDevice) {
+  auto next = plant();
+  next.guards.resize(1);
+  next.guards[0].writer = gateway::WriterRule::first;
+  next.guards[0].quiet = 10s;
+  EXPECT_THAT(changes(plant(), next),
+              ElementsAre("device axis-x: writer, quiet \"0s\" -> \"10s\""));
+}
+
+}  // namespace
+}  // namespace mbgate::app

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// Answers that come after their time, and how long their device is left alone.
+#include "unit/bus/bus_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using Kind = bus::DeviceNotice::Kind;
+
+class BusLate : public Bus {
+ protected:
+  /// Writes are sent once more.
+  static bus::BusSettings repeating() {
+    auto repeating = settings();
+    repeating.timing.retry_writes = true;
+    repeating.timing.retries = 1;
+    return repeating;
+  }
+};
+
+TEST_F(BusLate, ADeviceIsLeftAloneWhileItsAnswerMayStillComeAndOthersGoOn) {
+  open(settings());
+  submit(job(kRead));
+  submit(job_of(1, kOther));
+  submit(job_of(1, kRead, 2));
+  time_out();
+  EXPECT_THAT(frames_, ElementsAre(kReadFrame, kOtherDevice));
+  advance(50ms);
+  line(kAnswer);  // late: nobody gets it, and the second client has its turn
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+  EXPECT_EQ(bus_->device(1).counters.late_responses, 1U);
+  EXPECT_EQ(bus_->counters().foreign_frames, 0U);
+  advance(60ms);
+  EXPECT_THAT(frames_, ElementsAre(kReadFrame, kOtherDevice, kOtherFrame));
+}
+
+TEST_F(BusLate, ALateAnswerOnAQuietLineIsSeenToo) {
+  open(settings());
+  submit(job(kRead));
+  time_out();
+  advance(10ms);
+  line(kAnswer);
+  submit(job(kOther));
+  EXPECT_EQ(bus_->held_back(1, now_), 0ms);
+  EXPECT_EQ(until_next_frame(), kT35);
+}
+
+TEST_F(BusLate, TheQuarantineEndsByItself) {
+  open(settings());
+  submit(job(kRead));
+  time_out();
+  submit(job(kOther));
+  EXPECT_EQ(bus_->held_back(1, now_), 120ms);  // 20 ms for what an adapter still keeps
+  EXPECT_EQ(until_next_frame(), 120ms);
+}
+
+TEST_F(BusLate, LatenessIsToldAndTheQuarantineGrows) {
+  open(settings());
+  submit(job(kRead));
+  time_out();
+  advance(96ms);
+  line(kAnswer);
+  ASSERT_THAT(notices_, ElementsAre(Kind::late));
+  advance(10ms);
+  submit(job(kRead));
+  time_out();
+  EXPECT_EQ(bus_->held_back(1, now_), 140ms);
+}
+
+TEST_F(BusLate, AWriteIsNotTakenForAnsweredByAnOlderAnswer) {
+  open(settings());
+  submit(job("06 0000 0001"));
+  time_out();
+  submit(job("06 0000 0001"));
+  advance(50ms);
+  line("01 06 00 00 00 01 48 0A");
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_THAT(frames_, SizeIs(1));
+  advance(10ms);
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
+TEST_F(BusLate, ARepeatedWriteWaitsForTheQuarantine) {
+  open(repeating());
+  submit(job("06 0000 0001"));
+  submit(job_of(1, kRead, 2));
+  time_out();
+  ASSERT_THAT(frames_, SizeIs(2));
+  EXPECT_EQ(frames_[1], kOtherDevice);
+  advance(20ms);
+  line("02 03 02 12 34 F1 33");
+  advance(110ms);
+  ASSERT_THAT(frames_, SizeIs(3));
+  EXPECT_EQ(frames_[2], frames_[0]);
+}
+
+TEST_F(BusLate, ARepeatedWriteGoesNoMoreWhenItMayNotBeRepeatedAnyMore) {
+  auto changed = repeating();
+  open(changed);
+  submit(job("06 0000 0001"));
+  time_out();
+  changed.timing.retry_writes = false;
+  update(changed, {});
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  advance(1s);
+  EXPECT_THAT(frames_, SizeIs(1));
+}
+
+TEST_F(BusLate, WhatWasOnTheWireWhenTheLineWasLostIsStillOwed) {
+  open(settings());
+  submit(job(kRead));
+  bus_->handle_lost(now_);
+  drain();
+  bus_->handle_opened(now_ + 10ms);
+  now_ += 10ms;
+  EXPECT_EQ(bus_->held_back(1, now_), kEmission + 210ms);
+}
+
+}  // namespace
+}  // namespace mbgate::test

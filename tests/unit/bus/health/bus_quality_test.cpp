@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bus says of its line and devices, and on what it rests.
+#include "unit/bus/bus_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using Notice = bus::DeviceNotice::Kind;
+using bus::Quality;
+
+constexpr auto kDamagedAnswer = "01 03 02 12 35 B5 33";
+
+class BusQuality : public Bus {
+ protected:
+  void ask() {
+    submit(job(kRead));
+    advance(kEmission + kT35 + 20ms);
+  }
+  /// Until nothing is owed any more.
+  void rest() { advance(300ms); }
+};
+
+TEST_F(BusQuality, BadCrcsAreJudgedThoughNoAnswerWasEverGood) {
+  open(settings());
+  for (int at = 0; at < 5; ++at) {
+    ask();
+    line(kDamagedAnswer);
+    rest();
+  }
+  EXPECT_EQ(bus_->quality()[1].verdict().quality, Quality::bad_crc);
+  EXPECT_EQ(bus_->quality()[1].verdict().percent(), 100U);
+  ASSERT_THAT(qualities_, SizeIs(1));
+  EXPECT_EQ(qualities_[0].address, 1);
+  EXPECT_EQ(qualities_[0].verdict.of, 5U);
+}
+
+TEST_F(BusQuality, BytesThatNeverMakeAFrameAreTold) {
+  open(settings());
+  for (int at = 0; at < 5; ++at) {
+    ask();
+    line("E6 18 86 9E 06");
+    rest();
+  }
+  EXPECT_EQ(bus_->quality()[1].verdict().quality, Quality::no_frame);
+  EXPECT_THAT(qualities_, SizeIs(1));
+}
+
+// A driver that turns off behind each request, and nobody there.
+TEST_F(BusQuality, AGlitchBehindEachRequestIsNobodysAnswer) {
+  open(settings());
+  for (int at = 0; at < 20; ++at) {
+    ask();
+    line("00 FF");
+    rest();
+  }
+  EXPECT_EQ(bus_->quality()[1].verdict().quality, Quality::unknown);
+}
+
+TEST_F(BusQuality, ASlowDriveIsTold) {
+  open(settings());
+  for (int at = 0; at < 4; ++at) {
+    ask();
+    advance(160ms);
+    line(kAnswer);
+    rest();
+  }
+  EXPECT_EQ(bus_->quality()[1].verdict().quality, Quality::late);
+  ASSERT_THAT(qualities_, SizeIs(1));
+  EXPECT_GE(qualities_[0].verdict.needed, 180ms);
+  EXPECT_LE(qualities_[0].verdict.needed, 220ms);
+}
+
+TEST_F(BusQuality, ADriveThatNeverAnsweredIsNotCalledLost) {
+  auto watched = settings();
+  watched.timing.offline_after = 1;
+  open(watched);
+  ask();
+  rest();
+  ASSERT_THAT(notices_, ElementsAre(Notice::lost));
+  EXPECT_FALSE(last_notice_.answered_before);
+  EXPECT_EQ(last_notice_.requests, 1U);
+}
+
+TEST_F(BusQuality, ForeignIsNobodyWithinQuarantineMaxOfTheOpening) {
+  open(settings());
+  advance(9s);
+  line("02 03 02 12 34 F1 33");
+  advance(50ms);
+  EXPECT_THAT(notices_, IsEmpty());
+  advance(1s);
+  line("02 03 02 12 34 F1 33");
+  EXPECT_THAT(notices_, ElementsAre(Notice::foreign));
+}
+
+TEST_F(BusQuality, ForeignIsNotADeviceThatHasOwedAnAnswerLately) {
+  open(settings());
+  advance(11s);
+  ask();
+  rest();  // its quarantine is over
+  advance(5s);
+  line(kAnswer);
+  advance(50ms);
+  line(kAnswer);
+  advance(50ms);
+  EXPECT_EQ(bus_->counters().foreign_frames, 0U);
+}
+
+TEST_F(BusQuality, ARequestHeardIsForeignAtOnce) {
+  open(settings());
+  advance(11s);
+  ask();
+  rest();
+  line("01 03 00 10 00 01 85 CF");
+  EXPECT_THAT(notices_, ElementsAre(Notice::foreign));
+  EXPECT_TRUE(last_notice_.is_request);
+}
+
+TEST_F(BusQuality, ASecondAnswerIsNoOtherClient) {
+  open(settings());
+  advance(11s);
+  ask();
+  line(kAnswer);
+  advance(5ms);
+  line(kAnswer);
+  EXPECT_THAT(notices_, ElementsAre(Notice::second_answer));
+  EXPECT_EQ(bus_->counters().foreign_frames, 0U);
+}
+
+}  // namespace
+}  // namespace mbgate::test

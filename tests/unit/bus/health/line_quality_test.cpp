@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/health/line_quality.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mbgate::test {
+namespace {
+
+using namespace std::chrono_literals;
+using bus::Quality;
+
+class LineQuality : public testing::Test {
+ protected:
+  void answers(std::uint8_t address, int good, int bad) {
+    for (int at = 0; at < good; ++at) {
+      quality_[address].note_answered();
+      quality_.note_answer(false);
+      tell(address);
+    }
+    for (int at = 0; at < bad; ++at) {
+      quality_[address].note_damaged();
+      quality_.note_answer(true);
+      tell(address);
+    }
+  }
+  void tell(std::uint8_t address) {
+    while (const auto change = quality_.take_change(address)) {
+      (change->address ? of_device_ : of_line_).push_back(change->verdict.quality);
+    }
+  }
+  const bus::QualityVerdict& verdict() { return quality_[1].verdict(); }
+
+  bus::LineQuality quality_;
+  std::vector<Quality> of_device_;
+  std::vector<Quality> of_line_;
+};
+
+TEST_F(LineQuality, BadCrcsAreToldWithTheirShareUntilTheyHaveBecomeRare) {
+  answers(1, 6, 4);
+  EXPECT_EQ(verdict().quality, Quality::good);
+  answers(1, 0, 1);
+  EXPECT_EQ(verdict().quality, Quality::bad_crc);
+  EXPECT_EQ(verdict().count, 5U);
+  EXPECT_EQ(verdict().of, 11U);
+  EXPECT_EQ(verdict().percent(), 45U);
+  answers(1, 200, 0);
+  EXPECT_EQ(verdict().quality, Quality::good);
+  EXPECT_EQ(of_device_, (std::vector{Quality::bad_crc, Quality::good}));
+  EXPECT_TRUE(of_line_.empty());
+}
+
+TEST_F(LineQuality, AFewBadCrcsOfManyAreNotWorthALine) {
+  answers(1, 150, 5);
+  EXPECT_EQ(verdict().quality, Quality::good);
+  EXPECT_TRUE(of_device_.empty());
+}
+
+TEST_F(LineQuality, BadCrcsOfTwoDevicesAreAMatterOfTheLine) {
+  answers(1, 0, 5);
+  EXPECT_EQ(quality_.verdict().quality, Quality::good);
+  answers(2, 5, 5);
+  EXPECT_EQ(quality_.verdict().quality, Quality::bad_crc);
+  EXPECT_EQ(quality_.verdict().percent(), 66U);
+  EXPECT_EQ(of_line_, std::vector{Quality::bad_crc});
+}
+
+TEST_F(LineQuality, BytesAfterEachRequestAndNeverAFrame) {
+  for (int at = 0; at < 4; ++at) {
+    quality_[1].note_unreadable(30ms + at * 5ms, 0);
+  }
+  EXPECT_EQ(verdict().quality, Quality::unknown);
+  quality_[1].note_unreadable(31ms, 0);
+  EXPECT_EQ(verdict().quality, Quality::no_frame);
+  EXPECT_EQ(verdict().of, 5U);
+  answers(1, 1, 0);
+  EXPECT_EQ(verdict().quality, Quality::good);
+}
+
+// A drive that answers when its program comes round.
+TEST_F(LineQuality, WhereTheTimesDifferMoreAreNeeded) {
+  for (int at = 0; at < 11; ++at) {
+    quality_[1].note_unreadable(at % 3 * 25ms, 0);
+  }
+  EXPECT_EQ(verdict().quality, Quality::unknown);
+  quality_[1].note_unreadable(10ms, 0);
+  EXPECT_EQ(verdict().quality, Quality::no_frame);
+  EXPECT_EQ(verdict().of, 12U);
+}
+
+// Noise comes at any time, and while nobody asks too; a device that was understood speaks right.
+TEST_F(LineQuality, WhatNoiseOrDamageCouldExplainIsNotSaid) {
+  for (int at = 0; at < 20; ++at) {
+    quality_[1].note_unreadable(at * 30ms, 0);
+    quality_[2].note_unreadable(30ms, static_cast<unsigned>(at));
+    quality_[3].note_unreadable(30ms, 0);
+    if (at % 4 == 3) {
+      quality_[3].note_silent();
+    }
+  }
+  answers(4, 1, 0);
+  for (int at = 0; at < 20; ++at) {
+    quality_[4].note_unreadable(30ms, 0);
+  }
+  for (std::uint8_t address = 1; address <= 3; ++address) {
+    EXPECT_EQ(quality_[address].verdict().quality, Quality::unknown);
+  }
+  EXPECT_EQ(quality_[4].verdict().quality, Quality::good);
+}
+
+TEST_F(LineQuality, AnswersThatAreLateAgainAndAgainSayWhichTimeoutWouldDo) {
+  for (int at = 0; at < 4; ++at) {
+    EXPECT_EQ(verdict().quality, Quality::unknown);
+    quality_[1].note_silent();
+    quality_[1].note_late(100ms + at * 1ms, 300ms);
+  }
+  EXPECT_EQ(verdict().quality, Quality::late);
+  EXPECT_EQ(verdict().count, 4U);
+  EXPECT_EQ(verdict().of, 4U);
+  EXPECT_EQ(verdict().lateness, 103ms);
+  EXPECT_EQ(verdict().needed, 430ms);
+  answers(1, 16, 0);
+  EXPECT_EQ(verdict().quality, Quality::good);
+}
+
+// A drive that stood still sends all that it owes at once when it goes on.
+TEST_F(LineQuality, ManyLateAnswersAtOnceAreOneEvent) {
+  for (int at = 0; at < 8; ++at) {
+    quality_[1].note_silent();
+  }
+  for (int at = 0; at < 8; ++at) {
+    quality_[1].note_late(5s, 300ms);
+  }
+  EXPECT_EQ(verdict().quality, Quality::unknown);
+  EXPECT_TRUE(quality_[1].has_answered());
+}
+
+TEST_F(LineQuality, AnotherLineIsJudgedAnew) {
+  answers(1, 0, 5);
+  quality_.forget();
+  EXPECT_EQ(verdict().quality, Quality::unknown);
+  answers(1, 0, 5);
+  EXPECT_EQ(of_device_, (std::vector{Quality::bad_crc, Quality::bad_crc}));
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/serial/ascii_framer.hpp"
+
+#include "framer_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+class AsciiFramer : public FramerRig<bus::AsciiFramer> {
+ protected:
+  Verdict add(std::string_view text) {
+    return FramerRig::add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+};
+
+constexpr auto kRead = "03 0000 0001";
+constexpr std::string_view kAnswer = ":0103021234B4\r\n";
+
+TEST_F(AsciiFramer, TakesAnAnswerAtItsLineFeed) {
+  expect(kRead);
+  EXPECT_EQ(add(kAnswer.substr(0, kAnswer.size() - 1)), Verdict::none);
+  EXPECT_EQ(add("\n"), Verdict::response);
+  EXPECT_EQ(response(), "03 02 12 34");
+}
+
+TEST_F(AsciiFramer, AnAnswerMayComeInPiecesUpToASecondApart) {
+  for (std::size_t cut = 1; cut < kAnswer.size(); ++cut) {
+    expect(kRead);
+    EXPECT_EQ(add(kAnswer.substr(0, cut)), Verdict::none);
+    EXPECT_EQ(after(1s - 1ns), Verdict::none);
+    EXPECT_EQ(add(kAnswer.substr(cut)), Verdict::response) << cut;
+  }
+}
+
+TEST_F(AsciiFramer, ACharacterThatIsASecondLateBelongsToNothing) {
+  for (std::size_t cut = 1; cut < kAnswer.size(); ++cut) {
+    expect(kRead);
+    EXPECT_EQ(add(kAnswer.substr(0, cut)), Verdict::none);
+    now_ += 1s;
+    EXPECT_EQ(add(kAnswer.substr(cut)), Verdict::none) << cut;
+    EXPECT_EQ(add(kAnswer), Verdict::response) << cut;
+  }
+}
+
+TEST_F(AsciiFramer, GivesAnIncompleteAnswerUpAfterASecond) {
+  expect(kRead);
+  EXPECT_EQ(add(":0103"), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+  EXPECT_EQ(framer_.next_deadline(), now_ + 1s);
+  EXPECT_EQ(after(1s), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+  EXPECT_EQ(counters_.stray_bytes, 5U);
+}
+
+/// It is late: whoever waits for it, or for something else, when its end comes.
+TEST_F(AsciiFramer, AFrameThatBeganBeforeTheRequestIsNoAnswerToIt) {
+  for (const bool is_asked : {false, true}) {
+    expect(kRead);
+    EXPECT_EQ(add(kAnswer.substr(0, 6)), Verdict::none);
+    framer_.listen();
+    if (is_asked) {
+      expect(kRead);
+      EXPECT_FALSE(framer_.in_progress());
+    }
+    EXPECT_EQ(add(kAnswer.substr(6)), Verdict::none);
+    EXPECT_TRUE(framer_.take_unsolicited()) << is_asked;
+  }
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+}
+
+TEST_F(AsciiFramer, AColonBeginsTheFrameAnew) {
+  expect(kRead);
+  EXPECT_EQ(add(":010302"), Verdict::none);
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+  EXPECT_EQ(response(), "03 02 12 34");
+  EXPECT_EQ(counters_.stray_bytes, 7U);
+}
+
+TEST_F(AsciiFramer, WhatStandsBeforeTheColonOrBehindTheLineFeedIsStray) {
+  expect(kRead);
+  EXPECT_EQ(add(std::string("0103\r\n") + std::string(kAnswer) + "xyz"), Verdict::response);
+  framer_.listen();
+  EXPECT_EQ(counters_.stray_bytes, 9U);
+}
+
+TEST_F(AsciiFramer, BytesBeforeTheColonAreNoBeginning) {
+  expect(kRead);
+  EXPECT_EQ(add("\r\n01"), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+  EXPECT_EQ(framer_.next_deadline(), std::nullopt);
+}
+
+TEST_F(AsciiFramer, UnderstandsSmallLetters) {
+  expect("03 0000 0001", 0xAB);
+  EXPECT_EQ(add(":ab"), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+  EXPECT_EQ(add("030212340a\r\n"), Verdict::response);
+}
+
+TEST_F(AsciiFramer, TakesAnException) {
+  expect(kRead);
+  EXPECT_EQ(add(":0183027A\r\n"), Verdict::response);
+  EXPECT_EQ(response(), "83 02");
+}
+
+TEST_F(AsciiFramer, ABadLrcEndsTheWaitAtOnce) {
+  expect(kRead);
+  EXPECT_EQ(add(":0103021235B4\r\n"), Verdict::damaged);
+}
+
+TEST_F(AsciiFramer, ABadLrcOfAnotherUnitFunctionOrLengthDoesNot) {
+  expect(kRead);
+  EXPECT_EQ(add(":0203021234B4\r\n"), Verdict::none);
+  EXPECT_EQ(add(":0104021234B4\r\n"), Verdict::none);
+  EXPECT_EQ(add(":01030412345678B4\r\n"), Verdict::none);
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+  EXPECT_EQ(counters_.stray_bytes, 15U + 15U + 19U);
+  EXPECT_EQ(counters_.unsolicited_frames, 0U);
+}
+
+TEST_F(AsciiFramer, GoodFramesThatAnswerSomethingElseAreCounted) {
+  expect(kRead);
+  EXPECT_EQ(add(":0203021234B3\r\n"), Verdict::none);      // unit 2
+  EXPECT_EQ(add(":0104021234B3\r\n"), Verdict::none);      // function 4
+  EXPECT_EQ(add(":01030412345678E4\r\n"), Verdict::none);  // two registers
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+  EXPECT_EQ(counters_.unsolicited_frames, 3U);
+  EXPECT_EQ(counters_.stray_bytes, 0U);
+}
+
+TEST_F(AsciiFramer, AWriteMustBeEchoed) {
+  expect("06 0000 0001");
+  EXPECT_EQ(add(":010600000002F7\r\n"), Verdict::none);
+  EXPECT_EQ(add(":010600000001F8\r\n"), Verdict::response);
+}
+
+TEST_F(AsciiFramer, AFrameOfAnotherUnitIsNoBeginning) {
+  expect(kRead);
+  EXPECT_EQ(add(":0"), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+  EXPECT_EQ(add("2"), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+  EXPECT_EQ(add("03021234B3\r\n"), Verdict::none);
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+}
+
+TEST_F(AsciiFramer, WhatIsNotHexadecimalIsNoise) {
+  for (const auto* noise : {":0103021G34B4\r\n", ":0103021234B\r\n", ":0103021234B4\n", ":\r\n"}) {
+    expect(kRead);
+    counters_ = {};
+    EXPECT_EQ(add(noise), Verdict::none) << noise;
+    EXPECT_EQ(counters_.stray_bytes, std::string_view(noise).size()) << noise;
+    EXPECT_EQ(add(kAnswer), Verdict::response) << noise;
+  }
+}
+
+// Else a noisy line that has lost the end of an answer would be waited for as long as it is noisy.
+TEST_F(AsciiFramer, NoiseAndMoreThanWasAskedForEndAnAnswerThatHasBegun) {
+  for (const auto* more : {"\xFF", "0123456789"}) {
+    expect(kRead);
+    EXPECT_EQ(add(":01030212"), Verdict::none);
+    EXPECT_TRUE(framer_.in_progress());
+    EXPECT_EQ(add(more), Verdict::none);
+    EXPECT_FALSE(framer_.in_progress()) << more;
+    EXPECT_EQ(add(kAnswer), Verdict::response) << more;
+  }
+}
+
+TEST_F(AsciiFramer, FunctionsOfVendorsEndWithTheirLineFeed) {
+  expect("46 01 02");  // FDA6000's JOG
+  EXPECT_EQ(add(":0146AABBCC88\r\n"), Verdict::response);
+  EXPECT_EQ(response(), "46 AA BB CC");
+}
+
+TEST_F(AsciiFramer, TakesTheLongestFrame) {
+  expect("46 01 02");
+  std::string answer = ":0146";
+  for (int byte = 0; byte < 252; ++byte) {
+    answer += "00";
+  }
+  answer += "B9\r\n";
+  ASSERT_EQ(answer.size(), modbus::kMaxAsciiSize);
+  EXPECT_EQ(add(answer), Verdict::response);
+}
+
+TEST_F(AsciiFramer, SurvivesABabblingLine) {
+  expect(kRead);
+  const std::string babble(600, '0');
+  for (int times = 0; times < 50; ++times) {
+    EXPECT_EQ(add((times % 2 == 0 ? ":" : "") + babble), Verdict::none);
+  }
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+  EXPECT_EQ(counters_.stray_bytes, 50U * 600U + 25U);
+}
+
+TEST_F(AsciiFramer, WhatBeginsBehindAnAnswerGoesOn) {
+  constexpr std::string_view kLate = ":02030256782B\r\n";
+  for (const std::size_t cut : {std::size_t{5}, kLate.size()}) {
+    expect(kRead);
+    EXPECT_EQ(add(std::string(kAnswer) + std::string(kLate.substr(0, cut))), Verdict::response);
+    framer_.listen();
+    EXPECT_EQ(add(kLate.substr(cut)), Verdict::none);
+    const auto unsolicited = framer_.take_unsolicited();
+    ASSERT_TRUE(unsolicited) << cut;
+    EXPECT_EQ(unsolicited->address, 2);
+  }
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// A stop waits for no answer that is owed, so an owed answer may come in place of its own: which of
+// them say that it was done.
+#include "unit/bus/bus_rig.hpp"
+#include "unit/bus/queue/stop_axis.hpp"
+
+namespace mbgate::test {
+namespace {
+
+constexpr auto kMoveBy16 = "10 007C 0001 02 0066";
+constexpr auto kStopBy16 = "10 007C 0001 02 00E1";
+constexpr auto kAnswerBy16 = "01 10 00 7C 00 01 C0 11";  // to either: it names no value
+constexpr auto kUnanswered = 110ms;  // such a frame takes 6.3 ms, the response timeout is 100 ms
+
+class BusStopAnswers : public Bus {
+ protected:
+  void open_axis() {
+    auto other_times = settings();
+    other_times.timing.stop_retries = 1;
+    other_times.line.echo = false;
+    open(other_times, {axis(other_times)});
+  }
+};
+
+TEST_F(BusStopAnswers, TheLateAnswerToAMoveThatLooksTheSameIsNone) {
+  open_axis();
+  submit(job_of(1, kMoveBy16));
+  advance(kUnanswered);
+  submit(job(kStopBy16));
+  ASSERT_THAT(frames_, SizeIs(2));
+  advance(10ms);
+  line(kAnswerBy16);  // of the move
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+  advance(10ms);
+  line(kAnswerBy16);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
+// Nobody can tell whether the one answer was the move's: the stop is repeated.
+TEST_F(BusStopAnswers, WhereTheMoveIsNeverAnsweredARepetitionShowsIt) {
+  open_axis();
+  submit(job_of(1, kMoveBy16));
+  advance(kUnanswered);
+  submit(job(kStopBy16));
+  advance(10ms);
+  line(kAnswerBy16);
+  advance(kUnanswered);
+  ASSERT_THAT(frames_, SizeIs(3));
+  advance(10ms);
+  line(kAnswerBy16);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
+TEST_F(BusStopAnswers, ThatToTheSameStopBeforeIsOne) {
+  open_axis();
+  submit(job(kStop));
+  time_out();
+  ASSERT_THAT(frames_, SizeIs(2));
+  advance(10ms);
+  line(kStopFrame);  // of the first transmission or of the second one
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+// The first stop was repeated and answered once, so that its other answer may still come; the write
+// between may have set the axis in motion again.
+TEST_F(BusStopAnswers, ThatToTheSameStopBeforeAnotherWriteIsNone) {
+  open_axis();
+  submit(job(kStop));
+  time_out();
+  advance(10ms);
+  line(kStopFrame);
+  submit(job_of(1, "05 0001 FF00"));
+  advance(60ms);
+  ASSERT_THAT(frames_, SizeIs(3));
+  time_out();
+  submit(job(kStop));
+  ASSERT_THAT(frames_, SizeIs(4));
+  advance(10ms);
+  line(kStopFrame);  // of the first stop
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
+  advance(10ms);
+  line(kStopFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
+}
+
+// Whoever asks an offline device waits for a shorter time; its quarantine is none the shorter for
+// that.
+TEST_F(BusStopAnswers, TheLateAnswerToAMoveOfADeviceThatIsOfflineIsNone) {
+  auto slow = settings();
+  slow.timing.response_timeout = 300ms;
+  slow.timing.offline_after = 1;
+  slow.line.echo = false;
+  open(slow, {axis(slow)});
+  submit(job_of(1, kMoveBy16));
+  advance(310ms);
+  ASSERT_TRUE(bus_->device(1).health.is_offline());
+  advance(200ms);  // longer than a probe is waited for, and its quarantine would be
+  submit(job(kStopBy16));
+  ASSERT_THAT(frames_, SizeIs(2));
+  advance(10ms);
+  line(kAnswerBy16);  // of the move
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  advance(10ms);
+  line(kAnswerBy16);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
+// Of an unknown function only silence ends it.
+TEST_F(BusStopAnswers, NoiseBehindTheAnswerToAnotherRequestDoesNotKeepItForLong) {
+  open_axis();
+  submit(job_of(1, "41 01"));
+  advance(10ms);
+  line("01 41 12");
+  submit(job(kStop));
+  for (int times = 0; times < 15; ++times) {
+    advance(15ms);
+    line("FF");
+  }
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
+}  // namespace
+}  // namespace mbgate::test

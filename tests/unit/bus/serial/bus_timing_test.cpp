@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// The times of a bus: silence, gaps, timeouts, settling.
+#include "unit/bus/bus_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+TEST_F(Bus, KeepsT35AfterAnAnswer) {
+  open(settings());
+  submit(job(kRead));
+  submit(job(kRead));
+  advance(20ms);
+  line(kAnswer);
+  EXPECT_EQ(until_next_frame(), kT35);
+}
+
+TEST_F(Bus, AFrameGapMayBeShorterThanT35) {
+  auto shorter = settings();
+  shorter.frame_gap = 0ms;
+  open(shorter);
+  submit(job(kRead));
+  submit(job(kRead));
+  advance(20ms);
+  line(kAnswer);
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
+TEST_F(Bus, KeepsTheGapOfADeviceOnTopOfT35) {
+  drive::Device slow{"slow", {}, 1, settings().timing};
+  slow.timing.gap = 30ms;
+  open(settings(), {slow});
+  advance(100ms);
+  submit(job(kRead, 2));
+  submit(job(kRead, 1));
+  advance(20ms);
+  line("02 03 02 12 34 F1 33");
+  EXPECT_EQ(until_next_frame(), kT35 + 30ms);
+}
+
+TEST_F(Bus, WaitsForSilenceWhileTheLineBabbles) {
+  open(settings());
+  bus::Job& waiting = job(kRead);
+  for (int byte = 0; byte < 20; ++byte) {
+    line("55");
+    if (byte == 0) {
+      submit(waiting);
+    }
+    advance(1ms);
+    EXPECT_THAT(frames_, IsEmpty());
+  }
+  EXPECT_EQ(until_next_frame(), kT35 - 1ms);
+}
+
+TEST_F(Bus, NeverTransmitsIntoItsOwnFrame) {
+  open(settings());
+  submit(job(kRead));
+  submit(job(kRead));
+  line(kAnswer);  // a stranger's bytes that happen to fit, while our frame is still on its way
+  EXPECT_EQ(until_next_frame(), kEmission + kT35);
+}
+
+TEST_F(Bus, TheResponseTimeoutRunsFromTheEndOfTheTransmission) {
+  open(settings());
+  submit(job(kRead));
+  const Instant start = now_;
+  advance(1s);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_EQ(ended_at_[0] - start, kEmission + 100ms);
+}
+
+TEST_F(Bus, TheResponseWaitOfADeviceIsAddedToItsTimeout) {
+  drive::Device aic{"aic", {}, 1, settings().timing};
+  aic.timing.response_wait = 20ms;
+  open(settings(), {aic});
+  submit(job(kRead));
+  const Instant start = now_;
+  advance(1s);
+  EXPECT_EQ(ended_at_.at(0) - start, kEmission + 120ms);
+}
+
+TEST_F(Bus, AnAnswerMayEndAfterTheTimeoutIfItBeganBefore) {
+  open(settings());
+  submit(job(kRead));
+  advance(kEmission + 99ms);
+  line("01 03");
+  advance(10ms);
+  line("02 12 34 B5 33");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(Bus, AnAnswerThatStopsHalfWayEndsTheWait) {
+  open(settings());
+  submit(job(kRead));
+  advance(kEmission + 99ms);
+  line("01 03 02");
+  advance(30ms);  // seven characters take 4.01 ms, plus 20 ms
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+}
+
+class BusPauses : public Bus {
+ protected:
+  /// A read whose answer begins so long after it has left, and pauses.
+  void read_with_pause(Duration pause, Duration began = 99ms) {
+    submit(job(kRead));
+    advance(kEmission + began);
+    line("01 03 02");
+    advance(pause);
+    line("12 34 B5 33");
+  }
+};
+
+// A Wi-Fi device server passes an answer on in parts.
+TEST_F(BusPauses, AnAnswerMayPauseLongerBehindADeviceServer) {
+  auto remote = settings();
+  remote.line.remote = bus::Endpoint{"wifi", 4001};
+  open(remote);
+  read_with_pause(150ms, 50ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusPauses, FrameSlackSaysHowLongAnAnswerMayPause) {
+  auto slack = settings();
+  slack.frame_slack = 60ms;
+  open(slack);
+  read_with_pause(60ms);
+  slack.frame_slack = 30ms;
+  update(slack, {});
+  advance(5ms);
+  read_with_pause(60ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
+}
+
+TEST_F(Bus, CountsGlitchesBeforeTheAnswersOfADevice) {
+  open(settings());
+  submit(job(kRead));
+  advance(20ms);
+  line("FE F8 01 03 02 12 34 B5 33");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_EQ(bus_->device(1).counters.noise_bytes, 2U);
+  EXPECT_EQ(bus_->counters().noise_bytes, 2U);
+}
+
+TEST_F(Bus, SettlesAfterATimeoutBeforeTheNextRequest) {
+  auto settling = settings();
+  settling.settle = 50ms;
+  open(settling);
+  submit(job(kRead));
+  submit(job(kRead, 2));
+  time_out();
+  EXPECT_EQ(until_next_frame(), 50ms);
+}
+
+TEST_F(Bus, OnlyTheEndOfASilenceMayBeWokenForEarly) {
+  open(settings());
+  line(kAnswer);
+  submit(job(kRead));
+  EXPECT_TRUE(bus_->next_wake()->ends_silence);
+  advance(5ms);
+  EXPECT_FALSE(bus_->next_wake()->ends_silence);  // the response timeout
+  time_out();
+  submit(job_of(1, kOther));
+  EXPECT_FALSE(bus_->next_wake()->ends_silence);  // the quarantine
+}
+
+TEST_F(Bus, BytesThatAreNoFrameAreDrainedBeforeTheNextTransmission) {
+  open(settings());
+  line("12 34 56");
+  EXPECT_EQ(bus_->line_state(now_), bus::LineState::draining);
+  submit(job(kRead));
+  EXPECT_EQ(until_next_frame(), kT35);
+}
+
+TEST_F(Bus, ListensAsLongAsTheSlowestAddressMayTake) {
+  auto slow_bus = settings();
+  slow_bus.timing.response_timeout = 700ms;
+  drive::Device quick{"quick", {}, 1, settings().timing};
+  EXPECT_EQ(bus::longest_response_timeout(slow_bus, std::vector{quick}), 700ms);
+}
+
+TEST_F(Bus, ShowsTheStatesOfTheSpecification) {
+  auto listening = settings();
+  listening.listen_first = 50ms;
+  open(listening);
+  using State = bus::LineState;
+  EXPECT_EQ(bus_->line_state(now_), State::initial);
+  advance(50ms);
+  EXPECT_EQ(bus_->line_state(now_), State::idle);
+  submit(job("06 0000 0001", 0));
+  EXPECT_EQ(bus_->line_state(now_), State::emission);
+  advance(kEmission);
+  EXPECT_EQ(bus_->line_state(now_), State::waiting_turnaround_delay);
+  advance(100ms);
+  submit(job(kRead));
+  advance(kEmission);
+  EXPECT_EQ(bus_->line_state(now_), State::waiting_for_reply);
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/serial/echo.hpp"
+
+#include <gmock/gmock.h>
+
+#include "modbus/rtu.hpp"
+#include "support/hex.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using namespace std::chrono_literals;
+using bus::Instant;
+using bus::LineFault;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr auto kReadPdu = "03 0000 0001";
+constexpr auto kSentRead = "01 03 00 00 00 01 84 0A";
+constexpr auto kWritePdu = "06 0000 0001";
+constexpr auto kSentWrite = "01 06 00 00 00 01 48 0A";
+
+class Echo : public testing::Test {
+ protected:
+  void begin(std::optional<bool> setting) { echo_.emplace(setting, counters_, faults_); }
+  void send(std::string_view request, Instant now = {}) {
+    const auto pdu = modbus::Pdu::from(unhex(request));
+    transaction_.emplace(bus::Transaction{1, *modbus::Request::parse(*pdu)});
+    const auto frame = modbus::encode_rtu(1, *pdu);
+    echo_->expect(*transaction_, {frame.begin(), frame.end()}, now, now + 1s);
+  }
+  /// What is given on: what was held back until now, a bar, and the rest.
+  std::string take(std::string_view bytes, Instant now = {}) {
+    const auto given = unhex(bytes);
+    const auto heard = echo_->take(given, now);
+    since_ = heard.held.since;
+    return text(heard.held) + "|" + hex(heard.bytes);
+  }
+  std::string release() { return text(echo_->release()); }
+  static std::string text(const bus::Echo::Held& held) {
+    return hex({held.bytes.data(), held.bytes.size()});
+  }
+  static modbus::Pdu pdu(std::string_view bytes) { return *modbus::Pdu::from(unhex(bytes)); }
+
+  bus::BusCounters counters_;
+  bus::LineFaults faults_;
+  std::optional<bus::Transaction> transaction_;
+  std::optional<bus::Echo> echo_;
+  Instant since_;
+};
+
+TEST_F(Echo, IsTakenOutWhereItIsSaidToBe) {
+  begin(true);
+  send(kWritePdu);
+  EXPECT_EQ(take("01 06 00"), "|");
+  EXPECT_EQ(take("00 00 01 48 0A 01 86"), "|01 86");
+  EXPECT_EQ(take(kSentWrite), std::string("|") + kSentWrite);  // the answer
+  EXPECT_FALSE(echo_->is_spoilt());
+  EXPECT_THAT(faults_, IsEmpty());
+}
+
+TEST_F(Echo, IsFoundThoughItComesWhenTheRequestIsForgotten) {
+  begin({});
+  send(kReadPdu);
+  transaction_.emplace(bus::Transaction{1, *modbus::Request::parse(pdu("07"))});
+  EXPECT_EQ(take(kSentRead), "|");
+  EXPECT_TRUE(echo_->is_present());
+}
+
+TEST_F(Echo, ThatDiffersSpoilsWhatFollows) {
+  begin(true);
+  send(kReadPdu);
+  EXPECT_EQ(take("01 03 00 00 01 01"), "|");
+  EXPECT_TRUE(echo_->is_spoilt());
+  EXPECT_THAT(faults_, ElementsAre(LineFault::echo_differed));
+  EXPECT_EQ(counters_.echo_mismatches, 1U);
+  EXPECT_EQ(counters_.stray_bytes, 6U);
+  send(kReadPdu);
+  EXPECT_FALSE(echo_->is_spoilt());
+  EXPECT_EQ(take(kSentRead), "|");
+}
+
+// The status 41 (hex) of unit 1 makes an answer that begins with 01 07 41 E2, as its request does.
+TEST_F(Echo, IsNotProvenByAnAnswerThatBeginsLikeARequestWithoutFields) {
+  begin(std::nullopt);
+  send("07");
+  EXPECT_EQ(take("01 07 41 E2 00"), "|00");
+  EXPECT_TRUE(echo_->is_unknown());
+  echo_->note_answered();
+  EXPECT_TRUE(echo_->is_unknown());
+  EXPECT_THAT(faults_, IsEmpty());
+}
+
+TEST_F(Echo, ThatDifferedIsNotGivenOnLater) {
+  begin(std::nullopt);
+  echo_->find();
+  send(kWritePdu);
+  EXPECT_EQ(take("01 86 02 C3 A1"), "|");
+  EXPECT_TRUE(echo_->is_unknown());
+  EXPECT_EQ(release(), "");
+}
+
+TEST_F(Echo, IsNotLookedForWhereItIsSaidNotToBe) {
+  begin(false);
+  send(kReadPdu);
+  EXPECT_EQ(take(kSentRead), std::string("|") + kSentRead);
+  EXPECT_FALSE(echo_->is_learned());
+  EXPECT_THAT(faults_, IsEmpty());
+}
+
+TEST_F(Echo, IsFoundWhereNobodyHasSaid) {
+  begin(std::nullopt);
+  EXPECT_TRUE(echo_->is_unknown());
+  send(kReadPdu);
+  EXPECT_EQ(take("01 03 00 00"), "|");
+  EXPECT_EQ(take("00 01 84 0A 55"), "|55");
+  EXPECT_FALSE(echo_->is_unknown());
+  EXPECT_TRUE(echo_->was_shown());
+  EXPECT_THAT(faults_, ElementsAre(LineFault::echo_found));
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+}
+
+TEST_F(Echo, IsHeldBackUntilWhatComesIsSomethingElse) {
+  begin(std::nullopt);
+  send(kReadPdu);
+  EXPECT_EQ(take("01 03", Instant(5ms)), "|");
+  EXPECT_EQ(take("02 12", Instant(7ms)), "01 03|02 12");
+  EXPECT_EQ(since_, Instant(5ms));
+  EXPECT_EQ(take(kSentRead), std::string("|") + kSentRead);
+  EXPECT_TRUE(echo_->is_unknown());
+}
+
+TEST_F(Echo, IsHeldBackNoLongerThanItIsWaitedFor) {
+  begin(std::nullopt);
+  send(kReadPdu);
+  EXPECT_EQ(release(), "");
+  EXPECT_EQ(take("01 03"), "|");
+  EXPECT_EQ(release(), "01 03");
+  EXPECT_EQ(release(), "");
+  EXPECT_EQ(counters_.stray_bytes, 0U);
+  send(kReadPdu);
+  EXPECT_EQ(take("01 03"), "|");
+  send(kReadPdu);
+  EXPECT_EQ(counters_.stray_bytes, 2U);
+}
+
+TEST_F(Echo, ThatMayBeTheAnswerIsGivenOnUntilThereIsOne) {
+  begin(std::nullopt);
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), std::string("|") + kSentWrite);
+  EXPECT_TRUE(echo_->is_repetition(pdu(kWritePdu)));
+  EXPECT_FALSE(echo_->is_repetition(pdu("06 0000 0002")));
+  echo_->find();
+  EXPECT_FALSE(echo_->is_unknown());
+}
+
+TEST_F(Echo, OnlyOfWhatIsAnsweredSoLooksLikeTheAnswer) {
+  begin(true);
+  send(kReadPdu);
+  EXPECT_FALSE(echo_->is_repetition(pdu(kReadPdu)));
+}
+
+TEST_F(Echo, IsNotThereIfAReadIsAnsweredWithoutIt) {
+  begin(std::nullopt);
+  send(kWritePdu);
+  echo_->note_answered();
+  EXPECT_TRUE(echo_->is_unknown());
+  send(kReadPdu);
+  echo_->note_answered();
+  EXPECT_FALSE(echo_->is_unknown());
+  EXPECT_FALSE(echo_->was_shown());
+}
+
+TEST_F(Echo, ThatDidNotComeIsOwedOnce) {
+  begin(true);
+  send(kWritePdu);
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+  EXPECT_FALSE(echo_->is_owed(pdu("06 0000 0002")));
+  EXPECT_TRUE(echo_->is_owed(pdu(kWritePdu)));
+  EXPECT_TRUE(echo_->take_owed(pdu(kWritePdu)));
+  EXPECT_FALSE(echo_->take_owed(pdu(kWritePdu)));
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+  EXPECT_FALSE(echo_->is_owed(pdu(kWritePdu)));
+}
+
+TEST_F(Echo, IsOwedForEachRequestThatWasSent) {
+  begin(true);
+  send(kWritePdu);
+  send("06 0000 0002");
+  send(kWritePdu);
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+  EXPECT_TRUE(echo_->take_owed(pdu(kWritePdu)));
+  EXPECT_TRUE(echo_->take_owed(pdu(kWritePdu)));
+  EXPECT_FALSE(echo_->take_owed(pdu(kWritePdu)));
+}
+
+TEST_F(Echo, IsNotOwedIfThatOfALaterRequestHasCome) {
+  begin(true);
+  send(kWritePdu);
+  send(kReadPdu);
+  EXPECT_EQ(take(kSentRead), "|");
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+  EXPECT_FALSE(echo_->is_owed(pdu(kWritePdu)));
+}
+
+TEST_F(Echo, IsNotOwedForEver) {
+  for (const auto& [later, owed] : {std::pair{11s, true}, std::pair{12s, false}}) {
+    begin(true);
+    send(kWritePdu, Instant(0s));
+    send(kWritePdu, Instant(later));
+    EXPECT_EQ(take(kSentWrite), "|");
+    EXPECT_EQ(echo_->is_owed(pdu(kWritePdu)), owed);
+  }
+}
+
+TEST_F(Echo, IsNotOwedWhenTheLineWasOpenedAnew) {
+  begin(true);
+  send(kWritePdu);
+  send(kWritePdu);
+  echo_->open();
+  send(kWritePdu);
+  EXPECT_EQ(take(kSentWrite), "|");
+  EXPECT_FALSE(echo_->is_owed(pdu(kWritePdu)));
+}
+
+TEST_F(Echo, IsUnknownAgainWhenTheLineIsOpened) {
+  begin(std::nullopt);
+  echo_->find();
+  echo_->note_unproven();
+  echo_->note_unproven();
+  echo_->open();
+  EXPECT_TRUE(echo_->is_unknown());
+  EXPECT_FALSE(echo_->was_shown());
+  echo_->note_unproven();
+  EXPECT_THAT(faults_, ElementsAre(LineFault::echo_found, LineFault::echo_unproven,
+                                   LineFault::echo_unproven));
+}
+
+}  // namespace
+}  // namespace mbgate::test

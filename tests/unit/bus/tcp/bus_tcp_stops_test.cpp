@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stops on a connection, where others may be on their way.
+#include "bus_tcp_rig.hpp"
+#include "unit/bus/queue/stop_axis.hpp"
+
+namespace mbgate::test {
+namespace {
+
+TEST_F(BusTcp, AStopCutsOffOnlyWhatIsInItsWay) {
+  auto slow = tcp(2);
+  slow.timing.response_timeout = 1s;
+  open(slow, {axis(slow, 3)});
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, kRead, 2));
+  submit(job_of(2, kStop, 3));
+  advance(100ms);
+  ASSERT_THAT(frames_, SizeIs(3));
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+}
+
+TEST_F(BusTcp, AWriteThatIsLetGoFirstDoesNotWaitForAReadOfItsDeviceForLong) {
+  auto slow = tcp(2);
+  slow.timing.response_timeout = 1s;
+  auto patient = axis(slow);
+  patient.stop_cancels = false;
+  open(slow, {patient});
+  submit(job_of(0, kRead));
+  submit(job_of(1, kMove));
+  submit(job_of(2, kStop));
+  advance(100ms);
+  ASSERT_THAT(frames_, SizeIs(2));
+  advance(100ms);
+  ASSERT_THAT(frames_, SizeIs(3));
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
+}
+
+TEST_F(BusTcp, WhatGoesBetweenTwoTriesOfAStopIsNotCutOffByTheStopBesideIt) {
+  auto slow = tcp(2);
+  slow.timing.response_timeout = 1s;
+  open(slow, {axis(settings(), 2), axis(settings(), 3)});
+  submit(job_of(0, kRead, 2));
+  submit(job_of(1, kStop, 3));
+  submit(job_of(2, kRead, 1));
+  advance(settings().timing.response_timeout);
+  ASSERT_THAT(units(), ElementsAre(2, 3, 1, 3));
+  advance(250ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer)) << "only the read of 2";
+}
+
+TEST_F(BusTcp, ALateAnswerBringsItsDeviceBack) {
+  auto breaking = tcp(1);
+  breaking.timing.offline_after = 1;
+  open(breaking);
+  submit(job(kRead, 1));
+  advance(breaking.timing.response_timeout);
+  EXPECT_TRUE(bus_->device(1).health.is_offline());
+  answer(0, "01 03 02 12 34");
+  EXPECT_FALSE(bus_->device(1).health.is_offline());
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/scan/scan_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include "ctl/scan/starting_config.hpp"
+#include "profile_device.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+using namespace std::chrono_literals;
+
+FoundUnit found(std::uint8_t unit, const std::vector<std::string>& profiles) {
+  FoundUnit result{unit, {}, 3500us};
+  auto& identification = result.identification;
+  for (const auto& name : profiles) {
+    identification.likely.push_back(shipped_profiles().find(name));
+  }
+  identification.nearest = shipped_profiles().find("moons-m2");
+  identification.fitting = 9;
+  identification.judged = 9;
+  identification.functions.set(3);
+  return result;
+}
+
+ScanResult plant() {
+  ScanResult result;
+  result.found.push_back(found(1, {"moons-st"}));
+  result.found.push_back(found(3, {"moons-m3"}));
+  result.found.back().identification.word_order = drive::WordOrder::little;
+  result.found.push_back(found(4, {"moons-ssdc", "moons-stb"}));
+  result.found.back().identification.word_order = drive::WordOrder::big;
+  result.found.push_back(found(17, {"autonics-aic"}));
+  result.found.back().identification.word_order = drive::WordOrder::big;
+  result.found.back().identification.texts = {{"model name", "AiC-D-56LA"}};
+  result.found.push_back(found(32, {}));
+  result.found.back().identification.fitting = 4;
+  result.found.back().slowest = 120ms;
+  result.found.back().fell_silent = true;
+  return result;
+}
+
+TEST(ScanTable, HasALineForEachUnitAndExplainsItself) {
+  EXPECT_EQ(
+      scan_table(plant()),
+      "  unit  functions  slowest  profile                  answers that fit                  "
+      "word order  texts\n"
+      "  1     03         4ms      moons-st                 9 of 9                            "
+      "unknown     -\n"
+      "  3     03         4ms      moons-m3                 9 of 9                            "
+      "little      -\n"
+      "  4     03         4ms      moons-ssdc or moons-stb  9 of 9                            "
+      "big         -\n"
+      "  17    03         4ms      autonics-aic             9 of 9                            "
+      "big         model name \"AiC-D-56LA\"\n"
+      "  32    03         120ms    generic                  4 of 9 for moons-m2, then silent  "
+      "-           -\n"
+      "Profiles joined by \"or\" cannot be told apart by reading.\n"
+      "Where the profile is generic, none fits; the nearest one is named.\n");
+}
+
+TEST(StartingConfig, LeavesTheChoiceWhereReadingCannotTell) {
+  EXPECT_EQ(
+      starting_config({"plant.example", 1502, 1, 5s}, "line-b", plant().found),
+      R"(# What mbgatectl scan found at plant.example, port 1502. Look through every line before it
+# runs: a scan only reads, and what reading cannot tell is marked CHOOSE.
+
+[[listen]]
+name = "plant"
+address = "127.0.0.1"          # CHOOSE: the address that the clients reach, and who may: `allow`
+port = 502
+
+[[bus]]
+name = "line-b"
+device = "/dev/ttyUSB0"        # CHOOSE: better a name in /dev/serial/by-id
+baud = 19200                   # CHOOSE these three as the line is set now
+parity = "even"
+stop_bits = 1
+
+[[device]]
+name = "unit-1"
+bus = "line-b"
+address = 1
+profile = "moons-st"  # MOONS' step drives ST, STAC, STM and SWM; 9 of 9 answers fit
+# CHOOSE as the drive is set: it does not say.
+# word_order = "big"  # or "little"
+response_timeout = "100ms"  # it took up to 4ms, seen from here
+
+[[route]]
+unit = 1
+device = "unit-1"
+# word_order = "big"  # once the choice above is made: what the clients see
+
+[[device]]
+name = "unit-3"
+bus = "line-b"
+address = 3
+profile = "moons-m3"  # MOONS' servo drives M3; 9 of 9 answers fit
+word_order = "little"
+response_timeout = "100ms"  # it took up to 4ms, seen from here
+
+[[route]]
+unit = 3
+device = "unit-3"
+word_order = "big"
+
+[[device]]
+name = "unit-4"
+bus = "line-b"
+address = 4
+# CHOOSE one: reading cannot tell them apart, and their values differ.
+# profile = "moons-ssdc"  # MOONS' step drives SSDC, SS, RS, SSM, TSM and TXM
+# profile = "moons-stb"  # MOONS' step drives STB
+# word_order = "big"  # as read
+response_timeout = "100ms"  # it took up to 4ms, seen from here
+
+[[route]]
+unit = 4
+device = "unit-4"
+# word_order = "big"  # once the choice above is made: what the clients see
+
+# model name: "AiC-D-56LA"
+[[device]]
+name = "unit-17"
+bus = "line-b"
+address = 17
+profile = "autonics-aic"  # Autonics AiC closed-loop stepper drives; 9 of 9 answers fit
+word_order = "big"
+response_timeout = "100ms"  # it took up to 4ms, seen from here
+
+[[route]]
+unit = 17
+device = "unit-17"
+word_order = "big"
+
+[[device]]
+name = "unit-32"
+bus = "line-b"
+address = 32
+# No profile fits: generic limits, no 32-bit values. A profile can be written for it.
+profile = "generic"
+response_timeout = "500ms"  # it took up to 120ms, seen from here
+
+[[route]]
+unit = 32
+device = "unit-32"
+word_order = "big"
+)");
+}
+
+TEST(SensibleTimeout, IsRoundAndAtLeastThriceTheSlowestAnswer) {
+  EXPECT_EQ(sensible_timeout(1ms), 100ms);
+  EXPECT_EQ(sensible_timeout(33ms), 100ms);
+  EXPECT_EQ(sensible_timeout(34ms), 200ms);
+  EXPECT_EQ(sensible_timeout(400ms), 2000ms);
+  EXPECT_EQ(sensible_timeout(4100ms), 13s);
+}
+
+}  // namespace
+}  // namespace mbgate::ctl

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the bytes of one connection to its requests.
+#include "gateway/clients/intake.hpp"
+
+#include <gtest/gtest.h>
+
+#include "unit/gateway/parts_plant.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using gateway::Intake;
+using gateway::Request;
+
+class IntakeAlone : public testing::Test {
+ protected:
+  void come(std::string_view bytes) { session_.input.append(unhex(bytes), Instant{1s}); }
+  Intake::Next next() { return intake_.next(session_, Instant{1s}); }
+  Request request() { return *next().request; }
+  static bool is_nothing(const Intake::Next& next) {
+    return next.request == nullptr && !next.stop && !next.framing_lost;
+  }
+
+  SettingsHistory settings_{stop_plant(1)};
+  gateway::WriteRules rules_{settings_.in_force()};
+  ActionQueue actions_;
+  Intake intake_{settings_, rules_, actions_};
+  ClientSession session_{ClientId{1}, info_of("192.0.2.1"), settings_.settings().listeners[0],
+                         Instant{1s}};
+};
+
+TEST_F(IntakeAlone, GivesOneRequestAfterTheOtherAndSkipsOtherProtocols) {
+  come("0001 0000 0006 01 03 0000 0001  0002 0001 0002 01 02  0003 0000 0006 02 06 0000 0001");
+  const auto read = request();
+  EXPECT_TRUE(read.plan && read.plan->is_read());
+  EXPECT_EQ(read.position, 0U);
+  const auto write = request();
+  EXPECT_EQ(write.adu.header.transaction, 3);
+  EXPECT_EQ(write.position, 20U);
+  EXPECT_TRUE(is_nothing(next()));
+  EXPECT_EQ(intake_.counters().requests, 2U);
+  EXPECT_EQ(intake_.counters().foreign_adus, 1U);
+}
+
+TEST_F(IntakeAlone, SaysWhyARequestIsRefused) {
+  come("0001 0000 0006 FA 03 0000 0001  0002 0000 0002 01 64");
+  EXPECT_EQ(request().refused, modbus::ExceptionCode::gateway_path_unavailable);
+  EXPECT_EQ(reports<gateway::UnitNotRouted>(actions_).size(), 1U);
+  intake_.set_phase(gateway::Phase::only_stops);
+  come("0003 0000 0006 01 06 0000 0001  0004 0000 0006 01 06 007C 00E1");
+  static_cast<void>(next());
+  EXPECT_EQ(request().refused, modbus::ExceptionCode::server_device_busy);
+  EXPECT_EQ(request().refused, std::nullopt);
+}
+
+TEST_F(IntakeAlone, EndsWhereFramingIsLost) {
+  come("0001 0000 FFFF 01 03 0000 0001");
+  EXPECT_TRUE(next().framing_lost);
+}
+
+TEST_F(IntakeAlone, BehindAFullPipelineOnlyStopsAreFound) {
+  session_.open_answer();
+  come("0001 0000 0006 01 06 0000 0001  0002 0000 0006 01 06 007C 00E1");
+  EXPECT_TRUE(is_nothing(next()));
+  intake_.begin_early(session_);
+  const Request* stop = intake_.next_early(session_, Instant{1s});
+  ASSERT_TRUE(stop != nullptr && stop->is_stop && stop->is_early);
+  EXPECT_EQ(stop->position, 12U);
+  EXPECT_EQ(intake_.next_early(session_, Instant{1s}), nullptr);
+  intake_.begin_early(session_);
+  EXPECT_EQ(intake_.next_early(session_, Instant{1s}), nullptr);  // it was looked at before
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// What other settings must not let go: which writes are older than a stop; and whose turns weigh
+// more from then on.
+#include <gmock/gmock.h>
+
+#include "unit/gateway/writes/stop_plant.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using testing::ElementsAre;
+
+TEST(ReloadMemory, WritesThatAreOlderThanAStopDoNotFollowIt) {
+  MachineRig rig(stop_plant());
+  rig.connect(1);
+  rig.connect(2, "192.0.2.2");
+  rig.receive(2, read_request(10) + write_request(11));
+  rig.advance(1ms);
+  rig.receive(1, stop_request(2));
+  rig.reload(stop_plant());
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  rig.respond(kStop1);
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop1));
+  EXPECT_THAT(rig.take_sent(2), ElementsAre("00 0A 00 00 00 05 01 03 02 00 01", busy(11)));
+}
+
+TEST(ReloadMemory, ClientsThatAreThereHaveTheirNewWeights) {
+  Settings settings = stop_plant(8);
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.connect(2, "192.0.2.2");
+  settings.weights = {{*routing::Network::parse("192.0.2.2"), 3}};
+  rig.reload(settings);
+  rig.receive(1, read_request(1) + write_request(2) + write_request(3));
+  for (unsigned transaction = 1; transaction <= 4; ++transaction) {
+    rig.receive(2, write_request(transaction, 2));
+  }
+  rig.respond("01 03 02 00 01");
+  for (const char* next : {kWrite1, kWrite2, kWrite2, kWrite2, kWrite1}) {
+    rig.advance(10ms);
+    rig.respond(next);
+  }
+  rig.advance(5ms);
+  EXPECT_THAT(take_requests(rig),
+              ElementsAre(kRead1, kWrite1, kWrite2, kWrite2, kWrite2, kWrite1, kWrite2));
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Other settings while a drive is asked for its word order.
+#include <gmock/gmock.h>
+
+#include "unit/gateway/writes/stop_plant.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using testing::ElementsAre;
+
+// Its first device is asked for its word order before values are written.
+Settings asking_plant() {
+  Settings settings = stop_plant(16);
+  auto& device = settings.devices[0];
+  device.word_order = drive::WordOrder::little;
+  device.verify_word_order = true;
+  device.profile.values.add({modbus::Table::holding_registers, 30});
+  device.profile.word_order_register = drive::WordOrderRegister{9, {5}, {133}};
+  settings.routes[0].last_unit = 1;
+  settings.routes[0].device = 0;
+  settings.routes[0].word_order = drive::WordOrder::big;
+  return settings;
+}
+
+TEST(ReloadOfDrives, LetsRequestsEndByTheSettingsTheyBeganWith) {
+  const Settings settings = asking_plant();
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 000B 01 10 001E 0002 04 0001 0002");
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 09 00 01"));
+  for (int times = 0; times < 3; ++times) {
+    rig.reload(settings);
+  }
+  rig.respond("01 03 02 00 85");
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 10 00 1E 00 02 04 00 02 00 01"));
+  rig.respond("01 10 00 1E 00 02");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 01 10 00 1E 00 02"));
+}
+
+// The drive has not the order that it is said to have now: nothing is written in that.
+TEST(ReloadOfDrives, AsksAgainThoughAQuestionOfBeforeIsAnswered) {
+  Settings settings = asking_plant();
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 000B 01 10 001E 0002 04 0001 0002");
+  take_requests(rig);
+  settings.devices[0].word_order = drive::WordOrder::big;
+  rig.reload(settings);
+  rig.respond("01 03 02 00 85");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 90 06"));
+  rig.receive(1, "0002 0000 000B 01 10 001E 0002 04 0001 0002");
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 09 00 01"));
+  rig.respond("01 03 02 00 85");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 01 90 04"));
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a stop is, and which writes it forbids, without a gateway around.
+#include "gateway/writes/write_rules.hpp"
+
+#include <gtest/gtest.h>
+
+#include "unit/gateway/parts_plant.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using modbus::ExceptionCode;
+
+class WriteRulesAlone : public testing::Test {
+ protected:
+  routing::Plan plan(std::string_view pdu, std::uint8_t unit = 1) {
+    const auto bytes = unhex(pdu);
+    return *routing::Plan::make(*settings_.routes.find(ListenerId{0}, unit), unit, {},
+                                *modbus::Pdu::from(bytes));
+  }
+  static gateway::WriteOrigin from(std::uint64_t client, std::uint64_t position, Instant arrival) {
+    return {ClientId{client}, *routing::ClientAddress::parse("192.0.2.1"), position, arrival};
+  }
+  auto objection(const gateway::WriteOrigin& origin, std::uint8_t unit = 1) {
+    return rules_.objection(plan("06 00 00 00 01", unit), origin, Instant{10s});
+  }
+
+  gateway::SettingsSnapshot settings_{stop_plant()};
+  gateway::WriteRules rules_{settings_};
+};
+
+TEST_F(WriteRulesAlone, AStopIsWhatItsDeviceTakesForOne) {
+  EXPECT_TRUE(rules_.is_stop(plan("06 00 7C 00 E1")));
+  EXPECT_FALSE(rules_.is_stop(plan("06 00 7C 00 E2")));
+  EXPECT_FALSE(rules_.is_stop(plan("03 00 7C 00 01")));
+  EXPECT_FALSE(rules_.is_stop(plan("06 00 7C 00 E1", 3)));  // no device is known there
+}
+
+TEST_F(WriteRulesAlone, AStopForbidsWhatOthersSentBeforeItToItsDevice) {
+  rules_.note_accepted(plan("06 00 7C 00 E1"), {}, from(1, 0, Instant{5s}), Instant{5s});
+  EXPECT_EQ(objection(from(2, 0, Instant{4s})), ExceptionCode::server_device_busy);
+  EXPECT_EQ(objection(from(2, 0, Instant{6s})), std::nullopt);
+  EXPECT_EQ(objection(from(2, 0, Instant{4s}), 2), std::nullopt);
+  EXPECT_EQ(objection(from(1, 12, Instant{4s})), std::nullopt);  // behind its own stop
+}
+
+TEST_F(WriteRulesAlone, OneThatWasTakenEarlyForbidsWhatLiesBeforeItInItsClientsStream) {
+  rules_.note_early(plan("06 00 7C 00 E1"), from(1, 24, Instant{5s}));
+  EXPECT_EQ(objection(from(1, 12, Instant{6s})), ExceptionCode::server_device_busy);
+  EXPECT_EQ(objection(from(1, 36, Instant{6s})), std::nullopt);
+  EXPECT_EQ(objection(from(2, 12, Instant{6s})), std::nullopt);
+  rules_.client_gone(ClientId{1});
+  EXPECT_EQ(objection(from(1, 12, Instant{6s})), std::nullopt);
+}
+
+TEST_F(WriteRulesAlone, NothingIsKnownOfADeviceThatWasGone) {
+  rules_.note_accepted(plan("06 00 7C 00 E1"), {}, from(1, 0, Instant{5s}), Instant{5s});
+  rules_.note_early(plan("06 00 7C 00 E1"), from(1, 24, Instant{5s}));
+  Settings less = stop_plant();
+  less.routes.clear();
+  less.devices[0].bus = drive::kNoBus;
+  rules_.adopt(gateway::SettingsSnapshot(less));
+  rules_.adopt(settings_);
+  EXPECT_EQ(objection(from(2, 0, Instant{4s})), std::nullopt);
+  EXPECT_EQ(objection(from(1, 12, Instant{6s})), std::nullopt);
+}
+
+}  // namespace
+}  // namespace mbgate::test

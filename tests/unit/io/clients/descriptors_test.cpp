@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/clients/descriptors.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+namespace mbgate::io {
+namespace {
+
+gateway::Settings plant_of(std::size_t buses, std::vector<std::size_t> max_connections) {
+  gateway::Settings settings;
+  settings.buses.resize(buses);
+  for (const std::size_t connections : max_connections) {
+    settings.listeners.emplace_back().max_connections = connections;
+  }
+  return settings;
+}
+
+TEST(DescriptorRoom, SufficesForWhatAllListenersTakeTogether) {
+  // 2 listeners, 1 bus: 4 + 32 + 16 + 2 * 2 are not for clients.
+  const auto room = room_for_clients(plant_of(1, {300, 200}), 556);
+  EXPECT_EQ(room.clients, 500U);
+  EXPECT_EQ(room.shortage, std::nullopt);
+}
+
+TEST(DescriptorRoom, SaysWhatIsMissing) {
+  const auto room = room_for_clients(plant_of(1, {300, 201}), 556);
+  EXPECT_EQ(room.clients, 500U);
+  EXPECT_EQ(room.shortage,
+            "max_connections of all listeners together is 501, but the limit of 556 open files "
+            "leaves room for 500 clients: lower it, or raise the limit (LimitNOFILE= of the unit) "
+            "to 557");
+}
+
+TEST(DescriptorRoom, MayBeNoneAtAll) {
+  const auto room = room_for_clients(plant_of(20, {1}), 64);
+  EXPECT_EQ(room.clients, 0U);
+  EXPECT_TRUE(room.shortage);
+}
+
+class DescriptorLimit : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before_), 0); }
+  void TearDown() override { ::setrlimit(RLIMIT_NOFILE, &before_); }
+  rlimit before_{};
+};
+
+TEST_F(DescriptorLimit, IsRaisedToTheHardOne) {
+  rlimit low = before_;
+  low.rlim_cur = 100;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &low), 0);
+  EXPECT_EQ(raise_descriptor_limit(), hard_descriptor_limit());
+  rlimit raised{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &raised), 0);
+  EXPECT_EQ(raised.rlim_cur, before_.rlim_max);
+}
+
+TEST_F(DescriptorLimit, KeepsTheHighestOnesFromClients) {
+  rlimit low = before_;
+  low.rlim_cur = 100;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &low), 0);
+  EXPECT_EQ(end_of_client_descriptors(plant_of(2, {1})), 60);
+  EXPECT_EQ(end_of_client_descriptors(plant_of(20, {1})), 0);
+}
+
+}  // namespace
+}  // namespace mbgate::io
