@@ -60,13 +60,6 @@ void Bus::rest(Instant now) {
   dispatch_.pump(now);
 }
 
-// The far end takes what is sent, and says nothing.
-void Bus::replace(Instant now) {
-  ++parts_.counters.losses;
-  parts_.actions.push(ReplaceLine{diagnosis_.note_unanswered_connection()});
-  rest(now);
-}
-
 void Bus::handle_bytes(modbus::Bytes bytes, Instant now) {
   if (!parts_.link.is_open()) {
     return;
@@ -107,7 +100,10 @@ void Bus::collect(Instant now) {
     } else if (fault != LineFault::unanswered) {
       parts_.actions.push(LineNotice{*fault});
     } else if (!parts_.stopping) {
-      replace(now);
+      // The far end takes what is sent, and says nothing.
+      ++parts_.counters.losses;
+      parts_.actions.push(ReplaceLine{diagnosis_.note_unanswered_connection()});
+      rest(now);
     }
   }
 }

@@ -60,14 +60,9 @@ class Bus {
   [[nodiscard]] const LinkState& link() const { return parts_.link; }
   [[nodiscard]] LineState line_state(Instant now) const { return parts_.line.state(now); }
   [[nodiscard]] std::size_t waiting() const { return parts_.queue.size() + parts_.stops.size(); }
-  [[nodiscard]] Duration longest_response_timeout() const {
-    return parts_.longest_response_timeout;
-  }
   [[nodiscard]] const BusCounters& counters() const { return parts_.counters; }
-  /// What is known of the device at the address.
-  [[nodiscard]] const DeviceEntry& device(std::uint8_t address) const {
-    return parts_.devices[address];
-  }
+  /// What is known of each address.
+  [[nodiscard]] const DeviceTable& devices() const { return parts_.devices; }
   /// How long the device at the address is still left alone because it owes an answer.
   [[nodiscard]] Duration held_back(std::uint8_t address, Instant now) const;
   /// What the answers of each device are like, and those of all.
@@ -78,7 +73,6 @@ class Bus {
   friend struct mbgate::StateReader;
   void collect(Instant now);
   void rest(Instant now);
-  void replace(Instant now);
 
   Parts parts_;
   JobEnds ends_{parts_};

@@ -64,12 +64,12 @@ class LineDiscipline {
   /// Something that was asked on the open connection has been answered. Never on a serial line.
   [[nodiscard]] bool has_answered() const {
     const auto* tcp = std::get_if<TcpDiscipline>(&line_);
-    return tcp != nullptr && tcp->has_answered();
+    return tcp != nullptr && tcp->use().has_answered();
   }
   /// Nothing was asked on the open connection. Never on a serial line.
   [[nodiscard]] bool is_unused() const {
     const auto* tcp = std::get_if<TcpDiscipline>(&line_);
-    return tcp != nullptr && tcp->is_unused();
+    return tcp != nullptr && !tcp->use().was_asked();
   }
   void note_closed(Instant now) {
     if (auto* tcp = std::get_if<TcpDiscipline>(&line_)) {

@@ -25,7 +25,6 @@ struct Parts {
   Parts(const BusSettings& in_force, std::span<const drive::Device> known)
       : settings(in_force),
         devices(in_force, known),
-        longest_response_timeout(bus::longest_response_timeout(in_force, known)),
         line(in_force, listening_time(), counters),
         queue(in_force.queue),
         transmissions(most_in_flight()),
@@ -38,7 +37,6 @@ struct Parts {
   void update(const BusSettings& in_force, std::span<const drive::Device> known) {
     settings = in_force;
     devices.update(settings, known);
-    longest_response_timeout = bus::longest_response_timeout(settings, known);
     line.update(settings, listening_time());
     queue.set_limit(settings.queue);
     transmissions.set_room(most_in_flight());
@@ -49,7 +47,6 @@ struct Parts {
 
   BusSettings settings;
   DeviceTable devices;
-  Duration longest_response_timeout;
   BusCounters counters;
   LineDiscipline line;
   BusQueue queue;
@@ -67,7 +64,8 @@ struct Parts {
   friend struct mbgate::StateReader;
   [[nodiscard]] Duration listening_time() const {
     constexpr Duration kLongestListening = std::chrono::seconds(1);
-    return settings.listen_first.value_or(std::min(longest_response_timeout, kLongestListening));
+    return settings.listen_first.value_or(
+        std::min(devices.longest_response_timeout(), kLongestListening));
   }
   [[nodiscard]] std::size_t most_in_flight() const {
     return settings.line.framing == Framing::tcp ? settings.outstanding : 1;

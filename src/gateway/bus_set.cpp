@@ -58,7 +58,7 @@ std::size_t BusSet::open_count() const {
 Duration BusSet::longest_response_timeout(std::span<const BusId> buses) const {
   Duration longest{0};
   for (const BusId id : buses) {
-    longest = std::max(longest, (*this)[id].longest_response_timeout());
+    longest = std::max(longest, (*this)[id].devices().longest_response_timeout());
   }
   return longest;
 }

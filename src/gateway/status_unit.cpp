@@ -78,7 +78,7 @@ std::uint16_t milliseconds(bus::Duration duration) {
 Block device_block(const StatusView::Device& shown, const StatusView& view) {
   const drive::Device& device = *shown.device;
   const bus::Bus& bus = *view.buses[shown.bus];
-  const bus::DeviceEntry& entry = bus.device(device.address);
+  const bus::DeviceEntry& entry = bus.devices()[device.address];
   const bus::DeviceCounters& counters = entry.counters;
   const bus::QualityVerdict& quality = bus.quality()[device.address].verdict();
   std::uint16_t state = 0;

@@ -10,10 +10,10 @@ using explore::Order;
 
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   auto& [parts, ends, diagnosis, outcomes, dispatch, admission] = bus;
-  // Settings: settings, longest. Counted only: counters. Watches real adapters only: adapter. Empty
+  // Settings: settings. Counted only: counters. Watches real adapters only: adapter. Empty
   // when the machine was asked for its actions: actions.
-  auto& [settings, devices, longest, counters, line, queue, transmissions, stops, turns, probes,
-         adapter, link, stopping, pumped_at, actions] = parts;
+  auto& [settings, devices, counters, line, queue, transmissions, stops, turns, probes, adapter,
+         link, stopping, pumped_at, actions] = parts;
   // Told only: diagnosis. They know nothing of their own: ends, outcomes.
   const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, next_start, looking] = dispatch;
   const auto& [of_admission, ends_too, sequence] = admission;
@@ -165,9 +165,9 @@ void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
   hash.add(boot_time);
 }
 
-// Addresses without a device are never asked, and no good frame has one.
+// Settings: longest. Addresses without a device are never asked, and no good frame has one.
 void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash& hash) {
-  const auto& [other, known, entries] = devices;
+  const auto& [other, known, longest, entries] = devices;
   for (const drive::Device& device : known) {
     read(entries.at(device.address), sight, hash);
   }

@@ -79,11 +79,10 @@ void StateReader::read(const bus::Framer& framer, Hash& hash) {
 
 void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {
   // Settings: timing, slack. Known by the line: sent. Counted only: counters. Set and read within
-  // one input: response, response_began, came_first, noise. Empty when the machine was asked for
+  // one input: found, noise. Empty when the machine was asked for
   // its actions: strays.
   const auto& [timing, slack, counters, transaction, sent, buffer, last_byte, answer, answer_at,
-               given, answers_another, discarding, response, response_began, came_first, noise, cut,
-               strays] = framer;
+               given, answers_another, discarding, found, noise, cut, strays] = framer;
   const Duration reach = std::max(timing.t3_5(), slack);
   hash.add(transaction != nullptr);
   hash.since(last_byte, reach);

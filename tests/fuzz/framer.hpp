@@ -115,7 +115,7 @@ class FramerScript {
             "a response fits its request");
     require(was_heard(framer_.encode(transaction_->address, response)),
             "a response came from the line, with its unit and checksum");
-    require(framer_.response_began() >= asked_at_ && framer_.response_began() <= now_,
+    require(framer_.found().began >= asked_at_ && framer_.found().began <= now_,
             "a response began after its request");
   }
   void take_strays() {

@@ -12,6 +12,7 @@ DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Dev
 void DeviceTable::update(const BusSettings& settings, std::span<const drive::Device> devices) {
   devices_.assign(devices.begin(), devices.end());
   other_.timing = settings.timing;
+  longest_response_timeout_ = bus::longest_response_timeout(settings, devices);
   for (DeviceEntry& entry : entries_) {
     entry.device = &other_;
     entry.early_reported = false;

@@ -62,6 +62,8 @@ class DeviceTable {
   }
   [[nodiscard]] std::span<const drive::Device> devices() const { return devices_; }
   [[nodiscard]] std::span<const DeviceEntry> entries() const { return entries_; }
+  /// Of all devices, and of addresses that have none.
+  [[nodiscard]] Duration longest_response_timeout() const { return longest_response_timeout_; }
   /// Does a device at the address, or one that hears the broadcast, take this for a stop?
   [[nodiscard]] bool is_stop(std::uint8_t address, const modbus::Request& request,
                              drive::BroadcastForm broadcast) const;
@@ -81,6 +83,7 @@ class DeviceTable {
   friend struct mbgate::StateReader;
   drive::Device other_;
   std::vector<drive::Device> devices_;
+  Duration longest_response_timeout_{0};
   std::array<DeviceEntry, kAddresses> entries_{};
 };
 

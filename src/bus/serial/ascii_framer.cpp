@@ -32,7 +32,7 @@ void AsciiFramer::expect(const Transaction& transaction) {
   is_earlier_ = !buffer_.empty();
   restarts_ = 0;
   taken_ = 0;
-  response_.reset();
+  found_.pdu.reset();
   const auto frame = modbus::encode_ascii(transaction.address, transaction.request.pdu());
   std::copy_n(frame.begin(), start_.size(), start_.begin());
   const modbus::PduLength length = modbus::expected_response_length(transaction.request);
@@ -76,7 +76,7 @@ Verdict AsciiFramer::add(modbus::Bytes bytes, Instant now) {
 }
 
 Verdict AsciiFramer::again(Instant now) {
-  response_.reset();
+  found_.pdu.reset();
   const modbus::AsciiBytes rest = std::exchange(rest_, {});
   return add({rest.data(), rest.size()}, now);
 }
@@ -123,7 +123,7 @@ Verdict AsciiFramer::judge(Instant now) {
   }
   buffer_.clear();
   if (is_fitting(fit)) {
-    response_ = modbus::Pdu::from(pdu);
+    found_ = {modbus::Pdu::from(pdu), began_, began_first_};
     return Verdict::response;
   }
   ++counters_.unsolicited_frames;

@@ -44,11 +44,7 @@ class AsciiFramer {
   [[nodiscard]] bool in_progress() const;
   /// A frame says itself where it ends.
   [[nodiscard]] static bool awaits_silence() { return false; }
-  [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
-  /// When the first character of the response came.
-  [[nodiscard]] Instant response_began() const { return began_; }
-  /// Nothing at all came before the response since expect().
-  [[nodiscard]] bool came_first() const { return began_first_; }
+  [[nodiscard]] const FoundResponse& found() const { return found_; }
   /// Where a frame begins is told by its ':'.
   [[nodiscard]] static std::size_t noise() { return 0; }
   /// A good frame that answers nothing that was asked, each once.
@@ -68,7 +64,7 @@ class AsciiFramer {
   std::size_t longest_ = 0;              // that an answer can be
   Instant last_character_;
   unsigned restarts_ = 0;  // of what seemed to be the answer
-  std::optional<modbus::Pdu> response_;
+  FoundResponse found_;
   Instant began_;             // the frame in the buffer, or the last one
   bool began_first_ = false;  // of all since expect()
   std::size_t taken_ = 0;     // characters since then

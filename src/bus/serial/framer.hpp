@@ -64,21 +64,16 @@ class Framer {
   Verdict again(Instant now) {
     return std::visit([&](auto& framer) { return framer.again(now); }, framer_);
   }
-  [[nodiscard]] Instant response_began() const {
-    return std::visit([](const auto& framer) { return framer.response_began(); }, framer_);
+  [[nodiscard]] const FoundResponse& found() const {
+    return std::visit(
+        [](const auto& framer) -> const auto& { return framer.found(); }, framer_);
   }
-  [[nodiscard]] bool came_first() const {
-    return std::visit([](const auto& framer) { return framer.came_first(); }, framer_);
-  }
+  [[nodiscard]] const modbus::Pdu& response() const { return *found().pdu; }
   [[nodiscard]] std::size_t noise() const {
     return std::visit([](const auto& framer) { return framer.noise(); }, framer_);
   }
   std::optional<UnsolicitedFrame> take_unsolicited() {
     return std::visit([](auto& framer) { return framer.take_unsolicited(); }, framer_);
-  }
-  [[nodiscard]] const modbus::Pdu& response() const {
-    return std::visit(
-        [](const auto& framer) -> const auto& { return framer.response(); }, framer_);
   }
 
  private:

@@ -20,7 +20,7 @@ void RtuFramer::expect(const Transaction& transaction, Instant sent) {
   transaction_ = &transaction;
   sent_ = sent;
   given_ = 0;
-  response_.reset();
+  found_.pdu.reset();
 }
 
 void RtuFramer::listen() {
@@ -121,7 +121,7 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
 }
 
 Verdict RtuFramer::again(Instant /*now*/) {
-  response_.reset();
+  found_.pdu.reset();
   return search(false);
 }
 
@@ -149,10 +149,9 @@ Verdict RtuFramer::search(bool silence) {
 }
 
 void RtuFramer::accept(const RtuFind& response) {
-  response_ = modbus::Pdu::from(
-      buffer_.bytes().subspan(response.at + 1, response.size - modbus::kRtuOverhead));
-  response_began_ = buffer_.came_at(response.at);
-  came_first_ = response.at == 0 && buffer_.size() == given_;
+  found_ = {modbus::Pdu::from(
+                buffer_.bytes().subspan(response.at + 1, response.size - modbus::kRtuOverhead)),
+            buffer_.came_at(response.at), response.at == 0 && buffer_.size() == given_};
   noise_ = response.at;
   counters_.noise_bytes += response.at;
   buffer_.drop(response.at + response.size);

@@ -52,11 +52,7 @@ class RtuFramer {
   [[nodiscard]] bool awaits_silence() const {
     return answer_ != Answer::not_begun && answer_ != Answer::incomplete;
   }
-  [[nodiscard]] const modbus::Pdu& response() const { return *response_; }
-  /// When the first byte of the response came.
-  [[nodiscard]] Instant response_began() const { return response_began_; }
-  /// Nothing at all came before the response since expect().
-  [[nodiscard]] bool came_first() const { return came_first_; }
+  [[nodiscard]] const FoundResponse& found() const { return found_; }
   /// Bytes before the response, or before the damaged one, that were no part of it.
   [[nodiscard]] std::size_t noise() const { return noise_; }
   /// A good frame that answers nothing that was asked, each once.
@@ -91,9 +87,7 @@ class RtuFramer {
   std::size_t given_ = 0;         // bytes since expect()
   bool answers_another_ = false;  // what stands here follows another client's request
   bool discarding_ = false;       // the buffer is no frame: everything until silence is stray
-  std::optional<modbus::Pdu> response_;
-  Instant response_began_;
-  bool came_first_ = false;
+  FoundResponse found_;
   std::size_t noise_ = 0;
   CutFrame cut_;
   UnsolicitedFrames<kMostUnsolicited> unsolicited_;

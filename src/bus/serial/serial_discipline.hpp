@@ -67,8 +67,6 @@ class SerialDiscipline {
   Verdict settle_echo(Verdict verdict, Instant now);
   void judge(Verdict verdict, Instant now);
   [[nodiscard]] bool is_early() const;
-  [[nodiscard]] bool may_answer_another() const;
-  [[nodiscard]] bool begins_as_echo() const;
   void end(LineEnd::How how);
 
   modbus::RtuTiming timing_;

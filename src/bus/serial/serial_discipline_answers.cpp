@@ -15,16 +15,32 @@ constexpr int kEarlyPart = 8;  // of the response wait
 // A USB adapter may keep an echo for so long (its latency timer, and a busy host).
 constexpr Duration kEchoKept = std::chrono::milliseconds(20);
 
+// While an answer is owed, of all writes only stops are sent. An exception names no address, and
+// the answer to 15 or 16 no value: it may be the answer to the write that was stopped.
+bool may_answer_another(const modbus::Pdu& response, const Transaction& asked,
+                        const OwedAnswers& owed) {
+  return asked.request.writes() && (response.is_exception() || owed.alike > 0);
+}
+
+// With zeros behind it, such as a driver makes that turns off, the echo of a request without fields
+// is a good frame: the CRC of what ends in its own CRC is 0, and zeros leave it so. Its data begin
+// with the CRC of the request.
+bool begins_as_echo(const Echo& echo, const Framer& framer, const Transaction& asked) {
+  const modbus::Bytes request = asked.request.pdu().bytes();
+  const modbus::Bytes response = framer.response().bytes();
+  if (!echo.is_learned() || echo.is_present() || response.size() <= request.size() ||
+      !std::ranges::equal(request, response.first(request.size()))) {
+    return false;
+  }
+  const FrameBytes sent = framer.encode(asked.address, asked.request.pdu());
+  const FrameBytes came = framer.encode(asked.address, framer.response());
+  return std::equal(sent.begin(), sent.end(), came.begin());
+}
+
 }  // namespace
 
 bool SerialDiscipline::is_early() const {
-  return framer_.response_began() < emission_ends_ + response_wait_ - response_wait_ / kEarlyPart;
-}
-
-// While an answer is owed, of all writes only stops are sent. An exception names no address, and
-// the answer to 15 or 16 no value: it may be the answer to the write that was stopped.
-bool SerialDiscipline::may_answer_another() const {
-  return transaction_->request.writes() && (framer_.response().is_exception() || owed_.alike > 0);
+  return framer_.found().began < emission_ends_ + response_wait_ - response_wait_ / kEarlyPart;
 }
 
 void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
@@ -33,32 +49,19 @@ void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
   }
 }
 
-// With zeros behind it, such as a driver makes that turns off, the echo of a request without fields
-// is a good frame: the CRC of what ends in its own CRC is 0, and zeros leave it so. Its data begin
-// with the CRC of the request.
-bool SerialDiscipline::begins_as_echo() const {
-  const modbus::Bytes request = transaction_->request.pdu().bytes();
-  if (!echo_.is_learned() || echo_.is_present() || framer_.response().size() <= request.size() ||
-      !std::ranges::equal(request, framer_.response().bytes().first(request.size()))) {
-    return false;
-  }
-  const FrameBytes sent = framer_.encode(transaction_->address, transaction_->request.pdu());
-  const FrameBytes came = framer_.encode(transaction_->address, framer_.response());
-  return std::equal(sent.begin(), sent.end(), came.begin());
-}
-
 // It may be a late echo; what begins before the request has left a paced line answers nothing; and
 // an owed answer begins before the device can have answered this request, or fits another one too.
 bool SerialDiscipline::is_no_answer() const {
-  return echo_.is_owed(framer_.response()) || begins_as_echo() ||
-         (paced_ && framer_.response_began() < emission_ends_) ||
-         (owed_.count > 0 && (is_early() || may_answer_another()));
+  return echo_.is_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_) ||
+         (paced_ && framer_.found().began < emission_ends_) ||
+         (owed_.count > 0 &&
+          (is_early() || may_answer_another(framer_.response(), *transaction_, owed_)));
 }
 
 Verdict SerialDiscipline::refuse(Instant now) {
-  const bool is_echo_of_now = paced_ && framer_.response_began() < emission_ends_ &&
-                              echo_.is_repetition(framer_.response());
-  if (echo_.take_owed(framer_.response()) || begins_as_echo()) {
+  const bool is_echo_of_now =
+      paced_ && framer_.found().began < emission_ends_ && echo_.is_repetition(framer_.response());
+  if (echo_.take_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_)) {
     ++counters_.unsolicited_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
              (owed_.count == 0 || echo_.is_unknown()) && !echo_.pass()) {
@@ -85,7 +88,7 @@ Verdict SerialDiscipline::refuse(Instant now) {
 Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
   // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
   const bool is_echo = echo_.was_shown() || transaction_->request.is_read();
-  const bool is_late = framer_.response_began() > emission_ends_ + kEchoKept;
+  const bool is_late = framer_.found().began > emission_ends_ + kEchoKept;
   if (!echo_.is_unknown() || !echo_.is_repetition(framer_.response()) || (is_late && !is_echo)) {
     return verdict;
   }
@@ -126,7 +129,7 @@ void SerialDiscipline::judge(Verdict verdict, Instant now) {
   switch (verdict) {
     case Verdict::none: return;
     case Verdict::response:
-      if (framer_.came_first()) {
+      if (framer_.found().came_first) {
         echo_.note_answered();
       }
       transaction_->response = framer_.response();

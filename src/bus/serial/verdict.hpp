@@ -4,18 +4,28 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
+#include "bus/instant.hpp"
 #include "bus/unsolicited.hpp"
+#include "modbus/pdu.hpp"
 
 namespace mbgate::bus {
 
-/// UnsolicitedFrame frames of one piece of bytes whose addresses a framer keeps.
+/// Unsolicited frames of one piece of bytes that a framer keeps until they are taken.
 inline constexpr std::size_t kMostUnsolicited = 16;
 
 enum class Verdict : std::uint8_t {
   none,      ///< nothing yet
-  response,  ///< response() has it
+  response,  ///< found() has it
   damaged    ///< a frame of the right unit, function and length, with a wrong CRC or LRC
+};
+
+/// The response that a framer has found. It lasts until the next call of expect() or again().
+struct FoundResponse {
+  std::optional<modbus::Pdu> pdu;
+  Instant began;            ///< when its first byte came
+  bool came_first = false;  ///< nothing at all came before it since expect()
 };
 
 }  // namespace mbgate::bus

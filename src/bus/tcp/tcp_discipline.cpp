@@ -22,8 +22,7 @@ bool is_foreign(modbus::Bytes stream) {
 void TcpDiscipline::open(Instant now, LineKind /*kind*/) {
   abort();
   quiet_since_ = now;
-  was_asked_ = has_answered_ = false;
-  closes_by_ = Instant::min();
+  use_.open();
 }
 
 void TcpDiscipline::update(const BusSettings& settings, Duration /*listen_first*/) {
@@ -46,8 +45,7 @@ FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTim
   const Instant due = now + timing.response_timeout + timing.response_wait;
   flights_.push_back({identifier, &transaction, now, due, due});
   quiet_since_ = now;
-  was_asked_ = true;
-  unheard_since_ = unheard_since_.value_or(now);
+  use_.note_asked(now);
   const modbus::MbapBytes adu =
       modbus::encode({{identifier, transaction.address}, transaction.request.pdu()});
   return {adu.begin(), adu.end()};
@@ -60,12 +58,7 @@ void TcpDiscipline::abort() {
   expired_.clear();
   unsolicited_.clear();
   fault_.reset();
-  unheard_since_.reset();
-  unanswered_ = 0;
-}
-
-void TcpDiscipline::note_closed(Instant now) {
-  closes_after_answer_ = has_answered_ && now - answered_at_ <= kTimeToClose;
+  use_.forget_unanswered();
 }
 
 TcpDiscipline::Flights::iterator TcpDiscipline::find(std::uint16_t identifier) {
@@ -82,8 +75,7 @@ std::uint16_t TcpDiscipline::new_identifier() {
 
 void TcpDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
   quiet_since_ = now;
-  unheard_since_.reset();
-  unanswered_ = 0;
+  use_.forget_unanswered();
   if (fault_) {
     return;
   }
@@ -117,7 +109,7 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
     const auto expired =
         std::ranges::find(expired_, answer.header.transaction, &Expired::identifier);
     if (expired != expired_.end() && is_unit_right(answer.header.unit, expired->address)) {
-      note_answer(now);
+      use_.note_answer(now);
       unsolicited_.add({expired->address, answer.pdu, now});
       expired_.erase(expired);
     }
@@ -128,31 +120,18 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
     ++counters_.unsolicited_frames;
     return;
   }
-  note_answer(now);
+  use_.note_answer(now);
   transaction.response = answer.pdu;
   ends_.push_back({LineEnd::How::response, &transaction, flight->due});
   flights_.erase(flight);
 }
 
-// One that stays open after its first answer is as others are.
-void TcpDiscipline::note_answer(Instant now) {
-  closes_after_answer_ = closes_after_answer_ && !has_answered_;
-  closes_by_ = closes_after_answer_ ? now + kTimeToClose : Instant::min();
-  has_answered_ = true;
-  answered_at_ = now;
-}
-
-std::optional<Instant> TcpDiscipline::replace_at() const {
-  const bool enough = replace_after_ > 0 && unanswered_ >= replace_after_;
-  return enough ? std::optional(*unheard_since_ + kSilenceToReplace) : std::nullopt;
-}
-
 void TcpDiscipline::handle_deadline(Instant now) {
   for (const Flight& flight : flights_) {
     if (now >= flight.response_deadline) {
-      // One that was sent before the last byte came says nothing of the time since.
-      const bool counts = unheard_since_ && flight.sent >= *unheard_since_;
-      unanswered_ += counts && !flight.transaction->may_stay_silent() ? 1U : 0U;
+      if (!flight.transaction->may_stay_silent()) {
+        use_.note_unanswered(flight.sent);
+      }
       ends_.push_back({LineEnd::How::no_response, flight.transaction, flight.due});
       expired_.push_back({flight.identifier, flight.transaction->address});
       if (expired_.size() > kMostExpired) {
@@ -161,15 +140,14 @@ void TcpDiscipline::handle_deadline(Instant now) {
     }
   }
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
-  if (const auto at = replace_at(); at && now >= *at) {
-    unheard_since_.reset();
-    unanswered_ = 0;
+  if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {
+    use_.forget_unanswered();
     fault_ = LineFault::unanswered;
   }
 }
 
 std::optional<Instant> TcpDiscipline::next_deadline() const {
-  std::optional<Instant> deadline = replace_at();
+  std::optional<Instant> deadline = use_.replace_at(replace_after_);
   for (const Flight& flight : flights_) {
     deadline = earlier(deadline, flight.response_deadline);
   }

@@ -13,6 +13,7 @@
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
 #include "bus/settings.hpp"
+#include "bus/tcp/connection_use.hpp"
 #include "bus/unsolicited.hpp"
 #include "modbus/mbap.hpp"
 
@@ -20,12 +21,6 @@ namespace mbgate::bus {
 
 /// Transactions that timed out and whose late answers are still recognised.
 inline constexpr std::size_t kMostExpired = 64;
-
-/// A connection that is to be replaced was asked for so long, and nothing has come meanwhile.
-inline constexpr Duration kSilenceToReplace = std::chrono::seconds(30);
-/// A server that closes after each answer does so in this time. What was sent to it meanwhile
-/// would be lost.
-inline constexpr Duration kTimeToClose = std::chrono::milliseconds(50);
 
 class TcpDiscipline {
  public:
@@ -39,7 +34,7 @@ class TcpDiscipline {
   /// A connection needs no silence but the `gap` that is asked for. Where the last one was closed
   /// right after an answer, this one is given the time to be closed too.
   [[nodiscard]] Instant ready_at(Duration gap) const {
-    return std::max(quiet_since_ + gap, closes_by_);
+    return std::max(quiet_since_ + gap, use_.closes_by());
   }
   /// Transmits now; `transaction`, which gets the response, must outlive its end. No broadcasts.
   /// Returns the ADU.
@@ -61,12 +56,9 @@ class TcpDiscipline {
   std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
   /// Gives up all running transactions: nothing of them will be reported.
   void abort();
-  /// Something that was asked on this connection was answered, in time or late.
-  [[nodiscard]] bool has_answered() const { return has_answered_; }
-  /// Nothing was asked on this connection.
-  [[nodiscard]] bool is_unused() const { return !was_asked_; }
+  [[nodiscard]] const ConnectionUse& use() const { return use_; }
   /// The far end has closed the connection.
-  void note_closed(Instant now);
+  void note_closed(Instant now) { use_.note_closed(now); }
 
   void handle_bytes(modbus::Bytes bytes, Instant now);
   void handle_deadline(Instant now);
@@ -99,27 +91,18 @@ class TcpDiscipline {
   /// Takes one answer off the stream. False: there is no whole one, or framing is lost.
   bool take_answer(Instant now);
   void match(const modbus::MbapAdu& answer, Instant now);
-  void note_answer(Instant now);
   [[nodiscard]] bool is_unit_right(std::uint8_t answered, std::uint8_t asked) const {
     return !check_unit_ || answered == asked;
   }
-  /// When the connection is to be replaced if nothing comes.
-  [[nodiscard]] std::optional<Instant> replace_at() const;
 
   bool check_unit_;
   unsigned replace_after_;
   BusCounters& counters_;
   Flights flights_;
   std::uint16_t last_identifier_ = 0;
-  std::vector<std::uint8_t> stream_;      // less than an answer, between calls
-  Instant quiet_since_;                   // the last byte in either direction
-  std::optional<Instant> unheard_since_;  // the first request since the last byte that came
-  unsigned unanswered_ = 0;               // of these requests, those that timed out
-  bool was_asked_ = false;
-  bool has_answered_ = false;
-  Instant answered_at_;
-  bool closes_after_answer_ = false;  // the connection before was closed right after an answer
-  Instant closes_by_ = Instant::min();
+  std::vector<std::uint8_t> stream_;  // less than an answer, between calls
+  Instant quiet_since_;               // the last byte in either direction
+  ConnectionUse use_;
   std::deque<LineEnd> ends_;
   std::deque<Expired> expired_;                  // the newest kMostExpired
   UnsolicitedFrames<kMostExpired> unsolicited_;  // each of them had expired

@@ -101,7 +101,7 @@ TEST_F(BusBroadcast, SaysNothingOfTheDeviceThatHasTheAddress) {
   write.transactions[0].broadcast = drive::BroadcastForm::autonics;
   submit(write);
   advance(1s);
-  EXPECT_EQ(bus_->device(129).counters.transmissions, 0U);
+  EXPECT_EQ(bus_->devices()[129].counters.transmissions, 0U);
 }
 
 TEST_F(BusBroadcast, AnAnswerToABroadcastIsStray) {

@@ -89,8 +89,8 @@ TEST_F(Bus, ABadCrcIsNoSilence) {
   advance(10ms);
   line("01 03 02 12 35 B5 33");
   advance(30ms);
-  EXPECT_EQ(bus_->device(1).counters.bad_crcs, 1U);
-  EXPECT_EQ(bus_->device(1).health.unanswered_in_row(), 0U);
+  EXPECT_EQ(bus_->devices()[1].counters.bad_crcs, 1U);
+  EXPECT_EQ(bus_->devices()[1].health.unanswered_in_row(), 0U);
 }
 
 TEST_F(Bus, ALineThatDiesAtOnceIsReopenedLessAndLessOften) {
@@ -169,12 +169,12 @@ TEST_F(Bus, CountsWhatADeviceDid) {
   advance(1s);
   submit(job(kRead));
   line("01 83 02 C0 F1");
-  const auto& counters = bus_->device(1).counters;
+  const auto& counters = bus_->devices()[1].counters;
   EXPECT_EQ(counters.transmissions, 2U);
   EXPECT_EQ(counters.timeouts, 1U);
   EXPECT_EQ(counters.responses, 1U);
   EXPECT_EQ(counters.exceptions, 1U);
-  EXPECT_EQ(bus_->device(1).health.unanswered_in_row(), 0U);
+  EXPECT_EQ(bus_->devices()[1].health.unanswered_in_row(), 0U);
 }
 
 }  // namespace

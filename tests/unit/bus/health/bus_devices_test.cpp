@@ -63,8 +63,8 @@ TEST_F(Bus, AWriteThatIsNeverAnsweredIsDoneAfterTheTurnaroundDelay) {
   EXPECT_THAT(endings_, ElementsAre(Ending::transmitted));
   EXPECT_EQ(ended_at_[0] - start, kEmission + 40ms);
   EXPECT_EQ(bus_->counters().timeouts, 0U);
-  EXPECT_EQ(bus_->device(1).counters.timeouts, 0U);
-  EXPECT_EQ(bus_->device(1).health.unanswered_in_row(), 0U);
+  EXPECT_EQ(bus_->devices()[1].counters.timeouts, 0U);
+  EXPECT_EQ(bus_->devices()[1].health.unanswered_in_row(), 0U);
 }
 
 TEST_F(Bus, ABootingDeviceIsHeldBackWhileOthersGoOn) {

@@ -29,7 +29,7 @@ TEST_F(BusLate, ADeviceIsLeftAloneWhileItsAnswerMayStillComeAndOthersGoOn) {
   line(kAnswer);  // late: nobody gets it, and the second client has its turn
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   EXPECT_EQ(bus_->counters().late_responses, 1U);
-  EXPECT_EQ(bus_->device(1).counters.late_responses, 1U);
+  EXPECT_EQ(bus_->devices()[1].counters.late_responses, 1U);
   EXPECT_EQ(bus_->counters().foreign_frames, 0U);
   advance(60ms);
   EXPECT_THAT(frames_, ElementsAre(kReadFrame, kOtherDevice, kOtherFrame));

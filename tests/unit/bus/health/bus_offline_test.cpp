@@ -24,7 +24,7 @@ class BusOffline : public Bus {
       submit(job(kRead));
       advance(300ms);
     }
-    EXPECT_TRUE(bus_->device(1).health.is_offline());
+    EXPECT_TRUE(bus_->devices()[1].health.is_offline());
     frames_.clear();
     frame_times_.clear();
     endings_.clear();
@@ -74,7 +74,7 @@ TEST_F(BusOffline, OneResponseBringsItBack) {
   advance(20ms);
   line(kAnswer);
   EXPECT_THAT(notices_, ElementsAre(Kind::lost, Kind::back));
-  EXPECT_FALSE(bus_->device(1).health.is_offline());
+  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
   advance(200ms);
   submit(job(kRead));
   submit(job_of(1, kRead));
@@ -89,7 +89,7 @@ TEST_F(BusOffline, AnAnswerThatComesAfterTheProbesTimeBringsItBackToo) {
   advance(70ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   line(kAnswer);
-  EXPECT_FALSE(bus_->device(1).health.is_offline());
+  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
 }
 
 TEST_F(BusOffline, ProbesTakeTheirShareOfTheTimeAndNoMore) {
@@ -141,7 +141,7 @@ class BusOfThirty : public BusOffline {
     open(slow);
     poll(200s);
     for (std::uint8_t address = 1; address <= 30; ++address) {
-      EXPECT_TRUE(bus_->device(address).health.is_offline()) << int{address};
+      EXPECT_TRUE(bus_->devices()[address].health.is_offline()) << int{address};
     }
   }
   /// Each is asked every `every_`, by a client that waits for the answer; `alive` answers.
@@ -177,7 +177,7 @@ TEST_F(BusOfThirty, OnAnIdleBusADriveThatIsSwitchedOnIsBackWithinFiveSeconds) {
   for (const std::uint8_t address : std::initializer_list<std::uint8_t>{1, 17, 30}) {
     const Instant since = now_;
     poll(60s, address);
-    EXPECT_FALSE(bus_->device(address).health.is_offline()) << int{address};
+    EXPECT_FALSE(bus_->devices()[address].health.is_offline()) << int{address};
     EXPECT_LT(now_ - since, 5s) << int{address};
     poll(30s);  // it is switched off again
   }
@@ -241,7 +241,7 @@ TEST_F(BusOffline, BadCrcsSayNothingAboutIt) {
     advance(220ms);
   }
   EXPECT_EQ(bus_->counters().bad_crcs, 5U);
-  EXPECT_FALSE(bus_->device(1).health.is_offline());
+  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ TEST_F(BusUnasked, AnotherClientsRequestIsNoAnswer) {
   line(kOtherFrame);
   advance(10ms);
   line("02");
-  EXPECT_TRUE(bus_->device(1).health.is_offline());
+  EXPECT_TRUE(bus_->devices()[1].health.is_offline());
   EXPECT_EQ(bus_->counters().late_responses, 0U);
 }
 

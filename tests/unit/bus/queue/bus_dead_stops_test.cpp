@@ -33,7 +33,7 @@ class BusDeadStops : public Bus {
     submit(job(kHalt));
     advance(600ms);
     EXPECT_EQ(stops_sent(), 4U);
-    EXPECT_TRUE(bus_->device(1).health.is_offline());
+    EXPECT_TRUE(bus_->devices()[1].health.is_offline());
     frames_.clear();
     endings_.clear();
   }
@@ -112,7 +112,7 @@ TEST_F(BusDeadStops, AndCutsNothingThatRuns) {
   open_axis(slow);
   submit(job(kHalt));
   advance(5s);
-  EXPECT_TRUE(bus_->device(1).health.is_offline());
+  EXPECT_TRUE(bus_->devices()[1].health.is_offline());
   endings_.clear();
   submit(job_of(1, kRead, 2));
   submit(job(kHalt));

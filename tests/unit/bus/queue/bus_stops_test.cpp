@@ -187,7 +187,7 @@ TEST_F(BusStops, NeitherQuarantineNorBreakerNorDeadlineHoldsAStop) {
   open_with(dying);
   submit(job(kRead));
   time_out();
-  EXPECT_TRUE(bus_->device(1).health.is_offline());
+  EXPECT_TRUE(bus_->devices()[1].health.is_offline());
   EXPECT_GT(bus_->held_back(1, now_), 0ms);
   bus::Job& stop = job(kStop);
   stop.deadline = now_ - 1s;
@@ -195,7 +195,7 @@ TEST_F(BusStops, NeitherQuarantineNorBreakerNorDeadlineHoldsAStop) {
   EXPECT_EQ(stops_sent(), 1U);
   advance(20ms);
   line(kStopFrame);
-  EXPECT_FALSE(bus_->device(1).health.is_offline());
+  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
 }
 
 TEST_F(BusStops, ListeningSettlingAndGapDoNotHoldAStopButSilenceDoes) {

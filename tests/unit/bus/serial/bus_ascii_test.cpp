@@ -164,7 +164,7 @@ TEST_F(BusAscii, ABadLrcIsRetriedForReadsOnly) {
   text(":010600000001F7\r\n");
   EXPECT_EQ(endings_.back(), Ending::no_answer);
   EXPECT_EQ(bus_->counters().bad_crcs, 2U);
-  EXPECT_EQ(bus_->device(1).counters.bad_crcs, 2U);
+  EXPECT_EQ(bus_->devices()[1].counters.bad_crcs, 2U);
 }
 
 TEST_F(BusAscii, ReadsAndComparesItsEcho) {

@@ -292,7 +292,7 @@ TEST_F(BusEcho, OfAStopOnAPacedLineIsNoLateAnswerToTheOneBefore) {
     line(kStopFrame);
     advance(kEmission + 100ms - 1ms);
   }
-  EXPECT_TRUE(bus_->device(1).health.is_offline());
+  EXPECT_TRUE(bus_->devices()[1].health.is_offline());
   EXPECT_EQ(bus_->counters().late_responses, 0U);
 }
 

@@ -94,7 +94,7 @@ TEST_F(BusStopAnswers, TheLateAnswerToAMoveOfADeviceThatIsOfflineIsNone) {
   open(slow, {axis(slow)});
   submit(job_of(1, kMoveBy16));
   advance(310ms);
-  ASSERT_TRUE(bus_->device(1).health.is_offline());
+  ASSERT_TRUE(bus_->devices()[1].health.is_offline());
   advance(200ms);  // longer than a probe is waited for, and its quarantine would be
   submit(job(kStopBy16));
   ASSERT_THAT(frames_, SizeIs(2));

@@ -136,7 +136,7 @@ TEST_F(Bus, CountsGlitchesBeforeTheAnswersOfADevice) {
   advance(20ms);
   line("FE F8 01 03 02 12 34 B5 33");
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-  EXPECT_EQ(bus_->device(1).counters.noise_bytes, 2U);
+  EXPECT_EQ(bus_->devices()[1].counters.noise_bytes, 2U);
   EXPECT_EQ(bus_->counters().noise_bytes, 2U);
 }
 

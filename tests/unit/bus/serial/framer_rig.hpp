@@ -36,7 +36,7 @@ class FramerRig : public testing::Test {
     now_ += duration;
     return framer_.handle_deadline(now_);
   }
-  std::string response() { return hex(framer_.response().bytes()); }
+  std::string response() { return hex(framer_.found().pdu->bytes()); }
 
   Instant now_{10s};
   bus::BusCounters counters_;

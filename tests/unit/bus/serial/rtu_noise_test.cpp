@@ -113,7 +113,7 @@ TEST_F(RtuNoise, DoesNotDateTheAnswer) {
   EXPECT_EQ(add("FE 01 03 04 00 03"), Verdict::none);
   now_ += 3ms;
   EXPECT_EQ(add("0D 40 0F 53"), Verdict::response);
-  EXPECT_EQ(framer_.response_began(), began);
+  EXPECT_EQ(framer_.found().began, began);
 }
 
 TEST_F(RtuNoise, BeforeAnExceptionNeedsSilenceBehindIt) {

@@ -266,7 +266,7 @@ TEST_F(BusSharing, AMergedReadThatWasRefusedIsNotMergedAgainUntilItsDeviceWasOff
   refuse(3);  // the merged one, and its parts
   submit(job(kRead));
   advance(3s);
-  EXPECT_TRUE(bus_->device(1).health.is_offline());
+  EXPECT_TRUE(bus_->devices()[1].health.is_offline());
   submit(job(kRead));
   advance(10ms);
   line(kAnswer);

@@ -30,7 +30,7 @@ TEST_F(BusTcp, WhoAnswersWhatWasAskedLaterIsNotOffline) {
   submit(job(kOther));
   answer(1, "01 03 02 12 34");
   advance(breaking.timing.response_timeout);
-  EXPECT_FALSE(bus_->device(1).health.is_offline());
+  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
 }
 

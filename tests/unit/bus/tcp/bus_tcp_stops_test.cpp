@@ -53,9 +53,9 @@ TEST_F(BusTcp, ALateAnswerBringsItsDeviceBack) {
   open(breaking);
   submit(job(kRead, 1));
   advance(breaking.timing.response_timeout);
-  EXPECT_TRUE(bus_->device(1).health.is_offline());
+  EXPECT_TRUE(bus_->devices()[1].health.is_offline());
   answer(0, "01 03 02 12 34");
-  EXPECT_FALSE(bus_->device(1).health.is_offline());
+  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
   EXPECT_EQ(bus_->counters().late_responses, 1U);
 }
 

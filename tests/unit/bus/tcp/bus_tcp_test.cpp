@@ -79,7 +79,7 @@ TEST_F(BusTcp, TheTimeoutRunsFromTheTransmission) {
   EXPECT_EQ(ended_at_[0] - start, 100ms);
   EXPECT_EQ(ended_at_[1] - start, 130ms);
   EXPECT_EQ(bus_->counters().timeouts, 2U);
-  EXPECT_EQ(bus_->device(1).health.unanswered_in_row(), 1U);
+  EXPECT_EQ(bus_->devices()[1].health.unanswered_in_row(), 1U);
 }
 
 TEST_F(BusTcp, ALateAnswerIsNobodys) {
