@@ -101,7 +101,7 @@ Scenario parse_contestant(const std::string& text, const Scenario& common,
   for (std::string entry; std::getline(entries, entry, ',');) {
     const auto sign = entry.find('=');
     if (sign == std::string::npos) {
-      throw std::invalid_argument(text + ": \"" + entry + "\" must be key=value");
+      throw std::invalid_argument(text + R"(: ")" + entry + R"(" must be key=value)");
     }
     set(scenario, entry.substr(0, sign), parse_number(entry.substr(sign + 1), text), text);
   }

@@ -179,6 +179,7 @@ class Relay {
 
 void run_master(const Plant& plant, const std::vector<std::string>& paths) {
   std::vector<std::jthread> lines;
+  lines.reserve(paths.size());
   for (const std::string& path : paths) {
     lines.emplace_back([&plant, path] { master_of_line(plant, path); });
   }

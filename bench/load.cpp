@@ -224,16 +224,15 @@ sim::FileDescriptor connect_to(std::uint16_t port) {
 }
 
 void run_load(const LoadSettings& settings, const Plant& plant,
-              const std::vector<std::uint16_t>& ports, Nanoseconds warm_up, Nanoseconds time,
-              int output) {
+              const std::vector<std::uint16_t>& ports, const Times& times, int output) {
   Load load(settings, plant, ports);
   load.begin();
-  load.work(warm_up);
+  load.work(times.warm_up);
   const char began = 'B';
   if (::write(output, &began, 1) != 1) {
     fail("write");
   }
-  load.work(time);
+  load.work(times.measured);
   const LoadFigures figures = load.figures();
   if (::write(output, &figures, sizeof figures) != sizeof figures) {
     fail("write");

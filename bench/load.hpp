@@ -31,12 +31,17 @@ struct LoadFigures {
   double seconds = 0;            ///< for which this was counted
 };
 
+struct Times {
+  Nanoseconds warm_up;
+  Nanoseconds measured;
+};
+
 /// `ports` on 127.0.0.1, one a bus: the clients go round them, and on each bus round the devices.
-/// Connects, works for `warm_up`, writes 'B' to `output`, works for `time`, writes its LoadFigures.
+/// Connects, works for the warm-up, writes 'B' to `output`, works for the time that is measured,
+/// writes its LoadFigures.
 /// Throws std::system_error if it cannot connect.
 void run_load(const LoadSettings& settings, const Plant& plant,
-              const std::vector<std::uint16_t>& ports, Nanoseconds warm_up, Nanoseconds time,
-              int output);
+              const std::vector<std::uint16_t>& ports, const Times& times, int output);
 
 /// Sends garbage to a port until it is killed: as much as the other side takes, and connects again
 /// as soon as that closes.

@@ -116,7 +116,7 @@ void transaction(benchmark::State& state) {
     machine.transact();
   }
   const std::uint64_t before = allocations();
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     machine.transact();
   }
   state.counters["allocations"] = benchmark::Counter(static_cast<double>(allocations() - before),
@@ -128,7 +128,7 @@ BENCHMARK(transaction)
 
 void crc(benchmark::State& state) {
   const Frame frame(static_cast<std::size_t>(state.range(0)), 0x5A);
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(modbus::crc16(frame));
   }
 }

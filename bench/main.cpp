@@ -117,6 +117,7 @@ void measure(const Options& options, const std::vector<std::string>& command) {
     means.allocations = programs / "libmbgate-count-allocations.so";
   }
   std::vector<Contest> contests;
+  contests.reserve(options.contestants.size());
   for (const std::string& text : options.contestants) {
     contests.push_back({parse_contestant(text, options.common, means.commands), {}});
   }

@@ -26,7 +26,7 @@ Loads start_loads(const Scenario& scenario, const Subject& subject, const Times&
     return loads;
   }
   loads.clients.emplace(Child::run([&](int output) {
-    run_load(scenario.load, scenario.plant, subject.ports(), times.warm_up, times.measured, output);
+    run_load(scenario.load, scenario.plant, subject.ports(), times, output);
   }));
   if (scenario.load.flood > 0) {
     loads.flood.emplace(

@@ -9,11 +9,6 @@
 
 namespace mbgate::bench {
 
-struct Times {
-  Nanoseconds warm_up;
-  Nanoseconds measured;
-};
-
 struct RunResult {
   double seconds = 0;
   std::vector<WireFigures> buses;

@@ -10,7 +10,7 @@ Spread Samples::spread() const {
     return {};
   }
   auto sorted = values_;
-  std::sort(sorted.begin(), sorted.end());
+  std::ranges::sort(sorted);
   const auto at = [&](std::size_t permille) {
     const std::size_t rank = (sorted.size() * permille + 999) / 1000;
     return sorted[std::max<std::size_t>(rank, 1) - 1];

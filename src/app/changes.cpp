@@ -105,6 +105,7 @@ DeviceGuard guard_of(const Settings& settings, std::size_t device) {
 
 std::vector<modbus::Pdu> pdus(const std::vector<modbus::Request>& requests) {
   std::vector<modbus::Pdu> found;
+  found.reserve(requests.size());
   for (const auto& request : requests) {
     found.push_back(request.pdu());
   }
@@ -144,12 +145,12 @@ void compare_all(std::vector<std::string>& changes, const char* kind, const Sett
   for (std::size_t number = 0; number < after.size(); ++number) {
     const bool was = number < before.size() && !is_gone(before[number]);
     const bool is = !is_gone(after[number]);
-    const std::string name = std::string(kind) + ' ' + after[number].name;
+    std::string name = std::string(kind) + ' ' + after[number].name;
     if (was != is) {
       changes.push_back(name + (is ? " added" : " removed"));
     } else if (is) {
       if (const std::string found = differences(old, next, number, Named()); !found.empty()) {
-        changes.push_back(name + ": " + found);
+        changes.push_back(name.append(": ").append(found));
       }
     }
   }

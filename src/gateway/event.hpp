@@ -112,7 +112,8 @@ enum class FailsafeOutcome : std::uint8_t {
   sent,         ///< all were transmitted
   waits,        ///< not all could be: they stay due
   client_back,  ///< not all were, and now a client asks again
-  given_up      ///< not all were before the gateway stopped
+  given_up,     ///< not all were before the gateway stopped
+  device_gone   ///< not all were before the device left the configuration
 };
 /// What became of a device's failsafe writes.
 struct FailsafeNews {

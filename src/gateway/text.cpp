@@ -101,6 +101,8 @@ std::string failsafe_text(const FailsafeNews& news) {
       return "a client that may write asks again; its failsafe writes were not all sent";
     case FailsafeOutcome::given_up:
       return "its failsafe writes could not be sent before the gateway stopped";
+    case FailsafeOutcome::device_gone:
+      return "it is not in the configuration any more; its failsafe writes were not all sent";
   }
   return {};
 }
@@ -155,78 +157,84 @@ std::string fault_text(bus::LineFault fault) {
   return "";
 }
 
+struct EventText {
+  const Settings& settings;
+
+  std::string operator()(const BusOpened& e) const {
+    return bus_text(settings, e.bus) + " is open";
+  }
+  std::string operator()(const BusLost& e) const {
+    return bus_text(settings, e.bus) + " is lost; it is being reopened";
+  }
+  std::string operator()(const AdapterSilent& e) const {
+    return bus_text(settings, e.bus) + ": nothing at all was heard for " +
+           std::to_string(std::chrono::duration_cast<std::chrono::seconds>(e.silence).count()) +
+           " s, in which " + std::to_string(e.requests) +
+           " requests left; in case that the adapter hangs it is closed and opened again, "
+           "now and ever less often until something is heard";
+  }
+  std::string operator()(const ConnectionReplaced& e) const {
+    return bus_text(settings, e.bus) + ": requests go out, but nothing has come for " +
+           seconds(bus::kSilenceToReplace) + "; the connection is replaced";
+  }
+  std::string operator()(const ClientRefused& e) const {
+    return client_text(settings, e) + " refused: " + std::string(reason_text(e.reason));
+  }
+  std::string operator()(const ClientDisplaced& e) const {
+    return client_text(settings, e) + " closed: idle, and its place was needed";
+  }
+  std::string operator()(const ClientFramingLost& e) const {
+    return client_text(settings, e) + " closed: MBAP length " + std::to_string(e.length) +
+           " is not 2 to 254";
+  }
+  std::string operator()(const ClientSpeaksRtu& e) const {
+    return client_text(settings, e) +
+           " sends RTU frames to the Modbus TCP port; it must be set to Modbus TCP";
+  }
+  std::string operator()(const ClientFrameTimedOut& e) const {
+    return client_text(settings, e) + " closed: a request stayed incomplete";
+  }
+  std::string operator()(const LineNews& e) const {
+    return bus_text(settings, e.bus) + ": " + fault_text(e.fault);
+  }
+  std::string operator()(const LineNeverSilent& e) const {
+    return bus_text(settings, e.bus) +
+           " is never silent: another client, wrong baud rate, missing termination or bias";
+  }
+  std::string operator()(const Reconfigured& e) const {
+    return device_text(settings, e.bus, e.address) + ": client " + e.client.to_text() +
+           " has written its communication registers";
+  }
+  std::string operator()(const WriteEndedEarly& e) const {
+    return device_text(settings, e.bus, e.address) + ": a write of " + what_of(e.table) +
+           std::to_string(e.first) + " to " + std::to_string(e.end - 1) +
+           " ended early; written up to " + std::to_string(e.failed - 1);
+  }
+  std::string operator()(const WordOrderDiffers& e) const {
+    return device_text(settings, e.bus, e.address) +
+           ": its own word order is not the one configured; values are not written to it";
+  }
+  std::string operator()(const DeviceNews& e) const {
+    return device_text(settings, e.bus, e.notice.address) + ": " + notice_text(e.notice);
+  }
+  std::string operator()(const QualityNews& e) const {
+    return (e.notice.address ? device_text(settings, e.bus, *e.notice.address)
+                             : bus_text(settings, e.bus)) +
+           ": " + quality_text(e.notice);
+  }
+  std::string operator()(const FailsafeNews& e) const {
+    return device_text(settings, e.bus, e.address) + ": " + failsafe_text(e);
+  }
+  std::string operator()(const UnitNotRouted& e) const {
+    return client_text(settings, e) + " asks for unit " + std::to_string(e.unit) + "; " +
+           routed_text(e.routed);
+  }
+};
+
 }  // namespace
 
 std::string to_text(const Event& event, const Settings& settings) {
-  return std::visit(
-      Overloaded{
-          [&](const BusOpened& e) { return bus_text(settings, e.bus) + " is open"; },
-          [&](const BusLost& e) {
-            return bus_text(settings, e.bus) + " is lost; it is being reopened";
-          },
-          [&](const AdapterSilent& e) {
-            return bus_text(settings, e.bus) + ": nothing at all was heard for " +
-                   std::to_string(
-                       std::chrono::duration_cast<std::chrono::seconds>(e.silence).count()) +
-                   " s, in which " + std::to_string(e.requests) +
-                   " requests left; in case that the adapter hangs it is closed and opened again, "
-                   "now and ever less often until something is heard";
-          },
-          [&](const ConnectionReplaced& e) {
-            return bus_text(settings, e.bus) + ": requests go out, but nothing has come for " +
-                   seconds(bus::kSilenceToReplace) + "; the connection is replaced";
-          },
-          [&](const ClientRefused& e) {
-            return client_text(settings, e) + " refused: " + std::string(reason_text(e.reason));
-          },
-          [&](const ClientDisplaced& e) {
-            return client_text(settings, e) + " closed: idle, and its place was needed";
-          },
-          [&](const ClientFramingLost& e) {
-            return client_text(settings, e) + " closed: MBAP length " + std::to_string(e.length) +
-                   " is not 2 to 254";
-          },
-          [&](const ClientSpeaksRtu& e) {
-            return client_text(settings, e) +
-                   " sends RTU frames to the Modbus TCP port; it must be set to Modbus TCP";
-          },
-          [&](const ClientFrameTimedOut& e) {
-            return client_text(settings, e) + " closed: a request stayed incomplete";
-          },
-          [&](const LineNews& e) { return bus_text(settings, e.bus) + ": " + fault_text(e.fault); },
-          [&](const LineNeverSilent& e) {
-            return bus_text(settings, e.bus) +
-                   " is never silent: another client, wrong baud rate, missing termination or bias";
-          },
-          [&](const Reconfigured& e) {
-            return device_text(settings, e.bus, e.address) + ": client " + e.client.to_text() +
-                   " has written its communication registers";
-          },
-          [&](const WriteEndedEarly& e) {
-            return device_text(settings, e.bus, e.address) + ": a write of " + what_of(e.table) +
-                   std::to_string(e.first) + " to " + std::to_string(e.end - 1) +
-                   " ended early; written up to " + std::to_string(e.failed - 1);
-          },
-          [&](const WordOrderDiffers& e) {
-            return device_text(settings, e.bus, e.address) +
-                   ": its own word order is not the one configured; values are not written to it";
-          },
-          [&](const DeviceNews& e) {
-            return device_text(settings, e.bus, e.notice.address) + ": " + notice_text(e.notice);
-          },
-          [&](const QualityNews& e) {
-            return (e.notice.address ? device_text(settings, e.bus, *e.notice.address)
-                                     : bus_text(settings, e.bus)) +
-                   ": " + quality_text(e.notice);
-          },
-          [&](const FailsafeNews& e) {
-            return device_text(settings, e.bus, e.address) + ": " + failsafe_text(e);
-          },
-          [&](const UnitNotRouted& e) {
-            return client_text(settings, e) + " asks for unit " + std::to_string(e.unit) + "; " +
-                   routed_text(e.routed);
-          }},
-      event);
+  return std::visit(EventText{settings}, event);
 }
 
 std::string to_text(const Action& action, const Settings& settings) {

@@ -114,7 +114,9 @@ void AnswerQuality::judge() {
   const bool was_late = verdict_.quality == Quality::late;
   if (crcs_.is_bad()) {
     verdict_ = crcs_.verdict();
-  } else if (!has_framed_ && unreadable_in_row_ >= least_unreadable()) {
+    return;
+  }
+  if (!has_framed_ && unreadable_in_row_ >= least_unreadable()) {
     verdict_ = {Quality::no_frame, unreadable_in_row_, unreadable_in_row_};
   } else if (late >= kLeastLate || (was_late && late > 0)) {
     verdict_ = {Quality::late, late, most_requests_, lateness_, needed_};

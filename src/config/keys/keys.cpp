@@ -20,11 +20,11 @@ using gateway::TcpSettings;
 
 constexpr std::string_view kSerial =
     "belongs to a serial line; a Modbus TCP server has 'host' and 'port'";
-constexpr std::string_view kRtu = "belongs to mode = \"rtu\": ASCII characters may be 1s apart";
+constexpr std::string_view kRtu = R"(belongs to mode = "rtu": ASCII characters may be 1s apart)";
 constexpr std::string_view kPort = "belongs to a serial port of this machine";
-constexpr std::string_view kServer = "belongs to mode = \"tcp\"";
+constexpr std::string_view kServer = R"(belongs to mode = "tcp")";
 constexpr std::string_view kConnection =
-    "belongs to a TCP connection: mode = \"tcp\", or device = \"tcp://host:port\"";
+    R"(belongs to a TCP connection: mode = "tcp", or device = "tcp://host:port")";
 constexpr std::string_view kSilence = "belongs to serial lines: a connection needs no silence";
 constexpr std::string_view kIdentified =
     "belongs to serial lines: the late responses of a Modbus TCP server are known by their "
@@ -101,7 +101,7 @@ constexpr std::array kBusKeys = {
                                        kPort),
     plain<&BusSettings::outstanding>(
         "outstanding", kOutstanding,
-        Lines::server, "belongs to mode = \"tcp\": a serial line carries one request at a time"),
+        Lines::server, R"(belongs to mode = "tcp": a serial line carries one request at a time)"),
     plain<&BusSettings::check_unit>("check_unit", Truth{}, Lines::server, kServer),
     plain<&BusSettings::replace_after>("replace_after", IntegerRange{0, 1000}, Lines::server,
                                        kServer),

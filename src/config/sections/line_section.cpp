@@ -137,7 +137,7 @@ void read_serial(TomlTable& table, bus::LineSettings& line) {
   check_habits(table, line);
   report_misplaced(
       table, kServerKeys,
-      "belongs to mode = \"tcp\"; a serial device server is device = \"tcp://host:port\"");
+      R"(belongs to mode = "tcp"; a serial device server is device = "tcp://host:port")");
 }
 
 void read_server(TomlTable& table, bus::LineSettings& line) {

@@ -112,7 +112,7 @@ std::optional<Request> read_failsafe_write(TomlTable& entry, const Device& devic
   if (!value) {
     return std::nullopt;
   }
-  const auto request = write_as_taken(device, *range, *value);
+  auto request = write_as_taken(device, *range, *value);
   if (device.is_reconfigured_by(request) && !device.allow_reconfigure) {
     entry.error("address", std::to_string(range->first) +
                                " changes the communication of the drive: needs allow_reconfigure "

@@ -13,6 +13,7 @@ using Numbers = std::vector<std::size_t>;
 template <typename Named>
 Numbers numbers_of(const std::vector<Named>& known, const std::vector<Named>& read) {
   Numbers numbers;
+  numbers.reserve(read.size());
   std::size_t unused = known.size();
   for (const Named& it : read) {
     const auto same = std::ranges::find(known, it.name, &Named::name);
@@ -38,6 +39,7 @@ template <typename Named>
 std::vector<Named> at_numbers(const std::vector<Named>& known, std::vector<Named> read,
                               const Numbers& numbers) {
   std::vector<Named> placed;
+  placed.reserve(known.size() + read.size());
   for (const Named& it : known) {
     placed.push_back(gone(it));
   }

@@ -123,9 +123,9 @@ std::string open_failure(const std::string& device, int error) {
       // a driver that was not loaded when the unit started allows nothing.
       return text +
              "; if systemd started mbgated, its unit does not allow this driver, or the driver was "
-             "loaded after the unit had started: run \"systemctl edit mbgated\", paste the two "
-             "lines \"[Service]\" and \"DeviceAllow=char-" +
-             driver_name(device) + " rw\", then run \"systemctl restart mbgated\"";
+             R"(loaded after the unit had started: run "systemctl edit mbgated", paste the two )"
+             R"(lines "[Service]" and "DeviceAllow=char-)" +
+             driver_name(device) + R"( rw", then run "systemctl restart mbgated")";
     default: return text;
   }
 }
