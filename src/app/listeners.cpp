@@ -100,18 +100,22 @@ bool Listeners::stays(ListenerId id, const ListenerSettings& old,
   return !old.is_gone && !next.is_gone && (same || inherited_.contains(id));
 }
 
-// An address can be had once at a time: what goes makes room before anything is bound.
+// An address can be had once at a time: what goes makes room before anything is bound. Sockets from
+// systemd go last: they make no room, because systemd holds them too, and could not be had again.
 bool Listeners::reload(const std::vector<ListenerSettings>& old,
                        const std::vector<ListenerSettings>& next, const Drop& drop) {
   std::vector<std::size_t> dropped;
   std::vector<std::size_t> wanted;
+  std::vector<ListenerId> inherited;
   for (std::size_t i = 0; i < next.size(); ++i) {
     const auto id = static_cast<ListenerId>(i);
     const bool was = i < old.size() && !old[i].is_gone;
     if (was && stays(id, old[i], next[i])) {
       continue;
     }
-    if (was) {
+    if (was && inherited_.contains(id)) {
+      inherited.push_back(id);
+    } else if (was) {
       dropped.push_back(i);
       drop(id);
       std::erase_if(waiting_, [id](const Waiting& waiting) { return waiting.id == id; });
@@ -120,29 +124,40 @@ bool Listeners::reload(const std::vector<ListenerSettings>& old,
       wanted.push_back(i);
     }
   }
-  std::vector<Bound> bound;
-  bool all = true;
-  for (const std::size_t i : wanted) {
-    bound.push_back(bind_(context_, next[i]));
-    if (!bound.back() && !bound.back().error().absent) {
-      log_.write(Level::error, bound.back().error().why);
-      all = false;
+  const bool all = open_all(wanted, next);
+  if (all) {
+    for (const ListenerId id : inherited) {
+      drop(id);
+      inherited_.erase(id);
     }
-  }
-  if (!all) {
-    bound.clear();
+  } else {
     for (const std::size_t i : dropped) {
       const auto id = static_cast<ListenerId>(i);
       if (!keep(id, old[i], bind_(context_, old[i]))) {
         waiting_.push_back({id, old[i], {}});  // somebody was quick
       }
     }
-  } else {
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-      keep(static_cast<ListenerId>(wanted[i]), next[wanted[i]], std::move(bound[i]));
-    }
   }
   keep_trying();
+  return all;
+}
+
+// All of these, or none.
+bool Listeners::open_all(const std::vector<std::size_t>& wanted,
+                         const std::vector<ListenerSettings>& settings) {
+  std::vector<Bound> bound;
+  bound.reserve(wanted.size());
+  bool all = true;
+  for (const std::size_t i : wanted) {
+    bound.push_back(bind_(context_, settings[i]));
+    if (!bound.back() && !bound.back().error().absent) {
+      log_.write(Level::error, bound.back().error().why);
+      all = false;
+    }
+  }
+  for (std::size_t i = 0; all && i < wanted.size(); ++i) {
+    keep(static_cast<ListenerId>(wanted[i]), settings[wanted[i]], std::move(bound[i]));
+  }
   return all;
 }
 

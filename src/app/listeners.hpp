@@ -73,6 +73,8 @@ class Listeners {
   bool keep(gateway::ListenerId id, const gateway::ListenerSettings& listener,
             Result<Acceptor, io::ListenFailure> acceptor);
   void add(gateway::ListenerId id, const gateway::ListenerSettings& listener, Acceptor acceptor);
+  bool open_all(const std::vector<std::size_t>& wanted,
+                const std::vector<gateway::ListenerSettings>& settings);
   [[nodiscard]] bool stays(gateway::ListenerId id, const gateway::ListenerSettings& old,
                            const gateway::ListenerSettings& next) const;
   /// Does it listen now?

@@ -78,7 +78,11 @@ int serve(gateway::Settings settings, const Options& options,
     }
     const auto read = [options] {
       Configuration configuration;
-      configuration.loaded = load(options, configuration.text);
+      try {
+        configuration.loaded = load(options, configuration.text);
+      } catch (const std::exception& exception) {
+        configuration.failure = std::string("cannot read the configuration: ") + exception.what();
+      }
       return configuration;
     };
     Service service(std::move(settings), read, log, recorder ? &*recorder : nullptr);

@@ -136,7 +136,8 @@ void Service::finish_reload(const Configuration& read) {
   if (!ready_) {
     return;  // the process ends
   }
-  if (!change(read)) {
+  is_refused_ = !change(read);
+  if (is_refused_) {
     log_.write(Level::error, "the configuration stays as it is");
   }
   last_status_ = status();
@@ -147,6 +148,10 @@ void Service::finish_reload(const Configuration& read) {
 }
 
 bool Service::change(const Configuration& read) {
+  if (!read.failure.empty()) {
+    log_.write(Level::error, read.failure);
+    return false;
+  }
   for (const auto& diagnostic : read.loaded.diagnostics) {
     log_.write(diagnostic.severity == config::Severity::error ? Level::error : Level::warning,
                config::headline(diagnostic));
@@ -160,7 +165,7 @@ bool Service::change(const Configuration& read) {
                          [this](ListenerId listener) { driver_.remove_servers(listener); })) {
     return false;
   }
-  failures_.resize(next.buses.size());
+  forget_failures(before, next);
   driver_.reload(*read.loaded.settings, read.text);
   const auto changes = changes_between(before, next);
   for (const auto& change : changes) {
@@ -171,6 +176,17 @@ bool Service::change(const Configuration& read) {
     log_.write(Level::warning, "reload: lock_memory takes effect at the next start");
   }
   return true;
+}
+
+// What was said of another line may be wrong of this one, or is to be said again.
+void Service::forget_failures(const gateway::Settings& before, const gateway::Settings& next) {
+  failures_.resize(next.buses.size());
+  for (std::size_t bus = 0; bus < before.buses.size(); ++bus) {
+    if (!gateway::keeps_line(before, next, static_cast<BusId>(bus))) {
+      failures_[bus].clear();
+      warnings_.clear();
+    }
+  }
 }
 
 void Service::on_event(const gateway::Event& event) {
@@ -226,7 +242,8 @@ void Service::send_status() {
 }
 
 std::string Service::status() const {
-  return status_text(driver_.settings(), driver_.status(), listeners_.waiting());
+  const std::string text = status_text(driver_.settings(), driver_.status(), listeners_.waiting());
+  return is_refused_ ? "the last reload was refused, see the journal; " + text : text;
 }
 
 void Service::on_finished() { context_.stop(); }

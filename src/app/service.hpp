@@ -25,6 +25,7 @@ namespace mbgate::app {
 struct Configuration {
   config::Loaded loaded;
   std::string text;
+  std::string failure;  ///< why it could not be read; else empty
 };
 
 class Service final : public io::DriverObserver {
@@ -54,6 +55,7 @@ class Service final : public io::DriverObserver {
   void stop();
   void begin_reload();
   void finish_reload(const Configuration& read);
+  void forget_failures(const gateway::Settings& before, const gateway::Settings& next);
   /// Are these the settings now? If not, the journal says why.
   bool change(const Configuration& read);
   void send_status();
@@ -68,6 +70,7 @@ class Service final : public io::DriverObserver {
   io::BlockingCalls blocking_;
   bool reading_ = false;     ///< the configuration
   bool read_again_ = false;  ///< it was asked for meanwhile
+  bool is_refused_ = false;  ///< what was read last
   boost::asio::steady_timer status_timer_;
   bool status_pending_ = false;
   bool ready_ = false;

@@ -104,10 +104,11 @@ void Gateway::on(const SettingsChanged& input, Instant now) {
   }
   Settings next = numbered_after(settings(), *input.settings);
   clients_.close_unwanted(next, now);
+  failsafe_.send_to_leaving(next, now);
   const SettingsSnapshot& before = settings_.adopt(std::move(next));
   exchanges_.end_changed(before);
   rules_.adopt(settings_.in_force());
-  clients_.adopt(now);
+  clients_.adopt(before, now);
   failsafe_.adopt(before, clients_.sessions(), now);
   adopt_buses(before.settings, now);
   settings_.forget_unused();

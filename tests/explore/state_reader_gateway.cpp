@@ -36,9 +36,10 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
   // counters beyond these.
   auto& [settings, exchanges, rules, failsafe, actions, sessions, intake, requests] = clients;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
-  // unrouted_told. Dealt with: request.
+  // unrouted_told. Dealt with: request. The same settings all the time: changed_at.
   [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, counters,
-                          unrouted_told] = intake;
+                          unrouted_told, changed_at] = intake;
+  explore::require(changed_at.empty(), "the settings stay the same");
   // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,
   // addresses, free_keys.
   auto& [in_force, by_number, closed, ready, timers, on_listener, addresses, free_keys] = sessions;

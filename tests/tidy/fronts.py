@@ -25,7 +25,7 @@ FRONTS = {
     "gateway/clients": {"clients", "sessions"},
     "gateway/exchanges": {"exchanges"},
     "gateway/recording": {"record"},
-    "gateway/settings": {"device_index", "numbering", "settings_snapshot"},
+    "gateway/settings": {"device_index", "numbering", "settings_snapshot", "unit_meaning"},
     "gateway/writes": {"failsafe", "failsafe_writes", "write_rules"},
     "io/clients": {"client_connections", "descriptors", "listening_socket", "server_set"},
     "io/lines": {"line_set"},

@@ -213,9 +213,9 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
   });
 }
 
-void Clients::adopt(Instant now) {
+void Clients::adopt(const SettingsSnapshot& before, Instant now) {
   sessions_.adopt(settings_.settings(), now);
-  intake_.adopt();
+  intake_.adopt(before, now);
 }
 
 }  // namespace mbgate::gateway

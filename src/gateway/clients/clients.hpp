@@ -33,7 +33,7 @@ class Clients {
   /// Before other settings come: closes whom they do not let in.
   void close_unwanted(const Settings& next, Instant now);
   /// They are in force.
-  void adopt(Instant now);
+  void adopt(const SettingsSnapshot& before, Instant now);
   [[nodiscard]] const Sessions& sessions() const { return sessions_; }
 
  private:

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/intake.hpp"
 
+#include <limits>
+
 #include "gateway/limits.hpp"
+#include "gateway/settings/unit_meaning.hpp"
 
 namespace mbgate::gateway {
 
@@ -87,6 +90,9 @@ std::optional<ExceptionCode> Intake::objection(const ClientSession& session, con
   constexpr auto kNotNow = ExceptionCode::server_device_busy;
   const routing::Plan& plan = *request.plan;
   const bool is_running = phase_ == Phase::running;
+  if (is_outdated(session, request)) {
+    return kNotNow;
+  }
   if (plan.is_read()) {
     return is_running ? std::nullopt : std::optional(kNotNow);
   }
@@ -100,6 +106,25 @@ std::optional<ExceptionCode> Intake::objection(const ClientSession& session, con
     return kNotNow;
   }
   return rules_.objection(plan, request.origin(session), now);
+}
+
+// Its client meant the drive to which the unit led then.
+bool Intake::is_outdated(const ClientSession& session, const Request& request) const {
+  const auto changed = changed_at_.find({session.info().listener, request.adu.header.unit});
+  return changed != changed_at_.end() && request.arrival < changed->second;
+}
+
+void Intake::adopt(const SettingsSnapshot& before, Instant now) {
+  unrouted_told_.clear();
+  for (std::size_t listener = 0; listener < before.settings.listeners.size(); ++listener) {
+    for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
+      const auto id = static_cast<ListenerId>(listener);
+      const auto number = static_cast<std::uint8_t>(unit);
+      if (unit_means_otherwise(id, number, before, settings_.in_force())) {
+        changed_at_[{id, number}] = now;
+      }
+    }
+  }
 }
 
 // Where a part of a stop is none, it is a write like others: it goes only if it might go alone, in
@@ -150,7 +175,7 @@ Request* Intake::next_early(ClientSession& session, Instant now) {
       continue;
     }
     Request& request = understand(session, frame->adu, position, session.input.arrival_at(offset));
-    if (request.plan && is_taken_early(session, request, now)) {
+    if (request.plan && !is_outdated(session, request) && is_taken_early(session, request, now)) {
       request.is_early = true;
       request.left_out = left_out_of(session, request, now);
       session.has_asked = true;

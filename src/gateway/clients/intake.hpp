@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -63,14 +64,16 @@ class Intake {
   [[nodiscard]] Phase phase() const { return phase_; }
   [[nodiscard]] const ClientCounters& counters() const { return counters_; }
   void clear_counters() { counters_ = {}; }
-  /// Other settings: clients that ask for a unit without a route are told once more.
-  void adopt() { unrouted_told_.clear(); }
+  /// Other settings are in force: what came before them, to a unit that means something else now,
+  /// is not carried out. Clients that ask for a unit without a route are told once more.
+  void adopt(const SettingsSnapshot& before, Instant now);
 
  private:
   friend struct mbgate::StateReader;
   Request& understand(const ClientSession& session, const modbus::MbapAdu& adu,
                       std::uint64_t position, Instant arrival);
   void judge(const ClientSession& session, Request& request, Instant now);
+  [[nodiscard]] bool is_outdated(const ClientSession& session, const Request& request) const;
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(const ClientSession& session,
                                                                const Request& request,
                                                                Instant now) const;
@@ -87,6 +90,8 @@ class Intake {
   std::optional<Request> request_;  // the last one
   ClientCounters counters_;
   std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_told_;
+  /// When a unit of a listener came to mean something else.
+  std::map<std::pair<ListenerId, std::uint8_t>, Instant> changed_at_;
 };
 
 }  // namespace mbgate::gateway

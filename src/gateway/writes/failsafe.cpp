@@ -135,14 +135,14 @@ void Failsafe::line_is_back(std::size_t device) {
   }
 }
 
-std::optional<Failsafe::Due> Failsafe::take_at_exit(std::size_t device) {
+std::optional<Failsafe::Due> Failsafe::take_last(std::size_t device, FailsafeReason reason) {
   const auto entry = watches_.find(device);
   if (entry == watches_.end()) {
     return std::nullopt;
   }
   Watch& watch = entry->second;
   if (std::exchange(watch.armed, false) && !watch.pending) {
-    return Due{device, FailsafeReason::exit};
+    return Due{device, reason};
   }
   return std::exchange(watch.pending, std::nullopt);
 }

@@ -45,8 +45,9 @@ class Failsafe {
   /// False: not any more, because a client has asked since.
   bool put_back(Due due);
   void line_is_back(std::size_t device);
-  /// The gateway stops: the device, if somebody may have set it going since, or if it is due.
-  std::optional<Due> take_at_exit(std::size_t device);
+  /// The gateway stops, or the device goes: the device, if it is due, or if somebody may have set
+  /// it going since, for this reason.
+  std::optional<Due> take_last(std::size_t device, FailsafeReason reason);
   /// When take_due() may have something to say, at the latest; nothing before that.
   [[nodiscard]] std::optional<Instant> next() const;
   /// Other settings: what was seen of the device in `old` holds. To be called once the clients that

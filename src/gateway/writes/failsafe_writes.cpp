@@ -22,7 +22,7 @@ void FailsafeWrites::client_came(const ClientSession& client) {
 
 void FailsafeWrites::client_asked(ClientId client, Instant now) {
   for (const std::size_t device : watch_.client_asked(client, now)) {
-    report({device, FailsafeReason::gone}, FailsafeOutcome::client_back);
+    report(Failsafe::Due{device, FailsafeReason::gone}, FailsafeOutcome::client_back);
   }
 }
 
@@ -37,10 +37,11 @@ void FailsafeWrites::bus_opened(BusId bus) {
 
 bool FailsafeWrites::send_due(Instant now) {
   auto due = watch_.take_due(now);
-  if (due) {
-    send(*std::move(due), now);
+  if (!due) {
+    return false;
   }
-  return due.has_value();
+  send(*std::move(due), now);
+  return true;
 }
 
 // Each is a request of its own, because a stop is repeated and another write is not. The bus is
@@ -48,7 +49,7 @@ bool FailsafeWrites::send_due(Instant now) {
 void FailsafeWrites::send(Failsafe::Due due, Instant now) {
   const drive::Device& device = settings_.settings().devices[due.device];
   rules_.note_own_stop(due.device, now);
-  Run run{std::move(due)};
+  Run run{std::move(due), device.bus, device.address};
   const auto writes = settings_.in_force().failsafe(run.due.device);
   for (std::size_t place = 0; place < writes.size(); ++place) {
     if (std::ranges::find(run.due.sent, place) != run.due.sent.end()) {
@@ -87,7 +88,7 @@ void FailsafeWrites::note_sent(Run& run) {
     return was_sent;
   });
   if (run.unsent.empty()) {
-    report(run.due, FailsafeOutcome::sent);
+    report(run, FailsafeOutcome::sent);
   }
 }
 
@@ -120,18 +121,20 @@ void FailsafeWrites::end(const Run& run) {
   }
   const bool was_told = std::exchange(due.told, true);
   if (stopping_) {
-    report(due, FailsafeOutcome::given_up);
+    report(run, FailsafeOutcome::given_up);
+  } else if (settings_.settings().devices[due.device].is_gone()) {
+    report(run, FailsafeOutcome::device_gone);
   } else if (!watch_.put_back(due)) {
-    report(due, FailsafeOutcome::client_back);
+    report(run, FailsafeOutcome::client_back);
   } else if (!was_told) {
-    report(due, FailsafeOutcome::waits);
+    report(run, FailsafeOutcome::waits);
   }
 }
 
 void FailsafeWrites::send_at_exit(Instant now) {
   stopping_ = true;
   for (std::size_t place = 0; place < settings_.settings().devices.size(); ++place) {
-    auto due = watch_.take_at_exit(place);
+    auto due = watch_.take_last(place, FailsafeReason::exit);
     if (!due) {
       continue;
     }
@@ -139,6 +142,17 @@ void FailsafeWrites::send_at_exit(Instant now) {
       send(*std::move(due), now);
     } else if (due->told) {
       report(*due, FailsafeOutcome::given_up);
+    }
+  }
+}
+
+void FailsafeWrites::send_to_leaving(const Settings& next, Instant now) {
+  const Settings& in_force = settings_.settings();
+  for (std::size_t device = 0; device < in_force.devices.size(); ++device) {
+    if (!keeps_device(in_force, next, device)) {
+      if (auto due = watch_.take_last(device, FailsafeReason::gone)) {
+        send(*std::move(due), now);
+      }
     }
   }
 }
@@ -160,11 +174,16 @@ void FailsafeWrites::adopt(const SettingsSnapshot& before, const Sessions& clien
     }
   }
   std::erase_if(runs_, [&](const Run& run) {
-    return next.failsafe(run.due.device).empty();  // nobody asks any more
+    return next.failsafe(run.due.device).empty() &&  // nobody asks any more
+           keeps_device(before.settings, next.settings, run.due.device);
   });
   for (Run& run : runs_) {
     run.is_outdated = run.is_outdated || !same_failsafe(before, next, run.due.device);
   }
+}
+
+void FailsafeWrites::report(const Run& run, FailsafeOutcome outcome) {
+  actions_.push(Report{FailsafeNews{run.bus, run.address, run.due.reason, outcome}});
 }
 
 void FailsafeWrites::report(const Failsafe::Due& due, FailsafeOutcome outcome) {

@@ -44,6 +44,9 @@ class FailsafeWrites {
   /// One of the requests has ended. What was not transmitted stays due.
   void ended(std::uint32_t exchange);
 
+  /// Devices that other settings do not have any more get their writes now: nobody may write to
+  /// them afterwards. To be called before those are in force.
+  void send_to_leaving(const Settings& next, Instant now);
   /// Other settings are in force, and the clients that are left have got theirs.
   void adopt(const SettingsSnapshot& before, const Sessions& clients, Instant now);
 
@@ -56,6 +59,8 @@ class FailsafeWrites {
   /// Those of a device, on their way.
   struct Run {
     Failsafe::Due due;
+    BusId bus;
+    std::uint8_t address;
     std::vector<Write> unsent{};
     std::vector<std::uint32_t> exchanges{};  ///< that have not ended
     /// The device has other failsafe writes now: unless all of these are sent, all of those are
@@ -65,6 +70,7 @@ class FailsafeWrites {
   void send(Failsafe::Due due, Instant now);
   void note_sent(Run& run);
   void end(const Run& run);
+  void report(const Run& run, FailsafeOutcome outcome);
   void report(const Failsafe::Due& due, FailsafeOutcome outcome);
 
   const SettingsHistory& settings_;

@@ -12,6 +12,7 @@
 #include "bus/job.hpp"
 #include "bus/settings.hpp"
 #include "io/blocking_calls.hpp"
+#include "io/lines/closing_ports.hpp"
 #include "modbus/bytes.hpp"
 
 namespace mbgate::io {
@@ -33,6 +34,7 @@ struct LineContext {
   boost::asio::io_context& io;
   BlockingCalls& blocking;
   LineEvents& events;
+  std::shared_ptr<ClosingPorts> closing = std::make_shared<ClosingPorts>();
 };
 
 class Line {

@@ -35,14 +35,6 @@ constexpr std::chrono::milliseconds kTransmitterLimit{500};
 /// same: its path may lead to another one by now.
 constexpr std::chrono::seconds kClosingLimit{5};
 
-Result<OpenTty, std::string> open_once_closed(const bus::LineSettings& settings,
-                                              const std::shared_future<void>& closed) {
-  if (closed.valid()) {
-    closed.wait_for(kClosingLimit);
-  }
-  return open_tty(settings);
-}
-
 std::size_t bytes_in(int fd) {
   int count = 0;
   return ::ioctl(fd, FIONREAD, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
@@ -77,7 +69,10 @@ void SerialLine::open() {
   state_ = State::opening;
   ++generation_;
   const bool started = context_.blocking.run(
-      [settings = settings_, closed = closed_] { return open_once_closed(settings, closed); },
+      [settings = settings_, closings = Closings{closed_, context_.closing->of(settings_.device)}] {
+        wait_for(closings, kClosingLimit);
+        return open_tty(settings);
+      },
       [this, generation = generation_](Result<OpenTty, std::string> result) {
         finish_open(std::move(result), generation);
       });
@@ -270,12 +265,13 @@ bool SerialLine::adopt(const bus::LineSettings& settings) {
 
 void SerialLine::close_elsewhere(UniqueFd fd) {
   // Without a thread the descriptor is closed here, as soon as run() has given up.
-  std::promise<void> closed;
-  closed_ = closed.get_future().share();
+  auto closed = std::make_shared<std::promise<void>>();
+  closed_ = closed->get_future().share();
+  context_.closing->note(settings_.device, closed_);
   const bool started = context_.blocking.run(
-      [fd = std::move(fd), settings = settings_, closed = std::move(closed)]() mutable {
+      [fd = std::move(fd), settings = settings_, closed]() mutable {
         close_tty(std::move(fd), settings);
-        closed.set_value();
+        closed->set_value();
         return true;
       },
       [](bool) {});

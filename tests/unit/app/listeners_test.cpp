@@ -217,6 +217,45 @@ TEST_F(ListenersReload, TriesAnAddressThatIsNotThereAgain) {
   EXPECT_EQ(taken_[2].id, gateway::ListenerId{2});
 }
 
+/// "plant" has a socket from systemd, which another process holds too: nobody else can bind it.
+class ListenersReloadInherited : public ListenersReload {
+ protected:
+  void SetUp() override {
+    ListenersTest::SetUp();
+    std::vector<InheritedSocket> inherited;
+    inherited.push_back({"plant", io::UniqueFd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))});
+    ASSERT_EQ(::listen(inherited[0].fd.get(), 1), 0);
+    ASSERT_TRUE(listeners().begin(before_, std::move(inherited)));
+    listeners().start();
+    written();
+  }
+};
+
+TEST_F(ListenersReloadInherited, KeepsSocketsFromSystemdIfItIsRefused) {
+  failures_ = {{"in use", false}};
+  All next = before_;
+  next[0].is_gone = true;
+  next.push_back(listener_at("lan", kNobodys));
+  EXPECT_FALSE(reload(next));
+  EXPECT_TRUE(dropped_.empty());
+  EXPECT_EQ(taken_.size(), 2U);
+  EXPECT_EQ(listeners().waiting(), 0U);
+  EXPECT_EQ(written(), "error: in use\n");
+}
+
+TEST_F(ListenersReloadInherited, HasNoneForAListenerThatComesBack) {
+  All gone = before_;
+  gone[0].is_gone = true;
+  EXPECT_TRUE(reload(gone));
+  EXPECT_EQ(dropped_, std::vector{gateway::ListenerId{0}});
+  EXPECT_TRUE(listeners().reload(gone, before_, [](gateway::ListenerId) {}));
+  All moved = before_;
+  moved[0].freebind = true;
+  dropped_.clear();
+  EXPECT_TRUE(reload(moved));
+  EXPECT_EQ(dropped_, std::vector{gateway::ListenerId{0}});  // its own socket is bound anew
+}
+
 bool give_address(std::string_view interface, const char* address) {
   const io::UniqueFd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   ifreq request{};

@@ -26,6 +26,58 @@ TEST(ReloadMemory, WritesThatAreOlderThanAStopDoNotFollowIt) {
   EXPECT_THAT(rig.take_sent(2), ElementsAre("00 0A 00 00 00 05 01 03 02 00 01", busy(11)));
 }
 
+/// Unit 1 leads to address 2.
+Settings moved(Settings settings) {
+  settings.routes[0].first_address = 2;
+  return settings;
+}
+
+// They were sent to the drive to which the unit led then.
+TEST(ReloadMemory, RequestsBehindAFullPipelineDoNotGoToAnotherDrive) {
+  MachineRig rig(stop_plant());
+  rig.connect(1);
+  rig.receive(1, read_request(1) + write_request(2) + read_request(3));
+  rig.advance(1ms);
+  rig.reload(moved(stop_plant()));
+  rig.advance(1ms);
+  rig.receive(1, write_request(4));
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kWrite2));
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(kOne, busy(2), "00 03 00 00 00 03 01 83 06"));
+}
+
+TEST(ReloadMemory, NorDoTheyAfterTheUnitHasLedElsewhereAndBack) {
+  MachineRig rig(stop_plant());
+  rig.connect(1);
+  rig.receive(1, read_request(1) + write_request(2) + write_request(3, 2));
+  rig.advance(1ms);
+  Settings without = stop_plant();
+  without.devices.erase(without.devices.begin());
+  rig.reload(without);
+  rig.reload(stop_plant());
+  rig.advance(1ms);
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(kOne, busy(2)));
+  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kWrite2));
+}
+
+// One that lets writes go first is not taken early.
+TEST(ReloadMemory, AStopBehindAFullPipelineDoesNotStopAnotherDrive) {
+  Settings settings = stop_plant();
+  settings.devices[0].stop_cancels = settings.devices[1].stop_cancels = false;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1) + write_request(2) + stop_request(3));
+  rig.advance(1ms);
+  rig.reload(moved(settings));
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(kOne, busy(2), busy(3)));
+  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1));
+}
+
 TEST(ReloadMemory, ClientsThatAreThereHaveTheirNewWeights) {
   Settings settings = stop_plant(8);
   MachineRig rig(settings);

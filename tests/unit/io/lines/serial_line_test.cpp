@@ -52,6 +52,25 @@ class SerialLineTest : public testing::Test, public LineEvents {
 const std::array<std::uint8_t, 4> kFrame{1, 2, 3, 4};
 const std::string kFrameText{1, 2, 3, 4};
 
+// A reload may give a port to another bus.
+TEST_F(SerialLineTest, WaitsUntilAnotherLineHasGivenBackItsPort) {
+  const PseudoTerminal terminal;
+  bus::LineSettings settings;
+  settings.device = terminal.path();
+  const LineContext context{context_, blocking_, *this};
+  SerialLine first(context, drive::BusId{0}, settings);
+  SerialLine second(context, drive::BusId{1}, settings);
+  for (int round = 1; round <= 20; ++round) {
+    first.open();
+    ASSERT_TRUE(wait_for([&] { return opened_ == 2 * round - 1; }));
+    first.close();
+    second.open();
+    ASSERT_TRUE(wait_for([&] { return opened_ == 2 * round || !lost_.empty(); }));
+    ASSERT_EQ(lost_, std::vector<std::string>());
+    second.close();
+  }
+}
+
 TEST_F(SerialLineTest, CarriesBytesBothWays) {
   const PseudoTerminal terminal;
   make_line(terminal.path());
