@@ -31,7 +31,7 @@ struct BusCounters {
   std::uint64_t stops = 0;             ///< stops that were sent, repetitions included
   std::uint64_t stops_unanswered = 0;  ///< stops given up without a matching response
   std::uint64_t overtaken_writes = 0;  ///< waiting writes cancelled by a stop
-  std::uint64_t probes = 0;            ///< requests accepted for offline devices as probes
+  std::uint64_t probes = 0;            ///< requests sent to offline devices as probes
   std::uint64_t refused_offline = 0;   ///< requests refused because their device was offline
   std::uint64_t evicted = 0;           ///< waiting reads dropped from a full queue
 };
