@@ -9,8 +9,8 @@
 
 namespace mbgate::app {
 
-/// What differs between two settings that have the same numbers (gateway/settings/numbering), a
-/// line for each listener, bus and device: "bus line-a: baud 19200 -> 115200, parity". Nothing:
+/// The differences between two settings with the same numbering (gateway/settings/numbering), one
+/// line for each listener, bus and device: "bus line-a: baud 19200 -> 115200, parity". Empty if
 /// they are the same.
 std::vector<std::string> changes_between(const gateway::Settings& old,
                                          const gateway::Settings& next);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The listening sockets of the service: those that systemd hands over, and those that we bind. A
-// listener whose address is not there (boot, DHCP, VRRP) is tried again while the others serve.
+// listener whose address does not exist yet (boot, DHCP, VRRP) is tried again while the others
+// serve.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -20,7 +21,7 @@
 
 namespace mbgate::app {
 
-/// Between two tries, doubling from the first to the longest.
+/// The wait between two tries. It doubles from the first to the longest.
 struct ListenerWaits {
   std::chrono::milliseconds first{250};
   std::chrono::milliseconds longest{5000};
@@ -29,10 +30,10 @@ struct ListenerWaits {
 class Listeners {
  public:
   using Acceptor = boost::asio::ip::tcp::acceptor;
-  /// io::bind_listener(), or what a test has in its place.
+  /// io::bind_listener(), or a test's replacement for it.
   using Bind = std::function<Result<Acceptor, io::ListenFailure>(boost::asio::io_context&,
                                                                  const gateway::ListenerSettings&)>;
-  /// Gets every socket that listens, at once or later.
+  /// Called with every listening socket, at once or later.
   using Take = std::function<void(gateway::ListenerId, Acceptor)>;
   /// Closes the sockets of a listener.
   using Drop = std::function<void(gateway::ListenerId)>;
@@ -43,21 +44,21 @@ class Listeners {
   Listeners& operator=(const Listeners&) = delete;
   ~Listeners() = default;
 
-  /// Every listener listens, or waits for its address. False: one can do neither (its port is in
-  /// use, it may not have it), and the journal says why.
+  /// Makes every listener listen, or wait for its address. False: a listener can do neither (its
+  /// port is in use or not permitted), and the journal says why.
   bool begin(const std::vector<gateway::ListenerSettings>& listeners,
              std::vector<InheritedSocket> inherited);
-  /// Prints "listening NAME ADDRESS:PORT" for each socket, and tries those that wait again. Their
-  /// lines are printed when they listen.
+  /// Prints "listening NAME ADDRESS:PORT" for each socket. Listeners that wait are tried again, and
+  /// their lines are printed when they listen.
   void start();
-  /// After start(): what differs between these settings, which have the same numbers. Sockets of
-  /// listeners that are no more are closed, and those of listeners at another address or with other
-  /// options of TCP, but for sockets from systemd; those and new ones listen, or wait for their
-  /// address. False: one can do neither, the journal says why, and all is as it was.
+  /// After start(): applies the differences between these settings, which have the same numbering.
+  /// Sockets are closed if their listener is removed, has another address or has other TCP options;
+  /// sockets from systemd stay open. New and changed listeners listen, or wait for their address.
+  /// False: one can do neither, the journal says why, and nothing has changed.
   bool reload(const std::vector<gateway::ListenerSettings>& old,
               const std::vector<gateway::ListenerSettings>& next, const Drop& drop);
   void stop();
-  /// Those that wait for their address.
+  /// How many listeners wait for their address.
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
  private:
@@ -89,7 +90,7 @@ class Listeners {
   ListenerWaits waits_;
   boost::asio::steady_timer timer_;
   bool started_ = false;
-  std::vector<std::string> lines_;  ///< to be printed once all are served
+  std::vector<std::string> lines_;  ///< to be printed by start()
   std::vector<Waiting> waiting_;
   bool trying_ = false;
   std::set<gateway::ListenerId> inherited_;  ///< their sockets are systemd's

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lines for the operator, on standard error: with the journal's priority prefix where the journal
-// reads it, with a word otherwise. Writing happens on a thread of its own, because a journal that
-// is stuck must not stop a bus.
+// Lines for the operator, on standard error: with a priority prefix if the journal reads it,
+// otherwise with a word. A thread of its own writes them, because a blocked journal must not stop a
+// bus.
 #pragma once
 
 #include <atomic>
@@ -33,7 +33,7 @@ class Log {
   ~Log() = default;
 
   void write(Level level, const std::string& text);
-  /// The same, at most ten times a minute for one `kind`; what is left out is counted and the count
+  /// The same, at most ten times a minute for one `kind`. Further lines are counted, and the count
   /// is written.
   void write_limited(Level level, const std::string& kind, const std::string& text);
   /// The line exactly as it is.

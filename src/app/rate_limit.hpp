@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many log lines of one kind may be written: a peer or an adapter that fails over and over must
-// not fill the journal. Pure: the time is handed in.
+// Limits the log lines of one kind: a peer or an adapter that fails again and again must not fill
+// the journal. Pure: the time is handed in.
 #pragma once
 
 #include <cstddef>

@@ -10,17 +10,19 @@
 
 namespace mbgate::app {
 
-/// A relative path is meant below the service's state directory ($STATE_DIRECTORY of systemd.exec,
-/// the first one), or where there is none (null or empty), below the working directory.
+/// Resolves the path of a recording: a relative one is below the service's state directory (the
+/// first one in $STATE_DIRECTORY of systemd.exec) or, if there is none (null or empty), below the
+/// working directory.
 std::filesystem::path recording_path(const std::filesystem::path& file,
                                      const char* state_directory);
 
-/// A new file that only its owner can read: it will hold all data of the process. An older
-/// recording there becomes FILE.1, because a restart after a crash must not destroy what led to
-/// it. An error says which file it was.
+/// Creates a file that only its owner can read, because it will hold all process data. An older
+/// recording of that name becomes FILE.1: a restart after a crash must not destroy the recording of
+/// the crash. The error names the file.
 Result<io::UniqueFd, std::string> create_recording(const std::filesystem::path& file);
 
-/// The text of a configuration file, to be loaded and recorded alike; empty if it cannot be read.
+/// The text of a configuration file, both to be loaded and to be recorded; empty if it cannot be
+/// read.
 std::string read_text(const std::filesystem::path& file);
 
 }  // namespace mbgate::app

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The running gateway as a process: binds the listeners, drives the machine, tells systemd and the
-// operator, reads the configuration again on SIGHUP, and ends in order on SIGTERM or SIGINT.
+// The running gateway as a process: binds the listeners, drives the machine, reports to systemd and
+// to the operator, reads the configuration again on SIGHUP, and shuts down on SIGTERM or SIGINT.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -21,7 +21,7 @@
 
 namespace mbgate::app {
 
-/// What a configuration says, and its text if a recording needs it.
+/// A configuration, and its text if a recording needs it.
 struct Configuration {
   config::Loaded loaded;
   std::string text;
@@ -38,9 +38,9 @@ class Service final : public io::DriverObserver {
   Service& operator=(const Service&) = delete;
   ~Service() override = default;
 
-  /// Serves until a signal ends it. The exit status: 0, or 1 if a listener could not be bound for
-  /// another reason than that its address is not there, or there are too few descriptors. An
-  /// exception means that we are wrong.
+  /// Serves until a signal ends it. Returns the exit status: 0, or 1 if there are too few
+  /// descriptors or a listener could not be bound (other than because its address does not exist
+  /// yet). An exception means a fault of the program.
   int run();
 
  private:
@@ -56,7 +56,7 @@ class Service final : public io::DriverObserver {
   void begin_reload();
   void finish_reload(const Configuration& read);
   void forget_failures(const gateway::Settings& before, const gateway::Settings& next);
-  /// Are these the settings now? If not, the journal says why.
+  /// Puts these settings into force. False if they cannot be: the journal says why.
   bool change(const Configuration& read);
   void send_status();
   [[nodiscard]] std::string status() const;
@@ -69,14 +69,15 @@ class Service final : public io::DriverObserver {
   boost::asio::signal_set signals_;
   io::BlockingCalls blocking_;
   bool reading_ = false;     ///< the configuration
-  bool read_again_ = false;  ///< it was asked for meanwhile
-  bool is_refused_ = false;  ///< what was read last
+  bool read_again_ = false;  ///< a reload was requested meanwhile
+  bool is_refused_ = false;  ///< the last reload
   boost::asio::steady_timer status_timer_;
   bool status_pending_ = false;
   bool ready_ = false;
   std::chrono::steady_clock::time_point last_status_time_;
   std::string last_status_;
-  /// Written already: a line that stays away is tried again every few seconds, for the same reason.
+  /// Failures already written to the journal: a lost line is tried again every few seconds and
+  /// fails for the same reason.
   std::vector<std::set<std::string>> failures_;
   std::set<std::string> warnings_;
   io::GatewayDriver driver_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What systemd gives to the process and wants to hear from it. Without systemd all of this does
-// nothing.
+// What systemd hands to the process and what the process reports to it. Without systemd all of this
+// does nothing.
 #pragma once
 
 #include <string>
@@ -22,7 +22,7 @@ std::vector<InheritedSocket> take_inherited_sockets();
 void notify_ready(const std::string& status);
 void notify_status(const std::string& status);
 void notify_stopping();
-/// notify_ready() ends it.
+/// A reload has begun; notify_ready() reports its end.
 void notify_reloading();
 
 }  // namespace mbgate::app

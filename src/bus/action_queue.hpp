@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Actions in the order in which they are wanted. It keeps its room, so that a machine whose actions
-// are polled after every input asks for no memory in the long run.
+// A first-in, first-out queue of actions. It keeps the memory that it has allocated: a machine
+// whose actions are polled after every input allocates nothing more in the long run.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class ActionQueue {
 
   [[nodiscard]] bool empty() const { return next_ == waiting_.size(); }
 
-  /// The oldest one; nothing if none is left.
+  /// Removes and returns the oldest action; nothing if the queue is empty.
   std::optional<Action> poll() {
     if (empty()) {
       return std::nullopt;
@@ -37,7 +37,8 @@ class ActionQueue {
   }
 
  private:
-  /// What a burst took beyond so many actions is given back.
+  /// When the queue is empty, memory for more actions than this is released (it was needed for a
+  /// burst).
   static constexpr std::size_t kKeptRoom = 1024;
 
   std::vector<Action> waiting_;

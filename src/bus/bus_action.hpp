@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus wants of its owner, and what it tells.
+// What a bus asks of its owner, and what it reports to it.
 #pragma once
 
 #include <variant>
@@ -11,8 +11,8 @@
 namespace mbgate::bus {
 
 struct OpenLine {};
-/// Something may be transmitted: what already lies in the line's descriptor is to be handed in
-/// first, then handle_looked() is to be called.
+/// The bus wants to transmit. Hand in the bytes that can already be read from the line, then call
+/// handle_looked().
 struct LookAtLine {};
 struct TransmitFrame {
   FrameBytes frame;
@@ -21,38 +21,38 @@ struct JobEnded {
   Job* job;
   Ending ending;
 };
-/// Something was noticed of the line itself; framing_lost is told by CloseLine.
+/// A fault of the line itself was noticed. Lost framing is not reported here but by CloseLine.
 struct LineNotice {
   LineFault fault;
 };
-/// What comes in cannot be followed any further. The bus has given the line up already: nothing
-/// needs to be reported back.
+/// Close the line: the framing of the incoming bytes is lost. The bus has given the line up
+/// already; nothing needs to be reported back.
 struct CloseLine {};
-/// Nothing at all is heard from the adapter: it is to be closed and opened again. Jobs wait
+/// Close the adapter and open it again: nothing at all is received from it. Jobs stay queued
 /// meanwhile.
 struct ReopenLine {
   Duration silence;
-  unsigned requests;  ///< that left in this time
-  bool first;         ///< since something was heard
+  unsigned requests;  ///< sent in this time
+  bool first;         ///< the first reopening since something was received
 };
-/// The line was not silent for so long that nothing can be transmitted on it.
+/// Bytes have arrived for so long without a silence that nothing could be transmitted on the line.
 struct NeverSilent {};
-/// A connection is given up, because nothing comes from its far end; OpenLine follows when somebody
-/// waits for it. Nothing needs to be reported back.
+/// Close the connection: nothing comes from the server any more. OpenLine follows when a job waits
+/// for it. Nothing needs to be reported back.
 struct ReplaceLine {
-  bool is_news;  ///< something has come since this was told last
+  bool is_news;  ///< something was received since the last ReplaceLine
 };
 /// What was learned of the device at an address.
 struct DeviceNotice {
   enum class Kind : std::uint8_t {
     lost,             ///< it does not answer: offline
     back,             ///< it answers again
-    late,             ///< an answer came after its time, and the quarantine grew
-    early,            ///< an answer began before its time: response_wait is set too long
-    foreign,          ///< another client's request, or a frame of a device that owed none for long
-    second_answer,    ///< two frames came for one request
-    stop_unanswered,  ///< a stop was repeated as often as allowed, without a fitting echo
-    stop_forced       ///< a stop was transmitted though the line was never silent
+    late,             ///< an answer came after its response timeout, and the quarantine grew
+    early,            ///< an answer began before response_wait was over: it is set too long
+    foreign,          ///< a request of another client, or a frame of a device that owed no answer
+    second_answer,    ///< two answers came to one request
+    stop_unanswered,  ///< no matching response came to a stop, nor to its repetitions
+    stop_forced       ///< a stop was transmitted although the line was never silent
   };
   Kind kind;
   std::uint8_t address;

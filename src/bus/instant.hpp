@@ -28,13 +28,14 @@ inline std::optional<Instant> earlier(std::optional<Instant> a, std::optional<In
 /// When the machine wants to be called next.
 struct Wake {
   Instant at;
-  /// A silence on the line is over then, and something may be transmitted: whoever wakes early and
-  /// waits for the instant loses nothing. Otherwise something is judged, such as a missing answer:
-  /// nobody is to come early for that.
+  /// True: a silence on the line is over then, and something may be transmitted. The caller may
+  /// wake early and wait for the exact instant. False: something is decided then, for example that
+  /// an answer is missing. The caller must not come early for that.
   bool ends_silence = false;
 };
 
-/// The earlier of two, either of which may be absent; of two at one instant the judgement.
+/// The earlier of two, either of which may be absent. Of two at the same instant the one that must
+/// not come early.
 inline std::optional<Wake> earlier(std::optional<Wake> a, std::optional<Wake> b) {
   if (!a || !b) {
     return a ? a : b;

@@ -28,19 +28,19 @@ using FrameBytes = boost::container::static_vector<std::uint8_t, kMaxFrameSize>;
 struct Transaction {
   std::uint8_t address;
   modbus::Request request;
-  /// 08/01 and 08/04 silence a device: no answer is then no failure.
+  /// 08/01 and 08/04 silence a device: a missing answer is then not a failure.
   bool silence_is_success = false;
   /// Other than none: a broadcast in this form, which nobody answers.
   drive::BroadcastForm broadcast = drive::BroadcastForm::none;
   std::optional<modbus::Pdu> response = std::nullopt;
-  /// Noted by the bus for a write that its device carries out and never answers: how long the
-  /// device hears nothing afterwards.
+  /// Set by the bus for a write that its device carries out and never answers: how long the device
+  /// does not listen afterwards.
   std::optional<Duration> boot_time = std::nullopt;
-  /// Set for a question of the gateway's own, a read of one register: the job goes on only if it
-  /// holds one of these. Must outlive the job.
+  /// Set for a check that the gateway adds, a read of one register: the job goes on only if the
+  /// register holds one of these values. Must outlive the job.
   const std::vector<std::uint16_t>* must_hold = nullptr;
-  /// Of a read that came through an address window: the addresses of the device that it leads to,
-  /// beyond which the read is not merged with others.
+  /// Of a read through an address window: the range of device addresses that the window leads to.
+  /// The read is not merged with reads outside it.
   std::uint32_t window_begin = 0;
   std::uint32_t window_end = 0x10000;
 
@@ -48,22 +48,22 @@ struct Transaction {
   [[nodiscard]] bool may_stay_silent() const { return silence_is_success || boot_time; }
 };
 
-/// Whose requests take turns with whose: one number for each client address.
+/// Client addresses take turns on a bus. This is the number of one client address.
 enum class FairnessKey : std::uint32_t {};
 
-/// Who goes first. What is no read is a write in every rule.
+/// Stops are sent first, then writes, then reads. For every rule, what is not a read is a write.
 enum class JobClass : std::uint8_t { stop, write, read };
 
-/// How a job ended. Whether it may have had an effect is told by Job::was_on_wire.
+/// How a job ended. Job::was_on_wire says whether it may have had an effect.
 enum class Ending : std::uint8_t {
   answered,     ///< every transaction has its response, or the last one's is an exception
   transmitted,  ///< its last transaction, a broadcast or a request that is not answered, has left
   no_answer,    ///< transmitted, but no valid answer came
   expired,      ///< its deadline passed before a (further) transmission
-  mismatched,   ///< a register does not hold what it must; nothing that follows was transmitted
-  closed,       ///< the line is not there
-  offline,      ///< the device does not answer, and this is not the one that is let through
-  cancelled     ///< taken back, evicted, or the gateway is stopping
+  mismatched,   ///< a check (must_hold) failed; nothing after it was transmitted
+  closed,       ///< the line is not open
+  offline,      ///< the device is offline, and this request may not probe it
+  cancelled     ///< withdrawn, evicted, or the gateway is stopping
 };
 
 struct Transmission;
@@ -79,28 +79,27 @@ struct Job {
   unsigned weight = 1;                  ///< turns of its source where others have one
   JobClass job_class = JobClass::read;  ///< set by Bus::submit()
   std::uint64_t sequence = 0;           ///< the order of acceptance, set by Bus::submit()
-  Instant deadline;                     ///< of no meaning for stops
+  Instant deadline;                     ///< without meaning for stops
   boost::container::small_vector<Transaction, 1> transactions;
-  std::size_t current = 0;  ///< the transaction whose turn it is
-  Transmission* leads =
-      nullptr;  ///< from when it is transmitted for the first time, a stop at once
+  std::size_t current = 0;        ///< the transaction whose turn it is
+  Transmission* leads = nullptr;  ///< from its first transmission on; a stop at once
   Instant accepted_at;
   bool was_on_wire = false;    ///< something that its client asked for was transmitted
   bool abandoned = false;      ///< its client is gone: no further transmission
-  bool passed_over = false;    ///< another job went while this one waited for its device's gap
-  bool overtaken = false;      ///< a stop of its device came: no further transmission
-  bool probes_freely = false;  ///< it may probe only because nobody else asks
+  bool passed_over = false;    ///< another job was sent while this one waited for its device's gap
+  bool overtaken = false;      ///< cancelled by a stop of its device: no further transmission
+  bool probes_freely = false;  ///< it may probe only because there are no ordinary requests
   bool accepted = false;       ///< the bus has it
-  bool unmerged = false;       ///< it was part of a longer read that failed, and goes alone now
+  bool unmerged = false;       ///< it was part of a merged read that failed, and is sent alone now
 
-  /// In the queue, where stops never are.
+  /// Is it in the queue? Stops never are.
   [[nodiscard]] bool is_waiting() const { return queue_hook.is_linked(); }
-  /// May others share its device with it? One that may change something may not, nor one that must
-  /// not be interrupted.
+  /// May other jobs use its device at the same time? Only beside a single read: a write may change
+  /// something, and several transactions must not be interrupted.
   [[nodiscard]] bool is_single_read() const {
     return transactions.size() == 1 && transactions.front().request.is_read();
   }
-  /// Broadcasts may have questions to single devices before them.
+  /// A broadcast may have checks (must_hold) of single devices before it.
   [[nodiscard]] bool is_broadcast() const { return transactions.back().is_broadcast(); }
   [[nodiscard]] bool is_read() const {
     return std::ranges::all_of(transactions,
@@ -109,8 +108,8 @@ struct Job {
   [[nodiscard]] std::uint8_t address() const { return transactions.front().address; }
   [[nodiscard]] Transaction& transaction() { return transactions[current]; }
   [[nodiscard]] const Transaction& transaction() const { return transactions[current]; }
-  /// Of a job that ended as answered: the responses to what its client asked for, in order; the
-  /// last one may be the exception that ended it.
+  /// Of a job that ended as answered: the responses to the client's own transactions, in order. The
+  /// last one may be the exception that ended the job.
   [[nodiscard]] auto responses() const {
     boost::container::small_vector<const modbus::Pdu*, 4> all;
     for (const Transaction& done : transactions) {

@@ -18,16 +18,17 @@ enum class LineState : std::uint8_t {
   emission,
   waiting_for_reply,
   waiting_turnaround_delay,
-  draining  ///< something else was heard than a response, and the line is not silent yet
+  draining  ///< something other than a response was received, and the line is not silent yet
 };
 
 /// The state's name for status displays.
 std::string_view to_text(LineState state);
 
-/// Answers of a device to earlier requests of the same function that may still come.
+/// Late answers of a device that may still come, to earlier requests with the same function code.
 struct OwedAnswers {
   unsigned count = 0;
-  unsigned alike = 0;  ///< of these, those that look as if a write were done that may not be
+  unsigned alike =
+      0;  ///< of these, those that could be taken for the answer to the write being sent
 };
 
 /// How a transmission ended.
@@ -35,7 +36,7 @@ struct LineEnd {
   enum class How : std::uint8_t {
     response,     ///< the transaction has it
     sent,         ///< a broadcast has left the wire; the turnaround delay runs
-    no_response,  ///< the time for a response is over
+    no_response,  ///< no response came in time
     damaged       ///< a response with a wrong CRC or LRC
   };
   How how;
@@ -43,26 +44,27 @@ struct LineEnd {
   Instant due{};       ///< when its response timeout ends, whether or not it was waited for
   Duration took{0};    ///< response: from the end of the request to the end of the answer
   bool early = false;  ///< a response that began clearly before the device's response wait was over
-  std::size_t heard = 0;    ///< bytes that came since the request had left
-  Duration heard_after{0};  ///< and how long after it the first of them
-  std::size_t noise = 0;  ///< bytes before the response, or the damaged one, that are no part of it
+  std::size_t heard = 0;    ///< bytes received since the end of the request
+  Duration heard_after{0};  ///< from the end of the request to the first of them
+  std::size_t noise = 0;    ///< bytes before the response, good or damaged, that are no part of it
 };
 
 enum class LineFault : std::uint8_t {
-  echo_differed,  ///< an own transmission was heard differently than it was sent
-  framing_lost,   ///< where the next frame begins cannot be known any more
-  echo_found,     ///< the line hears itself: from now on echoes are compared
-  echo_gone,      ///< it was found, and none has come with the last answers
-  echo_denied,    ///< the line hears itself, and the settings say that it does not
-  /// The answer to a write looks like its echo, and nothing has shown yet whether there is one.
+  echo_differed,  ///< the echo of an own transmission differs from it
+  framing_lost,   ///< it cannot be known any more where the next frame begins
+  echo_found,     ///< the line has an echo: from now on it is compared
+  echo_gone,      ///< an echo was found before, but the last answers came without one
+  echo_denied,    ///< the line has an echo, and the settings say that it has none
+  /// The answer to a write looks like its echo, and it is not known yet whether the line has an
+  /// echo.
   echo_unproven,
-  /// A fitting answer began before its request had left, and was not taken.
+  /// A matching answer began before its request had left, and was not accepted.
   answered_while_sending,
-  unanswered  ///< a connection takes requests, and for long nothing has come from it
+  unanswered  ///< a connection takes requests, and nothing has been received from it for long
 };
-/// Those that were noticed and not told yet.
+/// Faults that were noticed and not yet reported.
 using LineFaults = boost::container::static_vector<LineFault, 8>;
-/// Forgotten if there is no room for it.
+/// The fault is dropped if the list is full.
 inline void note_fault(LineFaults& faults, LineFault fault) {
   if (faults.size() < faults.capacity()) {
     faults.push_back(fault);

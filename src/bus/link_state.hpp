@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the line of a bus is there, and when it is opened again.
+// Whether the line of a bus is open, and when it is opened again.
 //
-// A line that could not be opened, or died, is opened again after a delay that doubles up to a
-// limit. A connection that its server has closed in good order rests: servers close what is idle,
-// and some close after each answer. It is opened again as soon as somebody asks, without a delay.
+// A line that could not be opened, or was lost, is opened again after a delay. The delay doubles up
+// to a limit. A connection that its server has closed in good order *rests*: servers close idle
+// connections, and some close after each answer. It is opened again without delay as soon as there
+// is a request for it.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,7 @@
 
 namespace mbgate::bus {
 
-/// How a line went.
+/// How a line was lost.
 enum class Loss : std::uint8_t {
   failed,  ///< it could not be opened, or it died
   closed   ///< the far end of a connection has closed it
@@ -26,19 +27,19 @@ class LinkState {
   explicit LinkState(Duration reopen_min) : delay_(reopen_min) {}
 
   [[nodiscard]] bool is_open() const { return state_ == State::open; }
-  /// There is none, and nobody knows when: nothing may wait for it.
+  /// It is not open, and nobody knows when it will be: no job may wait for it.
   [[nodiscard]] bool is_closed() const { return state_ == State::closed; }
-  /// It is opened when somebody asks, and not before.
+  /// It is opened when there is a request for it, and not before.
   [[nodiscard]] bool is_resting() const { return state_ == State::resting; }
-  /// As far as anybody knows it serves: it is open, or rests, or is just being opened after that.
+  /// It works as far as is known: it is open, or rests, or is being opened after resting.
   [[nodiscard]] bool serves() const { return is_open() || is_resting() || state_ == State::waking; }
-  /// After restart(), until something becomes of it.
+  /// After restart(), until that attempt has succeeded or failed.
   [[nodiscard]] bool is_reopening() const { return state_ == State::reopening; }
 
-  /// For the last time.
+  /// When it was opened last.
   [[nodiscard]] Instant opened_at() const { return opened_at_; }
 
-  /// It is open, and not for long enough to say that it serves.
+  /// It is open, but not yet for `reopen_max`: too short to say that it works.
   [[nodiscard]] bool is_new(const BusSettings& settings, Instant now) const {
     return now - opened_at_ < settings.reopen_max;
   }
@@ -46,15 +47,16 @@ class LinkState {
   void note_opened(Instant now);
   /// Schedules the next attempt.
   void note_lost(const BusSettings& settings, Instant now);
-  /// `answered`: the far end is in good order.
+  /// The server has closed the connection. `answered`: after an answer, so the delay starts from
+  /// `reopen_min` again.
   void rest(const BusSettings& settings, bool answered);
   /// An adapter hangs: it is being closed and opened again.
   void restart() { state_ = State::reopening; }
   /// After rest(): an attempt to open it runs.
   void wake() { state_ = State::waking; }
-  /// No further attempts.
+  /// No attempt to open it is scheduled any more.
   void stop() { reopen_at_.reset(); }
-  /// An attempt is due; true once for each.
+  /// Is an attempt due? True once for each attempt.
   bool take_due(Instant now);
   [[nodiscard]] std::optional<Instant> next_attempt() const { return reopen_at_; }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus consists of: each part owns what it knows, and none knows the others. Who decides
-// (turns, stop_order) looks at them; who acts (Admission, Dispatch, Outcomes, JobEnds) changes
-// them.
+// What a bus consists of. Each part owns its data, and none knows the others. Functions that decide
+// (turns, stop_order) only look at the parts. Classes that act (Admission, Dispatch, Outcomes,
+// JobEnds) change them.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,7 @@ struct Parts {
   Parts(const Parts&) = delete;  // some refer to others
   Parts& operator=(const Parts&) = delete;
 
-  /// The same line with other rules, or other devices.
+  /// New settings, or other devices, on the same line.
   void update(const BusSettings& in_force, std::span<const drive::Device> known) {
     settings = in_force;
     devices.update(settings, known);
@@ -42,7 +42,8 @@ struct Parts {
     transmissions.set_room(most_in_flight());
   }
 
-  /// Late answers cannot be told apart from others.
+  /// Are devices held in quarantine? Not on Modbus TCP, where the transaction identifier tells late
+  /// answers apart.
   [[nodiscard]] bool quarantines() const { return settings.line.framing != Framing::tcp; }
 
   BusSettings settings;
@@ -51,13 +52,13 @@ struct Parts {
   LineDiscipline line;
   BusQueue queue;
   Transmissions transmissions;
-  StopLane stops;  // links them: goes first
+  StopLane stops;  // links transmissions: destroyed before them
   TurnBook turns;
   Probes probes;
   AdapterWatch adapter;
   LinkState link;
   bool stopping = false;
-  Instant pumped_at;  ///< when it was decided last what goes next
+  Instant pumped_at;  ///< when it was last decided what is sent next
   ActionQueue<BusAction> actions;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus is told: its line, its times, its limits. Names and meanings are those of
+// The settings of a bus: its line, its times, its limits. Names and meanings are those of
 // conf/mbgate.toml.
 #pragma once
 
@@ -19,10 +19,10 @@ enum class Rs485 : std::uint8_t { off, kernel, rts };
 /// What a frame looks like on the line.
 enum class Framing : std::uint8_t { rtu, ascii, tcp };
 
-/// What an open line is, as far as the system tells.
+/// What an open line is, as far as the system says.
 enum class LineKind : std::uint8_t {
-  uart,          ///< bytes leave and arrive at the pace of the wire
-  adapter,       ///< a real one that does not keep the wire's pace: ttyACM, rfcomm
+  uart,          ///< bytes leave and arrive at the speed of the wire
+  adapter,       ///< a physical one that does not keep the speed of the wire: ttyACM, rfcomm
   virtual_line,  ///< a pseudo-terminal, a TCP connection
 };
 
@@ -33,17 +33,17 @@ struct Endpoint {
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
-/// What a TCP connection may cost until it is given up.
+/// The times after which a TCP connection is given up.
 struct ConnectionTimes {
-  /// For each address of the far end. Room for two repetitions of the SYN, which come after one and
-  /// three seconds.
+  /// For each address of the server. Long enough for two repetitions of the SYN, which come after 1
+  /// s and 3 s.
   Duration connect_timeout = std::chrono::seconds(4);
-  /// What the far end has not acknowledged after so long is thrown away with the connection: a
-  /// command that came out of a network that has been mended would be an old one. Room for three
+  /// Data that the far end has not acknowledged for this long is discarded together with the
+  /// connection: an old command must not arrive when the network is repaired. Long enough for three
   /// repetitions, the first of them after 200 ms.
   Duration acknowledge_timeout = std::chrono::seconds(2);
-  /// An idle connection whose far end has gone without a word is noticed after so long. Whole
-  /// seconds, at least 2.
+  /// How soon it is noticed on an idle connection that the far end has disappeared without closing
+  /// it. Whole seconds, at least 2.
   std::chrono::seconds idle_probe{15};
   friend bool operator==(const ConnectionTimes&, const ConnectionTimes&) = default;
 };
@@ -54,35 +54,37 @@ struct LineSettings {
   /// ascii a serial device server is behind it.
   std::optional<Endpoint> remote;
   ConnectionTimes connection;  ///< with `remote`
-  std::string device;          ///< path, best one below /dev/serial/by-id
+  std::string device;          ///< path, preferably below /dev/serial/by-id
   modbus::Baud baud{19200};
   modbus::CharacterFormat format;
   Rs485 rs485 = Rs485::off;
-  /// rs485 = kernel: is RTS raised while sending (or lowered), and so long before and after it;
-  /// none: as the driver has it, from the device tree.
+  /// With rs485 = kernel: whether RTS is high (true) or low while sending, and how long it is
+  /// switched before and after. None: the driver's own setting, from the device tree.
   std::optional<bool> rs485_rts_on_send;
   std::optional<Duration> rs485_delay_before;
   std::optional<Duration> rs485_delay_after;
-  /// The transceiver hears itself: the echo is read and compared. None: what the line shows.
+  /// True: the transceiver receives what it sends, and this echo is read and compared. None:
+  /// learned from the line.
   std::optional<bool> echo{};
-  /// Bytes leave at the pace of the wire, so that nothing that begins before a request has left
-  /// answers it. None: as the kind of the line says.
+  /// True: bytes leave at the speed of the wire, so an answer that begins before its request has
+  /// left is not accepted. None: depends on the LineKind.
   std::optional<bool> paced{};
   bool low_latency = true;
   friend bool operator==(const LineSettings&, const LineSettings&) = default;
 };
 
-/// Slack for what lies between the wire and us: adapters hold received bytes back up to 16 ms.
+/// Default `frame_slack` on a local port: adapters hold received bytes back for up to 16 ms.
 inline constexpr Duration kAdapterSlack = std::chrono::milliseconds(20);
 
-/// The same behind a serial device server: Wi-Fi and cellular ones pause for 60 ms and more.
+/// The same behind a serial device server: those on Wi-Fi or cellular networks pause for 60 ms and
+/// more.
 inline constexpr Duration kNetworkSlack = std::chrono::milliseconds(200);
 
 struct BusSettings {
   std::string name;
-  bool is_gone = false;  ///< a reload took it away; nobody else gets its number
+  bool is_gone = false;  ///< a reload has removed it; its number is not used again
   LineSettings line;
-  /// For addresses without a device of their own.
+  /// For addresses that no device is configured for.
   drive::DeviceTiming timing;
   std::optional<Duration> frame_gap;     ///< default: t3.5
   std::optional<Duration> frame_slack;   ///< default: kAdapterSlack, or kNetworkSlack
@@ -92,49 +94,51 @@ struct BusSettings {
   std::size_t queue = 2048;  ///< requests waiting at most, stops not counted
   bool coalesce = true;      ///< identical waiting reads are transmitted once
   bool merge = false;        ///< adjacent and overlapping waiting reads are transmitted as one
-  unsigned burst = 8;        ///< transactions of a class before one of a lower class goes
-  /// A stop waits for the first byte of a running transaction's response at most so long; other
-  /// stops, and writes that go first (`stop_cancels = false`), have so long for it from the end of
-  /// their requests on. While writes that go first are held back it waits so long in all.
+  unsigned burst = 8;        ///< after this many consecutive writes, one waiting read is sent
+  /// How long a stop waits for the first byte of the response of a running transaction. If that
+  /// transaction is itself a stop, or a write that goes first (`stop_cancels = false`), the time
+  /// counts from the end of its request. While writes that go first are held back, the stop waits
+  /// for this long in all.
   Duration stop_wait = std::chrono::milliseconds(100);
-  /// A stop that found no silence for so long on an open line is transmitted all the same. Default:
-  /// 2 s, and no less than least_stop_deadline().
+  /// A stop that finds no silence for this long on an open line is sent anyway. Default: 2 s, but
+  /// at least least_stop_deadline().
   std::optional<Duration> stop_deadline;
-  /// Percent of the bus's time that the probes of all its offline devices may take together while
-  /// somebody else asks.
+  /// While there are requests to other devices, the probes of all offline devices together take at
+  /// most this percentage of the time of the bus.
   unsigned probe_share = 2;
-  std::size_t outstanding = 1;  ///< framing tcp: requests on their way at a time
-  /// Framing tcp: the unit of a response must be that of its request. Its transaction identifier
-  /// suffices; many servers answer as unit 1 or 255.
+  std::size_t outstanding = 1;  ///< framing tcp: requests in flight at a time
+  /// Framing tcp: true if a response must have the unit identifier of its request. False: the
+  /// transaction identifier is enough; many servers answer as unit 1 or 255.
   bool check_unit = false;
-  /// Framing tcp: a connection on which so many requests went unanswered, and nothing came for 30 s
-  /// meanwhile, is replaced; 0: never.
+  /// Framing tcp: a connection is replaced if this many requests on it were unanswered and nothing
+  /// was received for 30 s meanwhile; 0: never.
   unsigned replace_after = 5;
   Duration reopen_min = std::chrono::milliseconds(100);
   Duration reopen_max = std::chrono::seconds(5);
-  /// A real adapter on which nothing was heard for so long, in which at least so many requests
-  /// left, is closed and opened again; 0: never. The time doubles with each reopening up to
-  /// `hung_max`, until something is heard.
+  /// A physical adapter that received nothing for `hung_after`, while at least `hung_requests`
+  /// requests were sent, is closed and opened again; 0: never. The time doubles with each
+  /// reopening, up to `hung_max`, until something is received.
   Duration hung_after = std::chrono::seconds(30);
   unsigned hung_requests = 10;
   Duration hung_max = std::chrono::minutes(10);
 
-  /// For so long an RTU answer may pause in all, beyond the time that its bytes take, and for so
-  /// long it must be silent behind what has no known end, and behind a bad CRC.
+  /// How long an RTU answer may pause in all, beyond the time that its bytes take. An answer of
+  /// unknown length, or with a bad CRC, must be followed by this much silence.
   [[nodiscard]] Duration frame_slack_or_default() const {
     return frame_slack.value_or(line.remote ? kNetworkSlack : kAdapterSlack);
   }
 };
 
-/// The longest that a response of this bus may be waited for: its devices', and the bus's own for
-/// addresses without a device.
+/// The longest time that any response on this bus is waited for: of its devices, and of the bus
+/// itself for addresses without a device.
 Duration longest_response_timeout(const BusSettings& settings,
                                   std::span<const drive::Device> devices);
 
-/// The longest that one frame may keep a serial line busy, and a tenth more; 0 on a TCP connection.
+/// The time that the longest frame takes on a serial line, and a tenth more; 0 with framing tcp.
 Duration longest_stream(const BusSettings& settings);
 
-/// A running transaction's answer, and the longest frame that may be under way, are over by then.
+/// `stop_wait` plus longest_stream(): by then the answer to a running transaction, and the longest
+/// frame that may be on the line, are over.
 Duration least_stop_deadline(const BusSettings& settings);
 Duration stop_deadline(const BusSettings& settings);
 

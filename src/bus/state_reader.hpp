@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may look at everything that the machine remembers. tests/explore defines it and tells states
-// apart by it: a member that it does not know does not compile there.
+// May read all state of the machine. tests/explore defines it to tell states apart. A member that
+// tests/explore does not know is a compile error there.
 #pragma once
 
 namespace mbgate {

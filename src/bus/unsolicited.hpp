@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Good frames that answer nothing that was asked, until somebody asks for them.
+// Valid frames that answer no pending request, kept until they are taken.
 #pragma once
 
 #include <boost/container/static_vector.hpp>
@@ -13,15 +13,15 @@
 
 namespace mbgate::bus {
 
-/// A good frame that answers nothing that was asked.
+/// A valid frame that answers no pending request.
 struct UnsolicitedFrame {
   std::uint8_t address;
   modbus::Pdu pdu;
-  bool is_response;      ///< it has the length of one
-  bool is_request;       ///< it can be nothing else
-  bool after_noise;      ///< other bytes stood before it: it may be a frame by chance only
-  bool is_echo = false;  ///< the line says so: of the read that was asked last
-  Instant came;          ///< its last byte; what it was may be known only later
+  bool is_response;      ///< it has the length of a response
+  bool is_request;       ///< it can only be a request
+  bool after_noise;      ///< other bytes came before it: it may look like a frame only by chance
+  bool is_echo = false;  ///< found to be the echo of the last read
+  Instant came;          ///< when its last byte came; what it was may be known only later
 
   UnsolicitedFrame(std::uint8_t from, const modbus::Pdu& heard, Instant when, bool noisy = false)
       : address(from), pdu(heard), after_noise(noisy), came(when) {
@@ -36,7 +36,7 @@ struct UnsolicitedFrame {
   }
 };
 
-/// Those that were seen and not told yet: `Most`, and no more.
+/// Unsolicited frames that were not taken yet: `Most` of them; further ones are dropped.
 template <std::size_t Most>
 class UnsolicitedFrames {
  public:
@@ -45,7 +45,7 @@ class UnsolicitedFrames {
       unsolicited_.push_back(unsolicited);
     }
   }
-  /// The oldest, each once.
+  /// Removes and returns the oldest; nothing if there is none.
   std::optional<UnsolicitedFrame> take() {
     if (unsolicited_.empty()) {
       return std::nullopt;

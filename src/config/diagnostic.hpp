@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is wrong in a configuration file, where, and how a person sees it: the form of compilers,
-// with the line itself and a caret below the place.
+// What is wrong in a configuration file, and where. It is shown as compilers do: with the line
+// itself and a caret below the place.
 #pragma once
 
 #include <compare>
@@ -25,8 +25,8 @@ struct Diagnostic {
   Severity severity = Severity::error;
   std::string file;
   Position position;
-  std::string message;      ///< what was found and what would be right, without place and newline
-  std::string source_line;  ///< the line as it stands in the file, without its end
+  std::string message;      ///< what was found and what was expected, without place and newline
+  std::string source_line;  ///< the line of the file, without its newline
 };
 
 /// One diagnostic, each of its lines ended by a newline:
@@ -35,7 +35,7 @@ struct Diagnostic {
 ///          ^
 std::string render(const Diagnostic& diagnostic);
 
-/// The first line of it, without its end.
+/// The first line of it, without its newline.
 std::string headline(const Diagnostic& diagnostic);
 
 /// All of them, in the given order.

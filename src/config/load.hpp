@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gateway's settings out of its configuration file. Either all of it is right and there are
-// settings, or there are none; what is wrong is reported whole, errors of syntax only up to the
-// first.
+// Reads the gateway's settings from its configuration file. There are settings only if all of the
+// file is right. All errors of meaning are reported, but only the first error of syntax.
 #pragma once
 
 #include <filesystem>
@@ -18,21 +17,21 @@ namespace mbgate::config {
 
 struct Loaded {
   std::optional<gateway::Settings> settings;  ///< none if there is an error among the diagnostics
-  /// Errors and warnings, in the order of the text; then those of the profiles that it names.
+  /// Errors and warnings, in the order of the text; then those of the profiles that the file names.
   std::vector<Diagnostic> diagnostics;
 };
 
-/// Where the profiles are that a configuration names.
+/// Where to look for the profiles that a configuration names.
 struct ProfileSearch {
   std::optional<std::filesystem::path> folder{};  ///< only here, whatever `[gateway] profiles` says
-  ProfileFolders otherwise = default_profile_folders();  ///< where neither says anything
+  ProfileFolders otherwise = default_profile_folders();  ///< if neither names a folder
 };
 
 /// Reads a file; one that cannot be read is a diagnostic too. No port is touched.
 Loaded load_settings(const std::filesystem::path& path, ProfileSearch search = {});
 
-/// The same for a text; `name` stands in the diagnostics, and `[gateway] profiles` is relative to
-/// its folder.
+/// The same for a text. `name` is its file name in the diagnostics, and `[gateway] profiles` is
+/// relative to its folder.
 Loaded load_settings_text(std::string name, std::string_view text, ProfileSearch search = {});
 
 }  // namespace mbgate::config

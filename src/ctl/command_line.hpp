@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words of mbgatectl: "mbgatectl read holding 0x1E --type i32 --unit 1".
+// Parses the command line of mbgatectl: "mbgatectl read holding 0x1E --type i32 --unit 1".
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace mbgate::ctl {
 
-/// Text to print instead of carrying anything out: help or the version (status 0), or what is wrong
-/// (status 2).
+/// Text to print instead of running a command: help or the version (status 0), or an error (status
+/// 2).
 struct Notice {
   int status;
   std::string text;

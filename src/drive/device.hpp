@@ -12,10 +12,10 @@
 
 namespace mbgate::drive {
 
-/// The place of a bus in the settings.
+/// The number of a bus: its index in the settings.
 enum class BusId : std::uint32_t {};
 
-/// In place of the bus of a device that is no more.
+/// In place of the bus of a device that a reload has removed.
 inline constexpr BusId kNoBus{std::numeric_limits<std::uint32_t>::max()};
 
 struct DeviceTiming {
@@ -31,18 +31,19 @@ struct DeviceTiming {
   unsigned retries = 1;
   /// Repeats writes too. A relative move that is repeated moves the axis twice.
   bool retry_writes = false;
-  /// How often a stop is repeated that got no fitting echo.
+  /// How often a stop is repeated that got no matching response.
   unsigned stop_retries = 3;
-  /// For so long after the response timeout of its last unanswered transmission the device is sent
-  /// nothing, because the answer may still come. Default: one more response timeout.
+  /// For this long after the response timeout of its last unanswered transmission the device gets
+  /// nothing but stops and the retry of the same read, because the answer may still come late.
+  /// Default: one more response timeout.
   std::optional<Duration> quarantine{};
-  /// How long a quarantine can become by what was learned from late responses.
+  /// The longest quarantine to which late responses can lead.
   Duration quarantine_max = std::chrono::seconds(10);
-  /// After so many unanswered transmissions in a row the device is offline; 0: never.
+  /// After this many unanswered transmissions in a row the device is offline; 0: never.
   unsigned offline_after = 3;
-  /// One request is let through to an offline device at most so often.
+  /// At most this often, one request is sent to an offline device as a probe.
   Duration probe_interval = std::chrono::seconds(2);
-  /// The response timeout of such a request. Default: the usual one, at most 100 ms.
+  /// The response timeout of a probe. Default: the usual one, at most 100 ms.
   std::optional<Duration> probe_timeout{};
 
   [[nodiscard]] Duration quarantine_or_default() const {
@@ -59,24 +60,24 @@ struct Device {
   BusId bus{};
   std::uint8_t address = 1;  ///< 1 to 247; on a downstream TCP bus 0 to 255
   DeviceTiming timing;
-  /// Its values include the device's own (`values32`).
+  /// Its values include those of the device itself (`values32`, `values64`).
   Profile profile{};
-  /// What the drive speaks; none where it can be set and nobody said how.
+  /// The word order of the drive; none if it can be set and the configuration does not state it.
   std::optional<WordOrder> word_order{};
   /// The order of the position in MOONS' opcodes EP and SP.
   std::optional<WordOrder> opcode_order{};
   std::optional<std::uint8_t> write_function{};  ///< 6 or 16
-  bool split_values = false;                     ///< a run of 06 may go through a value
+  bool split_values = false;                     ///< a run of 06 may write a value half by half
   bool split_writes = false;                     ///< writes over the limit become several
   bool verify_word_order = false;
   bool allow_reconfigure = false;
-  /// A stop takes back the writes that wait for the device; otherwise they are sent before it, but
-  /// for those that are held back for longer than a stop waits.
+  /// True: a stop cancels the writes that wait for the device. False: they are sent before it,
+  /// except those held back for longer than `stop_wait`.
   bool stop_cancels = true;
-  /// Reads are answered with what was read up to so long ago; 0: never.
+  /// Reads may be answered with data up to this old; 0: never.
   Duration cache{0};
 
-  /// A reload took it away. Nobody else gets its number.
+  /// A reload has removed it. Its number is not used again.
   [[nodiscard]] bool is_gone() const { return bus == kNoBus; }
   /// The times of this request: slow registers have a longer timeout.
   [[nodiscard]] DeviceTiming timing_of(const modbus::Request& request) const;
@@ -84,13 +85,13 @@ struct Device {
   [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request) const;
   /// Is the request a write of one of the profile's stops and of nothing else?
   [[nodiscard]] bool is_stop(const modbus::Request& request) const;
-  /// Does a request that was made for the other one mean the same to this one?
+  /// Does a request that was planned for `other` mean the same to this device?
   [[nodiscard]] bool understands_as(const Device& other) const {
     return word_order == other.word_order && opcode_order == other.opcode_order &&
            profile == other.profile;
   }
-  /// What the profile's register for the word order holds if the drive has the one that is stated;
-  /// nothing where the profile names no such register.
+  /// The values of the profile's word order register that stand for the configured word order;
+  /// nullptr if the profile names no such register.
   [[nodiscard]] const std::vector<std::uint16_t>* stated_order() const;
   /// The boot time that follows a request which is never answered; nothing for others.
   [[nodiscard]] std::optional<Duration> silent_after(const modbus::Request& request) const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the gateway knows of a kind of drive. Pure rules, with protocol addresses; the names and the
-// lines of the manual that they come from stand in the profile's file (conf/profiles) and are kept
-// by config::ProfileFile.
+// What the gateway knows of a kind of drive: pure rules, with protocol addresses. Names, and the
+// lines of the manual that the rules come from, are in the profile's file (conf/profiles);
+// config::ProfileFile keeps them.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ namespace mbgate::drive {
 
 using modbus::Duration;
 
-/// Most registers, or coils, of one request.
+/// The most registers or coils of one request.
 struct Limits {
   /// By modbus::Table. Application Protocol V1.1b3, 6.1 to 6.4.
   std::array<std::uint16_t, 4> read{2000, 2000, 125, 125};
@@ -37,7 +37,7 @@ struct Limits {
   friend bool operator==(const Limits&, const Limits&) = default;
 };
 
-/// How a drive hears a request that is for all.
+/// The form in which a drive receives broadcasts.
 enum class BroadcastForm : std::uint8_t {
   none,      ///< the manual states none
   standard,  ///< address 0 (Serial Line V1.02, 2.2)
@@ -61,11 +61,12 @@ struct SlowRegisters {
 /// A write that is carried out and never answered.
 struct UnansweredWrite {
   WriteMatch match;
-  Duration after;  ///< the device hears nothing for so long
+  Duration after;  ///< for this long the device does not listen
   friend bool operator==(const UnansweredWrite&, const UnansweredWrite&) = default;
 };
 
-/// Where a drive whose word order can be set says which one it has.
+/// The register in which a drive shows its word order, if that can be set, with the values for
+/// each.
 struct WordOrderRegister {
   std::uint16_t address;
   std::vector<std::uint16_t> big;
@@ -89,12 +90,12 @@ struct Profile {
   std::optional<WordOrder> word_order;  ///< fixed by the maker
   bool word_order_settable = false;
   Limits limits;
-  bool input_as_holding = false;               ///< function 04 reads the registers that 03 reads
+  bool input_as_holding = false;               ///< function 04 reads the same registers as 03
   std::optional<std::uint8_t> write_function;  ///< 6 or 16: the one that the maker prefers
   Duration response_wait{0};
   Broadcast broadcast;
   ValueSet values;
-  RangeList groups;  ///< no request reaches over a border of one
+  RangeList groups;  ///< parameter groups: no request crosses the border of one
   RangeList read_only;
   RangeList write_only;
   RangeList communication;

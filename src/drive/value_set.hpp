@@ -24,7 +24,7 @@ class ValueSet {
  public:
   /// False, and nothing changed, if it overlaps a value that is there.
   bool add(const Value& value);
-  /// The value that the register belongs to; nullptr if it is none's.
+  /// The value that the register belongs to; nullptr if it belongs to none.
   [[nodiscard]] const Value* at(modbus::Table table, std::uint32_t address) const;
   /// The first value with a register at `address` or behind it; nullptr if there is none.
   [[nodiscard]] const Value* from(modbus::Table table, std::uint32_t address) const;

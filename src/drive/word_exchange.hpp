@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turning the word order of the values in a stretch of registers round. Its own inverse; registers
-// that belong to no value stay as they are, and so do the bytes within each register.
+// Exchanges the word order of the values in a range of registers. Applied twice it changes nothing.
+// Registers that belong to no value stay as they are, and so do the bytes within each register.
 #pragma once
 
 #include <boost/container/small_vector.hpp>

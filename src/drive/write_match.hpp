@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A write that means something special to a drive: table, address, and which values.
+// A write with a special meaning for a drive: table, address, and which values.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ struct WriteMatch {
   std::uint16_t mask = 0xFFFF;
   std::uint16_t value = 0;  ///< of the masked bits; of a coil 0000 or FF00
   bool other = false;       ///< any masked bits but `value`
-  /// Registers right behind it that a write may touch along with it: parameters of an opcode.
+  /// How many registers right behind it may be written together with it: the parameters of an
+  /// opcode.
   std::uint16_t parameters = 0;
 
   [[nodiscard]] bool fits(std::uint16_t written) const {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the machine wants done. Actions are plain values with a text form, so that tracing is
-// printing.
+// What the machine asks the driver to do. Actions are plain values with a text form for traces.
 #pragma once
 
 #include <string>
@@ -13,7 +12,7 @@
 
 namespace mbgate::gateway {
 
-/// Send this ADU in one piece; then ClientSent is to be handed in.
+/// Send this ADU in one piece; then hand in ClientSent.
 struct Send {
   ClientId client;
   modbus::MbapBytes adu;
@@ -34,8 +33,8 @@ struct Close {
 struct Open {
   BusId bus;
 };
-/// Hand in what already lies in the line's descriptor, if anything does; then call
-/// handle_bus_looked().
+/// Hand in the bytes that can already be read from the line, if there are any; then hand in
+/// LineLooked.
 struct Look {
   BusId bus;
 };
@@ -44,8 +43,8 @@ struct Transmit {
   BusId bus;
   bus::FrameBytes frame;
 };
-/// Close the line: what comes in there cannot be followed any further. Nothing needs to be reported
-/// back.
+/// Close the line: its framing is lost, it is to be opened again, or a reload has changed it.
+/// Nothing needs to be reported back.
 struct Shut {
   BusId bus;
 };
@@ -58,7 +57,7 @@ struct Finished {};
 using Action =
     std::variant<Send, Pause, Resume, Close, Open, Look, Transmit, Shut, Report, Finished>;
 
-/// One line for a trace. The settings give the names.
+/// One line for a trace. The names are taken from the settings.
 std::string to_text(const Action& action, const Settings& settings);
 
 }  // namespace mbgate::gateway

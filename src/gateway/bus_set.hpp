@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The buses of the gateway: which of them have something to say, and when one must be woken next.
+// The buses of the gateway: which of them have actions to be polled, and when one must be woken
+// next.
 #pragma once
 
 #include <memory>
@@ -16,52 +17,54 @@ namespace mbgate::gateway {
 /// When the driver is to hand in DeadlineReached next.
 struct Wake {
   Instant at;
-  /// A silence ends then on the line of this bus, and something may be transmitted: the driver may
-  /// come early and wait for it. Otherwise something is judged, for which it must not come early.
+  /// Set: a silence on the line of this bus ends then, and something may be transmitted. The driver
+  /// may wake early and wait for the exact instant. None: something is decided then, and the driver
+  /// must not come early.
   std::optional<BusId> silence_of = std::nullopt;
 };
 
 class BusSet {
  public:
-  /// Asks for every line.
+  /// Asks for every line to be opened.
   explicit BusSet(const Settings& settings);
 
-  /// Of the others no number is left anywhere but outside.
+  /// False for a bus that a reload has removed. Only inputs from outside can still have its number.
   [[nodiscard]] bool is_there(BusId id) const {
     return buses_[static_cast<std::size_t>(id)].bus != nullptr;
   }
   [[nodiscard]] const bus::Bus& operator[](BusId id) const;
-  /// For whatever may change the bus: it is then one of those that have something to say.
+  /// For calls that may change the bus: its actions are then to be polled.
   [[nodiscard]] bus::Bus& touch(BusId id);
   /// A bus whose actions are to be polled, or nothing.
   std::optional<BusId> take_touched();
   std::optional<bus::BusAction> poll(BusId id);
 
   [[nodiscard]] std::size_t open_count() const;
-  /// Of these buses.
+  /// The longest response timeout of these buses.
   [[nodiscard]] Duration longest_response_timeout(std::span<const BusId> buses) const;
-  /// The earliest of all buses and `judgement`.
+  /// The earliest wake of all buses and of `judgement`, a deadline of the gateway itself.
   [[nodiscard]] std::optional<Wake> next_wake(std::optional<Instant> judgement) const;
-  /// Wakes those whose time has come.
+  /// Wakes the buses whose time has come.
   void handle_deadline(Instant now);
-  /// Nothing new is begun but stops.
+  /// From now on the buses begin nothing but stops.
   void stop(Instant now);
-  /// What is still on the wire ends.
+  /// What is still on the wire ends unanswered.
   void give_up(Instant now);
   void clear_counters();
 
-  /// A bus that is not in the settings any more, or gets another line.
+  /// A bus that is not in the new settings, or gets another line there.
   struct GivenUp {
     BusId id;
     std::unique_ptr<bus::Bus> bus;
   };
-  /// Other settings: buses that keep their line go on, and others are begun.
+  /// New settings: buses that keep their line go on, and others are started. Returns those given
+  /// up.
   std::vector<GivenUp> adopt(const Settings& old, const Settings& next, Instant now);
 
  private:
   friend struct mbgate::StateReader;
   struct Slot {
-    std::unique_ptr<bus::Bus> bus;  ///< none: it is gone
+    std::unique_ptr<bus::Bus> bus;  ///< none: removed
     bool touched = false;
   };
   void begin(BusId id, const Settings& settings);

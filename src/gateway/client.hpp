@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of a client wherever its requests are: where it came in, whose turns it takes,
-// which answer is its own.
+// What goes with a client's requests wherever they are: where the client is connected, its turns on
+// a bus, and the place of each answer.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,8 @@ struct ClientInfo {
 /// The place of an answer among those of its connection.
 enum class AnswerId : std::uint64_t {};
 
-/// Whose turn a request takes on a bus, and how many it has where others have one.
+/// Which client address takes a turn with a request on a bus, and how many turns it has where
+/// others have one.
 struct Turns {
   bus::FairnessKey key{};
   unsigned weight = 1;

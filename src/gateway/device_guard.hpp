@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may write to a device, and what is written to it when nobody is left who might.
+// Who may write to a device, and the failsafe writes that it gets when no such client is left.
 #pragma once
 
 #include <cstdint>
@@ -21,14 +21,16 @@ struct DeviceGuard {
   WriterRule writer = WriterRule::any;
   routing::NetworkList writers;
   bus::Duration writer_hold = std::chrono::seconds(5);
-  /// Writes as the device takes them, sent once, begun in order, as stops, when the last client
-  /// that may write to it has gone, or all of them were silent for `quiet`.
+  /// Failsafe writes, with the function code that the device takes. They are sent once, started in
+  /// order, as stops, when the last client that may write to the device has disconnected, or when
+  /// all of them have been silent for `quiet`.
   std::vector<modbus::Request> failsafe;
-  bus::Duration quiet{0};         ///< 0: silence alone is no reason
-  bool failsafe_on_exit = false;  ///< also when the gateway stops, if somebody may have written
+  bus::Duration quiet{0};  ///< 0: silence alone is no reason
+  bool failsafe_on_exit =
+      false;  ///< also when the gateway stops, if such a client may have written
 };
 
-/// Clients in the network get so many turns where others get one.
+/// Clients in the network get `weight` turns where others get one.
 struct ClientWeight {
   routing::Network network;
   unsigned weight = 1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an operator may want to know. Events are plain values; only app/log makes lines of them.
+// What an operator may want to know. Events are plain values; only app/log writes them to the
+// journal.
 #pragma once
 
 #include <bitset>
@@ -24,14 +25,13 @@ struct BusOpened {
 struct BusLost {
   BusId bus;
 };
-/// Nothing at all is heard from the adapter of a bus: it is closed and opened again.
+/// Nothing at all is received from the adapter of a bus: it is closed and opened again.
 struct AdapterSilent {
   BusId bus;
   Duration silence;
-  unsigned requests;  ///< that left in this time
+  unsigned requests;  ///< sent in this time
 };
-/// Nothing has come from a connection for long, though requests went out: another one takes its
-/// place.
+/// Nothing was received on a connection for long, although requests were sent: it is replaced.
 struct ConnectionReplaced {
   BusId bus;
 };
@@ -40,12 +40,12 @@ struct ClientRefused {
   routing::ClientAddress address;
   RefusalReason reason;
 };
-/// Closed to make room for a newcomer.
+/// Closed to make room for a new connection.
 struct ClientDisplaced {
   ListenerId listener;
   routing::ClientAddress address;
 };
-/// An MBAP length that cannot be: the stream cannot be followed any further.
+/// An impossible length in an MBAP header: the framing of the stream is lost.
 struct ClientFramingLost {
   ListenerId listener;
   routing::ClientAddress address;
@@ -61,7 +61,7 @@ struct ClientFrameTimedOut {
   ListenerId listener;
   routing::ClientAddress address;
 };
-/// Something was noticed of a line itself.
+/// A fault of the line itself was noticed.
 struct LineNews {
   BusId bus;
   bus::LineFault fault;
@@ -87,33 +87,34 @@ struct WriteEndedEarly {
   std::uint16_t failed;  ///< the first one that was not written, as far as is known
   std::uint32_t end;     ///< behind the last one that should have been
 };
-/// verify_word_order: the drive's own setting is another one; values are not written to it.
+/// verify_word_order: the drive's own setting is not the configured one; no values are written to
+/// it.
 struct WordOrderDiffers {
   BusId bus;
   std::uint8_t address;
 };
 
-/// The bus has learned something of the device at an address.
+/// The bus has noticed something about the device at an address.
 struct DeviceNews {
   BusId bus;
   bus::DeviceNotice notice;
 };
-/// What the answers of a device, or of a line, are like has changed.
+/// The quality of the answers of a device, or of a line, has changed.
 struct QualityNews {
   BusId bus;
   bus::QualityNotice notice;
 };
 enum class FailsafeReason : std::uint8_t {
-  gone,    ///< the last client that might write to the device
-  silent,  ///< all of them
+  gone,    ///< the last client that may write to the device has disconnected
+  silent,  ///< all of these clients have been silent
   exit     ///< the gateway stops
 };
 enum class FailsafeOutcome : std::uint8_t {
   sent,         ///< all were transmitted
-  waits,        ///< not all could be: they stay due
-  client_back,  ///< not all were, and now a client asks again
-  given_up,     ///< not all were before the gateway stopped
-  device_gone   ///< not all were before the device left the configuration
+  waits,        ///< not all could be sent: they stay due
+  client_back,  ///< not all were sent, and now a client has sent a request again
+  given_up,     ///< not all were sent before the gateway stopped
+  device_gone   ///< not all were sent before the device left the configuration
 };
 /// What became of a device's failsafe writes.
 struct FailsafeNews {
@@ -122,12 +123,12 @@ struct FailsafeNews {
   FailsafeReason reason;
   FailsafeOutcome outcome;
 };
-/// A client asks for a unit that leads nowhere. Said once a client.
+/// A client asks for a unit that has no route. Reported once for each client.
 struct UnitNotRouted {
   ListenerId listener;
   routing::ClientAddress address;
   std::uint8_t unit;
-  std::bitset<256> routed;  ///< the units that lead somewhere, on this listener
+  std::bitset<256> routed;  ///< the units that have a route on this listener
 };
 
 using Event = std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
@@ -135,7 +136,7 @@ using Event = std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced
                            LineNews, LineNeverSilent, Reconfigured, WriteEndedEarly,
                            WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews, UnitNotRouted>;
 
-/// One line for the journal. The settings give the names.
+/// One line for the journal. The names are taken from the settings.
 std::string to_text(const Event& event, const Settings& settings);
 
 }  // namespace mbgate::gateway

@@ -12,7 +12,7 @@
 
 namespace mbgate::gateway {
 
-/// A glance for status lines.
+/// A summary for status lines.
 struct Status {
   std::size_t clients = 0;
   std::size_t buses_open = 0;
@@ -20,19 +20,21 @@ struct Status {
 
 class Gateway {
  public:
-  /// Asks for every line. The settings must be consistent: every bus that is named exists.
+  /// Asks for every line to be opened. The settings must be consistent: every bus that is named
+  /// exists.
   Gateway(Settings settings, Instant now);
 
-  /// The one entrance.
+  /// The only entry point for inputs.
   void handle(const Input& input, Instant now);
 
-  /// What lines are to do comes first: a line must not wait while sockets are written.
+  /// The next action, or nothing. Actions for lines come first: a line must not wait while sockets
+  /// are written.
   std::optional<Action> poll_action();
   [[nodiscard]] std::optional<Wake> next_wake() const;
 
   [[nodiscard]] const Settings& settings() const { return settings_.settings(); }
   [[nodiscard]] Status status() const;
-  /// There is a line, or a connection that is opened as soon as somebody asks.
+  /// The line is open, or it is a connection that is opened with the next request.
   [[nodiscard]] bool is_open(BusId bus) const { return buses_[bus].link().serves(); }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes into the machine, as plain values. What can be kept can be repeated: the same inputs at
-// the same instants give the same actions.
+// The inputs of the machine, as plain values, so that they can be recorded and replayed: the same
+// inputs at the same instants give the same actions.
 #pragma once
 
 #include <string_view>
@@ -12,14 +12,14 @@
 
 namespace mbgate::gateway {
 
-/// The driver numbers clients and uses no number twice. A client that is not wanted is closed.
+/// The driver numbers clients and uses no number twice. A client that is not allowed is closed.
 struct ClientConnected {
   ClientId client;
   ClientInfo info;
 };
-/// At most kClientReadSize bytes, which belong to somebody else, and how many still lie in the
-/// socket behind them. After Resume the driver reads even if there is nothing: no bytes then say
-/// that the socket was empty.
+/// At most kClientReadSize bytes, owned by the caller. `unread`: how many more can be read from the
+/// socket. After Resume the driver hands in this input even if there is nothing to read: without
+/// bytes it says that the socket was empty.
 struct ClientBytes {
   ClientId client;
   modbus::Bytes bytes;
@@ -29,7 +29,8 @@ struct ClientBytes {
 struct ClientSent {
   ClientId client;
 };
-/// FIN: once when it is noticed while reading is paused, and when reading comes to it.
+/// The client has sent FIN. Comes when the FIN is read; before that also once if it is noticed
+/// while reading is paused.
 struct ClientHalfClosed {
   ClientId client;
 };
@@ -41,35 +42,36 @@ struct LineOpened {
   BusId bus;
   bus::LineKind kind = bus::LineKind::virtual_line;
 };
-/// The bytes belong to somebody else.
+/// The bytes are owned by the caller.
 struct LineBytes {
   BusId bus;
   modbus::Bytes bytes;
 };
-/// The line could not be opened, or died, or the far end of a connection has closed it. The machine
-/// asks again by itself.
+/// The line could not be opened, or was lost, or the server has closed the connection. The machine
+/// asks by itself to open it again.
 struct LineLost {
   BusId bus;
   bus::Loss loss = bus::Loss::failed;
 };
-/// After Look: what lay in the line has been handed in, and nothing else since.
+/// After Look: the bytes that could be read from the line have been handed in, and nothing else
+/// since.
 struct LineLooked {
   BusId bus;
 };
-/// The driver promises that what already lay in the descriptors of open lines has been handed in
-/// before: nothing is judged that could have been known.
+/// The next wake has come. The driver promises that the bytes that could already be read from open
+/// lines have been handed in before: no answer counts as missing that has already arrived.
 struct DeadlineReached {};
-/// Other settings from now on, consistent as in the constructor. Listeners, buses and devices are
-/// the same if their names are, and keep their numbers (settings/numbering): Gateway::settings()
-/// has them. Lines that did not change go on without losing a transaction; Shut is asked for those
-/// that changed or are no more, and Open for those that changed and new ones. Clients of listeners
-/// that are no more, or do not allow them any more, are closed. To be handed in when poll_action()
-/// has nothing left: what older settings have decided is carried out before newer ones.
+/// New settings, consistent as in the constructor. Listeners, buses and devices are the same if
+/// their names are, and keep their numbers (settings/numbering): Gateway::settings() has them.
+/// Lines that did not change go on without losing a transaction. Shut is asked for lines that
+/// changed or are removed, and Open for lines that changed and new ones. Clients are closed if
+/// their listener is removed or does not allow them any more. To be handed in when poll_action()
+/// has nothing left: decisions made with older settings are carried out before newer ones.
 struct SettingsChanged {
-  const Settings* settings = nullptr;  ///< of somebody else, and copied
+  const Settings* settings = nullptr;  ///< owned by the caller, and copied
   std::string_view config{};           ///< what they were read from, for a recording
 };
-/// Nothing new is begun but stops; Finished follows at most 1.5 s later.
+/// Nothing new is started but stops; Finished follows at most 1.5 s later.
 struct ShutdownAsked {};
 
 using Input = std::variant<ClientConnected, ClientBytes, ClientSent, ClientHalfClosed,

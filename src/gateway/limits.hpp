@@ -11,42 +11,44 @@
 
 namespace mbgate::gateway {
 
-/// Bytes a connection is read ahead while its pipeline is full: enough to see what is coming, too
-/// few to matter with 10,000 connections.
+/// Bytes that are read ahead from a connection while its pipeline is full: enough to find stops in
+/// them, too few to matter with 10,000 connections.
 inline constexpr std::size_t kReadAhead = 4096;
 
 /// The driver reads a socket in pieces of at most this size: one more always fits into the
 /// read-ahead.
 inline constexpr std::size_t kClientReadSize = 2048;
 
-/// Arrival times kept of bytes read ahead. Beyond that, later bytes count as old as the last kept
-/// piece, which errs to the safe side: a request can only look older than it is.
+/// Arrival times that are kept for the read-ahead. Beyond that, later bytes count as old as the
+/// last piece with a time. This is the safe side: a request can only look older than it is.
 inline constexpr std::size_t kArrivalMarks = 32;
 
-/// Stops of a connection that may lie taken behind requests that were not: more than a hand presses
-/// a button while a pipeline is stuck, too few to crowd out other clients' stops.
+/// Stops of a connection that may be taken from the read-ahead while earlier requests wait there:
+/// more than an operator presses a button while a pipeline is stuck, too few to crowd out the stops
+/// of other clients.
 inline constexpr std::size_t kStopReserve = 16;
 
-/// Writes wait at most three times the longest response timeout of the bus, and a little: that is
-/// what a lost answer costs (its timeout, the quarantine after it) and one silent device before
-/// them. Not longer, because an old motion command is dangerous.
+/// Writes wait at most three times the longest response timeout of the bus, and 0.5 s. That is what
+/// a lost answer costs (its timeout and the quarantine after it), and one silent device before. Not
+/// longer, because an old motion command is dangerous.
 constexpr bus::Duration write_deadline(bus::Duration longest_response_timeout) {
   constexpr int kTimeouts = 3;
   constexpr auto kMargin = std::chrono::milliseconds(500);
   return kTimeouts * longest_response_timeout + kMargin;
 }
 
-/// Reads wait this long for their turn, longer than any screen waits, and never less than writes.
+/// Reads wait this long for their turn: longer than any operator panel waits, and never less than
+/// writes.
 constexpr bus::Duration read_deadline(bus::Duration longest_response_timeout) {
   return std::max<bus::Duration>(std::chrono::seconds(5), write_deadline(longest_response_timeout));
 }
 
-/// Failsafe writes that could not be transmitted are tried again after so long; when their line is
-/// opened, at once.
+/// Failsafe writes that could not be transmitted are tried again after this time, or at once when
+/// their line is opened.
 inline constexpr bus::Duration kFailsafeRetry = std::chrono::seconds(1);
 
-/// Clients of which it was said that they ask for a unit without a route: more than a plant has,
-/// few enough to be kept.
+/// Clients that are remembered because it was reported that they ask for a unit without a route:
+/// more than a plant has, few enough to be kept.
 inline constexpr std::size_t kUnroutedTold = 256;
 
 /// After a shutdown was asked for, what is on the wire has this long: the process ends within 2 s.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects that are handed out and taken back, and have a stable address meanwhile. Grows to the
-// most ever needed.
+// Reusable objects. An object has a stable address while it is in use. The pool grows to the
+// largest number ever in use.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ class Pool {
     free_.push_back(index);
   }
   Object& operator[](std::uint32_t index) { return objects_[index]; }
-  /// Those that are not in use are as new.
+  /// All objects; those that are not in use are as new.
   [[nodiscard]] std::deque<Object>& all() { return objects_; }
   [[nodiscard]] std::size_t in_use() const { return objects_.size() - free_.size(); }
 

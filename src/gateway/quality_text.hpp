@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said of a device's or a line's answers, with what it rests on.
+// The journal's text on the quality of the answers of a device or a line, with the figures behind
+// it.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the parts of the gateway put what the shell is to do for clients, and what is to be told.
+// Where the parts of the gateway put actions for clients and reports for the operator.
 #pragma once
 
 #include "bus/action_queue.hpp"

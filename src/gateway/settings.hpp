@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All that the gateway is told before it starts. Names and meanings are those of conf/mbgate.toml.
+// All settings of the gateway. Names and meanings are those of conf/mbgate.toml.
 #pragma once
 
 #include <cstdint>
@@ -34,10 +34,10 @@ struct TcpSettings {
 
 struct ListenerSettings {
   std::string name;
-  bool is_gone = false;  ///< a reload took it away; nobody else gets its number
+  bool is_gone = false;  ///< a reload has removed it; its number is not used again
   std::string address = "127.0.0.1";
   std::uint16_t port = 502;  ///< 0: the kernel chooses
-  bool freebind = false;     ///< listens though the address is not there yet
+  bool freebind = false;     ///< listens even if the address does not exist yet
   std::size_t max_connections = 256;
   std::size_t pipeline = 16;  ///< requests outstanding on one connection
   bool ordered = false;       ///< responses in the order of the requests
@@ -52,8 +52,8 @@ struct ListenerSettings {
   TcpSettings tcp;
 };
 
-/// Listeners, buses and devices are numbered by their places here; a reload leaves them their
-/// numbers (settings/numbering).
+/// The number of a listener, bus or device is its index here; a reload does not change it
+/// (settings/numbering).
 struct Settings {
   /// The gateway's own unit identifier on every listener; none turns it off.
   std::optional<std::uint8_t> status_unit = 255;
@@ -63,11 +63,11 @@ struct Settings {
   std::vector<ListenerSettings> listeners;
   std::vector<BusSettings> buses;
   std::vector<drive::Device> devices;
-  /// By the place of the device; those that are missing have no rules of their own.
+  /// By device number; devices beyond the end have no rules of their own.
   std::vector<DeviceGuard> guards;
   std::vector<routing::Route> routes;
   std::vector<ClientWeight> weights;  ///< the first that fits counts; others have weight 1
-  /// Numbers in the order in which things were written down; none: as they are numbered.
+  /// Numbers in the order of the configuration file; none: in the order of the numbers.
   struct WrittenOrder {
     std::vector<std::size_t> buses;
     std::vector<std::size_t> devices;
@@ -78,7 +78,7 @@ struct Settings {
     return listeners[static_cast<std::size_t>(id)];
   }
   [[nodiscard]] std::vector<drive::Device> devices_on(BusId bus) const;
-  /// Those that are there, as they were written down.
+  /// Those that are not removed, in the order of the configuration file.
   [[nodiscard]] std::vector<BusId> written_buses() const;
   [[nodiscard]] std::vector<const drive::Device*> written_devices() const;
   [[nodiscard]] const BusSettings& bus(BusId id) const {

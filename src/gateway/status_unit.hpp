@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gateway as a Modbus server of its own, so that a PLC can watch it with the protocol it has:
-// 43/14 identification, 08 counters, 04 input registers with the health of every bus and device.
+// The gateway as a Modbus server of its own, so that a PLC can watch it with the protocol that it
+// already has: 43/14 identification, 08 counters, 04 input registers with the health of every bus
+// and device.
 //
 // Input registers have 16 bits; 32-bit counters take two, high word first, and wrap. Buses and
 // devices are numbered from 0 in the order of the configuration. Reserved registers are 0, other
@@ -19,27 +20,27 @@
 //   2-53 counters: transmissions, responses, exceptions, timeouts, bad CRCs, unsolicited frames,
 //        stray bytes, noise bytes, echo mismatches, expired, refused because full, losses,
 //        retries, broadcasts, late responses, early responses, foreign frames, shared reads, merged
-//        reads, reads answered from memory, stops sent, stops unanswered, writes taken back because
-//        of a stop, requests let through to offline devices, requests refused because their device
-//        was offline, reads that lost their place in a full queue
+//        reads, reads answered from the cache, stops sent, stops unanswered, writes cancelled by a
+//        stop, probes of offline devices, requests refused because their device was offline, reads
+//        dropped from a full queue
 //   54 quality of the answers: 0 not known, 1 good, 2 bad CRCs, of two devices or more; 55 with 2:
 //        percent of the last answers with a bad CRC
 //
 // At 10000 + 32 * device:
 //   0 its bus (1 is the first), 1 its address
-//   2 state: 0 not asked yet, 1 answering, 2 not answering, 3 offline, 4 all its answers had a bad
+//   2 state: 0 no request yet, 1 answering, 2 not answering, 3 offline, 4 all its answers had a bad
 //        CRC
 //   3 unanswered requests in a row
 //   4-17 counters: transmissions, responses, exceptions, timeouts, bad CRCs, late responses, early
 //        responses
 //   18 offline (1) or not (0)
-//   19 milliseconds that it is still left alone after an unanswered request, 65535 if longer
-//   20-21 bytes skipped before its answers, because they are no part of any (glitches, drivers that
-//   turn on)
+//   19 milliseconds for which it is still held back after an unanswered request, 65535 if longer
+//   20-21 bytes skipped before its answers that are no part of them (glitches, line drivers turning
+//        on)
 //   22 quality of its answers: 0 not known, 1 good, 2 bad CRCs, 3 bytes but never a valid frame
-//        (baud rate, parity, A and B exchanged?), 4 after the response timeout
+//        (baud rate, parity, A and B swapped?), 4 after the response timeout
 //   23 with 2: percent of its last answers with a bad CRC
-//   24 with 4: milliseconds that response_timeout should be at least
+//   24 with 4: the smallest response_timeout to set, in milliseconds
 #pragma once
 
 #include <cstdint>
@@ -59,7 +60,7 @@ struct ClientCounters {
   std::uint64_t framing_lost = 0;
 };
 
-/// What the gateway looks like at the moment of a request.
+/// The state of the gateway at the moment of a request.
 struct StatusView {
   struct Device {
     const drive::Device* device;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs calls that may block for seconds, each on a thread of its own, so that one dying adapter
-// delays nobody. What they return is posted back to the io thread. Between calls no thread exists.
+// Runs calls that may block for seconds, each on a thread of its own, so that one failing adapter
+// delays nothing else. The results are posted back to the io thread. Between calls no thread
+// exists.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -28,15 +29,14 @@ class BlockingCalls {
       : home_(std::make_shared<Home>(&context)) {}
   BlockingCalls(const BlockingCalls&) = delete;
   BlockingCalls& operator=(const BlockingCalls&) = delete;
-  /// Does not wait: a call that is still blocked ends by itself, and its result is dropped where it
-  /// is.
+  /// Does not wait: a call that is still blocked ends by itself, and its result is dropped.
   ~BlockingCalls() {
     const std::lock_guard lock(home_->mutex);
     home_->context = nullptr;
   }
 
-  /// Runs `call` on a thread of its own, then `then(result)` on the io thread. False if there is no
-  /// thread to be had; `call` is then destroyed without having run.
+  /// Runs `call` on a thread of its own, then `then(result)` on the io thread. False if no thread
+  /// can be started; `call` is then destroyed without having run.
   template <typename Call, typename Then>
   [[nodiscard]] bool run(Call call, Then then) {
     try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The steady clock as the machine's time line. The only clock that the machine's inputs are stamped
-// with.
+// The steady clock on the machine's time line. Every input of the machine is stamped with this
+// clock and no other.
 #pragma once
 
 #include <chrono>
@@ -14,7 +14,7 @@ inline bus::Instant now() {
       std::chrono::steady_clock::now().time_since_epoch()));
 }
 
-/// The same point in time, as a timer wants it.
+/// The same point in time, for a timer.
 inline std::chrono::steady_clock::time_point to_steady(bus::Instant instant) {
   return std::chrono::steady_clock::time_point(
       std::chrono::duration_cast<std::chrono::steady_clock::duration>(instant.time_since_epoch()));

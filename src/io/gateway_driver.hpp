@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Attaches real sockets, serial lines and the clock to the machine: every input is handed over with
-// the time of its arrival, then all actions are carried out and the one timer is set. Nothing is
-// decided here.
+// Attaches real sockets, serial lines and the clock to the machine. Every input is handed over with
+// its time of arrival; then all actions are carried out and the single timer is set. The driver
+// decides nothing.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -23,42 +23,42 @@
 
 namespace mbgate::io {
 
-/// What the process around the driver wants to know.
+/// What the driver reports to the process around it.
 class DriverObserver {
  public:
   virtual ~DriverObserver() = default;
   virtual void on_event(const gateway::Event& event) = 0;
   virtual void on_line_warning(gateway::BusId bus, const std::string& warning) = 0;
-  /// A line could not be opened, or died. Comes at each try.
+  /// A line could not be opened, or was lost. Called for each attempt.
   virtual void on_line_failure(gateway::BusId bus, const std::string& why) = 0;
   virtual void on_accept_failure(gateway::ListenerId listener, const std::string& why) = 0;
-  /// What status() says may have changed.
+  /// The result of status() may have changed.
   virtual void on_status_changed() = 0;
-  /// After shutdown(): everything is answered, and the clients have it.
+  /// After shutdown(): everything is answered, and the answers are sent.
   virtual void on_finished() = 0;
 };
 
 class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public LineEvents {
  public:
-  /// Everything that goes into the machine and comes out of it is noted in the recorder, if there
-  /// is one.
+  /// All inputs and actions of the machine are noted in the recorder, if there is one.
   GatewayDriver(boost::asio::io_context& context, gateway::Settings settings,
                 DriverObserver& observer, Recorder* recorder = nullptr);
   GatewayDriver(const GatewayDriver&) = delete;
   GatewayDriver& operator=(const GatewayDriver&) = delete;
   ~GatewayDriver() override = default;
 
-  /// Before start(), or later; then it accepts at once. One listener may have several sockets.
+  /// May be called before start(), or later; then the socket accepts at once. One listener may have
+  /// several sockets.
   void add_server(gateway::ListenerId listener, boost::asio::ip::tcp::acceptor acceptor);
-  /// Begins to open the lines and accepts what is already waiting, as older than this process. On
-  /// return the gateway is ready.
+  /// Begins to open the lines, and accepts the connections that are already waiting; these count as
+  /// older than this process. On return the gateway is ready.
   void start();
-  /// Other settings from now on (gateway::SettingsChanged), read from `config`. Sockets of
-  /// listeners that are no more are closed; new ones come by add_server().
+  /// New settings from now on (gateway::SettingsChanged), read from `config`. Sockets of removed
+  /// listeners are closed; new ones are added by add_server().
   void reload(const gateway::Settings& settings, std::string_view config);
-  /// Nobody is accepted any more on the sockets of this listener.
+  /// Closes the sockets of this listener: no more clients are accepted on them.
   void remove_servers(gateway::ListenerId listener);
-  /// Accepts no more, lets the machine finish, and ends in on_finished().
+  /// Accepts no more clients and lets the machine finish; on_finished() follows.
   void shutdown();
 
   [[nodiscard]] gateway::Status status() const { return gateway_.status(); }
@@ -78,15 +78,14 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void line_lost(gateway::BusId bus, const std::string& why) override;
   void line_closed(gateway::BusId bus, const std::string& why) override;
 
-  /// The one way into the machine: what passes here, and nothing else, is what a recording has.
+  /// The only way into the machine. A recording has exactly the inputs that pass here.
   void feed(const gateway::Input& input);
-  /// Carries out what the machine wants until it wants nothing more, then sets the timer. A call
-  /// from within, by an action that has an input as its consequence, leaves the work to the outer
-  /// one.
+  /// Carries out the actions of the machine until there are none left, then sets the timer. A
+  /// nested call (an action that causes an input) leaves the work to the outer call.
   void carry_out_actions();
   void set_timer();
   void wait_for_end_of_silence(const gateway::Wake& wake);
-  /// Reads what lies in the lines, then lets the machine judge.
+  /// Reads what can be read from the lines, then hands in DeadlineReached.
   void handle_wake();
   void carry_out(const gateway::Send& action);
   void carry_out(const gateway::Pause& action);
@@ -109,7 +108,8 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   bool carrying_out_ = false;
   boost::asio::steady_timer timer_;
   std::optional<gateway::Instant> timer_set_to_;
-  /// Bytes that lay in the lines at one instant are handed in with it, before what it judges.
+  /// Bytes that could be read at one instant are handed in with that instant, before the machine
+  /// decides anything.
   std::optional<gateway::Instant> reading_at_;
   BlockingCalls blocking_;
   ClientConnections clients_;

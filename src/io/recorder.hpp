@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes what goes into the machine and what comes out of it to a file, without ever making the io
-// thread wait: lines are gathered there and written by a thread of the recorder's own. If the file
-// does not take them fast enough, the recording ends; memory does not grow, and no bus waits.
+// Writes the inputs and actions of the machine to a file without ever blocking the io thread. Lines
+// are collected there and written by a thread of the recorder. If the file does not take them fast
+// enough, the recording ends: memory does not grow, and no bus waits.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@ namespace mbgate::io {
 
 class Recorder {
  public:
-  /// Bytes that may wait for the file: seconds of the busiest plant.
+  /// Bytes that may wait for the file: a few seconds of the busiest plant.
   static constexpr std::size_t kMostWaiting = 16'000'000;
   /// Called on the io thread, once, if the recording ends before end() or the destructor.
   using OnEnded = std::function<void(const std::string& why)>;
@@ -26,20 +26,20 @@ class Recorder {
   Recorder(UniqueFd file, const std::string& head, OnEnded on_ended);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
-  /// Does not wait. What was handed over is still written, if the process lives long enough.
+  /// Does not wait. What was handed over is still written if the process lives long enough.
   ~Recorder();
 
-  /// The machine was made: the head ends here.
+  /// The machine was constructed: the head ends here.
   void begin(gateway::Instant start);
   void note(const gateway::Input& input, gateway::Instant at);
   void note(const gateway::Action& action, const gateway::Settings& settings);
-  /// After each turn: gives the lines noted so far to the writing thread, now or, if that thread is
-  /// just taking others, at the next call.
+  /// To be called after each turn: gives the lines noted so far to the writing thread. If that
+  /// thread is just taking others, it is done at the next call.
   void hand_over();
-  /// Nothing is noted any more; the file says why.
+  /// Ends the recording; the file says why.
   void end(const std::string& why);
-  /// Waits until everything noted is in the file. False if that takes longer than `limit` or cannot
-  /// be done; nothing is noted any more in any case.
+  /// Ends the recording and waits until all of it is in the file. False if that takes longer than
+  /// `limit` or fails.
   bool close(std::chrono::milliseconds limit);
 
  private:

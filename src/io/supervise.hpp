@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts a coroutine whose failure cannot go unseen. Asio's `detached` swallows exceptions; here
-// one that escapes the coroutine comes out of io_context::run(), with the name of the coroutine
-// before its text.
+// Starts a coroutine whose failure cannot go unnoticed. Asio's `detached` swallows exceptions. Here
+// an exception that leaves the coroutine comes out of io_context::run(), with the name of the
+// coroutine before its text.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file descriptor that is closed by whoever holds it last. Closing may block (a dying serial
-// adapter): then the holder must be a thread that may wait.
+// A file descriptor that is closed by its last owner. Closing may block (a failing serial adapter):
+// then the owner must be on a thread that may wait.
 #pragma once
 
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An ASCII frame: ':', address, PDU and LRC as two hexadecimal characters a byte, CR LF; 9 to 513
-// characters (Serial Line V1.02, 2.5.2). Capital letters are sent, both kinds are understood.
+// characters (Serial Line V1.02, 2.5.2). Upper-case digits are sent, both cases are understood.
 #pragma once
 
 #include <boost/container/static_vector.hpp>
@@ -29,8 +29,8 @@ using AsciiContent = boost::container::static_vector<std::uint8_t, kMaxAsciiCont
 /// The characters of the whole frame.
 AsciiBytes encode_ascii(std::uint8_t address, const Pdu& pdu);
 
-/// What a frame carries, whatever its LRC says; nothing unless it is ':', pairs of hexadecimal
-/// characters for 3 to 255 bytes, CR LF and nothing besides.
+/// The content of a frame, whether its LRC is right or not. Nothing unless the frame is exactly
+/// ':', pairs of hexadecimal characters for 3 to 255 bytes, and CR LF.
 std::optional<AsciiContent> ascii_content(Bytes frame);
 
 /// Does the content, LRC included, have the right LRC? False below 3 bytes.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One human line for any ADU, for traces, demonstrations and error texts. Never fails, whatever the
-// bytes.
+// One readable line for any ADU, for traces, demonstrations and error texts. Accepts any bytes.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exception codes (Application Protocol V1.1b3, section 7), with what they mean when the gateway
-// makes them.
+// Exception codes (Application Protocol V1.1b3, section 7), with their meaning when they come from
+// the gateway itself.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ enum class ExceptionCode : std::uint8_t {
   acknowledge = 0x05,                      ///< devices only
   server_device_busy = 0x06,               ///< never transmitted, try again
   memory_parity_error = 0x08,              ///< devices only
-  gateway_path_unavailable = 0x0A,         ///< never transmitted, no way
-  gateway_target_failed_to_respond = 0x0B  ///< was on the wire and no valid answer came
+  gateway_path_unavailable = 0x0A,         ///< never transmitted, no path
+  gateway_target_failed_to_respond = 0x0B  ///< transmitted, but no valid answer came
 };
 
 /// The standard's name of the code; codes of vendors have none and give an empty text.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Function codes of the Application Protocol V1.1b3, section 6, and the one question that decides
-// about order, retries and deadlines: is it a read?
+// Function codes of the Application Protocol V1.1b3, section 6. Whether a function is a read
+// decides about order, retries and deadlines.
 #pragma once
 
 #include <cstdint>

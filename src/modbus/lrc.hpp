@@ -9,8 +9,8 @@
 
 namespace mbgate::modbus {
 
-/// The LRC of `bytes`, which are those that the characters stand for. Of bytes that end with their
-/// own LRC it is 0.
+/// The LRC of `bytes`: the bytes that the characters stand for, not the characters. It is 0 for
+/// bytes that end with their own LRC.
 std::uint8_t lrc(Bytes bytes);
 
 }  // namespace mbgate::modbus

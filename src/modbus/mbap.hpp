@@ -30,24 +30,26 @@ using MbapBytes = boost::container::static_vector<std::uint8_t, kMaxMbapAduSize>
 /// The bytes of an ADU as they go to the socket.
 MbapBytes encode(const MbapAdu& adu);
 
-/// What lies at the front of a stream. `size` is how many bytes to take off.
+/// What is at the front of a stream. `size`: how many bytes to remove.
 struct MbapIncomplete {};
 struct MbapFrame {
   MbapAdu adu;
   std::size_t size;
 };
-/// A protocol identifier other than 0 with a sane length: exactly this ADU is to be skipped.
+/// An ADU with a protocol identifier other than 0 and a possible length: exactly this ADU is to be
+/// skipped.
 struct MbapForeign {
   std::uint16_t protocol;
   std::size_t size;
 };
-/// Length below 2 or above 254: where the next ADU begins cannot be known any more.
+/// A length below 2 or above 254: it cannot be known any more where the next ADU begins.
 struct MbapLost {
   std::uint16_t length;
 };
 using MbapScan = std::variant<MbapIncomplete, MbapFrame, MbapForeign, MbapLost>;
 
-/// Looks at the front of `stream`, which may be split and coalesced in any way. Keeps no state.
+/// Looks at the front of `stream`, which TCP may have split and coalesced in any way. Keeps no
+/// state.
 MbapScan scan_mbap(Bytes stream);
 
 /// Do the bytes begin with an RTU frame (address, a known function, good CRC)? A frequent mistake

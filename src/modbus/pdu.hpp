@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A protocol data unit: function code and data, 1 to 253 bytes (Application Protocol V1.1b3, 4.1).
-// A Pdu that exists has a legal size; what its bytes mean is the business of request.hpp and
-// response.hpp.
+// A Pdu always has a legal size. request.hpp and response.hpp say what its bytes mean.
 #pragma once
 
 #include <boost/container/static_vector.hpp>
@@ -17,7 +16,7 @@ inline constexpr std::size_t kMaxPduSize = 253;
 
 class Pdu {
  public:
-  /// A copy of `bytes`; nothing if they are none or more than 253.
+  /// A copy of `bytes`; nothing if there are none or more than 253.
   static std::optional<Pdu> from(Bytes bytes);
   /// The exception response to a request with `function`.
   static Pdu exception(std::uint8_t function, ExceptionCode code);

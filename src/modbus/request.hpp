@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A request that is well formed: its length fits its function, quantities are within the limits of
-// the Application Protocol V1.1b3, addresses stay below 65536. Unknown functions are opaque and
-// pass.
+// the Application Protocol V1.1b3, addresses stay below 65536. Unknown functions are accepted as
+// they are.
 #pragma once
 
 #include <cstdint>
@@ -44,8 +44,8 @@ class Request {
   [[nodiscard]] const std::optional<AddressField>& reads() const { return reads_; }
   /// What it writes to a table: 05, 06, 15, 16, 22, 23.
   [[nodiscard]] const std::optional<AddressField>& writes() const { return writes_; }
-  /// What a write (05, 06, 15, 16, 23) puts at `address`, a coil as 0000 or FF00. Nothing if it
-  /// does not write there, or only bits of it (22).
+  /// What a write (05, 06, 15, 16, 23) writes to `address`, a coil as 0000 or FF00. Nothing if it
+  /// does not write there, or writes only some bits of the register (22).
   [[nodiscard]] std::optional<std::uint16_t> written(std::uint16_t address) const;
   /// The same request with another start address: reads()->offset or writes()->offset moved to
   /// `first`. The caller keeps first + count within 65536.
@@ -67,8 +67,9 @@ class Request {
   std::optional<AddressField> writes_;
 };
 
-/// The normal response to a write that merely repeats its fields (05, 06, 15, 16, 22; 08 repeats
-/// all): what a client gets after a broadcast. Other functions repeat the request unchanged.
+/// The normal response to a write that repeats fields of its request (05, 06, 15, 16, 22; 08
+/// repeats all): what a client gets after a broadcast. For other functions it is the unchanged
+/// request.
 Pdu echo_response(const Request& request);
 
 }  // namespace mbgate::modbus

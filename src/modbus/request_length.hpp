@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long a request is, judged by its first bytes: what another client on the line asks must be
-// told from what devices answer.
+// The length of a request, from its first bytes. It is needed to tell the requests of another
+// client on the line from the responses of devices.
 #pragma once
 
 #include "modbus/response.hpp"
@@ -8,7 +8,7 @@
 namespace mbgate::modbus {
 
 /// The length of the request PDU that begins with `prefix` (function code first, not empty).
-/// Source: Application Protocol V1.1b3, section 6. Opaque where the function does not say it.
+/// Source: Application Protocol V1.1b3, section 6. Opaque if the function does not determine it.
 PduLength request_length(Bytes prefix);
 
 }  // namespace mbgate::modbus

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a function returns when outside data may be wrong: a value, or the reason why there is none.
+// The result of a function whose input may be wrong: a value, or the reason why there is none.
 #pragma once
 
 #include <boost/system/result.hpp>

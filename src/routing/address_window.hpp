@@ -11,12 +11,12 @@
 namespace mbgate::routing {
 
 /// The request as the device must see it. Each range that it names must lie wholly in one window
-/// (else 02); what the other table cannot do, such as writing input registers, is 01. Requests
-/// that name no table pass unchanged: whether they may is the business of the route's functions.
+/// (else 02); what the other table cannot do, such as writing input registers, is 01. Requests that
+/// name no table pass unchanged; the functions of the route decide whether they may.
 Result<modbus::Request, modbus::ExceptionCode> through_windows(
     std::span<const AddressWindow> windows, const modbus::Request& request);
 
-/// The window that a request to read goes through; nullptr if there is none.
+/// The window that a read goes through; nullptr if there is none.
 const AddressWindow* window_of(std::span<const AddressWindow> windows,
                                const modbus::Request& request);
 

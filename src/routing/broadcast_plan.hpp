@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One write that is for all, in every form that the devices on the buses use: address 0 for the
-// standard ones, address 129 with function OR 0x80 for the Autonics AiC.
+// A broadcast write, in every form that the devices on the buses use: address 0 for the standard
+// ones, address 129 with function OR 0x80 for the Autonics AiC.
 #pragma once
 
 #include <boost/container/small_vector.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One request to a device that the gateway knows, as the requests that its drive takes: values
-// whole and in its own word order, nothing over its limits or across its parameter groups, with the
+// Turns one request to a configured device into the requests that its drive accepts: values whole
+// and in the drive's word order, nothing over its limits or across its parameter groups, only with
 // functions that it has.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cutting a stretch of registers into requests that a drive takes: none longer than its limit, none
-// through a value, none across the border of a parameter group.
+// Splits a range of registers into requests that a drive accepts: none over its limit, none that
+// cuts a value, none across the border of a parameter group.
 #pragma once
 
 #include <boost/container/small_vector.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The plan of one client request: which transactions it becomes, on which buses, and how their
-// answers become one. Pure data; who carries it out is not known here.
+// responses become one. Pure data; the gateway carries it out.
 #pragma once
 
 #include <boost/container/small_vector.hpp>
@@ -19,8 +19,8 @@ struct PlannedTransaction {
   modbus::Request request;
   bool silence_is_success = false;  ///< 08/01 and 08/04
   drive::BroadcastForm broadcast = drive::BroadcastForm::none;
-  /// Set for a question of the gateway's own: what follows is sent only if the register that it
-  /// reads holds one of these.
+  /// Set for a check that the gateway adds, a read of one register: what follows is sent only if
+  /// the register holds one of these values.
   const std::vector<std::uint16_t>* must_hold = nullptr;
   /// Of a read through an address window: the addresses of the device that the window leads to.
   std::uint32_t window_begin = 0;
@@ -29,16 +29,17 @@ struct PlannedTransaction {
 
 class Plan {
  public:
-  /// Errors: 01 what the route, the client's rights or the drive deny, 02 outside every window, 03
-  /// malformed, over a limit or through a value.
+  /// Errors: 01 if the route, the client's rights or the drive deny it; 02 outside every window; 03
+  /// malformed, over a limit, or cuts a value.
   static Result<Plan, modbus::ExceptionCode> make(const ResolvedRoute& resolved, std::uint8_t unit,
                                                   ClientRights rights, const modbus::Pdu& pdu);
 
   /// In their order; those of one bus stand together.
   [[nodiscard]] const auto& transactions() const { return transactions_; }
-  /// The client's answer, made of the device's: all of them, or those up to an exception.
+  /// The client's answer, made of the responses of the device: all of them, or those up to an
+  /// exception.
   [[nodiscard]] modbus::Pdu answer(Responses responses) const;
-  /// The client's answer where the device gives none: the normal response to its request.
+  /// The client's answer if the device gives none: the normal response to its request.
   [[nodiscard]] modbus::Pdu echo() const { return modbus::echo_response(client_request_); }
   [[nodiscard]] bool is_read() const { return client_request_.is_read(); }
   [[nodiscard]] std::uint8_t function() const { return client_request_.function(); }

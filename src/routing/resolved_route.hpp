@@ -9,8 +9,8 @@
 
 namespace mbgate::routing {
 
-/// The devices of one bus that a broadcast is meant for. None: nothing is known of them, and they
-/// hear the standard form.
+/// The devices of one bus that a broadcast is meant for. None: no devices are configured, and the
+/// broadcast is sent in the standard form.
 struct Audience {
   BusId bus;
   std::vector<const drive::Device*> devices;
@@ -18,9 +18,9 @@ struct Audience {
 
 struct ResolvedRoute {
   Route route;
-  const drive::Device* device = nullptr;  ///< set: everything that its profile asks for is done
+  const drive::Device* device = nullptr;  ///< set: the rules of its profile apply
   std::vector<Audience> audiences{};      ///< of a broadcast
-  /// Only this form is sent: a client has addressed the AiC's broadcast address 129.
+  /// Set: only this form is sent, because the client has addressed the AiC's broadcast address 129.
   std::optional<drive::BroadcastForm> only_form{};
 
   [[nodiscard]] bool is_broadcast() const { return !audiences.empty(); }

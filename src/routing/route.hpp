@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A route: which client-visible unit leads to which device, and what may go along it.
+// A route: which unit identifier of a client leads to which device, and which requests it lets
+// through.
 #pragma once
 
 #include <bitset>
@@ -15,7 +16,7 @@ namespace mbgate::routing {
 using drive::BusId;
 using modbus::Duration;
 
-/// The place of a listener in the settings.
+/// The number of a listener: its index in the settings.
 enum class ListenerId : std::uint32_t {};
 
 enum class Access : std::uint8_t { read_only, read_write };
@@ -55,28 +56,29 @@ struct Route {
   std::vector<BusId> buses;
   /// The bus address of first_unit; the others follow in order. 0 for a broadcast route.
   std::uint8_t first_address = 0;
-  /// The place in the settings of the device that a route names; none for a bus and address.
+  /// The index of the device that the route names; none for a bus and address.
   std::optional<std::size_t> device;
-  /// What the client wants to see; none: nothing is exchanged.
+  /// The word order that the client wants to see; none: nothing is exchanged.
   std::optional<drive::WordOrder> word_order;
   std::vector<AddressWindow> windows;  ///< none: everything passes as it is
   Access access = Access::read_write;
   FunctionRules functions = FunctionRules::all();
-  bool functions_named = false;      ///< by the user; else the drive's own count too
+  bool functions_named = false;  ///< in the configuration; else the drive's own functions count too
   std::optional<Duration> deadline;  ///< default by read and write: see Gateway
   BroadcastReply broadcast_reply = BroadcastReply::echo;
 
-  /// One that names a device is none, whatever its unit: some clients can only say unit 0.
+  /// Is it a broadcast route? One that names a device is not, whatever its unit: some clients can
+  /// only use unit 0.
   [[nodiscard]] bool is_broadcast() const {
     return !device && first_unit == 0 && first_address == 0;
   }
-  /// The bus address that the unit stands for, if it is no broadcast.
+  /// The bus address that the unit stands for, unless the route is a broadcast.
   [[nodiscard]] std::uint8_t address_of(std::uint8_t unit) const {
     return static_cast<std::uint8_t>(first_address + (unit - first_unit));
   }
-  /// Does it let any function through that writes to a table?
+  /// Does the route let any function through that writes to a table?
   [[nodiscard]] bool may_write() const;
-  /// Is the device one of those that it leads to?
+  /// Is the device one of those that the route leads to?
   [[nodiscard]] bool leads_to(const drive::Device& server) const;
   friend bool operator==(const Route&, const Route&) = default;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From listener and unit identifier to the way that a request goes, in one look-up.
+// Finds the route for a listener and a unit identifier in one look-up.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace mbgate::routing {
 
-/// What the table must know of a listener.
+/// What the table needs to know of a listener.
 struct ListenerKind {
   std::optional<BusId> bus;  ///< set: transparent
   bool broadcast = false;
@@ -23,15 +23,14 @@ struct ListenerKind {
 class RouteTable {
  public:
   /// Transparent listeners pass units 1-247 to their bus unchanged, 0 if they broadcast, and
-  /// nothing else. Routed ones know the routes that name them or no listener; a route that names
-  /// the listener goes first.
-  /// `devices` are those of the settings and must outlive the table.
+  /// nothing else. Routed ones use the routes that name them or no listener; a route that names the
+  /// listener takes precedence. `devices` are those of the settings and must outlive the table.
   RouteTable(std::span<const ListenerKind> listeners, std::span<const Route> routes,
              std::span<const drive::Device> devices);
 
   /// Nothing: no path (exception 0A).
   [[nodiscard]] const ResolvedRoute* find(ListenerId listener, std::uint8_t unit) const;
-  /// Those that have a way.
+  /// The units that have a route on the listener.
   [[nodiscard]] std::bitset<256> units(ListenerId listener) const;
 
  private:

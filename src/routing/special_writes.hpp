@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes that mean more to a drive than a number in a register.
+// Writes with a special meaning for a drive.
 #pragma once
 
 #include <optional>
@@ -10,17 +10,17 @@
 
 namespace mbgate::routing {
 
-/// Are values among what the request reads or writes?
+/// Does the request read or write any value (32 or 64 bits), or a part of one?
 bool touches_value(const drive::Device& device, const modbus::Request& request);
 
-/// Does it write an opcode whose position parameter has no certain order for a client that sees
-/// values in the order `seen`? Where the user has stated the order, a position that comes with its
-/// opcode is certain.
+/// Does the request write an opcode whose position parameter has an unknown word order, for a
+/// client that sees values in the order `seen`? If the order is configured (`opcode_order`), the
+/// position is certain when it is written together with its opcode.
 bool has_uncertain_position(const drive::Device& device, drive::WordOrder seen,
                             const modbus::Request& request);
 
-/// The registers that a 16 or 23 writes, as the drive wants them: values, and the position of an
-/// opcode whose order is stated, exchanged where the client's order `seen` is another one.
+/// The registers that a 16 or 23 writes, in the drive's word order. Where the client's order `seen`
+/// differs, values are exchanged, and so is the position of an opcode whose order is configured.
 std::vector<std::uint8_t> data_in_order(const drive::Device& device,
                                         std::optional<drive::WordOrder> seen,
                                         const modbus::Request& request);

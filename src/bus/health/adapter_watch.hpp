@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Notices that a serial adapter is dead though it seems alive: it takes what is transmitted, and
-// nothing at all is heard. USB adapters hang like that until they are closed and opened again. All
-// devices may as well be switched off, which looks the same: so it is done ever less often.
+// Detects a hung serial adapter: it accepts what is transmitted, but nothing at all is received. A
+// hung USB adapter stays like that until it is closed and opened again. It looks the same when all
+// devices are switched off, so the adapter is reopened less and less often.
 #pragma once
 
 #include "bus/instant.hpp"
@@ -11,19 +11,19 @@ namespace mbgate::bus {
 
 class AdapterWatch {
  public:
-  /// The line was opened: silence counts from now on. Virtual lines are not watched, they do not
-  /// hang.
+  /// The line was opened: the silence is measured from now on. Virtual lines do not hang and are
+  /// not watched.
   void open(LineKind kind, Instant now);
-  /// A byte came, an echo or anything else.
+  /// A byte was received, of an echo or of anything else.
   void note_byte(Instant now);
-  /// A request left that is to be answered.
+  /// A request that expects an answer was sent.
   void note_request() { ++requests_; }
 
-  /// Was nothing heard for `hung_after` (doubled at each reopening, up to `hung_max`), in which at
-  /// least `hung_requests` left?
+  /// Was nothing received for `hung_after` (doubled at each reopening, up to `hung_max`), while at
+  /// least `hung_requests` requests were sent?
   [[nodiscard]] bool is_hung(const BusSettings& settings, Instant now) const;
-  /// It is being opened again, because it is hung. True: for the first time since something was
-  /// heard.
+  /// The adapter is being reopened because it is hung. Returns true for the first reopening since
+  /// something was received.
   bool note_reopening();
 
   [[nodiscard]] Duration silence(Instant now) const { return now - silent_since_; }
@@ -34,8 +34,8 @@ class AdapterWatch {
 
   LineKind kind_ = LineKind::virtual_line;
   Instant silent_since_;
-  unsigned requests_ = 0;    ///< that left since then
-  unsigned reopenings_ = 0;  ///< in vain so far
+  unsigned requests_ = 0;    ///< sent since then
+  unsigned reopenings_ = 0;  ///< without success so far
 };
 
 }  // namespace mbgate::bus

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a device answers, and which answers it still owes.
+// Whether a device answers, and which late answers may still come from it.
 //
-// A device owes one answer for each transmission that got none. Such an answer may still come, and
-// could be taken for that to a later request; so the device is left alone until all of them were
-// seen, or until its quarantine has passed since the response timeout of the last unanswered
-// transmission. Once it has answered since, only requests of the same function are held back: the
-// answer to one of another function, exceptions included, names that function and cannot be
-// mistaken. An owed answer that does come proves lateness: the quarantine then grows to cover it,
-// and shrinks again by an eighth in each minute without another one.
+// A transmission that timed out may still be answered late: the device *owes* an answer. That
+// answer could be mistaken for the answer to a later request. Therefore the device is held in
+// quarantine until all owed answers have come, or until the quarantine has passed since the
+// response timeout of the last unanswered transmission. Once the device has answered something
+// since then, only requests with the function code of an unanswered one are held back. The answer
+// to another function, exceptions included, carries that function code and cannot be mistaken.
 //
-// After so many unanswered transmissions in a row a device is offline; from then on only a probe
-// now and then is for it, until it answers.
+// An owed answer that does come shows how late answers can be. The quarantine then grows to cover
+// it. It shrinks again by an eighth in each minute without another late answer.
+//
+// After `offline_after` unanswered transmissions in a row a device is offline. From then on only a
+// probe is sent to it now and then, until it answers.
 #pragma once
 
 #include <bitset>
@@ -23,10 +25,10 @@
 
 namespace mbgate::bus {
 
-/// Different unanswered requests that are remembered one by one.
+/// The most different unanswered requests that are remembered one by one.
 inline constexpr std::size_t kMostOwed = 8;
 
-/// Holds are longer by this than what they are for: an adapter may keep what it has received so
+/// Added to every time for which a device is held back: an adapter may keep received bytes for this
 /// long.
 inline constexpr Duration kAdapterKeeps = std::chrono::milliseconds(20);
 
@@ -34,13 +36,13 @@ class DeviceHealth {
  public:
   using Timing = drive::DeviceTiming;
 
-  /// A transmission of `asked`, at `sent`, got no answer; `due` is when its response timeout ended,
-  /// or would have. Returns true if the device has just gone offline by that: not if it has
-  /// answered in time what was sent to it later.
+  /// The transmission of `asked` at `sent` got no answer. `due`: when its response timeout ended,
+  /// or would have ended. Returns true if this takes the device offline. It does not if the device
+  /// has answered, in time, something that was sent to it later.
   bool note_unanswered(const modbus::Request& asked, Instant sent, Instant due,
                        const Timing& timing);
-  /// The same, but it says nothing about whether the device is there: a frame of the right shape
-  /// came with a wrong CRC, or the line was lost before an answer came.
+  /// The same, where it says nothing about whether the device is there: an answer came with a wrong
+  /// CRC or LRC, or the line was lost before an answer came.
   void note_spoilt(const modbus::Request& asked, Instant due) { owe(asked, due); }
   struct Answered {
     const modbus::Request& asked;
@@ -49,38 +51,38 @@ class DeviceHealth {
     Instant due;    ///< when the response timeout would have ended
     Duration took;  ///< from the end of the transmission
   };
-  /// A transmission was answered. If an earlier one that this answer fits was not, nobody can tell
-  /// whose answer it is, and the other one may come until after `due`. Returns true if the device
-  /// is back by that.
+  /// A transmission was answered. If the answer also fits an earlier, unanswered request, it cannot
+  /// be known which of the two it answers; the answer to the other one may come until after `due`.
+  /// Returns true if the device was offline, and answers again and is back.
   bool note_answered(const Answered& answered, Instant now);
-  /// Something goes to the device: what it owed until now, and is no reason to hold anything back
-  /// any more, is given up.
+  /// A request is sent to the device. Owed answers that hold back no request any more are given up.
   void note_asked(Instant now, const Timing& timing);
-  /// A write that is no stop goes to the device: an answer to an earlier request tells nothing of
-  /// the same one after it.
+  /// A write that is not a stop is sent to the device. From now on the answer to an earlier request
+  /// no longer proves that the same request, sent after this write, was carried out.
   void note_written();
-  /// What a frame that nobody waits for tells.
+  /// What an unexpected frame shows.
   struct Late {
     Duration lateness;
-    bool grew;  ///< the quarantine has become longer by it
+    bool grew;  ///< the frame has lengthened the quarantine
     bool back;  ///< the device was offline
   };
-  /// Such a frame of the device has come. Nothing if it fits no request that the device owes an
-  /// answer to: then it proves nothing.
+  /// An unexpected frame of the device has come. Returns nothing if it fits no request that the
+  /// device owes an answer to: then it proves nothing.
   std::optional<Late> note_unexpected(modbus::Bytes response, Instant now, const Timing& timing);
 
   /// How many answers to requests of this function may still be outstanding.
   [[nodiscard]] unsigned owed(std::uint8_t function, Instant now, const Timing& timing) const;
-  /// How many of them look the same as the answer to this write, and do not say that it was done:
-  /// they are to other ones (the answer to 15 and 16 names no value), or from before another write.
+  /// How many of these look the same as the answer to this write, and do not prove that it was
+  /// done. They answer a different write (the answer to 15 and 16 contains no value), or the same
+  /// one sent before some other write.
   [[nodiscard]] unsigned owed_alike(const modbus::Request& write, Instant now,
                                     const Timing& timing) const;
-  /// A request of this function, unless it is a stop or the same read once more, is not sent to the
-  /// device before.
+  /// The earliest instant at which a request with this function code may be sent to the device. A
+  /// stop, and the same read once more, need not wait.
   [[nodiscard]] Instant held_until(std::uint8_t function, const Timing& timing) const;
-  /// Any request may be sent then.
+  /// The instant from which on any request may be sent.
   [[nodiscard]] Instant held_until(const Timing& timing) const;
-  /// In force at `now`.
+  /// The quarantine in force at `now`.
   [[nodiscard]] Duration quarantine(Instant now, const Timing& timing) const;
 
   [[nodiscard]] bool is_offline() const { return offline_; }
@@ -94,18 +96,19 @@ class DeviceHealth {
 
  private:
   friend struct mbgate::StateReader;
-  /// Answers that are owed to transmissions of one request.
+  /// Owed answers to the transmissions of one request.
   struct Debt {
     modbus::Request asked;
     unsigned count;
     Instant due;       ///< of the oldest
     Instant last_due;  ///< of the newest
-    /// One of them came so late if another one comes too.
+    /// How late one of them was, if another one comes too.
     Duration suspected{0};
     bool given_up = false;  ///< holds nothing back, but an answer to it still proves lateness
     bool outdated = false;  ///< another write has gone to the device since
-    bool doubtful = false;  ///< given up, and something that fits it was taken for another answer
-    /// Of the oldest whose answer is not `longest` late already.
+    bool doubtful = false;  ///< given up, and a frame that fits it was taken for another answer
+    /// The end of the response timeout of the oldest transmission whose answer is not `longest`
+    /// late already.
     [[nodiscard]] Instant due_at(Instant now, Duration longest) const {
       return now > due + longest ? last_due : due;
     }
@@ -118,17 +121,17 @@ class DeviceHealth {
   [[nodiscard]] Duration learned(Instant now) const;
 
   std::vector<Debt> debts_;               // oldest first
-  std::optional<Instant> forgotten_due_;  // of a debt for which there was no room
-  std::bitset<256> forgotten_;            // functions of such debts
-  /// Since its last unanswered transmission the device has answered, last at this instant.
+  std::optional<Instant> forgotten_due_;  // of an owed answer for which there was no room
+  std::bitset<256> forgotten_;            // function codes of such answers
+  /// The last answer since the last unanswered transmission; none if there was no answer since.
   std::optional<Instant> answered_at_;
-  Duration longest_answer_{0};  // of this while, and of the one before
+  Duration longest_answer_{0};  // in this period, and in the one before
   Duration longest_before_{0};
   Instant while_began_;
   Duration learned_{0};
   Instant learned_at_ = Instant::min();
 
-  unsigned unanswered_in_row_ = 0;  // of what was sent after the last that was answered
+  unsigned unanswered_in_row_ = 0;  // sent after the last transmission that was answered
   Instant answered_sent_ = Instant::min();
   bool offline_ = false;
   Instant probe_at_ = Instant::min();

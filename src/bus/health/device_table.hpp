@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus knows and remembers of each address on it.
+// What a bus knows of each address on it.
 #pragma once
 
 #include <array>
@@ -24,23 +24,24 @@ struct DeviceEntry {
   DeviceCounters counters;
   DeviceHealth health;
   ReadCache cache;
-  Instant free_at = Instant::min();  ///< nothing is sent to it before: it boots
-  Job* probe = nullptr;              ///< the request that an offline device is asked with
-  /// A setting of the device's own was found right (Transaction::must_hold), and since then nothing
-  /// was unanswered, the line was not opened anew, and no communication register was written.
+  Instant free_at = Instant::min();  ///< it boots: nothing is sent to it before
+  Job* probe = nullptr;              ///< the job that probes it while it is offline
+  /// The device's own setting was read and is as configured (Transaction::must_hold). Since then
+  /// every request was answered, the line was not reopened, and no communication register was
+  /// written.
   bool setting_known = false;
   bool early_reported = false;
-  std::uint64_t last_turn = 0;       ///< the last transmission to it that was no stop
-  std::uint64_t last_stop_turn = 0;  ///< the last stop, if it left that unanswered; else 0
-  bool stops_given_up = false;       ///< it left a stop and all repetitions unanswered
-  bool merge_refused = false;        ///< it did not take a merged read
+  std::uint64_t last_turn = 0;       ///< of the last transmission to it that was not a stop
+  std::uint64_t last_stop_turn = 0;  ///< of the last stop, if that was unanswered; else 0
+  bool stops_given_up = false;       ///< a stop and all its repetitions were unanswered
+  bool merge_refused = false;        ///< it rejected a merged read
   bool second_reported = false;
   Instant owed_until = Instant::min();   ///< when the last unanswered request was due
-  Instant answered_at = Instant::min();  ///< the last answer,
-  std::uint8_t answered_function = 0;    ///< and the function that it answers
+  Instant answered_at = Instant::min();  ///< of the last answer
+  std::uint8_t answered_function = 0;    ///< function code of that answer
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
-  /// Something of it was heard: it is there.
+  /// A frame of the device was received: it is there.
   void note_heard() {
     last_stop_turn = 0;
     stops_given_up = false;
@@ -54,7 +55,7 @@ class DeviceTable {
   DeviceTable(const DeviceTable&) = delete;  // its entries point to its devices
   DeviceTable& operator=(const DeviceTable&) = delete;
 
-  /// Other devices, or other settings of them; what is known of their addresses stays.
+  /// New devices, or new settings of them. What is known of their addresses is kept.
   void update(const BusSettings& settings, std::span<const drive::Device> devices);
   [[nodiscard]] DeviceEntry& operator[](std::uint8_t address) { return entries_.at(address); }
   [[nodiscard]] const DeviceEntry& operator[](std::uint8_t address) const {
@@ -64,17 +65,17 @@ class DeviceTable {
   [[nodiscard]] std::span<const DeviceEntry> entries() const { return entries_; }
   /// Of all devices, and of addresses that have none.
   [[nodiscard]] Duration longest_response_timeout() const { return longest_response_timeout_; }
-  /// Does a device at the address, or one that hears the broadcast, take this for a stop?
+  /// Is the request a stop for the device at the address, or for a device that hears the broadcast?
   [[nodiscard]] bool is_stop(std::uint8_t address, const modbus::Request& request,
                              drive::BroadcastForm broadcast) const;
-  /// A broadcast has left: those that it makes boot hear nothing for a while.
+  /// A broadcast was sent. Devices that it restarts are left alone until they have booted.
   void hold_booting(const Transaction& broadcast, Instant now);
-  /// A write is on its way that may change how a device is set.
+  /// A write is being sent that may change a setting of a device.
   void note_reconfiguring(const Transaction& transaction);
-  /// The line was opened anew: others may be there, or the same ones set otherwise.
+  /// The line was reopened: there may be other devices on it, or the same ones with other settings.
   void forget_what_was_read();
-  /// A write was accepted, or has ended: what was read from its device before is no answer to what
-  /// is asked now.
+  /// A write was accepted, or has ended. What was read from its device before does not answer a
+  /// request any more.
   void begin_write(const Job& write);
   void end_write(const Job& write);
   void clear_counters();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is noticed of a line and its devices beside the answers: their quality, frames that answer
-// nothing (late answers, other clients, echoes), lines that are never silent. Each is told once
-// until it is over.
+// What is noticed about a line and its devices apart from the answers themselves: the quality of
+// the answers, frames that answer no pending request (late answers, other clients, echoes), a line
+// that is never silent. Each finding is reported once until it is over.
 #pragma once
 
 #include "bus/bus_action.hpp"
@@ -11,7 +11,7 @@
 
 namespace mbgate::bus {
 
-/// What had been asked by a transmission that has ended.
+/// The request of a transmission that has ended.
 struct Asked {
   std::uint8_t address;
   bool is_read;
@@ -23,14 +23,15 @@ class LineDiagnosis {
   explicit LineDiagnosis(Parts& parts) : parts_(parts) {}
 
   void note_opened();
-  /// Bytes were handed in; `asked`: while something was asked.
+  /// Bytes were received; `asked`: while a request was pending.
   void note_bytes(bool asked, Instant now);
-  /// A good frame came that answers nothing that is asked now.
+  /// A valid frame came that answers no pending request.
   void note_unsolicited(const UnsolicitedFrame& unsolicited);
-  /// An answer to what was asked came.
+  /// An answer to a pending request came.
   void note_understood() { never_silent_reported_ = false; }
   void note_ended(const Asked& asked, const LineEnd& end);
-  /// The far end takes what is sent and says nothing. True: the first time since it said something.
+  /// The server takes requests and does not answer. Returns true the first time since something was
+  /// received from it.
   bool note_unanswered_connection();
   void notify(DeviceNotice::Kind kind, std::uint8_t address);
 
@@ -47,9 +48,9 @@ class LineDiagnosis {
   bool never_silent_reported_ = false;
   bool foreign_reported_ = false;
   bool replacement_reported_ = false;
-  bool frame_heard_ = false;    // a stray one, since a transmission ended last
-  bool own_heard_ = false;      // the own request, since a transmission ended last
-  unsigned denied_echoes_ = 0;  // so many in a row: a read that is answered without one ends it
+  bool frame_heard_ = false;    // an unsolicited one, since the last transmission ended
+  bool own_heard_ = false;      // the own request, since the last transmission ended
+  unsigned denied_echoes_ = 0;  // in a row; a read that is answered without one ends it
 };
 
 }  // namespace mbgate::bus

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the answers on a line are like, device by device: good, with bad CRCs, never a frame, or too
-// late. Pure counting: a verdict holds until what was seen says otherwise, it is told when it
-// changes, and it carries what it rests on. Nothing is said that a single event could explain.
+// The quality of the answers on a line, device by device: good, with bad CRCs, never a valid frame,
+// or too late. Pure counting. A verdict holds until what is seen contradicts it. It is reported
+// when it changes, with the figures that it is based on. No verdict rests on what a single event
+// could explain.
 #pragma once
 
 #include <array>
@@ -18,15 +19,15 @@ enum class Quality : std::uint8_t {
   good,
   bad_crc,   ///< `count` of its last `of` answers had a bad CRC or LRC
   no_frame,  ///< bytes came after each of its last `of` requests, and it never sent a valid frame
-  late       ///< after `count` of its last `of` requests the answer came after its time
+  late       ///< `count` of its last `of` requests were answered after the response timeout
 };
 
 struct QualityVerdict {
   Quality quality = Quality::unknown;
   unsigned count = 0;
   unsigned of = 0;
-  Duration lateness{0};  ///< late: at most so much
-  Duration needed{0};    ///< late: the response timeout that would do
+  Duration lateness{0};  ///< late: the largest lateness
+  Duration needed{0};    ///< late: the response timeout that would be long enough
 
   [[nodiscard]] unsigned percent() const {
     constexpr unsigned kPercent = 100;
@@ -34,17 +35,19 @@ struct QualityVerdict {
   }
 };
 
-/// A verdict has changed: of the device at an address, or of the line with all its devices.
+/// A verdict has changed: that of the device at `address` or, without an address, that of the line
+/// with all its devices.
 struct QualityNotice {
   std::optional<std::uint8_t> address;
   QualityVerdict verdict;
 };
 
-/// Answers with bad CRCs among the last ones; what is long past counts less and less.
+/// The share of answers with a bad CRC. The older an answer, the less it counts.
 class CrcShare {
  public:
   void note(bool bad);
-  /// Bad as soon as five of them and a twentieth are, until it is less than a fiftieth.
+  /// Bad as soon as five answers, and one in twenty, had a bad CRC; good again when fewer than one
+  /// in fifty had.
   [[nodiscard]] bool is_bad() const { return bad_now_; }
   /// Is there anything to judge?
   [[nodiscard]] bool is_known() const { return all_ > 0; }
@@ -61,21 +64,23 @@ class CrcShare {
 /// The answers of one device.
 class AnswerQuality {
  public:
-  /// A transmission that it should answer has ended: with a valid answer,
+  /// A transmission that the device should answer has ended with a valid answer.
   void note_answered();
-  /// with one that had a bad CRC,
+  /// It has ended with an answer that had a bad CRC or LRC.
   void note_damaged();
-  /// with nothing,
+  /// It has ended, and nothing was received.
   void note_silent();
-  /// or with bytes, which began so long after the request, but no frame. `unasked` counts how often
-  /// bytes came on this line that nobody had asked for.
+  /// It has ended, and bytes were received but no valid frame. `after`: from the end of the request
+  /// to the first of these bytes. `unasked`: how often bytes came on this line while no request was
+  /// pending.
   void note_unreadable(Duration after, unsigned unasked);
-  /// The answer to a transmission that had ended came after all. Of several only the first counts
-  /// until the next transmission ends: what was stopped and goes on sends them all at once.
+  /// A late answer came to a transmission that had ended. Of several only the first counts until
+  /// the next transmission ends: a device that was stopped and goes on sends all its answers at
+  /// once.
   void note_late(Duration lateness, Duration response_timeout);
-  /// A valid frame of it came, of which nothing else is known.
+  /// A valid frame of the device came; nothing else is known of the frame.
   void note_heard() { has_answered_ = has_framed_ = true; }
-  /// The line was opened anew.
+  /// The line was opened again.
   void forget();
 
   [[nodiscard]] const QualityVerdict& verdict() const { return verdict_; }
@@ -88,8 +93,8 @@ class AnswerQuality {
   void judge();
 
   CrcShare crcs_;
-  std::uint32_t requests_ = 0;  // bit by bit, the last ones: was an answer late?
-  unsigned most_requests_ = 0;  // how many these are
+  std::uint32_t requests_ = 0;  // a bit for each of the last requests: was its answer late?
+  unsigned most_requests_ = 0;  // how many requests these are
   bool late_since_ended_ = false;
   Duration lateness_{0};  // the largest of these
   Duration needed_{0};
@@ -108,17 +113,17 @@ class LineQuality {
   [[nodiscard]] const AnswerQuality& operator[](std::uint8_t address) const {
     return devices_.at(address);
   }
-  /// An answer of any device came, whole, with a good or a bad CRC.
+  /// A complete answer of any device came, with a good or a bad CRC.
   void note_answer(bool bad) { crcs_.note(bad); }
-  /// Bytes came while nothing was asked.
+  /// Bytes came while no request was pending.
   void note_unasked() { ++unasked_; }
   [[nodiscard]] unsigned unasked() const { return unasked_; }
   void forget();
-  /// Good or bad CRCs of all devices together; bad only if those of two devices are, since that is
-  /// not one device's matter any more.
+  /// Good or bad CRCs of all devices together. Bad only if at least two devices are bad: one bad
+  /// device alone is not a fault of the line.
   [[nodiscard]] QualityVerdict verdict() const;
-  /// What has changed of this device, or by it of the line, since it was asked for it last; to
-  /// be asked until nothing is left. From unknown to good is no change to speak of.
+  /// A verdict that has changed since the last call: that of this device, or because of it that of
+  /// the line. Call it until it returns nothing. A change from unknown to good is not reported.
   std::optional<QualityNotice> take_change(std::uint8_t address);
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which requests to devices that are offline may go, and when: one at a time to each, and all of a
-// bus together no more than their share of its time while somebody else asks. An idle bus probes
-// freely.
+// Which requests to offline devices may be sent as probes, and when. Each device gets one at a
+// time. While there are requests to other devices, all probes of a bus together take at most
+// `probe_share` of its time. Otherwise the bus probes freely.
 #pragma once
 
 #include "bus/health/device_table.hpp"
@@ -13,20 +13,20 @@ namespace mbgate::bus {
 
 class Probes {
  public:
-  /// Both outlive it and are those in force.
+  /// Both must outlive this object and always be those in force.
   Probes(const BusSettings& settings, DeviceTable& devices)
       : settings_(settings), devices_(devices) {}
 
-  /// May the request to an offline device wait for its turn now? Whatever else holds its device
-  /// back is not asked.
+  /// May this request to an offline device wait for its turn now? Whatever else holds its device
+  /// back is not considered.
   [[nodiscard]] bool may_ask(const Job& job, Instant now) const;
-  /// The bus has the job. False if it is no probe: somebody else asks.
+  /// The bus has accepted the job. False if it is not a probe but an ordinary request.
   bool note_accepted(Job& job, Instant now);
-  /// The bus has it no more.
+  /// The bus no longer has the job.
   void note_released(Job& job, Instant at);
-  /// If it is a probe: it was left unanswered, or its answer was damaged or cut off.
+  /// If the transmission is a probe: it was left unanswered, or its answer was damaged or cut off.
   void note_unanswered(const Transmission& probe, Instant now);
-  /// Are there some that may wait only because nobody else asks?
+  /// Are there probes that may wait only because there are no ordinary requests?
   [[nodiscard]] bool any_free() const { return free_ > 0; }
 
  private:
@@ -37,9 +37,9 @@ class Probes {
 
   const BusSettings& settings_;
   DeviceTable& devices_;
-  Instant next_at_ = Instant::min();  // of all devices, while somebody else asks
-  std::size_t others_ = 0;            // jobs that are here and no probes
-  std::size_t free_ = 0;              // probes that are here because nobody else asks
+  Instant next_at_ = Instant::min();  // of all devices, while there are ordinary requests
+  std::size_t others_ = 0;            // jobs of this bus that are not probes
+  std::size_t free_ = 0;              // probes accepted because there were no ordinary requests
   Instant others_gone_at_ = Instant::min();
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of a request before it waits: refused, answered at once, or given a place.
+// What becomes of a request before it waits: it is refused, answered at once, or queued.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ namespace mbgate::bus {
 enum class Admitted : std::uint8_t {
   waits,
   ended,   ///< it needed no transmission, or may not have one
-  refused  ///< there is no room, and the bus does not have it
+  refused  ///< the queue is full, and the bus does not have the job
 };
 
 class Admission {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reads and writes waiting for a bus: client addresses take turns by their weight, each
-// address's requests to one device stay in order. Stops wait in a lane of their own. Bounded;
-// allocates only when a client address is seen for the first time.
+// The reads and writes waiting for a bus. Client addresses take turns by their weight; the requests
+// of one address to one device stay in order. Stops wait in a lane of their own. Bounded; allocates
+// only when a client address is seen for the first time.
 #pragma once
 
 #include <bitset>
@@ -23,23 +23,23 @@ class BusQueue {
   /// Queues a job behind those of its client address. False if there is no room; the job is then
   /// untouched.
   bool push(Job& job);
-  /// Queues a job that was there before, in front of those of its client address.
+  /// Queues a job again, in front of those of its client address.
   void push_front(Job& job);
   /// The waiting read that has to make room in a full queue: the newest of the client address with
   /// the most waiting requests. Nothing if that one has no read that waits.
   [[nodiscard]] Job* read_to_evict();
 
-  /// Shows `visit` the jobs of the class that may go next, in the order of their turns: of each
-  /// client address the oldest to each device, if it is of that class. A broadcast is for every
-  /// device: nothing of its client address overtakes it, and it overtakes nothing. Ends when
-  /// `visit` returns true; the queue must not be changed before.
+  /// Calls `visit` for the jobs of the class that may be sent next, in the order of their turns:
+  /// for each client address the oldest job to each device, if it is of that class. A broadcast
+  /// goes to every device: no job of its client address overtakes it, and it overtakes none. Ends
+  /// when `visit` returns true; the queue must not be changed before.
   template <typename Visit>
   void visit_candidates(JobClass job_class, Visit visit);
-  /// Shows `visit` of each client address the waiting jobs to the device, in order, for as long as
-  /// it returns true; behind a broadcast there are none.
+  /// For each client address calls `visit` for its waiting jobs to the device, in order, until it
+  /// returns false or a broadcast comes.
   template <typename Visit>
   void visit_fronts(std::uint8_t address, Visit visit);
-  /// Shows `visit` every waiting job.
+  /// Calls `visit` for every waiting job.
   template <typename Visit>
   void visit_all(Visit visit);
   /// Does a write to the device wait that was accepted between these two?
@@ -50,9 +50,9 @@ class BusQueue {
     return write_waits_between(address, 0, sequence);
   }
 
-  /// Takes a job whose turn it is, which costs its client address a turn.
+  /// Removes a job whose turn it is; its client address has one turn less.
   void take(Job& job);
-  /// Takes any waiting job out.
+  /// Removes any waiting job; this costs no turn.
   void remove(Job& job);
   /// The waiting job whose deadline comes first, or nothing.
   [[nodiscard]] Job* first_to_expire();
@@ -70,7 +70,7 @@ class BusQueue {
   using DeadlineSet = boost::intrusive::multiset<
       Job, boost::intrusive::compare<ByDeadline>,
       boost::intrusive::member_hook<Job, boost::intrusive::set_member_hook<>, &Job::deadline_hook>>;
-  /// Broadcasts stand together, as writes to an address that no device has.
+  /// Broadcasts are sorted together, as writes to an address that no device has.
   struct WritePlace {
     unsigned address;
     std::uint64_t sequence;
@@ -92,7 +92,7 @@ class BusQueue {
     boost::intrusive::list_member_hook<> round_hook;
     JobList waiting;
     unsigned weight = 1;
-    unsigned turns = 1;  // left before it goes to the back of the round
+    unsigned turns = 1;  // left before it moves to the back of the round
   };
   using Round = boost::intrusive::list<
       Source, boost::intrusive::member_hook<Source, boost::intrusive::list_member_hook<>,
@@ -106,7 +106,7 @@ class BusQueue {
   std::size_t limit_;
   std::deque<Source>
       sources_;  // by FairnessKey; a deque because its elements have a stable address
-  Round round_;  // sources that have jobs waiting
+  Round round_;  // sources with waiting jobs
   DeadlineSet by_deadline_;
   WriteSet writes_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stops that wait for a bus, ahead of everything else, in the order in which they go. Identical
-// ones share a place.
+// The stops that wait for a bus, ahead of everything else, in the order in which they are sent.
+// Identical ones share a place.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace mbgate::bus {
 
-/// Stops that may wait beyond the limit of a queue; identical ones share a place, and so many may
-/// share one.
+/// The most stops that may wait, in addition to the limit of the queue. Identical ones share a
+/// place; this is also the most that may share one.
 inline constexpr std::size_t kRoomForStops = 256;
 
 class StopLane {
@@ -26,16 +26,16 @@ class StopLane {
   void remove(Transmission& stop) { stops_.erase(List::s_iterator_to(stop)); }
 
   [[nodiscard]] bool empty() const { return stops_.empty(); }
-  /// Those that share a place count once.
+  /// The number of places in use: stops that share one count once.
   [[nodiscard]] std::size_t size() const { return stops_.size(); }
   [[nodiscard]] Transmission* first() { return stops_.empty() ? nullptr : &stops_.front(); }
-  /// The first for which `is_it` says yes, or nothing.
+  /// The first for which `is_it` returns true; nullptr if there is none.
   template <typename Predicate>
   [[nodiscard]] Transmission* find(Predicate is_it) {
     const auto found = std::ranges::find_if(stops_, is_it);
     return found == stops_.end() ? nullptr : &*found;
   }
-  /// Shows `visit` every one of them; the lane must not be changed meanwhile.
+  /// Calls `visit` for each of them; the lane must not be changed meanwhile.
   template <typename Visit>
   void visit(Visit visit) {
     std::ranges::for_each(stops_, visit);

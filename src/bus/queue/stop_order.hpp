@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The order among stops, and what goes before one: the writes that it lets go first, what is on the
-// wire, and, where a drive answers none, a turn of another device between two tries. Nothing here
-// changes anything.
+// The order among stops, and what is sent or finished before a stop: the writes that it lets go
+// first (`stop_cancels = false`), what is on the wire, and, if its drive does not answer, one turn
+// of another device between two tries. These functions change nothing.
 #pragma once
 
 #include <optional>
@@ -10,38 +10,43 @@
 
 namespace mbgate::bus {
 
-/// Does the stop forbid the write, which was accepted before it? What is on the wire already is
-/// finished.
+/// Does the stop cancel the write, which was accepted before it? A transaction that is already on
+/// the wire is finished.
 [[nodiscard]] bool is_stopped_by(const Parts& parts, const Job& stop, const Job& write);
-/// Is it one of those that a stop with `stop_cancels = false` lets go first? A broadcast is a write
-/// to every device.
+/// Is the write one of those that the stop lets go first, if it has `stop_cancels = false`? A
+/// broadcast is a write to every device.
 [[nodiscard]] bool goes_before(const Job& write, const Job& stop);
+/// Does the stop let waiting writes to its device go first (`stop_cancels = false`)?
 [[nodiscard]] bool lets_writes_go(const Parts& parts, const Job& stop);
-/// It lets them go first, and there are some.
+/// Does the stop let writes go first, and are there any?
 [[nodiscard]] bool must_let_writes_go(const Parts& parts, const Job& stop);
-/// Can none of the writes that it lets go first begin in the time that is left for them?
+/// Can none of the writes that it lets go first begin within the time that is left for them
+/// (`stop_wait`, or until the stop is overdue)?
 [[nodiscard]] bool is_held_too_long(Parts& parts, const Transmission& stop, Instant now);
-/// For how long the stop, which could go itself, waits for what may begin then.
+/// How long the stop waits for something that may begin at `ready`, from when it could be sent
+/// itself.
 [[nodiscard]] Duration held_by(const Parts& parts, const Transmission& stop, Instant ready);
 
-/// What keeps it, or the writes that it lets go first, from being transmitted. On a connection
-/// others may be on their way, but never to a device that has a write outstanding, nor a write to
-/// one that has a read outstanding; where all places are taken, the one that has had its place for
-/// longest.
+/// The transmission in flight that keeps the stop, or the writes that it lets go first, from being
+/// sent; nullptr if there is none. On a Modbus TCP connection others may be in flight, but never to
+/// a device with a write outstanding, and no write to a device with a read outstanding. If all
+/// places (`outstanding`) are taken, it is the oldest transmission.
 [[nodiscard]] Transmission* in_the_way_of(const Parts& parts, const Job& stop);
-/// Nothing that runs is cut for a stop to a device that is offline and was given up.
+/// Is the device of the stop offline, with an earlier stop and all its repetitions unanswered? No
+/// running transaction is cut short for such a stop.
 [[nodiscard]] bool waits_patiently(const Parts& parts, const Transmission& stop);
-/// The stop that waits for the line: before all others one that cuts what runs, and before those
-/// that let writes go first one that does not.
+/// The stop that has the line next: preferably one that has no writes to let go first and cuts a
+/// running transaction short, then one that has no writes to let go first, then any; nullptr if
+/// none waits.
 [[nodiscard]] Transmission* next_stop(Parts& parts);
-/// When the line was not silent for so long that the stop is transmitted all the same. Only the
-/// time in which an open line is not silent counts.
+/// When the stop is transmitted although the line was never silent (`stop_deadline`). Only the time
+/// in which an open line is not silent counts.
 [[nodiscard]] Instant stop_overdue_at(const Parts& parts, const Transmission& stop);
 
 /// The stop that can be transmitted next.
 struct StopChoice {
   Transmission* stop;
-  std::optional<Choice> before;  ///< what goes before it, because its drive is silent
+  std::optional<Choice> before;  ///< what is sent before it, because its drive does not answer
 };
 [[nodiscard]] std::optional<StopChoice> choose_stop(Parts& parts, Instant now);
 

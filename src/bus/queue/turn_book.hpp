@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which transmissions of a bus went when: so that no class, and no device, has it for itself. Each
-// transmission has a number, its turn.
+// The order of the transmissions of a bus, kept so that no class and no device has the bus for
+// itself. Each transmission has a number, its *turn*.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace mbgate::bus {
 
 class TurnBook {
  public:
-  /// A transmission goes to the address. Returns its turn.
+  /// A transmission is sent to the address. Returns its turn.
   std::uint64_t note(JobClass job_class, std::uint8_t address) {
     turn_of_others_ = last_address_ == address ? turn_of_others_ : turn_;
     last_address_ = address;
@@ -23,11 +23,11 @@ class TurnBook {
   }
   /// The last one that was no stop.
   [[nodiscard]] std::uint64_t last_but_stops() const { return other_turn_; }
-  /// The last one before those that went to this address without another between them.
+  /// The last turn before the latest uninterrupted run of transmissions to this address.
   [[nodiscard]] std::uint64_t last_but_to(std::uint8_t address) const {
     return last_address_ == address ? turn_of_others_ : turn_;
   }
-  /// Transmitted since the last read, stops included.
+  /// Writes transmitted since the last read, stops included.
   [[nodiscard]] unsigned writes_in_row() const { return writes_in_row_; }
 
  private:

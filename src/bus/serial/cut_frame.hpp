@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The beginning of a frame that nobody waits for, and whose rest an adapter hands over only after
-// its pause: a late answer crosses the latency timer of an FTDI as any other does.
+// Joins a frame that no request waits for and that an adapter delivers in two pieces with a pause
+// between. The latency timer of an FTDI can split a late answer like any other frame.
 #pragma once
 
 #include <boost/container/static_vector.hpp>
@@ -13,19 +13,20 @@ namespace mbgate::bus {
 
 class CutFrame {
  public:
-  /// These bytes (at least one), the first of which came at `began` and the last at `last`, were
-  /// given up. From where they, or what is kept already with them, may be the beginning of a frame
-  /// they are kept.
+  /// The bytes (at least one) were given up as a frame. The first of them came at `began`, the last
+  /// at `last`. They are appended to what is kept, unless they began more than `slack` after it:
+  /// then that is dropped first. Only what may be the beginning of a frame is kept.
   void keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack);
-  /// A good frame that begins with what is kept, or with a later piece of it, but for a bit of
-  /// noise, if these bytes complete it, and began not later than `slack` after that; it is kept no
-  /// longer. Nothing if they begin with a good frame themselves.
+  /// A valid frame that begins in what was kept and ends in the new bytes.
   struct Joined {
     modbus::RtuAdu frame;
-    std::size_t taken;  ///< of these bytes
-    bool is_response;   ///< else another client asks
+    std::size_t taken;  ///< of the new bytes
+    bool is_response;   ///< else it is another client's request
     bool after_noise;
   };
+  /// Completes a kept frame with `bytes`, which began at `began`; what is kept is then dropped.
+  /// Nothing if the bytes complete no frame, began more than `slack` after what is kept, or begin
+  /// with a valid frame themselves.
   std::optional<Joined> complete(modbus::Bytes bytes, Instant began, Duration slack);
 
  private:
@@ -35,7 +36,7 @@ class CutFrame {
   static constexpr std::size_t kMostPieces = 16;
 
   boost::container::static_vector<std::uint8_t, modbus::kMaxRtuSize> kept_;
-  /// Where each of what was given up begins in `kept_`: a frame may begin with any of them.
+  /// Where each given-up piece begins in `kept_`: a frame may begin with any of them.
   boost::container::static_vector<std::size_t, kMostPieces> pieces_;
   Instant last_;
 };

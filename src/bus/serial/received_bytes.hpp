@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes that came from a line and are not told apart yet, each with the instant at which it came:
-// a frame among them begins when its own first byte came.
+// Bytes received from a line and not yet assigned to frames, each with its time of arrival. A frame
+// begins when its own first byte came.
 #pragma once
 
 #include <boost/container/static_vector.hpp>
@@ -13,7 +13,7 @@
 
 namespace mbgate::bus {
 
-/// A whole frame and what may stand before or behind it in the same piece.
+/// Room for a whole frame and for what may come before or after it in the same read.
 inline constexpr std::size_t kMostBuffered = 1024;
 
 class ReceivedBytes {
@@ -27,7 +27,7 @@ class ReceivedBytes {
     came_.resize(bytes_.size(), now);
     return true;
   }
-  /// The first `count` of them, which it has.
+  /// Removes the first `count` bytes, which must be there.
   void drop(std::size_t count) {
     bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(count));
     came_.erase(came_.begin(), came_.begin() + static_cast<std::ptrdiff_t>(count));

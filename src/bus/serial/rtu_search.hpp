@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What begins among the bytes of an RTU line: the answer to one request, another's frame, or
+// Finds what begins among the bytes of an RTU line: the answer to one request, another frame, or
 // nothing. It only looks.
 //
-// Bytes that are no part of a frame may stand before one: drivers turning on, glitches. Of these
-// fewer are skipped than a request like the own one has, 7 at most, and never for an unknown
-// function, whose beginning only they would tell. Nothing is taken out of another's frame: a good
-// one of any unit is found whole, and while one that may have begun further ahead is incomplete,
-// what looks like the response waits for silence, as an exception after such bytes always does,
-// because it is so short.
+// Bytes that are no part of a frame may come before one: line drivers turning on, glitches. At most
+// 7 of them are skipped, and fewer than the own request has bytes. None are skipped for an unknown
+// function: its answer could be recognised only by its first two bytes.
+//
+// The answer is never found inside another frame: a valid frame of any unit is recognised as a
+// whole. While a frame that may have begun earlier is incomplete, what looks like the response
+// waits for silence. An exception behind skipped bytes always waits for silence, because it is so
+// short.
 #pragma once
 
 #include <optional>
@@ -33,10 +35,10 @@ enum class Answer : std::uint8_t {
 struct RtuFind {
   enum class What : std::uint8_t {
     nothing,
-    unfinished,  ///< perhaps another's frame, of which bytes are missing
+    unfinished,  ///< perhaps another frame, of which bytes are missing
     answer,      ///< perhaps the answer; `answer` says what is missing
     response,    ///< the answer
-    other,       ///< a good frame, and no answer
+    other,       ///< a valid frame that is not the answer
     request,     ///< of another client
     echo         ///< of the own request
   };
@@ -48,27 +50,28 @@ struct RtuFind {
 
 class RtuSearch {
  public:
-  /// For the answer to `transaction`, if anything was asked, which had left at `sent` if the line
-  /// keeps its pace.
+  /// Searches for the answer to `transaction` (nullptr: no request is pending). `sent`: when the
+  /// request had left, if the line keeps the speed of the wire.
   RtuSearch(const ReceivedBytes& received, const Transaction* transaction,
             const modbus::RtuTiming& timing, Instant sent)
       : received_(received), transaction_(transaction), timing_(timing), sent_(sent) {}
 
-  /// The first thing that begins. `silence`: nothing more comes, and what is incomplete stays so.
+  /// The first frame that begins. `silence`: nothing more comes, and what is incomplete stays so.
   [[nodiscard]] RtuFind look(bool silence) const;
-  /// Do the bytes begin with the unit and the function that were asked?
+  /// Do the bytes begin with the unit and the function of the request?
   [[nodiscard]] bool begins_as_asked(modbus::Bytes bytes) const;
-  /// How long the answer is that these bytes begin; or else what was asked says, while the byte
-  /// count is missing too.
+  /// The length of the answer that begins with these bytes. While the byte count has not come, it
+  /// is the length that the request predicts.
   [[nodiscard]] modbus::PduLength length_of(modbus::Bytes answer) const;
-  /// Is what has come whole by then what was sent itself? No later than that has begun on the line,
-  /// and by then nobody else had.
+  /// Is this frame, whose last byte came at `last`, the echo of the own request? It is if it is
+  /// identical to the request and had begun on the line before the request had left: no other
+  /// client can have begun to send by then.
   [[nodiscard]] bool is_echo(std::uint8_t address, modbus::Bytes pdu, Instant last) const;
 
  private:
   struct Place {
     std::size_t at = 0;
-    bool unfinished = false;  ///< another's frame may have begun further ahead
+    bool unfinished = false;  ///< another frame may have begun earlier
     bool silence = false;
   };
   [[nodiscard]] std::size_t most_noise() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What bytes of an RTU line look like, from the first byte of a frame on: is it whole, is it good?
+// Checks of bytes from an RTU line that may begin a frame: is the frame complete, is its CRC right?
 #pragma once
 
 #include <optional>
@@ -10,13 +10,13 @@
 
 namespace mbgate::bus {
 
-/// Bytes before a frame that are no part of it: drivers that turn on, and what a line without bias
-/// picks up.
+/// The most bytes before a frame that are no part of it: line drivers turning on, and what a line
+/// without bias picks up.
 inline constexpr std::size_t kMostNoise = 7;
 
 inline bool is_exception(modbus::Bytes frame) { return (frame[1] & modbus::kExceptionBit) != 0; }
 
-/// A frame of known length that has come whole.
+/// Has a frame of known length come completely?
 inline bool is_whole(modbus::Bytes bytes, const modbus::PduLength& length) {
   return length.kind == modbus::PduLength::Kind::known &&
          length.bytes + modbus::kRtuOverhead <= bytes.size();
@@ -39,12 +39,12 @@ inline bool is_good_request(modbus::Bytes bytes, const modbus::PduLength& length
   return pdu && modbus::Request::parse(*pdu);
 }
 
-/// A good frame that stands here: a response, or a request of another client.
+/// A valid frame: a response, or a request of another client.
 struct GoodFrame {
   std::size_t size;
   bool is_response;
 };
-/// Of at least two bytes.
+/// The valid frame at the front of `bytes` (at least two), or nothing.
 inline std::optional<GoodFrame> good_frame(modbus::Bytes bytes) {
   const modbus::PduLength response = modbus::response_length(bytes.subspan(1));
   if (is_good(bytes, response)) {
@@ -57,8 +57,8 @@ inline std::optional<GoodFrame> good_frame(modbus::Bytes bytes) {
   return std::nullopt;
 }
 
-/// More bytes may make a frame of these. No device has an address beyond; the broadcast one is what
-/// noise looks like most often.
+/// Can these bytes become a frame when more come? Not if they begin with an address above 247,
+/// which no device has, nor with the broadcast address, which is what noise looks like most often.
 inline bool may_begin_frame(modbus::Bytes bytes) {
   const bool has_unit =
       bytes[0] != modbus::kBroadcastAddress && bytes[0] <= modbus::kMaxDeviceAddress;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What was read from one device a short while ago (functions 01 to 04), for clients that ask for
-// the very same again. Emptied whenever a write to the device is accepted, and not filled until it
-// ends: nobody is answered with what was there before a write.
+// What was recently read from one device (functions 01 to 04), for clients that send the same read
+// again. It is emptied whenever a write to the device is accepted, and not filled until that write
+// has ended: no client gets data from before a write.
 #pragma once
 
 #include <cstdint>
@@ -14,22 +14,23 @@
 
 namespace mbgate::bus {
 
-/// Different reads of one device that are remembered: more than a screen asks for.
+/// The most different reads of one device that are cached: more than a screen needs.
 inline constexpr std::size_t kMostCachedReads = 64;
 
 class ReadCache {
  public:
-  /// 01 to 04: what they return depends on nothing but the device.
+  /// True for functions 01 to 04: what they return depends on nothing but the device.
   [[nodiscard]] static bool can_hold(const modbus::Request& request) {
     return request.function() >= 0x01 && request.function() <= 0x04;
   }
   /// The response to the same request, if it was asked for at `oldest` or later.
   [[nodiscard]] const modbus::Pdu* find(const modbus::Request& request, Instant oldest) const;
   /// `asked_at`: when the request was transmitted; the data are no older than that. `writes_ended`:
-  /// as many had by then; if others were accepted, the data may be from before them.
+  /// writes_ended() at that time. If more writes than that were accepted, the data may be from
+  /// before them and are not cached.
   void put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at,
            std::uint64_t writes_ended);
-  /// Writes to the device that ever ended.
+  /// How many writes to the device have ended so far.
   [[nodiscard]] std::uint64_t writes_ended() const { return ended_; }
   void clear() { reads_.clear(); }
   void begin_write();

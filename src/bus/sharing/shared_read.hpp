@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads that wait at the same time and are transmitted once: identical ones, and, where merging is
-// on, adjacent and overlapping ones. Nobody joins a read across a write to the device that waits
-// between them, nor ahead of its own earlier requests: no client sees data older than its request
-// or its own write.
+// Reads that wait at the same time and are transmitted once: identical ones and, with `merge`,
+// adjacent and overlapping ones. A read is not shared across a write to the device that waits
+// between, nor ahead of earlier requests of its own client. So no client gets data older than its
+// request or its own write.
 #pragma once
 
 #include "bus/queue/bus_queue.hpp"
@@ -18,8 +18,8 @@ struct Sharing {
   bool merge;
 };
 
-/// Takes out of the queue what can be answered by the transmission, whose turn it is, and makes
-/// them its followers. `merged` is then the longer read, if there is one.
+/// Removes from the queue the reads that can be answered by the transmission, whose turn it is, and
+/// makes them its followers. `merged` is then the longer read, if there is one.
 void gather_followers(BusQueue& queue, Transmission& transmission, const drive::Device& device,
                       Sharing sharing);
 

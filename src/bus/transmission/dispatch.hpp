@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus transmits when: it asks whose turn it is, has the line looked at, and puts the frame
-// on the wire.
+// Decides what a bus transmits and when: finds whose turn it is, has the bytes read that have
+// already arrived (LookAtLine), and transmits the frame.
 #pragma once
 
 #include <optional>
@@ -18,16 +18,16 @@ class Dispatch {
   Dispatch(Parts& parts, JobEnds& ends, Outcomes& outcomes, LineDiagnosis& diagnosis)
       : parts_(parts), ends_(ends), outcomes_(outcomes), diagnosis_(diagnosis) {}
 
-  /// Ends what is over, and transmits what may go now.
+  /// Ends jobs that are over, and transmits what may be sent now.
   void pump(Instant now);
-  /// What lay in the line has been handed in, and nothing else since: the same, and what goes need
-  /// not wait for that.
+  /// The same, when the bytes that had already arrived have been handed in and nothing else has
+  /// happened since: a transmission need not wait for LookAtLine.
   void pump_looked(Instant now);
-  /// The line is not there any more: nobody looks at it.
+  /// The line is lost: no handle_looked() follows.
   void forget_look() { looking_ = Looking::no; }
-  /// Something may go now that could not when it was decided last.
+  /// Something may be sent now that could not at the last decision.
   void wake_at_once() { next_start_ = Wake{parts_.pumped_at}; }
-  /// When a transmission may begin, or what waits for one ends, as far as is known.
+  /// When the next transmission may begin, or a waiting job ends, as far as is known.
   [[nodiscard]] const std::optional<Wake>& next_start() const { return next_start_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How jobs end: the only place where they do. Whoever submitted one is told by a JobEnded.
+// The only place where jobs end. The owner of a job is told by a JobEnded.
 #pragma once
 
 #include <optional>
@@ -14,33 +14,36 @@ class JobEnds {
   explicit JobEnds(Parts& parts) : parts_(parts) {}
 
   void end(Job& job, Ending ending);
-  /// The bus has it no more, and nobody is told.
+  /// The bus gives the job up, without a JobEnded.
   void release(Job& job);
-  /// A transmission is over: its leader ends, and before it those that share it. Stops share its
-  /// responses too.
+  /// A transmission is over: ends the jobs that share it, then its leader. Jobs that share a stop
+  /// get its responses.
   void finish(Transmission& transmission, Ending ending);
-  /// The current transaction is over: the next one follows, or none is left.
+  /// The current transaction is over: the next one follows or, if none is left, the transmission is
+  /// finished with `ending`.
   void advance(Transmission& transmission, Ending ending);
-  /// A merged read failed: its parts are sent one by one, before what their clients asked for
-  /// later. Who asked for all of it himself has had his tries.
+  /// A merged read failed. The reads that it was made of are queued again one by one, ahead of
+  /// later requests of their clients. A job that itself asked for the whole range has had its
+  /// tries, and ends with `how`.
   void split_up(Transmission& transmission, Ending how);
 
-  /// Those that wait, and whose deadline is over.
+  /// Ends waiting jobs whose deadline has passed.
   void expire(Instant now);
-  /// Those that run, are not on the wire, and of which nothing more is to be transmitted.
+  /// Ends running jobs that are not on the wire and of which nothing more is to be sent.
   void end_over(Instant now);
   void end_running(Ending ending);
   void end_waiting(Ending ending, bool stops_too);
-  /// A device is offline: those that wait for it.
+  /// The device at the address is offline: ends the jobs that wait for it.
   void end_waiting_for(std::uint8_t address);
-  /// Somebody else asks now: what waits for offline devices must not be in the way.
+  /// There is an ordinary request now: ends waiting probes that were accepted only because there
+  /// was none.
   void end_free_probes(Instant now);
-  /// Writes that were to be repeated, and may not be any more.
+  /// Ends writes that were to be repeated and no longer may be.
   void end_repeats();
-  /// Writes that the stop forbids and that are not on the wire are never transmitted; of one that
-  /// is, no further part is.
+  /// Cancels the writes that the stop forbids. One that is not on the wire is never transmitted; of
+  /// one that is, no further transaction is.
   void overtake_writes(const Job& stop);
-  /// The same for those that it let go first.
+  /// The same for the writes that the stop has let go first.
   void overtake_writes_before(const Job& stop);
 
  private:

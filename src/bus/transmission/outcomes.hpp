@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of a transmission that has ended: what its answer, or that there is none, says of
-// the device, and whether it is repeated, goes on, or is over.
+// What follows when a transmission has ended: what its answer, or the lack of one, says of the
+// device, and whether the transmission is repeated, goes on with the next transaction, or is over.
 #pragma once
 
 #include "bus/health/line_diagnosis.hpp"
@@ -15,11 +15,11 @@ class Outcomes {
       : parts_(parts), ends_(ends), diagnosis_(diagnosis) {}
 
   void handle_end(const LineEnd& end, Instant now);
-  /// A connection was closed by its far end: what was on its way has no answer.
+  /// A connection was closed by the server: what was in flight has no answer.
   void handle_cut(Instant now);
-  /// The line is lost: devices may still answer what is on it.
+  /// The line is lost: devices may still answer what was on the wire.
   void note_lost();
-  /// The stop has had its tries.
+  /// The stop has had all its tries.
   void give_up_stop(Transmission& stop);
 
  private:

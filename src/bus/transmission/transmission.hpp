@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is on the wire for one or several jobs, or was and will be again. Jobs that ask for the same
-// at the same time share a transmission: one leads, and its transaction is what is transmitted; the
-// others follow, and get the answer too.
+// What is on the wire for one or several jobs, or is about to be sent again. Jobs that ask for the
+// same at the same time share a transmission. One of them leads: its transaction is transmitted.
+// The others follow and get the same answer.
 #pragma once
 
 #include <boost/container/small_vector.hpp>
@@ -23,58 +23,59 @@ struct Transmission {
   boost::container::small_vector<Job*, 1> followers;
   std::unique_ptr<Transaction> merged;  ///< what is transmitted instead, for all of them
   unsigned tries = 0;                   ///< transmissions of the leader's current transaction
-  /// The transaction that is asked once more because a connection was closed before its answer.
+  /// The transaction that is sent once more because the connection was closed before its answer.
   std::optional<std::size_t> cut;
   bool in_flight = false;   ///< it was transmitted, and has not ended
-  bool is_probe = false;    ///< lets the bus know whether an offline device answers again
-  bool is_one_try = false;  ///< a stop that is not repeated, because its device is given up
-  bool is_let_by = false;   ///< it goes between two tries of a stop
+  bool is_probe = false;    ///< tests whether an offline device answers again
+  bool is_one_try = false;  ///< a stop that is not repeated, because an earlier one was given up
+  bool is_let_by = false;   ///< it is sent between two tries of a stop
   Instant waits_since;      ///< of a stop: accepted then, or repeated
-  /// Of a stop: for so long the writes were held back that it let go first.
+  /// Of a stop: how long the writes that it lets go first were held back.
   Duration held_by_writes{0};
-  Instant transmitted_at;           ///< the current transaction, for the first time
-  Instant last_sent;                ///< the last transmission of anything of it
-  std::uint64_t turn = 0;           ///< which transmission of its bus that was
-  std::uint64_t writes_before = 0;  ///< to its device, ended before it was transmitted
+  Instant transmitted_at;           ///< the first time of the current transaction
+  Instant last_sent;                ///< the last time of any of its transactions
+  std::uint64_t turn = 0;           ///< the turn of that (TurnBook)
+  std::uint64_t writes_before = 0;  ///< writes to its device that ended before it was sent
 
   [[nodiscard]] Transaction& on_wire() const { return merged ? *merged : leader->transaction(); }
   [[nodiscard]] bool is_stop() const { return leader->job_class == JobClass::stop; }
-  /// It has one transaction, which is to be repeated.
+  /// It has a single transaction, which is to be repeated.
   [[nodiscard]] bool is_between_tries() const {
     return tries > 0 && !in_flight && leader->transactions.size() == 1;
   }
 };
 
-/// Is the job's current transaction on the wire, with the job as the one that leads?
+/// Is the job's current transaction on the wire, with the job as its leader?
 [[nodiscard]] inline bool is_in_flight(const Job& job) {
   return job.leads != nullptr && job.leads->in_flight;
 }
 
-/// The transmissions of a bus. They run from when they first go on the wire until they are over,
-/// between two tries and between the parts of a job too; stops wait in their lane before and
-/// between.
+/// The transmissions of a bus. A transmission runs from its first frame on the wire until it is
+/// over, also between two tries and between the transactions of a job. A stop waits in the stop
+/// lane before its first try and between its tries.
 class Transmissions {
  public:
-  /// So many may be in flight at the same time.
+  /// `room`: the most that may be in flight at the same time.
   explicit Transmissions(std::size_t room) : room_(room) {}
   void set_room(std::size_t room) { room_ = room; }
 
-  /// One that does not run yet. It has a stable address until it is over.
+  /// A new transmission that does not run yet. It has a stable address until end().
   Transmission& lead(Job& leader);
-  /// It runs from now on.
+  /// The transmission runs from now on.
   void start(Transmission& transmission);
-  /// It does not run any more, but goes on later.
+  /// It does not run any more, but will be continued later.
   void leave(Transmission& transmission);
-  /// It is over: its leader leads nothing. Its followers must have gone.
+  /// It is over, and its leader no longer leads. It must have no followers left.
   void end(Transmission& transmission);
-  /// The leader goes, and the first follower leads: what was transmitted for the one was for the
-  /// other.
+  /// The leader leaves, and the first follower leads instead. What was transmitted for the one
+  /// counts for the other.
   static void hand_over(Transmission& transmission);
 
   /// In the order in which they were started.
   [[nodiscard]] std::span<Transmission* const> running() const { return running_; }
+  /// The running one that has `on_wire` as its transaction on the wire.
   [[nodiscard]] Transmission& find(const Transaction* on_wire) const;
-  /// Of those in flight the one that was started first.
+  /// Of those in flight, the one that was started first; nullptr if there is none.
   [[nodiscard]] Transmission* first_in_flight() const;
   [[nodiscard]] bool has_room() const { return in_flight() < room_; }
   [[nodiscard]] std::size_t room() const { return room_; }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plain keys of each section: from these tables come their reading, what is said of a wrong
-// type, a wrong range or a wrong kind of line, `mbgated --keys` and mbgate.toml(5). What they mean
-// stands in conf/mbgate.toml.
+// The plain keys of each section. These tables determine how the keys are read, what is said of a
+// wrong type, a wrong range or a wrong kind of line, `mbgated --keys` and mbgate.toml(5).
+// conf/mbgate.toml explains the keys.
 #pragma once
 
 #include <span>
@@ -25,10 +25,10 @@ std::span<const PlainKey<drive::Device>> device_keys();
 /// [[device]]
 std::span<const PlainKey<gateway::DeviceGuard>> guard_keys();
 
-/// What the bus is; any, if `settings` are not what was meant.
+/// What the bus is connected to; `any` if the settings do not tell.
 Lines lines_of(const bus::LineSettings& settings);
 
-/// As it would stand in the file; "-" for none.
+/// The value as it would be written in the file; "-" for none.
 std::string value_text(const KeyValue& value);
 
 /// A line for each plain key: section, key, what it takes, its default and where it belongs,

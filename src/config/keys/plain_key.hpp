@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plain key: its value is true or false, a number, or a length of time within a range, and that
-// is all there is to say of it. What needs more is read by its section.
+// A plain key: its value is true or false, or a number or a duration within a range, and nothing
+// else has to be checked. Other keys are read by their section.
 #pragma once
 
 #include <chrono>
@@ -44,8 +44,8 @@ struct PlainKey {
   KeyRange range;
   KeyValue (*get)(const Section&);
   void (*set)(Section&, const KeyValue&);
-  Lines lines = Lines::any;      ///< where it has a meaning
-  std::string_view elsewhere{};  ///< what is said of it where it has none
+  Lines lines = Lines::any;      ///< where the key has a meaning
+  std::string_view elsewhere{};  ///< the error text where it has none
 };
 
 template <typename Member>
@@ -82,8 +82,8 @@ KeyValue key_value(const Target& target) {
   }
 }
 
-/// The range of the key makes sure that the value fits the target. Only an optional one takes
-/// nothing.
+/// The range of the key ensures that the value fits the target. Only an optional target takes an
+/// empty value.
 template <typename Target>
 void set_from(Target& target, const KeyValue& value) {
   if constexpr (IsOptional<Target>::value) {
@@ -101,7 +101,7 @@ void set_from(Target& target, const KeyValue& value) {
   }
 }
 
-/// The key of the member at the end of the path, which begins in the section:
+/// The key for the member at the end of a path that begins in the section:
 /// plain<&BusSettings::line, &LineSettings::low_latency>("low_latency", Truth{}).
 template <auto First, auto... Rest>
 constexpr auto plain(std::string_view name, KeyRange range, Lines lines = Lines::any,
@@ -118,11 +118,11 @@ constexpr auto plain(std::string_view name, KeyRange range, Lines lines = Lines:
       elsewhere};
 }
 
-/// The value in the table; nothing if it is absent or wrong, which has been reported then.
+/// The value in the table. Nothing if it is absent, or wrong; a wrong value is reported.
 KeyValue read_key(TomlTable& table, std::string_view key, const KeyRange& range);
 
-/// Takes over what the table says. A key that belongs to none of `lines`, what the bus may be, is
-/// reported.
+/// Takes the values of the table over. `lines`: what the bus may be. A key that has no meaning for
+/// it is reported.
 template <typename Section>
 void read_keys(TomlTable& table, std::span<const PlainKey<Section>> keys,
                std::type_identity_t<Section>& section, Lines lines = Lines::any) {

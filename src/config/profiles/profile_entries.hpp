@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The entries of a profile's lists. Registers are written as the manual counts them and become
-// protocol addresses; what is wrong is reported, and the entry left out.
+// Reads the entries of a profile's lists. Register numbers are those of the manual, and become
+// protocol addresses. A wrong entry is reported and left out.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,8 @@ namespace mbgate::config {
 
 using modbus::Table;
 
-/// A profile in the making, and beside what may clash the tables it was read from.
+/// A profile that is being read. For entries that may clash it also has the tables that they were
+/// read from.
 struct ProfileDraft {
   explicit ProfileDraft(TomlDocument& source) : document(source), root(source.root()) {}
 
@@ -32,8 +33,8 @@ struct ProfileDraft {
 std::optional<std::uint16_t> read_register(const ProfileFile& file, TomlTable& entry,
                                            std::string_view key, Table table);
 
-/// A list of ranges; `tables` are those that may be named. The tables read are appended to `places`
-/// where there is one.
+/// A list of ranges. `tables`: the Modbus tables that may be named. The TOML tables that were read
+/// are appended to `places`, unless it is nullptr.
 DocumentedRanges read_ranges(const ProfileFile& file, std::vector<TomlTable> entries,
                              std::span<const Word<Table>> tables,
                              std::vector<TomlTable>* places = nullptr);
@@ -49,8 +50,8 @@ std::optional<std::uint32_t> read_manual_line(TomlTable& entry);
 /// `write_function`: 6 or 16.
 std::optional<std::uint8_t> read_write_function(TomlTable& table);
 
-/// What no entry can see alone: values that overlap, leave the map or cross a group, limits that
-/// cut a value.
+/// Checks that need several entries: values that overlap, leave the map or cross a group; limits
+/// that cut a value.
 void check_profile(ProfileDraft& draft);
 
 }  // namespace mbgate::config

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A profile out of its file: what the gateway needs to know of a kind of drive, with protocol
-// addresses, and beside it what people want to know: names, and where in the manual it stands.
+// A profile read from its file: what the gateway needs to know of a kind of drive, with protocol
+// addresses, and what people want to know: names, and the line of the manual.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace mbgate::config {
 
-/// What an entry is called and where it comes from.
+/// The name of an entry and where it comes from.
 struct Source {
   std::string name;
   std::optional<std::uint32_t> line;  ///< of the manual's text
@@ -40,7 +40,7 @@ struct ProfileValue {
 using DocumentedRanges = std::vector<Documented<drive::TableRange>>;
 
 struct ProfileFile {
-  /// Its read-only and write-only registers include the values that are so.
+  /// Its read-only and write-only registers include the values that are read-only or write-only.
   drive::Profile profile;
   std::string path;
   std::string description;
@@ -63,7 +63,8 @@ struct ProfileFile {
   std::optional<std::uint32_t> word_order_line;
   std::optional<std::uint32_t> position_opcodes_line;
 
-  /// As the manual prints it: "40005"; in hexadecimal, "0x00C8", where it counts from 0.
+  /// The register number as the manual prints it: "40005", or in hexadecimal, "0x00C8", if the
+  /// manual counts from 0.
   [[nodiscard]] std::string number(modbus::Table table, std::uint32_t address) const;
 };
 
@@ -72,10 +73,10 @@ struct LoadedProfile {
   std::vector<Diagnostic> diagnostics;
 };
 
-/// Reads a file; `name` in it must be the file's own, without ".toml".
+/// Reads a file; `name` in it must be the name of the file without ".toml".
 LoadedProfile load_profile(const std::filesystem::path& path);
 
-/// The same for a text; `path` stands in the diagnostics.
+/// The same for a text; `path` is the file name in the diagnostics.
 LoadedProfile load_profile_text(std::string path, std::string_view text);
 
 }  // namespace mbgate::config

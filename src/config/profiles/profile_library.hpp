@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Profiles by their names: finds the file, reads it once, keeps it.
+// Finds profiles by name; each file is read once and kept.
 #pragma once
 
 #include <filesystem>
@@ -19,24 +19,25 @@ using ProfileFolders = std::vector<std::filesystem::path>;
 /// The profile of a device that names none; it needs no file.
 inline constexpr std::string_view kGenericProfile = "generic";
 
-/// Where profiles are looked for if nobody says where: /etc/mbgate/profiles, so that a user's own
-/// goes before a shipped one of the same name, then the installed ones. A program that runs out of
-/// its build folder takes those of its source tree; an installed one never does.
+/// Where profiles are looked for by default: first /etc/mbgate/profiles, so that a user's own
+/// profile takes precedence over an installed one of the same name, then the installed ones. A
+/// program that runs from its build folder uses those of its source tree; an installed one never
+/// does.
 ProfileFolders default_profile_folders();
 
 class ProfileLibrary {
  public:
-  /// The first of the folders that has a profile gives it.
+  /// A profile is taken from the first folder that has it.
   explicit ProfileLibrary(ProfileFolders folders) : folders_(std::move(folders)) {}
 
-  /// Is there a file of that name, good or bad, or is it the generic one?
+  /// Is there a file of that name, valid or not, or is it the generic profile?
   [[nodiscard]] bool knows(std::string_view name) const;
-  /// The profile; nullptr if there is none, or its file is wrong. Valid as long as the library.
+  /// The profile; nullptr if there is none or its file has errors. Valid as long as the library.
   const ProfileFile* find(std::string_view name);
   /// Every name in every folder, in alphabetical order, the generic one included.
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const ProfileFolders& folders() const { return folders_; }
-  /// What was wrong in the files read so far, each once.
+  /// What was wrong in the files read so far, each file once.
   [[nodiscard]] const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One function a section of the configuration, each filling its part of the draft. They go on after
-// an error, so that all errors of meaning are reported at once; a wrong entry keeps its place in
-// the settings.
+// One function for each section of the configuration; each fills its part of the draft. They go on
+// after an error, so that all errors of meaning are reported at once. A wrong entry keeps its place
+// in the settings.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 
 namespace mbgate::config {
 
-/// Settings in the making, and beside each entry the table it was read from.
+/// Settings that are being read, and for each entry the table that it was read from.
 struct Draft {
   Draft(TomlDocument& source, ProfileFolders folders)
       : document(source), library(std::move(folders)) {}
@@ -36,45 +36,47 @@ struct Draft {
   std::vector<std::optional<UnitRange>> route_units;  ///< none where `unit` is wrong
 };
 
-/// `profile_folder`: the one of the command line, which goes before that of the file.
+/// `profile_folder`: from the command line; it takes precedence over that of the file.
 void read_gateway(Draft& draft, const std::optional<std::filesystem::path>& profile_folder);
 void read_buses(Draft& draft);
 void read_devices(Draft& draft);
 void read_listeners(Draft& draft);
 void read_routes(Draft& draft);
-/// What no section can see alone: clashes between routes, ways that lead nowhere, deadlines.
+/// Checks that need several sections: clashes between routes, routes that lead nowhere, deadlines.
 void check_whole(Draft& draft);
 
-/// [[client]]: whose turn comes more often.
+/// [[client]]: which clients get more turns.
 void read_clients(Draft& draft);
 
-/// `name` of a table: required, and fit to be printed in a log line and a list of labels.
+/// `name` of a table: required, and with characters that can be printed in the journal and as a
+/// label.
 std::string read_name(TomlTable& table);
 
 /// `mode`, what a line of that mode has (`device`, `parity`, ...; or `host`, `port`), and the plain
-/// keys of a bus. Returns what the bus is, as far as that is certain.
+/// keys of a bus. Returns what the bus is connected to, as far as that is certain.
 Lines read_line(TomlTable& table, bus::BusSettings& settings);
 
-/// Warnings of a serial line: what is possible, but seldom meant.
+/// Warnings for a serial line: settings that are possible, but seldom intended.
 void check_habits(TomlTable& table, const bus::LineSettings& line);
 
 /// What kind of drive a device is: `profile`, `word_order`, `values32`, ... Its bus is known.
 void read_drive(Draft& draft, TomlTable& table, drive::Device& device);
 
-/// Where a table with times stands.
+/// Where a table with times is.
 struct TimingOrigin {
   Lines lines = Lines::any;         ///< what the bus may be
   bool longest_quarantine = false;  ///< the bus of the device states `quarantine_max`
 };
 
-/// What buses state for their devices, and devices for themselves: `response_timeout`, `retries`,
-/// `quarantine`, `offline_after`, ...
+/// Times that a bus can set for its devices, and a device for itself: `response_timeout`,
+/// `retries`, `quarantine`, `offline_after`, ...
 void read_shared_timing(TomlTable& table, TimingOrigin origin, drive::DeviceTiming& timing);
 
-/// Stops of the device's own, added to those of its profile. Its values are known.
+/// The device's own stops, added to those of its profile. Its values must have been read.
 void read_own_stops(TomlTable& table, drive::Device& device);
 
-/// `failsafe`: writes in the function that the device takes. Everything else of it is known.
+/// `failsafe`: the writes, with the function code that the device takes. Everything else of the
+/// device must have been read.
 std::vector<modbus::Request> read_failsafe(TomlTable& table, const drive::Device& device);
 
 /// `writer`, `failsafe`, ... of a device.
@@ -87,8 +89,8 @@ std::optional<routing::Network> read_network(TomlTable& table, std::string_view 
 /// A list of addresses and blocks.
 routing::NetworkList read_networks(TomlTable& table, std::string_view key);
 
-/// Values of the device's own, added to those of its profile. `file` is nullptr where the profile
-/// has none.
+/// The device's own values, added to those of its profile. `file` is nullptr if the profile has no
+/// file.
 void read_own_values(TomlTable& table, const ProfileFile* file, drive::Device& device);
 
 /// A broadcast to `bus`, set up at `key`: do devices of different profiles hear it?
@@ -110,12 +112,12 @@ void read_route_rules(TomlTable& table, routing::Route& route, bool broadcast);
 /// "conf/x.toml:12:8", to name a second place in a message.
 std::string place(const TomlDocument& document, Position position);
 
-/// Reports what the newest of `tables` shares with an earlier one: the value of `key`, called
-/// `what`.
+/// Reports that the newest of `tables` has the same value of `key` as an earlier one; `what`: that
+/// value as text.
 void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,
                   std::string_view what);
 
-/// The section that an entry of the settings stands in.
+/// The section that an entry of the settings belongs to.
 template <typename Named>
 inline constexpr std::string_view kSection;
 template <>
@@ -125,7 +127,7 @@ inline constexpr std::string_view kSection<bus::BusSettings> = "[[bus]]";
 template <>
 inline constexpr std::string_view kSection<drive::Device> = "[[device]]";
 
-/// The entry whose name stands at `key`; unknown names are reported with a suggestion.
+/// The index of the entry that `key` names; an unknown name is reported with a suggestion.
 template <typename Named>
 std::optional<std::size_t> find_named(TomlTable& table, std::string_view key,
                                       const std::vector<Named>& all) {
@@ -157,7 +159,7 @@ void check_name(std::vector<TomlTable>& tables, const std::vector<Named>& all,
   }
 }
 
-/// The place in the settings of an identifier.
+/// The index in the settings that an identifier stands for.
 template <typename Id>
 constexpr std::size_t index(Id id) {
   return static_cast<std::size_t>(id);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Durations as people write them: a decimal number and its unit, "1.75ms". Exact in both
-// directions.
+// Durations as text: a decimal number and its unit, "1.75ms". Exact in both directions.
 #pragma once
 
 #include <chrono>
@@ -14,8 +13,8 @@ namespace mbgate::config {
 /// a value finer than a nanosecond, or one longer than 1000 hours.
 std::optional<std::chrono::nanoseconds> parse_duration(std::string_view text);
 
-/// In the largest unit that needs no fraction; where only nanoseconds would, as a decimal of ms or
-/// us. `duration` is not negative.
+/// In the largest unit that needs no fraction. If that would be nanoseconds, as a decimal fraction
+/// of ms or us. `duration` is not negative.
 std::string to_text(std::chrono::nanoseconds duration);
 
 }  // namespace mbgate::config

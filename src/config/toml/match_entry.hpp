@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must be written for a write to be meant, as the entries of profiles and of devices say it.
+// Which written values an entry of a profile or a device matches.
 #pragma once
 
 #include "config/toml/toml_reader.hpp"
@@ -12,8 +12,8 @@ inline constexpr std::uint16_t kCoilOn = 0xFF00;
 /// `mask` and `value` of an entry whose table is known; or `not`, where `or_not` allows it.
 void read_written(TomlTable& entry, bool or_not, drive::WriteMatch& match);
 
-/// `parameters` of a stop whose place is known: registers right behind it that may be written along
-/// with it.
+/// `parameters` of a stop whose table and address are known: how many registers right behind it may
+/// be written together with it.
 void read_parameters(TomlTable& entry, drive::WriteMatch& match);
 
 }  // namespace mbgate::config

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// "did you mean": which of the right words a wrong one was probably meant to be.
+// "did you mean": which known word a wrong one was probably meant to be.
 #pragma once
 
 #include <optional>
@@ -21,8 +21,8 @@ std::optional<std::string_view> nearest(std::string_view word,
 /// "; did you mean 'response_timeout'?", or nothing.
 std::string did_you_mean(std::string_view word, const std::vector<std::string_view>& candidates);
 
-/// The same for a key, whose right words are all keys of its table: what other programs call it
-/// goes before what looks like it.
+/// The same for a key; `known` are all keys of its table. The name that other programs use for a
+/// key takes precedence over a similar spelling.
 std::string did_you_mean_key(std::string_view key, const std::vector<std::string_view>& known);
 
 }  // namespace mbgate::config

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Typed reading of a TOML text. A TomlDocument owns the text, what it says and what was found wrong
-// in it; a TomlTable is a light view of one table of it. Every key that is asked for becomes known;
-// keys nobody asked for are reported by finish(), so ask for every key of a table before that.
-// Nothing here throws: what is wrong becomes a diagnostic, and the caller gets nothing.
+// Typed reading of a TOML text. A TomlDocument owns the text, its values and its diagnostics; a
+// TomlTable is a light view of one table in it. Every key that is read becomes known. finish()
+// reports the keys that were never read, so read every key of a table before that. Nothing here
+// throws: an error becomes a diagnostic, and the caller gets nothing.
 //
 //   auto document = TomlDocument::load("conf/x.toml");
 //   for (TomlTable bus : document.root().tables("bus")) {
@@ -41,7 +41,8 @@ struct NumberRange {
   double max;
 };
 
-/// Where `zero_is_off`, a duration of 0 is allowed besides the range and turns something off.
+/// With `zero_is_off`, a duration of 0 is allowed in addition to the range, and turns something
+/// off.
 struct DurationRange {
   std::chrono::nanoseconds min;
   std::chrono::nanoseconds max;
@@ -62,8 +63,8 @@ struct Word {
 
 class TomlDocument;
 
-/// Valid as long as its document. Each getter returns nothing if the key is absent, and also if its
-/// value is wrong, which is then reported at the value.
+/// Valid as long as its document. Each getter returns nothing if the key is absent or its value is
+/// wrong; a wrong value is reported at its position.
 class TomlTable {
  public:
   /// Where the table begins: its header, or the brace of an inline table.
@@ -107,7 +108,8 @@ class TomlTable {
   /// `[[key]]`, in the order of the text; absent: none.
   std::vector<TomlTable> tables(std::string_view key);
 
-  /// Reports an error at the value of `key` (at the table if it is absent), headed by the key.
+  /// Reports an error at the value of `key` (at the table if it is absent); the message begins with
+  /// the key.
   void error(std::string_view key, std::string_view message);
   /// Reports at `found`: "KEY: expected EXPECTED, found ...".
   void report_expected(std::string_view key, const TomlValue& found, std::string_view expected);
@@ -127,14 +129,14 @@ class TomlTable {
 /// One configuration file. Neither copied nor moved while views of it exist.
 class TomlDocument {
  public:
-  /// Reads a file of at most 1 MiB. A file that cannot be read, or is no TOML, gives an empty
+  /// Reads a file of at most 1 MiB. A file that cannot be read, or is not TOML, gives an empty
   /// document with a diagnostic.
   static TomlDocument load(const std::filesystem::path& path);
-  /// `name` stands in the diagnostics.
+  /// `name` is the file name in the diagnostics.
   static TomlDocument parse(std::string name, std::string_view text);
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// False if the text could not be read or is no TOML; then there is nothing to ask for.
+  /// False if the text could not be read or is not TOML; then there are no values.
   [[nodiscard]] bool parsed() const { return parsed_; }
   [[nodiscard]] TomlTable root();
   /// Was an error reported so far?
@@ -143,8 +145,7 @@ class TomlDocument {
   void error(Position position, std::string message);
   void warning(Position position, std::string message);
 
-  /// Reports the keys that nobody asked for and hands over all diagnostics, in the order of the
-  /// text.
+  /// Reports the keys that were never read and returns all diagnostics, in the order of the text.
   std::vector<Diagnostic> finish();
 
  private:
@@ -160,8 +161,8 @@ class TomlDocument {
   bool parsed_ = false;
 };
 
-/// Takes over what was read; without it the target keeps its default. Ranges given to the getters
-/// make sure that a number fits its target.
+/// Assigns what was read; if nothing was, the target keeps its default. The ranges given to the
+/// getters ensure that a number fits its target.
 template <typename Target, typename Source>
 void assign(Target& target, std::optional<Source> source) {
   if (source) {

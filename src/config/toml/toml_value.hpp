@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a TOML text says, as plain values that know where they stand. A table remembers which of its
-// keys were asked for.
+// The contents of a TOML text, as plain values with their positions. A table remembers which of its
+// keys were read.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ struct TomlEntry;
 
 struct TomlTableValue {
   Position position;
-  std::string title;               ///< how a person calls the table: "[[bus]]"
+  std::string title;               ///< the table as written in the file: "[[bus]]"
   std::vector<TomlEntry> entries;  ///< in no particular order
-  std::vector<std::string> known;  ///< keys that were asked for, present or not
+  std::vector<std::string> known;  ///< keys that were read, present or not
 };
 
 /// Dates and times, which no setting uses.
@@ -39,7 +39,7 @@ struct TomlEntry {
   TomlValue value;
 };
 
-/// A string out of a list.
+/// A string from a list.
 struct TomlText {
   std::string text;
   Position position;
@@ -50,7 +50,7 @@ std::string describe(const TomlValue& value);
 
 bool is_empty_list(const TomlValue& value);
 
-/// The text in quotes, without control characters and not endless.
+/// The text in quotes, without control characters and limited in length.
 std::string in_quotes(std::string_view text);
 
 }  // namespace mbgate::config

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words that stand in more than one kind of file.
+// Words that are used in more than one kind of file.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A profile for programs. Addresses are protocol addresses.
+// A profile as JSON, for programs. Addresses are protocol addresses.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace mbgate::ctl {
 
-/// One line: {"name": ..., "values32": {"holding": [first addresses], "input": [...]}, ...}; what
-/// stands in no list of addresses (names, numbers of the manual, lines, notes) is in "entries".
+/// One line: {"name": ..., "values32": {"holding": [first addresses], "input": [...]}, ...};
+/// everything else (names, the manual's register numbers and lines, notes) is in "entries".
 std::string profile_json(const config::ProfileFile& file);
 
 /// A name and what kind of drive it is.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A profile for people: what the gateway knows of a drive, and where in its manual that stands.
+// A profile as text, for people: what the gateway knows of a drive, with the lines of the manual.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace mbgate::ctl {
 
 /// Rows of cells in columns, each as wide as its widest cell, two spaces before each. The last
-/// column is not filled up.
+/// column is not padded.
 std::string columns(const std::vector<std::vector<std::string>>& rows);
 
 // Parts of the text.
@@ -24,10 +24,10 @@ std::string hex(unsigned number);
 std::string_view table_name(modbus::Table table);
 /// A line of the manual, or nothing.
 std::string line_text(const std::optional<std::uint32_t>& line);
-/// As the manual counts: "40005", "40005-40006".
+/// Register numbers as in the manual: "40005", "40005-40006".
 std::string number_text(const config::ProfileFile& file, const drive::TableRange& range);
 
-/// What `text` makes of each element, with `between` between.
+/// The result of `text` for each element, joined by `between`.
 template <typename List, typename Text>
 std::string joined(const List& list, Text text, std::string_view between = ", ") {
   std::string all;

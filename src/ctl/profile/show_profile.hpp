@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carries `mbgatectl profile` out: no gateway is asked, the files are read.
+// Runs `mbgatectl profile`: reads the files; no gateway is contacted.
 #pragma once
 
 #include <iosfwd>
@@ -8,7 +8,7 @@
 
 namespace mbgate::ctl {
 
-/// The profile, or the list of all, goes to `out`; what is wrong to `errors`. Returns the exit
+/// Prints the profile, or the list of all, to `out`, and errors to `errors`. Returns the exit
 /// status.
 int show_profile(const ProfileCommand& command, std::ostream& out, std::ostream& errors);
 

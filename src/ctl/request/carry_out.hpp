@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carries a command out: asks the server, prints what came back, says in plain words what went
-// wrong.
+// Runs a command: sends the request to the server, prints the response, and explains errors in
+// plain words.
 #pragma once
 
 #include <iosfwd>
@@ -10,12 +10,12 @@
 
 namespace mbgate::ctl {
 
-/// What scripts can rely on.
+/// Exit statuses that scripts can rely on.
 inline constexpr int kExitDone = 0;
 inline constexpr int kExitNotDone = 1;  ///< an exception, no answer, or no connection
 inline constexpr int kExitUsage = 2;
 
-/// Values go to `out`, one a line; what went wrong goes to `errors`. Returns the exit status.
+/// Prints values to `out`, one on each line, and errors to `errors`. Returns the exit status.
 int carry_out(const Command& command, std::ostream& out, std::ostream& errors);
 
 /// An exception for people: its number, the standard's name if it has one, and what it means for

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the operator asks for, as plain values: whom to ask, what to read, what to write.
+// A command of the operator as plain values: which server, what to read, what to write.
 #pragma once
 
 #include <chrono>
@@ -17,16 +17,16 @@ namespace mbgate::ctl {
 
 using modbus::Table;
 
-/// A Modbus TCP server and the unit behind it.
+/// A Modbus TCP server and a unit identifier.
 struct Target {
   std::string host = "127.0.0.1";
   std::uint16_t port = 502;
   std::uint8_t unit = 1;
-  /// For the connection, and again for the answer.
+  /// For connecting, and again for the response.
   std::chrono::nanoseconds timeout = std::chrono::seconds(5);
 };
 
-/// Where values lie and how they are to be understood.
+/// Where values are and what type they have.
 struct Place {
   Table table = Table::holding_registers;
   std::uint16_t address = 0;
@@ -49,28 +49,27 @@ struct WriteCommand {
   bool quiet = false;     ///< print nothing on success
 };
 
-/// Shows what is known of a kind of drive; nobody is asked.
+/// Shows what is known of a kind of drive; no server is contacted.
 struct ProfileCommand {
   std::string which;  ///< a name, or a file (with a '/' or ".toml"); empty: the list of all
   std::optional<std::filesystem::path> folder;  ///< the only one to look in
   bool json = false;
 };
 
-/// Asks the units of a bus what they are.
+/// Finds out which drives are at the units of a bus.
 struct ScanCommand {
-  Target target;  ///< its unit means nothing here
+  Target target;  ///< its unit is not used
   std::vector<std::uint8_t> units;
   std::optional<std::filesystem::path> folder;  ///< the only one to look for profiles in
   std::string bus = "line-a";                   ///< its name in the configuration
-  std::optional<std::filesystem::path> config;  ///< standard output if there is none
-  bool show_progress = false;                   ///< on the stream of errors
+  std::optional<std::filesystem::path> config;  ///< none: standard output
+  bool show_progress = false;                   ///< on standard error
 };
 
 using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand>;
 
-/// The request that the command stands for: 01-04; 05 and 06 for one coil or register; else 15 and
-/// 16, so that the registers of a 32-bit value are never written one by one. The error is a whole
-/// sentence.
+/// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
+/// the registers of a 32-bit value are never written one by one. The error is a full sentence.
 Result<modbus::Request, std::string> make_request(const ReadCommand& command);
 Result<modbus::Request, std::string> make_request(const WriteCommand& command);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Modbus TCP client for one question at a time, over libmodbus. The request goes out and the
-// response comes in as raw bytes, because libmodbus' own calls hide the number of an exception that
-// the standard does not name, and drives have such (0x11 to 0x13).
+// A Modbus TCP client for one request at a time, over libmodbus. Requests and responses pass as raw
+// bytes: libmodbus' own calls hide the number of an exception that the standard does not define,
+// and drives have such exceptions (0x11 to 0x13).
 #pragma once
 
 #include <memory>
@@ -18,12 +18,12 @@ namespace mbgate::ctl {
 
 class ModbusClient {
  public:
-  /// Connects within the timeout of the target. The error is a whole sentence that names host and
+  /// Connects within the timeout of the target. The error is a full sentence that names host and
   /// port.
   static Result<ModbusClient, std::string> connect(const Target& target);
 
-  /// Sends the request and waits for its response: normal, or an exception. An answer that does not
-  /// fit the request is an error, and so is none within the timeout.
+  /// Sends the request and waits for its response: normal, or an exception. It is an error if the
+  /// response does not match the request or does not come within the timeout.
   Result<modbus::Pdu, std::string> ask(const modbus::Request& request);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A profile as a suspect: what a drive of that kind must answer to a read, and whether an answer
-// fits. Everything comes out of the profile; no drive is known by name here.
+// A profile as a candidate for an unknown drive: what a drive of that kind must answer to a read,
+// and whether an answer fits. All of it comes from the profile; no drive is known by name here.
 #pragma once
 
 #include <string>
@@ -11,33 +11,33 @@
 
 namespace mbgate::ctl {
 
-/// What a profile says will come of a read.
+/// What a profile predicts for a read.
 enum class Foreseen : std::uint8_t {
   anything,     ///< the profile does not say
-  data,         ///< every register is there and may be read
-  text,         ///< the same, and it is a text
-  word_order,   ///< the same, and it is one of the codes of a word order
+  data,         ///< every register exists and may be read
+  text,         ///< the same, and the data are a text
+  word_order,   ///< the same, and the value is one of the codes for a word order
   no_function,  ///< the drive does not have the function
-  refusal       ///< it has the function, but not this place, or not so many at once
+  refusal       ///< it has the function, but not these addresses, or not so many at once
 };
 
 enum class Verdict : std::uint8_t { fits, contradicts, open };
 
 class Candidate {
  public:
-  /// `file` must live as long.
+  /// `file` must outlive this object.
   explicit Candidate(const config::ProfileFile& file);
 
   [[nodiscard]] const config::ProfileFile& file() const { return *file_; }
-  /// Does the profile say which registers there are? One that does not fits everything.
+  /// Does the profile say which registers there are? If not, it fits every drive.
   [[nodiscard]] bool says_anything() const { return !map_.empty(); }
   [[nodiscard]] Foreseen foresees(const modbus::TableRange& read) const;
   [[nodiscard]] Verdict judge(const modbus::TableRange& read, const Answer& answer) const;
 
-  /// Reads at the borders of what the drive has: what tells it from others.
+  /// Reads at the borders of the drive's registers, which tell it from other drives.
   [[nodiscard]] std::vector<modbus::TableRange> telling_reads() const;
-  /// A few reads that every drive of this kind must answer as foreseen: its texts, its word order,
-  /// the end of its longest run of registers in each table, one more than its limit.
+  /// A few reads that every drive of this kind must answer as predicted: its texts, its word order,
+  /// the end of its longest run of registers in each table, one register more than its limit.
   [[nodiscard]] std::vector<modbus::TableRange> confirming_reads() const;
 
  private:
@@ -47,11 +47,11 @@ class Candidate {
   void add_limit_read(modbus::Table table, std::vector<modbus::TableRange>& reads) const;
 
   const config::ProfileFile* file_;
-  drive::RangeList map_;  ///< by table and address; neighbours are one
+  drive::RangeList map_;  ///< by table and address; adjacent ranges are joined
 };
 
-/// A text out of registers: where a drive has the low word first, it has the low byte first too.
-/// Blanks and zeros around it are left out; empty if it is none.
+/// A text from registers. A drive with the low word first also has the low byte first. Blanks and
+/// zeros around the text are removed. Empty if it is not a text.
 std::string register_text(const std::vector<std::uint16_t>& registers, drive::WordOrder order);
 
 }  // namespace mbgate::ctl

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds out what a unit is, by reading: says what to read next, takes what came, and in the end
-// names the profiles that fit. Knows no connection, so that it can be tried on anything.
+// Identifies a unit by reading: says what to read next, takes the answer, and in the end names the
+// profiles that fit. It has no connection of its own, so that it can be tested on anything.
 #pragma once
 
 #include <bitset>
@@ -12,20 +12,20 @@
 
 namespace mbgate::ctl {
 
-/// A text of the device and what its profile calls it: model name, software version.
+/// A text of the device and its name in the profile: model name, software version.
 struct NamedText {
   std::string name;
   std::string text;
 };
 
 struct Identification {
-  /// The profiles that fit best; several cannot be told apart by reading, none means that no
-  /// profile fits.
+  /// The profiles that fit best. Several: they cannot be told apart by reading. None: no profile
+  /// fits.
   std::vector<const config::ProfileFile*> likely;
-  /// The profile that came nearest; nullptr if there is no candidate at all.
+  /// The profile that fits most nearly; nullptr if there is no candidate at all.
   const config::ProfileFile* nearest = nullptr;
   unsigned fitting = 0;      ///< answers that fit it
-  unsigned judged = 0;       ///< of so many that could
+  unsigned judged = 0;       ///< answers that could fit or contradict it
   std::bitset<5> functions;  ///< 1 to 4: those that gave data
   std::vector<NamedText> texts;
   std::optional<drive::WordOrder> word_order;  ///< as the maker fixed it, or as it was read
@@ -33,13 +33,13 @@ struct Identification {
 
 class Identifier {
  public:
-  /// `catalogue` must live as long.
+  /// `catalogue` must outlive this object.
   explicit Identifier(const Catalogue& catalogue);
 
-  /// What to read next; nothing if no further read would help. The first one is answered by about
-  /// every device, if only with an exception.
+  /// What to read next; nothing if no further read would help. Nearly every device answers the
+  /// first read, if only with an exception.
   [[nodiscard]] std::optional<modbus::TableRange> next() const;
-  /// What came of the read that next() named.
+  /// Takes the answer to the read that next() returned.
   void take(const modbus::TableRange& read, Answer answer);
   [[nodiscard]] Identification result() const;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks unit after unit of a bus what it is. Only functions 01 to 04 are used: a scan never writes.
+// Identifies the units of a bus, one after the other. Only functions 01 to 04 are used: a scan
+// never writes.
 #pragma once
 
 #include <functional>
@@ -16,27 +17,27 @@ namespace mbgate::ctl {
 struct FoundUnit {
   std::uint8_t unit;
   Identification identification;
-  std::chrono::nanoseconds slowest;  ///< of its answers, as seen from here
-  bool fell_silent = false;          ///< left several reads unanswered: asked no further
+  std::chrono::nanoseconds slowest;  ///< of its answers, as seen by the scan
+  bool fell_silent = false;          ///< several reads were unanswered: no further ones were sent
 };
 
 struct ScanResult {
   std::vector<FoundUnit> found;
-  std::vector<std::uint8_t> busy;    ///< units that nothing could be asked of
-  bool any_way = false;              ///< a unit was asked, if only in vain
+  std::vector<std::uint8_t> busy;    ///< units whose first read got only "busy", repeated or not
+  bool any_way = false;              ///< some unit had a route: not every read got no_way
   std::optional<std::string> error;  ///< why the scan ended early
 };
 
 /// One read of one unit. An error ends the scan.
 using AskUnit = std::function<Result<Answer, std::string>(std::uint8_t, const modbus::TableRange&)>;
-/// Told before each unit.
+/// Called before each unit.
 using Progress = std::function<void(std::uint8_t unit, std::size_t found)>;
 
 ScanResult scan_units(const std::vector<std::uint8_t>& units, const Catalogue& catalogue,
                       const AskUnit& ask, const Progress& progress);
 
-/// "1-32", "1,5,17-20": units 1 to 247, in ascending order, each once. The error is a whole
-/// sentence.
+/// "1-32", "1,5,17-20": units 1 to 247. The result is in ascending order, each unit once. The error
+/// is a full sentence.
 Result<std::vector<std::uint8_t>, std::string> parse_units(std::string_view text);
 
 }  // namespace mbgate::ctl

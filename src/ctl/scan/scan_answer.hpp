@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What came back for one read of a scan.
+// The result of one read of a scan.
 #pragma once
 
 #include <chrono>

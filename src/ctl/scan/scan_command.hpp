@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carries `mbgatectl scan` out over a real connection.
+// Runs `mbgatectl scan` over a real connection.
 #pragma once
 
 #include <iosfwd>
@@ -8,11 +8,11 @@
 
 namespace mbgate::ctl {
 
-/// The table of what was found goes to `out`, and the configuration behind it or into its file,
-/// which must not exist yet. Returns the exit status: kExitDone if anything was found.
+/// Prints the table of what was found to `out`. The configuration follows it there, or is written
+/// to a file, which must not exist yet. Returns the exit status: kExitDone if anything was found.
 int carry_out_scan(const ScanCommand& command, std::ostream& out, std::ostream& errors);
 
-/// What the device or the gateway said, as the scan sees it.
+/// The answer of the device or of the gateway, as the scan classifies it.
 Answer answer_of(const modbus::TableRange& read, const modbus::Pdu& response);
 
 }  // namespace mbgate::ctl

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A configuration to start from, as a scan sees the bus. `mbgated --check` takes it as it is; what
-// reading cannot tell stands in it as a comment to choose from, never as a guess: a wrong word
-// order would move an axis somewhere else.
+// A configuration to start from, for the bus as a scan found it. `mbgated --check` accepts it as it
+// is. What reading cannot show is left as a comment to choose from, never guessed: with a wrong
+// word order an axis would move to another position.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ namespace mbgate::ctl {
 std::string starting_config(const Target& target, const std::string& bus,
                             const std::vector<FoundUnit>& found);
 
-/// A response timeout with a good margin over the slowest answer that was seen: at least thrice as
-/// long, at least 100 ms, a round figure.
+/// A response timeout with a good margin over the slowest answer that was seen: at least three
+/// times as long, at least 100 ms, rounded.
 std::chrono::milliseconds sensible_timeout(std::chrono::nanoseconds slowest);
 
 }  // namespace mbgate::ctl

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One TCP connection: bytes read ahead, answers that are due, and when it may be read further.
-// It neither parses nor routes; the gateway does.
+// One TCP connection: its read-ahead, the answers that are due, and when it may be read further. It
+// neither parses nor routes; the gateway does.
 #pragma once
 
 #include <boost/container/small_vector.hpp>
@@ -27,30 +27,31 @@ class ClientSession {
   [[nodiscard]] const ClientInfo& info() const { return info_; }
   [[nodiscard]] const ListenerSettings& listener() const { return *listener_; }
   [[nodiscard]] routing::ClientRights rights() const { return rights_; }
-  /// Whether answers are given in the order of the requests stays as it was at the beginning:
-  /// answers may be held.
+  /// Are answers sent in the order of the requests? As it was when the client connected, because
+  /// answers may already be held back.
   [[nodiscard]] bool is_ordered() const { return ordered_; }
-  /// Other settings: the listener says other things.
+  /// New settings of the listener.
   void adopt(const ListenerSettings& listener);
 
-  /// Requests without an answer that has been written whole; `pipeline` at most.
+  /// Requests whose answer has not been completely written; `pipeline` at most.
   [[nodiscard]] std::size_t outstanding() const { return open_ + held_.size() + unsent_; }
   [[nodiscard]] bool is_full() const { return outstanding() >= listener_->pipeline; }
 
   /// A request was taken: its answer is due.
   AnswerId open_answer();
-  /// The answer is there, or (nothing) none will be given. Returns what is to be sent now: with
+  /// `adu`: the answer; nothing: there will be none. Returns the ADUs that are to be sent now: with
   /// `ordered = true` an answer waits for those before it.
   Ready close_answer(AnswerId id, std::optional<modbus::MbapBytes> adu);
-  /// An answer has been written whole.
+  /// An answer has been completely written.
   void confirm_sent();
 
-  /// When bytes that were just read must be taken to have arrived: when reading was paused, if they
-  /// may have come since then. `unread` bytes still lie in the socket behind them.
+  /// The arrival time of bytes that were just read. If they may have come since reading was paused,
+  /// they count as having arrived at the beginning of the pause. `unread`: bytes that can still be
+  /// read from the socket.
   Instant arrival_of(std::size_t bytes, std::size_t unread, Instant now);
   /// Where in the client's stream the next request begins.
   [[nodiscard]] std::uint64_t position() const { return position_; }
-  /// The request at the front of the input was dealt with.
+  /// The request at the front of `input` was handled: removes it.
   void pass(std::size_t bytes) {
     position_ += bytes;
     input.consume(bytes);
@@ -61,11 +62,12 @@ class ClientSession {
     return position < info_.bytes_before_ready;
   }
 
-  /// To be called after bytes or answers came: reading must stop or may go on. Nothing: as it is.
+  /// Call it after bytes or answers came. Returns whether reading must be paused or may be resumed;
+  /// nothing: no change.
   enum class Reading : std::uint8_t { pause, resume };
   std::optional<Reading> update_reading(Instant now);
 
-  /// The peer has sent FIN. While reading is paused, bytes may still lie before it in the socket.
+  /// The peer has sent FIN. While reading is paused, bytes before it may still be unread.
   void half_close();
   [[nodiscard]] bool is_half_closed() const { return half_closed_; }
   /// Half-closed, everything read, everything answered and sent.
@@ -73,23 +75,25 @@ class ClientSession {
     return half_closed_ && pauses_.empty() && outstanding() == 0;
   }
 
-  /// What the client has done for too long.
+  /// Which timeout of the client has passed.
   enum class Overdue : std::uint8_t { nothing, idle, within_request };
   [[nodiscard]] Overdue overdue(Instant now) const;
-  /// When something may be overdue next.
+  /// When a timeout may pass next.
   [[nodiscard]] std::optional<Instant> next_look(Instant now) const;
-  /// To be called when requests were taken: is there a part of one that could be?
+  /// Call it after requests were taken: notes whether an incomplete request is at the front of
+  /// `input` while the pipeline has room.
   void note_partial(Instant now);
 
   ReadAhead input;
   EarlyStops ahead;
-  bool has_asked = false;   ///< a request was understood
-  bool is_closed = false;   ///< it goes as soon as nobody works with it
-  bool is_leaving = false;  ///< its stops are taken, and nobody reads answers any more
+  bool has_asked = false;  ///< it has sent a valid request
+  bool is_closed = false;  ///< removed as soon as it is no longer in use
+  bool is_leaving =
+      false;  ///< it is disconnecting: only its stops are still taken, and it gets no answers
   bool speaks_rtu_reported = false;
   Instant last_activity;
   std::optional<Instant> partial_since;   ///< an incomplete ADU is at the front of `input`
-  std::optional<Instant> timer_armed_at;  ///< the entry in the timers of all sessions
+  std::optional<Instant> timer_armed_at;  ///< its entry in ClientTimers
   boost::container::small_vector<std::uint32_t, 4> exchanges;
 
  private:
@@ -116,7 +120,7 @@ class ClientSession {
     std::uint64_t position;
     Instant began;
   };
-  boost::container::small_vector<PauseMark, 1> pauses_;  // as long as the socket was not seen empty
+  boost::container::small_vector<PauseMark, 1> pauses_;  // until the socket was seen empty
   std::uint64_t read_position_ = 0;
   std::size_t unread_ = 0;  // in the socket, after the last reading
 };

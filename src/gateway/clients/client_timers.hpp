@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a client must be looked at next (idle, partial frame). One entry a client; one that is
-// looked at too early just asks again.
+// When a client must be checked next (idle timeout, incomplete request). One entry for each client;
+// one that is checked too early is entered again.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ namespace mbgate::gateway {
 
 class ClientTimers {
  public:
-  /// Sets the client's time, in place of the one it had (`before`).
+  /// Sets the client's time, in place of the one that it had (`before`).
   void set(ClientId client, std::optional<Instant> before, Instant at) {
     cancel(client, before);
     entries_.emplace(at, client);
@@ -26,7 +26,7 @@ class ClientTimers {
   [[nodiscard]] std::optional<Instant> next() const {
     return entries_.empty() ? std::nullopt : std::optional(entries_.begin()->first);
   }
-  /// Takes a client out whose time has come.
+  /// Removes and returns a client whose time has come; nothing if there is none.
   std::optional<ClientId> take_due(Instant now) {
     if (entries_.empty() || entries_.begin()->first > now) {
       return std::nullopt;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The side of the clients: who is let in, when a connection is read, and when it ends.
+// The client side: which connections are accepted, when each is read, and when it is closed.
 #pragma once
 
 #include "gateway/clients/requests.hpp"
@@ -16,23 +16,23 @@ class Clients {
   void sent(ClientId client, Instant now);
   void half_closed(ClientId client);
   void disconnected(ClientId client, Instant now);
-  /// Closes those whose time is over.
+  /// Closes clients whose timeout has passed.
   void handle_deadline(Instant now);
   [[nodiscard]] std::optional<Instant> next_deadline() const { return sessions_.next_look(); }
-  /// From now on only so much is begun, and what was read ahead is answered.
+  /// From now on only this much is started. Requests in the read-ahead are answered.
   void set_phase(Phase phase);
 
   /// Serves a client for which something may be done; false if there is none.
   bool serve_one(Instant now);
   /// All jobs of the request have ended: answers it.
   void complete(std::uint32_t exchange) { requests_.complete(exchange); }
-  /// Forgets who was closed, once nothing is left to do.
+  /// Removes closed sessions. To be called when nothing else is left to do.
   void sweep() { sessions_.sweep(); }
   [[nodiscard]] std::size_t size() const { return sessions_.size(); }
 
-  /// Before other settings come: closes whom they do not let in.
+  /// Before new settings are in force: closes clients that these do not allow.
   void close_unwanted(const Settings& next, Instant now);
-  /// They are in force.
+  /// The new settings are in force.
   void adopt(const SettingsSnapshot& before, Instant now);
   [[nodiscard]] const Sessions& sessions() const { return sessions_; }
 

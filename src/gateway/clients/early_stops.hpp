@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stops of a connection that were taken although requests before them were not: they stay in
-// the read-ahead and are passed by when reading comes to them. Positions count the bytes of the
-// connection's stream.
+// The stops of a connection that were taken from the read-ahead although earlier requests still
+// wait there. Their bytes stay in the read-ahead and are skipped when processing reaches them.
+// Positions count the bytes of the connection's stream.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ class EarlyStops {
  public:
   struct Stop {
     std::uint64_t position;
-    /// The client wants its answers in order: this one gets its place when reading comes to it.
+    /// `ordered = true`: the answer gets its place when processing reaches the stop.
     bool answer_waits = false;
     std::optional<std::uint32_t> exchange{};  ///< that has not ended
     std::optional<modbus::MbapAdu> answer{};
@@ -31,21 +31,22 @@ class EarlyStops {
     return std::ranges::find(stops_, position, &Stop::position) != stops_.end();
   }
 
-  /// Begins to look at what lies behind `front`: all of it, or what was not looked at before.
+  /// Begins a search of the read-ahead behind `front`: all of it, or what was not searched before.
   void begin_look(std::uint64_t front, bool at_all);
   [[nodiscard]] std::uint64_t looking_at() const { return looking_at_; }
   void look_past(std::size_t bytes) { looking_at_ += bytes; }
-  /// The stop there lets a write go first that lies before it: it will be looked at again.
+  /// The stop at `position` lets a write before it go first: it will be looked at again.
   void hold(std::uint64_t position) { first_held_ = first_held_.value_or(position); }
   void end_look() { looked_at_ = first_held_.value_or(looking_at_); }
-  /// A write to the device, which a stop of it lets go first, lies at the position.
+  /// At the position is a write to the device that the device's stops let go first.
   void note_write(std::size_t device, std::uint64_t position);
   [[nodiscard]] bool write_lies_before(const DevicePlaces& devices, std::uint64_t position) const;
-  /// Reading has come to the position: the stop that was taken there, if there was one.
+  /// Processing has reached the position. Returns the stop that was taken from there; nothing if
+  /// none was.
   std::optional<Stop> take(std::uint64_t position);
-  /// Keeps the answer for later; false if it needs not wait.
+  /// Keeps the answer for later; false if it need not wait.
   bool keep_answer(std::uint32_t exchange, const std::optional<modbus::MbapAdu>& answer);
-  /// Other settings: what lies there may reach other devices now.
+  /// New settings: requests in the read-ahead may go to other devices now.
   void look_again() {
     writes_.clear();
     looked_at_ = 0;

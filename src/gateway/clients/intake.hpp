@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a client's bytes to its requests, one at a time: which are understood, where they go, and
-// what is refused before any bus knows of it. Stops are also taken out of what waits behind a full
+// From a client's bytes to its requests, one at a time: parses them, finds their routes, and
+// refuses what no bus is to know of. Stops are also taken from the read-ahead behind a full
 // pipeline.
 #pragma once
 
@@ -18,7 +18,7 @@
 
 namespace mbgate::gateway {
 
-/// What the gateway still begins.
+/// What the gateway still starts.
 enum class Phase : std::uint8_t { running, only_stops, nothing };
 
 /// A request as it was read, and what becomes of it.
@@ -26,7 +26,7 @@ struct Request {
   modbus::MbapAdu adu;
   std::uint64_t position;  ///< in the client's stream
   Instant arrival;
-  bool is_early = false;     ///< a stop that overtakes what lies before it in the stream
+  bool is_early = false;     ///< a stop that overtakes earlier requests of the stream
   bool for_gateway = false;  ///< for the gateway's own unit
   std::optional<modbus::ExceptionCode> refused{};
   const routing::ResolvedRoute* route = nullptr;  ///< nothing: there is none
@@ -43,29 +43,29 @@ class Intake {
   Intake(const SettingsHistory& settings, const WriteRules& rules, ActionQueue& actions)
       : settings_(settings), rules_(rules), actions_(actions) {}
 
-  /// What comes next in a client's stream; nothing if there is no whole request, or the pipeline
+  /// What comes next in a client's stream; nothing if there is no complete request, or the pipeline
   /// has no room.
   struct Next {
     Request* request = nullptr;              ///< until the next call, because it is large
     std::optional<EarlyStops::Stop> stop{};  ///< that was taken early
-    bool framing_lost = false;  ///< nobody can tell any more where the client's requests begin
+    bool framing_lost = false;               ///< it is not known any more where requests begin
   };
   [[nodiscard]] Next next(ClientSession& session, Instant now);
-  /// Begins to look for stops behind a full pipeline. What was looked at before is not looked at
-  /// again, unless the client is leaving: it has sent what it has sent, and all its stops are
-  /// taken, however many there are.
+  /// Begins to look for stops behind a full pipeline. What was searched before is not searched
+  /// again, unless the client is leaving: it can send nothing more, so all its stops are taken,
+  /// however many there are.
   void begin_early(ClientSession& session) const;
-  /// The next one, until the next call; nothing if there is no other.
+  /// The next stop, valid until the next call; nullptr if there is no other.
   [[nodiscard]] Request* next_early(ClientSession& session, Instant now);
-  /// Tells it once if these bytes look like RTU.
+  /// Reports once for each client if these bytes look like RTU.
   void notice_rtu(ClientSession& session, modbus::Bytes stream);
 
   void set_phase(Phase phase) { phase_ = phase; }
   [[nodiscard]] Phase phase() const { return phase_; }
   [[nodiscard]] const ClientCounters& counters() const { return counters_; }
   void clear_counters() { counters_ = {}; }
-  /// Other settings are in force: what came before them, to a unit that means something else now,
-  /// is not carried out. Clients that ask for a unit without a route are told once more.
+  /// New settings are in force. Requests that arrived before and whose unit means something else now
+  /// are answered 06. Clients that ask for a unit without a route are reported once more.
   void adopt(const SettingsSnapshot& before, Instant now);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes of a client that wait to be taken as requests, and since when: a request is as old as its
-// first byte.
+// Bytes of a client that were not yet taken as requests, with their arrival times. A request is as
+// old as its first byte.
 #pragma once
 
 #include <vector>

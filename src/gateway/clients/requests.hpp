@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What clients ask for, from the moment that it is understood: answered by the gateway itself, or
-// begun on the buses and answered when all its jobs have ended.
+// What becomes of a request that was understood: the gateway answers it itself, or starts it on the
+// buses and answers it when all its jobs have ended.
 #pragma once
 
 #include "gateway/clients/intake.hpp"
@@ -26,12 +26,12 @@ class Requests {
         actions_(actions),
         started_(now) {}
 
-  /// The plan is taken out of the request.
+  /// Answers the request or starts it. The plan is moved out of it.
   void accept(ClientSession& session, Request& request, Instant now);
-  /// Reading has come to a stop that was taken early: its answer gets its place, if it waits for
+  /// Processing has reached a stop that was taken early: its answer gets its place, if it waits for
   /// one.
   void pass_early(ClientSession& session, const EarlyStops::Stop& stop);
-  /// All jobs of the exchange have ended.
+  /// All jobs of the exchange have ended: answers it.
   void complete(std::uint32_t exchange);
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The connections of clients: how many each listener has, whose turns they share, and when one must
-// be looked at next. One that is closed is only marked, so that whoever works with it may go on; it
-// is forgotten by sweep().
+// The connections of clients: how many each listener has, which of them share turns, and when one
+// must be checked next. A closed one is only marked, so that code that uses it may go on; sweep()
+// removes it.
 #pragma once
 
 #include <map>
@@ -22,16 +22,17 @@ class Sessions {
       : settings_(&settings), on_listener_(settings.listeners.size()) {}
 
   [[nodiscard]] bool is_full(ListenerId listener) const;
-  /// The one that was idle for longest of those that may make room on the listener; or nothing.
+  /// Of the connections that may make room on the listener, the one that has been idle longest;
+  /// nullptr if there is none.
   [[nodiscard]] ClientSession* idlest(ListenerId listener);
-  /// Nothing if there is one of this number.
+  /// nullptr if there is one with this number.
   ClientSession* add(ClientId client, const ClientInfo& info, Instant now);
-  /// Nothing if it is closed, or never was there.
+  /// nullptr if it is closed or was never there.
   [[nodiscard]] ClientSession* find(ClientId client);
   void close(ClientSession& session);
-  /// Forgets those that were closed. To be called when nobody works with one.
+  /// Removes those that were closed. To be called when none of them is in use.
   void sweep();
-  /// That are open.
+  /// How many are open.
   [[nodiscard]] std::size_t size() const { return sessions_.size() - closed_.size(); }
   template <typename Visit>
   void for_each(Visit visit);
@@ -40,21 +41,21 @@ class Sessions {
 
   /// Something may be done for the client.
   void wake(const ClientSession& session) { ready_.push_back(session.id()); }
-  /// The last one that was woken and is still open, or nothing.
+  /// The last one that was woken and is still open; nullptr if there is none.
   ClientSession* take_ready();
   [[nodiscard]] bool any_ready() const { return !ready_.empty(); }
 
-  /// The client is to be looked at then, if not before.
+  /// The client is to be checked at this instant, or before.
   void look_at(ClientSession& session, std::optional<Instant> at);
   [[nodiscard]] std::optional<Instant> next_look() const { return timers_.next(); }
-  /// A client whose time has come, or nothing.
+  /// A client whose time has come; nullptr if there is none.
   ClientSession* take_due(Instant now);
 
-  /// Connections from one address share its turns. Those of an address without any are the
-  /// gateway's.
+  /// Connections from one address share its turns. An address without a connection gets the turns
+  /// of the gateway itself.
   [[nodiscard]] Turns turns_of(const routing::ClientAddress& address) const;
 
-  /// Other settings, in which the listeners of all clients are there.
+  /// New settings, which still have the listeners of all clients.
   void adopt(const Settings& next, Instant now);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The requests that are open, and their jobs: from the plan to the buses and back. Who has asked is
-// not called: requests whose jobs have all ended are polled.
+// The open requests and their jobs: from the plan to the buses and back. Nobody is called back:
+// requests whose jobs have all ended are polled.
 #pragma once
 
 #include <optional>
@@ -19,26 +19,26 @@ class Exchanges {
   Exchanges(SettingsHistory& settings, BusSet& buses, ActionQueue& actions)
       : settings_(settings), buses_(buses), actions_(actions) {}
 
-  /// A new one, with the settings in force.
+  /// A new exchange, with the settings in force. Returns its index.
   std::uint32_t open();
   [[nodiscard]] Exchange& operator[](std::uint32_t index) { return exchanges_[index]; }
-  /// Begins to carry out the plan.
+  /// Starts to carry out the plan.
   void start(std::uint32_t index, Turns turns, Instant arrival, Instant now);
-  /// A job more of an exchange; to be submitted.
+  /// Adds a job to an exchange; it is still to be submitted.
   bus::Job& add_job(std::uint32_t index, BusId bus, Turns turns, Instant deadline);
   void submit(std::uint32_t index, Instant now);
-  /// A bus has done with a job.
+  /// A bus has ended a job.
   void end(bus::Job& job, bus::Ending ending);
-  /// Takes back what waits; what is on the wire goes on, but is not repeated for a client that has
-  /// gone. Stops are carried out whatever becomes of their client.
+  /// Withdraws what waits. What is on the wire goes on, but is not repeated for a client that has
+  /// gone. Stops are carried out even if their client has gone.
   void cancel(std::uint32_t index);
 
-  /// One whose jobs have all ended since; it is then to be closed.
+  /// An exchange whose jobs have all ended, which is then to be closed; nothing if there is none.
   std::optional<std::uint32_t> take_completed();
   void close(std::uint32_t index);
   [[nodiscard]] bool any_open() const { return exchanges_.in_use() > 0; }
 
-  /// Other settings are in force: jobs that would mean something else now are taken back.
+  /// New settings are in force: jobs that would mean something else now are withdrawn.
   void end_changed(const SettingsSnapshot& old);
 
  private:

@@ -8,7 +8,7 @@
 
 namespace mbgate::gateway {
 
-/// To be called when a job has ended. The settings are those that count the job's bus.
+/// To be called when a job has ended. The settings are those in which the job's bus has its number.
 void report_effects(const Exchange& exchange, const Exchange::Part& part, bus::Ending ending,
                     const Settings& settings, ActionQueue& actions);
 

@@ -26,8 +26,8 @@ class DeviceIndex {
 
   /// Nothing: no device is configured there.
   [[nodiscard]] std::optional<std::size_t> at(drive::BusId bus, std::uint8_t address) const;
-  /// Those that a transaction may change: the one at its address, or, because nobody can be kept
-  /// from listening to a broadcast, all of the bus.
+  /// Those that a transaction may change: the one at its address or, for a broadcast, which any
+  /// device may obey, all of the bus.
   [[nodiscard]] DevicePlaces reached_by(const routing::PlannedTransaction& transaction) const;
   /// Those that it is meant for: of a broadcast the ones that hear its form.
   [[nodiscard]] DevicePlaces addressed_by(const routing::PlannedTransaction& transaction) const;

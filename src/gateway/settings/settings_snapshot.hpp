@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings with what is derived from them. Requests keep the generation that they were planned
-// with, so that a change of settings takes nothing away under them.
+// Settings with what is derived from them. A request keeps the snapshot that it was planned with,
+// so a reload takes nothing away from it.
 #pragma once
 
 #include <list>
@@ -25,7 +25,7 @@ struct SettingsSnapshot {
   [[nodiscard]] std::span<const modbus::Request> failsafe(std::size_t device) const;
   /// A watch for every device that has failsafe writes.
   [[nodiscard]] Failsafe new_failsafe() const;
-  /// The devices with failsafe writes that the client may write to, by any way.
+  /// The devices with failsafe writes that the client may write to by any route.
   [[nodiscard]] DevicePlaces watched_for(const ClientInfo& client,
                                          routing::ClientRights rights) const;
 
@@ -37,7 +37,7 @@ struct SettingsSnapshot {
  private:
   [[nodiscard]] bool leads_to(ListenerId listener, const drive::Device& device) const;
 
-  /// By listener: devices with failsafe writes that a way with write access leads to.
+  /// By listener: devices with failsafe writes that a route with write access leads to.
   std::vector<DevicePlaces> watched_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Failsafe writes: from when they are due until they were transmitted. They go as stops of nobody,
-// each as a request of its own.
+// Failsafe writes, from when they are due until they were transmitted. Each is sent as a stop
+// without a client, as a request of its own.
 #pragma once
 
 #include <optional>
@@ -37,17 +37,17 @@ class FailsafeWrites {
   /// Sends what is due; false if nothing is.
   bool send_due(Instant now);
   /// The gateway stops: what is due and what `failsafe_on_exit` asks for is sent; what cannot be
-  /// sent any more is said.
+  /// sent any more is reported.
   void send_at_exit(Instant now);
-  /// Buses may have transmitted something.
+  /// Buses may have transmitted something: notes which writes were sent.
   void note_sent();
   /// One of the requests has ended. What was not transmitted stays due.
   void ended(std::uint32_t exchange);
 
-  /// Devices that other settings do not have any more get their writes now: nobody may write to
-  /// them afterwards. To be called before those are in force.
+  /// Before new settings are in force: sends the writes of devices that these do not have any more,
+  /// because nobody may write to them afterwards.
   void send_to_leaving(const Settings& next, Instant now);
-  /// Other settings are in force, and the clients that are left have got theirs.
+  /// New settings are in force, also for the clients that are left.
   void adopt(const SettingsSnapshot& before, const Sessions& clients, Instant now);
 
  private:
@@ -56,15 +56,15 @@ class FailsafeWrites {
     std::optional<std::uint32_t> exchange;  ///< nothing: it has ended
     std::size_t place;                      ///< among the device's failsafe writes
   };
-  /// Those of a device, on their way.
+  /// The failsafe writes of a device that are being sent.
   struct Run {
     Failsafe::Due due;
     BusId bus;
     std::uint8_t address;
     std::vector<Write> unsent{};
     std::vector<std::uint32_t> exchanges{};  ///< that have not ended
-    /// The device has other failsafe writes now: unless all of these are sent, all of those are
-    /// due.
+    /// The device has other failsafe writes now. Unless all of the old ones are sent, all of the
+    /// new ones are due.
     bool is_outdated = false;
   };
   void send(Failsafe::Due due, Instant now);

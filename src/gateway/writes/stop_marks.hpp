@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which writes the stops that were taken forbid, device by device: those that had arrived before,
-// wherever they lay meanwhile, must not follow.
+// Which writes are forbidden by the stops that were accepted, device by device: a write that
+// arrived before a stop, wherever it was held meanwhile, must not be sent after it.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ class StopMarks {
     }
     mark.at = now;
   }
-  /// One was taken from the client although requests before it in its stream were not.
+  /// A stop was taken from the client although earlier requests of its stream still wait.
   void note_early(std::size_t device, ClientId client, std::uint64_t position) {
     std::vector<Place>& places = early_[client];
     const auto known = std::ranges::find(places, device, &Place::device);
@@ -36,9 +36,9 @@ class StopMarks {
       places.push_back({device, position});
     }
   }
-  /// Does a stop forbid a write to the device that arrived then, and lies there in its client's
-  /// stream? By the clock only the stops of others do: a client's own writes behind its stop may be
-  /// as old as that.
+  /// Does a stop forbid a write to the device that arrived at `arrival` and is at `position` in its
+  /// client's stream? Times are compared only with the stops of others: the client's own write
+  /// behind its stop may have arrived at the same instant.
   [[nodiscard]] bool forbids(std::size_t device, ClientId client, std::uint64_t position,
                              Instant arrival) const {
     const Mark& mark = marks_[device];
@@ -53,7 +53,7 @@ class StopMarks {
   struct Mark {
     Instant at = Instant::min();
     std::optional<ClientId> client;      ///< whose stop that was
-    Instant others_at = Instant::min();  ///< the last one before that of anybody else
+    Instant others_at = Instant::min();  ///< the last stop before that of any other client
   };
   struct Place {
     std::size_t device;

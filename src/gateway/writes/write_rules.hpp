@@ -23,37 +23,41 @@ class WriteRules {
  public:
   explicit WriteRules(const SettingsSnapshot& settings);
 
-  /// A run of writes is a stop if each of them is, a broadcast if any device takes it for one.
+  /// A plan of several writes is a stop if each of them is; a broadcast if it is one for any
+  /// device.
   [[nodiscard]] bool is_stop(const routing::Plan& plan) const;
-  /// The devices to which writes that came before the stop are not transmitted any more.
+  /// The devices whose earlier writes are cancelled by the stop.
   [[nodiscard]] DevicePlaces overtaken_by(const routing::Plan& stop) const;
-  /// The devices that the write reaches, whose stops let it go first.
+  /// Of the devices that the write reaches, those whose stops let it go first (`stop_cancels =
+  /// false`).
   [[nodiscard]] DevicePlaces goes_before_stops_of(const routing::Plan& write) const;
 
-  /// Why the write may not reach one of its devices: 01 if that is so for ever, else 06.
+  /// Why the write may not reach one of its devices: 01 if it never may, 06 if it may not now.
+  /// Nothing if it may.
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(const routing::Plan& write,
                                                                const WriteOrigin& origin,
                                                                Instant now) const;
-  /// The buses on which a part of the stop is none and has an objection of its own, or may not go
-  /// because its client's writes may not (`may_write`).
+  /// Of a broadcast that is a stop on some buses only: the other buses, on which it is an ordinary
+  /// write, if that write may not be sent. Either objection() forbids it there, or the client may
+  /// not write (`may_write` is false).
   [[nodiscard]] BusList left_out_of(const routing::Plan& stop, const WriteOrigin& origin,
                                     bool may_write, Instant now) const;
 
-  /// The request was accepted, but for the parts on some buses.
+  /// The request was accepted, except for its parts on the buses `left_out`.
   void note_accepted(const routing::Plan& request, const BusList& left_out,
                      const WriteOrigin& origin, Instant now);
-  /// A stop of the client that lies there in its stream was accepted before what lies before it.
+  /// A stop of the client was accepted although earlier requests of its stream still wait.
   void note_early(const routing::Plan& stop, const WriteOrigin& origin);
   /// The gateway itself stops the device.
   void note_own_stop(std::size_t device, Instant now);
   void client_gone(ClientId client) { stop_marks_.client_gone(client); }
-  /// Other settings: what is known of a device goes over to its new place.
+  /// New settings: what is known of removed devices is dropped.
   void adopt(const SettingsSnapshot& settings);
 
  private:
   friend struct mbgate::StateReader;
   [[nodiscard]] bool is_stop(const routing::PlannedTransaction& transaction) const;
-  /// A broadcast that is a stop may be a write like others on some of its buses.
+  /// A broadcast that is a stop may be an ordinary write on some of its buses.
   [[nodiscard]] bool stops_on(BusId bus, const routing::Plan& stop) const;
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(
       const routing::PlannedTransaction& write, const WriteOrigin& origin, Instant now) const;

@@ -15,7 +15,7 @@ class Writers {
  public:
   explicit Writers(std::size_t devices) : owners_(devices) {}
 
-  /// Why the client may not write to the device: 01 if it never may, 06 while another one owns
+  /// Why the client may not write to the device: 01 if it never may, 06 while another client owns
   /// writing. Nothing if it may.
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(std::size_t device,
                                                                const DeviceGuard& guard,

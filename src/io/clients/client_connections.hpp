@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The connections of all clients, by the number that the machine knows each by: those that it still
-// has, and how many that it has closed still send what was queued.
+// The connections of all clients, by the machine's client number. Counts also the connections that
+// the machine has closed and that still send what was queued.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -21,20 +21,20 @@ class ClientConnections {
   ClientConnections(const ClientConnections&) = delete;  // its parts refer to each other
   ClientConnections& operator=(const ClientConnections&) = delete;
 
-  /// Gives it a number that no other one had. It reports nothing before TcpConnection::start().
+  /// Adds a connection under a new number. It reports nothing before TcpConnection::start().
   gateway::ClientId add(boost::asio::ip::tcp::socket socket);
-  /// Null if it has ended, or was closed.
+  /// nullptr if it has ended or was closed.
   [[nodiscard]] TcpConnection* find(gateway::ClientId client) const;
-  /// It has ended by itself.
+  /// The connection has ended by itself.
   void note_disconnected(gateway::ClientId client) { connections_.erase(client); }
-  /// Ends it at once. False if there is none.
+  /// Ends the connection at once. False if there is none.
   bool abort(gateway::ClientId client);
   /// TcpConnection::close(), if there is one.
   void close(gateway::ClientId client, bus::Duration limit);
   void close_all(bus::Duration limit);
-  /// One that was closed has reported its end.
+  /// A closed connection has reported its end.
   void note_closed() { --closing_; }
-  /// Some that were closed still send what was queued.
+  /// Are there closed connections that still send what was queued?
   [[nodiscard]] bool are_closing() const { return closing_ > 0; }
 
  private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many file descriptors the process may have, and how many of them clients may use. Clients
-// come in any number; a replugged adapter, the control socket and HTTP must find a descriptor all
-// the same. The kernel gives out the lowest free number, so those from some number on are kept for
-// them: a client that gets such a number is turned away.
+// How many file descriptors the process may have, and how many of them clients may use. Any number
+// of clients may connect, but a replugged adapter and the process itself must still find a free
+// descriptor. The kernel assigns the lowest free number, so the numbers from some limit on are
+// reserved for them: a client that gets such a number is turned away.
 #pragma once
 
 #include <cstddef>
@@ -13,21 +13,21 @@
 
 namespace mbgate::io {
 
-/// Raises the limit to the hard one, which is the result. The soft limit is 1024 for the sake of
-/// select(2), which nobody here uses.
+/// Raises the soft limit to the hard limit. Returns the limit then in force. The soft limit is
+/// usually 1024 because of select(2), which is not used here.
 std::size_t raise_descriptor_limit();
-/// The limit that it would be raised to.
+/// The hard limit, to which raise_descriptor_limit() raises the soft one.
 std::size_t hard_descriptor_limit();
 
 struct DescriptorRoom {
-  std::size_t clients = 0;  ///< connections that there can be; 0: too few descriptors to start
-  /// Fewer than the listeners' max_connections together: one line about it.
+  std::size_t clients = 0;  ///< connections that are possible; 0: too few descriptors to start
+  /// One line, if these are fewer than the `max_connections` of all listeners together.
   std::optional<std::string> shortage;
 };
 
 DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t limit);
 
-/// The first descriptor that no client may have, by the limit in force.
+/// The first descriptor that no client may have, with the limit in force.
 int end_of_client_descriptors(const gateway::Settings& settings);
 
 }  // namespace mbgate::io

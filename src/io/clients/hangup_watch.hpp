@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Notices that a peer has gone while nothing is read from its socket. Asio's wait_error does not
-// fire for a FIN or a reset behind unread data; an epoll instance of our own does, and is itself
-// watched through Asio.
+// Notices that a peer has closed its connection while nothing is read from the socket. Asio's
+// wait_error does not fire for a FIN or a reset behind unread data. An epoll instance of our own
+// does, and is itself watched through Asio.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -31,7 +31,7 @@ class HangupWatch {
   /// reset is reported. A second call for a watched socket replaces the first. False if the kernel
   /// refuses.
   [[nodiscard]] bool watch(int socket, std::uint64_t key, bool fin);
-  /// Before the socket is closed, or read again.
+  /// To be called before the socket is closed or read again.
   void forget(int socket);
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A TCP socket that listens for one listener of the settings: bound by us, or bound by systemd and
-// handed over. Its options are those of every connection accepted from it, because Linux lets an
-// accepted socket inherit them.
+// A TCP socket that listens for one listener of the settings. It was bound by us, or bound by
+// systemd and handed over. Its options are also those of every connection accepted from it, because
+// on Linux an accepted socket inherits them.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -16,14 +16,14 @@ namespace mbgate::io {
 
 struct ListenFailure {
   std::string why;      ///< one line with the listener's name and its address
-  bool absent = false;  ///< this machine does not have the address: it may come
+  bool absent = false;  ///< this machine does not have the address (yet)
 };
 
 /// Binds the listener's address and port.
 Result<boost::asio::ip::tcp::acceptor, ListenFailure> bind_listener(
     boost::asio::io_context& context, const gateway::ListenerSettings& listener);
 
-/// Takes over a listening TCP socket; address and port of the settings do not matter then.
+/// Takes over a listening TCP socket; address and port of the settings are then not used.
 Result<boost::asio::ip::tcp::acceptor, ListenFailure> adopt_listener(
     boost::asio::io_context& context, const gateway::ListenerSettings& listener, UniqueFd socket);
 

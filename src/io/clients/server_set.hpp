@@ -18,10 +18,10 @@ class ServerSet {
 
   /// Descriptors from `end` on are not for clients. Once start() was called it accepts at once.
   void add(gateway::ListenerId listener, boost::asio::ip::tcp::acceptor acceptor, int end);
-  /// Nobody is accepted any more on the sockets of this listener.
+  /// Closes the sockets of this listener: no more clients are accepted on them.
   void remove(gateway::ListenerId listener);
   void set_end(int end);
-  /// Accepts what is already waiting on all of them, and then what comes.
+  /// Accepts the connections that are already waiting on all of them, then new ones.
   void start();
   void stop();
 

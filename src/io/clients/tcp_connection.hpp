@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The socket of one client. It reports bytes, FIN and the end, and sends each ADU with one send()
-// as long as the client takes it. An idle connection holds no buffer: what can be read is read into
-// one that all share.
+// The socket of one client. It reports bytes, FIN and the end of the connection, and sends each ADU
+// with one send() as long as the client takes it. An idle connection has no buffer: all connections
+// are read into one shared buffer.
 #pragma once
 
 #include <array>
@@ -24,13 +24,13 @@ namespace mbgate::io {
 class ConnectionEvents {
  public:
   virtual ~ConnectionEvents() = default;
-  /// `unread` more bytes are in the socket. Without bytes: reading was resumed and there was
-  /// nothing.
+  /// `unread`: how many more bytes are in the socket. Without bytes: reading was resumed and there
+  /// was nothing to read.
   virtual void client_bytes(gateway::ClientId client, modbus::Bytes bytes, std::size_t unread) = 0;
-  /// The oldest ADU that send() called queued has been written.
+  /// The oldest ADU for which send() returned `queued` has been written.
   virtual void client_sent(gateway::ClientId client) = 0;
-  /// FIN: once when it is noticed while reading is paused, before the bytes in front of it are
-  /// read, and once when reading comes to it.
+  /// The client has sent FIN. Called when the FIN is read; before that also once if it is noticed
+  /// while reading is paused, when bytes before it are still unread.
   virtual void client_half_closed(gateway::ClientId client) = 0;
   /// The connection has ended by itself; its socket is closed.
   virtual void client_disconnected(gateway::ClientId client) = 0;
@@ -38,7 +38,7 @@ class ConnectionEvents {
   virtual void client_closed(gateway::ClientId client) = 0;
 };
 
-/// Bytes that have come and were not read yet.
+/// How many bytes have come and were not read yet.
 std::size_t unread_bytes(int socket);
 
 using ReadBuffer = std::array<std::uint8_t, gateway::kClientReadSize>;
@@ -61,15 +61,15 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   /// Reports bytes and FIN until pause().
   void start();
   /// Reads no more, but still reports FIN and reset. False if they cannot be watched: then the
-  /// connection is of no use any more.
+  /// connection must be given up.
   [[nodiscard]] bool pause();
   void resume();
-  /// `failed`: the connection is broken, and nothing is reported back.
+  /// `failed`: the connection is broken, and nothing more is reported.
   SendOutcome send(const modbus::MbapBytes& adu);
   /// Sends what is queued, then FIN, and closes when the client has closed too, after `limit` at
-  /// the latest: closing at once with bytes unread would make the kernel reset the connection, and
-  /// the last answers could be lost. Only client_closed() is reported from now on, perhaps from
-  /// within.
+  /// the latest. If the socket were closed at once with unread bytes, the kernel would reset the
+  /// connection, and the last answers could be lost. Only client_closed() is reported from now on,
+  /// perhaps from within this call.
   void close(bus::Duration limit);
   /// Closes at once and reports nothing.
   void abort();

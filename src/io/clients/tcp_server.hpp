@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Accepts the connections of one listening socket. Running out of file descriptors is survived, and
-// some are left for others: the connections that cannot be had are closed, so that their clients
-// know, and the server goes on.
+// Accepts the connections of one listening socket. If there are no descriptors left for clients,
+// new connections are closed, so that their clients notice, and the server goes on. Some
+// descriptors are kept for other uses.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -19,10 +19,11 @@ namespace mbgate::io {
 struct AcceptedClient {
   boost::asio::ip::tcp::socket socket;
   boost::asio::ip::tcp::endpoint peer;
-  /// Bytes that could be read at accept; counted by accept_waiting() only, else 0.
+  /// Bytes that could be read when the connection was accepted; counted by accept_waiting() only,
+  /// else 0.
   std::size_t bytes_waiting = 0;
 
-  /// The peer's, as the machine knows addresses.
+  /// The address of the peer.
   [[nodiscard]] routing::ClientAddress address() const;
 };
 
@@ -30,7 +31,7 @@ class AcceptEvents {
  public:
   virtual ~AcceptEvents() = default;
   virtual void client_accepted(gateway::ListenerId listener, AcceptedClient client) = 0;
-  /// Accepting failed for want of descriptors or memory; it is tried again after a pause.
+  /// Accepting failed for lack of descriptors or memory; it is tried again after a pause.
   virtual void accept_failed(gateway::ListenerId listener,
                              const boost::system::error_code& error) = 0;
 };
@@ -45,9 +46,9 @@ class TcpServer {
   TcpServer& operator=(const TcpServer&) = delete;
   ~TcpServer() = default;
 
-  /// Accepts, at once and without waiting, the connections that were made before now.
+  /// Accepts the connections that are already waiting, without blocking.
   void accept_waiting();
-  /// Accepts those that come from now on.
+  /// Accepts new connections from now on.
   void start();
   /// Accepts no more.
   void stop();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus is attached to: a serial line, or a TCP connection in place of one. A line only tries:
-// when to open again is the machine's decision.
+// What a bus is attached to: a serial line, or a TCP connection in place of one. Each open() is a
+// single attempt; the machine decides when to try again.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -23,9 +23,10 @@ class LineEvents {
   virtual void line_opened(drive::BusId bus, bus::LineKind kind,
                            const std::vector<std::string>& warnings) = 0;
   virtual void line_bytes(drive::BusId bus, modbus::Bytes bytes) = 0;
-  /// It could not be opened, or it died. `why` is one line that names the far end.
+  /// The line could not be opened, or was lost. `why` is one line of text that names the port or
+  /// server.
   virtual void line_lost(drive::BusId bus, const std::string& why) = 0;
-  /// The far end of an open connection has closed it.
+  /// The server has closed an open connection.
   virtual void line_closed(drive::BusId bus, const std::string& why) = 0;
 };
 
@@ -47,24 +48,25 @@ class Line {
   /// Ends in line_opened() or line_lost(), never from within. Ignored while the line is open or
   /// being opened.
   virtual void open() = 0;
-  /// One write of the whole frame, at once. What is not taken is written as soon as it is, within a
-  /// limit. Why the line is dead, or nothing; a dead line is closed already and line_lost() is not
-  /// called. One that is not open was reported before, and takes nothing.
+  /// Writes the whole frame with one call, at once. What the kernel does not take is written as
+  /// soon as possible, within a limit. Returns why the line is dead, or nothing. A dead line is
+  /// closed already, and line_lost() is not called. A line that is not open was reported before,
+  /// and ignores the frame.
   [[nodiscard]] virtual std::optional<std::string> transmit(modbus::Bytes frame) = 0;
-  /// Hands over what lies in the descriptor now, and nothing that comes while it does:
-  /// line_bytes(), or line_lost() if the line turns out to be dead, from within. Nothing on a line
-  /// that is not open.
+  /// Reads what can be read now, and nothing that comes meanwhile. Calls line_bytes(), or
+  /// line_lost() if the line turns out to be dead, from within. Does nothing on a line that is not
+  /// open.
   virtual void read_now() = 0;
-  /// Does anything lie in the descriptor?
+  /// Is there anything to read?
   [[nodiscard]] virtual bool has_bytes() = 0;
-  /// Also ends an opening. Nothing is reported until the next open().
+  /// Closes the line, or cancels an attempt to open it. Nothing is reported until the next open().
   virtual void close() = 0;
-  /// What the next open() is to open; the line must be closed. False: this object cannot, and
-  /// another one is needed.
+  /// New settings for the next open(); the line must be closed. False: this object cannot use them,
+  /// and another one is needed.
   [[nodiscard]] virtual bool adopt(const bus::LineSettings& settings) = 0;
 };
 
-/// What these settings ask for: a TCP connection if they name a remote end, else a serial line.
+/// The line for these settings: a TCP connection if they have `remote`, else a serial line.
 std::unique_ptr<Line> make_line(LineContext context, drive::BusId bus,
                                 const bus::LineSettings& line);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lines of all buses. A reload may change what a line is: the next opening is of what the
-// settings say then.
+// The lines of all buses. A reload may change a line; the next open() uses the new settings.
 #pragma once
 
 #include <memory>
@@ -14,11 +13,12 @@ class LineSet {
  public:
   explicit LineSet(LineContext context) : context_(context) {}
 
-  /// One that was opened before.
+  /// The line of the bus, which must have been opened before.
   Line& operator[](drive::BusId bus) { return *lines_[static_cast<std::size_t>(bus)].line; }
-  /// The line of the bus as `settings` have it. One that they change must have been closed.
+  /// The line of the bus with these settings. If they differ from before, the line must have been
+  /// closed.
   Line& with_settings(drive::BusId bus, const bus::LineSettings& settings);
-  /// Hands over what lies in their descriptors.
+  /// Reads what can be read from all of them.
   void read_now();
 
  private:
@@ -28,7 +28,8 @@ class LineSet {
   };
   LineContext context_;
   std::vector<Entry> lines_;
-  /// Closed, and replaced by lines of another kind. A thread may still be about to report to them.
+  /// Lines that were closed and replaced by lines of another kind. A thread may still report to
+  /// them.
   std::vector<std::unique_ptr<Line>> retired_;
 };
 

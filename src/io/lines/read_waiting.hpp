@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading what lies in the descriptor of a line, and nothing that comes meanwhile: somebody who
-// never stops sending must not keep the io thread.
+// Reads what can be read from a line now, and nothing that comes meanwhile: a peer that never stops
+// sending must not block the io thread.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +15,12 @@
 
 namespace mbgate::io {
 
-/// Of a call that failed with this errno: it is no failure of the descriptor, and can be made
-/// again.
+/// True if a call that failed with this errno can be repeated later: the descriptor has not failed.
 inline bool would_block(int error) { return error == EAGAIN || error == EINTR; }
 
-/// At most `left` bytes, in pieces that fit `buffer`. `read` is given room and does what ::read()
-/// does; `hand_over` is given what came, and says whether the line is still the same. Why the line
-/// is dead: an errno, or eof; no error otherwise.
+/// Reads at most `left` bytes, in pieces that fit `buffer`. `read` gets the buffer and does what
+/// ::read() does. `hand_over` gets the bytes that came, and returns whether the line is still the
+/// same. Returns why the line is dead: an errno, or eof; no error otherwise.
 template <class Read, class HandOver>
 [[nodiscard]] boost::system::error_code read_waiting(std::span<std::uint8_t> buffer,
                                                      std::size_t left, Read read,

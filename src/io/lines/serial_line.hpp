@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One serial line: opened and closed on a thread that may wait, read and written on the io thread.
+// A serial line. It is opened and closed on a thread that may wait, and read and written on the io
+// thread.
 #pragma once
 
 #include <array>
@@ -52,9 +53,9 @@ class SerialLine final : public Line {
   boost::asio::posix::stream_descriptor descriptor_;
   boost::asio::steady_timer timer_;
   State state_ = State::closed;
-  std::shared_future<void> closed_;  ///< ready once the descriptor before is given back
-  /// Counts the openings and closings, so that what belongs to an earlier opening notices that its
-  /// line has gone.
+  std::shared_future<void> closed_;  ///< ready once the previous descriptor is closed
+  /// Counts openings and closings, so that what belongs to an earlier opening notices that its line
+  /// is closed.
   unsigned generation_ = 0;
   bus::FrameBytes rest_;       ///< not taken by the driver yet
   bool transmitting_ = false;  ///< a rest is left, or RTS is raised

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A TCP connection in place of a serial line: to a Modbus TCP server, or to a serial device server.
-// Nothing that was given to it leaves long after it was asked for: a far end that does not take or
-// acknowledge what was sent costs the connection, and what the kernel still holds goes with it.
+// No request is delivered late: if the far end does not take or acknowledge what was sent, the
+// connection is closed, and what the kernel still holds is discarded with it.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ class TcpLine final : public Line {
   void read_now() override;
   [[nodiscard]] bool has_bytes() override;
   void close() override;
-  /// A name that is being looked up is that of the far end of before.
+  /// False while a name is being looked up: it is that of the previous server.
   [[nodiscard]] bool adopt(const bus::LineSettings& settings) override {
     if (!settings.remote || resolving_ || state_ != State::closed) {
       return false;
@@ -59,13 +59,13 @@ class TcpLine final : public Line {
   drive::BusId bus_;
   bus::Endpoint remote_;
   bus::ConnectionTimes times_;
-  std::string name_;  ///< of the far end, in texts
+  std::string name_;  ///< of the server, in messages
   boost::asio::ip::tcp::socket socket_;
   boost::asio::steady_timer timer_;  ///< limits connecting, then writing
   State state_ = State::closed;
   bool resolving_ = false;  ///< a thread waits for the name servers
-  /// Counts the openings and closings, so that a coroutine of an earlier connection notices that
-  /// its connection has gone.
+  /// Counts openings and closings, so that a coroutine of an earlier connection notices that its
+  /// connection is closed.
   unsigned generation_ = 0;
   std::vector<std::uint8_t> rest_;  ///< not taken by the kernel yet
   std::array<std::uint8_t, 2048> buffer_{};

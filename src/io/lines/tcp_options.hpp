@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the kernel is told of a connection that carries a line: how soon it gives it up.
+// Socket options of a connection that carries a line: how soon the kernel gives it up.
 #pragma once
 
 #include <string>
@@ -9,7 +9,8 @@
 
 namespace mbgate::io {
 
-/// What could not be set, a line for each that begins with the `name` of the far end.
+/// Sets them. Returns a line of text for each that could not be set; it begins with `name`, the
+/// name of the server.
 std::vector<std::string> set_options(int socket, const bus::ConnectionTimes& times,
                                      const std::string& name);
 

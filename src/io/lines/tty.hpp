@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Opens a serial line for exclusive use with all its settings, or says why not. These calls may
-// block for seconds on a dying adapter: they belong on a thread that may wait.
+// block for seconds on a failing adapter: call them on a thread that may wait.
 #pragma once
 
 #include <string>
@@ -18,16 +18,16 @@ struct OpenTty {
   std::vector<std::string> warnings;
 };
 
-/// The path is looked up anew at each call: below /dev/serial/by-id it leads to another device
-/// after each plugging. The error is one line with the path, what was asked and what the system
-/// said.
+/// The path is resolved at each call: a link below /dev/serial/by-id leads to another device each
+/// time that the adapter is plugged in. The error is one line with the path, what was tried, and
+/// what the system said.
 Result<OpenTty, std::string> open_tty(const bus::LineSettings& line);
 
-/// What to say when open() of `device` failed with `error`: what the system said and what helps.
+/// The text when open() of `device` has failed with `error`: what the system said, and what helps.
 std::string open_failure(const std::string& device, int error);
 
-/// Gives the line back. What was not transmitted yet is thrown away: waiting for it can take 30 s.
-/// A transceiver that we switch by RTS is left receiving, because a raised RTS would outlive us and
+/// Closes the line. What was not transmitted yet is discarded, because waiting for it can take 30
+/// s. A transceiver that we switch by RTS is left receiving: a raised RTS would stay after us and
 /// block the bus.
 void close_tty(UniqueFd fd, const bus::LineSettings& line);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who switches the RS-485 transceiver between sending and receiving: the kernel, or we by RTS. The
-// ioctls are passed in, because no pseudo-terminal knows them and a test must be able to answer for
-// the driver.
+// Direction control of the RS-485 transceiver: the kernel switches it, or we do by RTS. The ioctl
+// is passed in as a function, because no pseudo-terminal supports these requests and a test must be
+// able to act as the driver.
 #pragma once
 
 #include <optional>
@@ -15,8 +15,8 @@ namespace mbgate::io {
 using IoControl = int (*)(int fd, unsigned long request, void* argument);
 int system_io_control(int fd, unsigned long request, void* argument);
 
-/// Makes the direction control that `line` asks for ready; RTS is left at receiving. Why it cannot
-/// be, or nothing.
+/// Sets up the direction control that `line` asks for; RTS is left at receiving. Returns why it
+/// cannot be done, or nothing.
 std::optional<std::string> set_direction_control(int fd, const bus::LineSettings& line,
                                                  IoControl control = system_io_control);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // An Autonics AiC ("User Manual for Communication"): functions 01 to 06 and 16 over four tables,
-// high word first, requests within one parameter group, answers held back by the response waiting
-// time of register 405204, and a broadcast form of its own. Moves are done as soon as they are
-// commanded; continuous runs and programs last until they are stopped.
+// high word first, requests within one parameter group, answers delayed by the response waiting
+// time of register 405204, and a broadcast form of its own. Moves take no time; continuous runs and
+// programs last until they are stopped.
 #pragma once
 
 #include "sim/drives/maps/aic_map.hpp"
@@ -24,7 +24,7 @@ class AicDrive {
   /// 1 to 99 ms, kept in register 405204.
   void set_response_wait(std::chrono::milliseconds wait);
 
-  /// For tests: what the drive knows.
+  /// For tests: the state of the drive.
   [[nodiscard]] RegisterBank& bank(modbus::Table table);
 
  private:

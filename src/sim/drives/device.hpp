@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A drive on a virtual bus: a model behind an address, with the faults that a test wants it to
-// have. It takes whole frames as its UART would frame them and says what it answers and how long it
-// takes.
+// A drive on a virtual bus: a model at an address, with the faults that a test sets. It takes
+// complete frames, as its UART would frame them, and says what it answers and how long that takes.
 #pragma once
 
 #include <cstdint>
@@ -22,15 +21,15 @@ using bus::Instant;
 
 enum class ModelKind : std::uint8_t { moons, stepper, aic, fda6000 };
 
-/// All of them without chance: the same requests get the same faults.
+/// None of them is random: the same requests get the same faults.
 struct Faults {
-  bool silent = false;  ///< does not hear, does not answer
-  /// From the end of the request, instead of all other delays.
+  bool silent = false;  ///< receives nothing, answers nothing
+  /// Time from the end of the request to the answer, instead of all other delays.
   std::optional<Duration> answer_after{};
   bool bad_crc = false;
   bool wrong_unit = false;      ///< answers with the next address
   bool wrong_function = false;  ///< answers with the next function code
-  /// Every so many requests one is refused with exception 04; 0: never.
+  /// One of this many requests is refused with exception 04; 0: never.
   unsigned exception_every = 0;
 };
 
@@ -41,13 +40,13 @@ struct DeviceSettings {
   ModelKind model = ModelKind::moons;
   drive::WordOrder word_order = drive::WordOrder::big;  ///< MOONS' only
   MoonsSeries series = MoonsSeries::st;                 ///< MOONS' only
-  /// An AiC's is in whole milliseconds, 1 to 99. Default: none, for an AiC 1 ms.
+  /// For an AiC in whole milliseconds, 1 to 99. Default: none; for an AiC 1 ms.
   std::optional<Duration> response_wait{};
-  std::optional<Duration> processing{};  ///< default: 1 ms, on unpaced buses none
+  std::optional<Duration> processing{};  ///< default: 1 ms; on unpaced buses none
   Faults faults{};
 };
 
-/// The same with the usual processing time, where the settings state none.
+/// The same settings, with the default processing time if they have none.
 DeviceSettings with_processing(DeviceSettings settings, bool paced);
 
 /// When an answer begins.
@@ -71,7 +70,8 @@ class Device {
  public:
   explicit Device(const DeviceSettings& settings, Framing framing = Framing::rtu);
 
-  /// A frame that ended at `end`. Nothing if it is not for this device, damaged, or not answered.
+  /// Takes a frame that ended at `end` and returns the answer. Nothing if the frame is not for this
+  /// device, is damaged, or is not answered.
   std::optional<Answer> receive(modbus::Bytes frame, Instant end);
   /// The same without framing.
   std::optional<Reply> receive(const modbus::RtuAdu& adu, Instant end);
@@ -79,7 +79,7 @@ class Device {
   [[nodiscard]] const DeviceSettings& settings() const { return settings_; }
   /// From the next frame on.
   void set_faults(const Faults& faults) { settings_.faults = faults; }
-  /// Undamaged frames that it heard, broadcasts included.
+  /// Undamaged frames that it received, broadcasts included.
   [[nodiscard]] std::uint64_t heard() const { return heard_; }
 
   /// The drive behind the address; nullptr if it is of another kind.

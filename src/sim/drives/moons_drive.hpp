@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A MOONS' drive on RS-485 or Ethernet ("Modbus User Manual"): functions 03, 06 and 16, at most 50
-// registers, exceptions of its own, values in the word order that PR says, motion by opcodes. Moves
-// are done as soon as they are commanded; jogging lasts until it is stopped.
+// registers, exceptions of its own, values in the word order set by PR, motion by opcodes. Moves
+// take no time; jogging lasts until it is stopped.
 #pragma once
 
 #include "drive/word_order.hpp"
@@ -13,7 +13,7 @@ namespace mbgate::sim {
 
 class MoonsDrive {
  public:
-  /// 4.1.2: heard by every drive, writes only, never answered.
+  /// 4.1.2: received by every drive, writes only, never answered.
   static constexpr std::uint8_t kBroadcastAddress = 0;
 
   MoonsDrive(MoonsSeries series, drive::WordOrder order);
@@ -21,7 +21,7 @@ class MoonsDrive {
   Reaction answer(const modbus::Pdu& pdu);
   Reaction hear_broadcast(const modbus::Pdu& pdu);
 
-  /// For tests: what the drive knows, whatever its word order.
+  /// For tests: the state of the drive, independent of its word order.
   [[nodiscard]] RegisterBank& registers() { return registers_; }
 
  private:

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The registers of a simulated drive, as its manual lists them: a table of runs says which there
-// are, how wide, who may do what and within which limits; the bank holds their values. A 32-bit
-// value is held as a value and only presented in the drive's word order, so an order that is got
-// wrong outside shows at once. Coils and discrete inputs are registers that hold 0 or 1.
+// The registers of a simulated drive, as its manual lists them. A table of runs says which
+// registers there are, how wide they are, who may do what, and within which limits. The bank holds
+// the values. A 32-bit value is held as one value and only presented in the drive's word order, so
+// a wrong word order elsewhere shows at once. Coils and discrete inputs are registers that hold 0
+// or 1.
 #pragma once
 
 #include <boost/container/static_vector.hpp>
@@ -17,7 +18,7 @@
 namespace mbgate::sim {
 
 enum class Access : std::uint8_t { read_only, write_only, read_write };
-enum class Width : std::uint8_t { word = 1, value = 2 };  ///< registers an entry takes
+enum class Width : std::uint8_t { word = 1, value = 2 };  ///< registers of an entry
 
 /// Both ends belong to the range. A negative `lowest` makes the entry signed.
 struct Limits {
@@ -47,13 +48,13 @@ class RegisterBank {
  public:
   RegisterBank(RegisterMap map, drive::WordOrder order);
 
-  /// What a client may read. Half a value is given as such.
+  /// What a client reads. Half a value is returned as such.
   [[nodiscard]] Result<Registers, Refusal> read(std::uint16_t first, std::uint16_t count) const;
-  /// What a client may write: all of it or nothing. Half a value replaces that half.
+  /// What a client writes: all of it or nothing. Half a value replaces that half.
   std::optional<Refusal> write(std::uint16_t first, std::span<const std::uint16_t> words);
 
-  /// The drive's own access, without rights and limits: the whole entry of which `address` is a
-  /// register. The address must be in the map.
+  /// The drive's own access, without rights and limits: the whole entry that `address` belongs to.
+  /// The address must be in the map.
   [[nodiscard]] std::uint32_t get(std::uint16_t address) const;
   void set(std::uint16_t address, std::uint32_t value);
 

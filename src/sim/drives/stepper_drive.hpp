@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The RS-485 stepper ("RS485 Communication Manual"): functions 03, 04 (one register), 06 and 16,
-// values low word first. A restart is never answered and leaves the drive deaf for a while; saving
-// takes its time. Moves are done as soon as they are commanded; running and jogging last until they
-// are stopped.
+// values low word first. A restart is never answered, and the drive receives nothing for a while.
+// Saving takes time. Moves take no time; running and jogging last until they are stopped.
 #pragma once
 
 #include "sim/drives/maps/stepper_map.hpp"
@@ -13,12 +12,12 @@ namespace mbgate::sim {
 
 class StepperDrive {
  public:
-  /// Section V: heard by every drive, never answered.
+  /// Section V: received by every drive, never answered.
   static constexpr std::uint8_t kBroadcastAddress = 0;
   /// The manual gives no figure; half a second is usual for such controllers.
   static constexpr Duration kBootTime = std::chrono::milliseconds(500);
-  /// 0x00DC takes about a tenth of a second (line 2051); a simulated one rather more than less, so
-  /// that a wait of exactly that long is seen to be too short.
+  /// 0x00DC takes about a tenth of a second (line 2051). The simulated drive takes a little more,
+  /// so that a wait of exactly 100 ms is found to be too short.
   static constexpr Duration kSaveTime = std::chrono::milliseconds(120);
 
   StepperDrive();
@@ -26,7 +25,7 @@ class StepperDrive {
   Reaction answer(const modbus::Pdu& pdu);
   Reaction hear_broadcast(const modbus::Pdu& pdu);
 
-  /// For tests: what the drive knows, whatever its word order.
+  /// For tests: the state of the drive, independent of its word order.
   [[nodiscard]] RegisterBank& registers() { return registers_; }
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A virtual bus on a pty, or behind a TCP port as a serial device server has it: what comes out of
-// there goes onto the wire, what the wire delivers goes into it. Part of the simulator's shell; the
-// instants are those of the steady clock.
+// A virtual bus on a pty, or behind a TCP port like that of a serial device server. What is read
+// there goes onto the wire, and what the wire delivers is written there. Part of the simulator's
+// shell; the instants are those of the steady clock.
 #pragma once
 
 #include <optional>
@@ -19,14 +19,14 @@ class LiveBus {
  public:
   explicit LiveBus(const BusSettings& settings);
 
-  /// Makes pty and link, or listens; an error text if that fails. A port that the kernel chose
-  /// stays the same from then on.
+  /// Creates pty and link, or listens. Returns an error text if that fails. A port that the kernel
+  /// chose stays the same from then on.
   std::optional<std::string> connect();
   /// The adapter vanishes; the drives keep their state.
   void disconnect();
   /// The connected pty, nullptr if there is none.
   [[nodiscard]] const Pty* pty() const { return pty_ ? &*pty_ : nullptr; }
-  /// Those to be watched for something to read.
+  /// The descriptors to be watched for input.
   [[nodiscard]] std::vector<int> descriptors() const;
   void release_exclusive() const;
 
@@ -42,7 +42,7 @@ class LiveBus {
  private:
   std::optional<std::string> listen();
   std::vector<std::uint8_t> receive();
-  /// Takes over how the client has set its port; what a pty does not keep is as the drives have it.
+  /// Takes over the mode of the client's port. What a pty does not keep is set as on the drives.
   void read_mode();
 
   std::string name_;

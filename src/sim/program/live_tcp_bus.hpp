@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Simulated drives behind a listening socket. Part of the simulator's shell, with the same face as
-// a LiveBus.
+// Simulated drives behind a listening socket. Part of the simulator's shell, with the same
+// interface as LiveBus.
 #pragma once
 
 #include <optional>
@@ -17,11 +17,10 @@ class LiveTcpBus {
  public:
   explicit LiveTcpBus(const BusSettings& settings);
 
-  /// Listens; an error text if that fails. A port that the kernel chose stays the same from then
-  /// on.
+  /// Listens. Returns an error text if that fails. A port that the kernel chose stays the same from
+  /// then on.
   std::optional<std::string> connect();
-  /// The cable is pulled: nobody listens and all connections are closed; the drives keep their
-  /// state.
+  /// The cable is pulled: stops listening and closes all connections. The drives keep their state.
   void disconnect();
   [[nodiscard]] std::vector<int> descriptors() const;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pty that stands for a serial port, and the symbolic link under which it is found. Both are gone
-// with the object. Part of the simulator's shell.
+// A pty in place of a serial port, and the symbolic link to it. Both are removed with the object.
+// Part of the simulator's shell.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ namespace mbgate::sim {
 
 class Pty {
  public:
-  /// Error: a sentence that names the link and what is wrong. A link is replaced if it leads
-  /// nowhere or to this very pty; anything else at its place is left alone.
-  /// Until a client sets its port, it is set to `speed`.
+  /// Error: a sentence that names the link and what is wrong. An existing link is replaced if it
+  /// leads nowhere or to this pty; anything else in its place is left alone. Until a client sets
+  /// its port, the pty is set to `speed`.
   static Result<Pty, std::string> open(const std::filesystem::path& link, PtySpeed speed = {});
 
   Pty(Pty&&) = default;
@@ -34,11 +34,11 @@ class Pty {
   /// "/dev/pts/7".
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  /// How the other side has set its port; nothing if the system does not say.
+  /// The speed that the other side has set; nothing if the system does not say.
   [[nodiscard]] std::optional<PtySpeed> speed() const { return speed_of(port_.get()); }
-  /// What the other side has written since; never waits.
+  /// What the other side has written since the last call; never blocks.
   [[nodiscard]] std::vector<std::uint8_t> read() const;
-  /// Bytes that nobody reads for so long that the pty is full are lost, as on a serial line.
+  /// If nobody reads and the pty is full, the bytes are lost, as on a serial line.
   void write(modbus::Bytes bytes) const;
   /// A terminal that was opened exclusively (TIOCEXCL) stays so until its last close, and the
   /// simulator keeps the pty open: without this a program could not open its port a second time.
@@ -48,7 +48,7 @@ class Pty {
   Pty(FileDescriptor controller, FileDescriptor port, std::string path, std::filesystem::path link);
 
   FileDescriptor controller_;
-  FileDescriptor port_;  ///< held open, so that a client's close is no hang-up for us
+  FileDescriptor port_;  ///< held open, so that a client's close is not a hang-up for us
   std::string path_;
   std::filesystem::path link_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a pty is set as a serial port: any baud rate, not only the classic ones. Linux keeps neither
+// The serial port settings of a pty: any baud rate, not only the standard ones. Linux keeps neither
 // parity nor data bits of a pty. Part of the simulator's shell.
 #pragma once
 
@@ -14,7 +14,7 @@ struct PtySpeed {
   unsigned stop_bits = 1;
 };
 
-/// Bytes pass as they are. False if the system refuses.
+/// Raw mode: bytes pass unchanged. False if the system refuses.
 bool make_raw(int port, PtySpeed speed);
 
 std::optional<PtySpeed> speed_of(int port);

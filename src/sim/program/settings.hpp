@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the simulator is told: its buses, where they are to be found and which drives are on them.
+// The settings of the simulator: its buses, where they can be reached, and which drives are on
+// them.
 #pragma once
 
 #include <filesystem>
@@ -23,16 +24,16 @@ enum class BusMode : std::uint8_t {
 struct BusSettings {
   std::string name;
   BusMode mode = BusMode::rtu;
-  /// Symbolic link to the pty, made and removed by the simulator.
+  /// Symbolic link to the pty, created and removed by the simulator.
   std::filesystem::path link{};
-  /// Where it listens: a TCP bus always, others instead of the link.
+  /// Where it listens: always set for a TCP bus; for others, set in place of the link.
   std::optional<ListenAddress> listen{};
   WireSettings wire{};
   std::vector<DeviceSettings> devices{};
 };
 
 struct Settings {
-  /// How long ptys and sockets stay away after SIGUSR2.
+  /// How long ptys and sockets are closed after SIGUSR2.
   Duration reopen_after = std::chrono::seconds(1);
   std::vector<BusSettings> buses;
 };
@@ -45,7 +46,7 @@ struct Loaded {
 /// Reads the simulator's configuration; a file that cannot be read is a diagnostic too.
 Loaded load_settings(const std::filesystem::path& path);
 
-/// The same for a text; `name` stands in the diagnostics.
+/// The same for a text; `name` is the file name in the diagnostics.
 Loaded load_settings_text(std::string name, std::string_view text);
 
 }  // namespace mbgate::sim

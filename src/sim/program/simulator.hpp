@@ -20,9 +20,8 @@ class Simulator {
   /// Ready lines and counters go to `output`, errors to `errors`.
   Simulator(const Settings& settings, std::ostream& output, std::ostream& errors);
 
-  /// Serves until SIGTERM or SIGINT; SIGUSR1 prints the counters, SIGUSR2 takes the ptys and
-  /// sockets away for a while. The exit status: 0, or 1 if a pty, a link, a port or the system
-  /// fails.
+  /// Serves until SIGTERM or SIGINT; SIGUSR1 prints the counters, SIGUSR2 closes the ptys and
+  /// sockets for a while. The exit status: 0, or 1 if a pty, a link, a port or the system fails.
   int run();
 
  private:

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A listening TCP socket and its connections, none of which is ever waited for. Part of the
-// simulator's shell.
+// A listening TCP socket and its connections. Nothing here blocks. Part of the simulator's shell.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +17,14 @@ namespace mbgate::sim {
 
 class TcpPort {
  public:
-  /// At most `most_connections` at a time; further ones are closed as soon as they are made. Error:
-  /// a sentence that names the address and what is wrong.
+  /// At most `most_connections` at a time; further ones are closed at once. Error: a sentence that
+  /// names the address and what is wrong.
   static Result<TcpPort, std::string> open(const ListenAddress& address,
                                            std::size_t most_connections);
 
   /// Where it listens, the port that the kernel chose included.
   [[nodiscard]] const ListenAddress& address() const { return address_; }
-  /// Those to be watched for something to read.
+  /// The descriptors to be watched for input.
   [[nodiscard]] std::vector<int> descriptors() const;
 
   struct Received {
@@ -33,10 +32,10 @@ class TcpPort {
     std::vector<std::uint8_t> bytes;
     bool closed;  ///< by the other side, after these bytes
   };
-  /// Takes new connections in and what all of them have sent since.
+  /// Accepts new connections, and returns what all of them have sent since the last call.
   std::vector<Received> receive();
-  /// A connection that does not take all of it at once is as good as dead and is closed; the next
-  /// receive() says so.
+  /// A connection that does not take all of it at once is regarded as dead and closed; the next
+  /// receive() reports that.
   void send(ConnectionId connection, modbus::Bytes bytes);
   /// To all connections.
   void send(modbus::Bytes bytes);

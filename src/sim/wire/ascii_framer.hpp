@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds ASCII frames among the characters on a line: from ':' to LF; another ':' begins anew, and a
 // second of silence or too many characters end the attempt (Serial Line V1.02, 2.5.2 and figure
-// 15). What stands between frames is noise. Pure: instants are handed in.
+// 15). Characters between frames are noise. Pure: instants are handed in.
 #pragma once
 
 #include <chrono>
@@ -25,8 +25,8 @@ struct AsciiFrame {
 
 class AsciiFramer {
  public:
-  /// A character that took from `begin` to `end`. Gives what it ends: a frame up to its LF, or one
-  /// that was given up before.
+  /// Takes a character that was on the line from `begin` to `end`. Returns the frame that it ends:
+  /// one that is complete with this LF, or one that is given up before it.
   std::optional<AsciiFrame> feed(std::uint8_t character, bus::Instant begin, bus::Instant end);
   void clear() { frame_.bytes.clear(); }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two ways of framing an ADU on a serial line, for a simulated bus that has either.
+// The two framings of an ADU on a serial line, RTU and ASCII, for a simulated bus.
 #pragma once
 
 #include "modbus/ascii.hpp"
@@ -17,7 +17,7 @@ FrameBytes encode_frame(Framing framing, std::uint8_t address, const modbus::Pdu
 /// The frame's parts; nothing if it is damaged.
 std::optional<modbus::RtuAdu> decode_frame(Framing framing, modbus::Bytes frame);
 
-/// Makes the CRC or LRC of a frame wrong, and nothing else of it.
+/// Makes the CRC or LRC of a frame wrong and changes nothing else.
 void spoil_check(Framing framing, FrameBytes& frame);
 
 }  // namespace mbgate::sim

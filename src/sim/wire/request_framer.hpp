@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds requests in the bytes that come out of a pty, where silence on the wire is not to be seen:
-// a known function by its length and CRC, at once; anything else by a silence that no scheduler
-// produces. Pure; only the simulator in real time needs it.
+// Finds requests in the bytes from a pty, where the silence on the wire cannot be seen. A request
+// with a known function ends by its length and CRC, at once. Anything else ends by a silence that
+// is longer than any scheduling delay. Pure; only the simulator in real time needs it.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ namespace mbgate::sim {
 using bus::Duration;
 using bus::Instant;
 
-/// How long the RTU request frame that begins with `prefix` is, CRC included; nothing if its
-/// function does not say, or too little has come. Knows the AiC's broadcast functions too.
+/// The length of the RTU request frame that begins with `prefix`, CRC included. Nothing if its
+/// function does not determine it, or too little has come. Knows the AiC's broadcast functions too.
 std::optional<std::size_t> request_frame_length(modbus::Bytes prefix);
 
 struct ReceivedFrame {
@@ -31,9 +31,9 @@ class RequestFramer {
   explicit RequestFramer(Duration silence) : silence_(silence) {}
 
   void feed(modbus::Bytes bytes, Instant now);
-  /// The next frame that is whole, or that silence has ended. Call it until there is none.
+  /// The next frame that is complete, or that silence has ended. Call it until there is none.
   std::optional<ReceivedFrame> poll(Instant now);
-  /// When silence will end what is left over.
+  /// When silence will end what is left.
   [[nodiscard]] std::optional<Instant> deadline() const;
   void clear() { bytes_.clear(); }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drives on Ethernet: Modbus TCP requests of any number of connections, split, coalesced and
-// pipelined as they come, go to the device with their unit identifier. A device works on one
-// request after the other; several devices work side by side. Pure: instants are handed in.
+// pipelined as they come, go to the device with their unit identifier. A device handles one request
+// after the other; several devices work in parallel. Pure: instants are handed in.
 //
 //   if (!bus.receive(connection, bytes, now)) { close it }
 //   while (auto at = bus.next_event()) { for (auto& response : bus.advance(*at)) { send it } }
@@ -26,7 +26,7 @@ struct TcpResponse {
 };
 
 struct TcpBusCounters {
-  std::uint64_t requests = 0;  ///< those for units that nobody has included
+  std::uint64_t requests = 0;  ///< including those for units without a device
   std::uint64_t answers = 0;
   friend bool operator==(const TcpBusCounters&, const TcpBusCounters&) = default;
 };
@@ -37,12 +37,12 @@ class TcpBus {
 
   /// False: what came cannot be Modbus TCP, so the connection has to be closed.
   [[nodiscard]] bool receive(ConnectionId connection, modbus::Bytes bytes, Instant now);
-  /// The connection has gone, and with it what was still to be sent there.
+  /// The connection is closed; responses to it are dropped.
   void forget(ConnectionId connection);
   void forget_all();
   /// When the next response is due.
   [[nodiscard]] std::optional<Instant> next_event() const;
-  /// The responses that are due until `now`, in their order.
+  /// The responses that are due by `now`, in order.
   std::vector<TcpResponse> advance(Instant now);
 
   [[nodiscard]] const TcpBusCounters& counters() const { return counters_; }
@@ -52,7 +52,7 @@ class TcpBus {
  private:
   struct Served {
     Device device;
-    Instant free_at{};  ///< when it has done all that it was asked
+    Instant free_at{};  ///< when it has finished all its requests
   };
 
   void serve(ConnectionId connection, const modbus::MbapAdu& adu, Instant now);

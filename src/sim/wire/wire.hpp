@@ -7,10 +7,10 @@
 //     auto received = wire.advance(*at);                  // what the adapter hands over until then
 //   }
 //
-// The drives take only what comes at their baud rate, in their format: set_port() says how the
-// gateway's port is set. What overlaps on the line is damaged for everybody and counted; so is
-// every transmission of the gateway that begins before the line was quiet for the configured gap.
-// ASCII frames have their own end and need no silence.
+// The drives accept only what comes at their baud rate and in their format; set_port() says how the
+// gateway's port is set. Transmissions that overlap on the line are damaged for every receiver, and
+// counted. A transmission of the gateway that begins before the line was silent for the configured
+// gap is counted too. ASCII frames have their own end and need no silence.
 #pragma once
 
 #include <cstdint>
@@ -27,11 +27,10 @@
 namespace mbgate::sim {
 
 enum class Clocking : std::uint8_t {
-  /// Instants are exact: frames end by silence, and every transmission is held against the gap.
+  /// Instants are exact: frames end by silence, and the gap before every transmission is checked.
   virtual_time,
   /// Instants are those of a busy machine: each transmission is one whole frame, and the gap is
-  /// checked only
-  /// after an answer, whose end the wire itself has set.
+  /// checked only after an answer, whose end the wire itself determines.
   real_time
 };
 
@@ -42,22 +41,22 @@ struct PortMode {
   friend bool operator==(const PortMode&, const PortMode&) = default;
 };
 
-/// Does a receiver that is set so understand what a sender of the other mode sends? Rates may be
-/// 2 % apart.
+/// Does a receiver with this mode understand a sender with that mode? Their rates may differ by 2
+/// %.
 bool understands(const PortMode& receiver, const PortMode& sender);
 
 struct WireSettings {
   modbus::Baud baud{115200};
   modbus::CharacterFormat format{8, modbus::Parity::none, 1};
   Framing framing = Framing::rtu;
-  /// Silence between frames; default: t3.5, on unpaced buses none. ASCII has none.
+  /// Silence between frames; default: t3.5; on unpaced buses none. ASCII has none.
   std::optional<Duration> gap{};
   Duration adapter_latency{
       0};  ///< the adapter hands over what it received so long after the first byte
   Duration chunk =
       std::chrono::milliseconds(1);  ///< least time between two deliveries; 0: each byte
-  bool echo = false;                 ///< the gateway hears its own transmissions
-  /// So long after the wire; what comes behind an echo waits for it.
+  bool echo = false;                 ///< the gateway receives its own transmissions
+  /// The delay of an echo after the wire. What comes behind an echo waits for it.
   Duration echo_delay{0};
   bool paced = true;  ///< false: characters take no time
   Clocking clocking = Clocking::virtual_time;
@@ -69,12 +68,12 @@ struct WireCounters {
   std::uint64_t answers = 0;
   std::uint64_t silence_violations = 0;
   std::uint64_t collisions = 0;  ///< pairs of transmissions that overlap
-  /// Frames of the gateway that reached the devices damaged, or in another mode than theirs.
+  /// Frames of the gateway that reached the devices damaged, or not in their mode.
   std::uint64_t bad_crc = 0;
   friend bool operator==(const WireCounters&, const WireCounters&) = default;
 };
 
-/// A frame of the gateway as the devices heard it.
+/// A frame of the gateway as the devices received it.
 struct FrameOnWire {
   Instant begin;
   Instant end;  ///< of its last character
@@ -87,16 +86,16 @@ class Wire {
  public:
   Wire(const WireSettings& settings, const std::vector<DeviceSettings>& devices);
 
-  /// How the gateway's port is set from now on; at first like the devices.
+  /// Sets the mode of the gateway's port from now on; at first it is that of the devices.
   void set_port(const PortMode& mode);
   /// The gateway transmits `bytes` contiguously from `begin` on, or from the end of its own
   /// transmission that is still under way.
   void transmit(modbus::Bytes bytes, Instant begin);
-  /// When something happens next without the gateway; nothing if the line will stay quiet.
+  /// When something happens next without the gateway; nothing if the line will stay silent.
   [[nodiscard]] std::optional<Instant> next_event() const;
   /// Lets everything up to `now` happen; returns what the adapter hands over meanwhile, in order.
   std::vector<std::uint8_t> advance(Instant now);
-  /// The adapter is pulled out: what is on the line is lost. Devices keep their state.
+  /// The adapter is unplugged: what is on the line is lost. Devices keep their state.
   void disconnect();
 
   [[nodiscard]] const WireSettings& settings() const { return settings_; }
@@ -112,8 +111,8 @@ class Wire {
     Instant end;
     std::vector<std::uint8_t> bytes;
     bool from_gateway;
-    bool understood = true;  ///< sent in the mode of those who are to hear it
-    bool framed = false;     ///< the devices have had it
+    bool understood = true;  ///< sent in the mode of its receivers
+    bool framed = false;     ///< it was handed to the devices
     bool continued = false;  ///< the gateway's next transmission belongs to the same frame
     std::size_t delivered = 0;
     std::size_t next_count = 1;  ///< how many bytes will have been delivered at next_delivery
@@ -148,7 +147,7 @@ class Wire {
   std::vector<Device> devices_;
   std::deque<Transmission> on_wire_;
   AsciiFramer ascii_;
-  std::optional<Instant> last_end_;  ///< of what has been forgotten
+  std::optional<Instant> last_end_;  ///< of transmissions already removed
   bool last_was_answer_ = false;
   std::vector<std::uint8_t> held_;  ///< in the adapter
   Instant held_until_{};

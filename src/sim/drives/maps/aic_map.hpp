@@ -13,8 +13,8 @@ namespace mbgate::sim {
 
 RegisterMap aic_registers(modbus::Table table);
 
-/// Does the request stay in the parameter group in which it begins (2.13)? Nothing if it begins in
-/// none.
+/// Does the request stay in the parameter group in which it begins (2.13)? Nothing if it begins
+/// outside all groups.
 std::optional<bool> aic_stays_in_group(const modbus::TableRange& range);
 
 /// Command coils (2.2; 2.13 misprints the addresses of the last six).

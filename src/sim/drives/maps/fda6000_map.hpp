@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The address map of the HIGEN FDA6000 ("Std. MODBUS PROTOCOL", section 10). All registers have 16
-// bits; what is printed as Float is carried times ten, and '#' marks those that have a sign.
+// bits; what is printed as Float is transmitted times ten, and '#' marks signed registers.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace mbgate::sim {
 
 RegisterMap fda6000_registers();
 
-/// P1-01 to P1-14: a word of all ones there means "leave it as it is" (6.4).
+/// P1-01 to P1-14: 0xFFFF written there means "leave it as it is" (6.4).
 inline constexpr std::uint16_t kFdaFirstMasked = 0x0064;
 inline constexpr std::uint16_t kFdaLastMasked = 0x0071;
 inline constexpr std::uint16_t kFdaMask = 0xFFFF;

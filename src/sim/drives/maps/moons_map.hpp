@@ -32,15 +32,15 @@ RegisterMap moons_bldc_registers();
 
 RegisterMap moons_registers(MoonsSeries series);
 
-/// Registers that all series but M3 have at the same place.
+/// Registers that all series except M3 have at the same address.
 inline constexpr std::uint16_t kMoonsStatus = 0x0001;
 inline constexpr std::uint16_t kMoonsPosition = 0x0006;
 inline constexpr std::uint16_t kMoonsDistance = 0x001E;
-/// And these all of them.
+/// Registers that all series have at the same address.
 inline constexpr std::uint16_t kMoonsOpcode = 0x007C;
 inline constexpr std::uint16_t kMoonsParameters = 0x007D;
 
-/// Where a series has the registers with a meaning beyond their value.
+/// The addresses of the registers of a series that do more than hold a value.
 struct MoonsPlaces {
   std::uint16_t alarm = 0x0000;
   std::uint16_t status = kMoonsStatus;
@@ -53,7 +53,7 @@ struct MoonsPlaces {
   std::uint16_t distance = kMoonsDistance;
   std::uint16_t jog_velocity = 0x0030;
   std::optional<std::uint16_t> protocol = std::nullopt;  ///< PR
-  std::uint32_t status_bits = 0xFFFFFFFF;                ///< those that the series has (Appendix 6)
+  std::uint32_t status_bits = 0xFFFFFFFF;  ///< the status bits that the series has (Appendix 6)
 };
 
 const MoonsPlaces& moons_places(MoonsSeries series);
@@ -61,7 +61,8 @@ const MoonsPlaces& moons_places(MoonsSeries series);
 /// PR: word order and wiring in one setting (4.1.2).
 inline constexpr std::uint16_t kMoonsProtocolBig = 5;
 inline constexpr std::uint16_t kMoonsProtocolLittle = 133;
-/// What the two little ones (133 and 389) have and the two big ones (5 and 261) have not.
+/// The bit that is set in the two little-endian settings (133 and 389) and not in the two
+/// big-endian ones (5 and 261).
 inline constexpr std::uint32_t kMoonsLittleBit = 0x80;
 
 }  // namespace mbgate::sim

@@ -10,7 +10,7 @@ namespace mbgate::sim {
 
 RegisterMap stepper_registers();
 
-/// Registers with a meaning beyond their value.
+/// Registers that do more than hold a value.
 inline constexpr std::uint16_t kStepperPosition = 0x0004;
 inline constexpr std::uint16_t kStepperStatus = 0x0006;
 inline constexpr std::uint16_t kStepperMicrosteps = 0x0024;
