@@ -64,8 +64,8 @@ class Intake {
   [[nodiscard]] Phase phase() const { return phase_; }
   [[nodiscard]] const ClientCounters& counters() const { return counters_; }
   void clear_counters() { counters_ = {}; }
-  /// New settings are in force. Requests that arrived before and whose unit means something else now
-  /// are answered 06. Clients that ask for a unit without a route are reported once more.
+  /// New settings are in force. Requests that arrived before and whose unit means something else
+  /// now are answered 06. Clients that ask for a unit without a route are reported once more.
   void adopt(const SettingsSnapshot& before, Instant now);
 
  private:
