@@ -54,6 +54,12 @@ enum class FairnessKey : std::uint32_t {};
 /// Stops are sent first, then writes, then reads. For every rule, what is not a read is a write.
 enum class JobClass : std::uint8_t { stop, write, read };
 
+/// Neither a read nor a stop: a stop takes it back, no read is shared across it, and it makes owed
+/// answers outdated. Holds for any class that may come between stops and reads.
+[[nodiscard]] constexpr bool is_write(JobClass job_class) {
+  return job_class != JobClass::stop && job_class != JobClass::read;
+}
+
 /// How a job ended. Job::was_on_wire says whether it may have had an effect.
 enum class Ending : std::uint8_t {
   answered,     ///< every transaction has its response, or the last one's is an exception
@@ -77,7 +83,7 @@ struct Job {
   std::uint32_t owner = 0;   ///< and for the request it belongs to
   FairnessKey source{};
   unsigned weight = 1;                  ///< turns of its source where others have one
-  JobClass job_class = JobClass::read;  ///< set by Bus::submit()
+  JobClass job_class = JobClass::read;  ///< set by Bus::submit(), unless it is a stop already
   std::uint64_t sequence = 0;           ///< the order of acceptance, set by Bus::submit()
   Instant deadline;                     ///< without meaning for stops
   boost::container::small_vector<Transaction, 1> transactions;

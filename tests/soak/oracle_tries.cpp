@@ -7,14 +7,15 @@
 
 namespace mbgate::soak {
 
-// It is asked once more, or was told that there is no answer.
+// It is asked once more, or was told that there is no answer. A merged read that was for it alone,
+// because the others have gone, may be refused; then its part is sent.
 void Oracle::check_answered(const Asked& asked) {
   if (stopping_) {
     return;
   }
   const Flight* last = asked.last_alone != 0 ? flight(asked.last_alone) : nullptr;
   if (last != nullptr && last->is_answered && !last->is_cut_off && asked.pieces.size() == 1 &&
-      books_[last->bus].last_down < last->begin) {
+      last->pdu == asked.pieces.front().pdu && books_[last->bus].last_down < last->begin) {
     violation("answer_lost",
               name(asked) + ", answered " +
                   std::to_string((schedule_.now() - last->begin) / std::chrono::microseconds(1)) +

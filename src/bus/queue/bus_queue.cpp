@@ -36,7 +36,7 @@ void BusQueue::link(Job& job, Source& source) {
     round_.push_back(source);
   }
   by_deadline_.insert(job);
-  if (job.job_class == JobClass::write) {
+  if (is_write(job.job_class)) {
     writes_.insert(job);
   }
 }

@@ -63,7 +63,7 @@ std::optional<Choice> turn_before(Parts& parts, const Transmission& stop, Instan
 }  // namespace
 
 bool is_stopped_by(const Parts& parts, const Job& stop, const Job& write) {
-  if (write.job_class != JobClass::write || write.sequence > stop.sequence) {
+  if (!is_write(write.job_class) || write.sequence > stop.sequence) {
     return false;
   }
   const auto stops_device = [&](const drive::Device& device) {
@@ -82,7 +82,7 @@ bool is_stopped_by(const Parts& parts, const Job& stop, const Job& write) {
 }
 
 bool goes_before(const Job& write, const Job& stop) {
-  return write.job_class == JobClass::write && write.sequence < stop.sequence &&
+  return is_write(write.job_class) && write.sequence < stop.sequence &&
          (write.is_broadcast() || write.address() == stop.address());
 }
 

@@ -82,7 +82,7 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
       counters.probes += transmission.is_probe ? 1U : 0U;
     }
     entry.health.note_asked(now, entry.timing());
-    if (job.job_class == JobClass::write && !sent.request.is_read()) {
+    if (is_write(job.job_class) && !sent.request.is_read()) {
       entry.health.note_written();
     }
     if (!sent.may_stay_silent()) {

@@ -181,7 +181,7 @@ void JobEnds::end_repeats() {
   const auto running = parts_.transmissions.running();
   for (Transmission* repeated : std::vector(running.begin(), running.end())) {
     const Job& job = *repeated->leader;
-    const bool repeats_write = job.job_class == JobClass::write && !repeated->in_flight &&
+    const bool repeats_write = is_write(job.job_class) && !repeated->in_flight &&
                                repeated->tries > 0 && !job.transaction().request.is_read();
     if (repeats_write && !parts_.devices[job.transaction().address].timing().retry_writes) {
       finish(*repeated, Ending::no_answer);

@@ -12,8 +12,8 @@ namespace {
 /// What a line may need at a time: one descriptor that is being opened and one that is still being
 /// closed, or those with which a name is looked up.
 constexpr std::size_t kForEachLine = 4;
-/// The control socket, HTTP, and files that are open for a moment.
-constexpr std::size_t kForControl = 32;
+/// Files that are open for a moment.
+constexpr std::size_t kForFiles = 32;
 /// The process has these before the first client comes: its standard streams, timers, signals, the
 /// recording.
 constexpr std::size_t kOfTheProcess = 16;
@@ -26,7 +26,7 @@ std::size_t count_there(const auto& all) {
 }
 
 std::size_t reserved(const gateway::Settings& settings) {
-  return kForEachLine * count_there(settings.buses) + kForControl;
+  return kForEachLine * count_there(settings.buses) + kForFiles;
 }
 
 std::size_t descriptors_of(rlim_t limit) {
