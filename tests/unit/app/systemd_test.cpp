@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/systemd.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -51,6 +52,13 @@ TEST_F(SystemdTest, HearsThatTheServiceIsReady) {
 TEST_F(SystemdTest, HearsTheStatus) {
   notify_status("3 clients");
   EXPECT_EQ(notified(), "STATUS=3 clients");
+}
+
+// systemd compares the time with its own clock, to know that READY=1 is of this reload.
+TEST_F(SystemdTest, HearsThatTheServiceReloads) {
+  notify_reloading();
+  EXPECT_THAT(notified(), testing::MatchesRegex("RELOADING=1\nMONOTONIC_USEC=[0-9]+\n"
+                                                "STATUS=reading the configuration"));
 }
 
 TEST_F(SystemdTest, HearsThatTheServiceStops) {
