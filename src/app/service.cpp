@@ -127,6 +127,8 @@ void Service::begin_reload() {
   reading_ = blocking_.run(read_, [this](const Configuration& read) { finish_reload(read); });
   if (!reading_) {
     log_.write(Level::error, "the configuration stays as it is: no thread to read it on");
+    is_refused_ = true;
+    last_status_ = status();
     notify_ready(last_status_);
   }
 }

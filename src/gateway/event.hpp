@@ -107,14 +107,15 @@ struct QualityNews {
 enum class FailsafeReason : std::uint8_t {
   gone,    ///< the last client that may write to the device has disconnected
   silent,  ///< all of these clients have been silent
-  exit     ///< the gateway stops
+  exit,    ///< the gateway stops
+  leaves   ///< new settings have no such device, or have it elsewhere
 };
 enum class FailsafeOutcome : std::uint8_t {
   sent,         ///< all were transmitted
   waits,        ///< not all could be sent: they stay due
   client_back,  ///< not all were sent, and now a client has sent a request again
   given_up,     ///< not all were sent before the gateway stopped
-  device_gone   ///< not all were sent before the device left the configuration
+  device_gone   ///< not all were sent, and the settings have no such device there any more
 };
 /// What became of a device's failsafe writes.
 struct FailsafeNews {

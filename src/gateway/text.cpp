@@ -93,6 +93,7 @@ std::string failsafe_text(const FailsafeNews& news) {
     case FailsafeReason::gone: reason = "the last client that may write has gone"; break;
     case FailsafeReason::silent: reason = "the clients that may write are silent"; break;
     case FailsafeReason::exit: reason = "the gateway stops"; break;
+    case FailsafeReason::leaves: reason = "a reload has taken its device away"; break;
   }
   switch (news.outcome) {
     case FailsafeOutcome::sent: return reason + "; its failsafe writes are sent";
@@ -102,7 +103,7 @@ std::string failsafe_text(const FailsafeNews& news) {
     case FailsafeOutcome::given_up:
       return "its failsafe writes could not be sent before the gateway stopped";
     case FailsafeOutcome::device_gone:
-      return "it is not in the configuration any more; its failsafe writes were not all sent";
+      return "a reload has taken the device of before away; its failsafe writes were not all sent";
   }
   return {};
 }

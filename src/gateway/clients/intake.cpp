@@ -73,7 +73,11 @@ Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu&
 }
 
 void Intake::judge(const ClientSession& session, Request& request, Instant now) {
-  if (request.plan) {
+  if (is_outdated(session, request)) {
+    request.for_gateway = request.is_stop = false;
+    request.plan.reset();
+    request.refused = ExceptionCode::server_device_busy;
+  } else if (request.plan) {
     request.refused = objection(session, request, now);
   }
   if (request.refused) {
@@ -90,9 +94,6 @@ std::optional<ExceptionCode> Intake::objection(const ClientSession& session, con
   constexpr auto kNotNow = ExceptionCode::server_device_busy;
   const routing::Plan& plan = *request.plan;
   const bool is_running = phase_ == Phase::running;
-  if (is_outdated(session, request)) {
-    return kNotNow;
-  }
   if (plan.is_read()) {
     return is_running ? std::nullopt : std::optional(kNotNow);
   }
@@ -108,10 +109,11 @@ std::optional<ExceptionCode> Intake::objection(const ClientSession& session, con
   return rules_.objection(plan, request.origin(session), now);
 }
 
-// Its client meant the drive to which the unit led then.
+// Its client meant the drive to which the unit led then. Where it leads nowhere now, that is said.
 bool Intake::is_outdated(const ClientSession& session, const Request& request) const {
   const auto changed = changed_at_.find({session.info().listener, request.adu.header.unit});
-  return changed != changed_at_.end() && request.arrival < changed->second;
+  return changed != changed_at_.end() && request.arrival < changed->second &&
+         (request.route != nullptr || request.for_gateway);
 }
 
 void Intake::adopt(const SettingsSnapshot& before, Instant now) {

@@ -106,4 +106,9 @@ bool keeps_device(const Settings& old, const Settings& next, std::size_t device)
          !next.devices[device].is_gone();
 }
 
+bool keeps_place(const Settings& old, const Settings& next, std::size_t device) {
+  return keeps_device(old, next, device) && old.devices[device].bus == next.devices[device].bus &&
+         old.devices[device].address == next.devices[device].address;
+}
+
 }  // namespace mbgate::gateway

@@ -46,14 +46,15 @@ bool unit_means_otherwise(ListenerId listener, std::uint8_t unit, const Settings
   }
   const routing::Route& from = before->route;
   const routing::Route& to = after->route;
-  if (before->is_broadcast() != after->is_broadcast() || from.buses != to.buses) {
+  if (before->is_broadcast() != after->is_broadcast() || from.buses != to.buses ||
+      from.word_order != to.word_order || from.windows != to.windows) {
     return true;
   }
   if (after->is_broadcast()) {
     return std::ranges::any_of(to.buses,
                                [&](BusId bus) { return has_other_devices(old, next, bus); });
   }
-  return from.address_of(unit) != to.address_of(unit) || from.word_order != to.word_order ||
+  return from.address_of(unit) != to.address_of(unit) ||
          is_other_device(old, next, to.buses.front(), to.address_of(unit));
 }
 

@@ -16,8 +16,9 @@ namespace mbgate::gateway {
 [[nodiscard]] bool has_other_devices(const SettingsSnapshot& old, const SettingsSnapshot& next,
                                      BusId bus);
 
-/// Does the unit lead to another device, to one that understands it otherwise, or no longer
-/// anywhere? The listener is one of `old`.
+/// Does the unit lead to another device or to other registers, is it understood otherwise, or does
+/// it no longer lead anywhere? A bus is the same one as long as it keeps its name, whatever its
+/// port. The listener is one of `old`.
 [[nodiscard]] bool unit_means_otherwise(ListenerId listener, std::uint8_t unit,
                                         const SettingsSnapshot& old, const SettingsSnapshot& next);
 

@@ -111,6 +111,11 @@ void FailsafeWrites::ended(std::uint32_t exchange) {
   }
 }
 
+bool FailsafeWrites::is_at_its_place(const Run& run) const {
+  const drive::Device& device = settings_.settings().devices[run.due.device];
+  return device.bus == run.bus && device.address == run.address;
+}
+
 void FailsafeWrites::end(const Run& run) {
   if (run.unsent.empty()) {
     return;
@@ -122,7 +127,7 @@ void FailsafeWrites::end(const Run& run) {
   const bool was_told = std::exchange(due.told, true);
   if (stopping_) {
     report(run, FailsafeOutcome::given_up);
-  } else if (settings_.settings().devices[due.device].is_gone()) {
+  } else if (!is_at_its_place(run)) {
     report(run, FailsafeOutcome::device_gone);
   } else if (!watch_.put_back(due)) {
     report(run, FailsafeOutcome::client_back);
@@ -149,8 +154,8 @@ void FailsafeWrites::send_at_exit(Instant now) {
 void FailsafeWrites::send_to_leaving(const Settings& next, Instant now) {
   const Settings& in_force = settings_.settings();
   for (std::size_t device = 0; device < in_force.devices.size(); ++device) {
-    if (!keeps_device(in_force, next, device)) {
-      if (auto due = watch_.take_last(device, FailsafeReason::gone)) {
+    if (!keeps_place(in_force, next, device)) {
+      if (auto due = watch_.take_last(device, FailsafeReason::leaves)) {
         send(*std::move(due), now);
       }
     }
@@ -169,13 +174,13 @@ void FailsafeWrites::adopt(const SettingsSnapshot& before, const Sessions& clien
     watch_.client_waits(client.id(), old_watch.does_wait(client.id()), now);
   });
   for (std::size_t device = 0; device < before.settings.devices.size(); ++device) {
-    if (keeps_device(before.settings, next.settings, device)) {
+    if (keeps_place(before.settings, next.settings, device)) {
       watch_.carry(device, old_watch, same_failsafe(before, next, device));
     }
   }
   std::erase_if(runs_, [&](const Run& run) {
     return next.failsafe(run.due.device).empty() &&  // nobody asks any more
-           keeps_device(before.settings, next.settings, run.due.device);
+           keeps_place(before.settings, next.settings, run.due.device);
   });
   for (Run& run : runs_) {
     run.is_outdated = run.is_outdated || !same_failsafe(before, next, run.due.device);

@@ -45,7 +45,7 @@ class FailsafeWrites {
   void ended(std::uint32_t exchange);
 
   /// Before new settings are in force: sends the writes of devices that these do not have any more,
-  /// because nobody may write to them afterwards.
+  /// or have elsewhere. Nobody may write to the old place afterwards.
   void send_to_leaving(const Settings& next, Instant now);
   /// New settings are in force, also for the clients that are left.
   void adopt(const SettingsSnapshot& before, const Sessions& clients, Instant now);
@@ -69,6 +69,7 @@ class FailsafeWrites {
   };
   void send(Failsafe::Due due, Instant now);
   void note_sent(Run& run);
+  [[nodiscard]] bool is_at_its_place(const Run& run) const;
   void end(const Run& run);
   void report(const Run& run, FailsafeOutcome outcome);
   void report(const Failsafe::Due& due, FailsafeOutcome outcome);

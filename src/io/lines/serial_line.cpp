@@ -73,21 +73,23 @@ void SerialLine::open() {
         wait_for(closings, kClosingLimit);
         return open_tty(settings);
       },
-      [this, generation = generation_](Result<OpenTty, std::string> result) {
-        finish_open(std::move(result), generation);
+      [this, settings = settings_, generation = generation_](Result<OpenTty, std::string> result) {
+        finish_open(std::move(result), settings, generation);
       });
   if (!started) {
     boost::asio::post(context_.io, [this, generation = generation_] {
       finish_open(std::string("cannot open " + settings_.device + ": no thread to do it on"),
-                  generation);
+                  settings_, generation);
     });
   }
 }
 
-void SerialLine::finish_open(Result<OpenTty, std::string> result, unsigned generation) {
+// `opened` says what: a reload may have given this line another port since.
+void SerialLine::finish_open(Result<OpenTty, std::string> result, const bus::LineSettings& opened,
+                             unsigned generation) {
   if (generation != generation_) {
     if (result) {
-      close_elsewhere(std::move(result->fd));
+      close_elsewhere(std::move(result->fd), opened);
     }
     return;
   }
@@ -250,7 +252,7 @@ void SerialLine::close() {
   ++generation_;
   timer_.cancel();
   if (descriptor_.is_open()) {
-    close_elsewhere(UniqueFd(descriptor_.release()));
+    close_elsewhere(UniqueFd(descriptor_.release()), settings_);
   }
 }
 
@@ -263,14 +265,14 @@ bool SerialLine::adopt(const bus::LineSettings& settings) {
   return true;
 }
 
-void SerialLine::close_elsewhere(UniqueFd fd) {
+void SerialLine::close_elsewhere(UniqueFd fd, const bus::LineSettings& opened) {
   // Without a thread the descriptor is closed here, as soon as run() has given up.
   auto closed = std::make_shared<std::promise<void>>();
   closed_ = closed->get_future().share();
-  context_.closing->note(settings_.device, closed_);
+  context_.closing->note(opened.device, closed_);
   const bool started = context_.blocking.run(
-      [fd = std::move(fd), settings = settings_, closed]() mutable {
-        close_tty(std::move(fd), settings);
+      [fd = std::move(fd), opened, closed]() mutable {
+        close_tty(std::move(fd), opened);
         closed->set_value();
         return true;
       },

@@ -63,6 +63,35 @@ TEST(ReloadMemory, NorDoTheyAfterTheUnitHasLedElsewhereAndBack) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kWrite2));
 }
 
+TEST(ReloadMemory, NorToOtherRegistersOfTheSameDrive) {
+  MachineRig rig(stop_plant());
+  rig.connect(1);
+  rig.receive(1, read_request(1) + write_request(2));
+  rig.advance(1ms);
+  Settings settings = stop_plant();
+  auto& window = settings.routes[0].windows.emplace_back();
+  window.count = 10;
+  window.to = 100;
+  rig.reload(settings);
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(kOne, busy(2)));
+}
+
+// The drive was asked, not the gateway.
+TEST(ReloadMemory, NorAreTheyAnsweredByTheGatewayItself) {
+  MachineRig rig(stop_plant());
+  rig.connect(1);
+  rig.receive(1, read_request(1) + read_request(2));
+  rig.advance(1ms);
+  Settings settings = stop_plant();
+  settings.status_unit = 1;
+  rig.reload(settings);
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(kOne, "00 02 00 00 00 03 01 83 06"));
+}
+
 // One that lets writes go first is not taken early.
 TEST(ReloadMemory, AStopBehindAFullPipelineDoesNotStopAnotherDrive) {
   Settings settings = stop_plant();

@@ -14,6 +14,9 @@ using testing::IsEmpty;
 constexpr auto kSentToTheGone =
     "bus line-a: address 1: the last client that may write has gone; its failsafe writes are sent";
 
+constexpr auto kSentToTheLeaving =
+    "bus line-a: address 1: a reload has taken its device away; its failsafe writes are sent";
+
 /// The drive goes, and with it the listener of the client that has set it going.
 Settings without_drive() {
   Settings settings = watched_plant();
@@ -46,6 +49,20 @@ TEST(FailsafeReload, SoDoesOneThatGoesAloneBecauseNobodyMayWriteToItAnyMore) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
+TEST(FailsafeReload, ADriveThatMovesGetsThemWhereItWas) {
+  MachineRig rig(watched_plant());
+  rig.connect(1);
+  ask(rig, 1);
+  Settings settings = watched_plant();
+  settings.devices[0].address = 5;
+  rig.reload(settings);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+  rig.respond(kStop1);
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kSecond));
+  EXPECT_THAT(rig.events, ElementsAre(kSentToTheLeaving));
+}
+
 TEST(FailsafeReload, ADriveThatNobodyHasSetGoingGetsNone) {
   MachineRig rig(watched_plant());
   rig.connect(1);
@@ -68,8 +85,8 @@ TEST(FailsafeReload, OfADriveThatIsRenamedWhileItsLineIsAwayItIsSaidThatTheyWere
               ElementsAre(kLost,
                           "device axis-x: the last client that may write has gone; its failsafe "
                           "writes could not be sent yet",
-                          "device axis-q: it is not in the configuration any more; its failsafe "
-                          "writes were not all sent"));
+                          "device axis-q: a reload has taken the device of before away; its "
+                          "failsafe writes were not all sent"));
 }
 
 }  // namespace
