@@ -214,7 +214,7 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
 }
 
 void Clients::adopt(const SettingsSnapshot& before, Instant now) {
-  sessions_.adopt(settings_.settings(), now);
+  sessions_.adopt(settings_.settings());
   intake_.adopt(before, now);
 }
 

@@ -114,7 +114,7 @@ unsigned Sessions::weight_of(const routing::ClientAddress& address) const {
   return fitting == weights.end() ? 1 : fitting->weight;
 }
 
-void Sessions::adopt(const Settings& next, Instant now) {
+void Sessions::adopt(const Settings& next) {
   settings_ = &next;
   on_listener_.assign(next.listeners.size(), 0);
   for_each([&](ClientSession& session) {
@@ -122,10 +122,7 @@ void Sessions::adopt(const Settings& next, Instant now) {
     session.adopt(next.listener(listener));
     session.ahead.look_again();
     ++on(listener);
-    if (session.listener().idle_timeout > Duration{0}) {
-      look_at(session, now + session.listener().idle_timeout);
-    }
-    wake(session);
+    wake(session);  // to be served, and looked at by its new times
   });
   for (auto& [address, known] : addresses_) {
     known.weight = weight_of(address);

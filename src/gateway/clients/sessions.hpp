@@ -56,7 +56,7 @@ class Sessions {
   [[nodiscard]] Turns turns_of(const routing::ClientAddress& address) const;
 
   /// New settings, which still have the listeners of all clients.
-  void adopt(const Settings& next, Instant now);
+  void adopt(const Settings& next);
 
  private:
   friend struct mbgate::StateReader;

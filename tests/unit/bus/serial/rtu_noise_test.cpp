@@ -162,6 +162,16 @@ TEST_F(RtuNoise, GivenUpIsNotJoinedWithAnAnswer) {
   EXPECT_EQ(add("01 03 02 12 34 B5 33"), Verdict::response);
 }
 
+TEST_F(RtuNoise, NorWithAGoodFrameThatNobodyWaitsFor) {
+  framer_.listen();
+  add("02 03 04 D9 97");
+  now_ += 10ms;
+  add("01 03 02 12 34 B5 33");
+  const auto unsolicited = framer_.take_unsolicited();
+  ASSERT_TRUE(unsolicited);
+  EXPECT_EQ(unsolicited->address, 1);
+}
+
 // The longest frame takes 147 ms; 20 ms of pauses, and of silence behind it.
 TEST_F(RtuNoise, BehindAnAnswerThatOnlySilenceEndsMakesItNone) {
   expect("41 01");
