@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/text.hpp"
 
-#include <algorithm>
+#include "gateway/settings/numbering.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -10,14 +10,8 @@ std::string counted(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
-/// Those that a reload took away are none.
-std::size_t count_there(const auto& all) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(all, [](const auto& it) { return !it.is_gone; }));
-}
-
 std::string listeners_text(const gateway::Settings& settings) {
-  return counted(count_there(settings.listeners), "listener", "listeners");
+  return counted(gateway::count_there(settings.listeners), "listener", "listeners");
 }
 
 }  // namespace
@@ -34,9 +28,9 @@ std::string status_text(const gateway::Settings& settings, const gateway::Status
   const std::string listening =
       listeners_waiting == 0
           ? ""
-          : std::to_string(count_there(settings.listeners) - listeners_waiting) + " of ";
+          : std::to_string(gateway::count_there(settings.listeners) - listeners_waiting) + " of ";
   return listening + listeners_text(settings) + ", " + std::to_string(status.buses_open) + " of " +
-         counted(count_there(settings.buses), "bus", "buses") + " open, " +
+         counted(gateway::count_there(settings.buses), "bus", "buses") + " open, " +
          counted(status.clients, "client", "clients");
 }
 

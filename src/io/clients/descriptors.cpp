@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "gateway/settings/numbering.hpp"
+
 namespace mbgate::io {
 namespace {
 
@@ -20,13 +22,8 @@ constexpr std::size_t kOfTheProcess = 16;
 /// The socket that listens, and a spare one.
 constexpr std::size_t kForEachListener = 2;
 
-std::size_t count_there(const auto& all) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(all, [](const auto& it) { return !it.is_gone; }));
-}
-
 std::size_t reserved(const gateway::Settings& settings) {
-  return kForEachLine * count_there(settings.buses) + kForFiles;
+  return kForEachLine * gateway::count_there(settings.buses) + kForFiles;
 }
 
 std::size_t descriptors_of(rlim_t limit) {
@@ -53,8 +50,8 @@ std::size_t hard_descriptor_limit() {
 }
 
 DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t limit) {
-  const std::size_t others =
-      reserved(settings) + kOfTheProcess + kForEachListener * count_there(settings.listeners);
+  const std::size_t others = reserved(settings) + kOfTheProcess +
+                             kForEachListener * gateway::count_there(settings.listeners);
   std::size_t wanted = 0;
   for (const auto& listener : settings.listeners) {
     wanted += listener.is_gone ? 0 : listener.max_connections;
