@@ -4,7 +4,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <memory>
 #include <vector>
 
 namespace mbgate::gateway {
@@ -14,7 +14,7 @@ class Pool {
  public:
   std::uint32_t take() {
     if (free_.empty()) {
-      objects_.emplace_back();
+      objects_.push_back(std::make_unique<Object>());
       return static_cast<std::uint32_t>(objects_.size() - 1);
     }
     const std::uint32_t index = free_.back();
@@ -22,16 +22,23 @@ class Pool {
     return index;
   }
   void give_back(std::uint32_t index) {
-    objects_[index] = Object{};
+    Object* const object = objects_[index].get();
+    std::destroy_at(object);
+    std::construct_at(object);
     free_.push_back(index);
   }
-  Object& operator[](std::uint32_t index) { return objects_[index]; }
+  Object& operator[](std::uint32_t index) { return *objects_[index]; }
   /// All objects; those that are not in use are as new.
-  [[nodiscard]] std::deque<Object>& all() { return objects_; }
+  template <typename Visit>
+  void for_each(Visit visit) const {
+    for (const auto& object : objects_) {
+      visit(*object);
+    }
+  }
   [[nodiscard]] std::size_t in_use() const { return objects_.size() - free_.size(); }
 
  private:
-  std::deque<Object> objects_;
+  std::vector<std::unique_ptr<Object>> objects_;
   std::vector<std::uint32_t> free_;
 };
 

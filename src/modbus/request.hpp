@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <utility>
 
 #include "modbus/pdu.hpp"
 #include "modbus/result.hpp"
@@ -53,7 +52,7 @@ class Request {
                                        std::optional<std::uint16_t> write_first) const;
 
  private:
-  explicit Request(Pdu pdu) : pdu_(std::move(pdu)) {}
+  explicit Request(const Pdu& pdu) : pdu_(pdu) {}
   std::optional<ExceptionCode> parse_fields();
   std::optional<ExceptionCode> parse_reads(Table table, std::uint16_t limit);
   std::optional<ExceptionCode> parse_single_write(Table table);

@@ -22,15 +22,6 @@ bool may_be_silent(const Request& request) {
   return sub_function == modbus::kRestartCommunications || sub_function == modbus::kForceListenOnly;
 }
 
-// What a request to a device that nothing is known of becomes: itself.
-DevicePlan as_it_is(const Request& request) {
-  DevicePlan plan{{request}, {}};
-  if (request.writes() && !request.reads()) {
-    plan.reply.form = Reply::Form::echo;
-  }
-  return plan;
-}
-
 // Has the drive the function, or another one that the gateway uses for it?
 bool has_function(const drive::Device& device, std::uint8_t function) {
   const auto& functions = device.profile.functions;
@@ -44,7 +35,6 @@ bool has_function(const drive::Device& device, std::uint8_t function) {
 
 Result<Plan, ExceptionCode> Plan::make(const ResolvedRoute& resolved, std::uint8_t unit,
                                        ClientRights rights, const modbus::Pdu& pdu) {
-  const Route& route = resolved.route;
   if (!is_allowed(resolved, rights, pdu)) {
     return ExceptionCode::illegal_function;
   }
@@ -52,25 +42,42 @@ Result<Plan, ExceptionCode> Plan::make(const ResolvedRoute& resolved, std::uint8
   if (!client_request) {
     return client_request.error();
   }
-  const auto request =
-      route.windows.empty() ? client_request : through_windows(route.windows, *client_request);
+  return make(resolved, unit, *client_request);
+}
+
+// One object is returned, and built where it is needed: a plan is large.
+Result<Plan, ExceptionCode> Plan::make(const ResolvedRoute& resolved, std::uint8_t unit,
+                                       const Request& client_request) {
+  Result<Plan, ExceptionCode> made{Plan(client_request)};
+  if (const auto error = made->fill(resolved, unit)) {
+    made = *error;
+  }
+  return made;
+}
+
+std::optional<ExceptionCode> Plan::fill(const ResolvedRoute& resolved, std::uint8_t unit) {
+  const auto& windows = resolved.route.windows;
+  if (windows.empty()) {
+    return add(resolved, unit, client_request_);
+  }
+  const auto request = through_windows(windows, client_request_);
   if (!request) {
     return request.error();
   }
-  Plan plan(*client_request);
-  const auto error = resolved.is_broadcast()
-                         ? plan.add_broadcast(resolved, *request)
-                         : plan.add_requests(resolved, route.address_of(unit), *request);
-  if (error) {
-    return *error;
-  }
-  if (const auto* window = window_of(route.windows, *client_request)) {
-    for (PlannedTransaction& transaction : plan.transactions_) {
+  const auto error = add(resolved, unit, *request);
+  if (const auto* window = window_of(windows, client_request_)) {
+    for (PlannedTransaction& transaction : transactions_) {
       transaction.window_begin = window->to;
       transaction.window_end = window->to + window->count;
     }
   }
-  return plan;
+  return error;
+}
+
+std::optional<ExceptionCode> Plan::add(const ResolvedRoute& resolved, std::uint8_t unit,
+                                       const Request& request) {
+  return resolved.is_broadcast() ? add_broadcast(resolved, request)
+                                 : add_requests(resolved, resolved.route.address_of(unit), request);
 }
 
 std::optional<ExceptionCode> Plan::add_broadcast(const ResolvedRoute& resolved,
@@ -114,31 +121,40 @@ void Plan::add_questions(const ResolvedRoute& resolved, BusId bus, const Request
 
 std::optional<ExceptionCode> Plan::add_requests(const ResolvedRoute& resolved, std::uint8_t address,
                                                 const Request& request) {
-  DevicePlan planned;
-  if (resolved.device == nullptr) {
-    planned = as_it_is(request);
-  } else {
-    if (!resolved.route.functions_named && !has_function(*resolved.device, request.function())) {
-      return ExceptionCode::illegal_function;
+  if (resolved.device != nullptr) {
+    if (const auto error = add_device_requests(resolved, address, request)) {
+      return error;
     }
-    auto made = plan_for(*resolved.device, resolved.route.word_order, request);
-    if (!made) {
-      return made.error();
-    }
-    planned = *std::move(made);
-    if (resolved.device->verify_word_order && resolved.route.word_order && !request.is_read() &&
-        touches_value(*resolved.device, request)) {
-      add_question(*resolved.device);
-    }
+  } else {  // nothing is known of the device: the request goes as it is
+    reply_.form = request.writes() && !request.reads() ? Reply::Form::echo : Reply::Form::as_it_is;
+    transactions_.push_back(
+        {resolved.route.buses.front(), address, request, may_be_silent(request)});
   }
-  reply_ = planned.reply;
   if (reply_.form == Reply::Form::as_it_is && request.function() != client_request_.function()) {
     reply_.form = data_form(request.reads()->range.table);
   }
-  for (const Request& asked : planned.requests) {
-    const bool known = resolved.device == nullptr || resolved.route.functions_named ||
-                       resolved.device->profile.functions.test(asked.function());
-    if (!known) {
+  return std::nullopt;
+}
+
+std::optional<ExceptionCode> Plan::add_device_requests(const ResolvedRoute& resolved,
+                                                       std::uint8_t address,
+                                                       const Request& request) {
+  const drive::Device& device = *resolved.device;
+  const bool any_function = resolved.route.functions_named;
+  if (!any_function && !has_function(device, request.function())) {
+    return ExceptionCode::illegal_function;
+  }
+  const auto planned = plan_for(device, resolved.route.word_order, request);
+  if (!planned) {
+    return planned.error();
+  }
+  if (device.verify_word_order && resolved.route.word_order && !request.is_read() &&
+      touches_value(device, request)) {
+    add_question(device);
+  }
+  reply_ = planned->reply;
+  for (const Request& asked : planned->requests) {
+    if (!any_function && !device.profile.functions.test(asked.function())) {
       return ExceptionCode::illegal_function;
     }
     transactions_.push_back({resolved.route.buses.front(), address, asked, may_be_silent(asked)});

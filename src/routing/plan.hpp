@@ -4,7 +4,6 @@
 #pragma once
 
 #include <boost/container/small_vector.hpp>
-#include <utility>
 
 #include "modbus/request.hpp"
 #include "routing/access.hpp"
@@ -45,7 +44,12 @@ class Plan {
   [[nodiscard]] std::uint8_t function() const { return client_request_.function(); }
 
  private:
-  explicit Plan(modbus::Request request) : client_request_(std::move(request)) {}
+  explicit Plan(const modbus::Request& request) : client_request_(request) {}
+  static Result<Plan, modbus::ExceptionCode> make(const ResolvedRoute& resolved, std::uint8_t unit,
+                                                  const modbus::Request& client_request);
+  std::optional<modbus::ExceptionCode> fill(const ResolvedRoute& resolved, std::uint8_t unit);
+  std::optional<modbus::ExceptionCode> add(const ResolvedRoute& resolved, std::uint8_t unit,
+                                           const modbus::Request& request);
   std::optional<modbus::ExceptionCode> add_broadcast(const ResolvedRoute& resolved,
                                                      const modbus::Request& request);
   void add_question(const drive::Device& device);
@@ -53,6 +57,9 @@ class Plan {
   std::optional<modbus::ExceptionCode> add_requests(const ResolvedRoute& resolved,
                                                     std::uint8_t address,
                                                     const modbus::Request& request);
+  std::optional<modbus::ExceptionCode> add_device_requests(const ResolvedRoute& resolved,
+                                                           std::uint8_t address,
+                                                           const modbus::Request& request);
 
   modbus::Request client_request_;
   Reply reply_;

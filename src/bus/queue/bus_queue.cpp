@@ -8,9 +8,9 @@ namespace mbgate::bus {
 BusQueue::Source& BusQueue::source_of(const Job& job) {
   const auto index = static_cast<std::size_t>(job.source);
   while (sources_.size() <= index) {
-    sources_.emplace_back();
+    sources_.push_back(std::make_unique<Source>());
   }
-  return sources_[index];
+  return *sources_[index];
 }
 
 bool BusQueue::push(Job& job) {

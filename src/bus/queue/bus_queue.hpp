@@ -7,7 +7,8 @@
 #include <bitset>
 #include <boost/intrusive/list.hpp>
 #include <boost/intrusive/set.hpp>
-#include <deque>
+#include <memory>
+#include <vector>
 
 #include "bus/health/device_table.hpp"
 #include "bus/job.hpp"
@@ -104,9 +105,8 @@ class BusQueue {
   static bool visit_source(Source& source, JobClass job_class, Visit& visit);
 
   std::size_t limit_;
-  std::deque<Source>
-      sources_;  // by FairnessKey; a deque because its elements have a stable address
-  Round round_;  // sources with waiting jobs
+  std::vector<std::unique_ptr<Source>> sources_;  // by FairnessKey
+  Round round_;                                   // sources with waiting jobs
   DeadlineSet by_deadline_;
   WriteSet writes_;
 };

@@ -58,8 +58,8 @@ void SerialDiscipline::update(const BusSettings& settings, Duration listen_first
 }
 
 Instant SerialDiscipline::ready_at(Duration gap) const {
-  return std::max(
-      {quiet_since_ + frame_gap_ + gap, settling_until_, listening_until_, turnaround_until_});
+  return std::max(std::max(quiet_since_ + frame_gap_ + gap, settling_until_),
+                  std::max(listening_until_, turnaround_until_));
 }
 
 Instant SerialDiscipline::ready_for_stop_at() const {

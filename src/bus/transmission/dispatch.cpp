@@ -63,7 +63,7 @@ Transmission& Dispatch::begin(const Choice& choice, Instant now) {
     parts_.queue.take(job);
     parts_.transmissions.start(parts_.transmissions.lead(job));
   }
-  transmit(*job.leads, now);
+  transmit(*job.leads, choice.at, now);
   return *job.leads;
 }
 
@@ -85,7 +85,7 @@ void Dispatch::continue_running(Instant now) {
     if (now < ready) {
       wait_until(wake_for(parts_, job, ready));
     } else if (parts_.transmissions.has_room() && has_looked()) {
-      transmit(*running, now);
+      transmit(*running, ready, now);
     }
   }
 }
@@ -221,7 +221,7 @@ bool Dispatch::send_stop(Transmission& stop, Instant now) {
   }
   parts_.stops.remove(stop);
   parts_.transmissions.start(stop);
-  transmit(stop, now);
+  transmit(stop, silent_at, now);
   return true;
 }
 

@@ -30,7 +30,7 @@ ClientSession::AnswerId ClientSession::open_answer() {
 }
 
 ClientSession::Ready ClientSession::close_answer(AnswerId id,
-                                                 std::optional<modbus::MbapBytes> adu) {
+                                                 const std::optional<modbus::MbapBytes>& adu) {
   Ready ready;
   if (!ordered_) {
     MBGATE_ASSERT(open_ > 0, "one answer for each request");

@@ -41,7 +41,7 @@ class ClientSession {
   AnswerId open_answer();
   /// `adu`: the answer; nothing: there will be none. Returns the ADUs that are to be sent now: with
   /// `ordered = true` an answer waits for those before it.
-  Ready close_answer(AnswerId id, std::optional<modbus::MbapBytes> adu);
+  Ready close_answer(AnswerId id, const std::optional<modbus::MbapBytes>& adu);
   /// An answer has been completely written.
   void confirm_sent();
 
@@ -94,6 +94,7 @@ class ClientSession {
   Instant last_activity;
   std::optional<Instant> partial_since;   ///< an incomplete ADU is at the front of `input`
   std::optional<Instant> timer_armed_at;  ///< its entry in ClientTimers
+  const Turns* turns = nullptr;           ///< of its address, until it is closed
   boost::container::small_vector<std::uint32_t, 4> exchanges;
 
  private:

@@ -40,7 +40,7 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   if (request.is_early) {
     rules_.note_early(*exchange.plan, origin);
   }
-  exchanges_.start(index, sessions_.turns_of(origin.address), origin.arrival, now);
+  exchanges_.start(index, *session.turns, origin.arrival, now);
 }
 
 void Requests::place_answer(ClientSession& session, const Request& request, std::uint32_t index) {
@@ -112,7 +112,10 @@ void Requests::complete(std::uint32_t index) {
 
 void Requests::send(ClientSession& session, ClientSession::AnswerId answer,
                     const std::optional<modbus::MbapAdu>& adu) {
-  const auto bytes = adu ? std::optional(modbus::encode(*adu)) : std::nullopt;
+  std::optional<modbus::MbapBytes> bytes;
+  if (adu) {
+    bytes = modbus::encode(*adu);
+  }
   for (const modbus::MbapBytes& ready : session.close_answer(answer, bytes)) {
     actions_.push(Send{session.id(), ready});
   }

@@ -30,9 +30,10 @@ ClientSession* Sessions::add(ClientId client, const ClientInfo& info, Instant no
     return nullptr;
   }
   ++on(info.listener);
-  add_connection(info.address);
-  look_at(entry->second, entry->second.next_look(now));
-  return &entry->second;
+  ClientSession& session = entry->second;
+  session.turns = &add_connection(info.address);
+  look_at(session, session.next_look(now));
+  return &session;
 }
 
 ClientSession* Sessions::find(ClientId client) {
@@ -47,9 +48,10 @@ void Sessions::close(ClientSession& session) {
   --on(session.info().listener);
   const auto address = addresses_.find(session.info().address);
   if (--address->second.connections == 0) {
-    free_keys_.push_back(address->second.key);
+    free_keys_.push_back(address->second.turns.key);
     addresses_.erase(address);
   }
+  session.turns = nullptr;
 }
 
 void Sessions::sweep() {
@@ -87,24 +89,20 @@ ClientSession* Sessions::take_due(Instant now) {
   return &session;
 }
 
-Turns Sessions::turns_of(const routing::ClientAddress& address) const {
-  const auto known = addresses_.find(address);
-  return known == addresses_.end() ? Turns{} : Turns{known->second.key, known->second.weight};
-}
-
-// Key 0 is the gateway's.
-void Sessions::add_connection(const routing::ClientAddress& address) {
-  const auto known = addresses_.find(address);
-  if (known != addresses_.end()) {
-    ++known->second.connections;
-    return;
+// Connections from one address share its turns. Key 0 is the gateway's.
+const Turns& Sessions::add_connection(const routing::ClientAddress& address) {
+  const bus::FairnessKey unused_key{static_cast<std::uint32_t>(addresses_.size() + 1)};
+  const auto [known, is_new] = addresses_.try_emplace(address);
+  Turns& turns = known->second.turns;
+  ++known->second.connections;
+  if (is_new) {
+    turns = {unused_key, weight_of(address)};
+    if (!free_keys_.empty()) {
+      turns.key = free_keys_.back();
+      free_keys_.pop_back();
+    }
   }
-  bus::FairnessKey key{static_cast<std::uint32_t>(addresses_.size() + 1)};
-  if (!free_keys_.empty()) {
-    key = free_keys_.back();
-    free_keys_.pop_back();
-  }
-  addresses_.emplace(address, Address{key, 1, weight_of(address)});
+  return turns;
 }
 
 unsigned Sessions::weight_of(const routing::ClientAddress& address) const {
@@ -125,7 +123,7 @@ void Sessions::adopt(const Settings& next) {
     wake(session);  // to be served, and looked at by its new times
   });
   for (auto& [address, known] : addresses_) {
-    known.weight = weight_of(address);
+    known.turns.weight = weight_of(address);
   }
 }
 

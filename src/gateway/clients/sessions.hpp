@@ -51,24 +51,19 @@ class Sessions {
   /// A client whose time has come; nullptr if there is none.
   ClientSession* take_due(Instant now);
 
-  /// Connections from one address share its turns. An address without a connection gets the turns
-  /// of the gateway itself.
-  [[nodiscard]] Turns turns_of(const routing::ClientAddress& address) const;
-
   /// New settings, which still have the listeners of all clients.
   void adopt(const Settings& next);
 
  private:
   friend struct mbgate::StateReader;
   struct Address {
-    bus::FairnessKey key;
-    std::size_t connections;
-    unsigned weight;
+    Turns turns;
+    std::size_t connections = 0;
   };
   [[nodiscard]] std::size_t& on(ListenerId listener) {
     return on_listener_[static_cast<std::size_t>(listener)];
   }
-  void add_connection(const routing::ClientAddress& address);
+  const Turns& add_connection(const routing::ClientAddress& address);
   [[nodiscard]] unsigned weight_of(const routing::ClientAddress& address) const;
 
   const Settings* settings_;

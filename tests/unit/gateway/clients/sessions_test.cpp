@@ -45,17 +45,14 @@ TEST_F(ConnectionsAlone, OneThatIsClosedIsNotServedAnyMore) {
 TEST_F(ConnectionsAlone, ThoseOfOneAddressShareItsTurnsAndTheLastGivesThemBack) {
   ClientSession& first = come(1, "192.0.2.1");
   ClientSession& second = come(2, "192.0.2.1");
-  const auto turns = [&](std::string_view address) {
-    return sessions().turns_of(*routing::ClientAddress::parse(address)).key;
-  };
-  const bus::FairnessKey shared = turns("192.0.2.1");
+  const bus::FairnessKey shared = first.turns->key;
   EXPECT_NE(shared, bus::FairnessKey{0});
+  EXPECT_EQ(second.turns, first.turns);
+  EXPECT_NE(come(3, "192.0.2.2").turns->key, shared);
   sessions().close(first);
-  EXPECT_EQ(turns("192.0.2.1"), shared);
+  EXPECT_EQ(second.turns->key, shared);
   sessions().close(second);
-  EXPECT_EQ(turns("192.0.2.1"), bus::FairnessKey{0});
-  come(3, "192.0.2.3");
-  EXPECT_EQ(turns("192.0.2.3"), shared);
+  EXPECT_EQ(come(4, "192.0.2.3").turns->key, shared);
 }
 
 TEST_F(ConnectionsAlone, TheOneThatWasIdleForLongestMakesRoom) {

@@ -33,7 +33,9 @@ class ExchangesAlone : public testing::Test {
 TEST_F(ExchangesAlone, AreCompletedWhenAllTheirJobsHaveEnded) {
   const std::uint32_t index = ask("03 00 00 00 01");
   EXPECT_EQ(exchanges_.take_completed(), std::nullopt);
-  exchanges_.end(*exchanges_[index].parts.front().job, bus::Ending::no_answer);
+  bus::Job& job = *exchanges_[index].parts.front().job;
+  buses_.touch(BusId{0}).withdraw(job);
+  exchanges_.end(job, bus::Ending::no_answer);
   EXPECT_EQ(exchanges_.take_completed(), index);
   EXPECT_TRUE(exchanges_[index].result()->is_exception());
   exchanges_.close(index);
