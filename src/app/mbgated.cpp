@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -62,7 +63,7 @@ config::Loaded load(const Options& options, std::string& text) {
                       : config::load_settings_text(options.config.string(), text, search);
 }
 
-int serve(gateway::Settings settings, const Options& options,
+int serve(gateway::Settings settings, const Options& options, const std::string& version,
           std::optional<RecordingBegun> recording) {
   Log log(is_standard_error_the_journal());
   if (settings.lock_memory) {
@@ -85,7 +86,8 @@ int serve(gateway::Settings settings, const Options& options,
       }
       return configuration;
     };
-    Service service(std::move(settings), read, log, recorder ? &*recorder : nullptr);
+    const About about{version, std::filesystem::absolute(options.config).string()};
+    Service service(std::move(settings), about, read, log, recorder ? &*recorder : nullptr);
     status = service.run();
     if (recorder && !recorder->close(kRecordingFlush)) {
       log.write(Level::warning, "the recording is not complete");
@@ -145,7 +147,7 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
     }
     recording = *std::move(begun);
   }
-  return serve(*std::move(loaded.settings), options, std::move(recording));
+  return serve(*std::move(loaded.settings), options, version, std::move(recording));
 }
 
 }  // namespace mbgate::app

@@ -6,14 +6,13 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <type_traits>
 #include <utility>
 #include <variant>
 
-#include "app/changes.hpp"
 #include "app/systemd.hpp"
 #include "app/text.hpp"
-#include "gateway/settings/numbering.hpp"
 #include "io/clients/descriptors.hpp"
 #include "io/supervise.hpp"
 
@@ -58,18 +57,22 @@ std::string kind_of(const gateway::Event& event) {
 
 }  // namespace
 
-Service::Service(gateway::Settings settings, Read read, Log& log, io::Recorder* recorder)
+Service::Service(gateway::Settings settings, About about, Read read, Log& log,
+                 io::Recorder* recorder)
     : log_(log),
+      about_(std::move(about)),
       read_(std::move(read)),
       signals_(context_, SIGTERM, SIGINT, SIGHUP),
       blocking_(context_),
       status_timer_(context_),
       failures_(settings.buses.size()),
       driver_(context_, std::move(settings), *this, recorder),
-      listeners_(context_, log, [this](ListenerId listener, tcp::acceptor acceptor) {
-        driver_.add_server(listener, std::move(acceptor));
-        on_status_changed();
-      }) {
+      listeners_(context_, log,
+                 [this](ListenerId listener, tcp::acceptor acceptor) {
+                   driver_.add_server(listener, std::move(acceptor));
+                   on_status_changed();
+                 }),
+      control_(context_, *this) {
   // What other daemons take for "tell" or "reopen your log" must not end a gateway of drives.
   for (const int ignored : {SIGPIPE, SIGUSR1, SIGUSR2}) {
     std::signal(ignored, SIG_IGN);
@@ -89,6 +92,7 @@ int Service::run() {
   // Only now: whoever waits for its lines connects to a process that has started.
   listeners_.start();
   io::supervise(context_, wait_for_signal(), "signals");
+  start_control();
   ready_ = true;
   last_status_ = status();
   last_status_time_ = std::chrono::steady_clock::now();
@@ -116,79 +120,6 @@ void Service::stop() {
   notify_stopping();
   listeners_.stop();
   driver_.shutdown();
-}
-
-void Service::begin_reload() {
-  if (reading_) {
-    read_again_ = true;
-    return;
-  }
-  notify_reloading();
-  reading_ = blocking_.run(read_, [this](const Configuration& read) { finish_reload(read); });
-  if (!reading_) {
-    log_.write(Level::error, "the configuration stays as it is: no thread to read it on");
-    is_refused_ = true;
-    last_status_ = status();
-    notify_ready(last_status_);
-  }
-}
-
-void Service::finish_reload(const Configuration& read) {
-  reading_ = false;
-  if (!ready_) {
-    return;  // the process ends
-  }
-  is_refused_ = !change(read);
-  if (is_refused_) {
-    log_.write(Level::error, "the configuration stays as it is");
-  }
-  last_status_ = status();
-  notify_ready(last_status_);
-  if (std::exchange(read_again_, false)) {
-    begin_reload();
-  }
-}
-
-bool Service::change(const Configuration& read) {
-  if (!read.failure.empty()) {
-    log_.write(Level::error, read.failure);
-    return false;
-  }
-  for (const auto& diagnostic : read.loaded.diagnostics) {
-    log_.write(diagnostic.severity == config::Severity::error ? Level::error : Level::warning,
-               config::headline(diagnostic));
-  }
-  if (!read.loaded.settings) {
-    return false;
-  }
-  const gateway::Settings before = driver_.settings();
-  const gateway::Settings next = gateway::numbered_after(before, *read.loaded.settings);
-  if (!listeners_.reload(before.listeners, next.listeners,
-                         [this](ListenerId listener) { driver_.remove_servers(listener); })) {
-    return false;
-  }
-  forget_failures(before, next);
-  driver_.reload(*read.loaded.settings, read.text);
-  const auto changes = changes_between(before, next);
-  for (const auto& change : changes) {
-    log_.write(Level::notice, "reload: " + change);
-  }
-  log_.write(Level::info, changes.empty() ? "reload: nothing has changed" : "reload: done");
-  if (before.lock_memory != next.lock_memory) {
-    log_.write(Level::warning, "reload: lock_memory takes effect at the next start");
-  }
-  return true;
-}
-
-// What was said of another line may be wrong of this one, or is to be said again.
-void Service::forget_failures(const gateway::Settings& before, const gateway::Settings& next) {
-  failures_.resize(next.buses.size());
-  for (std::size_t bus = 0; bus < before.buses.size(); ++bus) {
-    if (!gateway::keeps_line(before, next, static_cast<BusId>(bus))) {
-      failures_[bus].clear();
-      warnings_.clear();
-    }
-  }
 }
 
 void Service::on_event(const gateway::Event& event) {
@@ -249,6 +180,31 @@ std::string Service::status() const {
 }
 
 void Service::on_finished() { context_.stop(); }
+
+gateway::StatusReport Service::report_status() const { return driver_.report_status(); }
+
+ProcessStatus Service::process_status() const {
+  return {about_.version, about_.config, read_at_, is_refused_};
+}
+
+void Service::control_failed(const std::string& why) {
+  log_.write(Level::error, "the control socket does not answer any more: " + why);
+}
+
+// Drives are served without it too. Where the folder of the default path is not there, nobody asked
+// for it: mbgated does not run as a service.
+void Service::start_control() {
+  const std::string& path = driver_.settings().control_socket;
+  if (path.empty()) {
+    return;
+  }
+  const bool is_unasked = path == gateway::Settings{}.control_socket &&
+                          !std::filesystem::exists(std::filesystem::path(path).parent_path());
+  const std::string failure = is_unasked ? "" : control_.start(path);
+  if (!failure.empty()) {
+    log_.write(Level::warning, failure);
+  }
+}
 
 std::string Service::bus_text(BusId bus, const std::string& text) const {
   return "bus " + driver_.settings().bus(bus).name + ": " + text;

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "app/control/control.hpp"
 #include "app/listeners.hpp"
 #include "app/log.hpp"
 #include "config/load.hpp"
@@ -28,12 +29,18 @@ struct Configuration {
   std::string failure;  ///< why it could not be read; else empty
 };
 
-class Service final : public io::DriverObserver {
+/// What the process is and runs with, for those who ask.
+struct About {
+  std::string version;
+  std::string config;  ///< path of the configuration file
+};
+
+class Service final : public io::DriverObserver, public ControlTarget {
  public:
   /// Reads the configuration again, on a thread that may wait.
   using Read = std::function<Configuration()>;
 
-  Service(gateway::Settings settings, Read read, Log& log, io::Recorder* recorder);
+  Service(gateway::Settings settings, About about, Read read, Log& log, io::Recorder* recorder);
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
   ~Service() override = default;
@@ -50,6 +57,10 @@ class Service final : public io::DriverObserver {
   void on_accept_failure(gateway::ListenerId listener, const std::string& why) override;
   void on_status_changed() override;
   void on_finished() override;
+  [[nodiscard]] gateway::StatusReport report_status() const override;
+  [[nodiscard]] ProcessStatus process_status() const override;
+  void reload(ReloadEnded ended) override;
+  void control_failed(const std::string& why) override;
 
   boost::asio::awaitable<void> wait_for_signal();
   void stop();
@@ -58,12 +69,18 @@ class Service final : public io::DriverObserver {
   void forget_failures(const gateway::Settings& before, const gateway::Settings& next);
   /// Puts these settings into force. False if they cannot be: the journal says why.
   bool change(const Configuration& read);
+  /// For the journal, and for those who asked for the reload.
+  void say_of_reload(Level level, const std::string& text);
+  void end_reload();
+  void start_control();
   void send_status();
   [[nodiscard]] std::string status() const;
   [[nodiscard]] std::string bus_text(gateway::BusId bus, const std::string& text) const;
 
   Log& log_;
+  About about_;
   Read read_;
+  std::chrono::system_clock::time_point read_at_ = std::chrono::system_clock::now();
   // One thread runs it and uses its sockets, lines and timers; others only post to it.
   boost::asio::io_context context_{BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO};
   boost::asio::signal_set signals_;
@@ -71,6 +88,9 @@ class Service final : public io::DriverObserver {
   bool reading_ = false;     ///< the configuration
   bool read_again_ = false;  ///< a reload was requested meanwhile
   bool is_refused_ = false;  ///< the last reload
+  std::vector<std::string> reload_messages_;
+  std::vector<ReloadEnded> reload_asked_;    ///< to be told of the next reading
+  std::vector<ReloadEnded> reload_waiting_;  ///< of the one that runs
   boost::asio::steady_timer status_timer_;
   bool status_pending_ = false;
   bool ready_ = false;
@@ -82,6 +102,7 @@ class Service final : public io::DriverObserver {
   std::set<std::string> warnings_;
   io::GatewayDriver driver_;
   Listeners listeners_;
+  Control control_;
 };
 
 }  // namespace mbgate::app

@@ -61,6 +61,8 @@ class Bus {
   [[nodiscard]] LineState line_state(Instant now) const { return parts_.line.state(now); }
   [[nodiscard]] std::size_t waiting() const { return parts_.queue.size() + parts_.stops.size(); }
   [[nodiscard]] const BusCounters& counters() const { return parts_.counters; }
+  /// How busy the line is, in percent (LineLoad).
+  [[nodiscard]] unsigned load(Instant now) const { return parts_.load.percent(now); }
   /// What is known of each address.
   [[nodiscard]] const DeviceTable& devices() const { return parts_.devices; }
   /// How long the device at the address is still left alone because it owes an answer.

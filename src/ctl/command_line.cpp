@@ -40,6 +40,8 @@ struct Words {
   std::string units = "1-32";
   ProfileCommand profile;
   ScanCommand scan;
+  StatusCommand status;
+  ReloadCommand reload;
 };
 
 /// What a configuration takes for a name.
@@ -154,6 +156,30 @@ CLI::App* add_scan(CLI::App& app, Words& words) {
   return scan;
 }
 
+void add_control(CLI::App& command, std::string& socket) {
+  command.add_option("--control", socket, "the control socket of mbgated, its [http] socket")
+      ->type_name("PATH")
+      ->capture_default_str();
+}
+
+CLI::App* add_status(CLI::App& app, Words& words) {
+  CLI::App* status = app.add_subcommand(
+      "status",
+      "Show how a running mbgated, its lines and its drives are: what is not well first.");
+  status->add_flag("--json", words.status.json, "for programs");
+  add_control(*status, words.status.socket);
+  return status;
+}
+
+CLI::App* add_reload(CLI::App& app, Words& words) {
+  CLI::App* reload = app.add_subcommand(
+      "reload",
+      "Have a running mbgated read its configuration again, and say what has changed or why it was "
+      "refused.");
+  add_control(*reload, words.reload.socket);
+  return reload;
+}
+
 Result<Place, std::string> understand_place(const Words& words) {
   Place place;
   place.table = kTables.at(words.table);
@@ -231,7 +257,7 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
                                                  const char* const* arguments) {
   CLI::App app(
       "Reads and writes Modbus devices through a gateway, or any Modbus TCP server, finds out what "
-      "is on a bus, and shows drive profiles.",
+      "is on a bus, shows drive profiles, and asks a running mbgated how it is.",
       "mbgatectl");
   app.set_version_flag("--version", "mbgatectl " + version);
   app.require_subcommand(1);
@@ -241,6 +267,8 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
   const CLI::App* write = add_write(app, words);
   const CLI::App* profile = add_profile(app, words);
   const CLI::App* scan = add_scan(app, words);
+  const CLI::App* asks_status = add_status(app, words);
+  const CLI::App* asks_reload = add_reload(app, words);
   try {
     app.parse(count, arguments);
   } catch (const CLI::ParseError& error) {
@@ -251,6 +279,12 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
   }
   if (profile->parsed()) {
     return words.profile;
+  }
+  if (asks_status->parsed()) {
+    return words.status;
+  }
+  if (asks_reload->parsed()) {
+    return words.reload;
   }
   const auto command = scan->parsed() ? understand_scan(words) : understand(words, write->parsed());
   if (!command) {

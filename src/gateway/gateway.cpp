@@ -144,6 +144,11 @@ std::optional<Wake> Gateway::next_wake() const {
 
 Status Gateway::status() const { return {clients_.size(), buses_.open_count()}; }
 
+StatusReport Gateway::report_status(Duration uptime, Instant now) const {
+  return make_status_report({settings(), buses_, clients_.sessions(), clients_.counters()}, uptime,
+                            now);
+}
+
 // Everything that one input set off, until nothing is left. A list of work instead of recursion: an
 // answer may free a place, which takes a request, which may be answered at once.
 void Gateway::settle(Instant now) {

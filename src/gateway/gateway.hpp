@@ -9,6 +9,7 @@
 
 #include "gateway/clients/clients.hpp"
 #include "gateway/input.hpp"
+#include "gateway/status/status_report.hpp"
 
 namespace mbgate::gateway {
 
@@ -34,6 +35,8 @@ class Gateway {
 
   [[nodiscard]] const Settings& settings() const { return settings_.settings(); }
   [[nodiscard]] Status status() const;
+  /// Everything that is known of buses, devices and clients.
+  [[nodiscard]] StatusReport report_status(Duration uptime, Instant now) const;
   /// The line is open, or it is a connection that is opened with the next request.
   [[nodiscard]] bool is_open(BusId bus) const { return buses_[bus].link().serves(); }
 

@@ -58,6 +58,8 @@ struct Settings {
   /// The gateway's own unit identifier on every listener; none turns it off.
   std::optional<std::uint8_t> status_unit = 255;
   bool lock_memory = false;  ///< nothing of the process is ever swapped out
+  /// Path of the Unix socket of the HTTP interface; empty: there is none.
+  std::string control_socket = "/run/mbgate/control";
   /// Kernel timers fire late: the driver wakes so long before an instant and busy-waits for it.
   Duration wake_early = std::chrono::microseconds(100);
   std::vector<ListenerSettings> listeners;

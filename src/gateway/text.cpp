@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gateway/action.hpp"
-#include "gateway/quality_text.hpp"
+#include "gateway/status/quality_text.hpp"
 #include "modbus/describe.hpp"
 
 namespace mbgate::gateway {

@@ -62,6 +62,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void shutdown();
 
   [[nodiscard]] gateway::Status status() const { return gateway_.status(); }
+  [[nodiscard]] gateway::StatusReport report_status() const;
   [[nodiscard]] const gateway::Settings& settings() const { return gateway_.settings(); }
 
  private:

@@ -74,7 +74,8 @@ class Process:
 
 
 class DemoPlant:
-    """with DemoPlant() as plant: plant.port is where the gateway listens on 127.0.0.1."""
+    """with DemoPlant() as plant: plant.port is where the gateway listens on 127.0.0.1, plant.control its control
+    socket, plant.configuration its file."""
 
     def __enter__(self):
         self._folder = tempfile.TemporaryDirectory()
@@ -89,18 +90,26 @@ class DemoPlant:
     def _start(self):
         folder = pathlib.Path(self._folder.name)
         text = (CONFIGURATION / "demo.toml").read_text(encoding="utf-8")
-        configuration = folder / "demo.toml"
-        configuration.write_text(re.sub(r"(?m)^port *=.*$", "port = 0", text), encoding="utf-8")
+        text = re.sub(r"(?m)^port *=.*$", "port = 0", text)
+        self.control = folder / "control"
+        self.configuration = folder / "demo.toml"
+        self.configuration.write_text(f'{text}\n[http]\nsocket = "{self.control}"\n', encoding="utf-8")
         drives = Process(folder, "mbgate-sim", CONFIGURATION / "demo-sim.toml")
         self._processes.append(drives)
         drives.wait_for("^ready")
-        gateway = Process(folder, "mbgated", "--config", configuration)
+        gateway = Process(folder, "mbgated", "--config", self.configuration)
         self._processes.append(gateway)
         self.port = int(gateway.wait_for(r"listening demo 127\.0\.0\.1:(\d+)$").group(1))
         # A line listens before it first transmits, and a write may not wait for long; a read may.
         for table, unit in (("holding", 1), ("coils", 17)):
             read = [program("mbgatectl"), "read", table, "0", "--unit", str(unit), "--port", str(self.port)]
             subprocess.run(read, stdout=subprocess.DEVNULL, timeout=PATIENCE, check=True)
+
+    def end_gateway(self):
+        """Asks the gateway alone to end."""
+        gateway = self._processes.pop()
+        status = gateway.end()
+        assert status == 0, f"exit status {status}"
 
     def __exit__(self, *_):
         statuses = {process.name: process.end() for process in reversed(self._processes)}

@@ -6,7 +6,8 @@ HERE = "tests/tidy/fronts.py"
 # The folders within the modules, and their front headers: those that others may include. The other headers of a folder, and of
 # the folders in it, are its own; its tests see them, and those that stand beside the folders of tests/unit/MODULE.
 FRONTS = {
-    "bus/health": {"adapter_watch", "device_table", "line_diagnosis", "line_quality", "probes"},
+    "app/control": {"control"},
+    "bus/health": {"adapter_watch", "device_table", "line_diagnosis", "line_load", "line_quality", "probes"},
     "bus/queue": {"admission", "bus_queue", "stop_lane", "stop_order", "turn_book"},
     "bus/serial": {"serial_discipline"},
     "bus/sharing": {"read_cache", "shared_read"},
@@ -19,12 +20,14 @@ FRONTS = {
     "config/toml": {
         "duration_text", "match_entry", "suggestion", "toml_reader", "toml_value", "unit_range", "words",
     },
+    "ctl/control": {"control_command"},
     "ctl/profile": {"profile_text", "show_profile"},
     "ctl/request": {"carry_out", "command", "modbus_client"},
     "ctl/scan": {"scan", "scan_command"},
     "gateway/clients": {"clients", "sessions"},
     "gateway/exchanges": {"exchanges"},
     "gateway/recording": {"record"},
+    "gateway/status": {"quality_text", "status_report"},
     "gateway/settings": {"device_index", "numbering", "settings_snapshot", "unit_meaning"},
     "gateway/writes": {"failsafe", "failsafe_writes", "write_rules"},
     "io/clients": {"client_connections", "descriptors", "listening_socket", "server_set"},

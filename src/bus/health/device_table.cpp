@@ -82,6 +82,7 @@ void DeviceTable::end_write(const Job& write) {
 void DeviceTable::clear_counters() {
   for (DeviceEntry& entry : entries_) {
     entry.counters = {};
+    entry.times = {};
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bus/counters.hpp"
+#include "bus/health/answer_times.hpp"
 #include "bus/health/device_health.hpp"
 #include "bus/job.hpp"
 #include "bus/settings.hpp"
@@ -39,6 +40,7 @@ struct DeviceEntry {
   Instant owed_until = Instant::min();   ///< when the last unanswered request was due
   Instant answered_at = Instant::min();  ///< of the last answer
   std::uint8_t answered_function = 0;    ///< function code of that answer
+  AnswerTimes times;                     ///< shown only: they decide nothing
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
   /// A frame of the device was received: it is there.

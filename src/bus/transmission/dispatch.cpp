@@ -13,6 +13,14 @@ void Dispatch::pump_looked(Instant now) {
 }
 
 void Dispatch::pump(Instant now) {
+  decide(now);
+  const bool is_busy = parts_.transmissions.first_in_flight() != nullptr;
+  if (is_busy != parts_.load.is_busy()) {
+    parts_.load.note(is_busy, now, parts_.line.ready_at(Duration{0}));
+  }
+}
+
+void Dispatch::decide(Instant now) {
   parts_.pumped_at = now;
   next_start_.reset();
   ends_.expire(now);

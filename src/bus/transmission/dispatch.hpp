@@ -35,6 +35,7 @@ class Dispatch {
   enum class Looking : std::uint8_t { no, asked, done };
 
   // dispatch.cpp: what goes next
+  void decide(Instant now);
   void wait_until(Wake wake) { next_start_ = earlier(next_start_, wake); }
   [[nodiscard]] bool has_looked();
   bool reopen_if_hung(Instant now);

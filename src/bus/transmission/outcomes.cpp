@@ -78,6 +78,7 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
           {asked.request, response.bytes(), transmission.last_sent, end.due, end.took}, now)) {
     diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
   }
+  note_times(transmission, end, now);
   transmission.is_probe = false;
   if (exception && transmission.merged) {
     entry.merge_refused = true;
@@ -102,6 +103,19 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   }
   remember(leader, transmission);
   ends_.advance(transmission, Ending::answered);
+}
+
+// On a connection it is not known which part of the time is the wire's.
+void Outcomes::note_times(const Transmission& transmission, const LineEnd& end, Instant now) {
+  const Job& job = *transmission.leader;
+  AnswerTimes& times = parts_.devices[transmission.on_wire().address].times;
+  const Duration whole = std::max(now - transmission.last_sent, Duration{0});
+  const Duration device = std::clamp(end.heard > 0 ? end.heard_after : whole, Duration{0}, whole);
+  times.device.note(device);
+  times.wire.note(whole - device);
+  if (job.current == 0 && transmission.tries == 1) {
+    times.queue.note(transmission.transmitted_at - job.accepted_at);
+  }
 }
 
 // Other settings, which came meanwhile, may expect the question's register to hold something else.

@@ -4,6 +4,7 @@
 #include <ostream>
 #include <string_view>
 
+#include "ctl/control/control_command.hpp"
 #include "ctl/profile/show_profile.hpp"
 #include "ctl/request/modbus_client.hpp"
 #include "ctl/scan/scan_command.hpp"
@@ -86,6 +87,14 @@ int carry_out_one(const ProfileCommand& command, std::ostream& out, std::ostream
 
 int carry_out_one(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
   return carry_out_scan(command, out, errors);
+}
+
+int carry_out_one(const StatusCommand& command, std::ostream& out, std::ostream& errors) {
+  return show_status(command, out, errors);
+}
+
+int carry_out_one(const ReloadCommand& command, std::ostream& out, std::ostream& errors) {
+  return reload(command, out, errors);
 }
 
 }  // namespace

@@ -66,7 +66,21 @@ struct ScanCommand {
   bool show_progress = false;                   ///< on standard error
 };
 
-using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand>;
+inline constexpr const char* kControlSocket = "/run/mbgate/control";
+
+/// Shows the state of a running mbgated.
+struct StatusCommand {
+  std::string socket = kControlSocket;
+  bool json = false;
+};
+
+/// Has a running mbgated read its configuration again.
+struct ReloadCommand {
+  std::string socket = kControlSocket;
+};
+
+using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, StatusCommand,
+                             ReloadCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a 32-bit value are never written one by one. The error is a full sentence.

@@ -91,6 +91,8 @@ class ClientSession {
   bool is_leaving =
       false;  ///< it is disconnecting: only its stops are still taken, and it gets no answers
   bool speaks_rtu_reported = false;
+  std::uint64_t requests = 0;  ///< requests and refusals are counted for displays only
+  std::uint64_t refused = 0;   ///< answered with an exception of the gateway's own
   Instant last_activity;
   std::optional<Instant> partial_since;   ///< an incomplete ADU is at the front of `input`
   std::optional<Instant> timer_armed_at;  ///< its entry in ClientTimers

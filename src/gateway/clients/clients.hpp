@@ -35,6 +35,7 @@ class Clients {
   /// The new settings are in force.
   void adopt(const SettingsSnapshot& before, Instant now);
   [[nodiscard]] const Sessions& sessions() const { return sessions_; }
+  [[nodiscard]] const ClientCounters& counters() const { return intake_.counters(); }
 
  private:
   friend struct mbgate::StateReader;

@@ -10,11 +10,13 @@ namespace mbgate::gateway {
 
 void Requests::accept(ClientSession& session, Request& request, Instant now) {
   failsafe_.client_asked(session.id(), now);
+  ++session.requests;
   std::optional<modbus::Pdu> answer;
   if (request.for_gateway) {
     answer = answer_of_gateway(session, request.adu.pdu, now);
   } else if (request.refused) {
     answer = modbus::Pdu::exception(request.adu.pdu.function(), *request.refused);
+    ++session.refused;
   }
   if (answer) {
     send(session, session.open_answer(), modbus::MbapAdu{request.adu.header, *answer});
@@ -100,6 +102,7 @@ void Requests::complete(std::uint32_t index) {
     ClientSession* session = sessions_.find(exchange.client);
     MBGATE_ASSERT(session != nullptr, "a request knows whether its client is there");
     session->exchanges.erase(std::ranges::find(session->exchanges, index));
+    session->refused += exchange.failed ? 1U : 0U;
     std::optional<modbus::MbapAdu> adu;
     if (const auto pdu = exchange.result()) {
       adu = modbus::MbapAdu{exchange.header, *pdu};

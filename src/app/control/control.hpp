@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// The HTTP interface to a running gateway, on the control socket: /api/v1/status, /api/v1/reload
+// and /healthz (docs/api.yaml). It has a thread of its own. Questions are posted to the gateway's
+// thread and answers are posted back as values, so that a reader never holds up a bus.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "app/control/status_json.hpp"
+
+namespace mbgate::app {
+
+/// What came of a reload.
+struct ReloadOutcome {
+  bool done = false;
+  std::vector<std::string> messages;  ///< what has changed, or why it was refused
+};
+
+/// Answers on the gateway's thread.
+class ControlTarget {
+ public:
+  using ReloadEnded = std::function<void(const ReloadOutcome&)>;
+
+  virtual ~ControlTarget() = default;
+  [[nodiscard]] virtual gateway::StatusReport report_status() const = 0;
+  [[nodiscard]] virtual ProcessStatus process_status() const = 0;
+  /// `ended` is called once, on the same thread, perhaps at once.
+  virtual void reload(ReloadEnded ended) = 0;
+  /// The interface has ended because of a fault of its own; the gateway goes on.
+  virtual void control_failed(const std::string& why) = 0;
+};
+
+class Control {
+ public:
+  /// `gateway`: the context of the gateway's thread, which must outlive this object and does not
+  /// run any more when it is destroyed.
+  Control(boost::asio::io_context& gateway, ControlTarget& target);
+  Control(const Control&) = delete;
+  Control& operator=(const Control&) = delete;
+  /// Ends the thread and removes the socket.
+  ~Control();
+
+  /// Listens at this path and starts to answer. Returns why not, or nothing.
+  std::string start(const std::string& path);
+
+ private:
+  class Server;
+  void run();
+
+  boost::asio::io_context& gateway_;
+  ControlTarget& target_;
+  std::shared_ptr<boost::asio::io_context> home_;
+  std::unique_ptr<Server> server_;
+  std::string path_;
+  std::thread thread_;
+};
+
+}  // namespace mbgate::app

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/status_json.hpp"
+
+#include <boost/json/array.hpp>
+#include <boost/json/string.hpp>
+#include <boost/json/value.hpp>
+#include <ctime>
+#include <optional>
+
+namespace mbgate::app {
+namespace {
+
+using boost::json::array;
+using boost::json::object;
+using boost::json::value;
+using gateway::BusStatus;
+using gateway::DeviceStatus;
+
+double milliseconds(gateway::Duration duration) {
+  return std::chrono::duration<double, std::milli>(duration).count();
+}
+
+value milliseconds(const std::optional<gateway::Duration>& duration) {
+  return duration ? value(milliseconds(*duration)) : value(nullptr);
+}
+
+std::string utc_text(std::chrono::system_clock::time_point instant) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(instant);
+  std::tm fields{};
+  ::gmtime_r(&seconds, &fields);
+  char text[sizeof "2026-01-31T23:59:59Z"];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &fields);
+  return text;
+}
+
+const char* text_of(bus::Framing framing) {
+  switch (framing) {
+    case bus::Framing::rtu: return "rtu";
+    case bus::Framing::ascii: return "ascii";
+    case bus::Framing::tcp: return "tcp";
+  }
+  return "";
+}
+
+const char* text_of(DeviceStatus::State state) {
+  switch (state) {
+    case DeviceStatus::State::not_asked: return "not asked";
+    case DeviceStatus::State::answering: return "answering";
+    case DeviceStatus::State::not_answering: return "not answering";
+    case DeviceStatus::State::offline: return "offline";
+    case DeviceStatus::State::damaged: return "damaged answers";
+  }
+  return "";
+}
+
+const char* text_of(bus::Quality quality) {
+  switch (quality) {
+    case bus::Quality::unknown: return "unknown";
+    case bus::Quality::good: return "good";
+    case bus::Quality::bad_crc: return "bad crc";
+    case bus::Quality::no_frame: return "no valid frame";
+    case bus::Quality::late: return "late";
+  }
+  return "";
+}
+
+object quality_json(const bus::QualityVerdict& verdict) {
+  return {{"verdict", text_of(verdict.quality)}, {"count", verdict.count}, {"of", verdict.of}};
+}
+
+object counters_json(const bus::BusCounters& counters) {
+  return {{"transmissions", counters.transmissions},
+          {"broadcasts", counters.broadcasts},
+          {"retries", counters.retries},
+          {"responses", counters.responses},
+          {"exceptions", counters.exceptions},
+          {"timeouts", counters.timeouts},
+          {"bad_crcs", counters.bad_crcs},
+          {"late_responses", counters.late_responses},
+          {"early_responses", counters.early_responses},
+          {"unsolicited_frames", counters.unsolicited_frames},
+          {"foreign_frames", counters.foreign_frames},
+          {"stray_bytes", counters.stray_bytes},
+          {"noise_bytes", counters.noise_bytes},
+          {"echo_mismatches", counters.echo_mismatches},
+          {"expired", counters.expired},
+          {"refused_full", counters.refused_full},
+          {"refused_offline", counters.refused_offline},
+          {"evicted", counters.evicted},
+          {"losses", counters.losses},
+          {"shared_reads", counters.shared_reads},
+          {"merged_reads", counters.merged_reads},
+          {"cached_reads", counters.cached_reads},
+          {"stops", counters.stops},
+          {"stops_unanswered", counters.stops_unanswered},
+          {"overtaken_writes", counters.overtaken_writes},
+          {"probes", counters.probes}};
+}
+
+object bus_json(const BusStatus& bus) {
+  object json{{"name", bus.name},
+              {"line", bus.line},
+              {"discipline", text_of(bus.framing)},
+              {"baud", nullptr},
+              {"format", nullptr},
+              {"open", bus.is_open},
+              {"state", bus::to_text(bus.state)},
+              {"load_percent", bus.load},
+              {"waiting", bus.waiting},
+              {"quality", quality_json(bus.quality)},
+              {"counters", counters_json(bus.counters)}};
+  if (bus.is_serial) {
+    json["baud"] = static_cast<std::uint32_t>(bus.baud);
+    json["format"] = gateway::format_text(bus.format);
+  }
+  return json;
+}
+
+object percentiles_json(const gateway::Percentiles& percentiles) {
+  return {{"p50", milliseconds(percentiles.p50)},
+          {"p90", milliseconds(percentiles.p90)},
+          {"p99", milliseconds(percentiles.p99)}};
+}
+
+object device_json(const DeviceStatus& device, const std::vector<BusStatus>& buses) {
+  const bus::DeviceCounters& counters = device.counters;
+  return {{"name", device.name.empty() ? value(nullptr) : value(boost::json::string(device.name))},
+          {"bus", buses[device.bus].name},
+          {"address", device.address},
+          {"state", text_of(device.state)},
+          {"last_answer_ms_ago", milliseconds(device.last_answer)},
+          {"unanswered_in_row", device.unanswered_in_row},
+          {"held_back_ms", milliseconds(device.held_back)},
+          {"quarantine_ms", milliseconds(device.quarantine)},
+          {"next_probe_in_ms", milliseconds(device.next_probe)},
+          {"response_timeout_ms", milliseconds(device.response_timeout)},
+          {"quality", quality_json(device.quality)},
+          {"latency_ms",
+           {{"queue", percentiles_json(device.queue)},
+            {"wire", percentiles_json(device.wire)},
+            {"device", percentiles_json(device.device)}}},
+          {"counters",
+           {{"transmissions", counters.transmissions},
+            {"responses", counters.responses},
+            {"exceptions", counters.exceptions},
+            {"timeouts", counters.timeouts},
+            {"bad_crcs", counters.bad_crcs},
+            {"late_responses", counters.late_responses},
+            {"early_responses", counters.early_responses},
+            {"noise_bytes", counters.noise_bytes}}}};
+}
+
+object client_json(const gateway::ClientStatus& client) {
+  return {{"address", client.address},
+          {"listener", client.listener},
+          {"requests", client.requests},
+          {"outstanding", client.outstanding},
+          {"refused", client.refused}};
+}
+
+object diagnosis_json(const gateway::Diagnosis& diagnosis) {
+  return {{"subject", diagnosis.subject},
+          {"finding", diagnosis.finding},
+          {"evidence", diagnosis.evidence},
+          {"look_at", diagnosis.look_at}};
+}
+
+template <typename Items, typename ToJson>
+array array_of(const Items& items, ToJson to_json) {
+  array all;
+  for (const auto& item : items) {
+    all.emplace_back(to_json(item));
+  }
+  return all;
+}
+
+}  // namespace
+
+object status_json(const gateway::StatusReport& report, const ProcessStatus& process) {
+  return {{"version", process.version},
+          {"uptime_s", std::chrono::duration<double>(report.uptime).count()},
+          {"configuration",
+           {{"file", process.config},
+            {"read_at", utc_text(process.config_read_at)},
+            {"reload_refused", process.reload_refused}}},
+          {"requests", report.counters.requests},
+          {"foreign_adus", report.counters.foreign_adus},
+          {"framing_lost", report.counters.framing_lost},
+          {"diagnoses", array_of(report.diagnoses, diagnosis_json)},
+          {"buses", array_of(report.buses, bus_json)},
+          {"devices",
+           array_of(report.devices,
+                    [&](const DeviceStatus& device) { return device_json(device, report.buses); })},
+          {"clients", array_of(report.clients, client_json)}};
+}
+
+}  // namespace mbgate::app

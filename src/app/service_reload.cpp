@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// A reload: the configuration is read on a thread that may wait, and put into force if it is good.
+#include <utility>
+
+#include "app/changes.hpp"
+#include "app/service.hpp"
+#include "app/systemd.hpp"
+#include "gateway/settings/numbering.hpp"
+
+namespace mbgate::app {
+
+using gateway::BusId;
+using gateway::ListenerId;
+
+void Service::begin_reload() {
+  if (reading_) {
+    read_again_ = true;
+    return;
+  }
+  notify_reloading();
+  reload_messages_.clear();
+  reload_waiting_ = std::exchange(reload_asked_, {});
+  reading_ = blocking_.run(read_, [this](const Configuration& read) { finish_reload(read); });
+  if (!reading_) {
+    say_of_reload(Level::error, "the configuration stays as it is: no thread to read it on");
+    is_refused_ = true;
+    end_reload();
+  }
+}
+
+void Service::end_reload() {
+  last_status_ = status();
+  notify_ready(last_status_);
+  for (const ReloadEnded& ended : std::exchange(reload_waiting_, {})) {
+    ended({!is_refused_, reload_messages_});
+  }
+}
+
+void Service::say_of_reload(Level level, const std::string& text) {
+  log_.write(level, text);
+  reload_messages_.push_back(text);
+}
+
+void Service::reload(ReloadEnded ended) {
+  if (!ready_) {
+    ended({false, {"mbgated is stopping"}});
+    return;
+  }
+  reload_asked_.push_back(std::move(ended));
+  begin_reload();
+}
+
+void Service::finish_reload(const Configuration& read) {
+  reading_ = false;
+  if (!ready_) {
+    return;  // the process ends
+  }
+  is_refused_ = !change(read);
+  if (is_refused_) {
+    say_of_reload(Level::error, "the configuration stays as it is");
+  } else {
+    read_at_ = std::chrono::system_clock::now();
+  }
+  end_reload();
+  if (std::exchange(read_again_, false)) {
+    begin_reload();
+  }
+}
+
+bool Service::change(const Configuration& read) {
+  if (!read.failure.empty()) {
+    say_of_reload(Level::error, read.failure);
+    return false;
+  }
+  for (const auto& diagnostic : read.loaded.diagnostics) {
+    say_of_reload(diagnostic.severity == config::Severity::error ? Level::error : Level::warning,
+                  config::headline(diagnostic));
+  }
+  if (!read.loaded.settings) {
+    return false;
+  }
+  const gateway::Settings before = driver_.settings();
+  const gateway::Settings next = gateway::numbered_after(before, *read.loaded.settings);
+  if (!listeners_.reload(before.listeners, next.listeners,
+                         [this](ListenerId listener) { driver_.remove_servers(listener); })) {
+    return false;
+  }
+  forget_failures(before, next);
+  driver_.reload(*read.loaded.settings, read.text);
+  const auto changes = changes_between(before, next);
+  for (const auto& change : changes) {
+    say_of_reload(Level::notice, "reload: " + change);
+  }
+  say_of_reload(Level::info, changes.empty() ? "reload: nothing has changed" : "reload: done");
+  if (before.lock_memory != next.lock_memory) {
+    say_of_reload(Level::warning, "reload: lock_memory takes effect at the next start");
+  }
+  if (before.control_socket != next.control_socket) {
+    say_of_reload(Level::warning, "reload: [http] socket takes effect at the next start");
+  }
+  return true;
+}
+
+// What was said of another line may be wrong of this one, or is to be said again.
+void Service::forget_failures(const gateway::Settings& before, const gateway::Settings& next) {
+  failures_.resize(next.buses.size());
+  for (std::size_t bus = 0; bus < before.buses.size(); ++bus) {
+    if (!gateway::keeps_line(before, next, static_cast<BusId>(bus))) {
+      failures_[bus].clear();
+      warnings_.clear();
+    }
+  }
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/health/answer_times.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace mbgate::bus {
+namespace {
+
+// Four steps for each doubling of this.
+constexpr Duration kUnit = std::chrono::microseconds(16);
+constexpr unsigned kStepsPerDoubling = 4;
+// When so many are counted, all counts are halved: what was long ago fades.
+constexpr unsigned kMostCounted = 2000;
+
+// Values 0 to 7 have a step each; from there on the two bits after the highest one choose it.
+std::size_t step_of(Duration duration) {
+  const auto units = static_cast<std::uint64_t>(std::max(duration, Duration{0}) / kUnit);
+  if (units < kStepsPerDoubling) {
+    return units;
+  }
+  const auto exponent = static_cast<unsigned>(std::bit_width(units)) - 1U;
+  return std::size_t{kStepsPerDoubling} * (exponent - 1U) +
+         ((units >> (exponent - 2U)) & (kStepsPerDoubling - 1U));
+}
+
+Duration end_of_step(std::size_t step) {
+  const std::size_t next = step + 1;
+  if (next < kStepsPerDoubling) {
+    return kUnit * static_cast<Duration::rep>(next);
+  }
+  const std::size_t exponent = next / kStepsPerDoubling + 1;
+  const std::size_t begin = kStepsPerDoubling + next % kStepsPerDoubling;
+  return kUnit * static_cast<Duration::rep>(begin << (exponent - 2U));
+}
+
+}  // namespace
+
+void Durations::note(Duration duration) {
+  ++counts_[std::min(step_of(duration), kSteps - 1)];
+  if (++all_ < kMostCounted) {
+    return;
+  }
+  all_ = 0;
+  for (std::uint16_t& count : counts_) {
+    count = static_cast<std::uint16_t>(count / 2U);
+    all_ += count;
+  }
+}
+
+std::optional<Duration> Durations::percentile(unsigned percent) const {
+  if (all_ == 0) {
+    return std::nullopt;
+  }
+  constexpr unsigned kPercent = 100;
+  const unsigned wanted = std::max((all_ * percent + kPercent - 1) / kPercent, 1U);
+  unsigned seen = 0;
+  for (std::size_t step = 0; step < kSteps; ++step) {
+    seen += counts_[step];
+    if (seen >= wanted) {
+      return end_of_step(step);
+    }
+  }
+  return end_of_step(kSteps - 1);
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/health/line_load.hpp"
+
+#include <algorithm>
+
+namespace mbgate::bus {
+namespace {
+
+constexpr Duration kLoadWindow = std::chrono::seconds(10);
+
+unsigned share(Duration part, Duration of) {
+  constexpr Duration::rep kPercent = 100;
+  return of <= Duration{0}
+             ? 0
+             : static_cast<unsigned>(std::min(part * kPercent / of, Duration::rep{kPercent}));
+}
+
+}  // namespace
+
+void LineLoad::note(bool is_busy, Instant now, Instant free_at) {
+  if (is_busy == busy_since_.has_value()) {
+    return;
+  }
+  window_began_ = window_began_.value_or(now);
+  go_on(now);
+  if (is_busy) {
+    busy_since_ = now;
+  } else {
+    busy_ += std::max(now, free_at) - *busy_since_;
+    busy_since_.reset();
+  }
+}
+
+// Windows that are over by now are closed.
+void LineLoad::go_on(Instant now) {
+  while (now - *window_began_ >= kLoadWindow) {
+    const Instant end = *window_began_ + kLoadWindow;
+    if (busy_since_) {
+      busy_ += end - *busy_since_;
+      busy_since_ = end;
+    }
+    // Nothing happens in the windows of a long pause.
+    const bool was_long = now - end >= 2 * kLoadWindow && !busy_since_;
+    before_ = was_long ? Duration{0} : busy_;
+    busy_ = Duration{0};
+    window_began_ = was_long ? now : end;
+  }
+}
+
+unsigned LineLoad::percent(Instant now) const {
+  if (!window_began_) {
+    return 0;
+  }
+  LineLoad at_now = *this;
+  at_now.go_on(now);
+  if (at_now.before_) {
+    return share(*at_now.before_, kLoadWindow);
+  }
+  const Duration running = at_now.busy_since_ ? now - *at_now.busy_since_ : Duration{0};
+  return share(at_now.busy_ + running, now - *at_now.window_began_);
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// How busy a line is: the share of time in which something was transmitted, an answer was waited
+// for, or the silence after it ran.
+#pragma once
+
+#include <optional>
+
+#include "bus/instant.hpp"
+
+namespace mbgate::bus {
+
+class LineLoad {
+ public:
+  /// Is a transmission under way at `now`? If none is, the line can be used again at `free_at`.
+  void note(bool is_busy, Instant now, Instant free_at);
+  [[nodiscard]] bool is_busy() const { return busy_since_.has_value(); }
+  /// Of the last ten seconds that are over, or of the time since the first transmission if that is
+  /// less.
+  [[nodiscard]] unsigned percent(Instant now) const;
+
+ private:
+  void go_on(Instant now);
+
+  std::optional<Instant> window_began_;  // nothing was transmitted yet
+  std::optional<Instant> busy_since_;
+  Duration busy_{0};                  // in this window
+  std::optional<Duration> before_{};  // in the one before
+};
+
+}  // namespace mbgate::bus

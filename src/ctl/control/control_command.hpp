@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an operator asks a running mbgated: how it is, and to read its configuration again.
+#pragma once
+
+#include <iosfwd>
+
+#include "ctl/request/command.hpp"
+
+namespace mbgate::ctl {
+
+/// Prints the state of lines, drives and clients, what is not well first; or JSON as it came.
+int show_status(const StatusCommand& command, std::ostream& out, std::ostream& errors);
+/// Returns when the new configuration is in force, or was refused: then the reasons are printed.
+int reload(const ReloadCommand& command, std::ostream& out, std::ostream& errors);
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/control/status_text.hpp"
+
+#include <algorithm>
+#include <boost/json/array.hpp>
+#include <boost/json/value.hpp>
+#include <boost/json/value_to.hpp>
+#include <cmath>
+#include <cstdio>
+#include <span>
+#include <tuple>
+#include <vector>
+
+namespace mbgate::ctl {
+namespace {
+
+using boost::json::object;
+using boost::json::value;
+using Row = std::vector<std::string>;
+
+std::string text(const object& from, const char* key) {
+  const value& found = from.at(key);
+  return found.is_null() ? "-" : std::string(found.as_string());
+}
+
+double number(const object& from, const char* key) { return from.at(key).to_number<double>(); }
+
+std::string whole(const object& from, const char* key) {
+  return from.at(key).is_null() ? "-" : std::to_string(std::llround(number(from, key)));
+}
+
+std::string counted(double count, const char* one) {
+  return std::to_string(std::llround(count)) + " " + one + (count == 1 ? "" : "s");
+}
+
+// "0.4", "12", "1300": three digits are enough to see which drive is slow.
+std::string milliseconds(const value& duration) {
+  if (duration.is_null()) {
+    return "-";
+  }
+  const auto number = duration.to_number<double>();
+  constexpr double kShort = 10;
+  char text[32];
+  std::snprintf(text, sizeof text, number < kShort ? "%.1f" : "%.0f", number);
+  return text;
+}
+
+std::string age(double seconds) {
+  const long long whole = std::llround(std::floor(seconds));
+  constexpr long long kMinute = 60;
+  constexpr long long kHour = 60 * kMinute;
+  constexpr long long kDay = 24 * kHour;
+  if (whole < 2 * kMinute) {
+    return std::to_string(whole) + " s";
+  }
+  if (whole < 2 * kHour) {
+    return std::to_string(whole / kMinute) + " min";
+  }
+  return whole < 2 * kDay ? std::to_string(whole / kHour) + " h"
+                          : std::to_string(whole / kDay) + " days";
+}
+
+// Columns as wide as their widest entry; what is a number stands at the right.
+std::string table(const Row& head, std::span<const Row> rows, std::size_t words) {
+  std::vector<std::size_t> widths;
+  for (std::size_t column = 0; column < head.size(); ++column) {
+    std::size_t width = head[column].size();
+    for (const Row& row : rows) {
+      width = std::max(width, row[column].size());
+    }
+    widths.push_back(width);
+  }
+  std::string all;
+  const auto add = [&](const Row& row) {
+    std::string line;
+    for (std::size_t column = 0; column < row.size(); ++column) {
+      const std::string blanks(widths[column] - row[column].size(), ' ');
+      line += (column == 0 ? "" : "  ");
+      line += column < words ? row[column] + blanks : blanks + row[column];
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    all += line + "\n";
+  };
+  add(head);
+  std::ranges::for_each(rows, add);
+  return all;
+}
+
+std::string diagnoses_text(const boost::json::array& diagnoses) {
+  if (diagnoses.empty()) {
+    return "Nothing is known to be wrong.\n";
+  }
+  std::string all = "NOT WELL\n";
+  for (const value& one : diagnoses) {
+    const object& diagnosis = one.as_object();
+    all += "  " + text(diagnosis, "subject") + ": " + text(diagnosis, "finding") + "\n";
+    all += "      because: " + text(diagnosis, "evidence") + "\n";
+    all += "      look at: " + text(diagnosis, "look_at") + "\n";
+  }
+  return all;
+}
+
+std::string buses_text(const boost::json::array& buses) {
+  std::vector<Row> rows;
+  for (const value& one : buses) {
+    const object& bus = one.as_object();
+    const object& counters = bus.at("counters").as_object();
+    rows.push_back({text(bus, "name"), text(bus, "line"),
+                    bus.at("baud").is_null() ? text(bus, "discipline")
+                                             : whole(bus, "baud") + " " + text(bus, "format"),
+                    bus.at("open").as_bool() ? "open" : "not open",
+                    whole(bus, "load_percent") + " %", whole(bus, "waiting"),
+                    whole(counters, "responses"), whole(counters, "timeouts"),
+                    whole(counters, "bad_crcs"), whole(counters, "late_responses")});
+  }
+  return table(
+      {"BUS", "LINE", "MODE", "STATE", "LOAD", "WAITING", "ANSWERS", "TIMEOUTS", "BAD CRC", "LATE"},
+      rows, 4);
+}
+
+// Those that do not answer first, then the slow ones.
+bool is_worse(const value& a, const value& b) {
+  const auto rank = [](const value& one) {
+    const object& device = one.as_object();
+    const std::string state = text(device, "state");
+    const value& slow = device.at("latency_ms").as_object().at("device").as_object().at("p90");
+    return std::tuple(state != "answering" && state != "not asked",
+                      number(device, "unanswered_in_row"),
+                      slow.is_null() ? 0.0 : slow.to_number<double>());
+  };
+  return rank(a) > rank(b);
+}
+
+std::string devices_text(boost::json::array devices) {
+  std::stable_sort(devices.begin(), devices.end(), is_worse);
+  std::vector<Row> rows;
+  for (const value& one : devices) {
+    const object& device = one.as_object();
+    const object& counters = device.at("counters").as_object();
+    const object& latency = device.at("latency_ms").as_object();
+    const auto half = [&](const char* part) {
+      return milliseconds(latency.at(part).as_object().at("p50"));
+    };
+    const object& own = latency.at("device").as_object();
+    rows.push_back({text(device, "name"), text(device, "bus"), whole(device, "address"),
+                    text(device, "state"), whole(counters, "responses"),
+                    whole(counters, "timeouts"), whole(counters, "bad_crcs"),
+                    whole(counters, "late_responses"), half("queue"), half("wire"), half("device"),
+                    milliseconds(own.at("p90")), milliseconds(own.at("p99"))});
+  }
+  return table({"DEVICE", "BUS", "ADDRESS", "STATE", "ANSWERS", "TIMEOUTS", "BAD CRC", "LATE",
+                "QUEUE", "WIRE", "DRIVE", "P90", "P99"},
+               rows, 4);
+}
+
+std::string clients_text(const boost::json::array& clients) {
+  std::vector<Row> rows;
+  for (const value& one : clients) {
+    const object& client = one.as_object();
+    rows.push_back({text(client, "address"), text(client, "listener"), whole(client, "requests"),
+                    whole(client, "outstanding"), whole(client, "refused")});
+  }
+  return table({"CLIENT", "LISTENER", "REQUESTS", "OUTSTANDING", "REFUSED"}, rows, 2);
+}
+
+}  // namespace
+
+std::string status_text(const object& status) {
+  const object& configuration = status.at("configuration").as_object();
+  std::string all = "mbgated " + text(status, "version") + ", up " +
+                    age(number(status, "uptime_s")) + ", " + text(configuration, "file") +
+                    " as of " + text(configuration, "read_at") + ", " +
+                    counted(number(status, "requests"), "request") + "\n";
+  if (configuration.at("reload_refused").as_bool()) {
+    all += "The last reload was refused: the settings in force are older than the file.\n";
+  }
+  all += "\n" + diagnoses_text(status.at("diagnoses").as_array());
+  all += "\n" + buses_text(status.at("buses").as_array());
+  const boost::json::array& devices = status.at("devices").as_array();
+  if (!devices.empty()) {
+    all += "\n" + devices_text(devices) +
+           "QUEUE, WIRE, DRIVE: half of the requests took so many ms or less there; P90, P99: nine "
+           "tenths and 99 of 100 of DRIVE\n";
+  }
+  const boost::json::array& clients = status.at("clients").as_array();
+  if (!clients.empty()) {
+    all += "\n" + clients_text(clients);
+  }
+  return all;
+}
+
+}  // namespace mbgate::ctl

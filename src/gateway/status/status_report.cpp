@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/status/status_report.hpp"
+
+#include <algorithm>
+#include <bitset>
+
+#include "gateway/status/diagnosis.hpp"
+
+namespace mbgate::gateway {
+namespace {
+
+std::string line_text(const bus::LineSettings& line) {
+  return line.remote ? line.remote->host + ":" + std::to_string(line.remote->port) : line.device;
+}
+
+BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Instant now) {
+  const bus::LineSettings& line = settings.line;
+  return {settings.name, line_text(line), line.framing,        !line.remote,
+          line.baud,     line.format,     bus.link().serves(), bus.line_state(now),
+          bus.load(now), bus.waiting(),   bus.counters(),      bus.quality().verdict()};
+}
+
+Percentiles percentiles_of(const bus::Durations& durations) {
+  return {durations.percentile(50), durations.percentile(90), durations.percentile(99)};
+}
+
+DeviceStatus::State state_of(const bus::DeviceEntry& entry) {
+  using State = DeviceStatus::State;
+  if (entry.health.is_offline()) {
+    return State::offline;
+  }
+  if (entry.health.unanswered_in_row() > 0) {
+    return State::not_answering;
+  }
+  if (entry.counters.responses > 0) {
+    return State::answering;
+  }
+  return entry.counters.bad_crcs > 0 ? State::damaged : State::not_asked;
+}
+
+DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, Instant now) {
+  const bus::DeviceEntry& entry = bus.devices()[address];
+  DeviceStatus status;
+  status.address = address;
+  status.state = state_of(entry);
+  status.has_answered = bus.quality()[address].has_answered();
+  if (entry.answered_at != Instant::min()) {
+    status.last_answer = now - entry.answered_at;
+  }
+  status.unanswered_in_row = entry.health.unanswered_in_row();
+  status.held_back = bus.held_back(address, now);
+  status.quarantine = entry.health.quarantine(now, entry.timing());
+  if (entry.health.is_offline()) {
+    status.next_probe = std::max(entry.health.probe_at() - now, Duration{0});
+  }
+  status.response_timeout = entry.timing().response_timeout;
+  status.counters = entry.counters;
+  status.quality = bus.quality()[address].verdict();
+  status.queue = percentiles_of(entry.times.queue);
+  status.wire = percentiles_of(entry.times.wire);
+  status.device = percentiles_of(entry.times.device);
+  return status;
+}
+
+// Addresses of transparent listeners and routes without a device.
+void add_unnamed(const bus::Bus& bus, std::size_t place, Instant now,
+                 std::vector<DeviceStatus>& devices) {
+  std::bitset<bus::kAddresses> named;
+  for (const drive::Device& device : bus.devices().devices()) {
+    named.set(device.address);
+  }
+  for (std::size_t address = 0; address < bus::kAddresses; ++address) {
+    const auto number = static_cast<std::uint8_t>(address);
+    if (!named[address] && bus.devices()[number].counters.transmissions > 0) {
+      devices.push_back(status_of(bus, number, now));
+      devices.back().bus = place;
+    }
+  }
+}
+
+}  // namespace
+
+std::string format_text(const modbus::CharacterFormat& format) {
+  char parity = 'N';
+  switch (format.parity) {
+    case modbus::Parity::none: break;
+    case modbus::Parity::even: parity = 'E'; break;
+    case modbus::Parity::odd: parity = 'O'; break;
+  }
+  return std::to_string(format.data_bits) + parity + std::to_string(format.stop_bits);
+}
+
+StatusReport make_status_report(const StatusSources& sources, Duration uptime, Instant now) {
+  const Settings& settings = sources.settings;
+  StatusReport report;
+  report.uptime = uptime;
+  report.counters = sources.counters;
+  const std::vector<BusId> buses = settings.written_buses();
+  for (const BusId bus : buses) {
+    report.buses.push_back(status_of(sources.buses[bus], settings.bus(bus), now));
+  }
+  for (const drive::Device* device : settings.written_devices()) {
+    DeviceStatus status = status_of(sources.buses[device->bus], device->address, now);
+    status.name = device->name;
+    status.bus = static_cast<std::size_t>(std::ranges::find(buses, device->bus) - buses.begin());
+    report.devices.push_back(std::move(status));
+  }
+  for (std::size_t place = 0; place < buses.size(); ++place) {
+    add_unnamed(sources.buses[buses[place]], place, now, report.devices);
+  }
+  sources.sessions.for_each([&](const ClientSession& client) {
+    report.clients.push_back({client.info().address.to_text(),
+                              settings.listener(client.info().listener).name, client.requests,
+                              client.refused, client.outstanding()});
+  });
+  report.diagnoses = diagnose(report);
+  return report;
+}
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state of the whole gateway at one instant, as plain values with names in them: it can be read
+// on another thread, and after a reload. Making it changes nothing.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "gateway/bus_set.hpp"
+#include "gateway/clients/sessions.hpp"
+#include "gateway/settings.hpp"
+#include "gateway/status_unit.hpp"
+
+namespace mbgate::gateway {
+
+/// Half, nine tenths and 99 of 100 durations are not longer than these; nothing if there were none.
+struct Percentiles {
+  std::optional<Duration> p50;
+  std::optional<Duration> p90;
+  std::optional<Duration> p99;
+};
+
+struct BusStatus {
+  std::string name;
+  std::string line;  ///< the path of a serial line, or HOST:PORT
+  bus::Framing framing = bus::Framing::rtu;
+  bool is_serial = true;
+  modbus::Baud baud{0};
+  modbus::CharacterFormat format;
+  bool is_open = false;
+  bus::LineState state = bus::LineState::initial;
+  unsigned load = 0;  ///< percent of the time of the line
+  std::size_t waiting = 0;
+  bus::BusCounters counters;
+  bus::QualityVerdict quality;
+};
+
+struct DeviceStatus {
+  enum class State : std::uint8_t {
+    not_asked,      ///< nothing was sent to it
+    answering,      ///< it has answered the last request
+    not_answering,  ///< it has not
+    offline,        ///< it has not answered for so long that it is only probed
+    damaged         ///< all its answers had a bad CRC or LRC
+  };
+
+  std::string name;     ///< empty: an address that the configuration has no device for
+  std::size_t bus = 0;  ///< its place in StatusReport::buses
+  std::uint8_t address = 0;
+  State state = State::not_asked;
+  bool has_answered = false;            ///< ever
+  std::optional<Duration> last_answer;  ///< how long ago that was
+  unsigned unanswered_in_row = 0;
+  Duration held_back{0};               ///< it still gets nothing but stops for so long
+  Duration quarantine{0};              ///< how long it is held back after an unanswered request
+  std::optional<Duration> next_probe;  ///< offline: in how long it is asked again at the earliest
+  Duration response_timeout{0};
+  bus::DeviceCounters counters;
+  bus::QualityVerdict quality;
+  Percentiles queue;
+  Percentiles wire;
+  Percentiles device;
+};
+
+struct ClientStatus {
+  std::string address;
+  std::string listener;
+  std::uint64_t requests = 0;
+  std::uint64_t refused = 0;    ///< of these, answered with an exception of the gateway's own
+  std::size_t outstanding = 0;  ///< not answered yet
+};
+
+/// Something that is not well, and how that is known.
+struct Diagnosis {
+  std::string subject;   ///< "bus line-a", "device axis-x"
+  std::string finding;   ///< what is wrong
+  std::string evidence;  ///< the figures behind it
+  std::string look_at;   ///< the key of the configuration, the cable, the drive
+};
+
+struct StatusReport {
+  Duration uptime{0};
+  ClientCounters counters;
+  std::vector<BusStatus> buses;  ///< in the order of the configuration
+  std::vector<DeviceStatus>
+      devices;  ///< these too; then addresses that were asked without a device
+  std::vector<ClientStatus> clients;
+  std::vector<Diagnosis> diagnoses;  ///< the worst first
+};
+
+/// "8E1"
+std::string format_text(const modbus::CharacterFormat& format);
+
+/// What a report is made of.
+struct StatusSources {
+  const Settings& settings;
+  const BusSet& buses;
+  const Sessions& sessions;
+  const ClientCounters& counters;
+};
+
+StatusReport make_status_report(const StatusSources& sources, Duration uptime, Instant now);
+
+}  // namespace mbgate::gateway

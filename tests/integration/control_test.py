@@ -1,0 +1,179 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""The control socket of the demo's gateway: every answer is held to docs/api.yaml, and mbgatectl says what it says."""
+
+import http.client
+import json
+import pathlib
+import re
+import socket
+import stat
+import subprocess
+import sys
+import unittest
+
+import jsonschema
+import yaml
+
+from demo_plant import PATIENCE, DemoPlant, program
+
+API = yaml.safe_load((pathlib.Path(__file__).parents[2] / "docs" / "api.yaml").read_text(encoding="utf-8"))
+MOONS, MOONS_LITTLE, STEPPER, AIC = 1, 3, 2, 17
+
+
+def resolved(node):
+    """The node, or what it refers to."""
+    while "$ref" in node:
+        found = API
+        for part in node["$ref"].removeprefix("#/").split("/"):
+            found = found[part]
+        node = found
+    return node
+
+
+class UnixConnection(http.client.HTTPConnection):
+    def __init__(self, path):
+        super().__init__("mbgated", timeout=PATIENCE)
+        self._path = path
+
+    def connect(self):
+        self.sock = socket.socket(socket.AF_UNIX)
+        self.sock.settimeout(PATIENCE)
+        self.sock.connect(str(self._path))
+
+
+class ControlSocket(unittest.TestCase):
+    def setUp(self):
+        self.plant = self.enterContext(DemoPlant())
+
+    def ask(self, method, path):
+        """The HTTP status and the JSON, which is as docs/api.yaml says."""
+        connection = UnixConnection(self.plant.control)
+        self.addCleanup(connection.close)
+        connection.request(method, path)
+        answer = connection.getresponse()
+        body = json.loads(answer.read())
+        described = API["paths"].get(path, {})
+        if method.lower() in described:
+            response = resolved(described[method.lower()]["responses"][str(answer.status)])
+            schema = response["content"]["application/json"]["schema"]
+        else:
+            schema = {"$ref": "#/components/schemas/Error"}
+        jsonschema.Draft202012Validator({**schema, "components": API["components"]}).validate(body)
+        return answer.status, body
+
+    def status(self):
+        code, body = self.ask("GET", "/api/v1/status")
+        self.assertEqual(code, 200)
+        return body
+
+    def mbgatectl(self, *arguments):
+        command = [program("mbgatectl"), *map(str, arguments)]
+        return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+
+    def read(self, unit, address=0):
+        return self.mbgatectl("read", "holding", address, "--unit", unit, "--port", self.plant.port)
+
+    def device(self, name):
+        return next(device for device in self.status()["devices"] if device["name"] == name)
+
+    def edit(self, before, after):
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        self.assertIn(before, text)
+        self.plant.configuration.write_text(text.replace(before, after), encoding="utf-8")
+
+    def test_the_status_shows_lines_drives_and_clients(self):
+        for _ in range(5):
+            self.assertEqual(self.read(MOONS).returncode, 0)
+        client = socket.create_connection(("127.0.0.1", self.plant.port), PATIENCE)
+        self.addCleanup(client.close)
+        client.sendall(bytes.fromhex("0001 0000 0006 01 03 0000 0001"))
+        self.assertEqual(len(client.recv(100)), 11)
+        status = self.status()
+        self.assertEqual([bus["name"] for bus in status["buses"]], ["line-a", "line-b"])
+        self.assertTrue(all(bus["open"] for bus in status["buses"]))
+        self.assertEqual((status["buses"][0]["baud"], status["buses"][0]["format"]), (115200, "8N1"))
+        axis = self.device("axis-x")
+        self.assertEqual(axis["state"], "answering")
+        self.assertGreaterEqual(axis["counters"]["responses"], 6)
+        self.assertGreater(axis["latency_ms"]["device"]["p50"], 0)
+        self.assertEqual([(it["listener"], it["requests"]) for it in status["clients"]], [("demo", 1)])
+        self.assertEqual(status["diagnoses"], [])
+
+    def test_a_drive_that_is_not_there_is_named(self):
+        self.edit('name = "axis-x"\nbus = "line-a"\naddress = 1\n', 'name = "axis-x"\nbus = "line-a"\naddress = 99\n')
+        self.assertEqual(self.mbgatectl("reload", "--control", self.plant.control).returncode, 0)
+        self.read(MOONS_LITTLE)
+        for _ in range(3):
+            self.read(MOONS)
+        diagnoses = self.status()["diagnoses"]
+        self.assertEqual([(it["subject"], it["finding"]) for it in diagnoses], [("device axis-x", "it has never answered")])
+        shown = self.mbgatectl("status", "--control", self.plant.control)
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        self.assertIn("NOT WELL\n  device axis-x: it has never answered\n", shown.stdout)
+        # The worst comes first.
+        self.assertRegex(shown.stdout, r"DEVICE +BUS +ADDRESS +STATE .*\naxis-x +line-a +99 ")
+
+    def test_mbgatectl_prints_the_status_as_it_came(self):
+        shown = self.mbgatectl("status", "--json", "--control", self.plant.control)
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        self.assertEqual(json.loads(shown.stdout).keys(), self.status().keys())
+        text = self.mbgatectl("status", "--control", self.plant.control).stdout
+        self.assertIn("Nothing is known to be wrong.\n", text)
+        self.assertRegex(text, r"\nline-b +\./line-b +9600 8E1 +open ")
+
+    def test_a_reload_says_what_has_changed(self):
+        code, body = self.ask("POST", "/api/v1/reload")
+        self.assertEqual((code, body["messages"]), (200, ["reload: nothing has changed"]))
+        self.edit("baud = 9600", "baud = 19200")
+        shown = self.mbgatectl("reload", "--control", self.plant.control)
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        self.assertIn("bus line-b: baud 9600", shown.stdout)
+        self.assertEqual(self.status()["buses"][1]["baud"], 19200)
+
+    def test_a_refused_reload_fails_with_the_place_and_changes_nothing(self):
+        self.edit("baud = 9600", "baud = 0")
+        code, body = self.ask("POST", "/api/v1/reload")
+        self.assertEqual((code, body["result"]), (422, "refused"))
+        self.assertTrue(any(re.search(r"demo\.toml:\d+:\d+: .*baud", it) for it in body["messages"]), body)
+        shown = self.mbgatectl("reload", "--control", self.plant.control)
+        self.assertEqual((shown.returncode, shown.stdout), (1, ""))
+        self.assertIn("the configuration stays as it is", shown.stderr)
+        status = self.status()
+        self.assertTrue(status["configuration"]["reload_refused"])
+        self.assertEqual(status["buses"][1]["baud"], 9600)
+        self.assertIn("The last reload was refused", self.mbgatectl("status", "--control", self.plant.control).stdout)
+
+    def test_what_is_not_there_is_said(self):
+        self.assertEqual(self.ask("GET", "/healthz")[0], 200)
+        self.assertEqual(self.ask("GET", "/")[0], 404)
+        self.assertEqual(self.ask("POST", "/api/v1/status")[0], 405)
+        self.assertEqual(self.ask("GET", "/api/v1/reload")[0], 405)
+
+    def test_the_socket_is_for_its_owner_and_group_and_goes_with_the_gateway(self):
+        self.assertEqual(stat.S_IMODE(self.plant.control.stat().st_mode), 0o660)
+        control = self.plant.control
+        self.plant.end_gateway()
+        self.assertFalse(control.exists())
+        shown = self.mbgatectl("status", "--control", control)
+        self.assertEqual((shown.returncode, shown.stdout), (1, ""))
+        self.assertIn("there is no control socket at", shown.stderr)
+
+    def test_clients_that_say_nothing_or_nonsense_do_no_harm(self):
+        for at in range(80):
+            silent = socket.socket(socket.AF_UNIX)
+            self.addCleanup(silent.close)
+            silent.connect(str(self.plant.control))
+            if at % 2:
+                silent.close()
+        nonsense = socket.socket(socket.AF_UNIX)
+        self.addCleanup(nonsense.close)
+        nonsense.connect(str(self.plant.control))
+        nonsense.sendall(b"\x00\x01\x00\x00\x00\x06 no HTTP at all\r\n\r\n" * 1000)
+        nonsense.close()
+        self.assertEqual(self.read(MOONS).returncode, 0)
+        self.assertEqual(self.ask("GET", "/healthz")[0], 200)
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/health/line_load.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mbgate::bus {
+namespace {
+
+using namespace std::chrono_literals;
+
+class LoadOfALine : public testing::Test {
+ protected:
+  /// One transmission of that length, with the silence after it, and a pause.
+  void transmit(Duration busy, Duration pause) {
+    load_.note(true, now_, now_);
+    now_ += busy - 2ms;
+    load_.note(false, now_, now_ + 2ms);
+    now_ += pause + 2ms;
+  }
+
+  LineLoad load_;
+  Instant now_{100s};
+};
+
+TEST_F(LoadOfALine, IsNoneBeforeTheFirstTransmission) { EXPECT_EQ(load_.percent(now_), 0U); }
+
+TEST_F(LoadOfALine, CountsFromTheFirstTransmissionOn) {
+  transmit(250ms, 750ms);
+  EXPECT_EQ(load_.percent(now_), 25U);
+  load_.note(true, now_, now_);
+  EXPECT_EQ(load_.percent(now_ + 1s), 62U);  // it still runs
+}
+
+TEST_F(LoadOfALine, IsThatOfTheLastTenSecondsThatAreOver) {
+  for (int at = 0; at < 200; ++at) {
+    transmit(50ms, 50ms);
+  }
+  EXPECT_EQ(load_.percent(now_), 50U);
+  for (int at = 0; at < 100; ++at) {
+    transmit(100ms, 0ms);
+  }
+  EXPECT_EQ(load_.percent(now_), 100U);
+}
+
+TEST_F(LoadOfALine, FadesWhenNobodyAsksAnyMore) {
+  for (int at = 0; at < 200; ++at) {
+    transmit(50ms, 50ms);
+  }
+  EXPECT_EQ(load_.percent(now_ + 10s), 0U);
+  EXPECT_EQ(load_.percent(now_ + 1000h), 0U);
+  now_ += 1000h;
+  transmit(50ms, 50ms);
+  EXPECT_EQ(load_.percent(now_), 0U);
+}
+
+}  // namespace
+}  // namespace mbgate::bus

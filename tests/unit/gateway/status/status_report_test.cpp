@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the status says of lines, drives and clients, and what it calls wrong.
+#include "gateway/status/status_report.hpp"
+
+#include <gmock/gmock.h>
+
+#include "support/machine_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using gateway::DeviceStatus;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+Settings axis_and_lift() {
+  Settings settings = one_bus();
+  settings.buses[0].timing.retries = 0;
+  settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing},
+                      {"lift", BusId{0}, 2, settings.buses[0].timing}};
+  return settings;
+}
+
+class StatusOfAPlant : public testing::Test {
+ protected:
+  StatusOfAPlant() { rig_.connect(1, "192.0.2.7"); }
+  [[nodiscard]] gateway::StatusReport report() {
+    return rig_.harness.gateway().report_status(60s, rig_.now());
+  }
+  [[nodiscard]] std::vector<std::string> diagnoses() {
+    std::vector<std::string> all;
+    for (const auto& it : report().diagnoses) {
+      all.push_back(it.subject + ": " + it.finding + " | " + it.evidence + " | " + it.look_at);
+    }
+    return all;
+  }
+  void ask(unsigned unit = 1) {
+    rig_.receive(1, read_request(1, unit));
+    rig_.advance(30ms);
+  }
+  void ask_and_answer(unsigned unit = 1) {
+    ask(unit);
+    rig_.respond(unit == 1 ? "01 03 02 12 34" : "02 03 02 12 34");
+    rig_.advance(30ms);
+  }
+  void ask_in_vain(int times, unsigned unit = 1) {
+    for (int at = 0; at < times; ++at) {
+      ask(unit);
+      rig_.advance(400ms);
+    }
+  }
+
+  MachineRig rig_{axis_and_lift()};
+};
+
+TEST_F(StatusOfAPlant, ShowsWhatThereIs) {
+  ask_and_answer();
+  const auto shown = report();
+  ASSERT_EQ(shown.buses.size(), 1U);
+  EXPECT_EQ(shown.buses[0].name, "line-a");
+  EXPECT_EQ(shown.buses[0].line, "/dev/ttyS0");
+  EXPECT_TRUE(shown.buses[0].is_open);
+  EXPECT_EQ(shown.buses[0].counters.responses, 1U);
+  EXPECT_EQ(gateway::format_text(shown.buses[0].format), "8E1");
+  ASSERT_EQ(shown.devices.size(), 2U);
+  EXPECT_EQ(shown.devices[0].name, "axis");
+  EXPECT_EQ(shown.devices[0].state, DeviceStatus::State::answering);
+  EXPECT_EQ(shown.devices[0].last_answer, Duration{30ms});
+  EXPECT_EQ(shown.devices[1].state, DeviceStatus::State::not_asked);
+  EXPECT_EQ(shown.devices[1].last_answer, std::nullopt);
+  ASSERT_EQ(shown.clients.size(), 1U);
+  EXPECT_EQ(shown.clients[0].address, "192.0.2.7");
+  EXPECT_EQ(shown.clients[0].listener, "plant");
+  EXPECT_EQ(shown.clients[0].requests, 1U);
+  EXPECT_EQ(shown.counters.requests, 1U);
+  EXPECT_THAT(shown.diagnoses, IsEmpty());
+}
+
+// 8 bytes of 11 bits at 19200 baud take 4.6 ms; the answer comes 30 ms after the request was given.
+TEST_F(StatusOfAPlant, SplitsTheTimeOfADevice) {
+  for (int at = 0; at < 20; ++at) {
+    ask_and_answer();
+  }
+  const auto shown = report();
+  const auto& axis = shown.devices[0];
+  EXPECT_LT(*axis.queue.p50, 1ms);
+  EXPECT_GT(*axis.wire.p50, 4ms);
+  EXPECT_LT(*axis.wire.p50, 6ms);
+  EXPECT_GT(*axis.device.p50, 25ms);
+  EXPECT_LT(*axis.device.p99, 33ms);
+  EXPECT_EQ(shown.devices[1].device.p50, std::nullopt);
+}
+
+TEST_F(StatusOfAPlant, ShowsAnAddressWithoutADeviceOnceItWasAsked) {
+  ask_in_vain(1, 9);
+  const auto shown = report();
+  ASSERT_EQ(shown.devices.size(), 3U);
+  EXPECT_EQ(shown.devices[2].name, "");
+  EXPECT_EQ(shown.devices[2].address, 9U);
+  EXPECT_EQ(shown.devices[2].state, DeviceStatus::State::not_answering);
+}
+
+TEST_F(StatusOfAPlant, CountsWhatAClientWasRefused) {
+  rig_.receive(1, read_request(1, 248));  // no route
+  ask_in_vain(1);
+  EXPECT_EQ(report().clients[0].requests, 2U);
+  EXPECT_EQ(report().clients[0].refused, 2U);
+}
+
+TEST_F(StatusOfAPlant, SaysNothingOfASingleTimeout) {
+  ask_and_answer();
+  ask_in_vain(2);
+  EXPECT_THAT(diagnoses(), IsEmpty());
+}
+
+TEST_F(StatusOfAPlant, NamesADriveThatDoesNotAnswerAnyMore) {
+  ask_and_answer();
+  ask_in_vain(3);
+  EXPECT_THAT(
+      diagnoses(),
+      ElementsAre("device axis: it does not answer any more | 3 requests in a row "
+                  "unanswered; the last answer came 1 s ago | its power, its cable; whether "
+                  "it answers later than response_timeout, 100 ms"));
+  ask_and_answer();
+  EXPECT_THAT(diagnoses(), IsEmpty());
+}
+
+TEST_F(StatusOfAPlant, NamesADriveThatHasNeverAnsweredBesideOneThatDoes) {
+  ask_and_answer(2);
+  ask_in_vain(3);
+  EXPECT_THAT(diagnoses(),
+              ElementsAre("device axis: it has never answered | 3 requests in a row unanswered; "
+                          "others on line-a answer | its power; its address 1; its baud rate and "
+                          "parity, here 19200 baud 8E1; its wires"));
+}
+
+// Which of these it is cannot be known.
+TEST_F(StatusOfAPlant, NamesAllCausesWhereNothingAnswers) {
+  ask_in_vain(2);
+  ask_in_vain(2, 2);
+  EXPECT_THAT(diagnoses(),
+              ElementsAre("bus line-a: nothing answers | no answer to 4 requests to 2 devices, nor "
+                          "anything else | power; A and B; unit addresses; the drives' setting, "
+                          "here 19200 baud 8E1"));
+}
+
+TEST_F(StatusOfAPlant, NamesALineThatIsNotOpenAndNotItsDrives) {
+  ask_and_answer();
+  ask_in_vain(3);
+  rig_.lose_line();
+  EXPECT_THAT(diagnoses(),
+              ElementsAre("bus line-a: it is not open: nothing can be sent | /dev/ttyS0 could not "
+                          "be opened, or was lost | the adapter and its plug; `device`; who else "
+                          "has the port open"));
+}
+
+TEST_F(StatusOfAPlant, NamesBadCrcs) {
+  for (int at = 0; at < 5; ++at) {
+    ask();
+    rig_.line("01 03 02 12 35 B5 33");
+    rig_.advance(300ms);
+  }
+  EXPECT_THAT(diagnoses(),
+              ElementsAre("device axis: bad CRC in 100 % of its answers | 5 of 5 | termination, "
+                          "bias, cable, or two devices at one address"));
+}
+
+TEST_F(StatusOfAPlant, NamesALineThatIsAskedForMoreThanItCanCarry) {
+  for (int at = 0; at < 120; ++at) {
+    for (int more = 0; more < 4; ++more) {
+      rig_.receive(1, read_request(1, 1));
+    }
+    for (int more = 0; more < 3; ++more) {
+      rig_.advance(90ms);
+      rig_.respond("01 03 02 12 34");
+    }
+  }
+  EXPECT_THAT(diagnoses(), ElementsAre(testing::StartsWith(
+                               "bus line-a: it is asked for more than it can carry | busy ")));
+}
+
+}  // namespace
+}  // namespace mbgate::test
