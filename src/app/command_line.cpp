@@ -7,17 +7,68 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "app/serial_options.hpp"
 #include "config/keys/keys.hpp"
 
 namespace mbgate::app {
+namespace {
+
+/// The options that are given instead of a configuration file.
+struct SerialWords {
+  SerialOptions options;
+  /// Before it is understood. Port 502 would need a privilege.
+  std::string listen = "127.0.0.1:1502";
+};
+
+/// Returns --serial, without which the others mean nothing.
+const CLI::Option* add_serial(CLI::App& app, SerialWords& words, bool& print) {
+  constexpr auto kGroup = "Without a configuration file";
+  CLI::Option* const serial =
+      app.add_option("--serial", words.options.device,
+                     "Serve this serial port: units 1 to 247 are the addresses on its line");
+  serial->type_name("PATH")->group(kGroup);
+  const auto add = [&](const char* name, auto& value, const char* type, const char* description) {
+    CLI::Option* const option = app.add_option(name, value, description);
+    option->type_name(type)->group(kGroup)->needs(serial);
+    return option;
+  };
+  add("--baud", words.options.baud, "RATE", "As the devices are set")->capture_default_str();
+  add("--parity", words.options.parity, "even|odd|none", "As the devices are set")
+      ->capture_default_str();
+  add("--stop-bits", words.options.stop_bits, "1|2", "As the devices are set")
+      ->capture_default_str();
+  add("--listen", words.listen, "ADDRESS:PORT",
+      "Where clients connect; an IPv6 address in brackets; beyond loopback only with --allow")
+      ->capture_default_str();
+  add("--allow", words.options.allow, "NETWORK",
+      "Who may connect: an address, or a block such as 192.168.10.0/24; can be repeated");
+  app.add_flag("--print-config", print, "Print this as a configuration to go on with, then exit")
+      ->group(kGroup)
+      ->needs(serial);
+  return serial;
+}
+
+/// Puts the configuration into `options`, or throws what is wrong.
+void take_serial(SerialWords& words, Options& options) {
+  const auto listen = parse_listen(words.listen, words.options.allow);
+  if (!listen) {
+    throw CLI::ValidationError("--listen", listen.error());
+  }
+  words.options.listen = *listen;
+  options.config = "--serial";
+  options.text = serial_config(words.options);
+}
+
+}  // namespace
 
 std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
                                               const std::string& version) {
   Options options;
   CLI::App app("mbgated: carries Modbus TCP requests to devices on serial lines", "mbgated");
-  app.add_option("--config", options.config, "The configuration file")
-      ->type_name("FILE")
-      ->capture_default_str();
+  const CLI::Option* const config =
+      app.add_option("--config", options.config, "The configuration file")
+          ->type_name("FILE")
+          ->capture_default_str();
   app.add_option("--profiles", options.profiles,
                  "Look for drive profiles in this folder only (instead of [gateway] profiles, or "
                  "/etc/mbgate/profiles and the installed ones)")
@@ -35,8 +86,17 @@ std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
                "Print what each plain key of the configuration takes: section, key, range, default "
                "and where it belongs, separated by tabs; then exit");
   app.set_version_flag("--version", "mbgated " + version);
+  SerialWords words;
+  const CLI::Option* const serial = add_serial(app, words, options.print);
   try {
     app.parse(argc, argv);
+    if (serial->count() > 0 && config->count() > 0) {
+      throw CLI::ValidationError("--serial",
+                                 "takes the place of a configuration file: leave out --config");
+    }
+    if (serial->count() > 0) {
+      take_serial(words, options);
+    }
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : EX_USAGE;
   }

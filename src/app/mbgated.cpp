@@ -56,11 +56,19 @@ void lock_memory(Log& log) {
 /// The settings out of one reading of the file, so that what is recorded is what is run.
 config::Loaded load(const Options& options, std::string& text) {
   const config::ProfileSearch search{.folder = options.profiles};
-  if (options.record) {
+  if (options.text) {
+    text = *options.text;
+  } else if (options.record) {
     text = read_text(options.config);
   }
   return text.empty() ? config::load_settings(options.config, search)
                       : config::load_settings_text(options.config.string(), text, search);
+}
+
+/// The path of the file, or the option that stands in for one.
+std::string config_name(const Options& options) {
+  return options.text ? options.config.string()
+                      : std::filesystem::absolute(options.config).string();
 }
 
 int serve(gateway::Settings settings, const Options& options, const std::string& version,
@@ -86,7 +94,7 @@ int serve(gateway::Settings settings, const Options& options, const std::string&
       }
       return configuration;
     };
-    const About about{version, std::filesystem::absolute(options.config).string()};
+    const About about{version, config_name(options)};
     Service service(std::move(settings), about, read, log, recorder ? &*recorder : nullptr);
     status = service.run();
     if (recorder && !recorder->close(kRecordingFlush)) {
@@ -109,7 +117,7 @@ Result<RecordingBegun, std::string> begin_recording(const Options& options, std:
   }
   gateway::RecordingHead head;
   head.version = version;
-  head.config = std::filesystem::absolute(options.config).string();
+  head.config = config_name(options);
   head.profiles = options.profiles ? std::filesystem::absolute(*options.profiles).string() : "";
   head.text = std::move(text);
   return RecordingBegun{*std::move(file), gateway::head_lines(head)};
@@ -127,7 +135,11 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
   config::Loaded loaded = load(options, text);
   std::cerr << config::render(loaded.diagnostics) << std::flush;
   if (!loaded.settings) {
-    return EX_CONFIG;
+    return options.text ? EX_USAGE : EX_CONFIG;
+  }
+  if (options.print) {
+    std::cout << text;
+    return EXIT_SUCCESS;
   }
   if (options.check) {
     const auto room = io::room_for_clients(*loaded.settings, io::hard_descriptor_limit());

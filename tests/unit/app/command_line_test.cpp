@@ -6,6 +6,8 @@
 
 #include <vector>
 
+#include "app/serial_options.hpp"
+
 namespace mbgate::app {
 namespace {
 
@@ -21,6 +23,7 @@ TEST(CommandLine, HasTheInstalledConfigurationAsDefault) {
   EXPECT_FALSE(std::get<Options>(parsed).check);
   EXPECT_FALSE(std::get<Options>(parsed).profiles);
   EXPECT_FALSE(std::get<Options>(parsed).record);
+  EXPECT_FALSE(std::get<Options>(parsed).text);
 }
 
 TEST(CommandLine, TakesAFileAndTheCheck) {
@@ -46,6 +49,64 @@ TEST(CommandLine, TakesAFileToRecordTo) {
   const auto parsed = parse({"--record", "plant.rec"});
   ASSERT_TRUE(std::holds_alternative<Options>(parsed));
   EXPECT_EQ(std::get<Options>(parsed).record, "plant.rec");
+}
+
+TEST(CommandLine, TakesASerialPortInPlaceOfAFile) {
+  const auto parsed = parse({"--serial", "/dev/ttyUSB0", "--baud", "115200", "--parity", "none"});
+  ASSERT_TRUE(std::holds_alternative<Options>(parsed));
+  const auto& options = std::get<Options>(parsed);
+  EXPECT_EQ(options.config, "--serial");
+  EXPECT_EQ(options.text, serial_config({.device = "/dev/ttyUSB0",
+                                         .baud = 115200,
+                                         .parity = "none",
+                                         .listen = *parse_listen("127.0.0.1:1502", {})}));
+  EXPECT_FALSE(options.check);
+  EXPECT_FALSE(options.print);
+}
+
+TEST(CommandLine, TakesWhereClientsConnectAndWhoMay) {
+  const auto parsed = parse({"--serial", "/dev/ttyS0", "--stop-bits", "2", "--listen", "[::]:502",
+                             "--allow", "10.0.0.0/8", "--allow", "fd00::/8", "--print-config"});
+  ASSERT_TRUE(std::holds_alternative<Options>(parsed));
+  EXPECT_EQ(std::get<Options>(parsed).text,
+            serial_config({.device = "/dev/ttyS0",
+                           .stop_bits = 2,
+                           .listen = *parse_listen("[::]:502", {"::1"}),
+                           .allow = {"10.0.0.0/8", "fd00::/8"}}));
+  EXPECT_TRUE(std::get<Options>(parsed).print);
+}
+
+/// What is said of a wrong command line.
+std::string refusal(const std::vector<const char*>& arguments) {
+  testing::internal::CaptureStderr();
+  const auto parsed = parse(arguments);
+  std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::get<int>(parsed), 64) << said;
+  return said;
+}
+
+TEST(CommandLine, RefusesASerialPortWithAFile) {
+  EXPECT_EQ(refusal({"--serial", "/dev/ttyUSB0", "--config", "x.toml"}),
+            "--serial: takes the place of a configuration file: leave out --config\n"
+            "Run with --help for more information.\n");
+}
+
+TEST(CommandLine, RefusesToOpenASerialPortToEveryone) {
+  EXPECT_EQ(refusal({"--serial", "/dev/ttyUSB0", "--listen", "0.0.0.0:1502"}),
+            "--listen: other machines reach 0.0.0.0: add --allow with those who may connect, such "
+            "as --allow 192.168.10.0/24\n"
+            "Run with --help for more information.\n");
+}
+
+TEST(CommandLine, RefusesOptionsOfASerialPortWithoutOne) {
+  const std::vector<std::vector<const char*>> wrong = {
+      {"--baud", "9600"},         {"--parity", "none"},    {"--stop-bits", "2"},
+      {"--listen", "[::1]:1502"}, {"--allow", "10.0.0.7"}, {"--print-config"}};
+  for (const auto& arguments : wrong) {
+    EXPECT_EQ(refusal(arguments), std::string(arguments[0]) +
+                                      " requires --serial\nRun with --help for more "
+                                      "information.\n");
+  }
 }
 
 TEST(CommandLine, PrintsTheVersion) {
