@@ -33,6 +33,10 @@ FOOT = r""".SH FILES
 .I /etc/mbgate/mbgate.toml
 The configuration.
 .TP
+.I /etc/mbgate/conf.d/*.toml
+More of it; see
+.BR mbgated (8).
+.TP
 .I /etc/mbgate/profiles
 Profiles of your own.
 .SH SEE ALSO

@@ -66,7 +66,8 @@ std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
   Options options;
   CLI::App app("mbgated: carries Modbus TCP requests to devices on serial lines", "mbgated");
   const CLI::Option* const config =
-      app.add_option("--config", options.config, "The configuration file")
+      app.add_option("--config", options.config,
+                     "The configuration file; those of conf.d beside it are read too")
           ->type_name("FILE")
           ->capture_default_str();
   app.add_option("--profiles", options.profiles,

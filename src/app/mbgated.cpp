@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "app/command_line.hpp"
 #include "app/log.hpp"
@@ -23,6 +24,7 @@
 #include "app/service.hpp"
 #include "app/text.hpp"
 #include "config/load.hpp"
+#include "config/text_file.hpp"
 #include "io/clients/descriptors.hpp"
 
 namespace mbgate::app {
@@ -53,16 +55,17 @@ void lock_memory(Log& log) {
   }
 }
 
-/// The settings out of one reading of the file, so that what is recorded is what is run.
-config::Loaded load(const Options& options, std::string& text) {
-  const config::ProfileSearch search{.folder = options.profiles};
-  if (options.text) {
-    text = *options.text;
-  } else if (options.record) {
-    text = read_text(options.config);
+/// The settings out of one reading of the files, so that what is recorded is what is run.
+Configuration load(const Options& options) {
+  const auto files = options.text
+                         ? std::vector{config::TextFile{options.config.string(), *options.text}}
+                         : config::read_config_files(options.config);
+  Configuration configuration;
+  configuration.loaded = config::load_settings(files, {.folder = options.profiles});
+  if (options.record) {
+    configuration.files = recorded_files(files);
   }
-  return text.empty() ? config::load_settings(options.config, search)
-                      : config::load_settings_text(options.config.string(), text, search);
+  return configuration;
 }
 
 /// The path of the file, or the option that stands in for one.
@@ -88,7 +91,7 @@ int serve(gateway::Settings settings, const Options& options, const std::string&
     const auto read = [options] {
       Configuration configuration;
       try {
-        configuration.loaded = load(options, configuration.text);
+        configuration = load(options);
       } catch (const std::exception& exception) {
         configuration.failure = std::string("cannot read the configuration: ") + exception.what();
       }
@@ -109,7 +112,8 @@ int serve(gateway::Settings settings, const Options& options, const std::string&
   return status;
 }
 
-Result<RecordingBegun, std::string> begin_recording(const Options& options, std::string text,
+Result<RecordingBegun, std::string> begin_recording(const Options& options,
+                                                    std::vector<gateway::ConfigFile> config,
                                                     const std::string& version) {
   auto file = create_recording(recording_path(*options.record, std::getenv("STATE_DIRECTORY")));
   if (!file) {
@@ -117,9 +121,8 @@ Result<RecordingBegun, std::string> begin_recording(const Options& options, std:
   }
   gateway::RecordingHead head;
   head.version = version;
-  head.config = config_name(options);
   head.profiles = options.profiles ? std::filesystem::absolute(*options.profiles).string() : "";
-  head.text = std::move(text);
+  head.config = std::move(config);
   return RecordingBegun{*std::move(file), gateway::head_lines(head)};
 }
 
@@ -131,14 +134,14 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
     return *status;
   }
   const auto& options = std::get<Options>(parsed);
-  std::string text;
-  config::Loaded loaded = load(options, text);
+  Configuration configuration = load(options);
+  config::Loaded& loaded = configuration.loaded;
   std::cerr << config::render(loaded.diagnostics) << std::flush;
   if (!loaded.settings) {
     return options.text ? EX_USAGE : EX_CONFIG;
   }
   if (options.print) {
-    std::cout << text;
+    std::cout << options.text.value_or("");
     return EXIT_SUCCESS;
   }
   if (options.check) {
@@ -152,7 +155,7 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
   }
   std::optional<RecordingBegun> recording;
   if (options.record) {
-    auto begun = begin_recording(options, std::move(text), version);
+    auto begun = begin_recording(options, std::move(configuration.files), version);
     if (!begun) {
       std::cerr << "mbgated: " << begun.error() << '\n';
       return EX_CANTCREAT;

@@ -4,8 +4,6 @@
 #include <fcntl.h>
 
 #include <cerrno>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 #include <system_error>
 
@@ -33,9 +31,12 @@ Result<io::UniqueFd, std::string> create_recording(const fs::path& file) {
   return created;
 }
 
-std::string read_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+std::vector<gateway::ConfigFile> recorded_files(const std::vector<config::TextFile>& files) {
+  std::vector<gateway::ConfigFile> recorded;
+  for (const auto& file : files) {
+    recorded.push_back({fs::absolute(file.name).string(), file.text});
+  }
+  return recorded;
 }
 
 }  // namespace mbgate::app

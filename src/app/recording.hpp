@@ -4,7 +4,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "config/text_file.hpp"
+#include "gateway/recording/record.hpp"
 #include "io/unique_fd.hpp"
 #include "modbus/result.hpp"
 
@@ -21,8 +24,7 @@ std::filesystem::path recording_path(const std::filesystem::path& file,
 /// the crash. The error names the file.
 Result<io::UniqueFd, std::string> create_recording(const std::filesystem::path& file);
 
-/// The text of a configuration file, both to be loaded and to be recorded; empty if it cannot be
-/// read.
-std::string read_text(const std::filesystem::path& file);
+/// The files of a configuration as a recording holds them: with paths that hold everywhere.
+std::vector<gateway::ConfigFile> recorded_files(const std::vector<config::TextFile>& files);
 
 }  // namespace mbgate::app

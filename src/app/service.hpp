@@ -22,10 +22,10 @@
 
 namespace mbgate::app {
 
-/// A configuration, and its text if a recording needs it.
+/// A configuration, and its files if a recording needs them.
 struct Configuration {
   config::Loaded loaded;
-  std::string text;
+  std::vector<gateway::ConfigFile> files;
   std::string failure;  ///< why it could not be read; else empty
 };
 

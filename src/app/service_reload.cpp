@@ -86,7 +86,7 @@ bool Service::change(const Configuration& read) {
     return false;
   }
   forget_failures(before, next);
-  driver_.reload(*read.loaded.settings, read.text);
+  driver_.reload(*read.loaded.settings, gateway::config_lines(read.files));
   const auto changes = changes_between(before, next);
   for (const auto& change : changes) {
     say_of_reload(Level::notice, "reload: " + change);

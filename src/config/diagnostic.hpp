@@ -1,24 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is wrong in a configuration file, and where. It is shown as compilers do: with the line
-// itself and a caret below the place.
+// What is wrong in the files of a configuration, and where. It is shown as compilers do: with the
+// line itself and a caret below the place.
 #pragma once
 
 #include <compare>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace mbgate::config {
 
-/// A place in a text; lines and columns count from 1, columns in characters (code points).
-/// Line 0 means the file as a whole.
+/// A place in one of the texts that are read together; lines and columns count from 1, columns in
+/// characters (code points). Line 0 means the file as a whole. Places are in the order of the
+/// files, then of the text.
 struct Position {
   std::uint32_t line = 0;
   std::uint32_t column = 0;
-  friend auto operator<=>(const Position&, const Position&) = default;
+  std::uint32_t file = 0;  ///< the files count from 0, in the order in which they are read
+  friend auto operator<=>(const Position& a, const Position& b) {
+    return std::tie(a.file, a.line, a.column) <=> std::tie(b.file, b.line, b.column);
+  }
+  friend bool operator==(const Position&, const Position&) = default;
 };
 
-/// A warning is shown and changes nothing; with one error the file is refused.
+/// A warning is shown and changes nothing; with one error the configuration is refused.
 enum class Severity : std::uint8_t { error, warning };
 
 struct Diagnostic {

@@ -37,7 +37,11 @@ Loaded read(TomlDocument document, ProfileSearch search) {
 }  // namespace
 
 Loaded load_settings(const std::filesystem::path& path, ProfileSearch search) {
-  return read(TomlDocument::load(path), std::move(search));
+  return load_settings(read_config_files(path), std::move(search));
+}
+
+Loaded load_settings(const std::vector<TextFile>& files, ProfileSearch search) {
+  return read(TomlDocument::parse(files), std::move(search));
 }
 
 Loaded load_settings_text(std::string name, std::string_view text, ProfileSearch search) {

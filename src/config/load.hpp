@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the gateway's settings from its configuration file. There are settings only if all of the
-// file is right. All errors of meaning are reported, but only the first error of syntax.
+// Reads the gateway's settings from the files of its configuration. There are settings only if all
+// of it is right. All errors of meaning are reported, but only the first error of syntax of a file;
+// if there is one, none of meaning.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +12,15 @@
 
 #include "config/diagnostic.hpp"
 #include "config/profiles/profile_library.hpp"
+#include "config/text_file.hpp"
 #include "gateway/settings.hpp"
 
 namespace mbgate::config {
 
 struct Loaded {
   std::optional<gateway::Settings> settings;  ///< none if there is an error among the diagnostics
-  /// Errors and warnings, in the order of the text; then those of the profiles that the file names.
+  /// Errors and warnings, in the order of the files and of their texts; then those of the profiles
+  /// that they name.
   std::vector<Diagnostic> diagnostics;
 };
 
@@ -27,11 +30,15 @@ struct ProfileSearch {
   ProfileFolders otherwise = default_profile_folders();  ///< if neither names a folder
 };
 
-/// Reads a file; one that cannot be read is a diagnostic too. No port is touched.
+/// Reads the main file and those of conf.d beside it (read_config_files()); what cannot be read is
+/// a diagnostic too. No port is touched.
 Loaded load_settings(const std::filesystem::path& path, ProfileSearch search = {});
 
-/// The same for a text. `name` is its file name in the diagnostics, and `[gateway] profiles` is
-/// relative to its folder.
+/// The same for files that were read before, at least one. `[gateway] profiles` is relative to the
+/// folder of the file that it stands in.
+Loaded load_settings(const std::vector<TextFile>& files, ProfileSearch search = {});
+
+/// The same for one text. `name` is its file name in the diagnostics.
 Loaded load_settings_text(std::string name, std::string_view text, ProfileSearch search = {});
 
 }  // namespace mbgate::config

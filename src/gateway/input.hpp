@@ -69,7 +69,7 @@ struct DeadlineReached {};
 /// has nothing left: decisions made with older settings are carried out before newer ones.
 struct SettingsChanged {
   const Settings* settings = nullptr;  ///< owned by the caller, and copied
-  std::string_view config{};           ///< what they were read from, for a recording
+  std::string_view config{};           ///< config_lines() of what they were read from, or nothing
 };
 /// Nothing new is started but stops; Finished follows at most 1.5 s later.
 struct ShutdownAsked {};

@@ -53,7 +53,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   /// Begins to open the lines, and accepts the connections that are already waiting; these count as
   /// older than this process. On return the gateway is ready.
   void start();
-  /// New settings from now on (gateway::SettingsChanged), read from `config`. Sockets of removed
+  /// New settings from now on (gateway::SettingsChanged, `config` too). Sockets of removed
   /// listeners are closed; new ones are added by add_server().
   void reload(const gateway::Settings& settings, std::string_view config);
   /// Closes the sockets of this listener: no more clients are accepted on them.

@@ -95,7 +95,34 @@ class ReloadRecorded : public Reload {
     return options;
   }
   ReloadRecorded() : Reload(recorded()) {}
+  /// Ends the gateway; the machine does what was recorded again.
+  void replay() {
+    plant.gateway.signal(SIGTERM);
+    ASSERT_EQ(plant.gateway.wait_for_exit(), 0) << plant.gateway.output();
+    Process player("gateway_replay", {"plant.rec"}, {plant.folder.path(), {}});
+    EXPECT_EQ(player.wait_for_exit(), 0);
+    EXPECT_THAT(player.output(), testing::StartsWith("identical: "));
+  }
 };
+
+TEST_F(ReloadRecorded, ReadsTheFilesOfTheFolderToo) {
+  std::filesystem::create_directory(plant.folder.path() / "conf.d");
+  plant.folder.write("conf.d/10-new.toml",
+                     "gateway.unit = 7\n"
+                     "[[listen]]\nname = \"new\"\nport = 0\nbus = \"line-1\"\n");
+  plant.folder.write("conf.d/20-more.toml", "[gateway]\nwake_early = \"50us\"\n");
+  reload(first, "reload: listener new added");
+  TcpClient other(plant.gateway.port_of("new"));
+  EXPECT_EQ(ask(other), 0x03U);
+  plant.folder.write("conf.d/20-more.toml", "[gateway]\nunit = 8\n");
+  reload(first, "the configuration stays as it is");
+  EXPECT_THAT(
+      plant.gateway.output(),
+      testing::ContainsRegex("error: .*conf.d/20-more.toml:2:1: error: unit: is said already "
+                             "at .*conf.d/10-new.toml:1:9\n"));
+  EXPECT_EQ(ask(other), 0x03U);
+  replay();
+}
 
 // A hundred reloads, each of which closes and opens the second line, with requests on their way.
 TEST_F(ReloadRecorded, LosesNothingOnUnchangedBuses) {
@@ -120,11 +147,7 @@ TEST_F(ReloadRecorded, LosesNothingOnUnchangedBuses) {
     }
   }
   EXPECT_EQ(answered, 100U * kPipelined);
-  plant.gateway.signal(SIGTERM);
-  ASSERT_EQ(plant.gateway.wait_for_exit(), 0) << plant.gateway.output();
-  Process player("gateway_replay", {"plant.rec"}, {plant.folder.path(), {}});
-  EXPECT_EQ(player.wait_for_exit(), 0);
-  EXPECT_THAT(player.output(), testing::StartsWith("identical: "));
+  replay();
 }
 
 }  // namespace

@@ -50,17 +50,24 @@ std::string read_head(Lines& lines, gateway::HeadReader& reader) {
 /// Reads configurations as the recorded gateway did.
 class Loader {
  public:
-  Loader(const gateway::RecordingHead& head, std::optional<std::filesystem::path> profiles)
-      : config_(head.config) {
+  Loader(const gateway::RecordingHead& head, std::optional<std::filesystem::path> profiles) {
     search_.folder = std::move(profiles);
     if (!search_.folder && !head.profiles.empty()) {
       search_.folder = head.profiles;
     }
   }
   /// Nothing if it is not valid here; `error` says why.
-  [[nodiscard]] std::optional<gateway::Settings> load(const std::string& text,
+  [[nodiscard]] std::optional<gateway::Settings> load(const std::vector<gateway::ConfigFile>& files,
                                                       std::string& error) const {
-    auto loaded = config::load_settings_text(config_, text, search_);
+    if (files.empty()) {
+      error = "no configuration stands before other settings";
+      return std::nullopt;
+    }
+    std::vector<config::TextFile> read;
+    for (const auto& file : files) {
+      read.push_back({file.path, file.text});
+    }
+    auto loaded = config::load_settings(read, search_);
     if (!loaded.settings) {
       error =
           "the recorded configuration is not valid here:\n" + config::render(loaded.diagnostics);
@@ -69,7 +76,6 @@ class Loader {
   }
 
  private:
-  std::string config_;
   config::ProfileSearch search_;
 };
 
@@ -106,8 +112,7 @@ class Player {
 
  private:
   std::string feed(const std::string& line) {
-    if (const auto config = gateway::config_line(line)) {
-      (config_ += *config) += '\n';
+    if (config_.read(line)) {
       return {};
     }
     const auto recorded = gateway::parse_line(line, storage_);
@@ -126,7 +131,7 @@ class Player {
   }
   std::string change_settings(gateway::Instant at) {
     std::string error;
-    if (const auto settings = loader_.load(std::exchange(config_, {}), error)) {
+    if (const auto settings = loader_.load(config_.take(), error)) {
       gateway_.handle(gateway::SettingsChanged{&*settings}, at);
     }
     return error;
@@ -149,7 +154,7 @@ class Player {
   Gateway gateway_;
   const Loader& loader_;
   ReplayOutcome& outcome_;
-  std::string config_;  // of the settings that come next
+  gateway::ConfigReader config_;  // of the settings that come next
   std::vector<std::uint8_t> storage_;
   bool finished_ = false;
 };
@@ -168,7 +173,7 @@ ReplayOutcome replay(std::istream& recording,
   const gateway::RecordingHead& head = reader.head();
   outcome.version = head.version;
   const Loader loader(head, profiles);
-  auto settings = loader.load(head.text, outcome.difference);
+  auto settings = loader.load(head.config, outcome.difference);
   if (!settings) {
     return outcome;
   }

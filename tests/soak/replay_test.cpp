@@ -2,6 +2,7 @@
 // A recording in which other settings come is played again.
 #include "soak/replay.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -23,14 +24,20 @@ std::string plant(const std::string& bus) {
          "\"\ndevice = \"/dev/ttyS0\"\n";
 }
 
-gateway::Settings settings_of(const std::string& text) {
-  return config::load_settings_text("test.toml", text, {}).settings.value();
+using Files = std::vector<gateway::ConfigFile>;
+
+gateway::Settings settings_of(const Files& files) {
+  std::vector<config::TextFile> read;
+  for (const auto& file : files) {
+    read.push_back({file.path, file.text});
+  }
+  return config::load_settings(read).settings.value();
 }
 
 class Recording {
  public:
-  explicit Recording(const std::string& config) : harness_(settings_of(config), Instant{1s}) {
-    text_ = gateway::head_lines({"0", "test.toml", "", config, Instant{1s}});
+  explicit Recording(const Files& config) : harness_(settings_of(config), Instant{1s}) {
+    text_ = gateway::head_lines({"0", "", config, Instant{1s}});
     gateway::append_start(text_, Instant{1s});
     drain();
   }
@@ -51,18 +58,21 @@ class Recording {
   std::string text_;
 };
 
+// First one file, then two that share a table, the first without its last newline.
 Recording with_other_settings() {
-  const std::string next = plant("line-b");
+  const Files next{{"test.toml", "gateway.unit = 254\n" + plant("line-b") + "[http]"},
+                   {"conf.d/own.toml", "[gateway]\nlock_memory = false\n"}};
+  const std::string lines = gateway::config_lines(next);
   const gateway::Settings settings = settings_of(next);
   const auto request = unhex("0001 0000 0006 01 03 0000 0001");
-  Recording recording(plant("line-a"));
+  Recording recording({{"test.toml", plant("line-a")}});
   recording.input(gateway::LineOpened{gateway::BusId{0}}, Instant{2s});
   recording.input(gateway::ClientConnected{gateway::ClientId{0},
                                            {gateway::ListenerId{0},
                                             *routing::ClientAddress::parse("192.0.2.1"), 0}},
                   Instant{2s});
   recording.input(gateway::ClientBytes{gateway::ClientId{0}, request}, Instant{3s});
-  recording.input(gateway::SettingsChanged{&settings, next}, Instant{4s});
+  recording.input(gateway::SettingsChanged{&settings, lines}, Instant{4s});
   recording.input(gateway::LineOpened{gateway::BusId{1}}, Instant{5s});
   return recording;
 }
@@ -75,6 +85,15 @@ TEST(Replay, OtherSettingsStandInTheRecordingAndComeAgain) {
   const ReplayOutcome outcome = replay(stream, std::nullopt);
   EXPECT_EQ(outcome.difference, "");
   EXPECT_EQ(outcome.inputs, 5U);
+}
+
+TEST(Replay, OtherSettingsWithoutTheirConfigurationAreSaid) {
+  std::string text = with_other_settings().text();
+  const auto begin = text.rfind("config test.toml\n");
+  text.erase(begin, text.find("4000000000 settings\n") - begin);
+  std::istringstream stream(text);
+  EXPECT_THAT(replay(stream, std::nullopt).difference,
+              testing::EndsWith("no configuration stands before other settings"));
 }
 
 TEST(Replay, OnesThatAreNotValidAreSaid) {

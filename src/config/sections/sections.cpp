@@ -53,7 +53,8 @@ std::optional<std::filesystem::path> read_profiles(TomlTable& table) {
   if (!named) {
     return std::nullopt;
   }
-  auto folder = std::filesystem::path(table.document().name()).parent_path() / *named;
+  const Position position = table.value_position("profiles");
+  auto folder = std::filesystem::path(table.document().name(position)).parent_path() / *named;
   std::error_code ignored;
   if (!std::filesystem::is_directory(folder, ignored)) {
     table.error("profiles", "there is no folder " + in_quotes(folder.string()));
@@ -117,11 +118,6 @@ routing::NetworkList read_networks(TomlTable& table, std::string_view key) {
     }
   }
   return networks;
-}
-
-std::string place(const TomlDocument& document, Position position) {
-  return document.name() + ":" + std::to_string(position.line) + ":" +
-         std::to_string(position.column);
 }
 
 void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,

@@ -109,9 +109,6 @@ bool is_tcp(const Draft& draft, drive::BusId bus);
 /// What a route lets through: `access`, `functions`, `[[route.registers]]`, `deadline`.
 void read_route_rules(TomlTable& table, routing::Route& route, bool broadcast);
 
-/// "conf/x.toml:12:8", to name a second place in a message.
-std::string place(const TomlDocument& document, Position position);
-
 /// Reports that the newest of `tables` has the same value of `key` as an earlier one; `what`: that
 /// value as text.
 void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,

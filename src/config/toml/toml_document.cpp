@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a document does besides parsing: it collects what is wrong.
+// What a document does besides parsing: it joins what its files say, and collects what is wrong.
 #include <algorithm>
+#include <iterator>
 
 #include "config/toml/suggestion.hpp"
 #include "config/toml/toml_reader.hpp"
@@ -12,7 +13,77 @@ namespace {
 /// or were reported as something else.
 bool was_looked_into(const TomlTableValue& table) { return !table.known.empty(); }
 
+/// `[[key]]`, or the same in another notation. An empty list says that there is nothing, so another
+/// file cannot add to it.
+bool is_list_of_tables(const TomlValue& value) {
+  const auto* list = std::get_if<std::vector<TomlValue>>(&value.data);
+  return list != nullptr && !list->empty() &&
+         std::ranges::all_of(*list, [](const TomlValue& element) {
+           return std::holds_alternative<TomlTableValue>(element.data);
+         });
+}
+
 }  // namespace
+
+TomlDocument TomlDocument::load(const std::filesystem::path& path) {
+  return parse(std::vector{read_text_file(path)});
+}
+
+TomlDocument TomlDocument::parse(std::string name, std::string_view text) {
+  return parse(std::vector{TextFile{std::move(name), std::string(text)}});
+}
+
+TomlDocument TomlDocument::parse(const std::vector<TextFile>& files) {
+  TomlDocument document;
+  std::vector<TomlTableValue> roots;
+  for (const auto& file : files) {
+    const auto number = static_cast<std::uint32_t>(document.files_.size());
+    document.files_.push_back({file.name, {}});
+    if (!file.failure.empty()) {
+      document.error({.file = number}, file.failure);
+    } else if (auto root = document.read_file(number, file.text)) {
+      roots.push_back(*std::move(root));
+    }
+  }
+  document.parsed_ = roots.size() == files.size();
+  for (std::size_t i = 0; document.parsed_ && i < roots.size(); ++i) {
+    if (i == 0) {
+      *document.root_ = std::move(roots[i]);
+    } else {
+      document.join(*document.root_, std::move(roots[i]));
+    }
+  }
+  return document;
+}
+
+void TomlDocument::join(TomlTableValue& table, TomlTableValue added) {
+  for (auto& entry : added.entries) {
+    const auto same = std::ranges::find(table.entries, entry.key, &TomlEntry::key);
+    if (same == table.entries.end()) {
+      table.entries.push_back(std::move(entry));
+    } else {
+      join(*same, std::move(entry));
+    }
+  }
+}
+
+void TomlDocument::join(TomlEntry& entry, TomlEntry added) {
+  TomlValue& value = entry.value;
+  auto* const table = std::get_if<TomlTableValue>(&value.data);
+  auto* const more = std::get_if<TomlTableValue>(&added.value.data);
+  if (table != nullptr && more != nullptr) {
+    join(*table, std::move(*more));
+  } else if (is_list_of_tables(value) && is_list_of_tables(added.value)) {
+    std::ranges::move(std::get<std::vector<TomlValue>>(added.value.data),
+                      std::back_inserter(std::get<std::vector<TomlValue>>(value.data)));
+  } else {
+    const bool is_alike = value.data.index() == added.value.data.index();
+    error(
+        added.position,
+        entry.key + ": is said already at " + place(*this, entry.position) +
+            (is_alike ? "" : ", as " + describe(value) + "; here it is " + describe(added.value)));
+  }
+}
 
 TomlTable TomlDocument::root() { return {*this, *root_}; }
 
@@ -26,10 +97,11 @@ void TomlDocument::warning(Position position, std::string message) {
 
 void TomlDocument::report(Severity severity, Position position, std::string message) {
   std::string line;
-  if (position.line >= 1 && position.line <= lines_.size()) {
-    line = lines_[position.line - 1];
+  const File& file = files_[position.file];
+  if (position.line >= 1 && position.line <= file.lines.size()) {
+    line = file.lines[position.line - 1];
   }
-  diagnostics_.push_back({severity, name_, position, std::move(message), std::move(line)});
+  diagnostics_.push_back({severity, file.name, position, std::move(message), std::move(line)});
 }
 
 void TomlDocument::report_unknown_keys(const TomlTableValue& table) {
@@ -58,6 +130,11 @@ std::vector<Diagnostic> TomlDocument::finish() {
   report_unknown_keys(*root_);
   std::ranges::stable_sort(diagnostics_, {}, &Diagnostic::position);
   return std::move(diagnostics_);
+}
+
+std::string place(const TomlDocument& document, Position position) {
+  return document.name(position) + ":" + std::to_string(position.line) + ":" +
+         std::to_string(position.column);
 }
 
 }  // namespace mbgate::config

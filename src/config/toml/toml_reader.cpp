@@ -26,64 +26,64 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
-#include <fstream>
-#include <system_error>
 
 #include "config/toml/duration_text.hpp"
 
 namespace mbgate::config {
 namespace {
 
-/// A configuration is written by hand; what is larger was named by mistake.
-constexpr std::size_t kLargestFile = 1024UL * 1024UL;
 /// Bounds how deep dotted keys can nest; lists may span lines.
 constexpr std::size_t kLongestLine = 4096;
 constexpr std::size_t kShownOfLongLine = 80;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-Position position_of(const toml::source_region& region) {
-  return {region.begin.line, region.begin.column};
-}
+/// From the library's values to ours.
+struct Conversion {
+  std::uint32_t file;  ///< that they stand in
 
-TomlValue convert(const toml::node& node, const std::string& path, bool in_array);
-
-TomlTableValue convert_table(const toml::table& table, const std::string& path, bool in_array) {
-  TomlTableValue converted;
-  converted.position = position_of(table.source());
-  if (!path.empty()) {
-    converted.title = in_array ? "[[" + path + "]]" : "[" + path + "]";
+  [[nodiscard]] Position position_of(const toml::source_region& region) const {
+    return {region.begin.line, region.begin.column, file};
   }
-  for (const auto& [key, value] : table) {
-    const std::string name(key.str());
-    std::string below = path;
-    below.append(path.empty() ? "" : ".").append(name);
-    converted.entries.push_back({name, position_of(key.source()), convert(value, below, false)});
-  }
-  return converted;
-}
 
-TomlValue convert(const toml::node& node, const std::string& path, bool in_array) {
-  TomlValue converted{position_of(node.source()), TomlOther{}};
-  if (const auto* table = node.as_table()) {
-    converted.data = convert_table(*table, path, in_array);
-  } else if (const auto* array = node.as_array()) {
-    std::vector<TomlValue> elements;
-    for (const auto& element : *array) {
-      elements.push_back(convert(element, path, true));
+  [[nodiscard]] TomlTableValue table_of(const toml::table& table, const std::string& path,
+                                        bool in_array) const {
+    TomlTableValue converted;
+    converted.position = position_of(table.source());
+    if (!path.empty()) {
+      converted.title = in_array ? "[[" + path + "]]" : "[" + path + "]";
     }
-    converted.data = std::move(elements);
-  } else if (const auto* string = node.as_string()) {
-    converted.data = string->get();
-  } else if (const auto* integer = node.as_integer()) {
-    converted.data = integer->get();
-  } else if (const auto* number = node.as_floating_point()) {
-    converted.data = number->get();
-  } else if (const auto* boolean = node.as_boolean()) {
-    converted.data = boolean->get();
+    for (const auto& [key, value] : table) {
+      const std::string name(key.str());
+      std::string below = path;
+      below.append(path.empty() ? "" : ".").append(name);
+      converted.entries.push_back({name, position_of(key.source()), value_of(value, below, false)});
+    }
+    return converted;
   }
-  return converted;
-}
+
+  [[nodiscard]] TomlValue value_of(const toml::node& node, const std::string& path,
+                                   bool in_array) const {
+    TomlValue converted{position_of(node.source()), TomlOther{}};
+    if (const auto* inner = node.as_table()) {
+      converted.data = table_of(*inner, path, in_array);
+    } else if (const auto* array = node.as_array()) {
+      std::vector<TomlValue> elements;
+      for (const auto& element : *array) {
+        elements.push_back(value_of(element, path, true));
+      }
+      converted.data = std::move(elements);
+    } else if (const auto* string = node.as_string()) {
+      converted.data = string->get();
+    } else if (const auto* integer = node.as_integer()) {
+      converted.data = integer->get();
+    } else if (const auto* number = node.as_floating_point()) {
+      converted.data = number->get();
+    } else if (const auto* boolean = node.as_boolean()) {
+      converted.data = boolean->get();
+    }
+    return converted;
+  }
+};
 
 /// Words for which TOML has values, or that are meant for them.
 constexpr std::array<std::string_view, 8> kTruths = {"true", "false", "inf", "nan",
@@ -162,74 +162,46 @@ std::vector<std::string> split_lines(std::string_view text) {
   return lines;
 }
 
-std::string reason(int error) { return std::error_code(error, std::generic_category()).message(); }
-
 }  // namespace
 
-TomlDocument::TomlDocument(std::string name)
-    : name_(std::move(name)), root_(std::make_unique<TomlTableValue>()) {}
-
-TomlDocument TomlDocument::load(const std::filesystem::path& path) {
-  TomlDocument failed(path.string());
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    failed.error({}, "cannot be read: " + reason(EISDIR));
-    return failed;
-  }
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    failed.error({}, "cannot be read: " + reason(errno == 0 ? EIO : errno));
-    return failed;
-  }
-  std::string text(kLargestFile + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) {
-    failed.error({}, "cannot be read: " + reason(errno == 0 ? EIO : errno));
-    return failed;
-  }
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  return parse(path.string(), text);
-}
-
 void TomlDocument::report_syntax(Position position, std::string_view description) {
-  const bool known = position.line >= 1 && position.line <= lines_.size();
-  const std::string_view line = known ? lines_[position.line - 1] : std::string_view();
+  const auto& lines = files_[position.file].lines;
+  const bool known = position.line >= 1 && position.line <= lines.size();
+  const std::string_view line = known ? lines[position.line - 1] : std::string_view();
   const auto bare = bare_value(line);
   if (bare.empty()) {
     error(position, syntax_message(description));
     return;
   }
-  const auto column = static_cast<std::uint32_t>(bare.data() - line.data()) + 1;
-  error({position.line, column},
+  position.column = static_cast<std::uint32_t>(bare.data() - line.data()) + 1;
+  error(position,
         "syntax: quotes are missing: expected " + in_quotes(bare) + ", found " + std::string(bare));
 }
 
-TomlDocument TomlDocument::parse(std::string name, std::string_view text) {
-  TomlDocument document(std::move(name));
+std::optional<TomlTableValue> TomlDocument::read_file(std::uint32_t number, std::string_view text) {
+  File& file = files_[number];
   if (text.size() > kLargestFile) {
-    document.error({}, "is larger than 1 MiB: expected a configuration");
-    return document;
+    error({.file = number}, "is larger than 1 MiB: expected a configuration");
+    return std::nullopt;
   }
   if (text.starts_with(kByteOrderMark)) {
     text.remove_prefix(kByteOrderMark.size());
   }
-  document.lines_ = split_lines(text);
-  const auto longest = std::ranges::max_element(document.lines_, {}, &std::string::size);
-  if (longest != document.lines_.end() && longest->size() > kLongestLine) {
-    const auto line = static_cast<std::uint32_t>(longest - document.lines_.begin()) + 1;
+  file.lines = split_lines(text);
+  const auto longest = std::ranges::max_element(file.lines, {}, &std::string::size);
+  if (longest != file.lines.end() && longest->size() > kLongestLine) {
+    const auto line = static_cast<std::uint32_t>(longest - file.lines.begin()) + 1;
     longest->resize(kShownOfLongLine);
-    document.error({line, 1}, "the line is longer than 4096 bytes");
-    return document;
+    error({line, 1, number}, "the line is longer than 4096 bytes");
+    return std::nullopt;
   }
-  const auto result = toml::parse(text, std::string_view(document.name_));
+  const Conversion conversion{number};
+  const auto result = toml::parse(text, std::string_view(file.name));
   if (!result) {
-    document.report_syntax(position_of(result.error().source()), result.error().description());
-    return document;
+    report_syntax(conversion.position_of(result.error().source()), result.error().description());
+    return std::nullopt;
   }
-  *document.root_ = convert_table(result.table(), "", false);
-  document.parsed_ = true;
-  return document;
+  return conversion.table_of(result.table(), "", false);
 }
 
 }  // namespace mbgate::config

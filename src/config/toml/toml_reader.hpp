@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Typed reading of a TOML text. A TomlDocument owns the text, its values and its diagnostics; a
-// TomlTable is a light view of one table in it. Every key that is read becomes known. finish()
-// reports the keys that were never read, so read every key of a table before that. Nothing here
-// throws: an error becomes a diagnostic, and the caller gets nothing.
+// Typed reading of TOML. A TomlDocument owns the text of a file, or of several that are read as
+// one, its values and its diagnostics; a TomlTable is a light view of one table in it. Every key
+// that is read becomes known. finish() reports the keys that were never read, so read every key of
+// a table before that. Nothing here throws: an error becomes a diagnostic, and the caller gets
+// nothing.
 //
 //   auto document = TomlDocument::load("conf/x.toml");
 //   for (TomlTable bus : document.root().tables("bus")) {
@@ -26,6 +27,7 @@
 #include <vector>
 
 #include "config/diagnostic.hpp"
+#include "config/text_file.hpp"
 #include "config/toml/toml_value.hpp"
 
 namespace mbgate::config {
@@ -105,7 +107,7 @@ class TomlTable {
 
   /// `[key]`; absent: nothing.
   std::optional<TomlTable> table(std::string_view key);
-  /// `[[key]]`, in the order of the text; absent: none.
+  /// `[[key]]`, in the order of the files and of their texts; absent: none.
   std::vector<TomlTable> tables(std::string_view key);
 
   /// Reports an error at the value of `key` (at the table if it is absent); the message begins with
@@ -126,7 +128,7 @@ class TomlTable {
   TomlTableValue* node_;
 };
 
-/// One configuration file. Neither copied nor moved while views of it exist.
+/// One file, or several that are read as one. Neither copied nor moved while views of it exist.
 class TomlDocument {
  public:
   /// Reads a file of at most 1 MiB. A file that cannot be read, or is not TOML, gives an empty
@@ -134,9 +136,15 @@ class TomlDocument {
   static TomlDocument load(const std::filesystem::path& path);
   /// `name` is the file name in the diagnostics.
   static TomlDocument parse(std::string name, std::string_view text);
+  /// Several files, at least one. Lists of tables, `[[key]]`, are put together in the order of the
+  /// files; the keys of a table `[key]` may stand in several. What is said twice is an error.
+  static TomlDocument parse(const std::vector<TextFile>& files);
 
-  [[nodiscard]] const std::string& name() const { return name_; }
-  /// False if the text could not be read or is not TOML; then there are no values.
+  /// The name of the file that a place is in.
+  [[nodiscard]] const std::string& name(Position position = {}) const {
+    return files_[position.file].name;
+  }
+  /// False if one of the texts could not be read or is not TOML; then there are no values.
   [[nodiscard]] bool parsed() const { return parsed_; }
   [[nodiscard]] TomlTable root();
   /// Was an error reported so far?
@@ -145,21 +153,34 @@ class TomlDocument {
   void error(Position position, std::string message);
   void warning(Position position, std::string message);
 
-  /// Reports the keys that were never read and returns all diagnostics, in the order of the text.
+  /// Reports the keys that were never read and returns all diagnostics, in the order of the files
+  /// and of their texts.
   std::vector<Diagnostic> finish();
 
  private:
-  explicit TomlDocument(std::string name);
+  struct File {
+    std::string name;
+    std::vector<std::string> lines;
+  };
+
+  TomlDocument() = default;
+  /// The values of the file of this number; nothing if it is wrong, which is reported.
+  std::optional<TomlTableValue> read_file(std::uint32_t number, std::string_view text);
+  /// Adds what a later file says.
+  void join(TomlTableValue& table, TomlTableValue added);
+  void join(TomlEntry& entry, TomlEntry added);
   void report(Severity severity, Position position, std::string message);
   void report_syntax(Position position, std::string_view description);
   void report_unknown_keys(const TomlTableValue& table);
 
-  std::string name_;
-  std::vector<std::string> lines_;
-  std::unique_ptr<TomlTableValue> root_;
+  std::vector<File> files_;
+  std::unique_ptr<TomlTableValue> root_ = std::make_unique<TomlTableValue>();
   std::vector<Diagnostic> diagnostics_;
   bool parsed_ = false;
 };
+
+/// "conf/x.toml:12:8", to name a second place in a message.
+std::string place(const TomlDocument& document, Position position);
 
 /// Assigns what was read; if nothing was, the target keeps its default. The ranges given to the
 /// getters ensure that a number fits its target.

@@ -58,14 +58,6 @@ struct Words {
   }
 };
 
-void append_config(std::string& out, std::string_view text) {
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    ((out += "| ") += text.substr(begin, end - begin)) += '\n';
-    begin = end + 1;
-  }
-}
-
 struct InputWords {
   Words words;
 
@@ -119,7 +111,7 @@ struct ActionWords {
 
 void append_line(std::string& out, const Input& input, Instant at) {
   if (const auto* changed = std::get_if<SettingsChanged>(&input)) {
-    append_config(out, changed->config);
+    out += changed->config;
   }
   append_number(out, at.time_since_epoch().count());
   std::visit(InputWords{{out}}, input);
@@ -139,14 +131,26 @@ void append_start(std::string& out, Instant start) {
 
 void append_end(std::string& out, std::string_view why) { ((out += "end ") += why) += '\n'; }
 
+std::string config_lines(const std::vector<ConfigFile>& files) {
+  std::string out;
+  for (const auto& file : files) {
+    out += "config " + file.path + '\n';
+    const std::string_view text = file.text;
+    for (std::size_t begin = 0; begin < text.size();) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      ((out += "| ") += text.substr(begin, end - begin)) += '\n';
+      begin = end + 1;
+    }
+  }
+  return out;
+}
+
 std::string head_lines(const RecordingHead& head) {
-  std::string out =
-      "mbgate recording 1\nversion " + head.version + "\nconfig " + head.config + '\n';
+  std::string out = "mbgate recording 1\nversion " + head.version + '\n';
   if (!head.profiles.empty()) {
     out += "profiles " + head.profiles + '\n';
   }
-  append_config(out, head.text);
-  return out;
+  return out + config_lines(head.config);
 }
 
 }  // namespace mbgate::gateway

@@ -4,20 +4,22 @@
 //
 //   mbgate recording 1                    < open 0
 //   version 0.1.0                         517 opened 0 virtual
-//   config /etc/mbgate/mbgate.toml        < report bus line-a is open
-//   profiles /srv/profiles                633 connected 0 0 192.0.2.1 0
+//   profiles /srv/profiles                < report bus line-a is open
+//   config /etc/mbgate/mbgate.toml        633 connected 0 0 192.0.2.1 0
 //   | [[bus]]                             701 read 0 0 000100000006010300000001
 //   | name = "line-a"                     < transmit 0 010300000001840A
 //   500 start                             ...
 //
-// Other settings are recorded as in the head: the lines of their configuration, and "900 settings".
+// A configuration of several files has a "config" with its lines for each of them, in their order:
+// put together they might say a table twice, or read on where a file ends within one. Other
+// settings are recorded as in the head: the files of their configuration, and "900 settings".
 // Bytes are hexadecimal; a client is its number, a bus or a listener its place in the settings.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gateway/action.hpp"
@@ -26,13 +28,33 @@
 
 namespace mbgate::gateway {
 
+/// A file of a configuration.
+struct ConfigFile {
+  std::string path;
+  std::string text;  ///< as it is read again, each of its lines ends with a newline
+};
+
+/// "config PATH" and the lines of the file, for each in order.
+std::string config_lines(const std::vector<ConfigFile>& files);
+
+/// Reads them line by line.
+class ConfigReader {
+ public:
+  /// False if the line is none of a configuration.
+  bool read(std::string_view line);
+  /// The files that were read since the last call.
+  std::vector<ConfigFile> take() { return std::exchange(files_, {}); }
+
+ private:
+  std::vector<ConfigFile> files_;
+};
+
 /// What a replay must know before the first input.
 struct RecordingHead {
-  std::string version;   ///< of the gateway that was recorded
-  std::string config;    ///< the path of the configuration file
-  std::string profiles;  ///< the only folder to look for profiles in; empty: nobody said
-  std::string text;      ///< the configuration itself; each of its lines ends with a newline
-  Instant start;         ///< when the machine was made
+  std::string version;             ///< of the gateway that was recorded
+  std::string profiles;            ///< the only folder to look for profiles in; empty: nobody said
+  std::vector<ConfigFile> config;  ///< at least one file
+  Instant start;                   ///< when the machine was made
 };
 
 /// All of the head but its last line, which begins the inputs.
@@ -49,6 +71,7 @@ class HeadReader {
 
  private:
   RecordingHead head_;
+  ConfigReader config_;
   bool begun_ = false;
 };
 
@@ -60,8 +83,6 @@ void append_line(std::string& out, const Action& action, const Settings& setting
 /// "end WHY": nothing was recorded after this, although the machine went on.
 void append_end(std::string& out, std::string_view why);
 
-/// A line of the configuration, in the head or before other settings; nothing if it is another one.
-std::optional<std::string_view> config_line(std::string_view line);
 inline bool is_end_line(std::string_view line) { return line.starts_with("end "); }
 inline bool is_action_line(std::string_view line) { return line.starts_with('<'); }
 

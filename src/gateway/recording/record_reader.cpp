@@ -182,8 +182,16 @@ bool take_key(std::string_view& line, std::string_view key) {
 
 }  // namespace
 
-std::optional<std::string_view> config_line(std::string_view line) {
-  return take_key(line, "|") ? std::optional(line) : std::nullopt;
+bool ConfigReader::read(std::string_view line) {
+  if (take_key(line, "config")) {
+    files_.push_back({std::string(line), {}});
+    return true;
+  }
+  if (files_.empty() || !take_key(line, "|")) {
+    return false;
+  }
+  (files_.back().text += line) += '\n';
+  return true;
 }
 
 Result<RecordedInput, std::string> parse_line(std::string_view line,
@@ -204,19 +212,20 @@ Result<bool, std::string> HeadReader::read(std::string_view line) {
     return begun_ ? Result<bool, std::string>(false)
                   : std::string("expected \"mbgate recording 1\": this is no recording");
   }
+  if (config_.read(line)) {
+    return false;
+  }
   std::string_view value = line;
-  if (const auto config = config_line(line)) {
-    (head_.text += *config) += '\n';
-  } else if (take_key(value, "version")) {
+  if (take_key(value, "version")) {
     head_.version = value;
-  } else if (take_key(value, "config")) {
-    head_.config = value;
   } else if (take_key(value, "profiles")) {
     head_.profiles = value;
   } else if (line.ends_with(" start")) {
     const auto start = number_of<std::int64_t>(line.substr(0, line.size() - 6));
-    if (!start) {
-      return std::string("expected an instant in nanoseconds before \"start\"");
+    head_.config = config_.take();
+    if (!start || head_.config.empty()) {
+      return std::string(start ? "expected the configuration before the start"
+                               : "expected an instant in nanoseconds before \"start\"");
     }
     head_.start = instant_of(*start);
     return true;

@@ -5,11 +5,17 @@
 #include <sys/stat.h>
 
 #include <fstream>
+#include <iterator>
 
 namespace mbgate::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+std::string content_of(const fs::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 class RecordingTest : public testing::Test {
  protected:
@@ -35,8 +41,16 @@ TEST_F(RecordingTest, CanBeReadByItsOwnerOnly) {
 TEST_F(RecordingTest, KeepsTheOneBefore) {
   std::ofstream(folder_ / "a.rec") << "before";
   ASSERT_TRUE(create_recording(folder_ / "a.rec"));
-  EXPECT_EQ(read_text(folder_ / "a.rec"), "");
-  EXPECT_EQ(read_text(folder_ / "a.rec.1"), "before");
+  EXPECT_EQ(content_of(folder_ / "a.rec"), "");
+  EXPECT_EQ(content_of(folder_ / "a.rec.1"), "before");
+}
+
+TEST(RecordedFiles, HavePathsThatHoldInEveryFolder) {
+  const auto files = recorded_files({{"mbgate.toml", "a\n"}, {"/srv/conf.d/x.toml", ""}});
+  ASSERT_EQ(files.size(), 2U);
+  EXPECT_EQ(files[0].path, (fs::current_path() / "mbgate.toml").string());
+  EXPECT_EQ(files[0].text, "a\n");
+  EXPECT_EQ(files[1].path, "/srv/conf.d/x.toml");
 }
 
 TEST_F(RecordingTest, NamesTheFileThatCannotBeMade) {

@@ -91,14 +91,18 @@ TEST(Record, SaysWhatIsWrongWithALine) {
 TEST(Record, TheHeadCarriesTheWholeConfiguration) {
   RecordingHead head;
   head.version = "1.2.3";
-  head.config = "/etc/mbgate/mbgate.toml";
   head.profiles = "/srv/my profiles";
-  head.text = "[[bus]]\n\n  name = \"a\"\n";
+  head.config = {{"/etc/mbgate/mbgate.toml", "[[bus]]\n\n  name = \"a\"\n"},
+                 {"/etc/mbgate/conf.d/10 empty.toml", ""},
+                 {"/etc/mbgate/conf.d/20.toml", "config = 1\nno newline"}};
   std::string text = head_lines(head);
   append_start(text, kAt);
   EXPECT_EQ(text,
-            "mbgate recording 1\nversion 1.2.3\nconfig /etc/mbgate/mbgate.toml\n"
-            "profiles /srv/my profiles\n| [[bus]]\n| \n|   name = \"a\"\n1234567890123 start\n");
+            "mbgate recording 1\nversion 1.2.3\nprofiles /srv/my profiles\n"
+            "config /etc/mbgate/mbgate.toml\n| [[bus]]\n| \n|   name = \"a\"\n"
+            "config /etc/mbgate/conf.d/10 empty.toml\n"
+            "config /etc/mbgate/conf.d/20.toml\n| config = 1\n| no newline\n"
+            "1234567890123 start\n");
   HeadReader reader;
   std::size_t begin = 0;
   bool complete = false;
@@ -112,9 +116,13 @@ TEST(Record, TheHeadCarriesTheWholeConfiguration) {
   }
   EXPECT_TRUE(complete);
   EXPECT_EQ(reader.head().version, head.version);
-  EXPECT_EQ(reader.head().config, head.config);
   EXPECT_EQ(reader.head().profiles, head.profiles);
-  EXPECT_EQ(reader.head().text, head.text);
+  ASSERT_EQ(reader.head().config.size(), 3U);
+  EXPECT_EQ(reader.head().config[0].path, head.config[0].path);
+  EXPECT_EQ(reader.head().config[0].text, head.config[0].text);
+  EXPECT_EQ(reader.head().config[1].path, head.config[1].path);
+  EXPECT_EQ(reader.head().config[1].text, "");
+  EXPECT_EQ(reader.head().config[2].text, "config = 1\nno newline\n");
   EXPECT_EQ(reader.head().start, kAt);
 }
 
@@ -125,6 +133,9 @@ TEST(Record, SaysWhatIsWrongWithAHead) {
   ASSERT_TRUE(reader.read("mbgate recording 1"));
   EXPECT_EQ(reader.read("name = 1").error(),
             "expected a line of the configuration or the start, found \"name = 1\"");
+  EXPECT_EQ(reader.read("| name = 1").error(),
+            "expected a line of the configuration or the start, found \"| name = 1\"");
+  EXPECT_EQ(reader.read("5 start").error(), "expected the configuration before the start");
   EXPECT_EQ(reader.read("soon start").error(),
             "expected an instant in nanoseconds before \"start\"");
 }
