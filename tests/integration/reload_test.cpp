@@ -106,6 +106,7 @@ class ReloadRecorded : public Reload {
 };
 
 TEST_F(ReloadRecorded, ReadsTheFilesOfTheFolderToo) {
+  const TcpClient started(plant.port(0));
   std::filesystem::create_directory(plant.folder.path() / "conf.d");
   plant.folder.write("conf.d/10-new.toml",
                      "gateway.unit = 7\n"

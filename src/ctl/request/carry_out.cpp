@@ -6,8 +6,11 @@
 
 #include "ctl/control/control_command.hpp"
 #include "ctl/profile/show_profile.hpp"
-#include "ctl/request/modbus_client.hpp"
+#include "ctl/request/connection.hpp"
+#include "ctl/request/repeated_read.hpp"
+#include "ctl/request/report.hpp"
 #include "ctl/scan/scan_command.hpp"
+#include "modbus/exception_code.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -32,52 +35,32 @@ std::string_view meaning(std::uint8_t code) {
   }
 }
 
-void print(const ReadCommand& command, const modbus::Pdu& response, std::ostream& out) {
-  std::size_t address = command.place.address;
-  for (const auto value : response_values(command, response)) {
-    const auto type = command.place.type;
-    out << (command.quiet ? value_text(type, value)
-                          : value_line(static_cast<std::uint16_t>(address), type, value))
-        << '\n';
-    address += width(type);
-  }
-}
-
-void print(const WriteCommand& command, const modbus::Pdu& /*response*/, std::ostream& out) {
-  std::size_t address = command.place.address;
-  for (const auto value : command.values) {
-    if (!command.quiet) {
-      out << value_line(static_cast<std::uint16_t>(address), command.place.type, value)
-          << " written\n";
-    }
-    address += width(command.place.type);
-  }
-}
-
-int fail(int status, const std::string& error, std::ostream& errors) {
-  errors << "mbgatectl: " << error << '\n';
-  return status;
-}
-
-template <typename AnyCommand>
-int carry_out_one(const AnyCommand& command, std::ostream& out, std::ostream& errors) {
+int carry_out_one(const ReadCommand& command, std::ostream& out, std::ostream& errors) {
   const auto request = make_request(command);
   if (!request) {
-    return fail(kExitUsage, request.error(), errors);
+    return report_failure({kExitUsage, request.error()}, command.json, out, errors);
   }
-  auto client = ModbusClient::connect(command.target);
-  if (!client) {
-    return fail(kExitNotDone, client.error(), errors);
+  if (command.every) {
+    return repeat_read(command, *request, out, errors);
   }
-  const auto response = client->ask(*request);
+  const auto response = Connection(command.target).ask(*request);
   if (!response) {
-    return fail(kExitNotDone, response.error(), errors);
+    return report_failure(response.error(), command.json, out, errors);
   }
-  if (response->is_exception()) {
-    const auto text = explain_exception(response->bytes()[1], !request->is_read());
-    return fail(kExitNotDone, "unit " + std::to_string(command.target.unit) + ": " + text, errors);
+  out << read_report(command, response_values(command, *response));
+  return kExitDone;
+}
+
+int carry_out_one(const WriteCommand& command, std::ostream& out, std::ostream& errors) {
+  const auto request = make_request(command);
+  if (!request) {
+    return report_failure({kExitUsage, request.error()}, command.json, out, errors);
   }
-  print(command, *response, out);
+  const auto response = Connection(command.target).ask(*request);
+  if (!response) {
+    return report_failure(response.error(), command.json, out, errors);
+  }
+  out << write_report(command);
   return kExitDone;
 }
 

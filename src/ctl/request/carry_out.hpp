@@ -15,7 +15,8 @@ inline constexpr int kExitDone = 0;
 inline constexpr int kExitNotDone = 1;  ///< an exception, no answer, or no connection
 inline constexpr int kExitUsage = 2;
 
-/// Prints values to `out`, one on each line, and errors to `errors`. Returns the exit status.
+/// Prints values to `out`, one on each line, and errors to `errors`; with --json both to `out`.
+/// Returns the exit status.
 int carry_out(const Command& command, std::ostream& out, std::ostream& errors);
 
 /// An exception for people: its number, the standard's name if it has one, and what it means for

@@ -24,8 +24,10 @@ std::optional<std::string> find_misfit(const Place& place, std::size_t count,
                                        std::size_t most_places) {
   const std::size_t most = most_places / width(place.type);
   if (count == 0 || count > most) {
-    return std::to_string(count) + " values do not fit into one request: 1 to " +
-           std::to_string(most);
+    const bool of_text = place.type == ValueType::text;
+    return std::to_string(count) + (of_text ? " registers" : " values") +
+           " do not fit into one request: 1 to " + std::to_string(most) +
+           (of_text ? ", two characters each" : "");
   }
   if (const std::size_t end = place.address + count * width(place.type); end > kAddresses) {
     return "the last value would end at address " + std::to_string(end - 1) + ", beyond 65535";
@@ -86,7 +88,7 @@ Result<modbus::Request, std::string> make_request(const WriteCommand& command) {
   return bits ? write_coils(command) : write_registers(command);
 }
 
-std::vector<std::uint32_t> response_values(const ReadCommand& command,
+std::vector<std::uint64_t> response_values(const ReadCommand& command,
                                            const modbus::Pdu& response) {
   const auto data = response.bytes().subspan(2);  // after function and byte count
   if (!holds_bits(command.place.table)) {
@@ -96,7 +98,7 @@ std::vector<std::uint32_t> response_values(const ReadCommand& command,
     }
     return to_values(command.place.type, command.place.order, registers);
   }
-  std::vector<std::uint32_t> bits;
+  std::vector<std::uint64_t> bits;
   bits.reserve(command.count);
   for (std::size_t at = 0; at < command.count; ++at) {
     bits.push_back((data[at / 8] >> (at % 8)) & 1U);

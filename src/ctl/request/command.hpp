@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "ctl/request/value.hpp"
+#include "modbus/pdu.hpp"
 #include "modbus/request.hpp"
+#include "modbus/result.hpp"
 
 namespace mbgate::ctl {
 
@@ -37,16 +39,20 @@ struct Place {
 struct ReadCommand {
   Target target;
   Place place;
-  std::size_t count = 1;  ///< values, not registers
+  std::size_t count = 1;  ///< values, not registers; of a text, its registers
   bool quiet = false;     ///< print the plain values only
+  bool json = false;      ///< one JSON object a read
+  std::optional<std::chrono::nanoseconds> every;  ///< from start to start; none: read once
+  std::optional<std::size_t> times;               ///< with `every`; none: until interrupted
 };
 
 struct WriteCommand {
   Target target;
   Place place;
-  std::vector<std::uint32_t> values;
+  std::vector<std::uint64_t> values;
   bool multiple = false;  ///< functions 15 and 16 even for a single coil or register
   bool quiet = false;     ///< print nothing on success
+  bool json = false;
 };
 
 /// Shows what is known of a kind of drive; no server is contacted.
@@ -83,11 +89,11 @@ using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanComm
                              ReloadCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
-/// the registers of a 32-bit value are never written one by one. The error is a full sentence.
+/// the registers of a value are never written one by one. The error is a full sentence.
 Result<modbus::Request, std::string> make_request(const ReadCommand& command);
 Result<modbus::Request, std::string> make_request(const WriteCommand& command);
 
 /// The values in the normal response to a read.
-std::vector<std::uint32_t> response_values(const ReadCommand& command, const modbus::Pdu& response);
+std::vector<std::uint64_t> response_values(const ReadCommand& command, const modbus::Pdu& response);
 
 }  // namespace mbgate::ctl

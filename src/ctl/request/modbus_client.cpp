@@ -3,6 +3,7 @@
 
 #include <modbus/modbus.h>
 #include <netdb.h>
+#include <poll.h>
 
 #include <array>
 #include <cerrno>
@@ -120,6 +121,11 @@ Result<modbus::Pdu, std::string> ModbusClient::ask(const modbus::Request& reques
     return misfit + why;
   }
   return frame->adu.pdu;
+}
+
+bool ModbusClient::is_lost() const {
+  pollfd watched{modbus_get_socket(context_.get()), POLLIN, 0};
+  return poll(&watched, 1, 0) != 0;
 }
 
 }  // namespace mbgate::ctl

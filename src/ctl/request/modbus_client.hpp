@@ -26,6 +26,10 @@ class ModbusClient {
   /// response does not match the request or does not come within the timeout.
   Result<modbus::Pdu, std::string> ask(const modbus::Request& request);
 
+  /// Between two requests: is the connection of no more use, because the server has closed it or
+  /// has sent something unasked?
+  [[nodiscard]] bool is_lost() const;
+
  private:
   struct Free {
     void operator()(_modbus* context) const;

@@ -56,6 +56,9 @@ TEST(CommandLine, ReadHasSensibleDefaults) {
   EXPECT_EQ(read.place.order, drive::WordOrder::big);
   EXPECT_EQ(read.count, 1U);
   EXPECT_FALSE(read.quiet);
+  EXPECT_FALSE(read.json);
+  EXPECT_EQ(read.every, std::nullopt);
+  EXPECT_EQ(read.times, std::nullopt);
 }
 
 TEST(CommandLine, ReadTakesEveryOption) {
@@ -74,6 +77,36 @@ TEST(CommandLine, ReadTakesEveryOption) {
   EXPECT_TRUE(read.quiet);
 }
 
+TEST(CommandLine, ReadIsRepeatedOnRequest) {
+  const auto read = command<ReadCommand>("read holding 0 --every 500ms --times 3 --json");
+  EXPECT_EQ(read.every, std::chrono::milliseconds(500));
+  EXPECT_EQ(read.times, 3U);
+  EXPECT_TRUE(read.json);
+  EXPECT_EQ(command<ReadCommand>("read holding 0 --every 10ms").times, std::nullopt);
+  EXPECT_EQ(complaint("read holding 0 --every 9ms"),
+            "mbgatectl: \"9ms\" is not a time of at least 10ms, like 500ms or 5s");
+  EXPECT_EQ(complaint("read holding 0 --every 1"),
+            "mbgatectl: \"1\" is not a time of at least 10ms, like 500ms or 5s");
+  EXPECT_EQ(complaint("read holding 0 --times 3"), "mbgatectl: --times requires --every");
+  EXPECT_EQ(complaint("read holding 0 --every 1s --times 0"),
+            "mbgatectl: --times: Value 0 not in range 1 to 1000000000");
+}
+
+TEST(CommandLine, EveryTypeHasItsWord) {
+  const auto type = [](const std::string& word) {
+    return command<ReadCommand>("read holding 0 --type " + word).place.type;
+  };
+  EXPECT_EQ(type("u16"), ValueType::u16);
+  EXPECT_EQ(type("i16"), ValueType::i16);
+  EXPECT_EQ(type("u32"), ValueType::u32);
+  EXPECT_EQ(type("i32"), ValueType::i32);
+  EXPECT_EQ(type("f32"), ValueType::f32);
+  EXPECT_EQ(type("u64"), ValueType::u64);
+  EXPECT_EQ(type("i64"), ValueType::i64);
+  EXPECT_EQ(type("f64"), ValueType::f64);
+  EXPECT_EQ(type("string"), ValueType::text);
+}
+
 TEST(CommandLine, TablesOfBitsHoldBits) {
   EXPECT_EQ(command<ReadCommand>("read coils 0").place.type, ValueType::bit);
   EXPECT_EQ(command<ReadCommand>("read discrete 0").place.table, Table::discrete_inputs);
@@ -86,14 +119,44 @@ TEST(CommandLine, WriteTakesNegativeValuesAndHex) {
       command<WriteCommand>("write holding 0x1E -5 200000 0xFFFFFFFF --type i32 --unit 3");
   EXPECT_EQ(write.target.unit, 3);
   EXPECT_EQ(write.place.address, 0x1E);
-  EXPECT_EQ(write.values, (std::vector<std::uint32_t>{0xFFFFFFFB, 200000, 0xFFFFFFFF}));
+  EXPECT_EQ(write.values, (std::vector<std::uint64_t>{0xFFFFFFFB, 200000, 0xFFFFFFFF}));
   EXPECT_FALSE(write.multiple);
+}
+
+TEST(CommandLine, WriteTakes64Bits) {
+  const auto write =
+      command<WriteCommand>("write holding 0 -9007199254740993 1 --type i64 --order little --json");
+  EXPECT_EQ(write.values, (std::vector<std::uint64_t>{0xFFDF'FFFF'FFFF'FFFF, 1}));
+  EXPECT_EQ(write.place.order, drive::WordOrder::little);
+  EXPECT_TRUE(write.json);
+}
+
+TEST(CommandLine, WriteTakesAStringAsItIs) {
+  EXPECT_EQ(command<WriteCommand>("write holding 0 AiC --type string").values,
+            (std::vector<std::uint64_t>{0x4169, 0x4300}));
+  EXPECT_EQ(command<WriteCommand>("write holding 0 [a,b] --type string").values,
+            (std::vector<std::uint64_t>{0x5B61, 0x2C62, 0x5D00}));
+  EXPECT_EQ(command<WriteCommand>("write holding 0 --type string -- -on").values,
+            (std::vector<std::uint64_t>{0x2D6F, 0x6E00}));
+  EXPECT_EQ(complaint("write holding 0 two words --type string"),
+            "mbgatectl: a string is one value: put a text with spaces in quotes");
+}
+
+TEST(CommandLine, AStringHasNoOrder) {
+  EXPECT_EQ(command<ReadCommand>("read holding 0 --type string --order big").place.type,
+            ValueType::text);
+  for (const auto* line : {"read holding 0 --type string --order little",
+                           "write holding 0 AiC --type string --order little"}) {
+    EXPECT_EQ(complaint(line),
+              "mbgatectl: --order is for numbers: the registers of a string are always in the "
+              "order of its text");
+  }
 }
 
 TEST(CommandLine, WriteTakesCoilsAsWords) {
   const auto write = command<WriteCommand>("write coils 11 on off 1 0 --multiple --quiet");
   EXPECT_EQ(write.place.table, Table::coils);
-  EXPECT_EQ(write.values, (std::vector<std::uint32_t>{1, 0, 1, 0}));
+  EXPECT_EQ(write.values, (std::vector<std::uint64_t>{1, 0, 1, 0}));
   EXPECT_TRUE(write.multiple);
   EXPECT_TRUE(write.quiet);
 }
@@ -111,10 +174,10 @@ TEST(CommandLine, WrongWordsAreNamed) {
             "mbgatectl: \"5\" is not a time of at least 1ms, like 500ms or 5s");
   EXPECT_EQ(complaint("read holding 0 --timeout 0s"),
             "mbgatectl: \"0s\" is not a time of at least 1ms, like 500ms or 5s");
-  EXPECT_THAT(complaint("read holding 0 --type u64"), StartsWith("mbgatectl: --type: u64 not in "));
+  EXPECT_THAT(complaint("read holding 0 --type u8"), StartsWith("mbgatectl: --type: u8 not in "));
   EXPECT_THAT(complaint("read holding 0 --unit 256"), StartsWith("mbgatectl: --unit: "));
   EXPECT_THAT(complaint("read holding 0 --port 0"), StartsWith("mbgatectl: --port: "));
-  EXPECT_EQ(complaint("write holding 0"), "mbgatectl: values is required");
+  EXPECT_EQ(complaint("write holding 0"), "mbgatectl: value is required");
   EXPECT_EQ(complaint("read holding"), "mbgatectl: address is required");
   EXPECT_EQ(complaint(""), "mbgatectl: A subcommand is required");
   EXPECT_THAT(complaint("read holding 0 --colour red"), HasSubstr("--colour"));

@@ -1,68 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/request/carry_out.hpp"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include <array>
 #include <sstream>
-#include <thread>
 #include <vector>
+
+#include "scripted_server.hpp"
 
 namespace mbgate::ctl {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// A server on a free port that answers one request: its MBAP header and then these bytes. No
-/// bytes: it closes.
-class OneAnswer {
+/// Answers one request with these bytes; no bytes: it closes.
+class OneAnswer : public ScriptedServer {
  public:
-  explicit OneAnswer(Bytes unit_and_pdu) : listener_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    auto* generic = reinterpret_cast<sockaddr*>(&address);
-    EXPECT_EQ(bind(listener_, generic, size), 0);
-    EXPECT_EQ(getsockname(listener_, generic, &size), 0);
-    EXPECT_EQ(listen(listener_, 1), 0);
-    port_ = ntohs(address.sin_port);
-    thread_ = std::thread([this, answer = std::move(unit_and_pdu)] { serve(answer); });
-  }
-  ~OneAnswer() {
-    thread_.join();
-    close(listener_);
-  }
-  OneAnswer(const OneAnswer&) = delete;
-  OneAnswer& operator=(const OneAnswer&) = delete;
-
-  [[nodiscard]] std::uint16_t port() const { return port_; }
-
- private:
-  void serve(const Bytes& answer) const {
-    pollfd ready{.fd = listener_, .events = POLLIN, .revents = 0};
-    if (poll(&ready, 1, 10'000) != 1) {
-      return;
-    }
-    const int client = accept(listener_, nullptr, nullptr);
-    std::array<std::uint8_t, 260> request{};
-    if (recv(client, request.data(), request.size(), 0) > 0 && !answer.empty()) {
-      Bytes response(request.begin(), request.begin() + 4);
-      response.push_back(0);
-      response.push_back(static_cast<std::uint8_t>(answer.size()));
-      response.insert(response.end(), answer.begin(), answer.end());
-      send(client, response.data(), response.size(), MSG_NOSIGNAL);
-    }
-    close(client);
-  }
-
-  int listener_;
-  std::uint16_t port_ = 0;
-  std::thread thread_;
+  explicit OneAnswer(Bytes unit_and_pdu)
+      : ScriptedServer(std::vector<Answers>{Answers{std::move(unit_and_pdu)}}) {}
 };
 
 struct Outcome {
@@ -181,6 +136,58 @@ TEST(CarryOut, SaysThatNobodyListens) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_EQ(outcome.errors, "mbgatectl: cannot connect to 127.0.0.1:" + std::to_string(port) +
                                 ": Connection refused\n");
+}
+
+TEST(CarryOut, ReadsAndWritesAText) {
+  ReadCommand read;
+  read.place = {Table::holding_registers, 0x10, ValueType::text, drive::WordOrder::big};
+  read.count = 3;
+  const Bytes answer{1, 0x03, 0x06, 'A', 'i', 'C', 0x1B, 0x00, 'x'};
+  EXPECT_EQ(carry_out_on(OneAnswer(answer).port(), read).output, "16: \"AiC\\x1B\"\n");
+  read.quiet = true;
+  EXPECT_EQ(carry_out_on(OneAnswer(answer).port(), read).output, "AiC\\x1B\n");
+  WriteCommand write;
+  write.place = read.place;
+  write.values = {0x4169, 0x4300};
+  const OneAnswer server({1, 0x10, 0x00, 0x10, 0x00, 0x02});
+  EXPECT_EQ(carry_out_on(server.port(), write).output, "16: \"AiC\" written\n");
+}
+
+TEST(CarryOut, SaysInJsonWhatCame) {
+  auto read = read_position();
+  read.json = true;
+  const OneAnswer answering({1, 0x03, 0x04, 0x00, 0x03, 0x0D, 0x40});
+  auto outcome = carry_out_on(answering.port(), read);
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.output,
+            R"({"unit":1,"table":"holding","values":[{"address":30,"value":200000}]})"
+            "\n");
+  auto write = write_opcode();
+  write.json = true;
+  const OneAnswer refusing({1, 0x86, 0x12});
+  outcome = carry_out_on(refusing.port(), write);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.output,
+            R"({"error":"unit 1: exception 0x12: a code of the device's maker; its manual says )"
+            R"(what it means","exception":18})"
+            "\n");
+  EXPECT_EQ(outcome.errors, "");
+}
+
+TEST(CarryOut, SaysInJsonWhyNothingCame) {
+  auto command = read_position();
+  command.json = true;
+  const OneAnswer server({});
+  auto outcome = carry_out_on(server.port(), command);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.output, R"({"error":"127.0.0.1:)" + std::to_string(server.port()) +
+                                R"( closed the connection without an answer"})"
+                                "\n");
+  command.count = 63;
+  outcome = carry_out_on(1, command);
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.output, R"({"error":"63 values do not fit into one request: 1 to 62"})"
+                            "\n");
 }
 
 TEST(CarryOut, RefusesWhatDoesNotFitIntoARequest) {

@@ -27,7 +27,7 @@ ReadCommand read(Table table, std::uint16_t address, ValueType type, std::size_t
 }
 
 WriteCommand write(Table table, std::uint16_t address, ValueType type,
-                   std::vector<std::uint32_t> values) {
+                   std::vector<std::uint64_t> values) {
   WriteCommand command;
   command.place = {table, address, type, drive::WordOrder::big};
   command.values = std::move(values);
@@ -53,6 +53,12 @@ TEST(ReadCommand, MustFitIntoOneRequest) {
             "126 values do not fit into one request: 1 to 125");
   EXPECT_EQ(make_request(read(Table::holding_registers, 0, ValueType::i32, 63)).error(),
             "63 values do not fit into one request: 1 to 62");
+  EXPECT_TRUE(make_request(read(Table::holding_registers, 0, ValueType::f64, 31)));
+  EXPECT_EQ(make_request(read(Table::holding_registers, 0, ValueType::f64, 32)).error(),
+            "32 values do not fit into one request: 1 to 31");
+  EXPECT_TRUE(make_request(read(Table::holding_registers, 0, ValueType::text, 125)));
+  EXPECT_EQ(make_request(read(Table::holding_registers, 0, ValueType::text, 126)).error(),
+            "126 registers do not fit into one request: 1 to 125, two characters each");
   EXPECT_EQ(make_request(read(Table::coils, 0, ValueType::bit, 2001)).error(),
             "2001 values do not fit into one request: 1 to 2000");
   EXPECT_EQ(make_request(read(Table::holding_registers, 0, ValueType::u16, 0)).error(),
@@ -61,6 +67,9 @@ TEST(ReadCommand, MustFitIntoOneRequest) {
 
 TEST(ReadCommand, MustEndWithinTheTable) {
   EXPECT_TRUE(make_request(read(Table::holding_registers, 65534, ValueType::u32, 1)));
+  EXPECT_TRUE(make_request(read(Table::holding_registers, 65532, ValueType::u64, 1)));
+  EXPECT_EQ(make_request(read(Table::holding_registers, 65533, ValueType::u64, 1)).error(),
+            "the last value would end at address 65536, beyond 65535");
   EXPECT_EQ(make_request(read(Table::holding_registers, 65535, ValueType::u32, 1)).error(),
             "the last value would end at address 65536, beyond 65535");
 }
@@ -70,13 +79,13 @@ TEST(ReadCommand, TakesItsValuesOutOfTheResponse) {
   auto command = read(Table::holding_registers, 0, ValueType::i32, 2);
   // function, byte count, two values
   const auto response = pdu({0x03, 0x08, 0x00, 0x03, 0x0D, 0x40, 0xFF, 0xFF, 0xFF, 0xFB});
-  EXPECT_EQ(response_values(command, response), (std::vector<std::uint32_t>{200000, 0xFFFFFFFB}));
+  EXPECT_EQ(response_values(command, response), (std::vector<std::uint64_t>{200000, 0xFFFFFFFB}));
   command.place.order = drive::WordOrder::little;
   EXPECT_EQ(response_values(command, response),
-            (std::vector<std::uint32_t>{0x0D400003, 0xFFFBFFFF}));
+            (std::vector<std::uint64_t>{0x0D400003, 0xFFFBFFFF}));
   EXPECT_EQ(
       response_values(read(Table::coils, 0, ValueType::bit, 10), pdu({0x01, 0x02, 0x05, 0x02})),
-      (std::vector<std::uint32_t>{1, 0, 1, 0, 0, 0, 0, 0, 0, 1}));
+      (std::vector<std::uint64_t>{1, 0, 1, 0, 0, 0, 0, 0, 0, 1}));
 }
 
 TEST(WriteCommand, OfOneRegisterUsesFunction06) {
@@ -95,6 +104,15 @@ TEST(WriteCommand, NeverTearsAValue) {
             (Bytes{0x10, 0x00, 0x1E, 0x00, 0x02, 0x04, 0x0D, 0x40, 0x00, 0x03}));
 }
 
+TEST(WriteCommand, MirrorsAValueOf64BitsWordByWord) {
+  auto command = write(Table::holding_registers, 0, ValueType::u64, {0x0123'4567'89AB'CDEF});
+  EXPECT_EQ(request_bytes(command), (Bytes{0x10, 0x00, 0x00, 0x00, 0x04, 0x08, 0x01, 0x23, 0x45,
+                                           0x67, 0x89, 0xAB, 0xCD, 0xEF}));
+  command.place.order = drive::WordOrder::little;
+  EXPECT_EQ(request_bytes(command), (Bytes{0x10, 0x00, 0x00, 0x00, 0x04, 0x08, 0xCD, 0xEF, 0x89,
+                                           0xAB, 0x45, 0x67, 0x01, 0x23}));
+}
+
 TEST(WriteCommand, OfCoilsUsesFunctions05And15) {
   EXPECT_EQ(request_bytes(write(Table::coils, 11, ValueType::bit, {1})),
             (Bytes{0x05, 0x00, 0x0B, 0xFF, 0x00}));
@@ -106,10 +124,20 @@ TEST(WriteCommand, OfCoilsUsesFunctions05And15) {
 
 TEST(WriteCommand, MustFitIntoOneRequest) {
   EXPECT_EQ(make_request(
-                write(Table::holding_registers, 0, ValueType::u16, std::vector<std::uint32_t>(124)))
+                write(Table::holding_registers, 0, ValueType::u16, std::vector<std::uint64_t>(124)))
                 .error(),
             "124 values do not fit into one request: 1 to 123");
-  EXPECT_EQ(make_request(write(Table::coils, 0, ValueType::bit, std::vector<std::uint32_t>(1969)))
+  EXPECT_TRUE(make_request(
+      write(Table::holding_registers, 0, ValueType::i64, std::vector<std::uint64_t>(30))));
+  EXPECT_EQ(make_request(
+                write(Table::holding_registers, 0, ValueType::i64, std::vector<std::uint64_t>(31)))
+                .error(),
+            "31 values do not fit into one request: 1 to 30");
+  EXPECT_EQ(make_request(write(Table::holding_registers, 0, ValueType::text,
+                               std::vector<std::uint64_t>(124)))
+                .error(),
+            "124 registers do not fit into one request: 1 to 123, two characters each");
+  EXPECT_EQ(make_request(write(Table::coils, 0, ValueType::bit, std::vector<std::uint64_t>(1969)))
                 .error(),
             "1969 values do not fit into one request: 1 to 1968");
   EXPECT_EQ(make_request(write(Table::holding_registers, 65535, ValueType::u16, {1, 2})).error(),

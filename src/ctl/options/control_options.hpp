@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// What belongs to `mbgatectl status` and `mbgatectl reload` on the command line.
+#pragma once
+
+#include <string>
+
+#include "ctl/request/command.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace mbgate::ctl {
+
+class StatusOptions {
+ public:
+  explicit StatusOptions(CLI::App& app);
+  StatusOptions(const StatusOptions&) = delete;
+  StatusOptions& operator=(const StatusOptions&) = delete;
+
+  [[nodiscard]] bool given() const;
+  [[nodiscard]] Result<Command, std::string> command() const { return Command(words_); }
+
+ private:
+  CLI::App* status_;
+  StatusCommand words_;
+};
+
+class ReloadOptions {
+ public:
+  explicit ReloadOptions(CLI::App& app);
+  ReloadOptions(const ReloadOptions&) = delete;
+  ReloadOptions& operator=(const ReloadOptions&) = delete;
+
+  [[nodiscard]] bool given() const;
+  [[nodiscard]] Result<Command, std::string> command() const { return Command(words_); }
+
+ private:
+  CLI::App* reload_;
+  ReloadCommand words_;
+};
+
+}  // namespace mbgate::ctl

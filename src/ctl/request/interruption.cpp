@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/request/interruption.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+namespace mbgate::ctl {
+namespace {
+
+// Also where SIGINT was ignored: a shell does that to what it starts in the background.
+void end_well(int /*signal*/) { _exit(0); }
+
+}  // namespace
+
+Interruption::Interruption() {
+  sigemptyset(&signals_);
+  sigaddset(&signals_, SIGINT);
+  sigaddset(&signals_, SIGTERM);
+  sigprocmask(SIG_BLOCK, &signals_, &held_before_);
+  struct sigaction ending {};
+  ending.sa_handler = &end_well;
+  sigaction(SIGINT, &ending, &on_interrupt_before_);
+  sigaction(SIGTERM, &ending, &on_terminate_before_);
+}
+
+Interruption::~Interruption() {
+  sigaction(SIGINT, &on_interrupt_before_, nullptr);
+  sigaction(SIGTERM, &on_terminate_before_, nullptr);
+  sigprocmask(SIG_SETMASK, &held_before_, nullptr);
+}
+
+bool Interruption::wait_until(std::chrono::steady_clock::time_point when) const {
+  using namespace std::chrono;
+  while (true) {
+    const nanoseconds left = std::max<nanoseconds>(when - steady_clock::now(), nanoseconds(0));
+    const auto whole = floor<seconds>(left);
+    const timespec time{whole.count(), (left - whole).count()};
+    if (sigtimedwait(&signals_, nullptr, &time) > 0) {
+      return true;
+    }
+    if (errno != EINTR) {
+      return false;  // EAGAIN: the time is over
+    }
+  }
+}
+
+Interruption::Opening::Opening(const sigset_t& signals) : signals_(signals) {
+  sigprocmask(SIG_UNBLOCK, &signals_, nullptr);
+}
+
+Interruption::Opening::~Opening() { sigprocmask(SIG_BLOCK, &signals_, nullptr); }
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// SIGINT and SIGTERM as a wish to end, for what repeats until then. While an Interruption lives,
+// they are held back until it waits; so nothing that is being printed is cut off.
+#pragma once
+
+#include <chrono>
+#include <csignal>
+
+namespace mbgate::ctl {
+
+class Interruption {
+ public:
+  Interruption();
+  ~Interruption();
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+
+  /// True as soon as a signal has come, false at `when`; an instant in the past only looks.
+  [[nodiscard]] bool wait_until(std::chrono::steady_clock::time_point when) const;
+
+  /// Does `work`, during which a signal ends the process at once, with status 0. Nothing that has
+  /// been printed may still be in a buffer.
+  template <typename Work>
+  auto endable(Work work) const {
+    const Opening opening(signals_);
+    return work();
+  }
+
+ private:
+  class Opening {
+   public:
+    explicit Opening(const sigset_t& signals);
+    ~Opening();
+    Opening(const Opening&) = delete;
+    Opening& operator=(const Opening&) = delete;
+
+   private:
+    const sigset_t& signals_;
+  };
+
+  sigset_t signals_{};
+  sigset_t held_before_{};
+  struct sigaction on_interrupt_before_ {};
+  struct sigaction on_terminate_before_ {};
+};
+
+}  // namespace mbgate::ctl

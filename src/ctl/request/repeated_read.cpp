@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/request/repeated_read.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <ostream>
+
+#include "ctl/request/carry_out.hpp"
+#include "ctl/request/connection.hpp"
+#include "ctl/request/interruption.hpp"
+#include "ctl/request/report.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+using std::chrono::steady_clock;
+using std::chrono::system_clock;
+
+/// "14:03:27.250", local time.
+std::string time_of_day(system_clock::time_point time) {
+  const auto second = std::chrono::floor<std::chrono::seconds>(time);
+  const auto rest = std::chrono::floor<std::chrono::milliseconds>(time - second);
+  const std::time_t count = system_clock::to_time_t(second);
+  std::tm local{};
+  localtime_r(&count, &local);
+  char text[64];
+  std::snprintf(text, sizeof text, "%02d:%02d:%02d.%03d", local.tm_hour, local.tm_min, local.tm_sec,
+                static_cast<int>(rest.count()));
+  return text;
+}
+
+/// One command's reads, and where their values go.
+class Reads {
+ public:
+  Reads(const ReadCommand& command, const modbus::Request& request, std::ostream& out,
+        std::ostream& errors)
+      : command_(command),
+        request_(request),
+        out_(out),
+        errors_(errors),
+        connection_(command.target) {}
+
+  /// Reads once and prints what came. Returns the exit status of this read.
+  int read(const Interruption& interruption) {
+    const bool with_time = !command_.quiet && !command_.json;
+    const auto time = with_time ? time_of_day(system_clock::now()) + "\n" : std::string();
+    const auto response = interruption.endable([&] { return connection_.ask(request_); });
+    if (!response) {
+      errors_ << time;
+      const int status = report_failure(response.error(), command_.json, out_, errors_);
+      out_ << std::flush;
+      return status;
+    }
+    out_ << time << read_report(command_, response_values(command_, *response)) << std::flush;
+    return kExitDone;
+  }
+
+ private:
+  const ReadCommand& command_;
+  const modbus::Request& request_;
+  std::ostream& out_;
+  std::ostream& errors_;
+  Connection connection_;
+};
+
+}  // namespace
+
+int repeat_read(const ReadCommand& command, const modbus::Request& request, std::ostream& out,
+                std::ostream& errors) {
+  const Interruption interruption;
+  Reads reads(command, request, out, errors);
+  int status = kExitDone;
+  auto start = steady_clock::now();
+  for (std::size_t done = 1;; ++done) {
+    status = std::max(status, reads.read(interruption));
+    const bool last = done == command.times || !out;  // or nobody can take what is printed
+    if (!last) {
+      start = next_start(start, *command.every, steady_clock::now());
+    }
+    if (interruption.wait_until(start)) {
+      return kExitDone;
+    }
+    if (last) {
+      return out ? status : kExitNotDone;
+    }
+  }
+}
+
+steady_clock::time_point next_start(steady_clock::time_point start, std::chrono::nanoseconds period,
+                                    steady_clock::time_point now) {
+  const auto begun = (now - start + period - std::chrono::nanoseconds(1)) / period;
+  return start + std::max<std::chrono::nanoseconds::rep>(begun, 1) * period;
+}
+
+}  // namespace mbgate::ctl

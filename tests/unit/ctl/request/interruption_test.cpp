@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/request/interruption.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace mbgate::ctl {
+namespace {
+
+using std::chrono::steady_clock;
+
+TEST(Interruption, EndsAWait) {
+  const Interruption interruption;
+  EXPECT_FALSE(interruption.wait_until(steady_clock::now() - std::chrono::hours(1)));
+  for (const int signal : {SIGINT, SIGTERM}) {
+    raise(signal);
+    EXPECT_TRUE(interruption.wait_until(steady_clock::now() + std::chrono::hours(1)));
+  }
+}
+
+TEST(Interruption, WaitsUntilTheInstant) {
+  const Interruption interruption;
+  const auto when = steady_clock::now() + std::chrono::milliseconds(2);
+  EXPECT_FALSE(interruption.wait_until(when));
+  EXPECT_GE(steady_clock::now(), when);
+}
+
+TEST(InterruptionDeathTest, EndsTheProcessDuringWorkThatMayBeEnded) {
+  const auto work = [](int signal) {
+    const Interruption interruption;
+    interruption.endable([&] { return raise(signal); });
+    _exit(3);
+  };
+  EXPECT_EXIT(work(SIGINT), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(work(SIGTERM), testing::ExitedWithCode(0), "");
+}
+
+TEST(InterruptionDeathTest, HoldsSignalsBackOtherwise) {
+  const auto work = [] {
+    const Interruption interruption;
+    raise(SIGTERM);
+    _exit(interruption.wait_until({}) ? 3 : 4);
+  };
+  EXPECT_EXIT(work(), testing::ExitedWithCode(3), "");
+}
+
+}  // namespace
+}  // namespace mbgate::ctl
