@@ -3,6 +3,7 @@
 """mbgatectl scan on a simulated bus with a drive of every series: each is named, and the configuration that comes of it
 is one that mbgated takes."""
 
+import json
 import pathlib
 import re
 import subprocess
@@ -118,6 +119,21 @@ class ScanOfABusOfAllFamilies(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         (self.folder / "printed.toml").write_text(done.stdout[done.stdout.index("\n# ") :], encoding="utf-8")
         self.assertEqual(self.check("printed.toml").returncode, 0, done.stdout)
+
+    def test_says_it_all_in_json(self):
+        done = self.scan("--units", "12-14", "--json")
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        found = json.loads(done.stdout)
+        self.assertEqual([unit["unit"] for unit in found["units"]], [12, 14])
+        for unit in found["units"]:
+            _, profiles, functions, order = DRIVES[unit["unit"]]
+            self.assertEqual(unit["profiles"], profiles)
+            self.assertEqual(unit["functions"], [int(function) for function in functions.split()])
+            self.assertEqual(unit["word_order"], order)
+            self.assertGreater(unit["slowest_ms"], 0)
+        self.assertEqual(found["units"][1]["texts"], [{"name": "model name", "text": "AiC-D-56LA"}])
+        (self.folder / "from-json.toml").write_text(found["configuration"], encoding="utf-8")
+        self.assertEqual(self.check("from-json.toml").returncode, 0, done.stdout)
 
     def test_leaves_a_file_that_is_there_as_it_is(self):
         before = (self.folder / "mbgate.toml").read_text(encoding="utf-8")

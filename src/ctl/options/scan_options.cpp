@@ -37,6 +37,7 @@ ScanOptions::ScanOptions(CLI::App& app)
       ->capture_default_str();
   scan_->add_option("--config", words_.config, "write the configuration to this new file")
       ->type_name("FILE");
+  scan_->add_flag("--json", words_.json, "for programs: one JSON object");
 }
 
 bool ScanOptions::given() const { return scan_->parsed(); }

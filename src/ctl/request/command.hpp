@@ -69,7 +69,8 @@ struct ScanCommand {
   std::optional<std::filesystem::path> folder;  ///< the only one to look for profiles in
   std::string bus = "line-a";                   ///< its name in the configuration
   std::optional<std::filesystem::path> config;  ///< none: standard output
-  bool show_progress = false;                   ///< on standard error
+  bool json = false;
+  bool show_progress = false;  ///< on standard error
 };
 
 inline constexpr const char* kControlSocket = "/run/mbgate/control";

@@ -10,6 +10,8 @@
 #include "config/profiles/profile_library.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/modbus_client.hpp"
+#include "ctl/request/report.hpp"
+#include "ctl/scan/scan_json.hpp"
 #include "ctl/scan/scan_report.hpp"
 #include "ctl/scan/starting_config.hpp"
 #include "modbus/exception_code.hpp"
@@ -93,36 +95,57 @@ std::string write_new_file(const std::filesystem::path& path, const std::string&
   return written ? std::string() : path.string() + ": " + std::generic_category().message(errno);
 }
 
-void report_misses(const ScanCommand& command, const ScanResult& result, std::ostream& errors) {
+/// Why the scan ended early, or found nobody.
+std::optional<std::string> find_error(const ScanCommand& command, const ScanResult& result) {
+  if (result.error || !result.found.empty()) {
+    return result.error;
+  }
+  if (!result.busy.empty()) {
+    return "no other unit answered";
+  }
+  return "no unit answered" + (result.any_way
+                                   ? std::string()
+                                   : ", and the gateway transmitted nothing: is port " +
+                                         std::to_string(command.target.port) +
+                                         " that of a transparent listener, and is its line open?");
+}
+
+void print_misses(const ScanResult& result, const std::optional<std::string>& error,
+                  std::ostream& errors) {
   for (const auto unit : result.busy) {
     errors << "mbgatectl: unit " << static_cast<unsigned>(unit)
            << " is busy, or its bus is: not scanned\n";
   }
-  if (result.error) {
-    errors << "mbgatectl: " << *result.error << '\n';
-  } else if (result.found.empty() && result.busy.empty()) {
-    errors << "mbgatectl: no unit answered"
-           << (result.any_way ? "\n"
-                              : ", and the gateway transmitted nothing: is port " +
-                                    std::to_string(command.target.port) +
-                                    " that of a transparent listener, and is its line open?\n");
+  if (error) {
+    errors << "mbgatectl: " << *error << '\n';
   }
 }
 
-int report_found(const ScanCommand& command, const ScanResult& result, std::ostream& out,
-                 std::ostream& errors) {
-  out << scan_table(result);
-  const auto text = starting_config(command.target, command.bus, result.found);
-  if (!command.config) {
-    out << '\n' << text;
-    return kExitDone;
+int report(const ScanCommand& command, const ScanResult& result, std::ostream& out,
+           std::ostream& errors) {
+  auto error = find_error(command, result);
+  std::optional<std::string> configuration;
+  bool written = false;
+  if (!result.found.empty()) {
+    configuration = starting_config(command.target, command.bus, result.found);
   }
-  if (const auto error = write_new_file(*command.config, text); !error.empty()) {
-    errors << "mbgatectl: " << error << '\n';
-    out << '\n' << text;  // a scan may have taken minutes
-    return kExitNotDone;
+  if (configuration && command.config) {
+    const auto why = write_new_file(*command.config, *configuration);
+    written = why.empty();
+    if (!written) {
+      error = error ? *error + "; " + why : why;
+    }
   }
-  return kExitDone;
+  if (command.json) {
+    out << scan_json(result, configuration, error) << '\n';
+    return error ? kExitNotDone : kExitDone;
+  }
+  print_misses(result, error, errors);
+  if (configuration) {
+    // What could not be written to the file is printed: a scan may have taken minutes.
+    out << scan_table(result) << (written ? "" : "\n" + *configuration);
+  }
+  return error ? kExitNotDone : kExitDone;
 }
 
 }  // namespace
@@ -149,16 +172,16 @@ Answer answer_of(const TableRange& read, const modbus::Pdu& response) {
 int carry_out_scan(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
   std::error_code ignored;
   if (command.config && std::filesystem::exists(*command.config, ignored)) {
-    errors << "mbgatectl: " << command.config->string() << " is there already\n";
-    return kExitUsage;
+    return report_failure({kExitUsage, command.config->string() + " is there already"},
+                          command.json, out, errors);
   }
   config::ProfileLibrary library(command.folder ? config::ProfileFolders{*command.folder}
                                                 : config::default_profile_folders());
   const Catalogue catalogue(load_all(library, errors));
   if (catalogue.candidates().empty()) {
-    errors << "mbgatectl: there is no profile to compare with in "
-           << folders_text(library.folders()) << '\n';
-    return kExitUsage;
+    return report_failure(
+        {kExitUsage, "there is no profile to compare with in " + folders_text(library.folders())},
+        command.json, out, errors);
   }
   UnitAsker asker(command.target);
   const auto progress = [&](std::uint8_t unit, std::size_t found) {
@@ -173,12 +196,7 @@ int carry_out_scan(const ScanCommand& command, std::ostream& out, std::ostream& 
   if (command.show_progress) {
     errors << "\r\x1b[K" << std::flush;
   }
-  report_misses(command, result, errors);
-  if (result.found.empty()) {
-    return kExitNotDone;
-  }
-  const int status = report_found(command, result, out, errors);
-  return result.error ? kExitNotDone : status;
+  return report(command, result, out, errors);
 }
 
 }  // namespace mbgate::ctl

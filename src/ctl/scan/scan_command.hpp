@@ -9,7 +9,8 @@
 namespace mbgate::ctl {
 
 /// Prints the table of what was found to `out`. The configuration follows it there, or is written
-/// to a file, which must not exist yet. Returns the exit status: kExitDone if anything was found.
+/// to a file, which must not exist yet. With --json both are one JSON object, errors included.
+/// Returns the exit status: kExitDone if anything was found.
 int carry_out_scan(const ScanCommand& command, std::ostream& out, std::ostream& errors);
 
 /// The answer of the device or of the gateway, as the scan classifies it.

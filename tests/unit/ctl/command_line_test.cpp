@@ -201,6 +201,8 @@ TEST(CommandLine, ScanAsksTheUnitsOfMostDrivesUnlessToldOtherwise) {
   EXPECT_EQ(plain.bus, "line-a");
   EXPECT_EQ(plain.folder, std::nullopt);
   EXPECT_EQ(plain.config, std::nullopt);
+  EXPECT_FALSE(plain.json);
+  EXPECT_TRUE(command<ScanCommand>("scan --json").json);
   const auto scan = command<ScanCommand>(
       "scan --host plant --port 1502 --timeout 8s --units 3,7-8 --bus hall-3 --config new.toml "
       "--profiles " MBGATE_SOURCE_DIR "/tests");

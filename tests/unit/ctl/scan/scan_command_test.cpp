@@ -2,6 +2,7 @@
 #include "ctl/scan/scan_command.hpp"
 
 #include <arpa/inet.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -90,6 +91,16 @@ TEST(CarryOutScan, EndsWhereNobodyListens) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_EQ(outcome.output, "");
   EXPECT_EQ(outcome.errors, "mbgatectl: cannot connect to 127.0.0.1:PORT: Connection refused\n");
+}
+
+TEST(CarryOutScan, SaysInJsonThatNobodyListens) {
+  ScanCommand command;
+  command.json = true;
+  const auto outcome = carry_out(command, MBGATE_SOURCE_DIR "/conf/profiles");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.errors, "");
+  EXPECT_THAT(outcome.output, testing::StartsWith(R"({"units":[],"busy":[],"configuration":null,)"
+                                                  R"("error":"cannot connect to 127.0.0.1:)"));
 }
 
 TEST(CarryOutScan, NeedsProfilesToCompareWith) {

@@ -4,42 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "ctl/scan/starting_config.hpp"
-#include "profile_device.hpp"
+#include "found_units.hpp"
 
 namespace mbgate::ctl {
 namespace {
 
 using namespace std::chrono_literals;
-
-FoundUnit found(std::uint8_t unit, const std::vector<std::string>& profiles) {
-  FoundUnit result{unit, {}, 3500us};
-  auto& identification = result.identification;
-  for (const auto& name : profiles) {
-    identification.likely.push_back(shipped_profiles().find(name));
-  }
-  identification.nearest = shipped_profiles().find("moons-m2");
-  identification.fitting = 9;
-  identification.judged = 9;
-  identification.functions.set(3);
-  return result;
-}
-
-ScanResult plant() {
-  ScanResult result;
-  result.found.push_back(found(1, {"moons-st"}));
-  result.found.push_back(found(3, {"moons-m3"}));
-  result.found.back().identification.word_order = drive::WordOrder::little;
-  result.found.push_back(found(4, {"moons-ssdc", "moons-stb"}));
-  result.found.back().identification.word_order = drive::WordOrder::big;
-  result.found.push_back(found(17, {"autonics-aic"}));
-  result.found.back().identification.word_order = drive::WordOrder::big;
-  result.found.back().identification.texts = {{"model name", "AiC-D-56LA"}};
-  result.found.push_back(found(32, {}));
-  result.found.back().identification.fitting = 4;
-  result.found.back().slowest = 120ms;
-  result.found.back().fell_silent = true;
-  return result;
-}
 
 TEST(ScanTable, HasALineForEachUnitAndExplainsItself) {
   EXPECT_EQ(

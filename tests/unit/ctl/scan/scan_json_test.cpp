@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/scan/scan_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+
+#include "found_units.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+TEST(ScanJson, SaysOfEachUnitWhatTheTableSays) {
+  const auto json = boost::json::parse(scan_json(plant(), "# found\n[[bus]]\n", std::nullopt));
+  EXPECT_EQ(json, boost::json::parse(R"({
+    "units": [
+      {"unit": 1, "functions": [3], "slowest_ms": 4, "profiles": ["moons-st"],
+       "nearest": "moons-m2", "fitting": 9, "judged": 9, "word_order": "unknown", "texts": [],
+       "fell_silent": false},
+      {"unit": 3, "functions": [3], "slowest_ms": 4, "profiles": ["moons-m3"],
+       "nearest": "moons-m2", "fitting": 9, "judged": 9, "word_order": "little", "texts": [],
+       "fell_silent": false},
+      {"unit": 4, "functions": [3], "slowest_ms": 4, "profiles": ["moons-ssdc", "moons-stb"],
+       "nearest": "moons-m2", "fitting": 9, "judged": 9, "word_order": "big", "texts": [],
+       "fell_silent": false},
+      {"unit": 17, "functions": [3], "slowest_ms": 4, "profiles": ["autonics-aic"],
+       "nearest": "moons-m2", "fitting": 9, "judged": 9, "word_order": "big",
+       "texts": [{"name": "model name", "text": "AiC-D-56LA"}], "fell_silent": false},
+      {"unit": 32, "functions": [3], "slowest_ms": 120, "profiles": [],
+       "nearest": "moons-m2", "fitting": 4, "judged": 9, "word_order": null, "texts": [],
+       "fell_silent": true}],
+    "busy": [],
+    "configuration": "# found\n[[bus]]\n"})"));
+}
+
+TEST(ScanJson, SaysWhyNothingWasFound) {
+  ScanResult result;
+  result.busy = {7};
+  EXPECT_EQ(scan_json(result, std::nullopt, "no other unit answered"),
+            R"({"units":[],"busy":[7],"configuration":null,"error":"no other unit answered"})");
+}
+
+}  // namespace
+}  // namespace mbgate::ctl
