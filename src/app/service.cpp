@@ -194,12 +194,18 @@ void Service::control_failed(const std::string& why) {
 // Drives are served without it too. Where the folder of the default path is not there, nobody asked
 // for it: mbgated does not run as a service.
 void Service::start_control() {
-  const std::string& path = driver_.settings().control_socket;
+  std::string path = driver_.settings().control_socket;
   if (path.empty()) {
     return;
   }
-  const bool is_unasked = path == gateway::Settings{}.control_socket &&
-                          !std::filesystem::exists(std::filesystem::path(path).parent_path());
+  const bool is_default = path == gateway::Settings{}.control_socket;
+  const char* const folder = std::getenv("RUNTIME_DIRECTORY");  // of the unit (systemd.exec)
+  if (is_default && folder != nullptr) {
+    const std::string_view all = folder;
+    path = std::filesystem::path(all.substr(0, all.find(':'))) / "control";
+  }
+  const bool is_unasked =
+      is_default && !std::filesystem::exists(std::filesystem::path(path).parent_path());
   const std::string failure = is_unasked ? "" : control_.start(path);
   if (!failure.empty()) {
     log_.write(Level::warning, failure);

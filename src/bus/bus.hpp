@@ -61,14 +61,12 @@ class Bus {
   [[nodiscard]] LineState line_state(Instant now) const { return parts_.line.state(now); }
   [[nodiscard]] std::size_t waiting() const { return parts_.queue.size() + parts_.stops.size(); }
   [[nodiscard]] const BusCounters& counters() const { return parts_.counters; }
-  /// How busy the line is, in percent (LineLoad).
-  [[nodiscard]] unsigned load(Instant now) const { return parts_.load.percent(now); }
   /// What is known of each address.
   [[nodiscard]] const DeviceTable& devices() const { return parts_.devices; }
   /// How long the device at the address is still left alone because it owes an answer.
   [[nodiscard]] Duration held_back(std::uint8_t address, Instant now) const;
-  /// What the answers of each device are like, and those of all.
-  [[nodiscard]] const LineQuality& quality() const { return diagnosis_.quality(); }
+  /// What was noticed of the line: what the answers are like, how busy it is, other clients.
+  [[nodiscard]] const LineDiagnosis& diagnosis() const { return diagnosis_; }
   void clear_counters();
 
  private:

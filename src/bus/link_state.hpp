@@ -33,6 +33,8 @@ class LinkState {
   [[nodiscard]] bool is_resting() const { return state_ == State::resting; }
   /// It works as far as is known: it is open, or rests, or is being opened after resting.
   [[nodiscard]] bool serves() const { return is_open() || is_resting() || state_ == State::waking; }
+  /// The first attempt to open it runs.
+  [[nodiscard]] bool is_starting() const { return state_ == State::starting; }
   /// After restart(), until that attempt has succeeded or failed.
   [[nodiscard]] bool is_reopening() const { return state_ == State::reopening; }
 

@@ -11,7 +11,6 @@
 #include "bus/bus_action.hpp"
 #include "bus/health/adapter_watch.hpp"
 #include "bus/health/device_table.hpp"
-#include "bus/health/line_load.hpp"
 #include "bus/health/probes.hpp"
 #include "bus/line_discipline.hpp"
 #include "bus/link_state.hpp"
@@ -58,7 +57,6 @@ struct Parts {
   Probes probes;
   AdapterWatch adapter;
   LinkState link;
-  LineLoad load;  ///< shown only: it decides nothing
   bool stopping = false;
   Instant pumped_at;  ///< when it was last decided what is sent next
   ActionQueue<BusAction> actions;

@@ -64,7 +64,7 @@ Block bus_block(const bus::Bus& bus) {
         counters.refused_offline,  counters.evicted}) {
     put32(block, count);
   }
-  put_quality(block, bus.quality().verdict());
+  put_quality(block, bus.diagnosis().quality().verdict());
   block.resize(kBusSize);
   return block;
 }
@@ -80,7 +80,7 @@ Block device_block(const StatusView::Device& shown, const StatusView& view) {
   const bus::Bus& bus = *view.buses[shown.bus];
   const bus::DeviceEntry& entry = bus.devices()[device.address];
   const bus::DeviceCounters& counters = entry.counters;
-  const bus::QualityVerdict& quality = bus.quality()[device.address].verdict();
+  const bus::QualityVerdict& quality = bus.diagnosis().quality()[device.address].verdict();
   std::uint16_t state = 0;
   if (entry.health.is_offline()) {
     state = 3;

@@ -10,10 +10,10 @@ using explore::Order;
 
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   auto& [parts, ends, diagnosis, outcomes, dispatch, admission] = bus;
-  // Settings: settings. Counted only: counters, load. Watches real adapters only: adapter. Empty
+  // Settings: settings. Counted only: counters. Watches real adapters only: adapter. Empty
   // when the machine was asked for its actions: actions.
   auto& [settings, devices, counters, line, queue, transmissions, stops, turns, probes, adapter,
-         link, load, stopping, pumped_at, actions] = parts;
+         link, stopping, pumped_at, actions] = parts;
   // Told only: diagnosis. They know nothing of their own: ends, outcomes.
   const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, next_start, looking] = dispatch;
   const auto& [of_admission, ends_too, sequence] = admission;
@@ -175,10 +175,10 @@ void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash
 
 void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash) {
   // A setting: device. Counted or told only: counters, early_reported, second_reported, owed_until,
-  // answered_at, answered_function, times. A job that the queue shows too: probe.
+  // answered_at, answered_function, asked_at, times. A job that the queue shows too: probe.
   const auto& [device, counters, health, cache, free_at, probe, setting_known, early_reported,
                last_turn, last_stop_turn, stops_given_up, merge_refused, second_reported,
-               owed_until, answered_at, answered_function, times] = entry;
+               owed_until, answered_at, answered_function, asked_at, times] = entry;
   read(health, entry.timing(), hash);
   read(cache, device->cache, hash);
   hash.until(free_at);

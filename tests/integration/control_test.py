@@ -159,6 +159,27 @@ class ControlSocket(unittest.TestCase):
         self.assertEqual((shown.returncode, shown.stdout), (1, ""))
         self.assertIn("there is no control socket at", shown.stderr)
 
+    def test_a_silent_socket_is_not_waited_for(self):
+        path = self.plant.control.parent / "silent"
+        with socket.socket(socket.AF_UNIX) as silent:
+            silent.bind(str(path))
+            silent.listen()
+            shown = self.mbgatectl("status", "--control", path)
+        self.assertEqual((shown.returncode, shown.stdout), (1, ""))
+        self.assertEqual(shown.stderr, "mbgatectl: mbgated has not answered within 5 s\n")
+
+    def test_the_socket_of_another_process_is_left_alone(self):
+        self.plant.end_gateway()
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as other:
+            other.bind(str(self.plant.control))
+            self.plant.start_gateway()
+            self.assertTrue(self.plant.control.is_socket())
+            self.assertEqual(self.read(MOONS).returncode, 0)
+            self.plant.end_gateway()
+            self.assertTrue(self.plant.control.is_socket())
+        self.plant.start_gateway()  # what is left over is replaced
+        self.assertEqual(self.ask("GET", "/healthz")[0], 200)
+
     def test_clients_that_say_nothing_or_nonsense_do_no_harm(self):
         for at in range(80):
             silent = socket.socket(socket.AF_UNIX)

@@ -97,13 +97,16 @@ class DemoPlant:
         drives = Process(folder, "mbgate-sim", CONFIGURATION / "demo-sim.toml")
         self._processes.append(drives)
         drives.wait_for("^ready")
-        gateway = Process(folder, "mbgated", "--config", self.configuration)
-        self._processes.append(gateway)
-        self.port = int(gateway.wait_for(r"listening demo 127\.0\.0\.1:(\d+)$").group(1))
+        self.start_gateway()
         # A line listens before it first transmits, and a write may not wait for long; a read may.
         for table, unit in (("holding", 1), ("coils", 17)):
             read = [program("mbgatectl"), "read", table, "0", "--unit", str(unit), "--port", str(self.port)]
             subprocess.run(read, stdout=subprocess.DEVNULL, timeout=PATIENCE, check=True)
+
+    def start_gateway(self):
+        gateway = Process(self.configuration.parent, "mbgated", "--config", self.configuration)
+        self._processes.append(gateway)
+        self.port = int(gateway.wait_for(r"listening demo 127\.0\.0\.1:(\d+)$").group(1))
 
     def end_gateway(self):
         """Asks the gateway alone to end."""

@@ -7,7 +7,7 @@ HERE = "tests/tidy/fronts.py"
 # the folders in it, are its own; its tests see them, and those that stand beside the folders of tests/unit/MODULE.
 FRONTS = {
     "app/control": {"control"},
-    "bus/health": {"adapter_watch", "device_table", "line_diagnosis", "line_load", "line_quality", "probes"},
+    "bus/health": {"adapter_watch", "device_table", "line_diagnosis", "line_quality", "probes"},
     "bus/queue": {"admission", "bus_queue", "stop_lane", "stop_order", "turn_book"},
     "bus/serial": {"serial_discipline"},
     "bus/sharing": {"read_cache", "shared_read"},
@@ -28,7 +28,7 @@ FRONTS = {
     "gateway/clients": {"clients", "sessions"},
     "gateway/exchanges": {"exchanges"},
     "gateway/recording": {"record"},
-    "gateway/status": {"quality_text", "status_report"},
+    "gateway/status": {"diagnosis", "quality_text", "status_report"},
     "gateway/settings": {"device_index", "numbering", "settings_snapshot", "unit_meaning"},
     "gateway/writes": {"failsafe", "failsafe_writes", "write_rules"},
     "io/clients": {"client_connections", "descriptors", "listening_socket", "server_set"},

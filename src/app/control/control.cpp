@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/control/control.hpp"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <boost/asio/as_tuple.hpp>
@@ -65,6 +66,12 @@ class Control::Server {
   Server(const std::shared_ptr<asio::io_context>& home, asio::io_context& gateway,
          ControlTarget& target, stream_protocol::acceptor acceptor)
       : home_(home), gateway_(gateway), target_(target), acceptor_(std::move(acceptor)) {}
+
+  /// No more connections.
+  void close() {
+    boost::system::error_code ignored;
+    acceptor_.close(ignored);
+  }
 
   asio::awaitable<void> accept() {
     while (true) {
@@ -169,7 +176,9 @@ class Control::Server {
   }
 
   asio::awaitable<Response> health(const Request& request) {
-    const auto now = co_await ask_status();
+    Question<bool> question(home_);
+    asio::post(gateway_, [take = question.taker()] { take(true); });
+    const auto now = co_await question.wait(kAnswerLimit);
     co_return now ? answer(request, http::status::ok, {{"status", "ok"}})
                   : answer(request, http::status::service_unavailable, error_json(kNoAnswer));
   }
@@ -204,26 +213,45 @@ Control::Control(boost::asio::io_context& gateway, ControlTarget& target)
     : gateway_(gateway), target_(target) {}
 
 Control::~Control() {
-  if (server_ == nullptr) {
+  if (!thread_.joinable()) {
     return;
   }
   home_->stop();
   thread_.join();
-  ::unlink(path_.c_str());
+  remove_socket();
   server_.reset();
 }
 
-std::string Control::start(const std::string& path) {
-  auto home = std::make_shared<asio::io_context>(1);
-  auto acceptor = open_control_socket(*home, path);
-  if (!acceptor) {
-    return acceptor.error();
+// Only the own one: another process may have put its socket there since.
+void Control::remove_socket() const {
+  struct stat now {};
+  if (::stat(path_.c_str(), &now) == 0 && now.st_dev == device_ && now.st_ino == inode_) {
+    ::unlink(path_.c_str());
   }
-  path_ = path;
-  home_ = std::move(home);
-  server_ = std::make_unique<Server>(home_, gateway_, target_, *std::move(acceptor));
-  io::supervise(*home_, server_->accept(), "control");
-  thread_ = std::thread([this] { run(); });
+}
+
+// The gateway goes on without it, whatever is missing here: descriptors, threads, memory.
+std::string Control::start(const std::string& path) {
+  try {
+    home_ = std::make_shared<asio::io_context>(1);
+    auto acceptor = open_control_socket(*home_, path);
+    if (!acceptor) {
+      return acceptor.error();
+    }
+    path_ = path;
+    struct stat made {};
+    if (::stat(path.c_str(), &made) == 0) {
+      device_ = made.st_dev;
+      inode_ = made.st_ino;
+    }
+    server_ = std::make_unique<Server>(home_, gateway_, target_, *std::move(acceptor));
+    io::supervise(*home_, server_->accept(), "control");
+    thread_ = std::thread([this] { run(); });
+  } catch (const std::exception& exception) {
+    remove_socket();
+    server_.reset();
+    return "control socket " + path + ": " + exception.what();
+  }
   return {};
 }
 
@@ -232,6 +260,8 @@ void Control::run() {
   try {
     home_->run();
   } catch (const std::exception& exception) {
+    server_->close();  // who comes now is refused, and does not wait for ever
+    remove_socket();
     asio::post(gateway_, [&target = target_, why = std::string(exception.what())] {
       target.control_failed(why);
     });

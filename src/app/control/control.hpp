@@ -4,6 +4,8 @@
 // thread and answers are posted back as values, so that a reader never holds up a bus.
 #pragma once
 
+#include <sys/types.h>
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <functional>
@@ -52,12 +54,15 @@ class Control {
  private:
   class Server;
   void run();
+  void remove_socket() const;
 
   boost::asio::io_context& gateway_;
   ControlTarget& target_;
   std::shared_ptr<boost::asio::io_context> home_;
   std::unique_ptr<Server> server_;
   std::string path_;
+  dev_t device_ = 0;  ///< of the socket in the file system
+  ino_t inode_ = 0;
   std::thread thread_;
 };
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/control/control_socket.hpp"
 
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
+#include <cerrno>
 #include <filesystem>
 
 namespace mbgate::app {
@@ -19,12 +21,14 @@ std::string sentence(const std::string& path, const std::string& why) {
   return "control socket " + path + ": " + why + "; mbgatectl status and reload do not work";
 }
 
-// A socket that nobody listens on any more refuses; one in use takes the connection.
-bool is_in_use(boost::asio::io_context& context, const stream_protocol::endpoint& endpoint) {
-  boost::system::error_code error;
-  stream_protocol::socket probe(context);
-  probe.connect(endpoint, error);
-  return !error;
+// Only a socket that nobody listens on any more refuses. Whatever else comes of it, somebody has
+// it.
+bool is_left_over(boost::asio::io_context& context, const stream_protocol::endpoint& endpoint) {
+  stream_protocol::socket probe(context, endpoint.protocol());
+  probe.native_non_blocking(true);
+  const auto* const address = endpoint.data();
+  return ::connect(probe.native_handle(), address, static_cast<socklen_t>(endpoint.size())) != 0 &&
+         errno == ECONNREFUSED;
 }
 
 }  // namespace
@@ -39,8 +43,8 @@ Result<stream_protocol::acceptor, std::string> open_control_socket(boost::asio::
   const stream_protocol::endpoint endpoint(path);
   std::error_code no_status;
   if (std::filesystem::is_socket(path, no_status)) {
-    if (is_in_use(context, endpoint)) {
-      return sentence(path, "another mbgated has it; give each its own [http] socket");
+    if (!is_left_over(context, endpoint)) {
+      return sentence(path, "another process has it; give each mbgated its own [http] socket");
     }
     ::unlink(path.c_str());
   }

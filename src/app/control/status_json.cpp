@@ -7,6 +7,8 @@
 #include <ctime>
 #include <optional>
 
+#include "gateway/status/diagnosis.hpp"
+
 namespace mbgate::app {
 namespace {
 
@@ -186,7 +188,7 @@ object status_json(const gateway::StatusReport& report, const ProcessStatus& pro
           {"requests", report.counters.requests},
           {"foreign_adus", report.counters.foreign_adus},
           {"framing_lost", report.counters.framing_lost},
-          {"diagnoses", array_of(report.diagnoses, diagnosis_json)},
+          {"diagnoses", array_of(gateway::diagnose(report), diagnosis_json)},
           {"buses", array_of(report.buses, bus_json)},
           {"devices",
            array_of(report.devices,

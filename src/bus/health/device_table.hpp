@@ -40,7 +40,10 @@ struct DeviceEntry {
   Instant owed_until = Instant::min();   ///< when the last unanswered request was due
   Instant answered_at = Instant::min();  ///< of the last answer
   std::uint8_t answered_function = 0;    ///< function code of that answer
-  AnswerTimes times;                     ///< shown only: they decide nothing
+  /// Shown only, they decide nothing: when a request was last sent to it, and how long answers
+  /// take.
+  Instant asked_at = Instant::min();
+  AnswerTimes times;
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
   /// A frame of the device was received: it is there.

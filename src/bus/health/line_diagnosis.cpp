@@ -151,6 +151,7 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
     return;
   }
   ++parts_.counters.foreign_frames;
+  last_foreign_ = now;
   if (!std::exchange(foreign_reported_, true)) {
     DeviceNotice notice{DeviceNotice::Kind::foreign, address};
     notice.is_request = unsolicited.is_request;

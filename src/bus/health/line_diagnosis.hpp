@@ -5,6 +5,7 @@
 #pragma once
 
 #include "bus/bus_action.hpp"
+#include "bus/health/line_load.hpp"
 #include "bus/health/line_quality.hpp"
 #include "bus/parts.hpp"
 #include "bus/serial/serial_discipline.hpp"
@@ -36,6 +37,11 @@ class LineDiagnosis {
   void notify(DeviceNotice::Kind kind, std::uint8_t address);
 
   [[nodiscard]] const LineQuality& quality() const { return quality_; }
+  /// How busy the line is.
+  [[nodiscard]] const LineLoad& load() const { return load_; }
+  [[nodiscard]] LineLoad& load() { return load_; }
+  /// When the last frame came that counts as foreign; Instant::min(): none did.
+  [[nodiscard]] Instant last_foreign() const { return last_foreign_; }
 
  private:
   friend struct mbgate::StateReader;
@@ -45,8 +51,10 @@ class LineDiagnosis {
 
   Parts& parts_;
   LineQuality quality_;
+  LineLoad load_;
   bool never_silent_reported_ = false;
   bool foreign_reported_ = false;
+  Instant last_foreign_ = Instant::min();
   bool replacement_reported_ = false;
   bool frame_heard_ = false;    // an unsolicited one, since the last transmission ended
   bool own_heard_ = false;      // the own request, since the last transmission ended

@@ -15,8 +15,8 @@ void Dispatch::pump_looked(Instant now) {
 void Dispatch::pump(Instant now) {
   decide(now);
   const bool is_busy = parts_.transmissions.first_in_flight() != nullptr;
-  if (is_busy != parts_.load.is_busy()) {
-    parts_.load.note(is_busy, now, parts_.line.ready_at(Duration{0}));
+  if (LineLoad& load = diagnosis_.load(); is_busy != load.is_busy()) {
+    load.note(is_busy, now, parts_.line.ready_at(Duration{0}));
   }
 }
 
@@ -71,7 +71,7 @@ Transmission& Dispatch::begin(const Choice& choice, Instant now) {
     parts_.queue.take(job);
     parts_.transmissions.start(parts_.transmissions.lead(job));
   }
-  transmit(*job.leads, choice.at, now);
+  transmit(*job.leads, now);
   return *job.leads;
 }
 
@@ -93,7 +93,7 @@ void Dispatch::continue_running(Instant now) {
     if (now < ready) {
       wait_until(wake_for(parts_, job, ready));
     } else if (parts_.transmissions.has_room() && has_looked()) {
-      transmit(*running, ready, now);
+      transmit(*running, now);
     }
   }
 }
@@ -229,7 +229,7 @@ bool Dispatch::send_stop(Transmission& stop, Instant now) {
   }
   parts_.stops.remove(stop);
   parts_.transmissions.start(stop);
-  transmit(stop, silent_at, now);
+  transmit(stop, now);
   return true;
 }
 

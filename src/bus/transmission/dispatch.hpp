@@ -50,10 +50,9 @@ class Dispatch {
   Transmission& begin(const Choice& choice, Instant now);
 
   // dispatch_transmit.cpp: it goes on the wire
-  /// `ready`: from when on it may be transmitted.
-  void transmit(Transmission& transmission, Instant ready, Instant now);
+  void transmit(Transmission& transmission, Instant now);
   void skip_known_settings(Transmission& transmission) const;
-  void check_allowed(const Transmission& transmission, Instant ready, Instant now) const;
+  void check_allowed(const Transmission& transmission, Instant now) const;
   drive::DeviceTiming note_transmission(Transmission& transmission, Instant now);
 
   Parts& parts_;

@@ -15,23 +15,23 @@ void Dispatch::skip_known_settings(Transmission& transmission) const {
 }
 
 // What src/README.md says of each transmission.
-void Dispatch::check_allowed(const Transmission& transmission, Instant ready, Instant now) const {
+void Dispatch::check_allowed(const Transmission& transmission, Instant now) const {
   const Job& job = *transmission.leader;
   const bool is_stop = transmission.is_stop();
   MBGATE_ASSERT(!transmission.in_flight, "a job has one transmission on the wire");
   MBGATE_ASSERT(is_stop || !job.abandoned, "nothing is transmitted for a client that has gone");
   MBGATE_ASSERT(is_stop || !job.overtaken, "no write is transmitted behind its stop");
   MBGATE_ASSERT(is_stop || now < job.deadline, "nothing is transmitted after its deadline");
-  MBGATE_ASSERT(is_stop || ready <= now,
+  MBGATE_ASSERT(is_stop || ready_at(parts_, job) <= now,
                 "nothing is transmitted before its silence, nor to a device that owes an answer");
   MBGATE_ASSERT(is_stop || transmission.tries == 0 || job.transaction().request.is_read() ||
                     parts_.devices[job.transaction().address].timing().retry_writes,
                 "a write is transmitted once");
 }
 
-void Dispatch::transmit(Transmission& transmission, Instant ready, Instant now) {
+void Dispatch::transmit(Transmission& transmission, Instant now) {
   skip_known_settings(transmission);
-  check_allowed(transmission, ready, now);
+  check_allowed(transmission, now);
   const Job& job = *transmission.leader;
   Transmission* stop =
       transmission.is_stop() ? nullptr : parts_.stops.find([this](const Transmission& it) {
@@ -82,6 +82,7 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
       counters.probes += transmission.is_probe ? 1U : 0U;
     }
     entry.health.note_asked(now, entry.timing());
+    entry.asked_at = now;
     if (is_write(job.job_class) && !sent.request.is_read()) {
       entry.health.note_written();
     }

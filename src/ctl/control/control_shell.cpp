@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/control/control_shell.hpp"
 
-#include <sys/socket.h>
-#include <sys/time.h>
+#include <sys/un.h>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
+#include <boost/beast/core/basic_stream.hpp>
+#include <boost/beast/core/error.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/json/parse.hpp>
@@ -31,13 +32,6 @@ std::string explain(const std::string& socket, const boost::system::error_code& 
   return socket + ": " + error.message();
 }
 
-void set_limit(stream_protocol::socket& socket, std::chrono::seconds limit) {
-  const timeval time{limit.count(), 0};
-  for (const int option : {SO_RCVTIMEO, SO_SNDTIMEO}) {
-    ::setsockopt(socket.native_handle(), SOL_SOCKET, option, &time, sizeof time);
-  }
-}
-
 }  // namespace
 
 Result<ControlAnswer, std::string> ask_control(const std::string& socket, const std::string& method,
@@ -48,24 +42,32 @@ Result<ControlAnswer, std::string> ask_control(const std::string& socket, const 
            std::to_string(sizeof(sockaddr_un::sun_path) - 1) + " characters";
   }
   boost::asio::io_context context;
-  stream_protocol::socket connection(context);
-  boost::system::error_code error;
-  connection.connect(stream_protocol::endpoint(socket), error);
-  if (error) {
-    return explain(socket, error);
-  }
-  set_limit(connection, limit);
+  boost::beast::basic_stream<stream_protocol> connection(context);
   http::request<http::empty_body> request(http::string_to_verb(method), target, 11);
   request.set(http::field::host, "mbgated");
   request.set(http::field::connection, "close");
   request.prepare_payload();
-  http::write(connection, request, error);
   boost::beast::flat_buffer buffer;
   http::response<http::string_body> response;
+  boost::system::error_code error;
+  const auto note = [&](const boost::system::error_code& ended, std::size_t /*bytes*/) {
+    error = ended;
+  };
+  connection.expires_after(limit);
+  connection.async_connect(stream_protocol::endpoint(socket),
+                           [&](const boost::system::error_code& ended) { note(ended, 0); });
+  context.run();
   if (!error) {
-    http::read(connection, buffer, response, error);
+    context.restart();
+    http::async_write(connection, request, note);
+    context.run();
   }
-  if (error == boost::asio::error::would_block || error == boost::asio::error::try_again) {
+  if (!error) {
+    context.restart();
+    http::async_read(connection, buffer, response, note);
+    context.run();
+  }
+  if (error == boost::beast::error::timeout) {
     return "mbgated has not answered within " + std::to_string(limit.count()) + " s";
   }
   if (error) {

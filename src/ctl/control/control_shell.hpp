@@ -15,7 +15,7 @@ struct ControlAnswer {
   boost::json::object json;
 };
 
-/// `method`: "GET" or "POST". `limit`: for each reading and writing. The error is a sentence that
+/// `method`: "GET" or "POST". `limit`: for all of it. The error is a sentence that
 /// says what to do.
 Result<ControlAnswer, std::string> ask_control(const std::string& socket, const std::string& method,
                                                const std::string& target,

@@ -3,14 +3,23 @@
 // them are named. What works is not mentioned.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "gateway/status/status_report.hpp"
 
 namespace mbgate::gateway {
 
-/// Lines before devices, because they explain what devices do; then as in the report. The report's
-/// own diagnoses are not looked at.
+/// Something that is not well, and how that is known.
+struct Diagnosis {
+  std::string subject;   ///< "bus line-a", "device axis-x"
+  std::string finding;   ///< what is wrong
+  std::string evidence;  ///< the figures behind it
+  std::string look_at;   ///< the key of the configuration, the cable, the drive
+};
+
+/// Lines before devices, because they explain what devices do; then as in the report. Takes
+/// longer than the report: not for the gateway's thread.
 std::vector<Diagnosis> diagnose(const StatusReport& report);
 
 }  // namespace mbgate::gateway

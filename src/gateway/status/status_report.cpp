@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <bitset>
 
-#include "gateway/status/diagnosis.hpp"
-
 namespace mbgate::gateway {
 namespace {
 
@@ -13,11 +11,28 @@ std::string line_text(const bus::LineSettings& line) {
   return line.remote ? line.remote->host + ":" + std::to_string(line.remote->port) : line.device;
 }
 
+std::optional<Duration> since(Instant instant, Instant now) {
+  return instant == Instant::min() ? std::nullopt : std::optional(now - instant);
+}
+
 BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Instant now) {
   const bus::LineSettings& line = settings.line;
-  return {settings.name, line_text(line), line.framing,        !line.remote,
-          line.baud,     line.format,     bus.link().serves(), bus.line_state(now),
-          bus.load(now), bus.waiting(),   bus.counters(),      bus.quality().verdict()};
+  BusStatus status;
+  status.name = settings.name;
+  status.line = line_text(line);
+  status.framing = line.framing;
+  status.is_serial = !line.remote;
+  status.baud = line.baud;
+  status.format = line.format;
+  status.is_open = bus.link().serves();
+  status.is_starting = bus.link().is_starting();
+  status.state = bus.line_state(now);
+  status.load = bus.diagnosis().load().percent(now);
+  status.waiting = bus.waiting();
+  status.counters = bus.counters();
+  status.last_foreign = since(bus.diagnosis().last_foreign(), now);
+  status.quality = bus.diagnosis().quality().verdict();
+  return status;
 }
 
 Percentiles percentiles_of(const bus::Durations& durations) {
@@ -32,21 +47,20 @@ DeviceStatus::State state_of(const bus::DeviceEntry& entry) {
   if (entry.health.unanswered_in_row() > 0) {
     return State::not_answering;
   }
-  if (entry.counters.responses > 0) {
+  if (entry.answered_at != Instant::min()) {
     return State::answering;
   }
   return entry.counters.bad_crcs > 0 ? State::damaged : State::not_asked;
 }
 
-DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, Instant now) {
+DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial, Instant now) {
   const bus::DeviceEntry& entry = bus.devices()[address];
   DeviceStatus status;
   status.address = address;
   status.state = state_of(entry);
-  status.has_answered = bus.quality()[address].has_answered();
-  if (entry.answered_at != Instant::min()) {
-    status.last_answer = now - entry.answered_at;
-  }
+  status.has_answered = bus.diagnosis().quality()[address].has_answered();
+  status.last_request = since(entry.asked_at, now);
+  status.last_answer = since(entry.answered_at, now);
   status.unanswered_in_row = entry.health.unanswered_in_row();
   status.held_back = bus.held_back(address, now);
   status.quarantine = entry.health.quarantine(now, entry.timing());
@@ -55,15 +69,17 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, Instant now) {
   }
   status.response_timeout = entry.timing().response_timeout;
   status.counters = entry.counters;
-  status.quality = bus.quality()[address].verdict();
+  status.quality = bus.diagnosis().quality()[address].verdict();
   status.queue = percentiles_of(entry.times.queue);
-  status.wire = percentiles_of(entry.times.wire);
+  if (is_serial) {  // on a connection nobody knows
+    status.wire = percentiles_of(entry.times.wire);
+  }
   status.device = percentiles_of(entry.times.device);
   return status;
 }
 
 // Addresses of transparent listeners and routes without a device.
-void add_unnamed(const bus::Bus& bus, std::size_t place, Instant now,
+void add_unnamed(const bus::Bus& bus, std::size_t place, bool is_serial, Instant now,
                  std::vector<DeviceStatus>& devices) {
   std::bitset<bus::kAddresses> named;
   for (const drive::Device& device : bus.devices().devices()) {
@@ -72,7 +88,7 @@ void add_unnamed(const bus::Bus& bus, std::size_t place, Instant now,
   for (std::size_t address = 0; address < bus::kAddresses; ++address) {
     const auto number = static_cast<std::uint8_t>(address);
     if (!named[address] && bus.devices()[number].counters.transmissions > 0) {
-      devices.push_back(status_of(bus, number, now));
+      devices.push_back(status_of(bus, number, is_serial, now));
       devices.back().bus = place;
     }
   }
@@ -95,25 +111,26 @@ StatusReport make_status_report(const StatusSources& sources, Duration uptime, I
   StatusReport report;
   report.uptime = uptime;
   report.counters = sources.counters;
+  const auto is_serial = [&](BusId bus) { return !settings.bus(bus).line.remote; };
   const std::vector<BusId> buses = settings.written_buses();
   for (const BusId bus : buses) {
     report.buses.push_back(status_of(sources.buses[bus], settings.bus(bus), now));
   }
   for (const drive::Device* device : settings.written_devices()) {
-    DeviceStatus status = status_of(sources.buses[device->bus], device->address, now);
+    DeviceStatus status =
+        status_of(sources.buses[device->bus], device->address, is_serial(device->bus), now);
     status.name = device->name;
     status.bus = static_cast<std::size_t>(std::ranges::find(buses, device->bus) - buses.begin());
     report.devices.push_back(std::move(status));
   }
   for (std::size_t place = 0; place < buses.size(); ++place) {
-    add_unnamed(sources.buses[buses[place]], place, now, report.devices);
+    add_unnamed(sources.buses[buses[place]], place, is_serial(buses[place]), now, report.devices);
   }
   sources.sessions.for_each([&](const ClientSession& client) {
     report.clients.push_back({client.info().address.to_text(),
                               settings.listener(client.info().listener).name, client.requests,
                               client.refused, client.outstanding()});
   });
-  report.diagnoses = diagnose(report);
   return report;
 }
 

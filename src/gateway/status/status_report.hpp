@@ -31,10 +31,12 @@ struct BusStatus {
   modbus::Baud baud{0};
   modbus::CharacterFormat format;
   bool is_open = false;
+  bool is_starting = false;  ///< the first attempt to open it runs
   bus::LineState state = bus::LineState::initial;
   unsigned load = 0;  ///< percent of the time of the line
   std::size_t waiting = 0;
   bus::BusCounters counters;
+  std::optional<Duration> last_foreign;  ///< how long ago the last foreign frame came
   bus::QualityVerdict quality;
 };
 
@@ -51,8 +53,9 @@ struct DeviceStatus {
   std::size_t bus = 0;  ///< its place in StatusReport::buses
   std::uint8_t address = 0;
   State state = State::not_asked;
-  bool has_answered = false;            ///< ever
-  std::optional<Duration> last_answer;  ///< how long ago that was
+  bool has_answered = false;             ///< ever
+  std::optional<Duration> last_request;  ///< how long ago one was sent to it
+  std::optional<Duration> last_answer;   ///< how long ago that was
   unsigned unanswered_in_row = 0;
   Duration held_back{0};               ///< it still gets nothing but stops for so long
   Duration quarantine{0};              ///< how long it is held back after an unanswered request
@@ -73,14 +76,6 @@ struct ClientStatus {
   std::size_t outstanding = 0;  ///< not answered yet
 };
 
-/// Something that is not well, and how that is known.
-struct Diagnosis {
-  std::string subject;   ///< "bus line-a", "device axis-x"
-  std::string finding;   ///< what is wrong
-  std::string evidence;  ///< the figures behind it
-  std::string look_at;   ///< the key of the configuration, the cable, the drive
-};
-
 struct StatusReport {
   Duration uptime{0};
   ClientCounters counters;
@@ -88,7 +83,6 @@ struct StatusReport {
   std::vector<DeviceStatus>
       devices;  ///< these too; then addresses that were asked without a device
   std::vector<ClientStatus> clients;
-  std::vector<Diagnosis> diagnoses;  ///< the worst first
 };
 
 /// "8E1"

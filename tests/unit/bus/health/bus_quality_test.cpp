@@ -27,8 +27,8 @@ TEST_F(BusQuality, BadCrcsAreJudgedThoughNoAnswerWasEverGood) {
     line(kDamagedAnswer);
     rest();
   }
-  EXPECT_EQ(bus_->quality()[1].verdict().quality, Quality::bad_crc);
-  EXPECT_EQ(bus_->quality()[1].verdict().percent(), 100U);
+  EXPECT_EQ(bus_->diagnosis().quality()[1].verdict().quality, Quality::bad_crc);
+  EXPECT_EQ(bus_->diagnosis().quality()[1].verdict().percent(), 100U);
   ASSERT_THAT(qualities_, SizeIs(1));
   EXPECT_EQ(qualities_[0].address, 1);
   EXPECT_EQ(qualities_[0].verdict.of, 5U);
@@ -41,7 +41,7 @@ TEST_F(BusQuality, BytesThatNeverMakeAFrameAreTold) {
     line("E6 18 86 9E 06");
     rest();
   }
-  EXPECT_EQ(bus_->quality()[1].verdict().quality, Quality::no_frame);
+  EXPECT_EQ(bus_->diagnosis().quality()[1].verdict().quality, Quality::no_frame);
   EXPECT_THAT(qualities_, SizeIs(1));
 }
 
@@ -53,7 +53,7 @@ TEST_F(BusQuality, AGlitchBehindEachRequestIsNobodysAnswer) {
     line("00 FF");
     rest();
   }
-  EXPECT_EQ(bus_->quality()[1].verdict().quality, Quality::unknown);
+  EXPECT_EQ(bus_->diagnosis().quality()[1].verdict().quality, Quality::unknown);
 }
 
 TEST_F(BusQuality, ASlowDriveIsTold) {
@@ -64,7 +64,7 @@ TEST_F(BusQuality, ASlowDriveIsTold) {
     line(kAnswer);
     rest();
   }
-  EXPECT_EQ(bus_->quality()[1].verdict().quality, Quality::late);
+  EXPECT_EQ(bus_->diagnosis().quality()[1].verdict().quality, Quality::late);
   ASSERT_THAT(qualities_, SizeIs(1));
   EXPECT_GE(qualities_[0].verdict.needed, 180ms);
   EXPECT_LE(qualities_[0].verdict.needed, 220ms);

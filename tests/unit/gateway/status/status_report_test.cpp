@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the status says of lines, drives and clients, and what it calls wrong.
-#include "gateway/status/status_report.hpp"
-
 #include <gmock/gmock.h>
 
+#include "gateway/status/diagnosis.hpp"
 #include "support/machine_rig.hpp"
 
 namespace mbgate::test {
@@ -29,7 +28,7 @@ class StatusOfAPlant : public testing::Test {
   }
   [[nodiscard]] std::vector<std::string> diagnoses() {
     std::vector<std::string> all;
-    for (const auto& it : report().diagnoses) {
+    for (const auto& it : gateway::diagnose(report())) {
       all.push_back(it.subject + ": " + it.finding + " | " + it.evidence + " | " + it.look_at);
     }
     return all;
@@ -73,7 +72,7 @@ TEST_F(StatusOfAPlant, ShowsWhatThereIs) {
   EXPECT_EQ(shown.clients[0].listener, "plant");
   EXPECT_EQ(shown.clients[0].requests, 1U);
   EXPECT_EQ(shown.counters.requests, 1U);
-  EXPECT_THAT(shown.diagnoses, IsEmpty());
+  EXPECT_THAT(diagnoses(), IsEmpty());
 }
 
 // 8 bytes of 11 bits at 19200 baud take 4.6 ms; the answer comes 30 ms after the request was given.
@@ -136,12 +135,77 @@ TEST_F(StatusOfAPlant, NamesADriveThatHasNeverAnsweredBesideOneThatDoes) {
 
 // Which of these it is cannot be known.
 TEST_F(StatusOfAPlant, NamesAllCausesWhereNothingAnswers) {
-  ask_in_vain(2);
+  ask_in_vain(3);
   ask_in_vain(2, 2);
+  EXPECT_THAT(diagnoses(), ElementsAre(testing::StartsWith("device axis: it has never answered")));
+  ask_in_vain(1, 2);
+  EXPECT_THAT(
+      diagnoses(),
+      ElementsAre("bus line-a: nothing answers | 6 requests in a row to 2 devices "
+                  "unanswered, and nothing else heard | power; A and B; unit addresses; the "
+                  "drives' setting, here 19200 baud 8E1"));
+}
+
+TEST_F(StatusOfAPlant, SaysNothingOfRequestsThatAreStillOnTheirWay) {
+  rig_.receive(1, read_request(1, 1));
+  rig_.receive(1, read_request(2, 2));
+  rig_.receive(1, read_request(3, 3));
+  rig_.advance(30ms);
+  EXPECT_THAT(diagnoses(), IsEmpty());
+}
+
+TEST_F(StatusOfAPlant, NamesALineOnWhichNothingAnswersAnyMore) {
+  ask_and_answer();
+  ask_and_answer(2);
+  ask_in_vain(3);
+  ask_in_vain(3, 2);
+  EXPECT_THAT(
+      diagnoses(),
+      ElementsAre("bus line-a: nothing answers any more | 6 requests in a row to 2 devices "
+                  "unanswered, and nothing else heard | the plug and the cable of the line; "
+                  "the power of the drives"));
+}
+
+TEST_F(StatusOfAPlant, NamesADriveThatIsSilentAfterBadCrcs) {
+  ask_and_answer(2);
+  for (int at = 0; at < 5; ++at) {
+    ask();
+    rig_.line("01 03 02 12 35 B5 33");
+    rig_.advance(300ms);
+  }
+  ask_in_vain(3);
+  EXPECT_THAT(diagnoses(), ElementsAre(testing::StartsWith("device axis: it ")));
+}
+
+TEST_F(StatusOfAPlant, ForgetsAnAddressThatNobodyAsksAnyMore) {
+  ask_and_answer();
+  ask_in_vain(3, 9);
   EXPECT_THAT(diagnoses(),
-              ElementsAre("bus line-a: nothing answers | no answer to 4 requests to 2 devices, nor "
-                          "anything else | power; A and B; unit addresses; the drives' setting, "
-                          "here 19200 baud 8E1"));
+              ElementsAre(testing::StartsWith("bus line-a address 9: it has never answered")));
+  for (int at = 0; at < 11; ++at) {
+    rig_.advance(1min);
+    ask_and_answer();
+  }
+  EXPECT_THAT(diagnoses(), IsEmpty());
+}
+
+TEST_F(StatusOfAPlant, NamesForeignFramesForAWhile) {
+  ask_and_answer();
+  rig_.advance(20s);  // what a line had in store when it was opened says nothing
+  rig_.line("09 03 00 00 00 01 85 42");
+  rig_.advance(5s);
+  EXPECT_THAT(diagnoses(),
+              ElementsAre("bus line-a: frames are heard that nobody here sent or asked for | the "
+                          "last one 5 s ago, 1 in all | another client on this line (a second "
+                          "gateway, PLC or tool), or two devices at one address"));
+  rig_.advance(10min);
+  EXPECT_THAT(diagnoses(), IsEmpty());
+}
+
+TEST_F(StatusOfAPlant, SaysNothingOfALineThatIsBeingOpenedForTheFirstTime) {
+  MachineRig starting(axis_and_lift(), false);
+  EXPECT_THAT(gateway::diagnose(starting.harness.gateway().report_status(0s, starting.now())),
+              IsEmpty());
 }
 
 TEST_F(StatusOfAPlant, NamesALineThatIsNotOpenAndNotItsDrives) {
