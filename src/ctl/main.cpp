@@ -17,5 +17,8 @@ int main(int argc, char** argv) {
   if (auto* scan = std::get_if<mbgate::ctl::ScanCommand>(&command)) {
     scan->show_progress = isatty(STDERR_FILENO) == 1;
   }
+  if (auto* status = std::get_if<mbgate::ctl::StatusCommand>(&command)) {
+    status->on_terminal = isatty(STDOUT_FILENO) == 1;
+  }
   return mbgate::ctl::carry_out(command, std::cout, std::cerr);
 }

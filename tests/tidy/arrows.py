@@ -74,6 +74,7 @@ LIBRARIES = (
     (r"toml\+\+", r"src/config/toml/toml_reader\."),
     (r"systemd/", r"src/app/(systemd|log)\."),
     (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),
+    (r"n?curses|term\.h", r"src/ctl/control/screen_shell\."),
     (r"CLI/", r"src/(app|ctl|sim)/(command_line|main)\.|src/ctl/options/|bench/main\."),
     (r"gtest/|gmock/", r"tests/"),
 )

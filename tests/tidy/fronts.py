@@ -23,7 +23,7 @@ FRONTS = {
     "ctl/control": {"control_command"},
     "ctl/options": {"control_options", "profile_options", "request_options", "scan_options"},
     "ctl/profile": {"profile_text", "show_profile"},
-    "ctl/request": {"carry_out", "command", "modbus_client", "report", "value_text"},
+    "ctl/request": {"carry_out", "command", "interruption", "modbus_client", "period", "report", "value_text"},
     "ctl/scan": {"scan", "scan_command"},
     "gateway/clients": {"clients", "sessions"},
     "gateway/exchanges": {"exchanges"},

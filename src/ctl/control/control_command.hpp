@@ -8,7 +8,8 @@
 
 namespace mbgate::ctl {
 
-/// Prints the state of lines, drives and clients, what is not well first; or JSON as it came.
+/// Prints the state of lines, drives and clients, what is not well first; or JSON as it came. With
+/// `command.every` again and again.
 int show_status(const StatusCommand& command, std::ostream& out, std::ostream& errors);
 /// Returns when the new configuration is in force, or was refused: then the reasons are printed.
 int reload(const ReloadCommand& command, std::ostream& out, std::ostream& errors);

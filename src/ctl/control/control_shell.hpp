@@ -4,6 +4,7 @@
 
 #include <boost/json/object.hpp>
 #include <chrono>
+#include <functional>
 #include <string>
 
 #include "modbus/result.hpp"
@@ -15,10 +16,17 @@ struct ControlAnswer {
   boost::json::object json;
 };
 
-/// `method`: "GET" or "POST". `limit`: for all of it. The error is a sentence that
-/// says what to do.
+inline constexpr unsigned kControlOk = 200;
+
+/// What mbgated says of a question that it did not answer as asked.
+std::string error_of(const ControlAnswer& answer);
+
+/// `method`: "GET" or "POST". `limit`: for all of it. `give_up` is called every now and then until
+/// the answer is there; when it returns true, the question is left off. The error is a sentence
+/// that says what to do.
 Result<ControlAnswer, std::string> ask_control(const std::string& socket, const std::string& method,
                                                const std::string& target,
-                                               std::chrono::seconds limit);
+                                               std::chrono::seconds limit,
+                                               const std::function<bool()>& give_up = {});
 
 }  // namespace mbgate::ctl

@@ -3,8 +3,14 @@
 
 #include <CLI/CLI.hpp>
 
+#include "ctl/options/server_options.hpp"
+
 namespace mbgate::ctl {
 namespace {
+
+// A status has every device and client in it: it is not asked for as often as a register may be.
+constexpr std::chrono::milliseconds kShortestPeriodOfStatus{100};
+constexpr unsigned kMostStatuses = 1'000'000'000;
 
 void add_control(CLI::App& command, std::string& socket) {
   command.add_option("--control", socket, "the control socket of mbgated, its [http] socket")
@@ -18,11 +24,32 @@ StatusOptions::StatusOptions(CLI::App& app)
     : status_(app.add_subcommand(
           "status",
           "Show how a running mbgated, its lines and its drives are: what is not well first.")) {
-  status_->add_flag("--json", words_.json, "for programs");
+  auto* watch = status_->add_flag(
+      "--watch", watch_,
+      "show it again and again, on a terminal in place, until q is typed or it is interrupted");
+  status_->add_option("--every", every_, "with --watch: how often, from start to start")
+      ->needs(watch)
+      ->capture_default_str();
+  status_->add_option("--times", words_.times, "with --watch: end after so many times")
+      ->needs(watch)
+      ->check(CLI::Range(1U, kMostStatuses));
+  status_->add_flag("--json", words_.json, "for programs: one JSON object a line");
   add_control(*status_, words_.socket);
 }
 
 bool StatusOptions::given() const { return status_->parsed(); }
+
+Result<Command, std::string> StatusOptions::command() const {
+  StatusCommand status = words_;
+  if (watch_) {
+    const auto every = parse_time(every_, kShortestPeriodOfStatus);
+    if (!every) {
+      return every.error();
+    }
+    status.every = *every;
+  }
+  return Command(status);
+}
 
 ReloadOptions::ReloadOptions(CLI::App& app)
     : reload_(app.add_subcommand(

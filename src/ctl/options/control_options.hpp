@@ -19,11 +19,14 @@ class StatusOptions {
   StatusOptions& operator=(const StatusOptions&) = delete;
 
   [[nodiscard]] bool given() const;
-  [[nodiscard]] Result<Command, std::string> command() const { return Command(words_); }
+  /// The error is a full sentence.
+  [[nodiscard]] Result<Command, std::string> command() const;
 
  private:
   CLI::App* status_;
   StatusCommand words_;
+  bool watch_ = false;
+  std::string every_ = "1s";
 };
 
 class ReloadOptions {

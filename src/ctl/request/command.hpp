@@ -78,7 +78,10 @@ inline constexpr const char* kControlSocket = "/run/mbgate/control";
 /// Shows the state of a running mbgated.
 struct StatusCommand {
   std::string socket = kControlSocket;
-  bool json = false;
+  bool json = false;                              ///< one JSON object a status
+  std::optional<std::chrono::nanoseconds> every;  ///< from start to start; none: show it once
+  std::optional<std::size_t> times;               ///< with `every`; none: until interrupted
+  bool on_terminal = false;                       ///< standard output is one
 };
 
 /// Has a running mbgated read its configuration again.

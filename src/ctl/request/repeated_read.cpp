@@ -2,13 +2,13 @@
 #include "ctl/request/repeated_read.hpp"
 
 #include <algorithm>
-#include <cstdio>
-#include <ctime>
+#include <chrono>
 #include <ostream>
 
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/connection.hpp"
 #include "ctl/request/interruption.hpp"
+#include "ctl/request/period.hpp"
 #include "ctl/request/report.hpp"
 
 namespace mbgate::ctl {
@@ -16,19 +16,6 @@ namespace {
 
 using std::chrono::steady_clock;
 using std::chrono::system_clock;
-
-/// "14:03:27.250", local time.
-std::string time_of_day(system_clock::time_point time) {
-  const auto second = std::chrono::floor<std::chrono::seconds>(time);
-  const auto rest = std::chrono::floor<std::chrono::milliseconds>(time - second);
-  const std::time_t count = system_clock::to_time_t(second);
-  std::tm local{};
-  localtime_r(&count, &local);
-  char text[64];
-  std::snprintf(text, sizeof text, "%02d:%02d:%02d.%03d", local.tm_hour, local.tm_min, local.tm_sec,
-                static_cast<int>(rest.count()));
-  return text;
-}
 
 /// One command's reads, and where their values go.
 class Reads {
@@ -85,12 +72,6 @@ int repeat_read(const ReadCommand& command, const modbus::Request& request, std:
       return out ? status : kExitNotDone;
     }
   }
-}
-
-steady_clock::time_point next_start(steady_clock::time_point start, std::chrono::nanoseconds period,
-                                    steady_clock::time_point now) {
-  const auto begun = (now - start + period - std::chrono::nanoseconds(1)) / period;
-  return start + std::max<std::chrono::nanoseconds::rep>(begun, 1) * period;
 }
 
 }  // namespace mbgate::ctl

@@ -2,7 +2,6 @@
 // `mbgatectl read --every`: the same read again and again.
 #pragma once
 
-#include <chrono>
 #include <iosfwd>
 
 #include "ctl/request/command.hpp"
@@ -14,11 +13,5 @@ namespace mbgate::ctl {
 /// status: kExitDone if interrupted, or if every read was answered.
 int repeat_read(const ReadCommand& command, const modbus::Request& request, std::ostream& out,
                 std::ostream& errors);
-
-/// When the next read starts: a whole number of periods after `start`, that of the last one, and
-/// not before `now`. Starts that were missed are not made up for.
-std::chrono::steady_clock::time_point next_start(std::chrono::steady_clock::time_point start,
-                                                 std::chrono::nanoseconds period,
-                                                 std::chrono::steady_clock::time_point now);
 
 }  // namespace mbgate::ctl

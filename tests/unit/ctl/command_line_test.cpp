@@ -224,6 +224,27 @@ TEST(CommandLine, ScanTakesNoUnitsThatABusCannotHaveAndNoOtherNames) {
             "mbgatectl: --bus: expected 1 to 64 letters, digits, - _ .");
 }
 
+TEST(CommandLine, StatusIsShownOnceUnlessWatched) {
+  const auto status = command<StatusCommand>("status --json");
+  EXPECT_EQ(status.socket, "/run/mbgate/control");
+  EXPECT_TRUE(status.json);
+  EXPECT_EQ(status.every, std::nullopt);
+  EXPECT_EQ(status.times, std::nullopt);
+  EXPECT_FALSE(status.on_terminal);
+}
+
+TEST(CommandLine, StatusIsWatchedEverySecondUnlessToldOtherwise) {
+  EXPECT_EQ(command<StatusCommand>("status --watch").every, std::chrono::seconds(1));
+  const auto watch = command<StatusCommand>("status --watch --every 250ms --times 3 --control c");
+  EXPECT_EQ(watch.every, std::chrono::milliseconds(250));
+  EXPECT_EQ(watch.times, 3U);
+  EXPECT_EQ(watch.socket, "c");
+  EXPECT_EQ(complaint("status --watch --every 99ms"),
+            "mbgatectl: \"99ms\" is not a time of at least 100ms, like 500ms or 5s");
+  EXPECT_EQ(complaint("status --every 1s"), "mbgatectl: --every requires --watch");
+  EXPECT_EQ(complaint("status --times 3"), "mbgatectl: --times requires --watch");
+}
+
 TEST(CommandLine, HelpAndVersionAreNoErrors) {
   for (const auto* line :
        {"--help", "read --help", "write --help", "profile --help", "scan --help"}) {

@@ -39,16 +39,6 @@ Printed repeat(const ScriptedServer& server, ReadCommand command) {
   return {status, out.str(), errors.str()};
 }
 
-TEST(RepeatedRead, StartsAWholeNumberOfPeriodsAfterTheLastStart) {
-  const std::chrono::steady_clock::time_point start(1h);
-  EXPECT_EQ(next_start(start, 100ms, start), start + 100ms);
-  EXPECT_EQ(next_start(start, 100ms, start + 99ms), start + 100ms);
-  EXPECT_EQ(next_start(start, 100ms, start + 100ms), start + 100ms);
-  EXPECT_EQ(next_start(start, 100ms, start + 101ms), start + 200ms);
-  EXPECT_EQ(next_start(start, 100ms, start + 5s), start + 5s);
-  EXPECT_EQ(next_start(start, 100ms, start + 5s + 1ns), start + 5100ms);
-}
-
 TEST(RepeatedRead, HasTheTimeOfDayBeforeEachBlock) {
   const ScriptedServer server(Script{{kFive, kSix}});
   const auto printed = repeat(server, read_every_10ms(2));

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// The terminal as a page that is drawn again in place, by ncurses. While a Screen lives, nothing
+// else writes to the terminal; afterwards it is as it was before.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "ctl/request/interruption.hpp"
+
+namespace mbgate::ctl {
+
+class Screen {
+ public:
+  /// None if ncurses does not know this terminal, or its cursor cannot be moved.
+  static std::unique_ptr<Screen> open(const Interruption& interruption);
+  ~Screen();
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  /// Shows `text` in place of what was shown before. Its first line is the title.
+  void show(std::string text);
+
+  /// True as soon as "q" was typed or a signal has come, false at `when`; an instant in the past
+  /// only looks. If the window gets another size meanwhile, it is drawn again.
+  [[nodiscard]] bool wait_until(std::chrono::steady_clock::time_point when);
+
+ private:
+  struct Terminal;
+  Screen(const Interruption& interruption, std::unique_ptr<Terminal> terminal);
+  void draw() const;
+
+  const Interruption& interruption_;
+  std::unique_ptr<Terminal> terminal_;
+  std::string text_;
+};
+
+}  // namespace mbgate::ctl
