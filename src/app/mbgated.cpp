@@ -22,7 +22,7 @@
 #include "app/log.hpp"
 #include "app/recording.hpp"
 #include "app/service.hpp"
-#include "app/text.hpp"
+#include "config/check_summary.hpp"
 #include "config/load.hpp"
 #include "config/text_file.hpp"
 #include "io/clients/descriptors.hpp"
@@ -150,7 +150,7 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
       std::cerr << config::render(
           {config::Severity::warning, options.config.string(), {}, *room.shortage, {}});
     }
-    std::cout << check_summary(*loaded.settings) << '\n';
+    std::cout << config::check_summary(*loaded.settings) << '\n';
     return EXIT_SUCCESS;
   }
   std::optional<RecordingBegun> recording;

@@ -16,13 +16,6 @@ std::string listeners_text(const gateway::Settings& settings) {
 
 }  // namespace
 
-std::string check_summary(const gateway::Settings& settings) {
-  return "configuration ok: " + listeners_text(settings) + ", " +
-         counted(settings.buses.size(), "bus", "buses") + ", " +
-         counted(settings.devices.size(), "device", "devices") + ", " +
-         counted(settings.routes.size(), "route", "routes");
-}
-
 std::string status_text(const gateway::Settings& settings, const gateway::Status& status,
                         std::size_t listeners_waiting) {
   const std::string listening =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lines that mbgated prints or hands to systemd, apart from the log.
+// The line that mbgated hands to systemd.
 #pragma once
 
 #include <string>
@@ -7,9 +7,6 @@
 #include "gateway/gateway.hpp"
 
 namespace mbgate::app {
-
-/// "configuration ok: 2 listeners, 1 bus, 3 devices, 2 routes"
-std::string check_summary(const gateway::Settings& settings);
 
 /// "2 listeners, 1 of 2 buses open, 3 clients"; "1 of 2 listeners, ..." while one waits for its
 /// address.

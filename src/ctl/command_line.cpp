@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <sstream>
 
+#include "ctl/options/check_options.hpp"
 #include "ctl/options/control_options.hpp"
 #include "ctl/options/profile_options.hpp"
 #include "ctl/options/request_options.hpp"
@@ -15,7 +16,7 @@ namespace {
 
 struct Subcommands {
   explicit Subcommands(CLI::App& app)
-      : read(app), write(app), profile(app), scan(app), status(app), reload(app) {}
+      : read(app), write(app), profile(app), scan(app), check(app), status(app), reload(app) {}
 
   /// That of the subcommand which was given. The error is a full sentence.
   [[nodiscard]] Result<Command, std::string> command() const {
@@ -31,6 +32,9 @@ struct Subcommands {
     if (scan.given()) {
       return scan.command();
     }
+    if (check.given()) {
+      return check.command();
+    }
     return status.given() ? status.command() : reload.command();
   }
 
@@ -38,6 +42,7 @@ struct Subcommands {
   WriteOptions write;
   ProfileOptions profile;
   ScanOptions scan;
+  CheckOptions check;
   StatusOptions status;
   ReloadOptions reload;
 };
@@ -48,7 +53,8 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
                                                  const char* const* arguments) {
   CLI::App app(
       "Reads and writes Modbus devices through a gateway, or any Modbus TCP server, finds out what "
-      "is on a bus, shows drive profiles, and asks a running mbgated how it is.",
+      "is on a bus, shows drive profiles, checks a configuration, and asks a running mbgated "
+      "how it is.",
       "mbgatectl");
   app.set_version_flag("--version", "mbgatectl " + version);
   app.require_subcommand(1);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mbgatectl: the operator's hand. Exit status 0 done, 1 an exception or no answer, 2 wrong usage.
+// mbgatectl: the operator's hand. Exit status 0 done, 1 an exception or no answer, 2 wrong usage,
+// 78 a wrong configuration.
 #include <unistd.h>
 
 #include <iostream>

@@ -4,6 +4,7 @@
 #include <ostream>
 #include <string_view>
 
+#include "ctl/check_config.hpp"
 #include "ctl/control/control_command.hpp"
 #include "ctl/profile/show_profile.hpp"
 #include "ctl/request/connection.hpp"
@@ -70,6 +71,10 @@ int carry_out_one(const ProfileCommand& command, std::ostream& out, std::ostream
 
 int carry_out_one(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
   return carry_out_scan(command, out, errors);
+}
+
+int carry_out_one(const CheckCommand& command, std::ostream& out, std::ostream& errors) {
+  return check_config(command, out, errors);
 }
 
 int carry_out_one(const StatusCommand& command, std::ostream& out, std::ostream& errors) {

@@ -73,6 +73,12 @@ struct ScanCommand {
   bool show_progress = false;  ///< on standard error
 };
 
+/// Says what is wrong with the files of a configuration; no port is opened.
+struct CheckCommand {
+  std::filesystem::path config = "/etc/mbgate/mbgate.toml";
+  std::optional<std::filesystem::path> folder;  ///< the only one to look for profiles in
+};
+
 inline constexpr const char* kControlSocket = "/run/mbgate/control";
 
 /// Shows the state of a running mbgated.
@@ -89,8 +95,8 @@ struct ReloadCommand {
   std::string socket = kControlSocket;
 };
 
-using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, StatusCommand,
-                             ReloadCommand>;
+using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, CheckCommand,
+                             StatusCommand, ReloadCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a value are never written one by one. The error is a full sentence.

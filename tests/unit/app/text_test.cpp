@@ -23,11 +23,5 @@ TEST(StatusText, CountsListenersThatWaitForTheirAddress) {
             "1 of 3 listeners, 1 of 1 bus open, 0 clients");
 }
 
-TEST(CheckSummary, CountsWhatIsConfigured) {
-  auto settings = settings_of(2, 1);
-  settings.devices.resize(3);
-  EXPECT_EQ(check_summary(settings), "configuration ok: 2 listeners, 1 bus, 3 devices, 0 routes");
-}
-
 }  // namespace
 }  // namespace mbgate::app

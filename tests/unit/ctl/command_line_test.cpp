@@ -224,6 +224,14 @@ TEST(CommandLine, ScanTakesNoUnitsThatABusCannotHaveAndNoOtherNames) {
             "mbgatectl: --bus: expected 1 to 64 letters, digits, - _ .");
 }
 
+TEST(CommandLine, CheckTakesAFileAndAFolder) {
+  EXPECT_EQ(command<CheckCommand>("check").config, "/etc/mbgate/mbgate.toml");
+  EXPECT_EQ(command<CheckCommand>("check").folder, std::nullopt);
+  const auto check = command<CheckCommand>("check new.toml --profiles " MBGATE_SOURCE_DIR "/tests");
+  EXPECT_EQ(check.config, "new.toml");
+  EXPECT_EQ(check.folder, MBGATE_SOURCE_DIR "/tests");
+}
+
 TEST(CommandLine, StatusIsShownOnceUnlessWatched) {
   const auto status = command<StatusCommand>("status --json");
   EXPECT_EQ(status.socket, "/run/mbgate/control");

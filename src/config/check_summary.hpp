@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is said of a configuration in which nothing is wrong.
+#pragma once
+
+#include <string>
+
+#include "gateway/settings.hpp"
+
+namespace mbgate::config {
+
+/// "configuration ok: 2 listeners, 1 bus, 3 devices, 2 routes". `settings`: as they were read.
+std::string check_summary(const gateway::Settings& settings);
+
+}  // namespace mbgate::config
