@@ -30,6 +30,19 @@ TEST(CompleteFile, LoadsWithoutAWord) {
   EXPECT_EQ(loaded.settings->listeners.size(), 2U);
 }
 
+/// What a newcomer copies first.
+TEST(Readme, HasACompleteConfiguration) {
+  const auto text = text_of(MBGATE_SOURCE_DIR "/README.md");
+  const std::string fence = "```toml\n";
+  const auto start = text.find(fence);
+  ASSERT_NE(start, std::string::npos);
+  const auto rest = text.substr(start + fence.size());
+  const auto loaded = load_settings_text("README.md", rest.substr(0, rest.find("```")));
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->listeners.size(), 1U);
+}
+
 /// "# key = ..." and "# [[table]]", unlike the sentences around them.
 bool is_commented_setting(const std::string& line) {
   if (!line.starts_with("# ")) {
