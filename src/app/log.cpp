@@ -20,16 +20,6 @@ namespace {
 /// Lines held for a standard error that does not take them: some 100 KiB.
 constexpr std::size_t kMostWaiting = 1000;
 
-const char* word(Level level) {
-  switch (level) {
-    case Level::error: return "error";
-    case Level::warning: return "warning";
-    case Level::notice: return "notice";
-    case Level::info: return "info";
-  }
-  return "";
-}
-
 void write_all(int descriptor, std::string_view text) {
   while (!text.empty()) {
     const ssize_t count = ::write(descriptor, text.data(), text.size());
@@ -42,6 +32,16 @@ void write_all(int descriptor, std::string_view text) {
 
 }  // namespace
 
+const char* level_word(Level level) {
+  switch (level) {
+    case Level::error: return "error";
+    case Level::warning: return "warning";
+    case Level::notice: return "notice";
+    case Level::info: return "info";
+  }
+  return "";
+}
+
 bool is_standard_error_the_journal() {
   const char* const stream = std::getenv("JOURNAL_STREAM");
   struct stat status {};
@@ -53,13 +53,13 @@ bool is_standard_error_the_journal() {
 
 std::string log_line(Level level, const std::string& text, bool for_journal) {
   return for_journal ? "<" + std::to_string(static_cast<int>(level)) + ">" + text
-                     : std::string(word(level)) + ": " + text;
+                     : std::string(level_word(level)) + ": " + text;
 }
 
 Log::Log(bool for_journal, int descriptor) : for_journal_(for_journal), descriptor_(descriptor) {}
 
 void Log::write(Level level, const std::string& text) {
-  print(log_line(level, text, for_journal_));
+  give(level, text, log_line(level, text, for_journal_));
 }
 
 void Log::write_limited(Level level, const std::string& kind, const std::string& text) {
@@ -78,23 +78,33 @@ void Log::write_limited(Level level, const std::string& kind, const std::string&
 }
 
 void Log::print(std::string line) {
+  const std::string text = line;
+  give(Level::info, text, std::move(line));
+}
+
+void Log::give(Level level, const std::string& text, std::string line) {
   if (waiting_ >= kMostWaiting) {
     ++lost_;
     return;
   }
   line += '\n';
+  std::string missing;
   if (lost_ > 0) {
-    line += log_line(Level::warning,
-                     std::to_string(std::exchange(lost_, 0)) +
-                         " lines are missing here: standard error did not take them",
-                     for_journal_) +
-            '\n';
+    missing = std::to_string(std::exchange(lost_, 0)) +
+              " lines are missing here: standard error did not take them";
+    line += log_line(Level::warning, missing, for_journal_) + '\n';
   }
   ++waiting_;
   boost::asio::post(writer_, [this, line = std::move(line)] {
     write_all(descriptor_, line);
     --waiting_;
   });
+  if (observer_) {
+    observer_(level, text);
+    if (!missing.empty()) {
+      observer_(Level::warning, missing);
+    }
+  }
 }
 
 bool Log::flush(std::chrono::milliseconds limit) {

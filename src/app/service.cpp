@@ -79,6 +79,8 @@ Service::Service(gateway::Settings settings, About about, Read read, Log& log,
   }
 }
 
+Service::~Service() { log_.observe({}); }
+
 int Service::run() {
   const auto descriptors = io::room_for_clients(driver_.settings(), io::raise_descriptor_limit());
   if (descriptors.shortage) {
@@ -206,10 +208,15 @@ void Service::start_control() {
   }
   const bool is_unasked =
       is_default && !std::filesystem::exists(std::filesystem::path(path).parent_path());
-  const std::string failure = is_unasked ? "" : control_.start(path);
+  if (is_unasked) {
+    return;
+  }
+  const std::string failure = control_.start(path);
   if (!failure.empty()) {
     log_.write(Level::warning, failure);
+    return;
   }
+  log_.observe([this](Level level, const std::string& text) { control_.tell(level, text); });
 }
 
 std::string Service::bus_text(BusId bus, const std::string& text) const {

@@ -43,7 +43,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   Service(gateway::Settings settings, About about, Read read, Log& log, io::Recorder* recorder);
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
-  ~Service() override = default;
+  ~Service() override;
 
   /// Serves until a signal ends it. Returns the exit status: 0, or 1 if there are too few
   /// descriptors or a listener could not be bound (other than because its address does not exist

@@ -4,22 +4,22 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core/basic_stream.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/json/serialize.hpp>
 #include <chrono>
 #include <exception>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "app/control/connection.hpp"
 #include "app/control/control_socket.hpp"
+#include "app/control/event_streams.hpp"
 #include "app/control/question.hpp"
 #include "io/blocking_calls.hpp"
 #include "io/supervise.hpp"
@@ -32,16 +32,13 @@ namespace http = boost::beast::http;
 using asio::local::stream_protocol;
 using Request = http::request<http::string_body>;
 using Response = http::response<http::string_body>;
-using Stream = boost::beast::basic_stream<stream_protocol>;
-constexpr auto kNoThrow = asio::as_tuple(asio::use_awaitable);
 
 /// A gateway that does not answer within this is not well.
 constexpr std::chrono::seconds kAnswerLimit{1};
 /// Reading a configuration may wait for a slow disk.
 constexpr std::chrono::seconds kReloadLimit{30};
-/// How long a client may take for its request, or for taking the answer.
-constexpr std::chrono::seconds kClientLimit{10};
 constexpr std::string_view kNoAnswer = "the gateway has not answered within 1 s";
+constexpr std::string_view kEventsPath = "/api/v1/events";
 constexpr std::size_t kMostConnections = 64;
 constexpr std::uint32_t kLongestHeader = 8192;
 constexpr std::uint64_t kLongestBody = 65536;
@@ -56,6 +53,19 @@ Response answer(const Request& request, http::status status, const boost::json::
   response.body() = boost::json::serialize(json) + "\n";
   response.prepare_payload();
   return response;
+}
+
+std::string_view path_of(const Request& request) {
+  const std::string_view target(request.target().data(), request.target().size());
+  return target.substr(0, target.find('?'));
+}
+
+std::optional<std::string_view> last_event_id(const Request& request) {
+  const auto found = request.find("Last-Event-ID");
+  if (found == request.end()) {
+    return std::nullopt;
+  }
+  return std::string_view(found->value().data(), found->value().size());
 }
 
 }  // namespace
@@ -81,7 +91,7 @@ class Control::Server {
       }
       if (!error && connections_ < kMostConnections) {
         ++connections_;
-        io::supervise(*home_, serve_one(Stream(std::move(socket))), "control connection");
+        io::supervise(*home_, serve_one(ControlStream(std::move(socket))), "control connection");
       } else if (error) {  // too few descriptors: not again and again without a pause
         asio::steady_timer pause(*home_, kAnswerLimit);
         co_await pause.async_wait(kNoThrow);
@@ -89,18 +99,24 @@ class Control::Server {
     }
   }
 
+  void tell(JournalEvent event) { events_.add(std::move(event)); }
+
  private:
   struct Status {
     gateway::StatusReport report;
     ProcessStatus process;
   };
 
-  asio::awaitable<void> serve_one(Stream stream) {
-    co_await serve(stream);
+  asio::awaitable<void> serve_one(ControlStream stream) {
+    const auto begin = co_await serve(stream);
     --connections_;
+    if (begin) {
+      co_await events_.feed(stream, *begin);
+    }
   }
 
-  asio::awaitable<void> serve(Stream& stream) {
+  /// Until the connection ends, or is to be a stream of events: then after which one.
+  asio::awaitable<std::optional<std::uint64_t>> serve(ControlStream& stream) {
     boost::beast::flat_buffer buffer;
     bool goes_on = true;
     while (goes_on) {
@@ -113,22 +129,31 @@ class Control::Server {
         break;
       }
       const Request request = parser.release();
-      const Response response = co_await respond(request);
+      Response response;
+      if (path_of(request) == kEventsPath && request.method() == http::verb::get) {
+        const auto begin = events_.begin(last_event_id(request));
+        if (begin) {
+          co_return *begin;
+        }
+        response = answer(request, begin.error().status, error_json(begin.error().why));
+      } else {
+        response = co_await respond(request);
+      }
       goes_on = response.keep_alive();
       stream.expires_after(kClientLimit);
       const auto [write_error, sent] = co_await http::async_write(stream, response, kNoThrow);
       goes_on = goes_on && !write_error;
     }
+    co_return std::nullopt;
   }
 
   asio::awaitable<Response> respond(const Request& request) {
-    const std::string_view target(request.target().data(), request.target().size());
-    const std::string_view path = target.substr(0, target.find('?'));
+    const std::string_view path = path_of(request);
     const bool is_reload = path == "/api/v1/reload";
-    if (!is_reload && path != "/api/v1/status" && path != "/healthz") {
-      co_return answer(
-          request, http::status::not_found,
-          error_json("expected GET /api/v1/status, GET /healthz or POST /api/v1/reload"));
+    if (!is_reload && path != "/api/v1/status" && path != kEventsPath && path != "/healthz") {
+      co_return answer(request, http::status::not_found,
+                       error_json("expected GET /api/v1/status, GET /api/v1/events, GET /healthz "
+                                  "or POST /api/v1/reload"));
     }
     const auto wanted = is_reload ? http::verb::post : http::verb::get;
     if (request.method() != wanted) {
@@ -204,7 +229,8 @@ class Control::Server {
   asio::io_context& gateway_;
   ControlTarget& target_;
   stream_protocol::acceptor acceptor_;
-  std::size_t connections_ = 0;
+  std::size_t connections_ = 0;  ///< but for streams of events
+  EventStreams events_;
   boost::json::object last_;
   std::optional<std::chrono::steady_clock::time_point> last_at_;
 };
@@ -253,6 +279,22 @@ std::string Control::start(const std::string& path) {
     return "control socket " + path + ": " + exception.what();
   }
   return {};
+}
+
+void Control::tell(Level level, const std::string& text) {
+  if (server_ == nullptr) {
+    return;
+  }
+  const std::uint64_t id = ++told_;
+  if (waiting_ >= EventRing::kSize) {
+    return;  // readers see by the numbers that it is missing
+  }
+  ++waiting_;
+  JournalEvent event{id, std::chrono::system_clock::now(), level, text};
+  asio::post(*home_, [this, event = std::move(event)]() mutable {
+    --waiting_;
+    server_->tell(std::move(event));
+  });
 }
 
 void Control::run() {

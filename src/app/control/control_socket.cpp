@@ -18,7 +18,8 @@ constexpr mode_t kOwnerAndGroup = 0660;
 constexpr int kBacklog = 64;
 
 std::string sentence(const std::string& path, const std::string& why) {
-  return "control socket " + path + ": " + why + "; mbgatectl status and reload do not work";
+  return "control socket " + path + ": " + why +
+         "; mbgatectl status, reload and events do not work";
 }
 
 // Only a socket that nobody listens on any more refuses. Whatever else comes of it, somebody has

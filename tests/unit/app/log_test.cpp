@@ -70,6 +70,40 @@ TEST_F(LogTest, SaysOnceThatLinesOfOneKindAreOnlyCounted) {
   EXPECT_EQ(text.substr(text.size() - end.size()), end);
 }
 
+TEST_F(LogTest, TellsItsObserverOfEveryLine) {
+  Log log(false, write_end_.get());
+  std::string told;
+  log.write(Level::info, "before");
+  log.observe([&](Level level, const std::string& text) {
+    told += std::string(level_word(level)) + " " + text + "\n";
+  });
+  log.print("listening plant 127.0.0.1:502");
+  log.write(Level::notice, "bus line-a is open");
+  for (int i = 1; i <= 11; ++i) {
+    log.write_limited(Level::warning, "refused", "client " + std::to_string(i));
+  }
+  log.observe({});
+  log.write(Level::info, "after");
+  EXPECT_TRUE(told.starts_with("info listening plant 127.0.0.1:502\nnotice bus line-a is open\n"))
+      << told;
+  EXPECT_TRUE(
+      told.ends_with("warning client 10 (more of this kind within a minute are only counted)\n"))
+      << told;
+}
+
+TEST_F(LogTest, TellsItsObserverNothingOfLinesThatAreNotWritten) {
+  ASSERT_GT(::fcntl(write_end_.get(), F_SETPIPE_SZ, 4096), 0);
+  Log log(false, write_end_.get());
+  int told = 0;
+  log.observe([&](Level, const std::string&) { ++told; });
+  for (int i = 0; i < 3000; ++i) {
+    log.print(std::string(100, 'x'));
+  }
+  EXPECT_GE(told, 1000);
+  EXPECT_LT(told, 3000);
+  read_end_.reset();  // the writer gets an error instead of waiting
+}
+
 TEST_F(LogTest, DoesNotBlockWhenNobodyReads) {
   ASSERT_GT(::fcntl(write_end_.get(), F_SETPIPE_SZ, 4096), 0);
   Log log(false, write_end_.get());

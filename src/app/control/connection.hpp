@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// A client's connection to the control socket.
+#pragma once
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/basic_stream.hpp>
+#include <chrono>
+
+namespace mbgate::app {
+
+using ControlStream = boost::beast::basic_stream<boost::asio::local::stream_protocol>;
+
+inline constexpr auto kNoThrow = boost::asio::as_tuple(boost::asio::use_awaitable);
+
+/// How long a client may take for its request, or for taking what is sent to it.
+inline constexpr std::chrono::seconds kClientLimit{10};
+
+}  // namespace mbgate::app

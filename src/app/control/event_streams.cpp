@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/event_streams.hpp"
+
+#include <poll.h>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/write.hpp>
+#include <charconv>
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+#include "app/control/event_text.hpp"
+
+namespace mbgate::app {
+namespace {
+
+/// So often at least something is sent: both ends see that the other is there.
+constexpr std::chrono::seconds kCommentInterval{15};
+constexpr std::string_view kComment = ":\n\n";
+
+/// It has no length: it ends with the connection.
+constexpr std::string_view kStreamHead =
+    "HTTP/1.1 200 OK\r\n"
+    "Content-Type: text/event-stream\r\n"
+    "Cache-Control: no-store\r\n"
+    "Connection: close\r\n"
+    "\r\n";
+
+/// Not where the other end only sends no more.
+bool is_closed(int descriptor) {
+  pollfd asked{descriptor, 0, 0};
+  return ::poll(&asked, 1, 0) > 0 && (asked.revents & (POLLHUP | POLLERR)) != 0;
+}
+
+}  // namespace
+
+void EventStreams::add(JournalEvent event) {
+  ring_.add(std::move(event));
+  for (const auto& held : readers_) {
+    if (const auto reader = held.lock()) {
+      reader->news.cancel();
+    }
+  }
+}
+
+Result<std::uint64_t, EventStreams::Refusal> EventStreams::begin(
+    std::optional<std::string_view> last_event_id) {
+  using boost::beast::http::status;
+  std::erase_if(readers_, [](const auto& held) { return held.expired(); });
+  if (readers_.size() >= kMost) {
+    return Refusal{status::service_unavailable,
+                   std::to_string(kMost) + " clients read events already, which is the most"};
+  }
+  if (!last_event_id) {
+    return ring_.newest();
+  }
+  std::uint64_t id = 0;
+  const char* const end = last_event_id->data() + last_event_id->size();
+  const auto [rest, error] = std::from_chars(last_event_id->data(), end, id);
+  if (error != std::errc() || rest != end) {
+    return Refusal{status::bad_request, "Last-Event-ID: expected the id of an event, a number"};
+  }
+  return id <= ring_.newest() ? id : 0;
+}
+
+// A client that closes would be noticed with the next comment; until then it would keep another one
+// out.
+void EventStreams::watch(ControlStream& stream, const std::shared_ptr<Reader>& reader) {
+  stream.socket().async_wait(
+      boost::asio::socket_base::wait_read,
+      [held = std::weak_ptr(reader),
+       descriptor = stream.socket().native_handle()](const boost::system::error_code& error) {
+        // As long as the reader is there, so is its connection.
+        const auto reading = held.lock();
+        if (!error && reading && is_closed(descriptor)) {
+          reading->has_gone = true;
+          reading->news.cancel();
+        }
+      });
+}
+
+boost::asio::awaitable<void> EventStreams::feed(ControlStream& stream, std::uint64_t after) {
+  const auto reader = std::make_shared<Reader>(stream.get_executor());
+  readers_.emplace_back(reader);
+  watch(stream, reader);
+  std::string text(kStreamHead);
+  while (!reader->has_gone) {
+    stream.expires_after(kClientLimit);
+    const auto [error, sent] =
+        co_await boost::asio::async_write(stream, boost::asio::buffer(text), kNoThrow);
+    if (error) {
+      break;
+    }
+    if (!reader->has_gone && ring_.newest() <= after) {
+      reader->news.expires_after(kCommentInterval);
+      co_await reader->news.async_wait(kNoThrow);
+    }
+    text = next_text(after);
+  }
+}
+
+std::string EventStreams::next_text(std::uint64_t& last) const {
+  const auto next = ring_.after(last);
+  if (!next) {
+    return std::string(kComment);
+  }
+  last = next->event.id;
+  return (next->lost > 0 ? lost_text(next->lost) : "") + event_text(next->event);
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The clients that read along what the journal gets. All of this is used on the thread of the
+// control socket alone.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/http/status.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/control/connection.hpp"
+#include "app/control/event_ring.hpp"
+#include "modbus/result.hpp"
+
+namespace mbgate::app {
+
+class EventStreams {
+ public:
+  /// A screen or two, a collector, and whoever looks: each costs a descriptor as long as it reads.
+  static constexpr std::size_t kMost = 16;
+
+  /// The answer to a request that does not become a stream.
+  struct Refusal {
+    boost::beast::http::status status;
+    std::string why;
+  };
+
+  /// Goes out to all of them.
+  void add(JournalEvent event);
+  /// After which event a new stream begins. `last_event_id` is this header of the request: what an
+  /// earlier process had numbered so is no reason to leave anything out.
+  Result<std::uint64_t, Refusal> begin(std::optional<std::string_view> last_event_id);
+  /// Sends what comes after that event, until the client goes or takes nothing for kClientLimit.
+  boost::asio::awaitable<void> feed(ControlStream& stream, std::uint64_t after);
+
+ private:
+  struct Reader {
+    explicit Reader(const ControlStream::executor_type& executor) : news(executor) {}
+    boost::asio::steady_timer news;  ///< ends when there is something to send
+    bool has_gone = false;
+  };
+
+  static void watch(ControlStream& stream, const std::shared_ptr<Reader>& reader);
+  /// What is to be sent after the event `last`, which moves on.
+  std::string next_text(std::uint64_t& last) const;
+
+  EventRing ring_;
+  std::vector<std::weak_ptr<Reader>> readers_;  ///< feed() has them
+};
+
+}  // namespace mbgate::app

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/event_text.hpp"
+
+#include <boost/json/object.hpp>
+#include <boost/json/serialize.hpp>
+#include <cstdio>
+#include <ctime>
+
+namespace mbgate::app {
+namespace {
+
+/// "2026-11-24T22:10:00.123Z"
+std::string instant_text(std::chrono::system_clock::time_point instant) {
+  const auto second = std::chrono::floor<std::chrono::seconds>(instant);
+  const auto rest = std::chrono::floor<std::chrono::milliseconds>(instant - second);
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(second);
+  std::tm fields{};
+  ::gmtime_r(&seconds, &fields);
+  char whole[sizeof "2026-11-24T22:10:00"];
+  std::strftime(whole, sizeof whole, "%Y-%m-%dT%H:%M:%S", &fields);
+  char milliseconds[sizeof ".123Z"];
+  std::snprintf(milliseconds, sizeof milliseconds, ".%03dZ", static_cast<int>(rest.count()));
+  return std::string(whole) + milliseconds;
+}
+
+}  // namespace
+
+std::string event_text(const JournalEvent& event) {
+  const boost::json::object data{
+      {"at", instant_text(event.at)}, {"level", level_word(event.level)}, {"text", event.text}};
+  return "id: " + std::to_string(event.id) +
+         "\nevent: journal\ndata: " + boost::json::serialize(data) + "\n\n";
+}
+
+std::string lost_text(std::uint64_t lost) {
+  return "event: lost\ndata: {\"lost\":" + std::to_string(lost) + "}\n\n";
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Events as they go out: server-sent events (text/event-stream, in the HTML standard), with data in
+// JSON (docs/api.yaml).
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "app/control/event_ring.hpp"
+
+namespace mbgate::app {
+
+/// "id: 7", "event: journal" and "data: {...}", a line each, and the empty line that ends it.
+std::string event_text(const JournalEvent& event);
+
+/// Says that so many events are missing. It has no id: whoever comes back still names the last one
+/// that it had.
+std::string lost_text(std::uint64_t lost);
+
+}  // namespace mbgate::app
