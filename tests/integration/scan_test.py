@@ -3,9 +3,13 @@
 """mbgatectl scan on a simulated bus with a drive of every series: each is named, and the configuration that comes of it
 is one that mbgated takes."""
 
+import fcntl
 import json
+import os
 import pathlib
 import re
+import select
+import signal
 import subprocess
 import sys
 import tempfile
@@ -145,6 +149,109 @@ class ScanOfABusOfAllFamilies(unittest.TestCase):
     def test_says_when_nobody_answers(self):
         done = self.scan("--units", "20,21")
         self.assertEqual((done.returncode, done.stdout, done.stderr), (1, "", "mbgatectl: no unit answered\n"))
+
+
+LINE = """
+[[bus]]
+name = "line"
+link = "line"
+baud = 19200
+parity = "none"
+[[device]]
+name = "axis"
+bus = "line"
+address = 3
+model = "moons"
+series = "m3"
+word_order = "little"
+[[device]]
+name = "turntable"
+bus = "line"
+address = 17
+model = "aic"
+response_wait = "5ms"
+"""
+
+
+class ScanOfASerialPort(unittest.TestCase):
+    """Without a gateway. The drives hear 19200 baud only; a pty has no parity, so the first one is found."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
+        (cls.folder / "sim.toml").write_text(LINE, encoding="utf-8")
+        drives = Process(cls.folder, "mbgate-sim", "sim.toml")
+        cls.addClassCleanup(drives.end)
+        drives.wait_for("^ready")
+
+    def command(self, *options):
+        return [program("mbgatectl"), "scan", "--device", "line", "--profiles", PROFILES, *options]
+
+    def scan(self, *options):
+        return subprocess.run(
+            self.command(*options), cwd=self.folder, capture_output=True, text=True, timeout=4 * PATIENCE, check=False
+        )
+
+    def test_finds_the_rate_and_the_drives_and_writes_a_configuration_that_is_taken(self):
+        done = self.scan("--units", "2-3,17", "--bauds", "9600,115200,19200", "--wait", "500ms", "--config", "found.toml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(
+            done.stderr, "asking 3 units at line in 9 modes, 9600 8E1 first: 14s at most; only reads are sent\n", done.stdout
+        )
+        device = str(self.folder / "line")
+        self.assertEqual(done.stdout.splitlines()[0], f"{device}, 19200 baud, parity even, stop bits 1:")
+        rows = {int(row[0]): row[1:] for row in ROW.findall(done.stdout)}
+        self.assertEqual({unit: row[2] for unit, row in rows.items()}, {3: "moons-m3", 17: "autonics-aic"}, done.stdout)
+        found = tomllib.loads((self.folder / "found.toml").read_text(encoding="utf-8"))
+        bus = found["bus"][0]
+        self.assertEqual((bus["device"], bus["baud"], bus["parity"], bus["stop_bits"]), (device, 19200, "even", 1))
+        self.assertEqual([unit["address"] for unit in found["device"]], [3, 17])
+        command = [program("mbgated"), "--check", "--config", "found.toml", "--profiles", PROFILES]
+        checked = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=PATIENCE, check=False)
+        self.assertEqual(checked.returncode, 0, checked.stderr)
+
+    def test_hears_no_answer_at_another_rate(self):
+        done = self.scan("--units", "3", "--bauds", "9600", "--parities", "none", "--wait", "50ms", "--json")
+        self.assertEqual((done.returncode, done.stderr), (1, ""), done.stdout)
+        found = json.loads(done.stdout)
+        self.assertEqual((found["units"], found["line"], found["notes"]), ([], None, []))
+        self.assertEqual(found["error"], "no unit answered at line at 9600 8N1")
+
+    def test_ends_with_what_was_found_when_it_is_interrupted(self):
+        line, port = os.openpty()
+        self.addCleanup(os.close, line)
+        self.addCleanup(os.close, port)
+        command = self.command("--units", "3-247", "--bauds", "19200", "--parities", "none", "--wait", "1s", "--json")
+        command[command.index("line")] = os.ttyname(port)
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as scan:
+            self.take_request(line, 3)
+            os.write(line, bytes.fromhex("03 83 02 61 31"))  # unit 3, exception 02, CRC
+            self.take_request(line, 4)
+            scan.send_signal(signal.SIGINT)
+            printed, _ = scan.communicate(timeout=PATIENCE)
+        self.assertEqual(scan.returncode, 1)
+        found = json.loads(printed)
+        self.assertEqual(found["error"], "interrupted")
+        self.assertEqual(found["notes"], ["at 19200 8N1 unit 3 answered, and was not identified"])
+
+    def take_request(self, line, unit):
+        """Function 03, register 0, count 1."""
+        request = b""
+        while len(request) < 8:
+            self.assertTrue(select.select([line], [], [], PATIENCE)[0], "nothing was asked")
+            request += os.read(line, 8 - len(request))
+        self.assertEqual(request[:6], bytes([unit, 3, 0, 0, 0, 1]))
+
+    def test_leaves_a_port_alone_that_another_program_holds(self):
+        with open(self.folder / "line", "rb", buffering=0) as port:
+            fcntl.flock(port, fcntl.LOCK_EX)
+            done = self.scan()
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertEqual(
+            done.stderr,
+            "mbgatectl: a gateway or another program holds line: stop it first (systemctl stop mbgated), "
+            "or scan through it with --host and --port\n",
+        )
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ FRONTS = {
     "ctl/profile": {"profile_text", "show_profile"},
     "ctl/request": {"carry_out", "command", "interruption", "modbus_client", "period", "report", "value_text"},
     "ctl/scan": {"scan", "scan_command"},
+    "ctl/serial": {"heard", "line_mode", "serial_client", "serial_port"},
     "gateway/clients": {"clients", "sessions"},
     "gateway/exchanges": {"exchanges"},
     "gateway/recording": {"record"},

@@ -26,9 +26,11 @@ ScanOptions::ScanOptions(CLI::App& app)
           "Ask every unit of a bus what it is, through a transparent listener, and print a "
           "configuration to start from. Only reads (functions 01 to 04) are sent, one at a time. "
           "Each unit that is absent costs the bus's response timeout, once more for each retry: "
-          "about 2 s with the defaults, a minute for 32 units.")) {
+          "about 2 s with the defaults, a minute for 32 units. With --device a serial port is "
+          "scanned without a gateway, and its rate and parity are found out.")) {
   scan_->add_option("--units", units_, "whom to ask: 5 or 1-32 or 1-8,17")->capture_default_str();
   server_.add_to(*scan_);
+  port_.add_to(*scan_);
   add_profile_folder(*scan_, words_.folder);
   scan_->add_option("--bus", words_.bus, "its name in the configuration")
       ->check([](const std::string& name) {
@@ -54,6 +56,13 @@ Result<Command, std::string> ScanOptions::command() const {
   ScanCommand scan = words_;
   scan.target = *target;
   scan.units = *std::move(units);
+  if (port_.given()) {
+    auto port = port_.port();
+    if (!port) {
+      return port.error();
+    }
+    scan.port = *std::move(port);
+  }
   return Command(scan);
 }
 

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "ctl/options/port_options.hpp"
 #include "ctl/options/server_options.hpp"
 #include "ctl/request/command.hpp"
 
@@ -22,6 +23,7 @@ class ScanOptions {
  private:
   CLI::App* scan_;
   ServerOptions server_;
+  PortOptions port_;
   ScanCommand words_;
   std::string units_ = "1-32";
 };

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ctl/request/value.hpp"
+#include "ctl/serial/line_mode.hpp"
 #include "modbus/pdu.hpp"
 #include "modbus/request.hpp"
 #include "modbus/result.hpp"
@@ -62,9 +63,18 @@ struct ProfileCommand {
   bool json = false;
 };
 
+/// A serial port to scan without a gateway, and how.
+struct PortSweep {
+  std::string device;
+  std::vector<LineMode> modes;    ///< in the order in which they are tried
+  std::chrono::nanoseconds wait;  ///< for an answer, after the request was sent
+  bool all_modes = false;         ///< not only until one has an answer
+};
+
 /// Finds out which drives are at the units of a bus.
 struct ScanCommand {
-  Target target;  ///< its unit is not used
+  Target target;                  ///< its unit is not used
+  std::optional<PortSweep> port;  ///< asked instead of the target
   std::vector<std::uint8_t> units;
   std::optional<std::filesystem::path> folder;  ///< the only one to look for profiles in
   std::string bus = "line-a";                   ///< its name in the configuration

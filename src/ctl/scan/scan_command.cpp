@@ -11,6 +11,7 @@
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/modbus_client.hpp"
 #include "ctl/request/report.hpp"
+#include "ctl/scan/port_scan.hpp"
 #include "ctl/scan/scan_json.hpp"
 #include "ctl/scan/scan_report.hpp"
 #include "ctl/scan/starting_config.hpp"
@@ -103,6 +104,9 @@ std::optional<std::string> find_error(const ScanCommand& command, const ScanResu
   if (!result.busy.empty()) {
     return "no other unit answered";
   }
+  if (command.port) {
+    return "no unit answered again";
+  }
   return "no unit answered" + (result.any_way
                                    ? std::string()
                                    : ", and the gateway transmitted nothing: is port " +
@@ -110,9 +114,12 @@ std::optional<std::string> find_error(const ScanCommand& command, const ScanResu
                                          " that of a transparent listener, and is its line open?");
 }
 
-void print_misses(const ScanResult& result, const std::optional<std::string>& error,
+void print_misses(const PortScan& scan, const std::optional<std::string>& error,
                   std::ostream& errors) {
-  for (const auto unit : result.busy) {
+  for (const auto& note : scan.notes) {
+    errors << "mbgatectl: " << note << '\n';
+  }
+  for (const auto unit : scan.result.busy) {
     errors << "mbgatectl: unit " << static_cast<unsigned>(unit)
            << " is busy, or its bus is: not scanned\n";
   }
@@ -121,14 +128,20 @@ void print_misses(const ScanResult& result, const std::optional<std::string>& er
   }
 }
 
-int report(const ScanCommand& command, const ScanResult& result, std::ostream& out,
-           std::ostream& errors) {
-  auto error = find_error(command, result);
-  std::optional<std::string> configuration;
-  bool written = false;
-  if (!result.found.empty()) {
-    configuration = starting_config(command.target, command.bus, result.found);
+std::optional<std::string> configuration_of(const ScanCommand& command, const PortScan& scan) {
+  const auto& found = scan.result.found;
+  if (found.empty()) {
+    return std::nullopt;
   }
+  return scan.line ? starting_config(*scan.line, command.bus, found)
+                   : starting_config(command.target, command.bus, found);
+}
+
+int report(const ScanCommand& command, const PortScan& scan, std::ostream& out,
+           std::ostream& errors) {
+  auto error = find_error(command, scan.result);
+  const auto configuration = configuration_of(command, scan);
+  bool written = false;
   if (configuration && command.config) {
     const auto why = write_new_file(*command.config, *configuration);
     written = why.empty();
@@ -137,15 +150,36 @@ int report(const ScanCommand& command, const ScanResult& result, std::ostream& o
     }
   }
   if (command.json) {
-    out << scan_json(result, configuration, error) << '\n';
+    out << (command.port ? scan_json(scan, configuration, error)
+                         : scan_json(scan.result, configuration, error))
+        << '\n';
     return error ? kExitNotDone : kExitDone;
   }
-  print_misses(result, error, errors);
+  print_misses(scan, error, errors);
   if (configuration) {
     // What could not be written to the file is printed: a scan may have taken minutes.
-    out << scan_table(result) << (written ? "" : "\n" + *configuration);
+    out << (scan.line ? line_head(*scan.line) : std::string()) << scan_table(scan.result)
+        << (written ? "" : "\n" + *configuration);
   }
   return error ? kExitNotDone : kExitDone;
+}
+
+ScanResult scan_through_gateway(const ScanCommand& command, const Catalogue& catalogue,
+                                std::ostream& errors) {
+  UnitAsker asker(command.target);
+  const auto progress = [&](std::uint8_t unit, std::size_t found) {
+    if (command.show_progress) {
+      errors << "\rasking unit " << static_cast<unsigned>(unit) << ", " << found << " found "
+             << std::flush;
+    }
+  };
+  auto result = scan_units(
+      command.units, catalogue,
+      [&](std::uint8_t unit, const TableRange& read) { return asker.ask(unit, read); }, progress);
+  if (command.show_progress) {
+    errors << "\r\x1b[K" << std::flush;
+  }
+  return result;
 }
 
 }  // namespace
@@ -183,20 +217,10 @@ int carry_out_scan(const ScanCommand& command, std::ostream& out, std::ostream& 
         {kExitUsage, "there is no profile to compare with in " + folders_text(library.folders())},
         command.json, out, errors);
   }
-  UnitAsker asker(command.target);
-  const auto progress = [&](std::uint8_t unit, std::size_t found) {
-    if (command.show_progress) {
-      errors << "\rasking unit " << static_cast<unsigned>(unit) << ", " << found << " found "
-             << std::flush;
-    }
-  };
-  const auto result = scan_units(
-      command.units, catalogue,
-      [&](std::uint8_t unit, const TableRange& read) { return asker.ask(unit, read); }, progress);
-  if (command.show_progress) {
-    errors << "\r\x1b[K" << std::flush;
+  if (command.port) {
+    return report(command, scan_port(command, catalogue, errors), out, errors);
   }
-  return report(command, result, out, errors);
+  return report(command, {scan_through_gateway(command, catalogue, errors)}, out, errors);
 }
 
 }  // namespace mbgate::ctl

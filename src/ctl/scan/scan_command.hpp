@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs `mbgatectl scan` over a real connection.
+// Runs `mbgatectl scan` over a real connection, or at a serial port.
 #pragma once
 
 #include <iosfwd>

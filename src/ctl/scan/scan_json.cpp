@@ -54,10 +54,9 @@ boost::json::object unit_json(const FoundUnit& unit) {
           {"fell_silent", unit.fell_silent}};
 }
 
-}  // namespace
-
-std::string scan_json(const ScanResult& result, const std::optional<std::string>& configuration,
-                      const std::optional<std::string>& error) {
+boost::json::object result_json(const ScanResult& result,
+                                const std::optional<std::string>& configuration,
+                                const std::optional<std::string>& error) {
   boost::json::array units;
   for (const auto& unit : result.found) {
     units.push_back(unit_json(unit));
@@ -74,6 +73,33 @@ std::string scan_json(const ScanResult& result, const std::optional<std::string>
   if (error) {
     object["error"] = *error;
   }
+  return object;
+}
+
+boost::json::value line_json(const FoundLine& line) {
+  const auto parity = parity_word(line.mode.format.parity);
+  return boost::json::object{{"device", line.device},
+                             {"baud", static_cast<std::uint32_t>(line.mode.baud)},
+                             {"parity", boost::json::string_view(parity.data(), parity.size())},
+                             {"stop_bits", line.mode.format.stop_bits}};
+}
+
+}  // namespace
+
+std::string scan_json(const ScanResult& result, const std::optional<std::string>& configuration,
+                      const std::optional<std::string>& error) {
+  return boost::json::serialize(result_json(result, configuration, error));
+}
+
+std::string scan_json(const PortScan& scan, const std::optional<std::string>& configuration,
+                      const std::optional<std::string>& error) {
+  auto object = result_json(scan.result, configuration, error);
+  object["line"] = scan.line ? line_json(*scan.line) : boost::json::value(nullptr);
+  boost::json::array notes;
+  for (const auto& note : scan.notes) {
+    notes.emplace_back(note);
+  }
+  object["notes"] = std::move(notes);
   return boost::json::serialize(object);
 }
 

@@ -5,13 +5,16 @@
 #include <optional>
 #include <string>
 
-#include "ctl/scan/scan.hpp"
+#include "ctl/scan/port_scan.hpp"
 
 namespace mbgate::ctl {
 
 /// One JSON object: "units" (what scan_table() says of each), "busy" (units that were not scanned),
 /// "configuration" (null if no unit was found), and "error" if there is one.
 std::string scan_json(const ScanResult& result, const std::optional<std::string>& configuration,
+                      const std::optional<std::string>& error);
+/// The same of a serial port; also "line" (its mode; null if no unit answered) and "notes".
+std::string scan_json(const PortScan& scan, const std::optional<std::string>& configuration,
                       const std::optional<std::string>& error);
 
 }  // namespace mbgate::ctl

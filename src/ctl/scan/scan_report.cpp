@@ -80,6 +80,12 @@ std::string scan_table(const ScanResult& result) {
   return text;
 }
 
+std::string line_head(const FoundLine& line) {
+  return line.device + ", " + std::to_string(static_cast<std::uint32_t>(line.mode.baud)) +
+         " baud, parity " + std::string(parity_word(line.mode.format.parity)) + ", stop bits " +
+         std::to_string(line.mode.format.stop_bits) + ":\n";
+}
+
 std::string likely_text(const Identification& identification) {
   if (identification.likely.empty()) {
     return std::string(config::kGenericProfile);

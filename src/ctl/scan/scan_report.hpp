@@ -5,11 +5,16 @@
 #include <string>
 
 #include "ctl/scan/scan.hpp"
+#include "ctl/scan/starting_config.hpp"
 
 namespace mbgate::ctl {
 
 /// A table with a line for each unit, and below it an explanation of the words in it.
 std::string scan_table(const ScanResult& result);
+
+/// What stands above the table of a serial port: "/dev/ttyUSB0, 9600 baud, parity even, stop bits
+/// 1:" and the end of the line.
+std::string line_head(const FoundLine& line);
 
 /// "moons-m3", or "moons-ssdc or moons-stb"; "generic" if no profile fits.
 std::string likely_text(const Identification& identification);

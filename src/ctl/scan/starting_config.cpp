@@ -19,8 +19,8 @@ constexpr unsigned kMargin = 3;
 
 std::string quoted(const std::string& text) { return config::in_quotes(text); }
 
-std::string head(const Target& target, const std::string& bus) {
-  return "# What mbgatectl scan found at " + target.host + ", port " + std::to_string(target.port) +
+std::string head(const std::string& where, const std::string& bus) {
+  return "# What mbgatectl scan found at " + where +
          ". Look through every line before it\n"
          "# runs: a scan only reads, and what reading cannot tell is marked CHOOSE.\n"
          "\n"
@@ -32,12 +32,26 @@ std::string head(const Target& target, const std::string& bus) {
          "\n"
          "[[bus]]\n"
          "name = " +
-         quoted(bus) +
-         "\n"
-         "device = \"/dev/ttyUSB0\"        # CHOOSE: better a name in /dev/serial/by-id\n"
+         quoted(bus) + "\n";
+}
+
+std::string line_to_choose() {
+  return "device = \"/dev/ttyUSB0\"        # CHOOSE: better a name in /dev/serial/by-id\n"
          "baud = 19200                   # CHOOSE these three as the line is set now\n"
          "parity = \"even\"\n"
          "stop_bits = 1\n";
+}
+
+std::string line_as_found(const FoundLine& line) {
+  std::string text = "device = " + quoted(line.device);
+  if (line.lasting_name) {
+    text += "  # CHOOSE: better " + quoted(*line.lasting_name) + ", which stays the same";
+  }
+  const auto& [baud, format] = line.mode;
+  return text + "\nbaud = " + std::to_string(static_cast<std::uint32_t>(baud)) +
+         "  # the units answered with these three\nparity = " +
+         quoted(std::string(parity_word(format.parity))) +
+         "\nstop_bits = " + std::to_string(format.stop_bits) + "\n";
 }
 
 std::string source_of(const FoundUnit& unit) {
@@ -98,15 +112,25 @@ std::string route(const FoundUnit& unit) {
               : "# word_order = \"big\"  # once the choice above is made: what the clients see\n");
 }
 
-}  // namespace
-
-std::string starting_config(const Target& target, const std::string& bus,
-                            const std::vector<FoundUnit>& found) {
-  std::string text = head(target, bus);
+std::string units(const std::string& bus, const std::vector<FoundUnit>& found) {
+  std::string text;
   for (const auto& unit : found) {
     text += "\n" + device(unit, bus) + "\n" + route(unit);
   }
   return text;
+}
+
+}  // namespace
+
+std::string starting_config(const Target& target, const std::string& bus,
+                            const std::vector<FoundUnit>& found) {
+  return head(target.host + ", port " + std::to_string(target.port), bus) + line_to_choose() +
+         units(bus, found);
+}
+
+std::string starting_config(const FoundLine& line, const std::string& bus,
+                            const std::vector<FoundUnit>& found) {
+  return head(line.device, bus) + line_as_found(line) + units(bus, found);
 }
 
 std::chrono::milliseconds sensible_timeout(std::chrono::nanoseconds slowest) {

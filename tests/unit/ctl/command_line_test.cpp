@@ -253,6 +253,42 @@ TEST(CommandLine, StatusIsWatchedEverySecondUnlessToldOtherwise) {
   EXPECT_EQ(complaint("status --times 3"), "mbgatectl: --times requires --watch");
 }
 
+TEST(CommandLine, ScanOfASerialPortTriesTheUsualModesUnlessToldOtherwise) {
+  EXPECT_FALSE(command<ScanCommand>("scan").port);
+  const auto plain = command<ScanCommand>("scan --device /dev/ttyUSB0").port;
+  ASSERT_TRUE(plain);
+  EXPECT_EQ(plain->device, "/dev/ttyUSB0");
+  ASSERT_EQ(plain->modes.size(), 15U);
+  EXPECT_EQ(mode_text(plain->modes.front()), "9600 8E1");
+  EXPECT_EQ(mode_text(plain->modes.back()), "57600 8O1");
+  EXPECT_EQ(plain->wait, std::chrono::milliseconds(100));
+  EXPECT_FALSE(plain->all_modes);
+  const auto port = command<ScanCommand>(
+                        "scan --device a --bauds 250000,9600 --parities none --stop-bits 1,2 "
+                        "--wait 1s --all-modes")
+                        .port;
+  ASSERT_TRUE(port);
+  ASSERT_EQ(port->modes.size(), 4U);
+  EXPECT_EQ(mode_text(port->modes[1]), "250000 8N2");
+  EXPECT_EQ(port->wait, std::chrono::seconds(1));
+  EXPECT_TRUE(port->all_modes);
+}
+
+TEST(CommandLine, ScanOfASerialPortHasNoServerAndOnlyItHasModes) {
+  for (const auto* option : {"--host plant", "--port 1502", "--timeout 8s"}) {
+    EXPECT_THAT(complaint("scan --device a " + std::string(option)), HasSubstr("excludes"))
+        << option;
+  }
+  for (const auto* option :
+       {"--bauds 9600", "--parities odd", "--stop-bits 2", "--wait 1s", "--all-modes"}) {
+    EXPECT_THAT(complaint("scan " + std::string(option)), HasSubstr("requires --device")) << option;
+  }
+  EXPECT_EQ(complaint("scan --device a --parities mark"),
+            "mbgatectl: \"mark\" are no parities: even, none, odd, with commas");
+  EXPECT_EQ(complaint("scan --device a --wait 0ms"),
+            "mbgatectl: \"0ms\" is not a time of at least 1ms, like 500ms or 5s");
+}
+
 TEST(CommandLine, HelpAndVersionAreNoErrors) {
   for (const auto* line :
        {"--help", "read --help", "write --help", "profile --help", "scan --help"}) {

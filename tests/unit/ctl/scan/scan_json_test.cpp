@@ -40,5 +40,17 @@ TEST(ScanJson, SaysWhyNothingWasFound) {
             R"({"units":[],"busy":[7],"configuration":null,"error":"no other unit answered"})");
 }
 
+TEST(ScanJson, HasTheLineAndTheNotesOfASerialPort) {
+  PortScan scan;
+  scan.notes = {"interference"};
+  EXPECT_EQ(scan_json(scan, std::nullopt, "interrupted"),
+            R"({"units":[],"busy":[],"configuration":null,"error":"interrupted","line":null,)"
+            R"("notes":["interference"]})");
+  scan.line = FoundLine{"/dev/ttyUSB0", std::nullopt, {modbus::Baud{9600}, {}}};
+  const auto json = boost::json::parse(scan_json(scan, std::nullopt, std::nullopt));
+  EXPECT_EQ(json.at("line"), boost::json::parse(R"({"device": "/dev/ttyUSB0", "baud": 9600,
+                                                    "parity": "even", "stop_bits": 1})"));
+}
+
 }  // namespace
 }  // namespace mbgate::ctl

@@ -119,6 +119,37 @@ word_order = "big"
 )");
 }
 
+TEST(StartingConfig, HasTheLineAsItWasFound) {
+  const LineMode mode{modbus::Baud{115200}, {8, modbus::Parity::none, 2}};
+  const std::string begin =
+      R"(# What mbgatectl scan found at /dev/ttyUSB1. Look through every line before it
+# runs: a scan only reads, and what reading cannot tell is marked CHOOSE.
+
+[[listen]]
+name = "plant"
+address = "127.0.0.1"          # CHOOSE: the address that the clients reach, and who may: `allow`
+port = 502
+
+[[bus]]
+name = "line-b"
+device = "/dev/ttyUSB1")";
+  const std::string rest = R"(
+baud = 115200  # the units answered with these three
+parity = "none"
+stop_bits = 2
+)";
+  EXPECT_EQ(starting_config(FoundLine{"/dev/ttyUSB1", std::nullopt, mode}, "line-b", {}),
+            begin + rest);
+  EXPECT_EQ(
+      starting_config(FoundLine{"/dev/ttyUSB1", "/dev/serial/by-id/usb-1", mode}, "line-b", {}),
+      begin + "  # CHOOSE: better \"/dev/serial/by-id/usb-1\", which stays the same" + rest);
+}
+
+TEST(LineHead, StandsAboveTheTable) {
+  EXPECT_EQ(line_head({"/dev/ttyUSB0", std::nullopt, {modbus::Baud{9600}, {}}}),
+            "/dev/ttyUSB0, 9600 baud, parity even, stop bits 1:\n");
+}
+
 TEST(SensibleTimeout, IsRoundAndAtLeastThriceTheSlowestAnswer) {
   EXPECT_EQ(sensible_timeout(1ms), 100ms);
   EXPECT_EQ(sensible_timeout(33ms), 100ms);

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds out at which rate and parity the units of a serial line answer: says which mode to set and
+// whom to ask next, and takes what was heard. It has no port and no clock.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ctl/serial/heard.hpp"
+#include "ctl/serial/line_mode.hpp"
+
+namespace mbgate::ctl {
+
+struct SweepPlan {
+  std::vector<std::uint8_t> units;
+  std::vector<LineMode> modes;    ///< in the order in which they are tried; not empty
+  std::chrono::nanoseconds wait;  ///< for each answer
+  bool all_modes = false;         ///< else the first mode with an answer is the last one
+};
+
+/// What was learned in one mode.
+struct ModeFindings {
+  LineMode mode;
+  std::vector<std::uint8_t> units{};     ///< those that answered, in ascending order
+  std::vector<std::uint8_t> others{};    ///< whose frames came late, or were not asked for
+  std::size_t bad_crcs = 0;              ///< frames that began as the answer does
+  std::size_t noise = 0;                 ///< how often there were bytes that are no frame
+  std::size_t noise_bytes = 0;           ///< of both
+  std::optional<std::string> refusal{};  ///< why the port cannot have this mode
+};
+
+/// What each unit is asked: nearly every one answers this, if only with an exception.
+inline constexpr modbus::TableRange kSweepRead{modbus::Table::holding_registers, 0, 1};
+
+class Sweep {
+ public:
+  explicit Sweep(SweepPlan plan);
+
+  struct Step {
+    LineMode mode;
+    bool sets_mode;  ///< it is the first one in this mode
+    std::uint8_t unit;
+  };
+  /// Nothing when all that is worth asking was asked.
+  [[nodiscard]] std::optional<Step> next() const;
+  /// What came after the read that next() said.
+  void take(const Heard& heard);
+  /// The port cannot have the mode that next() said: it is left out.
+  void refuse_mode(std::string why);
+
+  [[nodiscard]] const SweepPlan& plan() const { return plan_; }
+  /// Of the modes so far, in their order.
+  [[nodiscard]] const std::vector<ModeFindings>& findings() const { return findings_; }
+  /// The mode in which most units answered, the first of equals; nullptr if none answered.
+  [[nodiscard]] const ModeFindings* best() const;
+
+ private:
+  [[nodiscard]] bool is_asked(std::uint8_t unit) const;
+  void end_mode();
+
+  SweepPlan plan_;
+  std::vector<ModeFindings> findings_;  ///< the last one may be that of the mode in work
+  std::size_t mode_ = 0;                ///< of the next step
+  std::size_t unit_ = 0;                ///< of the next step
+};
+
+/// How long the sweep takes where nobody answers, and no longer where somebody does; only a line
+/// full of noise takes more.
+std::chrono::nanoseconds longest(const SweepPlan& plan);
+
+/// The line that is swept.
+struct SweptLine {
+  /// Why the port cannot have the mode, or nothing.
+  std::function<std::optional<std::string>(const LineMode&)> set_mode;
+  /// Reads kSweepRead. The error ends the sweep.
+  std::function<Result<Heard, std::string>(std::uint8_t unit)> ask;
+  /// Called before each question.
+  std::function<void(const Sweep&)> progress;
+};
+
+/// Does the steps one after the other; the error is that of the line.
+std::optional<std::string> carry_out_sweep(Sweep& sweep, const SweptLine& line);
+
+}  // namespace mbgate::ctl

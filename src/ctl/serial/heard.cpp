@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/serial/heard.hpp"
+
+#include <algorithm>
+
+#include "modbus/make_request.hpp"
+#include "modbus/response.hpp"
+
+namespace mbgate::ctl {
+
+using modbus::Bytes;
+using modbus::Pdu;
+
+SentRead::SentRead(std::uint8_t unit, const modbus::TableRange& read)
+    : unit_(unit),
+      request_(modbus::make_read(read)),
+      frame_(modbus::encode_rtu(unit, request_.pdu())) {}
+
+Bytes SentRead::without_echo(Bytes received) const {
+  const bool echo =
+      received.size() >= frame_.size() && std::ranges::equal(received.first(frame_.size()), frame_);
+  return echo ? received.subspan(frame_.size()) : received;
+}
+
+std::optional<Pdu> SentRead::answer_at_begin(Bytes received) const {
+  if (received.size() < modbus::kMinRtuSize || received.front() != unit_) {
+    return std::nullopt;
+  }
+  const auto length = modbus::response_length(received.subspan(1));
+  const auto size = length.bytes + modbus::kRtuOverhead;
+  if (length.kind != modbus::PduLength::Kind::known || size > received.size()) {
+    return std::nullopt;
+  }
+  const auto adu = modbus::decode_rtu(received.first(size));
+  const bool fits = adu && modbus::is_fitting(modbus::check_response(request_, adu->pdu.bytes()));
+  return fits ? std::optional(adu->pdu) : std::nullopt;
+}
+
+std::optional<Pdu> SentRead::answer_in(Bytes received) const {
+  for (auto rest = without_echo(received); !rest.empty(); rest = rest.subspan(1)) {
+    if (auto answer = answer_at_begin(rest)) {
+      return answer;
+    }
+  }
+  return std::nullopt;
+}
+
+Heard SentRead::understand(Bytes received) const {
+  const auto rest = without_echo(received);
+  Heard heard;
+  heard.bytes = rest.size();
+  if (rest.empty()) {
+    return heard;
+  }
+  if (auto answer = answer_in(received)) {
+    heard.kind = HeardKind::answer;
+    heard.response = *std::move(answer);
+  } else if (const auto other = modbus::decode_rtu(rest)) {
+    heard.kind = HeardKind::other_frame;
+    heard.unit = other->address;
+  } else {
+    const bool begun = rest.size() >= modbus::kMinRtuSize && rest[0] == unit_ &&
+                       (rest[1] & ~modbus::kExceptionBit) == request_.function();
+    heard.kind = begun ? HeardKind::bad_crc : HeardKind::noise;
+  }
+  return heard;
+}
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// What was heard on a serial line after one read was sent. No port and no clock: bytes go in.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "modbus/request.hpp"
+#include "modbus/rtu.hpp"
+
+namespace mbgate::ctl {
+
+enum class HeardKind : std::uint8_t {
+  silence,
+  answer,       ///< of the unit that was asked: data, or an exception
+  other_frame,  ///< whole, but of another unit, or to another request
+  bad_crc,      ///< begins as the answer does
+  noise         ///< bytes that are no frame
+};
+
+struct Heard {
+  HeardKind kind = HeardKind::silence;
+  std::size_t bytes = 0;                  ///< all that came, without an echo of the request
+  std::uint8_t unit = 0;                  ///< of `other_frame`
+  std::optional<modbus::Pdu> response{};  ///< of `answer`
+  std::chrono::nanoseconds took{0};       ///< from the first byte sent to the last one heard
+};
+
+/// A read as it goes out. There is no other request, so that a scan cannot write.
+class SentRead {
+ public:
+  SentRead(std::uint8_t unit, const modbus::TableRange& read);
+
+  [[nodiscard]] std::uint8_t unit() const { return unit_; }
+  [[nodiscard]] modbus::Bytes frame() const { return {frame_.data(), frame_.size()}; }
+  /// The answer in what was received so far. Around it there may be other bytes: an echo, a late
+  /// answer of another unit, and what a transceiver makes of turning round.
+  [[nodiscard]] std::optional<modbus::Pdu> answer_in(modbus::Bytes received) const;
+  /// What all that was received means; `took` is not set.
+  [[nodiscard]] Heard understand(modbus::Bytes received) const;
+
+ private:
+  [[nodiscard]] modbus::Bytes without_echo(modbus::Bytes received) const;
+  [[nodiscard]] std::optional<modbus::Pdu> answer_at_begin(modbus::Bytes received) const;
+
+  std::uint8_t unit_;
+  modbus::Request request_;
+  modbus::RtuBytes frame_;
+};
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/serial/serial_client.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <ctime>
+#include <system_error>
+
+#include "ctl/serial/serial_mode.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+
+/// So long a pause ends what is heard: an FTDI chip holds bytes back for up to 16 ms, and its
+/// packets may arrive that much apart.
+constexpr std::chrono::milliseconds kPieces{20};
+/// A line that never falls silent is listened to no longer: an echo, a frame, and one more.
+constexpr std::size_t kMostHeard = 2 * modbus::kMaxRtuSize + 8;
+
+/// Is there something to read, or an error, before `until`?
+bool wait_readable(int fd, steady_clock::time_point until) {
+  while (true) {
+    const auto left = std::max<nanoseconds>(until - steady_clock::now(), nanoseconds(0));
+    const auto whole = std::chrono::floor<std::chrono::seconds>(left);
+    const timespec time{whole.count(), (left - whole).count()};
+    pollfd watched{fd, POLLIN, 0};
+    const int ready = ::ppoll(&watched, 1, &time, nullptr);
+    if (ready >= 0 || errno != EINTR) {
+      return ready != 0;
+    }
+  }
+}
+
+std::string gone_text(const std::string& device, int error) {
+  return device + ": the port is gone" +
+         (error == 0 ? std::string() : ": " + std::generic_category().message(error));
+}
+
+}  // namespace
+
+Result<SerialClient, std::string> SerialClient::open(const std::string& device) {
+  auto port = SerialPort::open(device);
+  if (!port) {
+    return port.error();
+  }
+  return SerialClient(device, *std::move(port));
+}
+
+std::optional<std::string> SerialClient::set_mode(const LineMode& mode) {
+  mode_ = mode;
+  ready_at_ = steady_clock::now() + kModeSettling;
+  return port_.set_mode(mode);
+}
+
+std::optional<std::string> SerialClient::send(modbus::Bytes frame) {
+  const auto written = ::write(port_.descriptor(), frame.data(), frame.size());
+  if (written == static_cast<ssize_t>(frame.size())) {
+    return std::nullopt;
+  }
+  return written >= 0 || errno == EAGAIN ? device_ + ": the port takes no bytes"
+                                         : gone_text(device_, errno);
+}
+
+std::optional<std::string> SerialClient::listen(const SentRead& sent,
+                                                steady_clock::time_point until) {
+  const auto quiet =
+      std::max<nanoseconds>(kPieces, modbus::RtuTiming(mode_.baud, mode_.format).t3_5());
+  received_.clear();
+  auto end = until;
+  while (received_.size() < kMostHeard && wait_readable(port_.descriptor(), end)) {
+    std::array<std::uint8_t, modbus::kMaxRtuSize> piece{};
+    const auto size = ::read(port_.descriptor(), piece.data(), piece.size());
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) {
+      continue;
+    }
+    if (size <= 0) {
+      return gone_text(device_, size == 0 ? 0 : errno);
+    }
+    received_.insert(received_.end(), piece.begin(), piece.begin() + size);
+    last_received_ = steady_clock::now();
+    if (sent.answer_in(received())) {
+      return std::nullopt;
+    }
+    // After other bytes the answer may still come.
+    end = std::max(until, last_received_ + quiet);
+  }
+  return std::nullopt;
+}
+
+Result<Heard, std::string> SerialClient::ask(std::uint8_t unit, const modbus::TableRange& read,
+                                             nanoseconds wait) {
+  const SentRead sent(unit, read);
+  const modbus::RtuTiming timing(mode_.baud, mode_.format);
+  discard_serial(port_.descriptor());
+  const auto begin = steady_clock::now();
+  last_received_ = begin;
+  if (auto error = send(sent.frame())) {
+    return *std::move(error);
+  }
+  if (auto error = listen(sent, begin + timing.duration_of(sent.frame().size()) + wait)) {
+    return *std::move(error);
+  }
+  auto heard = sent.understand(received());
+  heard.took = last_received_ - begin;
+  const bool understood = heard.kind == HeardKind::answer || heard.kind == HeardKind::silence;
+  const nanoseconds pause = understood ? nanoseconds(0) : nanoseconds(kPauseAfterNoise);
+  ready_at_ = steady_clock::now() + std::max<nanoseconds>(timing.t3_5(), pause);
+  return heard;
+}
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Asks the units of a serial line, one read at a time, without a gateway. Not over libmodbus: it
+// neither says how many bytes it heard, nor shows a frame of another unit, takes an unknown rate
+// for 9600 baud, and opens the port by itself, without a lock.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ctl/serial/heard.hpp"
+#include "ctl/serial/serial_port.hpp"
+
+namespace mbgate::ctl {
+
+/// After a change of the mode an adapter needs time, and the units what is left of a frame.
+inline constexpr std::chrono::milliseconds kModeSettling{20};
+/// The least pause after bytes that were not understood: they may have more behind them.
+inline constexpr std::chrono::milliseconds kPauseAfterNoise{5};
+
+class SerialClient {
+ public:
+  /// Opens the port and locks it; the error is a full sentence. set_mode() comes next.
+  static Result<SerialClient, std::string> open(const std::string& device);
+
+  /// Why the port cannot have this mode, or nothing.
+  std::optional<std::string> set_mode(const LineMode& mode);
+  /// When the next frame may go out: t3.5 after the last one, if not later. Whoever asks waits.
+  [[nodiscard]] std::chrono::steady_clock::time_point ready_at() const { return ready_at_; }
+  /// Sends a read and listens until its answer is there, or nothing has come for `wait` after the
+  /// request and all is quiet. The error is a full sentence: the port is of no more use.
+  Result<Heard, std::string> ask(std::uint8_t unit, const modbus::TableRange& read,
+                                 std::chrono::nanoseconds wait);
+
+ private:
+  SerialClient(std::string device, SerialPort port)
+      : device_(std::move(device)), port_(std::move(port)) {}
+  std::optional<std::string> send(modbus::Bytes frame);
+  std::optional<std::string> listen(const SentRead& sent,
+                                    std::chrono::steady_clock::time_point until);
+  [[nodiscard]] modbus::Bytes received() const { return {received_.data(), received_.size()}; }
+
+  std::string device_;
+  SerialPort port_;
+  LineMode mode_;
+  std::chrono::steady_clock::time_point ready_at_{};
+  std::vector<std::uint8_t> received_;
+  std::chrono::steady_clock::time_point last_received_{};
+};
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// A serial port for our use alone, with the locks that mbgated takes, and sentences for people
+// where it cannot be had.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ctl/serial/line_mode.hpp"
+
+namespace mbgate::ctl {
+
+inline constexpr const char* kSerialNames = "/dev/serial/by-id";
+
+class SerialPort {
+ public:
+  /// Opens the port and locks it; its mode is that of before. The error is a full sentence.
+  static Result<SerialPort, std::string> open(const std::string& device);
+
+  SerialPort(SerialPort&& other) noexcept;
+  SerialPort& operator=(SerialPort&&) = delete;
+  SerialPort(const SerialPort&) = delete;
+  SerialPort& operator=(const SerialPort&) = delete;
+  ~SerialPort();
+
+  [[nodiscard]] int descriptor() const { return fd_; }
+  /// Why the port cannot have this mode, or nothing.
+  [[nodiscard]] std::optional<std::string> set_mode(const LineMode& mode) const;
+
+ private:
+  explicit SerialPort(int fd);
+
+  int fd_;
+  bool pseudo_terminal_;
+};
+
+/// What to say where open() of `device` has failed with `error`. `names` are those of the ports
+/// that there are.
+std::string port_failure(const std::string& device, int error,
+                         const std::vector<std::string>& names);
+
+/// The paths in `folder`, which are names of serial ports; sorted.
+std::vector<std::string> serial_names(const std::string& folder = kSerialNames);
+
+/// The path among `names` that leads to the same port as `device` and is another one: it stays the
+/// same where adapters are plugged in otherwise.
+std::optional<std::string> lasting_name(const std::string& device,
+                                        const std::vector<std::string>& names);
+
+}  // namespace mbgate::ctl

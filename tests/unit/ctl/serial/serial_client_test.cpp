@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/serial/serial_client.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <thread>
+
+#include "terminal.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr modbus::TableRange kRead{modbus::Table::holding_registers, 0, 1};
+constexpr std::chrono::seconds kLong(30);
+constexpr std::chrono::milliseconds kShort(1);
+constexpr LineMode kMode{modbus::Baud{9600}, {8, modbus::Parity::even, 1}};
+
+/// Takes one request of 8 bytes and gives these bytes back.
+void reply_once(int end, const std::vector<std::uint8_t>& bytes) {
+  std::array<std::uint8_t, 8> request{};
+  std::size_t taken = 0;
+  while (taken < request.size()) {
+    const auto size = read(end, request.data() + taken, request.size() - taken);
+    ASSERT_GT(size, 0);
+    taken += static_cast<std::size_t>(size);
+  }
+  ASSERT_EQ(write(end, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+}
+
+std::vector<std::uint8_t> data_of(std::uint8_t unit) {
+  const std::vector<std::uint8_t> pdu{0x03, 0x02, 0x12, 0x34};
+  const auto frame = modbus::encode_rtu(unit, *modbus::Pdu::from(pdu));
+  return {frame.begin(), frame.end()};
+}
+
+/// Asks unit 1 of a line where `bytes` come back.
+Heard hear(const std::vector<std::uint8_t>& bytes, std::chrono::nanoseconds wait,
+           std::optional<steady_clock::duration>* pause = nullptr) {
+  const Terminal terminal;
+  auto client = SerialClient::open(terminal.path);
+  EXPECT_TRUE(client);
+  EXPECT_EQ(client->set_mode(kMode), std::nullopt);
+  std::thread other(reply_once, terminal.other_end(), bytes);
+  const auto begin = steady_clock::now();
+  const auto heard = client->ask(1, kRead, wait);
+  other.join();
+  EXPECT_TRUE(heard);
+  if (pause != nullptr) {
+    *pause = client->ready_at() - begin;
+  }
+  return *heard;
+}
+
+TEST(SerialClient, TakesAnAnswerAsSoonAsItIsWhole) {
+  const auto heard = hear(data_of(1), kLong);
+  EXPECT_EQ(heard.kind, HeardKind::answer);
+  EXPECT_LT(heard.took, kLong);
+}
+
+TEST(SerialClient, WaitsFor35CharactersAndLongerAfterWhatItDidNotUnderstand) {
+  std::optional<steady_clock::duration> pause;
+  hear(data_of(1), kLong, &pause);
+  EXPECT_GE(pause, modbus::RtuTiming(kMode.baud, kMode.format).t3_5());
+  EXPECT_EQ(hear({0xFF, 0xFE}, std::chrono::milliseconds(100), &pause).kind, HeardKind::noise);
+  EXPECT_GE(pause, std::chrono::milliseconds(100) + kPauseAfterNoise);
+}
+
+TEST(SerialClient, HearsSilence) {
+  const Terminal terminal;
+  auto client = SerialClient::open(terminal.path);
+  ASSERT_TRUE(client);
+  ASSERT_EQ(client->set_mode(kMode), std::nullopt);
+  const auto heard = client->ask(1, kRead, kShort);
+  ASSERT_TRUE(heard);
+  EXPECT_EQ(heard->kind, HeardKind::silence);
+}
+
+TEST(SerialClient, DoesNotOpenWhatIsNotThere) {
+  const auto client = SerialClient::open("/dev/null");
+  ASSERT_FALSE(client);
+  EXPECT_EQ(client.error(), "/dev/null: this is no serial port");
+}
+
+}  // namespace
+}  // namespace mbgate::ctl
