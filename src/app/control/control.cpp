@@ -4,236 +4,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <boost/asio/awaitable.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/json/serialize.hpp>
 #include <chrono>
 #include <exception>
-#include <optional>
-#include <string_view>
-#include <system_error>
 #include <utility>
 
-#include "app/control/connection.hpp"
 #include "app/control/control_socket.hpp"
-#include "app/control/event_streams.hpp"
-#include "app/control/question.hpp"
 #include "io/blocking_calls.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
-namespace {
-
-namespace asio = boost::asio;
-namespace http = boost::beast::http;
-using asio::local::stream_protocol;
-using Request = http::request<http::string_body>;
-using Response = http::response<http::string_body>;
-
-/// A gateway that does not answer within this is not well.
-constexpr std::chrono::seconds kAnswerLimit{1};
-/// Reading a configuration may wait for a slow disk.
-constexpr std::chrono::seconds kReloadLimit{30};
-constexpr std::string_view kNoAnswer = "the gateway has not answered within 1 s";
-constexpr std::string_view kEventsPath = "/api/v1/events";
-constexpr std::size_t kMostConnections = 64;
-constexpr std::uint32_t kLongestHeader = 8192;
-constexpr std::uint64_t kLongestBody = 65536;
-
-boost::json::object error_json(std::string_view text) { return {{"error", text}}; }
-
-Response answer(const Request& request, http::status status, const boost::json::object& json) {
-  Response response(status, request.version());
-  response.set(http::field::content_type, "application/json");
-  response.set(http::field::cache_control, "no-store");
-  response.keep_alive(request.keep_alive());
-  response.body() = boost::json::serialize(json) + "\n";
-  response.prepare_payload();
-  return response;
-}
-
-std::string_view path_of(const Request& request) {
-  const std::string_view target(request.target().data(), request.target().size());
-  return target.substr(0, target.find('?'));
-}
-
-std::optional<std::string_view> last_event_id(const Request& request) {
-  const auto found = request.find("Last-Event-ID");
-  if (found == request.end()) {
-    return std::nullopt;
-  }
-  return std::string_view(found->value().data(), found->value().size());
-}
-
-}  // namespace
-
-/// Used on the server's thread alone, but for its construction.
-class Control::Server {
- public:
-  Server(const std::shared_ptr<asio::io_context>& home, asio::io_context& gateway,
-         ControlTarget& target, stream_protocol::acceptor acceptor)
-      : home_(home), gateway_(gateway), target_(target), acceptor_(std::move(acceptor)) {}
-
-  /// No more connections.
-  void close() {
-    boost::system::error_code ignored;
-    acceptor_.close(ignored);
-  }
-
-  asio::awaitable<void> accept() {
-    while (true) {
-      auto [error, socket] = co_await acceptor_.async_accept(kNoThrow);
-      if (error == asio::error::operation_aborted) {
-        co_return;
-      }
-      if (!error && connections_ < kMostConnections) {
-        ++connections_;
-        io::supervise(*home_, serve_one(ControlStream(std::move(socket))), "control connection");
-      } else if (error) {  // too few descriptors: not again and again without a pause
-        asio::steady_timer pause(*home_, kAnswerLimit);
-        co_await pause.async_wait(kNoThrow);
-      }
-    }
-  }
-
-  void tell(JournalEvent event) { events_.add(std::move(event)); }
-
- private:
-  struct Status {
-    gateway::StatusReport report;
-    ProcessStatus process;
-  };
-
-  asio::awaitable<void> serve_one(ControlStream stream) {
-    const auto begin = co_await serve(stream);
-    --connections_;
-    if (begin) {
-      co_await events_.feed(stream, *begin);
-    }
-  }
-
-  /// Until the connection ends, or is to be a stream of events: then after which one.
-  asio::awaitable<std::optional<std::uint64_t>> serve(ControlStream& stream) {
-    boost::beast::flat_buffer buffer;
-    bool goes_on = true;
-    while (goes_on) {
-      http::request_parser<http::string_body> parser;
-      parser.header_limit(kLongestHeader);
-      parser.body_limit(kLongestBody);
-      stream.expires_after(kClientLimit);
-      const auto [read_error, got] = co_await http::async_read(stream, buffer, parser, kNoThrow);
-      if (read_error) {
-        break;
-      }
-      const Request request = parser.release();
-      Response response;
-      if (path_of(request) == kEventsPath && request.method() == http::verb::get) {
-        const auto begin = events_.begin(last_event_id(request));
-        if (begin) {
-          co_return *begin;
-        }
-        response = answer(request, begin.error().status, error_json(begin.error().why));
-      } else {
-        response = co_await respond(request);
-      }
-      goes_on = response.keep_alive();
-      stream.expires_after(kClientLimit);
-      const auto [write_error, sent] = co_await http::async_write(stream, response, kNoThrow);
-      goes_on = goes_on && !write_error;
-    }
-    co_return std::nullopt;
-  }
-
-  asio::awaitable<Response> respond(const Request& request) {
-    const std::string_view path = path_of(request);
-    const bool is_reload = path == "/api/v1/reload";
-    if (!is_reload && path != "/api/v1/status" && path != kEventsPath && path != "/healthz") {
-      co_return answer(request, http::status::not_found,
-                       error_json("expected GET /api/v1/status, GET /api/v1/events, GET /healthz "
-                                  "or POST /api/v1/reload"));
-    }
-    const auto wanted = is_reload ? http::verb::post : http::verb::get;
-    if (request.method() != wanted) {
-      co_return wrong_method(request, is_reload ? "POST" : "GET");
-    }
-    if (is_reload) {
-      co_return co_await reload(request);
-    }
-    if (path == "/healthz") {
-      co_return co_await health(request);
-    }
-    co_return co_await status(request);
-  }
-
-  static Response wrong_method(const Request& request, const char* allowed) {
-    Response response = answer(request, http::status::method_not_allowed,
-                               error_json(std::string("expected ") + allowed));
-    response.set(http::field::allow, allowed);
-    return response;
-  }
-
-  /// Nothing: the gateway's thread has not answered in time.
-  asio::awaitable<std::optional<Status>> ask_status() {
-    Question<Status> question(home_);
-    asio::post(gateway_, [&target = target_, take = question.taker()] {
-      take({target.report_status(), target.process_status()});
-    });
-    co_return co_await question.wait(kAnswerLimit);
-  }
-
-  asio::awaitable<Response> status(const Request& request) {
-    const auto now = co_await ask_status();
-    if (now) {
-      last_ = status_json(now->report, now->process);
-      last_at_ = std::chrono::steady_clock::now();
-      co_return answer(request, http::status::ok, last_);
-    }
-    boost::json::object json = error_json(kNoAnswer);
-    if (last_at_) {
-      const auto age = std::chrono::steady_clock::now() - *last_at_;
-      json["last_status"] = last_;
-      json["last_status_age_s"] = std::chrono::duration<double>(age).count();
-    }
-    co_return answer(request, http::status::service_unavailable, json);
-  }
-
-  asio::awaitable<Response> health(const Request& request) {
-    Question<bool> question(home_);
-    asio::post(gateway_, [take = question.taker()] { take(true); });
-    const auto now = co_await question.wait(kAnswerLimit);
-    co_return now ? answer(request, http::status::ok, {{"status", "ok"}})
-                  : answer(request, http::status::service_unavailable, error_json(kNoAnswer));
-  }
-
-  asio::awaitable<Response> reload(const Request& request) {
-    Question<ReloadOutcome> question(home_);
-    asio::post(gateway_, [&target = target_, take = question.taker()] { target.reload(take); });
-    const auto outcome = co_await question.wait(kReloadLimit);
-    if (!outcome) {
-      co_return answer(request, http::status::service_unavailable,
-                       error_json("the reload has not ended within 30 s; the journal will say"));
-    }
-    boost::json::array messages;
-    for (const std::string& message : outcome->messages) {
-      messages.emplace_back(boost::json::string(message));
-    }
-    const auto status = outcome->done ? http::status::ok : http::status::unprocessable_entity;
-    co_return answer(request, status,
-                     {{"result", outcome->done ? "done" : "refused"}, {"messages", messages}});
-  }
-
-  std::shared_ptr<asio::io_context> home_;
-  asio::io_context& gateway_;
-  ControlTarget& target_;
-  stream_protocol::acceptor acceptor_;
-  std::size_t connections_ = 0;  ///< but for streams of events
-  EventStreams events_;
-  boost::json::object last_;
-  std::optional<std::chrono::steady_clock::time_point> last_at_;
-};
 
 Control::Control(boost::asio::io_context& gateway, ControlTarget& target)
     : gateway_(gateway), target_(target) {}
@@ -259,7 +39,7 @@ void Control::remove_socket() const {
 // The gateway goes on without it, whatever is missing here: descriptors, threads, memory.
 std::string Control::start(const std::string& path) {
   try {
-    home_ = std::make_shared<asio::io_context>(1);
+    home_ = std::make_shared<boost::asio::io_context>(1);
     auto acceptor = open_control_socket(*home_, path);
     if (!acceptor) {
       return acceptor.error();
@@ -270,7 +50,7 @@ std::string Control::start(const std::string& path) {
       device_ = made.st_dev;
       inode_ = made.st_ino;
     }
-    server_ = std::make_unique<Server>(home_, gateway_, target_, *std::move(acceptor));
+    server_ = std::make_unique<ControlServer>(home_, gateway_, target_, *std::move(acceptor));
     io::supervise(*home_, server_->accept(), "control");
     thread_ = std::thread([this] { run(); });
   } catch (const std::exception& exception) {
@@ -291,7 +71,7 @@ void Control::tell(Level level, const std::string& text) {
   }
   ++waiting_;
   JournalEvent event{id, std::chrono::system_clock::now(), level, text};
-  asio::post(*home_, [this, event = std::move(event)]() mutable {
+  boost::asio::post(*home_, [this, event = std::move(event)]() mutable {
     --waiting_;
     server_->tell(std::move(event));
   });
@@ -304,7 +84,7 @@ void Control::run() {
   } catch (const std::exception& exception) {
     server_->close();  // who comes now is refused, and does not wait for ever
     remove_socket();
-    asio::post(gateway_, [&target = target_, why = std::string(exception.what())] {
+    boost::asio::post(gateway_, [&target = target_, why = std::string(exception.what())] {
       target.control_failed(why);
     });
   }

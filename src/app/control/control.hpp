@@ -9,39 +9,16 @@
 
 #include <atomic>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/local/stream_protocol.hpp>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
-#include <vector>
 
-#include "app/control/status_json.hpp"
+#include "app/control/control_server.hpp"
 #include "app/log.hpp"
 
 namespace mbgate::app {
-
-/// What came of a reload.
-struct ReloadOutcome {
-  bool done = false;
-  std::vector<std::string> messages;  ///< what has changed, or why it was refused
-};
-
-/// Answers on the gateway's thread.
-class ControlTarget {
- public:
-  using ReloadEnded = std::function<void(const ReloadOutcome&)>;
-
-  virtual ~ControlTarget() = default;
-  [[nodiscard]] virtual gateway::StatusReport report_status() const = 0;
-  [[nodiscard]] virtual ProcessStatus process_status() const = 0;
-  /// `ended` is called once, on the same thread, perhaps at once.
-  virtual void reload(ReloadEnded ended) = 0;
-  /// The interface has ended because of a fault of its own; the gateway goes on.
-  virtual void control_failed(const std::string& why) = 0;
-};
 
 class Control {
  public:
@@ -60,14 +37,13 @@ class Control {
   void tell(Level level, const std::string& text);
 
  private:
-  class Server;
   void run();
   void remove_socket() const;
 
   boost::asio::io_context& gateway_;
   ControlTarget& target_;
   std::shared_ptr<boost::asio::io_context> home_;
-  std::unique_ptr<Server> server_;
+  std::unique_ptr<ControlServer> server_;
   std::string path_;
   dev_t device_ = 0;  ///< of the socket in the file system
   ino_t inode_ = 0;

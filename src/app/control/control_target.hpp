@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the gateway's thread answers to those who ask over the control socket.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "app/control/status_json.hpp"
+
+namespace mbgate::app {
+
+/// What came of a reload.
+struct ReloadOutcome {
+  bool done = false;
+  std::vector<std::string> messages;  ///< what has changed, or why it was refused
+};
+
+/// Answers on the gateway's thread.
+class ControlTarget {
+ public:
+  using ReloadEnded = std::function<void(const ReloadOutcome&)>;
+
+  virtual ~ControlTarget() = default;
+  [[nodiscard]] virtual gateway::StatusReport report_status() const = 0;
+  [[nodiscard]] virtual ProcessStatus process_status() const = 0;
+  /// `ended` is called once, on the same thread, perhaps at once.
+  virtual void reload(ReloadEnded ended) = 0;
+  /// The interface has ended because of a fault of its own; the gateway goes on.
+  virtual void control_failed(const std::string& why) = 0;
+};
+
+}  // namespace mbgate::app
