@@ -16,7 +16,14 @@ namespace {
 
 struct Subcommands {
   explicit Subcommands(CLI::App& app)
-      : read(app), write(app), profile(app), scan(app), check(app), status(app), reload(app) {}
+      : read(app),
+        write(app),
+        profile(app),
+        scan(app),
+        check(app),
+        status(app),
+        reload(app),
+        events(app) {}
 
   /// That of the subcommand which was given. The error is a full sentence.
   [[nodiscard]] Result<Command, std::string> command() const {
@@ -35,7 +42,10 @@ struct Subcommands {
     if (check.given()) {
       return check.command();
     }
-    return status.given() ? status.command() : reload.command();
+    if (status.given()) {
+      return status.command();
+    }
+    return reload.given() ? reload.command() : events.command();
   }
 
   ReadOptions read;
@@ -45,6 +55,7 @@ struct Subcommands {
   CheckOptions check;
   StatusOptions status;
   ReloadOptions reload;
+  EventsOptions events;
 };
 
 }  // namespace

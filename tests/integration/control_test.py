@@ -2,86 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """The control socket of the demo's gateway: every answer is held to docs/api.yaml, and mbgatectl says what it says."""
 
-import http.client
 import json
-import pathlib
 import re
 import socket
 import stat
-import subprocess
 import sys
 import unittest
 
-import jsonschema
-import yaml
+from control_case import EVENTS, MOONS, ControlCase
+from demo_plant import PATIENCE
 
-from demo_plant import PATIENCE, DemoPlant, program
-
-API = yaml.safe_load((pathlib.Path(__file__).parents[2] / "docs" / "api.yaml").read_text(encoding="utf-8"))
-MOONS, MOONS_LITTLE, STEPPER, AIC = 1, 3, 2, 17
+MOONS_LITTLE = 3
 
 
-def resolved(node):
-    """The node, or what it refers to."""
-    while "$ref" in node:
-        found = API
-        for part in node["$ref"].removeprefix("#/").split("/"):
-            found = found[part]
-        node = found
-    return node
-
-
-class UnixConnection(http.client.HTTPConnection):
-    def __init__(self, path):
-        super().__init__("mbgated", timeout=PATIENCE)
-        self._path = path
-
-    def connect(self):
-        self.sock = socket.socket(socket.AF_UNIX)
-        self.sock.settimeout(PATIENCE)
-        self.sock.connect(str(self._path))
-
-
-class ControlSocket(unittest.TestCase):
-    def setUp(self):
-        self.plant = self.enterContext(DemoPlant())
-
-    def ask(self, method, path):
-        """The HTTP status and the JSON, which is as docs/api.yaml says."""
-        connection = UnixConnection(self.plant.control)
-        self.addCleanup(connection.close)
-        connection.request(method, path)
-        answer = connection.getresponse()
-        body = json.loads(answer.read())
-        described = API["paths"].get(path, {})
-        if method.lower() in described:
-            response = resolved(described[method.lower()]["responses"][str(answer.status)])
-            schema = response["content"]["application/json"]["schema"]
-        else:
-            schema = {"$ref": "#/components/schemas/Error"}
-        jsonschema.Draft202012Validator({**schema, "components": API["components"]}).validate(body)
-        return answer.status, body
-
-    def status(self):
-        code, body = self.ask("GET", "/api/v1/status")
-        self.assertEqual(code, 200)
-        return body
-
-    def mbgatectl(self, *arguments):
-        command = [program("mbgatectl"), *map(str, arguments)]
-        return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
-
-    def read(self, unit, address=0):
-        return self.mbgatectl("read", "holding", address, "--unit", unit, "--port", self.plant.port)
-
-    def device(self, name):
-        return next(device for device in self.status()["devices"] if device["name"] == name)
-
-    def edit(self, before, after):
-        text = self.plant.configuration.read_text(encoding="utf-8")
-        self.assertIn(before, text)
-        self.plant.configuration.write_text(text.replace(before, after), encoding="utf-8")
-
+class ControlSocket(ControlCase):
     def test_the_status_shows_lines_drives_and_clients(self):
         for _ in range(5):
             self.assertEqual(self.read(MOONS).returncode, 0)
@@ -149,6 +83,7 @@ class ControlSocket(unittest.TestCase):
         self.assertEqual(self.ask("GET", "/")[0], 404)
         self.assertEqual(self.ask("POST", "/api/v1/status")[0], 405)
         self.assertEqual(self.ask("GET", "/api/v1/reload")[0], 405)
+        self.assertEqual(self.ask("POST", EVENTS)[0], 405)
 
     def test_the_socket_is_for_its_owner_and_group_and_goes_with_the_gateway(self):
         self.assertEqual(stat.S_IMODE(self.plant.control.stat().st_mode), 0o660)

@@ -6,9 +6,11 @@
 #include <ostream>
 
 #include "ctl/control/control_shell.hpp"
+#include "ctl/control/event_reader.hpp"
 #include "ctl/control/status_question.hpp"
 #include "ctl/control/watch.hpp"
 #include "ctl/request/carry_out.hpp"
+#include "ctl/request/interruption.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -49,6 +51,25 @@ int reload(const ReloadCommand& command, std::ostream& out, std::ostream& errors
     (is_done ? out : errors) << std::string_view(message.as_string()) << '\n';
   }
   return is_done ? kExitDone : kExitNotDone;
+}
+
+int follow_events(const EventsCommand& command, std::ostream& out, std::ostream& errors) {
+  const Interruption interruption;
+  EventReader reader;
+  const auto print = [&](std::string_view piece) {
+    for (const ServerEvent& event : reader.take(piece)) {
+      out << (command.json ? event.data : event_line(event)) << '\n';
+    }
+    return out.flush().good();
+  };
+  std::string why;
+  try {
+    why = follow_control(command.socket, "/api/v1/events", interruption, print);
+  } catch (const std::exception& exception) {
+    why = std::string("mbgated is of another version than mbgatectl: ") + exception.what();
+  }
+  return why.empty() ? kExitNotDone
+                     : report_failure({kExitNotDone, why}, command.json, out, errors);
 }
 
 }  // namespace mbgate::ctl

@@ -6,7 +6,9 @@
 #include <chrono>
 #include <functional>
 #include <string>
+#include <string_view>
 
+#include "ctl/request/interruption.hpp"
 #include "modbus/result.hpp"
 
 namespace mbgate::ctl {
@@ -28,5 +30,12 @@ Result<ControlAnswer, std::string> ask_control(const std::string& socket, const 
                                                const std::string& target,
                                                std::chrono::seconds limit,
                                                const std::function<bool()>& give_up = {});
+
+/// Gives the answer to a GET to `take` piece by piece, as long as it goes on and `take` returns
+/// true. Meanwhile a signal ends the process with status 0, but not while `take` runs. Returns why
+/// it has ended, a sentence; nothing if `take` returned false.
+std::string follow_control(const std::string& socket, const std::string& target,
+                           const Interruption& interruption,
+                           const std::function<bool(std::string_view)>& take);
 
 }  // namespace mbgate::ctl

@@ -61,4 +61,13 @@ ReloadOptions::ReloadOptions(CLI::App& app)
 
 bool ReloadOptions::given() const { return reload_->parsed(); }
 
+EventsOptions::EventsOptions(CLI::App& app)
+    : events_(app.add_subcommand(
+          "events", "Print what a running mbgated writes to the journal, as it is written.")) {
+  events_->add_flag("--json", words_.json, "for programs: one JSON object a line");
+  add_control(*events_, words_.socket);
+}
+
+bool EventsOptions::given() const { return events_->parsed(); }
+
 }  // namespace mbgate::ctl

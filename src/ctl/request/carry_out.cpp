@@ -85,6 +85,10 @@ int carry_out_one(const ReloadCommand& command, std::ostream& out, std::ostream&
   return reload(command, out, errors);
 }
 
+int carry_out_one(const EventsCommand& command, std::ostream& out, std::ostream& errors) {
+  return follow_events(command, out, errors);
+}
+
 }  // namespace
 
 int carry_out(const Command& command, std::ostream& out, std::ostream& errors) {

@@ -105,8 +105,14 @@ struct ReloadCommand {
   std::string socket = kControlSocket;
 };
 
+/// Prints what a running mbgated says, as it says it.
+struct EventsCommand {
+  std::string socket = kControlSocket;
+  bool json = false;  ///< one object a line
+};
+
 using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, CheckCommand,
-                             StatusCommand, ReloadCommand>;
+                             StatusCommand, ReloadCommand, EventsCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a value are never written one by one. The error is a full sentence.

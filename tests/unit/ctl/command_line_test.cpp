@@ -4,45 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <sstream>
+#include "parsed_line.hpp"
 
 namespace mbgate::ctl {
 namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
-
-std::variant<Command, Notice> parse(const std::string& line) {
-  std::istringstream words("mbgatectl " + line);
-  const std::vector<std::string> arguments{std::istream_iterator<std::string>(words), {}};
-  std::vector<const char*> pointers;
-  pointers.reserve(arguments.size());
-  for (const auto& argument : arguments) {
-    pointers.push_back(argument.c_str());
-  }
-  return parse_command_line("1.2.3", static_cast<int>(pointers.size()), pointers.data());
-}
-
-template <typename AnyCommand>
-AnyCommand command(const std::string& line) {
-  const auto parsed = parse(line);
-  if (const auto* notice = std::get_if<Notice>(&parsed)) {
-    ADD_FAILURE() << notice->text;
-    return {};
-  }
-  return std::get<AnyCommand>(std::get<Command>(parsed));
-}
-
-/// The first line of what a wrong command line is told; its status must be that of wrong usage.
-std::string complaint(const std::string& line) {
-  const auto parsed = parse(line);
-  const auto* notice = std::get_if<Notice>(&parsed);
-  if (notice == nullptr) {
-    return "no complaint";
-  }
-  EXPECT_EQ(notice->status, 2);
-  return notice->text.substr(0, notice->text.find('\n'));
-}
 
 TEST(CommandLine, ReadHasSensibleDefaults) {
   const auto read = command<ReadCommand>("read holding 30");
@@ -194,36 +162,6 @@ TEST(CommandLine, ProfileTakesANameAFolderAndJson) {
             "mbgatectl: --profiles: Directory does not exist: no-such-folder");
 }
 
-TEST(CommandLine, ScanAsksTheUnitsOfMostDrivesUnlessToldOtherwise) {
-  const auto plain = command<ScanCommand>("scan");
-  EXPECT_EQ(plain.target.port, 502);
-  EXPECT_EQ(plain.units.size(), 32U);
-  EXPECT_EQ(plain.bus, "line-a");
-  EXPECT_EQ(plain.folder, std::nullopt);
-  EXPECT_EQ(plain.config, std::nullopt);
-  EXPECT_FALSE(plain.json);
-  EXPECT_TRUE(command<ScanCommand>("scan --json").json);
-  const auto scan = command<ScanCommand>(
-      "scan --host plant --port 1502 --timeout 8s --units 3,7-8 --bus hall-3 --config new.toml "
-      "--profiles " MBGATE_SOURCE_DIR "/tests");
-  EXPECT_EQ(scan.target.host, "plant");
-  EXPECT_EQ(scan.target.port, 1502);
-  EXPECT_EQ(scan.target.timeout, std::chrono::seconds(8));
-  EXPECT_EQ(scan.units, (std::vector<std::uint8_t>{3, 7, 8}));
-  EXPECT_EQ(scan.bus, "hall-3");
-  EXPECT_EQ(scan.config, "new.toml");
-  EXPECT_EQ(scan.folder, MBGATE_SOURCE_DIR "/tests");
-}
-
-TEST(CommandLine, ScanTakesNoUnitsThatABusCannotHaveAndNoOtherNames) {
-  EXPECT_EQ(complaint("scan --units 0-3"),
-            "mbgatectl: \"0-3\" are no units: 1 to 247, like 5 or 1-32 or 1-8,17");
-  EXPECT_EQ(complaint("scan --timeout 5"),
-            "mbgatectl: \"5\" is not a time of at least 1ms, like 500ms or 5s");
-  EXPECT_EQ(complaint("scan --bus a/b"),
-            "mbgatectl: --bus: expected 1 to 64 letters, digits, - _ .");
-}
-
 TEST(CommandLine, CheckTakesAFileAndAFolder) {
   EXPECT_EQ(command<CheckCommand>("check").config, "/etc/mbgate/mbgate.toml");
   EXPECT_EQ(command<CheckCommand>("check").folder, std::nullopt);
@@ -253,45 +191,18 @@ TEST(CommandLine, StatusIsWatchedEverySecondUnlessToldOtherwise) {
   EXPECT_EQ(complaint("status --times 3"), "mbgatectl: --times requires --watch");
 }
 
-TEST(CommandLine, ScanOfASerialPortTriesTheUsualModesUnlessToldOtherwise) {
-  EXPECT_FALSE(command<ScanCommand>("scan").port);
-  const auto plain = command<ScanCommand>("scan --device /dev/ttyUSB0").port;
-  ASSERT_TRUE(plain);
-  EXPECT_EQ(plain->device, "/dev/ttyUSB0");
-  ASSERT_EQ(plain->modes.size(), 15U);
-  EXPECT_EQ(mode_text(plain->modes.front()), "9600 8E1");
-  EXPECT_EQ(mode_text(plain->modes.back()), "57600 8O1");
-  EXPECT_EQ(plain->wait, std::chrono::milliseconds(100));
-  EXPECT_FALSE(plain->all_modes);
-  const auto port = command<ScanCommand>(
-                        "scan --device a --bauds 250000,9600 --parities none --stop-bits 1,2 "
-                        "--wait 1s --all-modes")
-                        .port;
-  ASSERT_TRUE(port);
-  ASSERT_EQ(port->modes.size(), 4U);
-  EXPECT_EQ(mode_text(port->modes[1]), "250000 8N2");
-  EXPECT_EQ(port->wait, std::chrono::seconds(1));
-  EXPECT_TRUE(port->all_modes);
-}
-
-TEST(CommandLine, ScanOfASerialPortHasNoServerAndOnlyItHasModes) {
-  for (const auto* option : {"--host plant", "--port 1502", "--timeout 8s"}) {
-    EXPECT_THAT(complaint("scan --device a " + std::string(option)), HasSubstr("excludes"))
-        << option;
-  }
-  for (const auto* option :
-       {"--bauds 9600", "--parities odd", "--stop-bits 2", "--wait 1s", "--all-modes"}) {
-    EXPECT_THAT(complaint("scan " + std::string(option)), HasSubstr("requires --device")) << option;
-  }
-  EXPECT_EQ(complaint("scan --device a --parities mark"),
-            "mbgatectl: \"mark\" are no parities: even, none, odd, with commas");
-  EXPECT_EQ(complaint("scan --device a --wait 0ms"),
-            "mbgatectl: \"0ms\" is not a time of at least 1ms, like 500ms or 5s");
+TEST(CommandLine, EventsAreAskedOfMbgatedsSocket) {
+  const auto events = command<EventsCommand>("events");
+  EXPECT_EQ(events.socket, "/run/mbgate/control");
+  EXPECT_FALSE(events.json);
+  const auto others = command<EventsCommand>("events --json --control ./control");
+  EXPECT_EQ(others.socket, "./control");
+  EXPECT_TRUE(others.json);
 }
 
 TEST(CommandLine, HelpAndVersionAreNoErrors) {
-  for (const auto* line :
-       {"--help", "read --help", "write --help", "profile --help", "scan --help"}) {
+  for (const auto* line : {"--help", "read --help", "write --help", "profile --help", "scan --help",
+                           "events --help"}) {
     const auto parsed = parse(line);
     ASSERT_TRUE(std::holds_alternative<Notice>(parsed)) << line;
     EXPECT_EQ(std::get<Notice>(parsed).status, 0) << line;

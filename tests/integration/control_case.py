@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The control socket of the demo's gateway, for tests: every answer is held to docs/api.yaml."""
+
+import http.client
+import json
+import pathlib
+import socket
+import subprocess
+import unittest
+
+import jsonschema
+import yaml
+
+from demo_plant import PATIENCE, DemoPlant, program
+
+API = yaml.safe_load((pathlib.Path(__file__).parents[2] / "docs" / "api.yaml").read_text(encoding="utf-8"))
+EVENTS = "/api/v1/events"
+MOONS = 1  # the unit of a drive
+
+
+def validate(body, schema):
+    jsonschema.Draft202012Validator({**schema, "components": API["components"]}).validate(body)
+
+
+def resolved(node):
+    """The node, or what it refers to."""
+    while "$ref" in node:
+        found = API
+        for part in node["$ref"].removeprefix("#/").split("/"):
+            found = found[part]
+        node = found
+    return node
+
+
+class UnixConnection(http.client.HTTPConnection):
+    def __init__(self, path):
+        super().__init__("mbgated", timeout=PATIENCE)
+        self._path = path
+
+    def connect(self):
+        self.sock = socket.socket(socket.AF_UNIX)
+        self.sock.settimeout(PATIENCE)
+        self.sock.connect(str(self._path))
+
+
+class ControlCase(unittest.TestCase):
+    """What tests of the control socket have in common."""
+
+    def setUp(self):
+        self.plant = self.enterContext(DemoPlant())
+
+    def ask(self, method, path):
+        """The HTTP status and the JSON, which is as docs/api.yaml says."""
+        connection = UnixConnection(self.plant.control)
+        self.addCleanup(connection.close)
+        connection.request(method, path)
+        answer = connection.getresponse()
+        body = json.loads(answer.read())
+        described = API["paths"].get(path, {})
+        if method.lower() in described:
+            response = resolved(described[method.lower()]["responses"][str(answer.status)])
+            schema = response["content"]["application/json"]["schema"]
+        else:
+            schema = {"$ref": "#/components/schemas/Error"}
+        validate(body, schema)
+        return answer.status, body
+
+    def status(self):
+        code, body = self.ask("GET", "/api/v1/status")
+        self.assertEqual(code, 200)
+        return body
+
+    def mbgatectl(self, *arguments):
+        command = [program("mbgatectl"), *map(str, arguments)]
+        return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+
+    def read(self, unit, address=0):
+        return self.mbgatectl("read", "holding", address, "--unit", unit, "--port", self.plant.port)
+
+    def device(self, name):
+        return next(device for device in self.status()["devices"] if device["name"] == name)
+
+    def edit(self, before, after):
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        self.assertIn(before, text)
+        self.plant.configuration.write_text(text.replace(before, after), encoding="utf-8")

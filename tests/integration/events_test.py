@@ -1,0 +1,163 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""The events of the demo's gateway: as its control socket gives them, and as mbgatectl prints them."""
+
+import json
+import re
+import select
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+from control_case import EVENTS, MOONS, ControlCase, UnixConnection, validate
+from demo_plant import PATIENCE, program
+
+MOST_STREAMS = 16
+
+
+class EventStream:
+    """A connection that reads events. `status` is that of HTTP; with 200 there is a stream."""
+
+    def __init__(self, path, last=None):
+        connection = UnixConnection(path)
+        connection.request("GET", EVENTS, headers={} if last is None else {"Last-Event-ID": str(last)})
+        self._answer = connection.getresponse()
+        self.status = self._answer.status
+        self.type = self._answer.headers["Content-Type"]
+        if self.status != 200:
+            self._answer.read()
+        connection.close()  # the answer keeps what it reads from
+
+    def next(self):
+        """The next event: its fields. None: the stream has ended."""
+        fields = {}
+        while line := self._answer.readline().decode():
+            if line == "\n" and "data" in fields:
+                name = {"journal": "JournalEvent", "lost": "LostEvents"}[fields["event"]]
+                fields["data"] = json.loads(fields["data"])
+                validate(fields["data"], {"$ref": f"#/components/schemas/{name}"})
+                return fields
+            name, _, value = line.removesuffix("\n").partition(": ")
+            if value:  # else it is a comment, or what ends one
+                fields[name] = value
+        return None
+
+    def find(self, pattern):
+        """The events from the next one up to the first whose text matches."""
+        found = []
+        while event := self.next():
+            found.append(event)
+            if re.search(pattern, event["data"].get("text", "")):
+                return found
+        raise AssertionError(f"no event matches {pattern!r} of {found}")
+
+    def close(self):
+        self._answer.close()
+
+
+class Events(ControlCase):
+    def events(self, last=None):
+        stream = EventStream(self.plant.control, last)
+        self.addCleanup(stream.close)
+        return stream
+
+    def follow(self, *arguments):
+        """mbgatectl events, which reads along: its process, and the first line that it printed."""
+        command = [program("mbgatectl"), "events", "--control", str(self.plant.control), *arguments]
+        following = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.enterContext(following)
+        self.addCleanup(following.kill)
+        limit = time.monotonic() + PATIENCE
+        while not select.select([following.stdout], [], [], 0.1)[0]:
+            self.assertLess(time.monotonic(), limit, "mbgatectl events prints nothing")
+            self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
+        return following, following.stdout.readline()
+
+    def test_events_are_what_the_journal_gets(self):
+        self.edit('name = "axis-x"\nbus = "line-a"\naddress = 1\n', 'name = "axis-x"\nbus = "line-a"\naddress = 99\n')
+        streams = [self.events(), self.events()]
+        self.assertEqual([(stream.status, stream.type) for stream in streams], [(200, "text/event-stream")] * 2)
+        self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
+        for _ in range(3):
+            self.read(MOONS)
+        seen = [stream.find("^device axis-x: no valid answer came so far") for stream in streams]
+        self.assertEqual(seen[0], seen[1])
+        ids = [int(event["id"]) for event in seen[0]]
+        self.assertEqual(ids, list(range(ids[0], ids[0] + len(ids))))
+        self.assertEqual(seen[0][-1]["data"]["level"], "warning")
+        self.assertIn(("info", "reload: done"), [(it["data"]["level"], it["data"]["text"]) for it in seen[0]])
+
+    def test_events_go_on_after_the_last_one(self):
+        first = self.events()
+        self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
+        had = first.find("reload: nothing has changed")[-1]
+        first.close()
+        self.edit("baud = 9600", "baud = 0")
+        self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 422)
+        missed = self.events(had["id"]).find("the configuration stays as it is")
+        self.assertEqual(int(missed[0]["id"]), int(had["id"]) + 1)
+        self.assertRegex(missed[0]["data"]["text"], r"demo\.toml:\d+:\d+: .*baud")
+        # All of them: from the first one, and with a number that this process has not reached.
+        everything = self.events(0).find("the configuration stays as it is")
+        self.assertEqual(everything[0]["id"], "1")
+        self.assertEqual(self.events(10**12).find("the configuration stays as it is"), everything)
+        self.assertEqual(self.events("yesterday").status, 400)
+
+    def test_a_reader_that_comes_back_too_late_hears_how_much_it_has_missed(self):
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        wrong = "".join(f"nonsense_{at} = 1\n" for at in range(100))  # a line of the journal each
+        self.plant.configuration.write_text(text + wrong, encoding="utf-8")
+        for _ in range(3):
+            self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 422)
+        stream = self.events(1)
+        lost, event = stream.next(), stream.next()
+        self.assertEqual((lost["event"], event["event"]), ("lost", "journal"))
+        self.assertNotIn("id", lost)
+        self.assertEqual(int(event["id"]), 1 + lost["data"]["lost"] + 1)
+
+    def test_streams_are_limited_and_keep_nobody_from_the_status(self):
+        streams = [self.events() for _ in range(MOST_STREAMS)]
+        self.assertEqual([stream.status for stream in streams], [200] * MOST_STREAMS)
+        code, body = self.ask("GET", EVENTS)
+        self.assertEqual(code, 503)
+        self.assertIn("16 clients", body["error"])
+        refused = self.mbgatectl("events", "--control", self.plant.control)
+        self.assertEqual((refused.returncode, refused.stdout), (1, ""))
+        self.assertIn("16 clients", refused.stderr)
+        self.status()
+        streams.pop().close()
+        limit = time.monotonic() + PATIENCE
+        while self.events().status != 200:
+            self.assertLess(time.monotonic(), limit, "the place of a stream that has ended is not free")
+        # They do not keep the gateway, and end with it.
+        self.plant.end_gateway()
+        while streams[0].next() is not None:
+            pass
+
+    def test_mbgatectl_prints_events_until_a_signal(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(signal=number):
+                following, line = self.follow()
+                self.assertRegex(line, r"^\d\d:\d\d:\d\d info reload: nothing has changed\n$")
+                following.send_signal(number)
+                self.assertEqual(following.wait(PATIENCE), 0)
+                self.assertEqual(following.stderr.read(), "")
+
+    def test_mbgatectl_prints_events_as_json_until_the_gateway_ends(self):
+        following, line = self.follow("--json")
+        event = json.loads(line)
+        validate(event, {"$ref": "#/components/schemas/JournalEvent"})
+        self.assertEqual(event["text"], "reload: nothing has changed")
+        self.plant.end_gateway()
+        *others, end = following.stdout
+        for other in others:
+            validate(json.loads(other), {"$ref": "#/components/schemas/JournalEvent"})
+        self.assertIn("mbgated has ended", json.loads(end)["error"])
+        self.assertEqual(following.wait(PATIENCE), 1)
+        self.assertEqual(following.stderr.read(), "")
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())
