@@ -91,10 +91,10 @@ int Service::run() {
     return EXIT_FAILURE;
   }
   driver_.start();
+  start_control();
   // Only now: whoever waits for its lines connects to a process that has started.
   listeners_.start();
   io::supervise(context_, wait_for_signal(), "signals");
-  start_control();
   ready_ = true;
   last_status_ = status();
   last_status_time_ = std::chrono::steady_clock::now();
