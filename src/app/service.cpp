@@ -190,7 +190,7 @@ ProcessStatus Service::process_status() const {
 }
 
 void Service::control_failed(const std::string& why) {
-  log_.write(Level::error, "the control socket does not answer any more: " + why);
+  log_.write(Level::error, "a connection to the control socket has failed: " + why);
 }
 
 // Drives are served without it too. Where the folder of the default path is not there, nobody asked

@@ -50,7 +50,13 @@ std::string Control::start(const std::string& path) {
       device_ = made.st_dev;
       inode_ = made.st_ino;
     }
-    server_ = std::make_unique<ControlServer>(home_, gateway_, target_, *std::move(acceptor));
+    // By the clock, so that the numbers of an earlier process are smaller.
+    using std::chrono::milliseconds;
+    told_ = static_cast<std::uint64_t>(std::chrono::duration_cast<milliseconds>(
+                                           std::chrono::system_clock::now().time_since_epoch())
+                                           .count());
+    server_ =
+        std::make_unique<ControlServer>(home_, gateway_, target_, *std::move(acceptor), told_);
     io::supervise(*home_, server_->accept(), "control");
     thread_ = std::thread([this] { run(); });
   } catch (const std::exception& exception) {
@@ -79,14 +85,14 @@ void Control::tell(Level level, const std::string& text) {
 
 void Control::run() {
   io::block_signals();
-  try {
-    home_->run();
-  } catch (const std::exception& exception) {
-    server_->close();  // who comes now is refused, and does not wait for ever
-    remove_socket();
-    boost::asio::post(gateway_, [&target = target_, why = std::string(exception.what())] {
-      target.control_failed(why);
-    });
+  while (!home_->stopped()) {
+    try {
+      home_->run();
+    } catch (const std::exception& exception) {  // of one connection: the others go on
+      boost::asio::post(gateway_, [&target = target_, why = std::string(exception.what())] {
+        target.control_failed(why);
+      });
+    }
   }
 }
 

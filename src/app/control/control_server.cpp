@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "app/control/question.hpp"
+#include "app/control/utf8.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -65,19 +66,13 @@ Response wrong_method(const Request& request, const char* allowed) {
 
 }  // namespace
 
-void ControlServer::close() {
-  boost::system::error_code ignored;
-  acceptor_.close(ignored);
-}
-
 asio::awaitable<void> ControlServer::accept() {
   while (true) {
     auto [error, socket] = co_await acceptor_.async_accept(kNoThrow);
     if (error == asio::error::operation_aborted) {
       co_return;
     }
-    if (!error && connections_ < kMostConnections) {
-      ++connections_;
+    if (!error && *connections_ < kMostConnections) {
       io::supervise(*home_, serve_one(ControlStream(std::move(socket))), "control connection");
     } else if (error) {  // too few descriptors: not again and again without a pause
       asio::steady_timer pause(*home_, kAnswerLimit);
@@ -87,8 +82,11 @@ asio::awaitable<void> ControlServer::accept() {
 }
 
 asio::awaitable<void> ControlServer::serve_one(ControlStream stream) {
-  const auto begin = co_await serve(stream);
-  --connections_;
+  std::optional<std::uint64_t> begin;
+  {
+    const Counted counted(connections_);  // whatever ends it
+    begin = co_await serve(stream);
+  }
   if (begin) {
     co_await events_.feed(stream, *begin);
   }
@@ -188,7 +186,7 @@ asio::awaitable<ControlServer::Response> ControlServer::reload(const Request& re
   }
   boost::json::array messages;
   for (const std::string& message : outcome->messages) {
-    messages.emplace_back(boost::json::string(message));
+    messages.emplace_back(boost::json::string(valid_utf8(message)));
   }
   const auto status = outcome->done ? http::status::ok : http::status::unprocessable_entity;
   co_return answer(request, status,

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "app/control/connection.hpp"
 #include "app/control/control_target.hpp"
@@ -22,19 +23,33 @@ namespace mbgate::app {
 
 class ControlServer {
  public:
+  /// `numbered_from`: the first event has the number after it.
   ControlServer(const std::shared_ptr<boost::asio::io_context>& home,
                 boost::asio::io_context& gateway, ControlTarget& target,
-                boost::asio::local::stream_protocol::acceptor acceptor)
-      : home_(home), gateway_(gateway), target_(target), acceptor_(std::move(acceptor)) {}
+                boost::asio::local::stream_protocol::acceptor acceptor, std::uint64_t numbered_from)
+      : home_(home),
+        gateway_(gateway),
+        target_(target),
+        acceptor_(std::move(acceptor)),
+        events_(numbered_from) {}
 
   boost::asio::awaitable<void> accept();
-  /// No more connections.
-  void close();
   void tell(JournalEvent event) { events_.add(std::move(event)); }
 
  private:
   using Request = boost::beast::http::request<boost::beast::http::string_body>;
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
+  /// A connection as long as it counts.
+  class Counted {
+   public:
+    explicit Counted(std::shared_ptr<std::size_t> count) : count_(std::move(count)) { ++*count_; }
+    Counted(const Counted&) = delete;
+    Counted& operator=(const Counted&) = delete;
+    ~Counted() { --*count_; }
+
+   private:
+    std::shared_ptr<std::size_t> count_;  // it may be there for longer than the server
+  };
   struct Status {
     gateway::StatusReport report;
     ProcessStatus process;
@@ -54,7 +69,8 @@ class ControlServer {
   boost::asio::io_context& gateway_;
   ControlTarget& target_;
   boost::asio::local::stream_protocol::acceptor acceptor_;
-  std::size_t connections_ = 0;  ///< but for streams of events
+  /// But for streams of events.
+  std::shared_ptr<std::size_t> connections_ = std::make_shared<std::size_t>(0);
   EventStreams events_;
   boost::json::object last_;
   std::optional<std::chrono::steady_clock::time_point> last_at_;

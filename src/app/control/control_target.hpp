@@ -26,7 +26,7 @@ class ControlTarget {
   [[nodiscard]] virtual ProcessStatus process_status() const = 0;
   /// `ended` is called once, on the same thread, perhaps at once.
   virtual void reload(ReloadEnded ended) = 0;
-  /// The interface has ended because of a fault of its own; the gateway goes on.
+  /// A connection has ended because of a fault of the interface.
   virtual void control_failed(const std::string& why) = 0;
 };
 

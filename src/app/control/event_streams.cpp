@@ -3,6 +3,7 @@
 
 #include <poll.h>
 
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/write.hpp>
 #include <charconv>
@@ -53,7 +54,7 @@ Result<std::uint64_t, EventStreams::Refusal> EventStreams::begin(
                    std::to_string(kMost) + " clients read events already, which is the most"};
   }
   if (!last_event_id) {
-    return ring_.newest();
+    return std::max(ring_.newest(), numbered_from_);
   }
   std::uint64_t id = 0;
   const char* const end = last_event_id->data() + last_event_id->size();
@@ -61,7 +62,7 @@ Result<std::uint64_t, EventStreams::Refusal> EventStreams::begin(
   if (error != std::errc() || rest != end) {
     return Refusal{status::bad_request, "Last-Event-ID: expected the id of an event, a number"};
   }
-  return id <= ring_.newest() ? id : 0;
+  return id >= numbered_from_ && id <= ring_.newest() ? id : numbered_from_;
 }
 
 // A client that closes would be noticed with the next comment; until then it would keep another one

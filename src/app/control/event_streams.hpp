@@ -31,6 +31,9 @@ class EventStreams {
     std::string why;
   };
 
+  /// `numbered_from`: the first event of this process has the number after it.
+  explicit EventStreams(std::uint64_t numbered_from) : numbered_from_(numbered_from) {}
+
   /// Goes out to all of them.
   void add(JournalEvent event);
   /// After which event a new stream begins. `last_event_id` is this header of the request: what an
@@ -50,6 +53,7 @@ class EventStreams {
   /// What is to be sent after the event `last`, which moves on.
   std::string next_text(std::uint64_t& last) const;
 
+  std::uint64_t numbered_from_;
   EventRing ring_;
   std::vector<std::weak_ptr<Reader>> readers_;  ///< feed() has them
 };

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <ctime>
 
+#include "app/control/utf8.hpp"
+
 namespace mbgate::app {
 namespace {
 
@@ -26,8 +28,9 @@ std::string instant_text(std::chrono::system_clock::time_point instant) {
 }  // namespace
 
 std::string event_text(const JournalEvent& event) {
-  const boost::json::object data{
-      {"at", instant_text(event.at)}, {"level", level_word(event.level)}, {"text", event.text}};
+  const boost::json::object data{{"at", instant_text(event.at)},
+                                 {"level", level_word(event.level)},
+                                 {"text", valid_utf8(event.text)}};
   return "id: " + std::to_string(event.id) +
          "\nevent: journal\ndata: " + boost::json::serialize(data) + "\n\n";
 }

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <optional>
 
+#include "app/control/utf8.hpp"
 #include "gateway/status/diagnosis.hpp"
 
 namespace mbgate::app {
@@ -182,7 +183,7 @@ object status_json(const gateway::StatusReport& report, const ProcessStatus& pro
   return {{"version", process.version},
           {"uptime_s", std::chrono::duration<double>(report.uptime).count()},
           {"configuration",
-           {{"file", process.config},
+           {{"file", valid_utf8(process.config)},
             {"read_at", utc_text(process.config_read_at)},
             {"reload_refused", process.reload_refused}}},
           {"requests", report.counters.requests},

@@ -9,6 +9,9 @@
 namespace mbgate::ctl {
 namespace {
 
+// The last two would leave a terminal as ncurses has made it.
+constexpr std::array kEnding{SIGINT, SIGTERM, SIGQUIT, SIGHUP};
+
 // Also where SIGINT was ignored: a shell does that to what it starts in the background.
 void end_well(int /*signal*/) { _exit(0); }
 
@@ -16,18 +19,21 @@ void end_well(int /*signal*/) { _exit(0); }
 
 Interruption::Interruption() {
   sigemptyset(&signals_);
-  sigaddset(&signals_, SIGINT);
-  sigaddset(&signals_, SIGTERM);
+  for (const int signal : kEnding) {
+    sigaddset(&signals_, signal);
+  }
   sigprocmask(SIG_BLOCK, &signals_, &held_before_);
   struct sigaction ending {};
   ending.sa_handler = &end_well;
-  sigaction(SIGINT, &ending, &on_interrupt_before_);
-  sigaction(SIGTERM, &ending, &on_terminate_before_);
+  for (std::size_t at = 0; at < kEnding.size(); ++at) {
+    sigaction(kEnding[at], &ending, &before_[at]);
+  }
 }
 
 Interruption::~Interruption() {
-  sigaction(SIGINT, &on_interrupt_before_, nullptr);
-  sigaction(SIGTERM, &on_terminate_before_, nullptr);
+  for (std::size_t at = 0; at < kEnding.size(); ++at) {
+    sigaction(kEnding[at], &before_[at], nullptr);
+  }
   sigprocmask(SIG_SETMASK, &held_before_, nullptr);
 }
 

@@ -3,6 +3,7 @@
 // they are held back until it waits; so nothing that is being printed is cut off.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <csignal>
 
@@ -40,8 +41,7 @@ class Interruption {
 
   sigset_t signals_{};
   sigset_t held_before_{};
-  struct sigaction on_interrupt_before_ {};
-  struct sigaction on_terminate_before_ {};
+  std::array<struct sigaction, 4> before_{};  ///< in the order of the signals
 };
 
 }  // namespace mbgate::ctl

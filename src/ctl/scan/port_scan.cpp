@@ -20,8 +20,9 @@ namespace {
 using modbus::TableRange;
 
 constexpr const char* kInterrupted = "interrupted";
-/// Units that are there get more time than those that may not be: long reads take a drive longer.
-constexpr std::chrono::milliseconds kPatience{500};
+/// Units that are there get more time than those that may not be: long reads take a drive longer,
+/// and an answer that comes later would be taken for that to the next read.
+constexpr std::chrono::seconds kPatience{2};
 
 /// The client, and the pauses between its questions, in which a signal ends the scan.
 class PatientClient {
