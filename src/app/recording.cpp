@@ -33,6 +33,7 @@ Result<io::UniqueFd, std::string> create_recording(const fs::path& file) {
 
 std::vector<gateway::ConfigFile> recorded_files(const std::vector<config::TextFile>& files) {
   std::vector<gateway::ConfigFile> recorded;
+  recorded.reserve(files.size());
   for (const auto& file : files) {
     recorded.push_back({fs::absolute(file.name).string(), file.text});
   }

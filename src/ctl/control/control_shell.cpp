@@ -118,9 +118,9 @@ boost::system::error_code connect(stream_protocol::socket& connection, const std
                                   const Patience& patience) {
   const stream_protocol::endpoint endpoint(path);
   boost::system::error_code error;
-  connection.open(endpoint.protocol(), error);
+  static_cast<void>(connection.open(endpoint.protocol(), error));
   if (!error) {
-    connection.native_non_blocking(true, error);
+    static_cast<void>(connection.native_non_blocking(true, error));
   }
   while (!error) {
     if (::connect(connection.native_handle(), endpoint.data(),
@@ -245,7 +245,7 @@ Result<ControlAnswer, std::string> ask_control(const std::string& socket, const 
                                                const std::string& target,
                                                std::chrono::seconds limit,
                                                const std::function<bool()>& give_up) {
-  if (const std::string why = too_long(socket); !why.empty()) {
+  if (std::string why = too_long(socket); !why.empty()) {
     return why;
   }
   const Patience patience{std::chrono::steady_clock::now() + limit, give_up};

@@ -132,7 +132,7 @@ bool is_worse(const value& a, const value& b) {
 }
 
 std::string devices_text(boost::json::array devices) {
-  std::stable_sort(devices.begin(), devices.end(), is_worse);
+  std::ranges::stable_sort(devices, is_worse);
   std::vector<Row> rows;
   for (const value& one : devices) {
     const object& device = one.as_object();

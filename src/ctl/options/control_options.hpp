@@ -6,7 +6,7 @@
 
 #include "ctl/request/command.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library is named so
 class App;
 }
 

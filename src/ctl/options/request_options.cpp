@@ -15,6 +15,7 @@ constexpr unsigned kMostTimes = 1'000'000'000;
 
 std::vector<std::string> type_words() {
   std::vector<std::string> words;
+  words.reserve(std::size(kTypeWords));
   for (const auto& known : kTypeWords) {
     words.emplace_back(known.word);
   }
