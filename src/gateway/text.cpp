@@ -53,10 +53,6 @@ std::string client_number(ClientId client) {
   return "client " + std::to_string(static_cast<std::uint64_t>(client));
 }
 
-std::string milliseconds(Duration duration) {
-  return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(duration).count()) + " ms";
-}
-
 std::string seconds(Duration duration) {
   return std::to_string(std::chrono::ceil<std::chrono::seconds>(duration).count()) + " s";
 }
@@ -71,9 +67,9 @@ std::string notice_text(const bus::DeviceNotice& notice) {
                        (notice.requests == 1 ? " request" : " requests");
     case Kind::back: return notice.answered_before ? "answers again" : "answers";
     case Kind::late:
-      return "an answer came " + milliseconds(notice.lateness) +
+      return "an answer came " + milliseconds_text(notice.lateness) +
              " after its response timeout; after an unanswered request it is now left alone for " +
-             milliseconds(notice.quarantine);
+             milliseconds_text(notice.quarantine);
     case Kind::early: return "answers before its response_wait, which is set too long";
     case Kind::foreign:
       return std::string(notice.is_request ? "a request to it was heard that nobody here sent"

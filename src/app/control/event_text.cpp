@@ -4,8 +4,8 @@
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
 #include <cstdio>
-#include <ctime>
 
+#include "app/control/utc_text.hpp"
 #include "app/control/utf8.hpp"
 
 namespace mbgate::app {
@@ -13,16 +13,12 @@ namespace {
 
 /// "2026-11-24T22:10:00.123Z"
 std::string instant_text(std::chrono::system_clock::time_point instant) {
-  const auto second = std::chrono::floor<std::chrono::seconds>(instant);
-  const auto rest = std::chrono::floor<std::chrono::milliseconds>(instant - second);
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(second);
-  std::tm fields{};
-  ::gmtime_r(&seconds, &fields);
-  char whole[sizeof "2026-11-24T22:10:00"];
-  std::strftime(whole, sizeof whole, "%Y-%m-%dT%H:%M:%S", &fields);
+  using std::chrono::floor;
+  const auto rest =
+      floor<std::chrono::milliseconds>(instant - floor<std::chrono::seconds>(instant));
   char milliseconds[sizeof ".123Z"];
   std::snprintf(milliseconds, sizeof milliseconds, ".%03dZ", static_cast<int>(rest.count()));
-  return std::string(whole) + milliseconds;
+  return utc_second(instant) + milliseconds;
 }
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include <boost/json/array.hpp>
 #include <boost/json/string.hpp>
 #include <boost/json/value.hpp>
-#include <ctime>
 #include <optional>
 
+#include "app/control/utc_text.hpp"
 #include "app/control/utf8.hpp"
 #include "gateway/status/diagnosis.hpp"
 
@@ -25,15 +25,6 @@ double milliseconds(gateway::Duration duration) {
 
 value milliseconds(const std::optional<gateway::Duration>& duration) {
   return duration ? value(milliseconds(*duration)) : value(nullptr);
-}
-
-std::string utc_text(std::chrono::system_clock::time_point instant) {
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(instant);
-  std::tm fields{};
-  ::gmtime_r(&seconds, &fields);
-  char text[sizeof "2026-01-31T23:59:59Z"];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &fields);
-  return text;
 }
 
 const char* text_of(bus::Framing framing) {
@@ -184,7 +175,7 @@ object status_json(const gateway::StatusReport& report, const ProcessStatus& pro
           {"uptime_s", std::chrono::duration<double>(report.uptime).count()},
           {"configuration",
            {{"file", valid_utf8(process.config)},
-            {"read_at", utc_text(process.config_read_at)},
+            {"read_at", utc_second(process.config_read_at) + "Z"},
             {"reload_refused", process.reload_refused}}},
           {"requests", report.counters.requests},
           {"foreign_adus", report.counters.foreign_adus},

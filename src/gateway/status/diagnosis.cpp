@@ -16,16 +16,8 @@ constexpr Duration kLongWait = std::chrono::milliseconds(500);
 // What was noticed once is no matter of today.
 constexpr Duration kLately = std::chrono::minutes(10);
 
-bool is_bad(const bus::QualityVerdict& verdict) {
-  return verdict.quality != bus::Quality::unknown && verdict.quality != bus::Quality::good;
-}
-
 std::string counted(std::uint64_t count, const char* one) {
   return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
-}
-
-std::string milliseconds_text(Duration duration) {
-  return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(duration).count()) + " ms";
 }
 
 std::string seconds_text(Duration duration) {

@@ -2,13 +2,14 @@
 #include "gateway/status/quality_text.hpp"
 
 namespace mbgate::gateway {
-namespace {
 
-std::string whole_milliseconds(bus::Duration duration) {
+std::string milliseconds_text(bus::Duration duration) {
   return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(duration).count()) + " ms";
 }
 
-}  // namespace
+bool is_bad(const bus::QualityVerdict& verdict) {
+  return verdict.quality != bus::Quality::unknown && verdict.quality != bus::Quality::good;
+}
 
 QualityFinding quality_finding(const bus::QualityVerdict& verdict, bool is_of_line) {
   switch (verdict.quality) {
@@ -24,18 +25,18 @@ QualityFinding quality_finding(const bus::QualityVerdict& verdict, bool is_of_li
               "bytes came after each of " + std::to_string(verdict.of) + " requests",
               "baud rate, parity, A and B exchanged?"};
     case bus::Quality::late:
-      return {"its answers come " + whole_milliseconds(verdict.lateness) +
-                  " after its response timeout",
-              "after " + std::to_string(verdict.count) + " of its last " +
-                  std::to_string(verdict.of) + " requests",
-              "set response_timeout to at least " + whole_milliseconds(verdict.needed)};
+      return {
+          "its answers come " + milliseconds_text(verdict.lateness) + " after its response timeout",
+          "after " + std::to_string(verdict.count) + " of its last " + std::to_string(verdict.of) +
+              " requests",
+          "set response_timeout to at least " + milliseconds_text(verdict.needed)};
   }
   return {};
 }
 
 std::string quality_text(const bus::QualityNotice& notice) {
   const bus::QualityVerdict& verdict = notice.verdict;
-  if (verdict.quality == bus::Quality::unknown || verdict.quality == bus::Quality::good) {
+  if (!is_bad(verdict)) {
     return "its answers are good now";
   }
   const QualityFinding found = quality_finding(verdict, !notice.address);

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/utc_text.hpp"
+
+#include <ctime>
+
+namespace mbgate::app {
+
+std::string utc_second(std::chrono::system_clock::time_point instant) {
+  const std::time_t second =
+      std::chrono::system_clock::to_time_t(std::chrono::floor<std::chrono::seconds>(instant));
+  std::tm fields{};
+  ::gmtime_r(&second, &fields);
+  char text[sizeof "2026-11-24T22:10:00"];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &fields);
+  return text;
+}
+
+}  // namespace mbgate::app
