@@ -68,6 +68,8 @@ class Bus {
   /// What was noticed of the line: what the answers are like, how busy it is, other clients.
   [[nodiscard]] const LineDiagnosis& diagnosis() const { return diagnosis_; }
   void clear_counters();
+  /// From now on each transmission is told, or none any more. Nothing else depends on it.
+  void set_traced(bool traced) { parts_.is_traced = traced; }
 
  private:
   friend struct mbgate::StateReader;

@@ -2,7 +2,10 @@
 // What a bus asks of its owner, and what it reports to it.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <variant>
+#include <vector>
 
 #include "bus/health/line_quality.hpp"
 #include "bus/job.hpp"
@@ -62,7 +65,26 @@ struct DeviceNotice {
   unsigned requests = 0;        ///< lost: unanswered in a row
   bool is_request = false;      ///< foreign: it was a request
 };
+/// Which jobs a transmission is for. A job leads one transmission at a time.
+struct TransmissionTitle {
+  std::uint32_t job = 0;                  ///< number of the one that leads
+  std::vector<std::uint32_t> requests{};  ///< the owners of all that share it
+};
+/// Only of a traced bus: a frame goes on the wire. It comes in the TransmitFrame that follows.
+struct TransmissionBegan {
+  TransmissionTitle title;
+  std::uint8_t address;
+  bool is_broadcast;
+  unsigned tries;  ///< of this transaction, this one included
+};
+/// Only of a traced bus: what became of it. One that is cut with its line has none.
+struct TransmissionOver {
+  TransmissionTitle title;
+  LineEnd::How how;
+  std::optional<modbus::Pdu> response;
+};
 using BusAction = std::variant<OpenLine, LookAtLine, TransmitFrame, JobEnded, LineNotice, CloseLine,
-                               ReopenLine, ReplaceLine, NeverSilent, DeviceNotice, QualityNotice>;
+                               ReopenLine, ReplaceLine, NeverSilent, DeviceNotice, QualityNotice,
+                               TransmissionBegan, TransmissionOver>;
 
 }  // namespace mbgate::bus

@@ -58,7 +58,8 @@ struct Parts {
   AdapterWatch adapter;
   LinkState link;
   bool stopping = false;
-  Instant pumped_at;  ///< when it was last decided what is sent next
+  bool is_traced = false;  ///< each transmission is told, and what became of it
+  Instant pumped_at;       ///< when it was last decided what is sent next
   ActionQueue<BusAction> actions;
 
  private:

@@ -17,6 +17,7 @@ BusSet::BusSet(const Settings& settings) : buses_(settings.buses.size()) {
 void BusSet::begin(BusId id, const Settings& settings) {
   buses_[static_cast<std::size_t>(id)].bus =
       std::make_unique<bus::Bus>(settings.bus(id), settings.devices_on(id));
+  touch(id).set_traced(traced_);
   touch(id).start();
 }
 
@@ -96,6 +97,11 @@ void BusSet::give_up(Instant now) {
 
 void BusSet::clear_counters() {
   for_each([&](BusId id, const bus::Bus&) { touch(id).clear_counters(); });
+}
+
+void BusSet::set_traced(bool traced) {
+  traced_ = traced;
+  for_each([&](BusId id, const bus::Bus&) { touch(id).set_traced(traced); });
 }
 
 std::vector<BusSet::GivenUp> BusSet::adopt(const Settings& old, const Settings& next, Instant now) {

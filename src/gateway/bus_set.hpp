@@ -51,6 +51,8 @@ class BusSet {
   /// What is still on the wire ends unanswered.
   void give_up(Instant now);
   void clear_counters();
+  /// Each transmission is told, of buses to come too.
+  void set_traced(bool traced);
 
   /// A bus that is not in the new settings, or gets another line there.
   struct GivenUp {
@@ -82,6 +84,7 @@ class BusSet {
 
   std::vector<Slot> buses_;
   std::vector<BusId> touched_;
+  bool traced_ = false;
 };
 
 }  // namespace mbgate::gateway

@@ -13,7 +13,7 @@ Gateway::Gateway(Settings settings, Instant now)
       buses_(settings_.settings()),
       rules_(settings_.in_force()),
       failsafe_(settings_, exchanges_, rules_, actions_),
-      clients_(settings_, buses_, exchanges_, rules_, failsafe_, actions_, now) {
+      clients_(settings_, buses_, exchanges_, rules_, failsafe_, trace_, actions_, now) {
   settle(now);
 }
 
@@ -51,6 +51,9 @@ void Gateway::on(const ClientDisconnected& input, Instant now) {
 
 void Gateway::on(const LineOpened& input, Instant now) {
   bus::Bus& opened = buses_.touch(input.bus);
+  if (trace_.is_on()) {
+    trace_.opened(input.bus, now);
+  }
   if (!opened.link().serves() && !opened.link().is_reopening()) {
     report(BusOpened{input.bus});
   }
@@ -59,6 +62,9 @@ void Gateway::on(const LineOpened& input, Instant now) {
 }
 
 void Gateway::on(const LineBytes& input, Instant now) {
+  if (trace_.is_on()) {
+    trace_.heard(input.bus, input.bytes, now);
+  }
   buses_.touch(input.bus).handle_bytes(input.bytes, now);
 }
 
@@ -142,6 +148,11 @@ std::optional<Wake> Gateway::next_wake() const {
   return buses_.next_wake(judgement);
 }
 
+void Gateway::set_traced(bool traced) {
+  trace_.set_on(traced);
+  buses_.set_traced(traced);
+}
+
 Status Gateway::status() const { return {clients_.size(), buses_.open_count()}; }
 
 StatusReport Gateway::report_status(Duration uptime, Instant now) const {
@@ -166,19 +177,22 @@ void Gateway::settle(Instant now) {
 bool Gateway::settle_one(Instant now) {
   if (const auto exchange = exchanges_.take_completed()) {
     failsafe_.ended(*exchange);
-    clients_.complete(*exchange);
+    clients_.complete(*exchange, now);
     exchanges_.close(*exchange);
     return true;
   }
   if (const auto bus = buses_.take_touched()) {
-    collect(*bus);
+    collect(*bus, now);
     return true;
   }
   return clients_.serve_one(now) || (!stopping_ && failsafe_.send_due(now));
 }
 
-void Gateway::collect(BusId bus) {
+void Gateway::collect(BusId bus, Instant now) {
   while (const auto action = buses_.poll(bus)) {
+    if (trace_.is_on()) {
+      trace(bus, *action, now);
+    }
     if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
       exchanges_.end(*ended->job, ended->ending);
     } else {
@@ -215,8 +229,20 @@ void Gateway::carry_out(BusId bus, const bus::BusAction& action) {
     report(LineNeverSilent{bus});
   } else if (const auto* quality = std::get_if<bus::QualityNotice>(&action)) {
     report(QualityNews{bus, *quality});
-  } else {
-    report(LineNews{bus, std::get<bus::LineNotice>(action).fault});
+  } else if (const auto* fault = std::get_if<bus::LineNotice>(&action)) {
+    report(LineNews{bus, fault->fault});
+  }
+}
+
+void Gateway::trace(BusId bus, const bus::BusAction& action, Instant now) {
+  if (const auto* ended = std::get_if<bus::JobEnded>(&action)) {
+    trace_.job_ended(ended->job->owner, ended->ending);
+  } else if (const auto* began = std::get_if<bus::TransmissionBegan>(&action)) {
+    trace_.began(bus, *began, now);
+  } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&action)) {
+    trace_.transmitted(bus, transmit->frame);
+  } else if (const auto* over = std::get_if<bus::TransmissionOver>(&action)) {
+    trace_.over(bus, *over, now);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "gateway/clients/clients.hpp"
 #include "gateway/input.hpp"
 #include "gateway/status/status_report.hpp"
+#include "gateway/trace/trace_book.hpp"
 
 namespace mbgate::gateway {
 
@@ -37,6 +38,10 @@ class Gateway {
   [[nodiscard]] Status status() const;
   /// Everything that is known of buses, devices and clients.
   [[nodiscard]] StatusReport report_status(Duration uptime, Instant now) const;
+  /// While it is on, take_trace() has what became of each request. It changes no decision, and is
+  /// no input: a recording knows nothing of it.
+  void set_traced(bool traced);
+  [[nodiscard]] TraceBook::Taken take_trace(Instant now) { return trace_.take(now); }
   /// The line is open, or it is a connection that is opened with the next request.
   [[nodiscard]] bool is_open(BusId bus) const { return buses_[bus].link().serves(); }
 
@@ -56,14 +61,16 @@ class Gateway {
   void on(const ShutdownAsked& input, Instant now);
   void settle(Instant now);
   bool settle_one(Instant now);
-  void collect(BusId bus);
+  void collect(BusId bus, Instant now);
   void carry_out(BusId bus, const bus::BusAction& action);
+  void trace(BusId bus, const bus::BusAction& action, Instant now);
   void adopt_buses(const Settings& before, Instant now);
   void report(const Event& event) { actions_.push(Report{event}); }
 
   ActionQueue line_actions_;
   ActionQueue actions_;
   SettingsHistory settings_;
+  TraceBook trace_{settings_};
   Exchanges exchanges_;  // its jobs outlive the queues that link them
   BusSet buses_;
   WriteRules rules_;

@@ -30,6 +30,7 @@ FRONTS = {
     "gateway/exchanges": {"exchanges"},
     "gateway/recording": {"record"},
     "gateway/status": {"diagnosis", "quality_text", "status_report"},
+    "gateway/trace": {"trace_book", "trace_record", "trace_text"},
     "gateway/settings": {"device_index", "numbering", "settings_snapshot", "unit_meaning"},
     "gateway/writes": {"failsafe", "failsafe_writes", "write_rules"},
     "io/clients": {"client_connections", "descriptors", "listening_socket", "server_set"},

@@ -10,5 +10,7 @@ namespace mbgate::app {
 /// "2026-11-24T22:10:00", in UTC, the second that has begun; what follows it, and the final Z, are
 /// the caller's.
 std::string utc_second(std::chrono::system_clock::time_point instant);
+/// "2026-11-24T22:10:00.123456Z"
+std::string utc_microsecond(std::chrono::system_clock::time_point instant);
 
 }  // namespace mbgate::app

@@ -56,6 +56,10 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
     owed.count = entry.health.owed(sent.request.function(), now, entry.timing());
     owed.alike = entry.health.owed_alike(sent.request, now, entry.timing());
   }
+  if (parts_.is_traced) {
+    parts_.actions.push(TransmissionBegan{title_of(transmission), sent.address, sent.is_broadcast(),
+                                          transmission.tries});
+  }
   parts_.actions.push(TransmitFrame{parts_.line.begin(sent, timing, owed, now)});
   if (stop != nullptr && in_the_way_of(parts_, *stop->leader) == &transmission) {
     const Duration stop_wait = parts_.settings.stop_wait;

@@ -33,6 +33,11 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   const std::uint8_t function = sent.request.function();
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
+  if (parts_.is_traced) {
+    const bool has_response = end.how == LineEnd::How::response;
+    parts_.actions.push(TransmissionOver{title_of(transmission), end.how,
+                                         has_response ? sent.response : std::nullopt});
+  }
   switch (end.how) {
     case LineEnd::How::response:
       handle_response(transmission, end, now);

@@ -7,6 +7,14 @@
 
 namespace mbgate::bus {
 
+TransmissionTitle title_of(const Transmission& transmission) {
+  TransmissionTitle title{transmission.leader->number, {transmission.leader->owner}};
+  for (const Job* follower : transmission.followers) {
+    title.requests.push_back(follower->owner);
+  }
+  return title;
+}
+
 Transmission& Transmissions::lead(Job& leader) {
   if (free_.empty()) {
     free_.push_back(&all_.emplace_back());

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "bus/bus_action.hpp"
 #include "bus/job.hpp"
 #include "bus/state_reader.hpp"
 
@@ -44,6 +45,9 @@ struct Transmission {
     return tries > 0 && !in_flight && leader->transactions.size() == 1;
   }
 };
+
+/// For whom it is, for a trace.
+[[nodiscard]] TransmissionTitle title_of(const Transmission& transmission);
 
 /// Is the job's current transaction on the wire, with the job as its leader?
 [[nodiscard]] inline bool is_in_flight(const Job& job) {

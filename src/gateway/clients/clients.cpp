@@ -6,7 +6,8 @@
 namespace mbgate::gateway {
 
 Clients::Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exchanges,
-                 WriteRules& rules, FailsafeWrites& failsafe, ActionQueue& actions, Instant now)
+                 WriteRules& rules, FailsafeWrites& failsafe, TraceBook& trace,
+                 ActionQueue& actions, Instant now)
     : settings_(settings),
       exchanges_(exchanges),
       rules_(rules),
@@ -14,7 +15,8 @@ Clients::Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exch
       actions_(actions),
       sessions_(settings.settings()),
       intake_(settings, rules, actions),
-      requests_(settings, buses, exchanges, rules, failsafe, sessions_, intake_, actions, now) {}
+      requests_(settings, buses, exchanges, rules, failsafe, sessions_, intake_, trace, actions,
+                now) {}
 
 void Clients::connected(ClientId client, const ClientInfo& info, Instant now) {
   if (!admit(info)) {

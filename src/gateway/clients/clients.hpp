@@ -9,7 +9,7 @@ namespace mbgate::gateway {
 class Clients {
  public:
   Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exchanges, WriteRules& rules,
-          FailsafeWrites& failsafe, ActionQueue& actions, Instant now);
+          FailsafeWrites& failsafe, TraceBook& trace, ActionQueue& actions, Instant now);
 
   void connected(ClientId client, const ClientInfo& info, Instant now);
   void received(ClientId client, modbus::Bytes bytes, std::size_t unread, Instant now);
@@ -25,7 +25,7 @@ class Clients {
   /// Serves a client for which something may be done; false if there is none.
   bool serve_one(Instant now);
   /// All jobs of the request have ended: answers it.
-  void complete(std::uint32_t exchange) { requests_.complete(exchange); }
+  void complete(std::uint32_t exchange, Instant now) { requests_.complete(exchange, now); }
   /// Removes closed sessions. To be called when nothing else is left to do.
   void sweep() { sessions_.sweep(); }
   [[nodiscard]] std::size_t size() const { return sessions_.size(); }

@@ -7,6 +7,24 @@
 #include "base/assert.hpp"
 
 namespace mbgate::gateway {
+namespace {
+
+ByteString bytes_of(const modbus::MbapAdu& adu) {
+  const modbus::MbapBytes bytes = modbus::encode(adu);
+  return {bytes.begin(), bytes.end()};
+}
+
+AskedTrace trace_of(const ClientSession& session, const Request& request) {
+  AskedTrace asked;
+  asked.connection = session.id();
+  asked.client = session.info().address;
+  asked.listener = session.listener().name;
+  asked.asked_at = request.arrival;
+  asked.request = bytes_of(request.adu);
+  return asked;
+}
+
+}  // namespace
 
 void Requests::accept(ClientSession& session, Request& request, Instant now) {
   failsafe_.client_asked(session.id(), now);
@@ -19,7 +37,14 @@ void Requests::accept(ClientSession& session, Request& request, Instant now) {
     ++session.refused;
   }
   if (answer) {
-    send(session, session.open_answer(), modbus::MbapAdu{request.adu.header, *answer});
+    const modbus::MbapAdu adu{request.adu.header, *answer};
+    if (trace_.is_on()) {
+      AskedTrace asked = trace_of(session, request);
+      asked.answer = bytes_of(adu);
+      asked.answered_at = now;
+      trace_.refused(std::move(asked));
+    }
+    send(session, session.open_answer(), adu);
   } else {
     begin(session, request, now);
   }
@@ -37,6 +62,9 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   exchange.is_stop = request.is_stop;
   exchange.left_out = std::move(request.left_out);
   exchange.plan = *std::move(request.plan);
+  if (trace_.is_on()) {
+    trace_.asked(index, trace_of(session, request));
+  }
   place_answer(session, request, index);
   rules_.note_accepted(*exchange.plan, exchange.left_out, origin, now);
   if (request.is_early) {
@@ -96,8 +124,13 @@ void Requests::pass_early(ClientSession& session, const EarlyStops::Stop& stop) 
   }
 }
 
-void Requests::complete(std::uint32_t index) {
+void Requests::complete(std::uint32_t index, Instant now) {
   const Exchange& exchange = exchanges_[index];
+  if (trace_.is_on()) {
+    const auto pdu = exchange.client_gone ? std::nullopt : exchange.result();
+    trace_.answered(
+        index, pdu ? std::optional(modbus::MbapAdu{exchange.header, *pdu}) : std::nullopt, now);
+  }
   if (!exchange.client_gone) {
     ClientSession* session = sessions_.find(exchange.client);
     MBGATE_ASSERT(session != nullptr, "a request knows whether its client is there");

@@ -7,6 +7,7 @@
 #include "gateway/clients/sessions.hpp"
 #include "gateway/exchanges/exchanges.hpp"
 #include "gateway/status_unit.hpp"
+#include "gateway/trace/trace_book.hpp"
 #include "gateway/writes/failsafe_writes.hpp"
 
 namespace mbgate::gateway {
@@ -14,8 +15,8 @@ namespace mbgate::gateway {
 class Requests {
  public:
   Requests(const SettingsHistory& settings, BusSet& buses, Exchanges& exchanges, WriteRules& rules,
-           FailsafeWrites& failsafe, Sessions& sessions, Intake& intake, ActionQueue& actions,
-           Instant now)
+           FailsafeWrites& failsafe, Sessions& sessions, Intake& intake, TraceBook& trace,
+           ActionQueue& actions, Instant now)
       : settings_(settings),
         buses_(buses),
         exchanges_(exchanges),
@@ -23,6 +24,7 @@ class Requests {
         failsafe_(failsafe),
         sessions_(sessions),
         intake_(intake),
+        trace_(trace),
         actions_(actions),
         started_(now) {}
 
@@ -32,7 +34,7 @@ class Requests {
   /// one.
   void pass_early(ClientSession& session, const EarlyStops::Stop& stop);
   /// All jobs of the exchange have ended: answers it.
-  void complete(std::uint32_t exchange);
+  void complete(std::uint32_t exchange, Instant now);
 
  private:
   friend struct mbgate::StateReader;
@@ -50,6 +52,7 @@ class Requests {
   FailsafeWrites& failsafe_;
   Sessions& sessions_;
   Intake& intake_;
+  TraceBook& trace_;
   ActionQueue& actions_;
   StatusUnit status_unit_;
   Instant started_;

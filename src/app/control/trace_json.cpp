@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/trace_json.hpp"
+
+#include <boost/json/array.hpp>
+#include <boost/json/value.hpp>
+
+#include "app/control/utc_text.hpp"
+#include "app/control/utf8.hpp"
+#include "gateway/trace/trace_text.hpp"
+#include "modbus/describe.hpp"
+
+namespace mbgate::app {
+namespace {
+
+using boost::json::array;
+using boost::json::object;
+using gateway::AskedTrace;
+using gateway::ByteString;
+using gateway::WireTrace;
+using modbus::Direction;
+using std::chrono::system_clock;
+
+const char* framing_word(bus::Framing framing) {
+  switch (framing) {
+    case bus::Framing::rtu: return "rtu";
+    case bus::Framing::ascii: return "ascii";
+    case bus::Framing::tcp: return "tcp";
+  }
+  return "";
+}
+
+/// Instants of the machine as the time of day.
+class Clock {
+ public:
+  explicit Clock(system_clock::time_point epoch) : epoch_(epoch) {}
+  [[nodiscard]] std::string at(gateway::Instant instant) const {
+    return utc_microsecond(
+        epoch_ + std::chrono::duration_cast<system_clock::duration>(instant.time_since_epoch()));
+  }
+
+ private:
+  system_clock::time_point epoch_;
+};
+
+object adu_json(const ByteString& adu, Direction direction, const std::string& at) {
+  return {{"at", at}, {"bytes", modbus::hex(adu)}, {"text", modbus::describe_mbap(adu, direction)}};
+}
+
+object wire_json(const WireTrace& wire, const Clock& clock) {
+  object json{{"bus", valid_utf8(wire.bus)},
+              {"device", nullptr},
+              {"address", wire.address},
+              {"framing", framing_word(wire.framing)},
+              {"sent", nullptr},
+              {"outcome", to_text(wire.outcome)},
+              {"ended_at", clock.at(wire.ended_at)},
+              {"response", nullptr}};
+  if (!wire.device.empty()) {
+    json["device"] = valid_utf8(wire.device);
+  }
+  if (wire.outcome != WireTrace::Outcome::unasked) {
+    json["sent"] = object{{"at", clock.at(wire.sent_at)},
+                          {"bytes", modbus::hex(wire.frame)},
+                          {"text", sent_text(wire)}};
+    json["try"] = wire.tries;
+    json["shared_by"] = wire.shared_by;
+  }
+  array heard;
+  for (const gateway::HeardBytes& part : wire.heard) {
+    heard.push_back(object{{"at", clock.at(part.at)}, {"bytes", modbus::hex(part.bytes)}});
+  }
+  json["heard"] = std::move(heard);
+  json["heard_not_kept"] = wire.not_kept;
+  json["heard_text"] = heard_text(wire);
+  if (wire.response) {
+    json["response"] = modbus::hex(*wire.response);
+  }
+  return json;
+}
+
+void add_asked(object& json, const AskedTrace& asked, const Clock& clock) {
+  json["client"] = object{{"address", asked.client.to_text()},
+                          {"connection", static_cast<std::uint64_t>(asked.connection)},
+                          {"listener", valid_utf8(asked.listener)}};
+  json["request"] = adu_json(asked.request, Direction::request, clock.at(asked.asked_at));
+  json["answer"] = nullptr;
+  if (asked.answer) {
+    json["answer"] = adu_json(*asked.answer, Direction::response, clock.at(asked.answered_at));
+  }
+  json["refused"] = asked.refused;
+}
+
+}  // namespace
+
+const char* trace_kind(const gateway::TraceRecord& record) {
+  if (record.asked) {
+    return "transaction";
+  }
+  const bool is_heard = record.wire.front().outcome == WireTrace::Outcome::unasked;
+  return is_heard ? "heard" : "frame";
+}
+
+object trace_json(const gateway::TraceRecord& record, system_clock::time_point epoch) {
+  const Clock clock(epoch);
+  object json{{"failed", record.is_failed()}};
+  if (record.asked) {
+    add_asked(json, *record.asked, clock);
+    json["ended"] = nullptr;
+    if (record.ended_as) {
+      json["ended"] = gateway::to_text(*record.ended_as);
+    }
+  }
+  array wire;
+  for (const WireTrace& it : record.wire) {
+    wire.push_back(wire_json(it, clock));
+  }
+  json["wire"] = std::move(wire);
+  json["wire_not_kept"] = record.wire_not_kept;
+  return json;
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/trace/trace_text.hpp"
+
+#include <algorithm>
+
+#include "modbus/ascii.hpp"
+#include "modbus/crc16.hpp"
+#include "modbus/describe.hpp"
+#include "modbus/response.hpp"
+#include "modbus/rtu.hpp"
+
+namespace mbgate::gateway {
+namespace {
+
+using modbus::Bytes;
+using modbus::Direction;
+
+ByteString all_heard(const WireTrace& wire) {
+  ByteString all;
+  for (const HeardBytes& part : wire.heard) {
+    all.insert(all.end(), part.bytes.begin(), part.bytes.end());
+  }
+  return all;
+}
+
+std::string body_text(const modbus::RtuAdu& adu, Direction direction) {
+  const Bytes pdu = adu.pdu.bytes();
+  return "unit " + std::to_string(adu.address) + ": " +
+         (direction == Direction::request ? modbus::describe_request(pdu)
+                                          : modbus::describe_response(pdu));
+}
+
+/// What is wrong with bytes that are no good RTU frame.
+std::string bad_rtu(Bytes bytes) {
+  const std::string size = std::to_string(bytes.size()) + (bytes.size() == 1 ? " byte" : " bytes");
+  if (bytes.size() < modbus::kMinRtuSize) {
+    return size + ", too few for a frame";
+  }
+  constexpr std::size_t kCrc = 2;
+  const Bytes body = bytes.first(bytes.size() - kCrc);
+  const auto length = modbus::response_length(body.subspan(1));
+  const bool is_known = length.kind == modbus::PduLength::Kind::known;
+  if (is_known && bytes.size() < length.bytes + modbus::kRtuOverhead) {
+    return size + " of " + std::to_string(length.bytes + modbus::kRtuOverhead) +
+           ": the frame is not whole";
+  }
+  if (is_known && bytes.size() > length.bytes + modbus::kRtuOverhead) {
+    return size + ", not one whole frame";
+  }
+  const std::uint16_t crc = modbus::crc16(body);
+  const std::uint8_t right[] = {static_cast<std::uint8_t>(crc),
+                                static_cast<std::uint8_t>(crc >> 8)};
+  return "CRC " + modbus::hex(bytes.last(kCrc)) + ", " + modbus::hex(right) + " would be right";
+}
+
+std::string rtu_text(Bytes bytes, Direction direction) {
+  const auto adu = modbus::decode_rtu(bytes);
+  return adu ? body_text(*adu, direction) : bad_rtu(bytes);
+}
+
+std::string ascii_text(Bytes bytes, Direction direction) {
+  if (const auto adu = modbus::decode_ascii(bytes)) {
+    return body_text(*adu, direction);
+  }
+  return modbus::ascii_content(bytes) ? "its LRC is wrong" : "no whole ASCII frame";
+}
+
+std::string frame_text(const WireTrace& wire, Bytes bytes, Direction direction) {
+  switch (wire.framing) {
+    case bus::Framing::rtu: return rtu_text(bytes, direction);
+    case bus::Framing::ascii: return ascii_text(bytes, direction);
+    case bus::Framing::tcp: return modbus::describe_mbap(bytes, direction);
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* to_text(WireTrace::Outcome outcome) {
+  switch (outcome) {
+    case WireTrace::Outcome::answered: return "answered";
+    case WireTrace::Outcome::sent: return "sent";
+    case WireTrace::Outcome::no_response: return "no response";
+    case WireTrace::Outcome::damaged: return "damaged";
+    case WireTrace::Outcome::cut: return "cut";
+    case WireTrace::Outcome::unasked: return "unasked";
+  }
+  return "";
+}
+
+const char* to_text(bus::Ending ending) {
+  switch (ending) {
+    case bus::Ending::answered: return "answered";
+    case bus::Ending::transmitted: return "transmitted";
+    case bus::Ending::no_answer: return "no valid answer came";
+    case bus::Ending::expired: return "its deadline was over";
+    case bus::Ending::mismatched: return "the drive's word order is not the configured one";
+    case bus::Ending::closed: return "the line is not open";
+    case bus::Ending::offline: return "the device is offline";
+    case bus::Ending::cancelled: return "taken back before it was sent";
+  }
+  return "";
+}
+
+std::string sent_text(const WireTrace& wire) {
+  return frame_text(wire, wire.frame, Direction::request);
+}
+
+std::string heard_text(const WireTrace& wire) {
+  const ByteString all = all_heard(wire);
+  Bytes rest = all;
+  std::string text;
+  const bool has_same = !wire.frame.empty() && rest.size() >= wire.frame.size() &&
+                        std::ranges::equal(rest.first(wire.frame.size()), wire.frame) &&
+                        (rest.size() > wire.frame.size() || !wire.response);
+  if (has_same) {
+    text = "the same as was sent, then ";
+    rest = rest.subspan(wire.frame.size());
+  }
+  if (wire.response) {
+    return text + modbus::describe_response(*wire.response);
+  }
+  return text + (rest.empty() ? "nothing" : frame_text(wire, rest, Direction::response));
+}
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the bytes of a trace mean, in one line for people, and what is wrong with them.
+#pragma once
+
+#include <string>
+
+#include "gateway/trace/trace_record.hpp"
+
+namespace mbgate::gateway {
+
+/// "answered", "no response"
+const char* to_text(WireTrace::Outcome outcome);
+/// How a request ended that has no answer of its own: "its deadline was over", "the device is
+/// offline".
+const char* to_text(bus::Ending ending);
+
+/// "unit 1: read holding registers 30..31"
+std::string sent_text(const WireTrace& wire);
+/// "2 registers: 0x0003 0x0D40", "CRC FF FF, B5 33 would be right", "nothing". On a line with an
+/// echo: "the same as was sent, then 1 register: 0x0003".
+std::string heard_text(const WireTrace& wire);
+
+}  // namespace mbgate::gateway

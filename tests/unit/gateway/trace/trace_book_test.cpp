@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a trace says of requests that go through a whole machine.
+#include "gateway/trace/trace_book.hpp"
+
+#include <gmock/gmock.h>
+
+#include "support/machine_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using gateway::TraceBook;
+using gateway::TraceRecord;
+using gateway::WireTrace;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+const char* word(WireTrace::Outcome outcome) {
+  switch (outcome) {
+    case WireTrace::Outcome::answered: return "answered";
+    case WireTrace::Outcome::sent: return "sent";
+    case WireTrace::Outcome::no_response: return "no response";
+    case WireTrace::Outcome::damaged: return "damaged";
+    case WireTrace::Outcome::cut: return "cut";
+    case WireTrace::Outcome::unasked: return "unasked";
+  }
+  return "";
+}
+
+std::string text(const WireTrace& wire) {
+  std::string all = " / " + wire.bus + " " + wire.device + "> " + hex(wire.frame) + " <";
+  for (const gateway::HeardBytes& part : wire.heard) {
+    all += " " + hex(part.bytes);
+  }
+  return all + " " + word(wire.outcome);
+}
+
+std::string text(const TraceRecord& record) {
+  std::string all = record.asked ? hex(record.asked->request) + " =" : "=";
+  if (record.asked && record.asked->answer) {
+    all += " " + hex(*record.asked->answer);
+  }
+  for (const WireTrace& wire : record.wire) {
+    all += text(wire);
+  }
+  return all;
+}
+
+Settings one_axis() {
+  Settings settings = one_bus();
+  settings.buses[0].timing.retries = 1;
+  settings.buses[0].coalesce = true;
+  settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing}};
+  return settings;
+}
+
+class Trace : public testing::Test {
+ protected:
+  Trace() {
+    rig_.connect(1, "192.0.2.7");
+    rig_.connect(2, "192.0.2.8");
+    rig_.harness.gateway().set_traced(true);
+  }
+  Lines take() {
+    Lines all;
+    for (const TraceRecord& record : rig_.harness.gateway().take_trace(rig_.now()).records) {
+      all.push_back(text(record));
+    }
+    return all;
+  }
+
+  MachineRig rig_{one_axis()};
+};
+
+TEST_F(Trace, HasBothSidesOfARequest) {
+  rig_.receive(1, read_request(7));
+  rig_.advance(30ms);
+  rig_.respond("01 03 02 12 34");
+  const auto taken = rig_.harness.gateway().take_trace(rig_.now());
+  ASSERT_EQ(taken.records.size(), 1U);
+  const TraceRecord& record = taken.records[0];
+  EXPECT_EQ(text(record),
+            "00 07 00 00 00 06 01 03 00 00 00 01 = 00 07 00 00 00 05 01 03 02 12 34"
+            " / line-a axis> 01 03 00 00 00 01 84 0A < 01 03 02 12 34 B5 33 answered");
+  EXPECT_EQ(record.asked->client.to_text(), "192.0.2.7");
+  EXPECT_EQ(record.asked->listener, "plant");
+  EXPECT_EQ(record.asked->connection, ClientId{1});
+  EXPECT_EQ(record.asked->answered_at, rig_.now());
+  EXPECT_EQ(record.asked->answered_at - record.asked->asked_at, Duration{30ms});
+  EXPECT_EQ(record.wire[0].sent_at, record.asked->asked_at);
+  EXPECT_EQ(record.wire[0].ended_at, rig_.now());
+  EXPECT_EQ(hex(*record.wire[0].response), "03 02 12 34");
+  EXPECT_EQ(record.ended_as, bus::Ending::answered);
+  EXPECT_FALSE(record.is_failed());
+}
+
+TEST_F(Trace, HasEveryTryAndWhatWasHeardOfIt) {
+  rig_.receive(1, read_request(7));
+  rig_.advance(20ms);
+  rig_.line("01 03 02 12 34 FF FF");  // bad CRC
+  rig_.advance(120ms);
+  rig_.respond("01 03 02 12 34");
+  rig_.advance(400ms);
+  EXPECT_THAT(take(),
+              ElementsAre("00 07 00 00 00 06 01 03 00 00 00 01 = 00 07 00 00 00 05 01 03 02 12 34"
+                          " / line-a axis> 01 03 00 00 00 01 84 0A < 01 03 02 12 34 FF FF damaged"
+                          " / line-a axis> 01 03 00 00 00 01 84 0A < 01 03 02 12 34 B5 33 "
+                          "answered"));
+}
+
+TEST_F(Trace, ASilentDeviceFails) {
+  rig_.receive(1, read_request(7));
+  rig_.advance(1s);
+  const auto taken = rig_.harness.gateway().take_trace(rig_.now());
+  ASSERT_EQ(taken.records.size(), 1U);
+  EXPECT_EQ(text(taken.records[0]),
+            "00 07 00 00 00 06 01 03 00 00 00 01 = 00 07 00 00 00 03 01 83 0B"
+            " / line-a axis> 01 03 00 00 00 01 84 0A < no response"
+            " / line-a axis> 01 03 00 00 00 01 84 0A < no response");
+  EXPECT_EQ(taken.records[0].wire[1].tries, 2U);
+  EXPECT_EQ(taken.records[0].ended_as, bus::Ending::no_answer);
+  EXPECT_TRUE(taken.records[0].is_failed());
+}
+
+TEST_F(Trace, OneFrameCanBeOfSeveralRequests) {
+  rig_.receive(1, read_request(6, 2));  // the line is busy
+  rig_.receive(1, read_request(7));
+  rig_.receive(2, read_request(8));
+  rig_.advance(10ms);
+  rig_.respond("02 03 02 00 00");
+  rig_.advance(10ms);
+  take();
+  rig_.respond("01 03 02 12 34");
+  const auto taken = rig_.harness.gateway().take_trace(rig_.now());
+  ASSERT_EQ(taken.records.size(), 2U);
+  EXPECT_EQ(taken.records[0].wire[0].shared_by, 2U);
+  EXPECT_EQ(hex(taken.records[0].wire[0].frame), hex(taken.records[1].wire[0].frame));
+}
+
+TEST_F(Trace, TellsWhatTheGatewayAnswersItself) {
+  rig_.receive(1, read_request(7, 248));  // no route
+  const auto taken = rig_.harness.gateway().take_trace(rig_.now());
+  ASSERT_EQ(taken.records.size(), 1U);
+  EXPECT_EQ(text(taken.records[0]),
+            "00 07 00 00 00 06 F8 03 00 00 00 01 = 00 07 00 00 00 03 F8 83 0A");
+  EXPECT_TRUE(taken.records[0].asked->refused);
+  EXPECT_TRUE(taken.records[0].is_failed());
+}
+
+TEST_F(Trace, BytesThatNobodyAskedForAreToldAfterAPause) {
+  rig_.line("09 03 02");
+  rig_.advance(10ms);
+  rig_.line("00 01 D8");
+  rig_.advance(10ms);
+  EXPECT_THAT(take(), IsEmpty());
+  rig_.advance(50ms);
+  EXPECT_THAT(take(), ElementsAre("= / line-a >  < 09 03 02 00 01 D8 unasked"));
+  EXPECT_THAT(take(), IsEmpty());
+}
+
+TEST_F(Trace, WhatIsCutWithItsLineIsTold) {
+  rig_.receive(1, write_request(7));
+  rig_.advance(10ms);
+  rig_.lose_line();
+  EXPECT_THAT(take(), ElementsAre("00 07 00 00 00 06 01 06 00 00 00 01 = "
+                                  "00 07 00 00 00 03 01 86 0B"
+                                  " / line-a axis> 01 06 00 00 00 01 48 0A < cut"));
+}
+
+TEST_F(Trace, ARequestWhoseClientHasGoneHasNoAnswer) {
+  rig_.receive(1, write_request(7));
+  rig_.advance(10ms);
+  rig_.disconnect(1);
+  rig_.respond("01 06 00 00 00 01");
+  EXPECT_THAT(take(), ElementsAre("00 07 00 00 00 06 01 06 00 00 00 01 ="
+                                  " / line-a axis> 01 06 00 00 00 01 48 0A < "
+                                  "01 06 00 00 00 01 48 0A answered"));
+}
+
+TEST_F(Trace, OfARequestThatCameBeforeItHasTheFramesThatFollow) {
+  rig_.harness.gateway().set_traced(false);
+  rig_.receive(1, read_request(6, 2));
+  rig_.receive(1, read_request(7));
+  rig_.advance(10ms);
+  rig_.harness.gateway().set_traced(true);
+  rig_.respond("02 03 02 00 00");
+  rig_.advance(10ms);
+  rig_.respond("01 03 02 12 34");
+  EXPECT_THAT(take(), ElementsAre("= / line-a axis> 01 03 00 00 00 01 84 0A < "
+                                  "01 03 02 12 34 B5 33 answered"));
+}
+
+TEST_F(Trace, TakesNothingWhileItIsOff) {
+  rig_.harness.gateway().set_traced(false);
+  rig_.receive(1, read_request(7));
+  rig_.advance(30ms);
+  rig_.respond("01 03 02 12 34");
+  EXPECT_THAT(take(), IsEmpty());
+}
+
+TEST_F(Trace, CountsWhatIsNotTakenInTime) {
+  for (std::size_t at = 0; at < TraceBook::kMostRecords + 3; ++at) {
+    rig_.receive(1, read_request(7, 248));
+  }
+  const auto taken = rig_.harness.gateway().take_trace(rig_.now());
+  EXPECT_EQ(taken.records.size(), TraceBook::kMostRecords);
+  EXPECT_EQ(taken.lost, 3U);
+}
+
+TEST_F(Trace, KeepsOnlySoMuchOfWhatIsHeard) {
+  for (int at = 0; at < 100; ++at) {
+    rig_.line("55 55 55 55 55 55 55 55 55 55 55 55 55 55 55 55");
+  }
+  rig_.advance(60ms);
+  const auto taken = rig_.harness.gateway().take_trace(rig_.now());
+  ASSERT_EQ(taken.records.size(), 1U);
+  EXPECT_EQ(taken.records[0].wire[0].not_kept, 1600U - TraceBook::kMostHeard);
+}
+
+Settings one_connection() {
+  Settings settings = one_axis();
+  settings.buses[0].line.framing = bus::Framing::tcp;
+  settings.buses[0].line.remote = bus::Endpoint{"192.0.2.50"};
+  settings.buses[0].outstanding = 2;
+  return settings;
+}
+
+// The answers come in the other order, in one piece and a half.
+TEST(TraceOfAConnection, FindsTheAdusOfEachTransaction) {
+  MachineRig rig{one_connection()};
+  rig.connect(1);
+  rig.harness.gateway().set_traced(true);
+  rig.receive(1, read_request(7, 1) + read_request(8, 2));
+  rig.advance(5ms);
+  const auto sent = rig.take_transmitted();
+  ASSERT_EQ(sent.size(), 2U);
+  const std::string first = sent[0].substr(0, 5);
+  const std::string second = sent[1].substr(0, 5);
+  rig.line(second + " 00 00 00 05 02 03 02 00 02 " + first + " 00 00 00");
+  rig.line("05 01 03 02 00 01");
+  Lines all;
+  for (const TraceRecord& record : rig.harness.gateway().take_trace(rig.now()).records) {
+    all.push_back(text(record));
+  }
+  EXPECT_THAT(all,
+              ElementsAre("00 08 00 00 00 06 02 03 00 00 00 01 = 00 08 00 00 00 05 02 03 02 00 02"
+                          " / line-a > " +
+                              sent[1] + " < " + second + " 00 00 00 05 02 03 02 00 02 answered",
+                          "00 07 00 00 00 06 01 03 00 00 00 01 = 00 07 00 00 00 05 01 03 02 00 01"
+                          " / line-a axis> " +
+                              sent[0] + " < " + first + " 00 00 00 05 01 03 02 00 01 answered"));
+}
+
+}  // namespace
+}  // namespace mbgate::test
