@@ -81,17 +81,8 @@ Block device_block(const StatusView::Device& shown, const StatusView& view) {
   const bus::DeviceEntry& entry = bus.devices()[device.address];
   const bus::DeviceCounters& counters = entry.counters;
   const bus::QualityVerdict& quality = bus.diagnosis().quality()[device.address].verdict();
-  std::uint16_t state = 0;
-  if (entry.health.is_offline()) {
-    state = 3;
-  } else if (entry.health.unanswered_in_row() > 0) {
-    state = 2;
-  } else if (counters.responses > 0) {
-    state = 1;
-  } else if (counters.bad_crcs > 0) {
-    state = 4;
-  }
-  Block block{static_cast<std::uint16_t>(shown.bus + 1), device.address, state,
+  Block block{static_cast<std::uint16_t>(shown.bus + 1), device.address,
+              static_cast<std::uint16_t>(entry.health.state()),
               saturated(entry.health.unanswered_in_row())};
   for (const std::uint64_t count :
        {counters.transmissions, counters.responses, counters.exceptions, counters.timeouts,

@@ -201,8 +201,8 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
   // wanted_at. On a serial line all that may end was sent later than what was answered:
   // answered_sent.
   const auto& [debts, forgotten_due, forgotten, answered_at, longest_answer, longest_before,
-               while_began, learned, learned_at, unanswered_in_row, answered_sent, offline,
-               probe_at, wanted_at] = health;
+               while_began, learned, learned_at, unanswered_in_row, answered_sent, state, probe_at,
+               wanted_at] = health;
   explore::require(!forgotten_due && longest_before == Duration{0}, "few debts, and a short life");
   bool holds = false;
   hash.add(debts.size());
@@ -230,7 +230,7 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
   if (timing.offline_after != 0) {
     hash.add(unanswered_in_row);
   }
-  hash.add(offline);
+  hash.add(state == bus::DeviceState::offline);  // the others are told only
 }
 
 void StateReader::read(const bus::ReadCache& cache, Duration age, Hash& hash) {

@@ -29,11 +29,19 @@ bool DeviceHealth::note_unanswered(const modbus::Request& asked, Instant sent, I
     return false;
   }
   ++unanswered_in_row_;
-  if (offline_ || timing.offline_after == 0 || unanswered_in_row_ < timing.offline_after) {
+  if (is_offline()) {
     return false;
   }
-  offline_ = true;
-  return true;
+  const bool is_lost = timing.offline_after != 0 && unanswered_in_row_ >= timing.offline_after;
+  state_ = is_lost ? DeviceState::offline : DeviceState::not_answering;
+  return is_lost;
+}
+
+void DeviceHealth::note_damaged(const modbus::Request& asked, Instant due) {
+  owe(asked, due);
+  if (state_ == DeviceState::not_asked) {
+    state_ = DeviceState::damaged;
+  }
 }
 
 DeviceHealth::Debt& DeviceHealth::owe(const modbus::Request& asked, Instant due) {
@@ -102,7 +110,7 @@ void DeviceHealth::note_took(Duration took, Instant now) {
 
 bool DeviceHealth::answer_seen() {
   unanswered_in_row_ = 0;
-  return std::exchange(offline_, false);
+  return std::exchange(state_, DeviceState::answering) == DeviceState::offline;
 }
 
 void DeviceHealth::note_asked(Instant now, const Timing& timing) {

@@ -19,6 +19,7 @@
 #include <optional>
 #include <vector>
 
+#include "bus/health/device_state.hpp"
 #include "bus/instant.hpp"
 #include "bus/state_reader.hpp"
 #include "drive/device.hpp"
@@ -41,9 +42,11 @@ class DeviceHealth {
   /// has answered, in time, something that was sent to it later.
   bool note_unanswered(const modbus::Request& asked, Instant sent, Instant due,
                        const Timing& timing);
-  /// The same, where it says nothing about whether the device is there: an answer came with a wrong
-  /// CRC or LRC, or the line was lost before an answer came.
+  /// The same, where it says nothing about whether the device is there: the line was lost before an
+  /// answer came.
   void note_spoilt(const modbus::Request& asked, Instant due) { owe(asked, due); }
+  /// The same: an answer came with a wrong CRC or LRC.
+  void note_damaged(const modbus::Request& asked, Instant due);
   struct Answered {
     const modbus::Request& asked;
     modbus::Bytes response;  ///< its PDU
@@ -85,7 +88,8 @@ class DeviceHealth {
   /// The quarantine in force at `now`.
   [[nodiscard]] Duration quarantine(Instant now, const Timing& timing) const;
 
-  [[nodiscard]] bool is_offline() const { return offline_; }
+  [[nodiscard]] DeviceState state() const { return state_; }
+  [[nodiscard]] bool is_offline() const { return state_ == DeviceState::offline; }
   [[nodiscard]] unsigned unanswered_in_row() const { return unanswered_in_row_; }
   /// When the next probe may be sent.
   [[nodiscard]] Instant probe_at() const { return probe_at_; }
@@ -133,7 +137,7 @@ class DeviceHealth {
 
   unsigned unanswered_in_row_ = 0;  // sent after the last transmission that was answered
   Instant answered_sent_ = Instant::min();
-  bool offline_ = false;
+  DeviceState state_ = DeviceState::not_asked;
   Instant probe_at_ = Instant::min();
   Instant wanted_at_ = Instant::min();
 };

@@ -39,25 +39,11 @@ Percentiles percentiles_of(const bus::Durations& durations) {
   return {durations.percentile(50), durations.percentile(90), durations.percentile(99)};
 }
 
-DeviceStatus::State state_of(const bus::DeviceEntry& entry) {
-  using State = DeviceStatus::State;
-  if (entry.health.is_offline()) {
-    return State::offline;
-  }
-  if (entry.health.unanswered_in_row() > 0) {
-    return State::not_answering;
-  }
-  if (entry.answered_at != Instant::min()) {
-    return State::answering;
-  }
-  return entry.counters.bad_crcs > 0 ? State::damaged : State::not_asked;
-}
-
 DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial, Instant now) {
   const bus::DeviceEntry& entry = bus.devices()[address];
   DeviceStatus status;
   status.address = address;
-  status.state = state_of(entry);
+  status.state = entry.health.state();
   status.has_answered = bus.diagnosis().quality()[address].has_answered();
   status.last_request = since(entry.asked_at, now);
   status.last_answer = since(entry.answered_at, now);
@@ -87,7 +73,7 @@ void add_unnamed(const bus::Bus& bus, std::size_t place, bool is_serial, Instant
   }
   for (std::size_t address = 0; address < bus::kAddresses; ++address) {
     const auto number = static_cast<std::uint8_t>(address);
-    if (!named[address] && bus.devices()[number].counters.transmissions > 0) {
+    if (!named[address] && bus.devices()[number].asked_at != Instant::min()) {
       devices.push_back(status_of(bus, number, is_serial, now));
       devices.back().bus = place;
     }

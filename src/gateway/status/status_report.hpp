@@ -41,13 +41,7 @@ struct BusStatus {
 };
 
 struct DeviceStatus {
-  enum class State : std::uint8_t {
-    not_asked,      ///< nothing was sent to it
-    answering,      ///< it has answered the last request
-    not_answering,  ///< it has not
-    offline,        ///< it has not answered for so long that it is only probed
-    damaged         ///< all its answers had a bad CRC or LRC
-  };
+  using State = bus::DeviceState;
 
   std::string name;     ///< empty: an address that the configuration has no device for
   std::size_t bus = 0;  ///< its place in StatusReport::buses

@@ -44,6 +44,35 @@ TEST_F(Health, OfflineCanBeTurnedOff) {
   }
 }
 
+TEST_F(Health, ADeviceIsInTheStateOfItsLastRequest) {
+  EXPECT_EQ(health_.state(), DeviceState::not_asked);
+  health_.note_damaged(read_, at(100ms));
+  EXPECT_EQ(health_.state(), DeviceState::damaged);
+  unanswered(read_, 500ms);
+  health_.note_damaged(read_, at(800ms));
+  EXPECT_EQ(health_.state(), DeviceState::not_answering);
+  answered(read_, kAnswer, 1100ms, 10ms, 1010ms);
+  health_.note_damaged(read_, at(1200ms));
+  EXPECT_EQ(health_.state(), DeviceState::answering);
+  for (const auto due : {2s, 3s, 4s}) {
+    unanswered(read_, due);
+  }
+  EXPECT_EQ(health_.state(), DeviceState::offline);
+}
+
+TEST_F(Health, ADeviceThatAnswersLateIsAnswering) {
+  unanswered(read_, 100ms);
+  EXPECT_EQ(health_.state(), DeviceState::not_answering);
+  ASSERT_TRUE(health_.note_unexpected(kAnswer, at(150ms), timing_));
+  EXPECT_EQ(health_.state(), DeviceState::answering);
+}
+
+TEST_F(Health, WhatWasAskedBeforeTheLastAnswerChangesNothing) {
+  answered(read_, kAnswer, 1s, 10ms, 950ms);
+  unanswered(write_, 900ms);  // sent before
+  EXPECT_EQ(health_.state(), DeviceState::answering);
+}
+
 /// Stops to a drive that is switched off for a minute.
 TEST_F(Health, NothingIsLaterThanQuarantineMax) {
   timing_.quarantine_max = 1s;

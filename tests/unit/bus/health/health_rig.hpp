@@ -11,6 +11,7 @@ namespace mbgate::test {
 
 using namespace std::chrono_literals;
 using bus::DeviceHealth;
+using bus::DeviceState;
 using bus::Instant;
 
 class Health : public testing::Test {
