@@ -189,6 +189,11 @@ ProcessStatus Service::process_status() const {
   return {about_.version, about_.config, read_at_, is_refused_};
 }
 
+void Service::clear_counters() {
+  driver_.clear_counters();
+  log_.write(Level::notice, "counters cleared by the control socket");
+}
+
 void Service::control_failed(const std::string& why) {
   log_.write(Level::error, "a connection to the control socket has failed: " + why);
 }

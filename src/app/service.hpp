@@ -60,6 +60,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   [[nodiscard]] gateway::StatusReport report_status() const override;
   [[nodiscard]] ProcessStatus process_status() const override;
   void reload(ReloadEnded ended) override;
+  void clear_counters() override;
   void control_failed(const std::string& why) override;
 
   boost::asio::awaitable<void> wait_for_signal();

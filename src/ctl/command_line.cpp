@@ -23,6 +23,7 @@ struct Subcommands {
         check(app),
         status(app),
         reload(app),
+        clear_counters(app),
         events(app) {}
 
   /// That of the subcommand which was given. The error is a full sentence.
@@ -45,7 +46,10 @@ struct Subcommands {
     if (status.given()) {
       return status.command();
     }
-    return reload.given() ? reload.command() : events.command();
+    if (reload.given()) {
+      return reload.command();
+    }
+    return clear_counters.given() ? clear_counters.command() : events.command();
   }
 
   ReadOptions read;
@@ -55,6 +59,7 @@ struct Subcommands {
   CheckOptions check;
   StatusOptions status;
   ReloadOptions reload;
+  ClearCountersOptions clear_counters;
   EventsOptions events;
 };
 

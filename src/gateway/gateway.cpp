@@ -91,6 +91,10 @@ void Gateway::on(const DeadlineReached& /*input*/, Instant now) {
   }
 }
 
+void Gateway::on(const ClearCountersAsked& /*input*/, Instant /*now*/) {
+  clients_.clear_counters();
+}
+
 void Gateway::on(const ShutdownAsked& /*input*/, Instant now) {
   if (stopping_) {
     return;

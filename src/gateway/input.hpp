@@ -71,11 +71,13 @@ struct SettingsChanged {
   const Settings* settings = nullptr;  ///< owned by the caller, and copied
   std::string_view config{};           ///< config_lines() of what they were read from, or nothing
 };
+/// All counters begin anew, as by function 08/10 to the gateway's own unit. Nothing else changes.
+struct ClearCountersAsked {};
 /// Nothing new is started but stops; Finished follows at most 1.5 s later.
 struct ShutdownAsked {};
 
 using Input = std::variant<ClientConnected, ClientBytes, ClientSent, ClientHalfClosed,
                            ClientDisconnected, LineOpened, LineBytes, LineLost, LineLooked,
-                           DeadlineReached, SettingsChanged, ShutdownAsked>;
+                           DeadlineReached, SettingsChanged, ClearCountersAsked, ShutdownAsked>;
 
 }  // namespace mbgate::gateway

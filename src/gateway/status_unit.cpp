@@ -184,13 +184,13 @@ std::uint64_t sum(const StatusView& view, Count count) {
 
 }  // namespace
 
-StatusUnit::Answer StatusUnit::diagnose(const Pdu& request, const StatusView& view) {
+StatusUnit::Answer StatusUnit::diagnose(const Pdu& request, const StatusView& view) const {
   using Counters = bus::BusCounters;
   std::uint64_t value = 0;
   switch (modbus::load_be16(request.bytes(), 1)) {
     case 0x00: return {request};
     case 0x02: break;  // diagnostic register: nothing to tell
-    case 0x0A: requests_ = 0; return {request, true};
+    case 0x0A: return {request, true};
     case 0x0B:
       value = sum(view, [](const Counters& c) { return c.responses + c.unsolicited_frames; });
       break;

@@ -78,13 +78,14 @@ class StatusUnit {
  public:
   struct Answer {
     modbus::Pdu pdu;
-    bool clear_counters = false;  ///< 08/0A: the buses' counters are to be cleared
+    bool clear_counters = false;  ///< 08/0A: all counters are to be cleared, its own too
   };
   /// Answers everything; what the gateway itself does not do gets exception 01.
   Answer answer(const modbus::Pdu& request, const StatusView& view);
+  void clear_counters() { requests_ = 0; }
 
  private:
-  [[nodiscard]] Answer diagnose(const modbus::Pdu& request, const StatusView& view);
+  [[nodiscard]] Answer diagnose(const modbus::Pdu& request, const StatusView& view) const;
 
   std::uint16_t requests_ = 0;  ///< CPT4, the server message count (Serial Line V1.02, appendix A)
 };

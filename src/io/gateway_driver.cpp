@@ -61,6 +61,11 @@ void GatewayDriver::reload(const gateway::Settings& settings, std::string_view c
   observer_.on_status_changed();
 }
 
+void GatewayDriver::clear_counters() {
+  feed(gateway::ClearCountersAsked{});
+  carry_out_actions();
+}
+
 gateway::StatusReport GatewayDriver::report_status() const {
   const gateway::Instant at = now();
   return gateway_.report_status(at - started_, at);

@@ -58,6 +58,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void reload(const gateway::Settings& settings, std::string_view config);
   /// Closes the sockets of this listener: no more clients are accepted on them.
   void remove_servers(gateway::ListenerId listener);
+  void clear_counters();
   /// Accepts no more clients and lets the machine finish; on_finished() follows.
   void shutdown();
 

@@ -65,6 +65,19 @@ class ControlSocket(ControlCase):
         self.assertIn("bus line-b: baud 9600", shown.stdout)
         self.assertEqual(self.status()["buses"][1]["baud"], 19200)
 
+    def test_counters_are_cleared_and_a_drive_is_as_it_was(self):
+        self.assertEqual(self.read(MOONS).returncode, 0)
+        code, body = self.ask("POST", "/api/v1/clear-counters")
+        self.assertEqual((code, body), (200, {"result": "done"}))
+        axis = self.device("axis-x")
+        self.assertEqual((axis["state"], axis["counters"]["responses"]), ("answering", 0))
+        self.assertEqual(self.status()["requests"], 0)
+        self.assertEqual(self.read(MOONS).returncode, 0)
+        self.assertEqual(self.device("axis-x")["counters"]["responses"], 1)
+        shown = self.mbgatectl("clear-counters", "--control", self.plant.control)
+        self.assertEqual((shown.returncode, shown.stdout, shown.stderr), (0, "all counters begin anew\n", ""))
+        self.assertEqual(self.device("axis-x")["counters"]["responses"], 0)
+
     def test_a_refused_reload_fails_with_the_place_and_changes_nothing(self):
         self.edit("baud = 9600", "baud = 0")
         code, body = self.ask("POST", "/api/v1/reload")
@@ -83,6 +96,7 @@ class ControlSocket(ControlCase):
         self.assertEqual(self.ask("GET", "/")[0], 404)
         self.assertEqual(self.ask("POST", "/api/v1/status")[0], 405)
         self.assertEqual(self.ask("GET", "/api/v1/reload")[0], 405)
+        self.assertEqual(self.ask("GET", "/api/v1/clear-counters")[0], 405)
         self.assertEqual(self.ask("POST", EVENTS)[0], 405)
 
     def test_the_socket_is_for_its_owner_and_group_and_goes_with_the_gateway(self):

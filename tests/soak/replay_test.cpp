@@ -58,6 +58,11 @@ class Recording {
   std::string text_;
 };
 
+gateway::ClientConnected a_client() {
+  return {gateway::ClientId{0},
+          {gateway::ListenerId{0}, *routing::ClientAddress::parse("192.0.2.1"), 0}};
+}
+
 // First one file, then two that share a table, the first without its last newline.
 Recording with_other_settings() {
   const Files next{{"test.toml", "gateway.unit = 254\n" + plant("line-b") + "[http]"},
@@ -67,10 +72,7 @@ Recording with_other_settings() {
   const auto request = unhex("0001 0000 0006 01 03 0000 0001");
   Recording recording({{"test.toml", plant("line-a")}});
   recording.input(gateway::LineOpened{gateway::BusId{0}}, Instant{2s});
-  recording.input(gateway::ClientConnected{gateway::ClientId{0},
-                                           {gateway::ListenerId{0},
-                                            *routing::ClientAddress::parse("192.0.2.1"), 0}},
-                  Instant{2s});
+  recording.input(a_client(), Instant{2s});
   recording.input(gateway::ClientBytes{gateway::ClientId{0}, request}, Instant{3s});
   recording.input(gateway::SettingsChanged{&settings, lines}, Instant{4s});
   recording.input(gateway::LineOpened{gateway::BusId{1}}, Instant{5s});
@@ -85,6 +87,28 @@ TEST(Replay, OtherSettingsStandInTheRecordingAndComeAgain) {
   const ReplayOutcome outcome = replay(stream, std::nullopt);
   EXPECT_EQ(outcome.difference, "");
   EXPECT_EQ(outcome.inputs, 5U);
+}
+
+// The gateway's own unit is asked how many requests there were, before and after.
+TEST(Replay, CountersAreClearedAgain) {
+  const auto ask = unhex("0001 0000 0006 FF 04 0006 0002");
+  const std::string cleared = "3000000000 clear\n";
+  Recording recording({{"test.toml", plant("line-a")}});
+  recording.input(a_client(), Instant{2s});
+  recording.input(gateway::ClientBytes{gateway::ClientId{0}, ask}, Instant{2s});
+  recording.input(gateway::ClientSent{gateway::ClientId{0}}, Instant{2s});
+  recording.input(gateway::ClearCountersAsked{}, Instant{3s});
+  recording.input(gateway::ClientBytes{gateway::ClientId{0}, ask}, Instant{4s});
+  std::string text = recording.text();
+  const auto place = text.find(cleared);
+  ASSERT_NE(place, std::string::npos) << text;
+  std::istringstream stream(text);
+  EXPECT_EQ(replay(stream, std::nullopt).difference, "");
+  text.erase(place, cleared.size());
+  std::istringstream without(text);
+  EXPECT_THAT(replay(without, std::nullopt).difference,
+              testing::HasSubstr("recorded \"< send 0 000100000007FF040400000001\", the replay "
+                                 "gives \"< send 0 000100000007FF040400000002\""));
 }
 
 TEST(Replay, OtherSettingsWithoutTheirConfigurationAreSaid) {

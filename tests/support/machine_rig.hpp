@@ -83,6 +83,7 @@ class MachineRig {
   void close_line(std::uint32_t bus = 0) { feed(gateway::LineLost{BusId{bus}, bus::Loss::closed}); }
   void open_line(std::uint32_t bus = 0) { feed(gateway::LineOpened{BusId{bus}}); }
   void reload(const Settings& settings) { feed(gateway::SettingsChanged{&settings}); }
+  void clear_counters() { feed(gateway::ClearCountersAsked{}); }
   void shutdown() { feed(gateway::ShutdownAsked{}); }
   [[nodiscard]] Instant now() const { return harness.now(); }
   /// Lets time pass, stopping at every deadline on the way.

@@ -126,17 +126,21 @@ asio::awaitable<std::optional<std::uint64_t>> ControlServer::serve(ControlStream
 asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& request) {
   const std::string_view path = path_of(request);
   const bool is_reload = path == "/api/v1/reload";
-  if (!is_reload && path != "/api/v1/status" && path != kEventsPath && path != "/healthz") {
+  const bool is_command = is_reload || path == "/api/v1/clear-counters";
+  if (!is_command && path != "/api/v1/status" && path != kEventsPath && path != "/healthz") {
     co_return answer(request, http::status::not_found,
-                     error_json("expected GET /api/v1/status, GET /api/v1/events, GET /healthz "
-                                "or POST /api/v1/reload"));
+                     error_json("expected GET /api/v1/status, GET /api/v1/events, GET /healthz, "
+                                "POST /api/v1/reload or POST /api/v1/clear-counters"));
   }
-  const auto wanted = is_reload ? http::verb::post : http::verb::get;
+  const auto wanted = is_command ? http::verb::post : http::verb::get;
   if (request.method() != wanted) {
-    co_return wrong_method(request, is_reload ? "POST" : "GET");
+    co_return wrong_method(request, is_command ? "POST" : "GET");
   }
   if (is_reload) {
     co_return co_await reload(request);
+  }
+  if (is_command) {
+    co_return co_await clear_counters(request);
   }
   if (path == "/healthz") {
     co_return co_await health(request);
@@ -174,6 +178,17 @@ asio::awaitable<ControlServer::Response> ControlServer::health(const Request& re
   const auto now = co_await question.wait(kAnswerLimit);
   co_return now ? answer(request, http::status::ok, {{"status", "ok"}})
                 : answer(request, http::status::service_unavailable, error_json(kNoAnswer));
+}
+
+asio::awaitable<ControlServer::Response> ControlServer::clear_counters(const Request& request) {
+  Question<bool> question(home_);
+  asio::post(gateway_, [&target = target_, take = question.taker()] {
+    target.clear_counters();
+    take(true);
+  });
+  const auto done = co_await question.wait(kAnswerLimit);
+  co_return done ? answer(request, http::status::ok, {{"result", "done"}})
+                 : answer(request, http::status::service_unavailable, error_json(kNoAnswer));
 }
 
 asio::awaitable<ControlServer::Response> ControlServer::reload(const Request& request) {

@@ -64,6 +64,7 @@ class ControlServer {
   boost::asio::awaitable<Response> status(const Request& request);
   boost::asio::awaitable<Response> health(const Request& request);
   boost::asio::awaitable<Response> reload(const Request& request);
+  boost::asio::awaitable<Response> clear_counters(const Request& request);
 
   std::shared_ptr<boost::asio::io_context> home_;
   boost::asio::io_context& gateway_;

@@ -26,6 +26,7 @@ class ControlTarget {
   [[nodiscard]] virtual ProcessStatus process_status() const = 0;
   /// `ended` is called once, on the same thread, perhaps at once.
   virtual void reload(ReloadEnded ended) = 0;
+  virtual void clear_counters() = 0;
   /// A connection has ended because of a fault of the interface.
   virtual void control_failed(const std::string& why) = 0;
 };

@@ -15,6 +15,8 @@
 namespace mbgate::ctl {
 namespace {
 
+/// mbgated itself says after 1 s that its machine does not answer.
+constexpr std::chrono::seconds kClearLimit{5};
 /// mbgated itself says after 30 s that a reload takes too long.
 constexpr std::chrono::seconds kReloadLimit{35};
 
@@ -51,6 +53,18 @@ int reload(const ReloadCommand& command, std::ostream& out, std::ostream& errors
     (is_done ? out : errors) << std::string_view(message.as_string()) << '\n';
   }
   return is_done ? kExitDone : kExitNotDone;
+}
+
+int clear_counters(const ClearCountersCommand& command, std::ostream& out, std::ostream& errors) {
+  const auto answer = ask_control(command.socket, "POST", "/api/v1/clear-counters", kClearLimit);
+  if (!answer) {
+    return fail(errors, answer.error());
+  }
+  if (answer->status != kControlOk) {
+    return fail(errors, error_of(*answer));
+  }
+  out << "all counters begin anew\n";
+  return kExitDone;
 }
 
 int follow_events(const EventsCommand& command, std::ostream& out, std::ostream& errors) {

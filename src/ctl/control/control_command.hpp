@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an operator asks a running mbgated: how it is, to read its configuration again, and what it
-// says from now on.
+// What an operator asks a running mbgated: how it is, to read its configuration again, to clear
+// its counters, and what it says from now on.
 #pragma once
 
 #include <iosfwd>
@@ -14,6 +14,7 @@ namespace mbgate::ctl {
 int show_status(const StatusCommand& command, std::ostream& out, std::ostream& errors);
 /// Returns when the new configuration is in force, or was refused: then the reasons are printed.
 int reload(const ReloadCommand& command, std::ostream& out, std::ostream& errors);
+int clear_counters(const ClearCountersCommand& command, std::ostream& out, std::ostream& errors);
 /// Prints what the journal gets, until a signal comes, which is kExitDone, or mbgated ends.
 int follow_events(const EventsCommand& command, std::ostream& out, std::ostream& errors);
 

@@ -61,6 +61,15 @@ ReloadOptions::ReloadOptions(CLI::App& app)
 
 bool ReloadOptions::given() const { return reload_->parsed(); }
 
+ClearCountersOptions::ClearCountersOptions(CLI::App& app)
+    : clear_(app.add_subcommand(
+          "clear-counters",
+          "Have all counters of a running mbgated, of lines, drives and requests, begin anew.")) {
+  add_control(*clear_, words_.socket);
+}
+
+bool ClearCountersOptions::given() const { return clear_->parsed(); }
+
 EventsOptions::EventsOptions(CLI::App& app)
     : events_(app.add_subcommand(
           "events", "Print what a running mbgated writes to the journal, as it is written.")) {

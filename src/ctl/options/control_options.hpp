@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What belongs to `mbgatectl status`, `reload` and `events` on the command line.
+// What belongs to `mbgatectl status`, `reload`, `clear-counters` and `events` on the command line.
 #pragma once
 
 #include <string>
@@ -41,6 +41,20 @@ class ReloadOptions {
  private:
   CLI::App* reload_;
   ReloadCommand words_;
+};
+
+class ClearCountersOptions {
+ public:
+  explicit ClearCountersOptions(CLI::App& app);
+  ClearCountersOptions(const ClearCountersOptions&) = delete;
+  ClearCountersOptions& operator=(const ClearCountersOptions&) = delete;
+
+  [[nodiscard]] bool given() const;
+  [[nodiscard]] Result<Command, std::string> command() const { return Command(words_); }
+
+ private:
+  CLI::App* clear_;
+  ClearCountersCommand words_;
 };
 
 class EventsOptions {

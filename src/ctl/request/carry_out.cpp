@@ -85,6 +85,10 @@ int carry_out_one(const ReloadCommand& command, std::ostream& out, std::ostream&
   return reload(command, out, errors);
 }
 
+int carry_out_one(const ClearCountersCommand& command, std::ostream& out, std::ostream& errors) {
+  return clear_counters(command, out, errors);
+}
+
 int carry_out_one(const EventsCommand& command, std::ostream& out, std::ostream& errors) {
   return follow_events(command, out, errors);
 }

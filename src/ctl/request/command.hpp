@@ -105,6 +105,11 @@ struct ReloadCommand {
   std::string socket = kControlSocket;
 };
 
+/// Has all counters of a running mbgated begin anew.
+struct ClearCountersCommand {
+  std::string socket = kControlSocket;
+};
+
 /// Prints what a running mbgated says, as it says it.
 struct EventsCommand {
   std::string socket = kControlSocket;
@@ -112,7 +117,7 @@ struct EventsCommand {
 };
 
 using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, CheckCommand,
-                             StatusCommand, ReloadCommand, EventsCommand>;
+                             StatusCommand, ReloadCommand, ClearCountersCommand, EventsCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a value are never written one by one. The error is a full sentence.

@@ -36,6 +36,8 @@ class Clients {
   void adopt(const SettingsSnapshot& before, Instant now);
   [[nodiscard]] const Sessions& sessions() const { return sessions_; }
   [[nodiscard]] const ClientCounters& counters() const { return intake_.counters(); }
+  /// Those of the buses too.
+  void clear_counters() { requests_.clear_counters(); }
 
  private:
   friend struct mbgate::StateReader;

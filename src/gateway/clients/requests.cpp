@@ -105,10 +105,16 @@ modbus::Pdu Requests::answer_of_gateway(const ClientSession& session, const modb
   }
   const StatusUnit::Answer answer = status_unit_.answer(request, view);
   if (answer.clear_counters) {
-    intake_.clear_counters();
-    buses_.clear_counters();
+    clear_counters();
   }
   return answer.pdu;
+}
+
+void Requests::clear_counters() {
+  status_unit_.clear_counters();
+  intake_.clear_counters();
+  buses_.clear_counters();
+  sessions_.for_each([](ClientSession& session) { session.requests = session.refused = 0; });
 }
 
 // Reading has come to a stop that was taken early.

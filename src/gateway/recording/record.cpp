@@ -82,6 +82,7 @@ struct InputWords {
   void operator()(const LineLooked& input) { words.word("looked").bus(input.bus); }
   void operator()(const DeadlineReached& /*input*/) { words.word("time"); }
   void operator()(const SettingsChanged& /*input*/) { words.word("settings"); }
+  void operator()(const ClearCountersAsked& /*input*/) { words.word("clear"); }
   void operator()(const ShutdownAsked& /*input*/) { words.word("shutdown"); }
 };
 

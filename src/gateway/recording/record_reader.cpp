@@ -162,6 +162,9 @@ Input input_of(Words& words, std::vector<std::uint8_t>& storage) {
   if (kind == "settings") {
     return SettingsChanged{};
   }
+  if (kind == "clear") {
+    return ClearCountersAsked{};
+  }
   if (kind == "shutdown") {
     return ShutdownAsked{};
   }

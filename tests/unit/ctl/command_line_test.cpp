@@ -191,6 +191,11 @@ TEST(CommandLine, StatusIsWatchedEverySecondUnlessToldOtherwise) {
   EXPECT_EQ(complaint("status --times 3"), "mbgatectl: --times requires --watch");
 }
 
+TEST(CommandLine, CountersAreClearedOverMbgatedsSocket) {
+  EXPECT_EQ(command<ClearCountersCommand>("clear-counters").socket, "/run/mbgate/control");
+  EXPECT_EQ(command<ClearCountersCommand>("clear-counters --control c").socket, "c");
+}
+
 TEST(CommandLine, EventsAreAskedOfMbgatedsSocket) {
   const auto events = command<EventsCommand>("events");
   EXPECT_EQ(events.socket, "/run/mbgate/control");

@@ -238,6 +238,26 @@ TEST(StatusUnit, CountsAndClears) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 86 01"));
 }
 
+// As an operator asks for it: the same as by 08/10, and no device is in another state after it.
+TEST(StatusUnit, IsClearedFromOutsideToo) {
+  Settings settings = one_bus();
+  settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing}};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, kRead);
+  rig.advance(10ms);
+  rig.respond("01 83 02");
+  rig.clear_counters();
+  rig.take_sent(1);
+  rig.receive(1, "0002 0000 0006 FF 08 000D 0000 0003 0000 0006 FF 08 000E 0000");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 06 FF 08 00 0D 00 00",
+                                            "00 03 00 00 00 06 FF 08 00 0E 00 02"));
+  rig.receive(1, "0004 0000 0006 FF 04 2710 0006");  // device 0: still answering, 0 transmissions
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 04 00 00 00 0F FF 04 0C 00 01 00 01 00 01 00 00 "
+                                            "00 00 00 00"));
+  EXPECT_THAT(rig.events, IsEmpty());
+}
+
 TEST(Gateway, SaysWhetherALineHearsItself) {
   Settings settings = one_bus();
   settings.buses[0].line.echo.reset();

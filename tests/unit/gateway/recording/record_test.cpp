@@ -52,6 +52,7 @@ TEST(Record, EveryInputIsALineThatCanBeReadAgain) {
       {LineLost{BusId{1}}, "1234567890123 lost 1"},
       {LineLost{BusId{1}, bus::Loss::closed}, "1234567890123 closed 1"},
       {DeadlineReached{}, "1234567890123 time"},
+      {ClearCountersAsked{}, "1234567890123 clear"},
       {ShutdownAsked{}, "1234567890123 shutdown"}};
   for (const auto& [input, line] : all) {
     EXPECT_EQ(line_of(input), line + '\n');
@@ -78,6 +79,7 @@ TEST(Record, SaysWhatIsWrongWithALine) {
   EXPECT_EQ(again("12x time"), "expected an instant in nanoseconds, found \"12x\"");
   EXPECT_EQ(again("12"), "expected an input at the end of the line");
   EXPECT_EQ(again("12 tick"), "expected an input, found \"tick\"");
+  EXPECT_EQ(again("12 clear 0"), "expected the end of the line, found \"0\"");
   EXPECT_EQ(again("12 time 1"), "expected the end of the line, found \"1\"");
   EXPECT_EQ(again("12 sent -1"), "expected the number of a client, found \"-1\"");
   EXPECT_EQ(again("12 lost"), "expected the place of a bus at the end of the line");

@@ -106,6 +106,23 @@ TEST_F(StatusOfAPlant, CountsWhatAClientWasRefused) {
   EXPECT_EQ(report().clients[0].refused, 2U);
 }
 
+TEST_F(StatusOfAPlant, CountsAnewWhenCountersAreClearedAndShowsTheSameStates) {
+  ask_and_answer();
+  ask_in_vain(1, 9);
+  rig_.clear_counters();
+  const auto shown = report();
+  EXPECT_EQ(shown.buses[0].counters.transmissions, 0U);
+  EXPECT_EQ(shown.devices[0].counters.responses, 0U);
+  EXPECT_EQ(shown.clients[0].requests, 0U);
+  EXPECT_EQ(shown.clients[0].refused, 0U);
+  EXPECT_EQ(shown.counters.requests, 0U);
+  EXPECT_EQ(shown.devices[0].state, DeviceStatus::State::answering);
+  EXPECT_EQ(shown.devices[0].last_answer, Duration{460ms});
+  ASSERT_EQ(shown.devices.size(), 3U);
+  EXPECT_EQ(shown.devices[2].address, 9U);
+  EXPECT_EQ(shown.devices[2].state, DeviceStatus::State::not_answering);
+}
+
 TEST_F(StatusOfAPlant, SaysNothingOfASingleTimeout) {
   ask_and_answer();
   ask_in_vain(2);
