@@ -2,6 +2,7 @@
 // What a bus counts: plain totals. A display that wants rates takes differences.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 namespace mbgate::bus {
@@ -36,6 +37,25 @@ struct BusCounters {
   std::uint64_t evicted = 0;           ///< waiting reads dropped from a full queue
 };
 
+/// Exceptions by their code.
+class ExceptionCounts {
+ public:
+  /// The last code of the specification (Application Protocol V1.1b3, section 7).
+  static constexpr std::uint8_t kLastCode = 0x0B;
+
+  void note(std::uint8_t code) { ++counts_[place_of(code)]; }
+  /// Codes beyond the last, those of makers, are counted together: it is the same for all of them.
+  [[nodiscard]] std::uint64_t of(std::uint8_t code) const { return counts_[place_of(code)]; }
+  [[nodiscard]] std::uint64_t others() const { return counts_[0]; }
+
+ private:
+  static constexpr std::size_t place_of(std::uint8_t code) {
+    return code <= kLastCode ? code : std::size_t{0};
+  }
+
+  std::array<std::uint64_t, kLastCode + 1> counts_{};
+};
+
 struct DeviceCounters {
   std::uint64_t transmissions = 0;
   std::uint64_t responses = 0;
@@ -45,6 +65,7 @@ struct DeviceCounters {
   std::uint64_t late_responses = 0;
   std::uint64_t early_responses = 0;
   std::uint64_t noise_bytes = 0;  ///< skipped before its answers
+  ExceptionCounts exceptions_by_code;
 };
 
 }  // namespace mbgate::bus

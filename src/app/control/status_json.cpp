@@ -5,6 +5,7 @@
 #include <boost/json/string.hpp>
 #include <boost/json/value.hpp>
 #include <optional>
+#include <string_view>
 
 #include "app/control/utc_text.hpp"
 #include "app/control/utf8.hpp"
@@ -116,6 +117,20 @@ object percentiles_json(const gateway::Percentiles& percentiles) {
           {"p99", milliseconds(percentiles.p99)}};
 }
 
+object exceptions_json(const bus::ExceptionCounts& exceptions) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  object json;
+  for (std::uint8_t code = 1; code <= bus::ExceptionCounts::kLastCode; ++code) {
+    if (exceptions.of(code) > 0) {
+      json[std::string{'0', kDigits[code]}] = exceptions.of(code);
+    }
+  }
+  if (exceptions.others() > 0) {
+    json["other"] = exceptions.others();
+  }
+  return json;
+}
+
 object device_json(const DeviceStatus& device, const std::vector<BusStatus>& buses) {
   const bus::DeviceCounters& counters = device.counters;
   return {{"name", device.name.empty() ? value(nullptr) : value(boost::json::string(device.name))},
@@ -141,7 +156,8 @@ object device_json(const DeviceStatus& device, const std::vector<BusStatus>& bus
             {"bad_crcs", counters.bad_crcs},
             {"late_responses", counters.late_responses},
             {"early_responses", counters.early_responses},
-            {"noise_bytes", counters.noise_bytes}}}};
+            {"noise_bytes", counters.noise_bytes}}},
+          {"exceptions", exceptions_json(counters.exceptions_by_code)}};
 }
 
 object client_json(const gateway::ClientStatus& client) {

@@ -70,8 +70,11 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   ++entry.counters.responses;
   entry.note_heard();
   diagnosis_.note_understood();
-  parts_.counters.exceptions += exception ? 1U : 0U;
-  entry.counters.exceptions += exception ? 1U : 0U;
+  if (exception) {
+    ++parts_.counters.exceptions;
+    ++entry.counters.exceptions;
+    entry.counters.exceptions_by_code.note(response.bytes()[1]);
+  }
   if (end.early) {
     ++parts_.counters.early_responses;
     ++entry.counters.early_responses;

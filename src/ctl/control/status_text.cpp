@@ -11,6 +11,8 @@
 #include <tuple>
 #include <vector>
 
+#include "modbus/exception_code.hpp"
+
 namespace mbgate::ctl {
 namespace {
 
@@ -60,8 +62,10 @@ std::string age(double seconds) {
                           : std::to_string(whole / kDay) + " days";
 }
 
-// Columns as wide as their widest entry; what is a number stands at the right.
-std::string table(const Row& head, std::span<const Row> rows, std::size_t words) {
+// Columns as wide as their widest entry; what is a number stands at the right. `details`: what
+// stands below each row, perhaps nothing.
+std::string table(const Row& head, std::span<const Row> rows, std::size_t words,
+                  std::span<const std::string> details = {}) {
   std::vector<std::size_t> widths;
   for (std::size_t column = 0; column < head.size(); ++column) {
     std::size_t width = head[column].size();
@@ -82,7 +86,12 @@ std::string table(const Row& head, std::span<const Row> rows, std::size_t words)
     all += line + "\n";
   };
   add(head);
-  std::ranges::for_each(rows, add);
+  for (std::size_t at = 0; at < rows.size(); ++at) {
+    add(rows[at]);
+    if (at < details.size()) {
+      all += details[at];
+    }
+  }
   return all;
 }
 
@@ -131,9 +140,28 @@ bool is_worse(const value& a, const value& b) {
   return rank(a) > rank(b);
 }
 
+// "02 (illegal data address): 3, other codes: 1"
+std::string exceptions_text(const object& exceptions) {
+  std::string all;
+  for (const auto& [code, count] : exceptions) {
+    all += all.empty() ? "    exceptions: " : ", ";
+    if (code == "other") {
+      all += "other codes";
+    } else {
+      constexpr int kHexadecimal = 16;
+      const auto name = modbus::exception_name(
+          static_cast<std::uint8_t>(std::stoul(std::string(code), nullptr, kHexadecimal)));
+      all += std::string(code) + (name.empty() ? "" : " (" + std::string(name) + ")");
+    }
+    all += ": " + std::to_string(count.to_number<std::uint64_t>());
+  }
+  return all.empty() ? all : all + "\n";
+}
+
 std::string devices_text(boost::json::array devices) {
   std::ranges::stable_sort(devices, is_worse);
   std::vector<Row> rows;
+  std::vector<std::string> details;
   for (const value& one : devices) {
     const object& device = one.as_object();
     const object& counters = device.at("counters").as_object();
@@ -147,10 +175,11 @@ std::string devices_text(boost::json::array devices) {
                     whole(counters, "timeouts"), whole(counters, "bad_crcs"),
                     whole(counters, "late_responses"), half("queue"), half("wire"), half("device"),
                     milliseconds(own.at("p90")), milliseconds(own.at("p99"))});
+    details.push_back(exceptions_text(device.at("exceptions").as_object()));
   }
   return table({"DEVICE", "BUS", "ADDRESS", "STATE", "ANSWERS", "TIMEOUTS", "BAD CRC", "LATE",
                 "QUEUE", "WIRE", "DRIVE", "P90", "P99"},
-               rows, 4);
+               rows, 4, details);
 }
 
 std::string clients_text(const boost::json::array& clients) {

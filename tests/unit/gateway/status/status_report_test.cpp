@@ -106,6 +106,25 @@ TEST_F(StatusOfAPlant, CountsWhatAClientWasRefused) {
   EXPECT_EQ(report().clients[0].refused, 2U);
 }
 
+TEST_F(StatusOfAPlant, CountsTheExceptionsOfADeviceByTheirCode) {
+  for (const auto* answer : {"01 83 02", "01 83 02", "01 83 0B", "01 83 11", "01 83 FF"}) {
+    ask();
+    rig_.respond(answer);
+    rig_.advance(30ms);
+  }
+  const auto shown = report();
+  const auto& axis = shown.devices[0].counters;
+  EXPECT_EQ(axis.exceptions, 5U);
+  EXPECT_EQ(axis.exceptions_by_code.of(0x01), 0U);
+  EXPECT_EQ(axis.exceptions_by_code.of(0x02), 2U);
+  EXPECT_EQ(axis.exceptions_by_code.of(0x0B), 1U);
+  EXPECT_EQ(axis.exceptions_by_code.others(), 2U);
+  EXPECT_EQ(shown.devices[1].counters.exceptions_by_code.of(0x02), 0U);
+  rig_.clear_counters();
+  EXPECT_EQ(report().devices[0].counters.exceptions_by_code.of(0x02), 0U);
+  EXPECT_EQ(report().devices[0].counters.exceptions_by_code.others(), 0U);
+}
+
 TEST_F(StatusOfAPlant, CountsAnewWhenCountersAreClearedAndShowsTheSameStates) {
   ask_and_answer();
   ask_in_vain(1, 9);

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/status_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <boost/json.hpp>
+
+namespace mbgate::app {
+namespace {
+
+/// One device on one line.
+gateway::StatusReport one_device() {
+  gateway::StatusReport report;
+  report.buses.emplace_back().name = "line-a";
+  report.devices.emplace_back().name = "axis";
+  return report;
+}
+
+boost::json::object device_of(const gateway::StatusReport& report) {
+  return status_json(report, {}).at("devices").as_array().at(0).as_object();
+}
+
+TEST(StatusJson, HasTheExceptionsThatThereWere) {
+  auto report = one_device();
+  EXPECT_EQ(boost::json::serialize(device_of(report).at("exceptions")), "{}");
+  auto& exceptions = report.devices[0].counters.exceptions_by_code;
+  for (const auto code : std::to_array<std::uint8_t>({0x02, 0x0A, 0x02, 0x11, 0x00, 0x01})) {
+    exceptions.note(code);
+  }
+  EXPECT_EQ(boost::json::serialize(device_of(report).at("exceptions")),
+            R"({"01":1,"02":2,"0A":1,"other":2})");
+}
+
+}  // namespace
+}  // namespace mbgate::app

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/control/status_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+
+namespace mbgate::ctl {
+namespace {
+
+boost::json::object listed(const char* name, const char* state, const char* exceptions) {
+  const boost::json::object none{{"p50", nullptr}, {"p90", nullptr}, {"p99", nullptr}};
+  return {{"name", name},
+          {"bus", "line-a"},
+          {"address", 1},
+          {"state", state},
+          {"unanswered_in_row", 0},
+          {"latency_ms", {{"queue", none}, {"wire", none}, {"device", none}}},
+          {"counters", {{"responses", 5}, {"timeouts", 0}, {"bad_crcs", 0}, {"late_responses", 0}}},
+          {"exceptions", boost::json::parse(exceptions)}};
+}
+
+// Of the devices, after an empty line, and without the line that explains columns.
+std::string device_table(const boost::json::array& devices) {
+  const std::string text = status_text(
+      {{"version", "1"},
+       {"uptime_s", 7},
+       {"configuration", {{"file", "f"}, {"read_at", "now"}, {"reload_refused", false}}},
+       {"requests", 5},
+       {"diagnoses", boost::json::array()},
+       {"buses", boost::json::array()},
+       {"devices", devices},
+       {"clients", boost::json::array()}});
+  const auto begin = text.find("\nDEVICE");
+  return text.substr(begin, text.find("QUEUE, WIRE, DRIVE") - begin);
+}
+
+TEST(StatusText, HasExceptionsBelowTheirDevice) {
+  EXPECT_EQ(device_table({listed("axis", "answering", R"({"02":3,"09":1,"other":12})"),
+                          listed("lift", "answering", "{}")}),
+            R"(
+DEVICE  BUS     ADDRESS  STATE      ANSWERS  TIMEOUTS  BAD CRC  LATE  QUEUE  WIRE  DRIVE  P90  P99
+axis    line-a  1        answering        5         0        0     0      -     -      -    -    -
+    exceptions: 02 (illegal data address): 3, 09: 1, other codes: 12
+lift    line-a  1        answering        5         0        0     0      -     -      -    -    -
+)");
+}
+
+}  // namespace
+}  // namespace mbgate::ctl
