@@ -230,7 +230,7 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
   if (timing.offline_after != 0) {
     hash.add(unanswered_in_row);
   }
-  hash.add(state == bus::DeviceState::offline);  // the others are told only
+  hash.add(health.is_offline());  // the others are told only, and since when
 }
 
 void StateReader::read(const bus::ReadCache& cache, Duration age, Hash& hash) {

@@ -29,6 +29,7 @@ class ControlSocket(ControlCase):
         self.assertEqual((status["buses"][0]["baud"], status["buses"][0]["format"]), (115200, "8N1"))
         axis = self.device("axis-x")
         self.assertEqual(axis["state"], "answering")
+        self.assertLess(axis["state_since_s"], status["uptime_s"])
         self.assertGreaterEqual(axis["counters"]["responses"], 6)
         self.assertGreater(axis["latency_ms"]["device"]["p50"], 0)
         self.assertEqual([(it["listener"], it["requests"]) for it in status["clients"]], [("demo", 1)])

@@ -28,6 +28,10 @@ value milliseconds(const std::optional<gateway::Duration>& duration) {
   return duration ? value(milliseconds(*duration)) : value(nullptr);
 }
 
+value seconds(const std::optional<gateway::Duration>& duration) {
+  return duration ? value(std::chrono::duration<double>(*duration).count()) : value(nullptr);
+}
+
 const char* text_of(bus::Framing framing) {
   switch (framing) {
     case bus::Framing::rtu: return "rtu";
@@ -137,6 +141,7 @@ object device_json(const DeviceStatus& device, const std::vector<BusStatus>& bus
           {"bus", buses[device.bus].name},
           {"address", device.address},
           {"state", text_of(device.state)},
+          {"state_since_s", seconds(device.state_since)},
           {"last_answer_ms_ago", milliseconds(device.last_answer)},
           {"unanswered_in_row", device.unanswered_in_row},
           {"held_back_ms", milliseconds(device.held_back)},

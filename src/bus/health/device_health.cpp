@@ -33,14 +33,14 @@ bool DeviceHealth::note_unanswered(const modbus::Request& asked, Instant sent, I
     return false;
   }
   const bool is_lost = timing.offline_after != 0 && unanswered_in_row_ >= timing.offline_after;
-  state_ = is_lost ? DeviceState::offline : DeviceState::not_answering;
+  state_.enter(is_lost ? DeviceState::offline : DeviceState::not_answering, due);
   return is_lost;
 }
 
-void DeviceHealth::note_damaged(const modbus::Request& asked, Instant due) {
+void DeviceHealth::note_damaged(const modbus::Request& asked, Instant due, Instant now) {
   owe(asked, due);
-  if (state_ == DeviceState::not_asked) {
-    state_ = DeviceState::damaged;
+  if (state() == DeviceState::not_asked) {
+    state_.enter(DeviceState::damaged, now);
   }
 }
 
@@ -96,7 +96,7 @@ bool DeviceHealth::note_answered(const Answered& answered, Instant now) {
     owe(answered.asked, answered.due);  // it may be the answer to what is not known any more
   }
   answered_at_ = now;
-  return answer_seen();
+  return answer_seen(now);
 }
 
 void DeviceHealth::note_took(Duration took, Instant now) {
@@ -108,9 +108,9 @@ void DeviceHealth::note_took(Duration took, Instant now) {
   longest_answer_ = std::max(longest_answer_, took);
 }
 
-bool DeviceHealth::answer_seen() {
+bool DeviceHealth::answer_seen(Instant now) {
   unanswered_in_row_ = 0;
-  return std::exchange(state_, DeviceState::answering) == DeviceState::offline;
+  return state_.enter(DeviceState::answering, now) == DeviceState::offline;
 }
 
 void DeviceHealth::note_asked(Instant now, const Timing& timing) {
@@ -161,7 +161,7 @@ std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(modbus::Bytes re
     learned_ = covering;
     learned_at_ = now;
   }
-  late.back = answer_seen();
+  late.back = answer_seen(now);
   return late;
 }
 

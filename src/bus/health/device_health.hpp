@@ -46,7 +46,7 @@ class DeviceHealth {
   /// answer came.
   void note_spoilt(const modbus::Request& asked, Instant due) { owe(asked, due); }
   /// The same: an answer came with a wrong CRC or LRC.
-  void note_damaged(const modbus::Request& asked, Instant due);
+  void note_damaged(const modbus::Request& asked, Instant due, Instant now);
   struct Answered {
     const modbus::Request& asked;
     modbus::Bytes response;  ///< its PDU
@@ -88,8 +88,11 @@ class DeviceHealth {
   /// The quarantine in force at `now`.
   [[nodiscard]] Duration quarantine(Instant now, const Timing& timing) const;
 
-  [[nodiscard]] DeviceState state() const { return state_; }
-  [[nodiscard]] bool is_offline() const { return state_ == DeviceState::offline; }
+  [[nodiscard]] DeviceState state() const { return state_.state(); }
+  /// When it began: when it was noticed or, if an answer did not come, when that was due, which may
+  /// be a little later than now. Instant::min(): nothing is known of the device.
+  [[nodiscard]] Instant state_since() const { return state_.since(); }
+  [[nodiscard]] bool is_offline() const { return state() == DeviceState::offline; }
   [[nodiscard]] unsigned unanswered_in_row() const { return unanswered_in_row_; }
   /// When the next probe may be sent.
   [[nodiscard]] Instant probe_at() const { return probe_at_; }
@@ -119,7 +122,7 @@ class DeviceHealth {
   };
 
   Debt& owe(const modbus::Request& asked, Instant due);
-  bool answer_seen();
+  bool answer_seen(Instant now);
   void note_took(Duration took, Instant now);
   [[nodiscard]] Instant end_of(const Debt& debt, const Timing& timing) const;
   [[nodiscard]] Duration learned(Instant now) const;
@@ -137,7 +140,7 @@ class DeviceHealth {
 
   unsigned unanswered_in_row_ = 0;  // sent after the last transmission that was answered
   Instant answered_sent_ = Instant::min();
-  DeviceState state_ = DeviceState::not_asked;
+  LastingState state_;
   Instant probe_at_ = Instant::min();
   Instant wanted_at_ = Instant::min();
 };

@@ -167,7 +167,7 @@ void Outcomes::handle_damaged(Transmission& transmission, const LineEnd& end, In
   DeviceEntry& entry = parts_.devices[sent.address];
   ++parts_.counters.bad_crcs;
   ++entry.counters.bad_crcs;
-  entry.health.note_damaged(sent.request, end.due);
+  entry.health.note_damaged(sent.request, end.due, now);
   entry.note_heard();
   parts_.probes.note_unanswered(transmission, now);
   handle_failure(transmission, now);

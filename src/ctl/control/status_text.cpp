@@ -158,6 +158,14 @@ std::string exceptions_text(const object& exceptions) {
   return all.empty() ? all : all + "\n";
 }
 
+// "answering", "offline for 4 min": for how long all is well nobody asks.
+std::string state_text(const object& device) {
+  const std::string state = text(device, "state");
+  const value& since = device.at("state_since_s");
+  return state == "answering" || since.is_null() ? state
+                                                 : state + " for " + age(since.to_number<double>());
+}
+
 std::string devices_text(boost::json::array devices) {
   std::ranges::stable_sort(devices, is_worse);
   std::vector<Row> rows;
@@ -171,10 +179,10 @@ std::string devices_text(boost::json::array devices) {
     };
     const object& own = latency.at("device").as_object();
     rows.push_back({text(device, "name"), text(device, "bus"), whole(device, "address"),
-                    text(device, "state"), whole(counters, "responses"),
-                    whole(counters, "timeouts"), whole(counters, "bad_crcs"),
-                    whole(counters, "late_responses"), half("queue"), half("wire"), half("device"),
-                    milliseconds(own.at("p90")), milliseconds(own.at("p99"))});
+                    state_text(device), whole(counters, "responses"), whole(counters, "timeouts"),
+                    whole(counters, "bad_crcs"), whole(counters, "late_responses"), half("queue"),
+                    half("wire"), half("device"), milliseconds(own.at("p90")),
+                    milliseconds(own.at("p99"))});
     details.push_back(exceptions_text(device.at("exceptions").as_object()));
   }
   return table({"DEVICE", "BUS", "ADDRESS", "STATE", "ANSWERS", "TIMEOUTS", "BAD CRC", "LATE",

@@ -44,6 +44,9 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   DeviceStatus status;
   status.address = address;
   status.state = entry.health.state();
+  if (const auto passed = since(entry.health.state_since(), now)) {
+    status.state_since = std::max(*passed, Duration{0});
+  }
   status.has_answered = bus.diagnosis().quality()[address].has_answered();
   status.last_request = since(entry.asked_at, now);
   status.last_answer = since(entry.answered_at, now);

@@ -32,5 +32,12 @@ TEST(StatusJson, HasTheExceptionsThatThereWere) {
             R"({"01":1,"02":2,"0A":1,"other":2})");
 }
 
+TEST(StatusJson, SaysSinceWhenADeviceIsInItsState) {
+  auto report = one_device();
+  EXPECT_TRUE(device_of(report).at("state_since_s").is_null());
+  report.devices[0].state_since = std::chrono::milliseconds(4500);
+  EXPECT_EQ(device_of(report).at("state_since_s"), 4.5);
+}
+
 }  // namespace
 }  // namespace mbgate::app

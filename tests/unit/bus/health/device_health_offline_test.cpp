@@ -46,13 +46,13 @@ TEST_F(Health, OfflineCanBeTurnedOff) {
 
 TEST_F(Health, ADeviceIsInTheStateOfItsLastRequest) {
   EXPECT_EQ(health_.state(), DeviceState::not_asked);
-  health_.note_damaged(read_, at(100ms));
+  health_.note_damaged(read_, at(100ms), at(50ms));
   EXPECT_EQ(health_.state(), DeviceState::damaged);
   unanswered(read_, 500ms);
-  health_.note_damaged(read_, at(800ms));
+  health_.note_damaged(read_, at(800ms), at(750ms));
   EXPECT_EQ(health_.state(), DeviceState::not_answering);
   answered(read_, kAnswer, 1100ms, 10ms, 1010ms);
-  health_.note_damaged(read_, at(1200ms));
+  health_.note_damaged(read_, at(1200ms), at(1150ms));
   EXPECT_EQ(health_.state(), DeviceState::answering);
   for (const auto due : {2s, 3s, 4s}) {
     unanswered(read_, due);
@@ -71,6 +71,30 @@ TEST_F(Health, WhatWasAskedBeforeTheLastAnswerChangesNothing) {
   answered(read_, kAnswer, 1s, 10ms, 950ms);
   unanswered(write_, 900ms);  // sent before
   EXPECT_EQ(health_.state(), DeviceState::answering);
+}
+
+TEST_F(Health, AStateBeganWhenItChanged) {
+  EXPECT_EQ(health_.state_since(), Instant::min());
+  answered(read_, kAnswer, 1s, 10ms, 950ms);
+  answered(read_, kAnswer, 2s, 10ms, 1950ms);
+  EXPECT_EQ(health_.state_since(), at(950ms));
+  unanswered(read_, 3s);
+  unanswered(read_, 4s);
+  EXPECT_EQ(health_.state_since(), at(3s));
+  unanswered(read_, 5s);
+  unanswered(read_, 6s);
+  EXPECT_EQ(health_.state(), DeviceState::offline);
+  EXPECT_EQ(health_.state_since(), at(5s));
+  answered(read_, kAnswer, 7s, 10ms, 6950ms);
+  EXPECT_EQ(health_.state_since(), at(6950ms));
+}
+
+TEST_F(Health, AStateBeganWithALateOrDamagedAnswerToo) {
+  health_.note_damaged(read_, at(100ms), at(50ms));
+  health_.note_damaged(read_, at(200ms), at(150ms));
+  EXPECT_EQ(health_.state_since(), at(50ms));
+  ASSERT_TRUE(health_.note_unexpected(kAnswer, at(220ms), timing_));
+  EXPECT_EQ(health_.state_since(), at(220ms));
 }
 
 /// Stops to a drive that is switched off for a minute.

@@ -8,12 +8,14 @@
 namespace mbgate::ctl {
 namespace {
 
-boost::json::object listed(const char* name, const char* state, const char* exceptions) {
+boost::json::object listed(const char* name, const char* state, const char* exceptions,
+                           const boost::json::value& since = 5) {
   const boost::json::object none{{"p50", nullptr}, {"p90", nullptr}, {"p99", nullptr}};
   return {{"name", name},
           {"bus", "line-a"},
           {"address", 1},
           {"state", state},
+          {"state_since_s", since},
           {"unanswered_in_row", 0},
           {"latency_ms", {{"queue", none}, {"wire", none}, {"device", none}}},
           {"counters", {{"responses", 5}, {"timeouts", 0}, {"bad_crcs", 0}, {"late_responses", 0}}},
@@ -43,6 +45,18 @@ DEVICE  BUS     ADDRESS  STATE      ANSWERS  TIMEOUTS  BAD CRC  LATE  QUEUE  WIR
 axis    line-a  1        answering        5         0        0     0      -     -      -    -    -
     exceptions: 02 (illegal data address): 3, 09: 1, other codes: 12
 lift    line-a  1        answering        5         0        0     0      -     -      -    -    -
+)");
+}
+
+TEST(StatusText, SaysForHowLongADeviceIsNotWell) {
+  EXPECT_EQ(device_table({listed("axis", "answering", "{}", 9000),
+                          listed("fan", "not asked", "{}", nullptr),
+                          listed("lift", "offline", "{}", 251.5)}),
+            R"(
+DEVICE  BUS     ADDRESS  STATE              ANSWERS  TIMEOUTS  BAD CRC  LATE  QUEUE  WIRE  DRIVE  P90  P99
+lift    line-a  1        offline for 4 min        5         0        0     0      -     -      -    -    -
+axis    line-a  1        answering                5         0        0     0      -     -      -    -    -
+fan     line-a  1        not asked                5         0        0     0      -     -      -    -    -
 )");
 }
 

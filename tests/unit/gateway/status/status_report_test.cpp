@@ -106,6 +106,20 @@ TEST_F(StatusOfAPlant, CountsWhatAClientWasRefused) {
   EXPECT_EQ(report().clients[0].refused, 2U);
 }
 
+TEST_F(StatusOfAPlant, SaysSinceWhenADeviceIsInItsState) {
+  EXPECT_EQ(report().devices[0].state_since, std::nullopt);
+  ask_and_answer();
+  rig_.advance(5s);
+  ask_and_answer();
+  EXPECT_EQ(report().devices[0].state_since, Duration{5s + 90ms});
+  EXPECT_EQ(report().devices[1].state_since, std::nullopt);
+  ask();
+  rig_.advance(60s);
+  EXPECT_EQ(report().devices[0].state, DeviceStatus::State::not_answering);
+  EXPECT_LT(*report().devices[0].state_since, 60s);  // its response timeout of 100 ms had to end
+  EXPECT_GT(*report().devices[0].state_since, 59s);
+}
+
 TEST_F(StatusOfAPlant, CountsTheExceptionsOfADeviceByTheirCode) {
   for (const auto* answer : {"01 83 02", "01 83 02", "01 83 0B", "01 83 11", "01 83 FF"}) {
     ask();
