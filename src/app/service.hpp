@@ -61,6 +61,8 @@ class Service final : public io::DriverObserver, public ControlTarget {
   [[nodiscard]] ProcessStatus process_status() const override;
   void reload(ReloadEnded ended) override;
   void clear_counters() override;
+  void set_traced(bool traced) override { driver_.set_traced(traced); }
+  gateway::TraceBook::Taken take_trace() override { return driver_.take_trace(); }
   void control_failed(const std::string& why) override;
 
   boost::asio::awaitable<void> wait_for_signal();

@@ -8,7 +8,6 @@
 #include <variant>
 
 #include "io/clients/descriptors.hpp"
-#include "io/clock.hpp"
 
 namespace mbgate::io {
 namespace {

@@ -18,6 +18,7 @@
 #include "io/blocking_calls.hpp"
 #include "io/clients/client_connections.hpp"
 #include "io/clients/server_set.hpp"
+#include "io/clock.hpp"
 #include "io/lines/line_set.hpp"
 #include "io/recorder.hpp"
 
@@ -64,6 +65,8 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
 
   [[nodiscard]] gateway::Status status() const { return gateway_.status(); }
   [[nodiscard]] gateway::StatusReport report_status() const;
+  void set_traced(bool traced) { gateway_.set_traced(traced); }
+  gateway::TraceBook::Taken take_trace() { return gateway_.take_trace(now()); }
   [[nodiscard]] const gateway::Settings& settings() const { return gateway_.settings(); }
 
  private:

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/control/status_json.hpp"
+#include "gateway/trace/trace_book.hpp"
 
 namespace mbgate::app {
 
@@ -27,6 +28,9 @@ class ControlTarget {
   /// `ended` is called once, on the same thread, perhaps at once.
   virtual void reload(ReloadEnded ended) = 0;
   virtual void clear_counters() = 0;
+  /// While it is on, take_trace() has what became of each request since the last call.
+  virtual void set_traced(bool traced) = 0;
+  virtual gateway::TraceBook::Taken take_trace() = 0;
   /// A connection has ended because of a fault of the interface.
   virtual void control_failed(const std::string& why) = 0;
 };

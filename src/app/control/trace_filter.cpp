@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/trace_filter.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+#include <utility>
+
+#include "modbus/mbap.hpp"
+
+namespace mbgate::app {
+namespace {
+
+/// "a%20b+c" is "a b c" (application/x-www-form-urlencoded); nothing if a '%' has no two digits.
+std::optional<std::string> decoded(std::string_view text) {
+  std::string plain;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] != '%') {
+      plain += text[at] == '+' ? ' ' : text[at];
+      continue;
+    }
+    constexpr std::size_t kDigits = 2;
+    constexpr int kHexadecimal = 16;
+    const std::string_view digits = text.substr(at + 1, kDigits);
+    unsigned char byte = 0;
+    const auto [end, error] =
+        std::from_chars(digits.data(), digits.data() + digits.size(), byte, kHexadecimal);
+    if (error != std::errc() || digits.size() != kDigits || end != digits.data() + kDigits) {
+      return std::nullopt;
+    }
+    plain += static_cast<char>(byte);
+    at += kDigits;
+  }
+  return plain;
+}
+
+/// Takes what stands before the separator, or all, out of the text.
+std::string_view take_before(std::string_view& text, char separator) {
+  const std::string_view part = text.substr(0, text.find(separator));
+  text.remove_prefix(std::min(part.size() + 1, text.size()));
+  return part;
+}
+
+/// Returns what is wrong, or nothing.
+std::string set(TraceFilter& filter, std::string_view key, const std::string& value) {
+  if (key == "bus") {
+    filter.bus = value;
+  } else if (key == "device") {
+    filter.device = value;
+  } else if (key == "client") {
+    filter.client = routing::ClientAddress::parse(value);
+    return filter.client ? "" : "client=" + value + ": expected an IP address";
+  } else if (key == "function") {
+    std::uint8_t function = 0;
+    const char* const end = value.data() + value.size();
+    const auto [rest, error] = std::from_chars(value.data(), end, function);
+    if (error != std::errc() || rest != end) {
+      return "function=" + value + ": expected a number, 0 to 255";
+    }
+    filter.function = function;
+  } else if (key == "only" && value == "failed") {
+    filter.only_failed = true;
+  } else {
+    return std::string(key) + "=" + value +
+           ": expected bus=, device=, client=, function= or only=failed";
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<TraceFilter, std::string> TraceFilter::parse(std::string_view query) {
+  TraceFilter filter;
+  while (!query.empty()) {
+    std::string_view value = take_before(query, '&');
+    const std::string_view key = take_before(value, '=');
+    const auto plain = decoded(value);
+    std::string wrong = plain ? set(filter, key, *plain)
+                              : std::string(key) + ": a % stands before two hexadecimal digits";
+    if (!wrong.empty()) {
+      return {boost::system::in_place_error, std::move(wrong)};
+    }
+  }
+  return filter;
+}
+
+bool TraceFilter::matches(const gateway::TraceRecord& record) const {
+  if (only_failed && !record.is_failed()) {
+    return false;
+  }
+  if (client && (!record.asked || record.asked->client != *client)) {
+    return false;
+  }
+  if (function && (!record.asked || record.asked->request[modbus::kMbapHeaderSize] != *function)) {
+    return false;
+  }
+  const auto is_of = [&](const auto& name, std::string gateway::WireTrace::*member) {
+    return !name || std::ranges::find(record.wire, *name, member) != record.wire.end();
+  };
+  return is_of(bus, &gateway::WireTrace::bus) && is_of(device, &gateway::WireTrace::device);
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which records of a trace a reader asks for.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "gateway/trace/trace_record.hpp"
+#include "modbus/result.hpp"
+
+namespace mbgate::app {
+
+struct TraceFilter {
+  std::optional<std::string> bus;     ///< name; something of it was sent or heard there
+  std::optional<std::string> device;  ///< name; something of it was sent there
+  std::optional<routing::ClientAddress> client;
+  std::optional<std::uint8_t> function;  ///< of the request
+  bool only_failed = false;
+
+  /// `query`: what stands behind the '?' of a request. The error names the word, and says what is
+  /// expected.
+  static Result<TraceFilter, std::string> parse(std::string_view query);
+
+  /// A record that does not say what is asked for does not match: bytes that nobody had asked for
+  /// have no client.
+  [[nodiscard]] bool matches(const gateway::TraceRecord& record) const;
+};
+
+}  // namespace mbgate::app

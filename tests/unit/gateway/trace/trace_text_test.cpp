@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/trace/trace_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/hex.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using gateway::WireTrace;
+
+std::string heard(std::string_view bytes, bus::Framing framing = bus::Framing::rtu) {
+  WireTrace wire;
+  wire.framing = framing;
+  wire.frame = unhex("01 03 00 00 00 01 84 0A");
+  wire.heard.push_back({{}, unhex(bytes)});
+  return gateway::heard_text(wire);
+}
+
+TEST(TraceText, SaysWhatWasSent) {
+  WireTrace wire;
+  wire.frame = unhex("01 03 00 1E 00 02 A4 0D");
+  EXPECT_EQ(gateway::sent_text(wire), "unit 1: read holding registers 30..31");
+}
+
+TEST(TraceText, SaysWhatIsWrongWithAnRtuFrame) {
+  EXPECT_EQ(heard("01 03 02 12 34 FF FF"), "CRC FF FF, B5 33 would be right");
+  EXPECT_EQ(heard("01 03 02 12 34"), "5 bytes of 7: the frame is not whole");
+  EXPECT_EQ(heard("01 03 02 12 34 B5 33 00"), "8 bytes, not one whole frame");
+  EXPECT_EQ(heard("01"), "1 byte, too few for a frame");
+  EXPECT_EQ(heard(""), "nothing");
+}
+
+TEST(TraceText, SaysWhoseFrameItIs) {
+  EXPECT_EQ(heard("02 03 02 12 34 F1 33"), "unit 2: 1 register: 0x1234");
+}
+
+TEST(TraceText, TellsWhatWasSentFromWhatCameThen) {
+  EXPECT_EQ(heard("01 03 00 00 00 01 84 0A"), "the same as was sent, then nothing");
+  EXPECT_EQ(heard("01 03 00 00 00 01 84 0A 01"),
+            "the same as was sent, then 1 byte, too few for a frame");
+}
+
+TEST(TraceText, AResponseThatWasTakenIsNoEcho) {
+  WireTrace wire;
+  wire.frame = unhex("01 06 00 00 00 01 48 0A");
+  wire.heard.push_back({{}, wire.frame});
+  wire.response = unhex("06 00 00 00 01");
+  EXPECT_EQ(gateway::heard_text(wire), "write single register 0 done");
+}
+
+// ':', 01 03 02 12 34, its LRC, CR LF
+TEST(TraceText, ReadsAscii) {
+  EXPECT_EQ(heard("3A 30 31 30 33 30 32 31 32 33 34 42 34 0D 0A", bus::Framing::ascii),
+            "unit 1: 1 register: 0x1234");
+  EXPECT_EQ(heard("3A 30 31 30 33 30 32 31 32 33 34 42 35 0D 0A", bus::Framing::ascii),
+            "its LRC is wrong");
+  EXPECT_EQ(heard("3A 30 31", bus::Framing::ascii), "no whole ASCII frame");
+}
+
+}  // namespace
+}  // namespace mbgate::test
