@@ -1,46 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/serial_options.hpp"
 
-#include <charconv>
-#include <optional>
-#include <system_error>
-
 namespace mbgate::app {
 namespace {
-
-using routing::ClientAddress;
-using routing::Network;
-
-std::optional<std::uint16_t> parse_port(std::string_view digits) {
-  std::uint16_t port = 0;
-  const auto* const end = digits.data() + digits.size();
-  const auto [at, error] = std::from_chars(digits.data(), end, port);
-  return error == std::errc{} && at == end ? std::optional(port) : std::nullopt;
-}
-
-std::optional<ListenAddress> split_listen(std::string_view text) {
-  const auto colon = text.rfind(':');
-  if (colon == std::string_view::npos) {
-    return std::nullopt;
-  }
-  auto host = text.substr(0, colon);
-  const bool bracketed = host.starts_with('[') && host.ends_with(']');
-  if (bracketed) {
-    host = host.substr(1, host.size() - 2);
-  }
-  const bool v6 = host.find(':') != std::string_view::npos;
-  const auto address = ClientAddress::parse(host);
-  const auto port = parse_port(text.substr(colon + 1));
-  if (bracketed != v6 || !address || !port) {
-    return std::nullopt;
-  }
-  return ListenAddress{*address, *port};
-}
-
-/// Only this machine itself reaches such an address (RFC 1122, 3.2.1.3; RFC 4291, 2.5.3).
-bool is_loopback(const ClientAddress& address) {
-  return Network::parse("127.0.0.0/8")->contains(address) || address == ClientAddress::parse("::1");
-}
 
 /// A basic string of TOML 1.0.0. A path can hold any byte but 0; what is no UTF-8 is refused when
 /// the text is loaded.
@@ -75,13 +37,13 @@ std::string allow_line(const std::vector<std::string>& allow) {
 
 Result<ListenAddress, std::string> parse_listen(std::string_view text,
                                                 const std::vector<std::string>& allow) {
-  const auto listen = split_listen(text);
+  const auto listen = ListenAddress::parse(text);
   if (!listen) {
     return "expected an IPv4 or IPv6 address and a port, such as 127.0.0.1:1502 or [::1]:1502, "
            "found \"" +
            std::string(text) + '"';
   }
-  if (allow.empty() && !is_loopback(listen->address)) {
+  if (allow.empty() && !routing::is_loopback(listen->address)) {
     return "other machines reach " + listen->address.to_text() +
            ": add --allow with those who may connect, such as --allow 192.168.10.0/24";
   }

@@ -10,15 +10,11 @@
 #include <vector>
 
 #include "modbus/result.hpp"
-#include "routing/client_address.hpp"
+#include "routing/listen_address.hpp"
 
 namespace mbgate::app {
 
-/// Where clients connect.
-struct ListenAddress {
-  routing::ClientAddress address;  ///< of this machine
-  std::uint16_t port = 0;          ///< 0: the kernel chooses
-};
+using routing::ListenAddress;
 
 /// The defaults are those of the configuration.
 struct SerialOptions {
@@ -26,7 +22,7 @@ struct SerialOptions {
   std::int64_t baud = 19200;
   std::string parity = "even";
   std::int64_t stop_bits = 1;
-  ListenAddress listen{};
+  ListenAddress listen{};            ///< where clients connect
   std::vector<std::string> allow{};  ///< who may connect: addresses or blocks; empty: everyone
 };
 
