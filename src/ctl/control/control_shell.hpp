@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks a running mbgated, over its control socket.
+// Asks a running mbgated: over its control socket, or over TCP where that is enough
+// (connection_shell has what a place is).
 #pragma once
 
 #include <boost/json/object.hpp>
@@ -26,7 +27,7 @@ std::string error_of(const ControlAnswer& answer);
 /// `method`: "GET" or "POST". `limit`: for all of it. `give_up` is called every now and then until
 /// the answer is there; when it returns true, the question is left off. The error is a sentence
 /// that says what to do.
-Result<ControlAnswer, std::string> ask_control(const std::string& socket, const std::string& method,
+Result<ControlAnswer, std::string> ask_control(const std::string& place, const std::string& method,
                                                const std::string& target,
                                                std::chrono::seconds limit,
                                                const std::function<bool()>& give_up = {});
@@ -34,7 +35,7 @@ Result<ControlAnswer, std::string> ask_control(const std::string& socket, const 
 /// Gives the answer to a GET to `take` piece by piece, as long as it goes on and `take` returns
 /// true. Meanwhile a signal ends the process with status 0, but not while `take` runs. Returns why
 /// it has ended, a sentence; nothing if `take` returned false.
-std::string follow_control(const std::string& socket, const std::string& target,
+std::string follow_control(const std::string& place, const std::string& target,
                            const Interruption& interruption,
                            const std::function<bool(std::string_view)>& take);
 

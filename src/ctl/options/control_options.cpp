@@ -13,8 +13,11 @@ constexpr std::chrono::milliseconds kShortestPeriodOfStatus{100};
 constexpr unsigned kMostStatuses = 1'000'000'000;
 
 void add_control(CLI::App& command, std::string& socket) {
-  command.add_option("--control", socket, "the control socket of mbgated, its [http] socket")
-      ->type_name("PATH")
+  command
+      .add_option("--control", socket,
+                  "the control socket of mbgated, its [http] socket; or, to read, "
+                  "tcp://HOST:PORT, one of its [http] listen")
+      ->type_name("PLACE")
       ->capture_default_str();
 }
 

@@ -2,6 +2,7 @@
 #include "ctl/control/control_shell.hpp"
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -97,6 +98,53 @@ TEST_F(ControlShell, FollowsNoLongerThanWanted) {
   const Interruption interruption;
   const auto take = [](std::string_view /*piece*/) { return false; };
   EXPECT_EQ(follow_control(path_, "/api/v1/events", interruption, take), "");
+}
+
+/// A TCP port of this machine that somebody listens at.
+class ControlShellOverTcp : public ControlShell {
+ protected:
+  void SetUp() override {
+    ControlShell::SetUp();
+    ::close(listener_);
+    listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    ASSERT_EQ(::bind(listener_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    ASSERT_EQ(::listen(listener_, 1), 0);
+    ASSERT_EQ(::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    server_ = "127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  }
+
+  std::string server_;
+};
+
+TEST_F(ControlShellOverTcp, CallsTheOtherEndByItsAddress) {
+  auto request = serve("HTTP/1.1 200 OK\r\nContent-Length: 15\r\n\r\n{\"status\":\"ok\"}");
+  const auto answer = ask_control("tcp://" + server_, "GET", "/healthz", kPatience);
+  ASSERT_TRUE(answer) << answer.error();
+  EXPECT_EQ(answer->status, 200U);
+  EXPECT_NE(request.get().find("\r\nHost: " + server_ + "\r\n"), std::string::npos);
+}
+
+TEST_F(ControlShellOverTcp, SaysThatNobodyListens) {
+  ::close(listener_);
+  listener_ = -1;
+  EXPECT_EQ(ask_control("tcp://" + server_, "GET", "/healthz", kPatience).error(),
+            "nobody listens at tcp://" + server_ +
+                ": is mbgated running, and is this one of its [http] listen?");
+}
+
+TEST(ControlPlace, OfTcpHasAHostAndAPort) {
+  for (const std::string place :
+       {"tcp://", "tcp://gateway", "tcp://:8080", "tcp://gateway:", "tcp://gateway:0",
+        "tcp://gateway:65536", "tcp://::1:8080", "tcp://[::1]", "tcp://[gateway]:8080",
+        "tcp://gateway:8080/", "tcp://me@gateway:8080"}) {
+    EXPECT_EQ(
+        ask_control(place, "GET", "/healthz", kPatience).error(),
+        place + ": expected a host and a port, such as tcp://127.0.0.1:8080 or tcp://[::1]:8080");
+  }
 }
 
 }  // namespace

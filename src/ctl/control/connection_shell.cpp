@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/control/connection_shell.hpp"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <algorithm>
+#include <boost/asio/error.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <cerrno>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <sstream>
+#include <string_view>
+#include <thread>
+
+namespace mbgate::ctl {
+namespace {
+
+using boost::asio::generic::stream_protocol;
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr std::string_view kScheme = "tcp://";
+
+bool is_tcp(const std::string& place) { return place.starts_with(kScheme); }
+
+struct HostAndPort {
+  std::string host;
+  std::string port;
+};
+
+/// "tcp://gateway:8080", "tcp://[::1]:8080".
+std::optional<HostAndPort> parse_place(std::string_view place) {
+  place.remove_prefix(kScheme.size());
+  const auto colon = place.rfind(':');
+  if (colon == std::string_view::npos) {
+    return std::nullopt;
+  }
+  auto host = place.substr(0, colon);
+  const auto digits = place.substr(colon + 1);
+  const auto* const end = digits.data() + digits.size();
+  std::uint16_t port = 0;
+  const auto [at, error] = std::from_chars(digits.data(), end, port);
+  const bool is_bracketed = host.starts_with('[') && host.ends_with(']');
+  if (is_bracketed) {
+    host = host.substr(1, host.size() - 2);
+  }
+  if (error != std::errc{} || at != end || port == 0 || host.empty() ||
+      is_bracketed != (host.find(':') != std::string_view::npos) ||
+      host.find_first_of("/[]@ ") != std::string_view::npos) {
+    return std::nullopt;
+  }
+  return HostAndPort{std::string(host), std::string(digits)};
+}
+
+/// What becomes of a connection that has been begun.
+error_code await_connected(ControlConnection& connection, const Patience& patience) {
+  pollfd asked{connection.native_handle(), POLLOUT, 0};
+  while (::poll(&asked, 1, static_cast<int>(kLook.count())) <= 0) {
+    if (patience.is_over()) {
+      return boost::asio::error::timed_out;
+    }
+  }
+  int failure = 0;
+  socklen_t size = sizeof failure;
+  ::getsockopt(connection.native_handle(), SOL_SOCKET, SO_ERROR, &failure, &size);
+  return {failure, boost::system::system_category()};
+}
+
+/// A Unix socket is connected at once, or its queue is full because mbgated hangs: then the kernel
+/// would wait without end.
+error_code connect_to(ControlConnection& connection, const stream_protocol::endpoint& endpoint,
+                      const Patience& patience) {
+  error_code error;
+  static_cast<void>(connection.open(endpoint.protocol(), error));
+  if (!error) {
+    static_cast<void>(connection.native_non_blocking(true, error));
+  }
+  while (!error) {
+    if (::connect(connection.native_handle(), endpoint.data(),
+                  static_cast<socklen_t>(endpoint.size())) == 0) {
+      break;
+    }
+    if (errno == EINPROGRESS) {
+      return await_connected(connection, patience);
+    }
+    if (errno != EAGAIN) {
+      error.assign(errno, boost::system::system_category());
+    } else if (patience.is_over()) {
+      error = boost::asio::error::timed_out;
+    } else {
+      std::this_thread::sleep_for(kLook);
+    }
+  }
+  return error;
+}
+
+}  // namespace
+
+std::string wrong_place(const std::string& place) {
+  if (is_tcp(place)) {
+    return parse_place(place) ? std::string()
+                              : place +
+                                    ": expected a host and a port, such as "
+                                    "tcp://127.0.0.1:8080 or tcp://[::1]:8080";
+  }
+  return place.size() < sizeof(sockaddr_un::sun_path)
+             ? std::string()
+             : place + ": the path of a socket has at most " +
+                   std::to_string(sizeof(sockaddr_un::sun_path) - 1) + " characters";
+}
+
+error_code connect(ControlConnection& connection, const std::string& place,
+                   const Patience& patience) {
+  if (!is_tcp(place)) {
+    return connect_to(connection, boost::asio::local::stream_protocol::endpoint(place), patience);
+  }
+  const auto server = parse_place(place);
+  error_code error;
+  tcp::resolver resolver(connection.get_executor());
+  const auto found = resolver.resolve(server->host, server->port, error);
+  for (const auto& entry : found) {
+    error_code ignored;
+    static_cast<void>(connection.close(ignored));
+    error = connect_to(connection, entry.endpoint(), patience);
+    if (!error || error == boost::asio::error::timed_out) {
+      break;
+    }
+  }
+  return error;
+}
+
+std::string host_of(const ControlConnection& connection) {
+  error_code error;
+  const auto peer = connection.remote_endpoint(error);
+  tcp::endpoint endpoint;
+  if (error || peer.protocol().family() == AF_UNIX || peer.size() > endpoint.capacity()) {
+    return "mbgated";
+  }
+  std::memcpy(endpoint.data(), peer.data(), peer.size());
+  endpoint.resize(peer.size());
+  if (endpoint.address().is_v6()) {  // without its zone, which means nothing to the other end
+    auto address = endpoint.address().to_v6();
+    address.scope_id(0);
+    endpoint.address(address);
+  }
+  std::ostringstream text;
+  text << endpoint;
+  return text.str();
+}
+
+std::string explain(const std::string& place, const error_code& error) {
+  if (is_tcp(place)) {
+    return error == boost::system::errc::connection_refused
+               ? "nobody listens at " + place +
+                     ": is mbgated running, and is this one of its [http] listen?"
+               : place + ": " + error.message();
+  }
+  if (error == boost::system::errc::no_such_file_or_directory) {
+    return "there is no control socket at " + place +
+           ": is mbgated running (systemctl status mbgated)? Where [http] socket names another "
+           "path, give it with --control";
+  }
+  if (error == boost::system::errc::permission_denied) {
+    return "no permission for " + place + ": run it as root, or as a member of its group";
+  }
+  if (error == boost::system::errc::connection_refused) {
+    return "nobody listens at " + place + " any more: mbgated has ended (journalctl -u mbgated)";
+  }
+  return place + ": " + error.message();
+}
+
+}  // namespace mbgate::ctl
