@@ -187,6 +187,14 @@ std::vector<std::string> changes_between(const Settings& old, const Settings& ne
   if (!gateway.text().empty()) {
     changes.push_back("gateway: " + gateway.text());
   }
+  Differences http;
+  http.compare("listen", old.http.listen, next.http.listen);
+  http.compare("allow", old.http.allow, next.http.allow);
+  http.compare("hosts", old.http.hosts, next.http.hosts);
+  http.compare(config::http_keys(), old.http, next.http);
+  if (!http.text().empty()) {
+    changes.push_back("http: " + http.text());
+  }
   compare_all(changes, "listener", old, next, &Settings::listeners);
   compare_all(changes, "bus", old, next, &Settings::buses);
   compare_all(changes, "device", old, next, &Settings::devices);

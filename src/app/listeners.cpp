@@ -62,9 +62,7 @@ bool Listeners::keep(ListenerId id, const ListenerSettings& listener,
     log_.write(Level::error, failure.why);
     return false;
   }
-  log_.write(Level::warning, failure.why +
-                                 "; it is tried again until this machine has the address "
-                                 "(freebind = true listens at once)");
+  log_.write(Level::warning, failure.why + "; " + waits_.promise);
   waiting_.push_back({id, listener, failure.why});
   return true;
 }

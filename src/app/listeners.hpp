@@ -25,6 +25,9 @@ namespace mbgate::app {
 struct ListenerWaits {
   std::chrono::milliseconds first{250};
   std::chrono::milliseconds longest{5000};
+  /// What the journal says of it.
+  const char* promise =
+      "it is tried again until this machine has the address (freebind = true listens at once)";
 };
 
 class Listeners {

@@ -72,7 +72,8 @@ Service::Service(gateway::Settings settings, About about, Read read, Log& log,
                    driver_.add_server(listener, std::move(acceptor));
                    on_status_changed();
                  }),
-      control_(context_, *this) {
+      control_(context_, *this),
+      http_(context_, log, control_) {
   // What other daemons take for "tell" or "reopen your log" must not end a gateway of drives.
   for (const int ignored : {SIGPIPE, SIGUSR1, SIGUSR2}) {
     std::signal(ignored, SIG_IGN);
@@ -86,14 +87,19 @@ int Service::run() {
   if (descriptors.shortage) {
     log_.write(descriptors.clients == 0 ? Level::error : Level::warning, *descriptors.shortage);
   }
+  auto inherited = take_inherited_sockets();
+  http_.take(driver_.settings(), inherited);
   if (descriptors.clients == 0 ||
-      !listeners_.begin(driver_.settings().listeners, take_inherited_sockets())) {
+      !listeners_.begin(driver_.settings().listeners, std::move(inherited))) {
     return EXIT_FAILURE;
   }
   driver_.start();
   start_control();
+  log_.observe([this](Level level, const std::string& text) { control_.tell(level, text); });
+  http_.begin(driver_.settings().http);
   // Only now: whoever waits for its lines connects to a process that has started.
   listeners_.start();
+  http_.start();
   io::supervise(context_, wait_for_signal(), "signals");
   ready_ = true;
   last_status_ = status();
@@ -121,6 +127,7 @@ void Service::stop() {
   ready_ = false;
   notify_stopping();
   listeners_.stop();
+  http_.stop();
   driver_.shutdown();
 }
 
@@ -198,6 +205,11 @@ void Service::control_failed(const std::string& why) {
   log_.write(Level::error, "a connection to the control socket has failed: " + why);
 }
 
+void Service::http_refused(const std::string& address) {
+  log_.write_limited(Level::warning, "http refused",
+                     "http: " + address + " may not read, it is not in [http] allow");
+}
+
 // Drives are served without it too. Where the folder of the default path is not there, nobody asked
 // for it: mbgated does not run as a service.
 void Service::start_control() {
@@ -216,12 +228,10 @@ void Service::start_control() {
   if (is_unasked) {
     return;
   }
-  const std::string failure = control_.start(path);
+  const std::string failure = control_.listen_at(path);
   if (!failure.empty()) {
     log_.write(Level::warning, failure);
-    return;
   }
-  log_.observe([this](Level level, const std::string& text) { control_.tell(level, text); });
 }
 
 std::string Service::bus_text(BusId bus, const std::string& text) const {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "app/control/control.hpp"
+#include "app/http_listeners.hpp"
 #include "app/listeners.hpp"
 #include "app/log.hpp"
 #include "config/load.hpp"
@@ -64,6 +65,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void set_traced(bool traced) override { driver_.set_traced(traced); }
   gateway::TraceBook::Taken take_trace() override { return driver_.take_trace(); }
   void control_failed(const std::string& why) override;
+  void http_refused(const std::string& address) override;
 
   boost::asio::awaitable<void> wait_for_signal();
   void stop();
@@ -106,6 +108,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   io::GatewayDriver driver_;
   Listeners listeners_;
   Control control_;
+  HttpListeners http_;
 };
 
 }  // namespace mbgate::app

@@ -87,6 +87,9 @@ bool Service::change(const Configuration& read) {
   }
   forget_failures(before, next);
   driver_.reload(*read.loaded.settings, gateway::config_lines(read.files));
+  if (!(before.http == next.http)) {
+    http_.reload(next.http);
+  }
   const auto changes = changes_between(before, next);
   for (const auto& change : changes) {
     say_of_reload(Level::notice, "reload: " + change);

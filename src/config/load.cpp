@@ -20,6 +20,7 @@ Loaded read(TomlDocument document, ProfileSearch search) {
     read_buses(draft);
     read_devices(draft);
     read_listeners(draft);
+    read_http(draft);
     read_routes(draft);
     read_clients(draft);
     check_whole(draft);

@@ -11,6 +11,7 @@
 #include "drive/device.hpp"
 #include "gateway/device_guard.hpp"
 #include "routing/client_address.hpp"
+#include "routing/listen_address.hpp"
 #include "routing/route.hpp"
 
 namespace mbgate::gateway {
@@ -52,6 +53,15 @@ struct ListenerSettings {
   TcpSettings tcp;
 };
 
+/// Who reads the HTTP interface over TCP, beside the Unix socket. The machine does not look at it.
+struct HttpSettings {
+  std::vector<routing::ListenAddress> listen{};
+  routing::NetworkList allow = routing::loopback_networks();
+  std::vector<std::string> hosts{};  ///< names of this machine in URLs, in small letters
+  std::size_t max_streams = 64;      ///< that are read at a time, over all sockets
+  friend bool operator==(const HttpSettings&, const HttpSettings&) = default;
+};
+
 /// The number of a listener, bus or device is its index here; a reload does not change it
 /// (settings/numbering).
 struct Settings {
@@ -60,6 +70,7 @@ struct Settings {
   bool lock_memory = false;  ///< nothing of the process is ever swapped out
   /// Path of the Unix socket of the HTTP interface; empty: there is none.
   std::string control_socket = "/run/mbgate/control";
+  HttpSettings http{};
   /// Kernel timers fire late: the driver wakes so long before an instant and busy-waits for it.
   Duration wake_early = std::chrono::microseconds(100);
   std::vector<ListenerSettings> listeners;

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The control socket of the demo's gateway, for tests: every answer is held to docs/api.yaml."""
+"""The HTTP interface of the demo's gateway, for tests: every answer is held to docs/api.yaml."""
 
 import http.client
 import json
 import pathlib
+import select
 import socket
 import subprocess
+import time
 import unittest
 
 import jsonschema
@@ -49,11 +51,11 @@ class ControlCase(unittest.TestCase):
     def setUp(self):
         self.plant = self.enterContext(DemoPlant())
 
-    def ask(self, method, path):
-        """The HTTP status and the JSON, which is as docs/api.yaml says."""
-        connection = UnixConnection(self.plant.control)
+    def ask(self, method, path, connection=None, headers=None):
+        """The HTTP status and the JSON, which is as docs/api.yaml says. Without a connection: over the Unix socket."""
+        connection = connection or UnixConnection(self.plant.control)
         self.addCleanup(connection.close)
-        connection.request(method, path)
+        connection.request(method, path, headers=headers or {})
         answer = connection.getresponse()
         body = json.loads(answer.read())
         described = API["paths"].get(path, {})
@@ -73,6 +75,18 @@ class ControlCase(unittest.TestCase):
     def mbgatectl(self, *arguments):
         command = [program("mbgatectl"), *map(str, arguments)]
         return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+
+    def follow(self, place, *arguments):
+        """mbgatectl events, which reads along: its process, and the first line that it printed."""
+        command = [program("mbgatectl"), "events", "--control", str(place), *arguments]
+        following = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.enterContext(following)
+        self.addCleanup(following.kill)
+        limit = time.monotonic() + PATIENCE
+        while not select.select([following.stdout], [], [], 0.1)[0]:
+            self.assertLess(time.monotonic(), limit, "mbgatectl events prints nothing")
+            self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
+        return following, following.stdout.readline()
 
     def read(self, unit, address=0):
         return self.mbgatectl("read", "holding", address, "--unit", unit, "--port", self.plant.port)

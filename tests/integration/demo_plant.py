@@ -8,11 +8,20 @@ import queue
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import threading
 
 CONFIGURATION = pathlib.Path(__file__).parents[2] / "conf"
 PATIENCE = 30  # seconds until a program must have said what it has to say
+
+# Hands a socket over as systemd does, named "http".
+HAND_OVER = """
+import os, sys
+os.dup2(int(sys.argv[1]), 3)
+os.environ.update(LISTEN_PID=str(os.getpid()), LISTEN_FDS="1", LISTEN_FDNAMES="http")
+os.execv(sys.argv[2], sys.argv[2:])
+"""
 
 
 def program(name):
@@ -25,15 +34,17 @@ def program(name):
 
 
 class Process:
-    """A program that we started: its lines as they come, and its end."""
+    """A program that we started: its lines as they come, and its end. `given`: a socket that systemd would give it."""
 
-    def __init__(self, folder, name, *arguments):
+    def __init__(self, folder, name, *arguments, given=None):
         self.name = name
         self.printed = []
         self._lines = queue.Queue()
+        wrapped = [] if given is None else [sys.executable, "-c", HAND_OVER, str(given.fileno())]
         self._process = subprocess.Popen(
-            [program(name), *map(str, arguments)],
+            [*wrapped, program(name), *map(str, arguments)],
             cwd=folder,
+            pass_fds=[] if given is None else [given.fileno()],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -103,10 +114,18 @@ class DemoPlant:
             read = [program("mbgatectl"), "read", table, "0", "--unit", str(unit), "--port", str(self.port)]
             subprocess.run(read, stdout=subprocess.DEVNULL, timeout=PATIENCE, check=True)
 
-    def start_gateway(self):
-        gateway = Process(self.configuration.parent, "mbgated", "--config", self.configuration)
+    def start_gateway(self, given=None):
+        gateway = Process(self.configuration.parent, "mbgated", "--config", self.configuration, given=given)
         self._processes.append(gateway)
         self.port = int(gateway.wait_for(r"listening demo 127\.0\.0\.1:(\d+)$").group(1))
+
+    def wait_for(self, pattern):
+        """The match of the first line of the gateway from now on that `pattern` matches."""
+        return self._processes[-1].wait_for(pattern)
+
+    def printed(self):
+        """The lines of the gateway that were waited for, and those before them."""
+        return self._processes[-1].printed
 
     def end_gateway(self):
         """Asks the gateway alone to end."""

@@ -11,9 +11,16 @@
 
 #include "app/control/control_socket.hpp"
 #include "io/blocking_calls.hpp"
-#include "io/supervise.hpp"
+#include "io/unique_fd.hpp"
 
 namespace mbgate::app {
+
+namespace {
+
+using boost::asio::ip::tcp;
+using UnixAcceptor = boost::asio::local::stream_protocol::acceptor;
+
+}  // namespace
 
 Control::Control(boost::asio::io_context& gateway, ControlTarget& target)
     : gateway_(gateway), target_(target) {}
@@ -31,18 +38,48 @@ Control::~Control() {
 // Only the own one: another process may have put its socket there since.
 void Control::remove_socket() const {
   struct stat now {};
-  if (::stat(path_.c_str(), &now) == 0 && now.st_dev == device_ && now.st_ino == inode_) {
+  if (!path_.empty() && ::stat(path_.c_str(), &now) == 0 && now.st_dev == device_ &&
+      now.st_ino == inode_) {
     ::unlink(path_.c_str());
   }
 }
 
-// The gateway goes on without it, whatever is missing here: descriptors, threads, memory.
-std::string Control::start(const std::string& path) {
+void Control::begin() {
+  if (thread_.joinable()) {
+    return;
+  }
+  home_ = std::make_shared<boost::asio::io_context>(1);
+  // By the clock, so that the numbers of an earlier process are smaller.
+  using std::chrono::milliseconds;
+  told_ = static_cast<std::uint64_t>(
+      std::chrono::duration_cast<milliseconds>(std::chrono::system_clock::now().time_since_epoch())
+          .count());
+  server_ = std::make_unique<ControlServer>(home_, gateway_, target_, told_);
+  server_->apply(settings_);
+  work_.emplace(home_->get_executor());
   try {
-    home_ = std::make_shared<boost::asio::io_context>(1);
-    auto acceptor = open_control_socket(*home_, path);
-    if (!acceptor) {
-      return acceptor.error();
+    thread_ = std::thread([this] { run(); });
+  } catch (...) {
+    server_.reset();
+    work_.reset();
+    throw;
+  }
+}
+
+void Control::apply(const gateway::HttpSettings& settings) {
+  settings_ = settings;
+  if (server_ != nullptr) {
+    boost::asio::post(*home_, [this, settings] { server_->apply(settings); });
+  }
+}
+
+// The gateway goes on without it, whatever is missing here: descriptors, threads, memory.
+std::string Control::listen_at(const std::string& path) {
+  try {
+    begin();
+    auto opened = open_control_socket(*home_, path);
+    if (!opened) {
+      return opened.error();
     }
     path_ = path;
     struct stat made {};
@@ -50,21 +87,43 @@ std::string Control::start(const std::string& path) {
       device_ = made.st_dev;
       inode_ = made.st_ino;
     }
-    // By the clock, so that the numbers of an earlier process are smaller.
-    using std::chrono::milliseconds;
-    told_ = static_cast<std::uint64_t>(std::chrono::duration_cast<milliseconds>(
-                                           std::chrono::system_clock::now().time_since_epoch())
-                                           .count());
-    server_ =
-        std::make_unique<ControlServer>(home_, gateway_, target_, *std::move(acceptor), told_);
-    io::supervise(*home_, server_->accept(), "control");
-    thread_ = std::thread([this] { run(); });
+    auto acceptor = std::make_shared<UnixAcceptor>(*std::move(opened));
+    boost::asio::post(*home_, [this, acceptor] { server_->doors().open(acceptor); });
   } catch (const std::exception& exception) {
     remove_socket();
-    server_.reset();
     return "control socket " + path + ": " + exception.what();
   }
   return {};
+}
+
+// The socket moves from the context of the gateway's thread to that of its own.
+std::string Control::listen_on(gateway::ListenerId id, tcp::acceptor acceptor) {
+  try {
+    begin();
+    const auto protocol = acceptor.local_endpoint().protocol();
+    io::UniqueFd socket(acceptor.release());
+    auto moved = std::make_shared<tcp::acceptor>(*home_);
+    moved->assign(protocol, socket.get());
+    socket.release();
+    boost::asio::post(*home_, [this, id, moved] { server_->doors().open(id, moved); });
+  } catch (const std::exception& exception) {
+    return std::string("http: ") + exception.what();
+  }
+  return {};
+}
+
+void Control::leave(gateway::ListenerId id) {
+  if (server_ != nullptr) {
+    boost::asio::post(*home_, [this, id] { server_->doors().close(id); });
+  }
+}
+
+void Control::when_left(const std::function<void()>& then) {
+  if (server_ == nullptr) {
+    then();
+    return;
+  }
+  boost::asio::post(*home_, [&gateway = gateway_, then] { boost::asio::post(gateway, then); });
 }
 
 void Control::tell(Level level, const std::string& text) {

@@ -1,22 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// The HTTP interface to a running gateway, on the control socket: /api/v1/status,
-// /api/v1/reload, /api/v1/clear-counters, /api/v1/events and /healthz (docs/api.yaml). It has a
-// thread of its own. Questions are posted to the gateway's thread and answers are posted back as
-// values, and lines of the journal are posted too, so that a reader never holds up a bus.
+// The HTTP interface to a running gateway, on the control socket and TCP: /api/v1/status, events,
+// trace, reload and clear-counters, and /healthz (docs/api.yaml). It has a thread of its own.
+// Questions are posted to the gateway's thread and answers are posted back as values, and lines of
+// the journal are posted too, so that a reader never holds up a bus.
 #pragma once
 
 #include <sys/types.h>
 
 #include <atomic>
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "app/control/control_server.hpp"
 #include "app/log.hpp"
+#include "gateway/settings.hpp"
 
 namespace mbgate::app {
 
@@ -30,20 +35,34 @@ class Control {
   /// Ends the thread and removes the socket.
   ~Control();
 
-  /// Listens at this path and starts to answer. Returns why not, or nothing.
-  std::string start(const std::string& path);
+  /// Who may read over TCP, and how many may follow: now or once it has begun.
+  void apply(const gateway::HttpSettings& settings);
+  /// Listens at this path. It begins to answer with the first socket of either kind. Returns why
+  /// not, or nothing.
+  std::string listen_at(const std::string& path);
+  /// Takes this listening socket over. Returns why not, or nothing.
+  std::string listen_on(gateway::ListenerId id, boost::asio::ip::tcp::acceptor acceptor);
+  /// Closes the sockets of this number, soon.
+  void leave(gateway::ListenerId id);
+  /// Calls this on the gateway's thread when all that was left is closed.
+  void when_left(const std::function<void()>& then);
   /// A line that the journal gets, for those who read along. To be called on the gateway's thread,
-  /// which it never holds up; nothing before start() has succeeded.
+  /// which it never holds up; nothing before it answers.
   void tell(Level level, const std::string& text);
 
  private:
+  /// Has its thread and what runs there, once. Throws what the standard library throws.
+  void begin();
   void run();
   void remove_socket() const;
 
   boost::asio::io_context& gateway_;
   ControlTarget& target_;
   std::shared_ptr<boost::asio::io_context> home_;
+  /// It has nothing to do while nobody listens.
+  std::optional<boost::asio::executor_work_guard<boost::asio::io_context::executor_type>> work_;
   std::unique_ptr<ControlServer> server_;
+  gateway::HttpSettings settings_;
   std::string path_;
   dev_t device_ = 0;  ///< of the socket in the file system
   ino_t inode_ = 0;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "app/control/question.hpp"
+#include "app/control/tcp_rules.hpp"
 #include "app/control/utf8.hpp"
 #include "io/supervise.hpp"
 
@@ -28,7 +29,6 @@ constexpr std::chrono::seconds kAnswerLimit{1};
 constexpr std::chrono::seconds kReloadLimit{30};
 constexpr std::string_view kNoAnswer = "the gateway has not answered within 1 s";
 constexpr std::string_view kEventsPath = "/api/v1/events";
-constexpr std::size_t kMostConnections = 64;
 constexpr std::uint32_t kLongestHeader = 8192;
 constexpr std::uint64_t kLongestBody = 65536;
 
@@ -66,33 +66,41 @@ Response wrong_method(const Request& request, const char* allowed) {
 
 }  // namespace
 
-asio::awaitable<void> ControlServer::accept() {
-  while (true) {
-    auto [error, socket] = co_await acceptor_.async_accept(kNoThrow);
-    if (error == asio::error::operation_aborted) {
-      co_return;
-    }
-    if (!error && *connections_ < kMostConnections) {
-      io::supervise(*home_, serve_one(ControlStream(std::move(socket))), "control connection");
-    } else if (error) {  // too few descriptors: not again and again without a pause
-      asio::steady_timer pause(*home_, kAnswerLimit);
-      co_await pause.async_wait(kNoThrow);
-    }
-  }
+ControlServer::ControlServer(const std::shared_ptr<asio::io_context>& home,
+                             asio::io_context& gateway, ControlTarget& target,
+                             std::uint64_t numbered_from)
+    : home_(home),
+      gateway_(gateway),
+      target_(target),
+      doors_(
+          home,
+          [this](ControlDoors::Entered client) {
+            io::supervise(*home_, serve_one(std::move(client)), "control connection");
+          },
+          [this](const std::string& address) {
+            asio::post(gateway_, [&target = target_, address] { target.http_refused(address); });
+          }),
+      events_(streams_, numbered_from) {}
+
+void ControlServer::apply(const gateway::HttpSettings& settings) {
+  doors_.allow(settings.allow);
+  hosts_ = settings.hosts;
+  streams_.set_most(settings.max_streams);
 }
 
-asio::awaitable<void> ControlServer::serve_one(ControlStream stream) {
+asio::awaitable<void> ControlServer::serve_one(ControlDoors::Entered client) {
   std::optional<std::uint64_t> begin;
   {
-    const Counted counted(connections_);  // whatever ends it
-    begin = co_await serve(stream);
+    const Counted counted(client.count);  // whatever ends it; a stream is counted as one
+    begin = co_await serve(client);
   }
   if (begin) {
-    co_await events_.feed(stream, *begin);
+    co_await events_.feed(client.stream, *begin);
   }
 }
 
-asio::awaitable<std::optional<std::uint64_t>> ControlServer::serve(ControlStream& stream) {
+asio::awaitable<std::optional<std::uint64_t>> ControlServer::serve(ControlDoors::Entered& client) {
+  ControlStream& stream = client.stream;
   boost::beast::flat_buffer buffer;
   bool goes_on = true;
   while (goes_on) {
@@ -106,7 +114,10 @@ asio::awaitable<std::optional<std::uint64_t>> ControlServer::serve(ControlStream
     }
     const Request request = parser.release();
     Response response;
-    if (path_of(request) == kEventsPath && request.method() == http::verb::get) {
+    const auto refusal = client.over_tcp ? refused_over_tcp(request, hosts_) : std::nullopt;
+    if (refusal) {
+      response = answer(request, refusal->status, error_json(refusal->why));
+    } else if (path_of(request) == kEventsPath && request.method() == http::verb::get) {
       const auto begin = events_.begin(last_event_id(request));
       if (begin) {
         co_return *begin;

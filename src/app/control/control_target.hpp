@@ -33,6 +33,8 @@ class ControlTarget {
   virtual gateway::TraceBook::Taken take_trace() = 0;
   /// A connection has ended because of a fault of the interface.
   virtual void control_failed(const std::string& why) = 0;
+  /// A client of this address was refused over TCP.
+  virtual void http_refused(const std::string& address) = 0;
 };
 
 }  // namespace mbgate::app

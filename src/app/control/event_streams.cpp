@@ -2,6 +2,7 @@
 #include "app/control/event_streams.hpp"
 
 #include <poll.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
@@ -28,10 +29,15 @@ constexpr std::string_view kStreamHead =
     "Connection: close\r\n"
     "\r\n";
 
-/// Not where the other end only sends no more.
+/// Not where the other end of a Unix socket only sends no more. TCP does not tell that from its
+/// end.
 bool is_closed(int descriptor) {
-  pollfd asked{descriptor, 0, 0};
-  return ::poll(&asked, 1, 0) > 0 && (asked.revents & (POLLHUP | POLLERR)) != 0;
+  int family = AF_UNIX;
+  socklen_t size = sizeof family;
+  ::getsockopt(descriptor, SOL_SOCKET, SO_DOMAIN, &family, &size);
+  const unsigned ended = POLLHUP | POLLERR | (family == AF_UNIX ? 0U : unsigned{POLLRDHUP});
+  pollfd asked{descriptor, POLLRDHUP, 0};
+  return ::poll(&asked, 1, 0) > 0 && (static_cast<unsigned>(asked.revents) & ended) != 0;
 }
 
 }  // namespace
@@ -45,13 +51,11 @@ void EventStreams::add(JournalEvent event) {
   }
 }
 
-Result<std::uint64_t, EventStreams::Refusal> EventStreams::begin(
-    std::optional<std::string_view> last_event_id) {
+Result<std::uint64_t, Refusal> EventStreams::begin(std::optional<std::string_view> last_event_id) {
   using boost::beast::http::status;
   std::erase_if(readers_, [](const auto& held) { return held.expired(); });
-  if (readers_.size() >= kMost) {
-    return Refusal{status::service_unavailable,
-                   std::to_string(kMost) + " clients read events already, which is the most"};
+  if (places_.are_taken()) {
+    return Refusal{status::service_unavailable, places_.refusal()};
   }
   if (!last_event_id) {
     return std::max(ring_.newest(), numbered_from_);
@@ -82,6 +86,7 @@ void EventStreams::watch(ControlStream& stream, const std::shared_ptr<Reader>& r
 }
 
 boost::asio::awaitable<void> EventStreams::feed(ControlStream& stream, std::uint64_t after) {
+  const Counted place = places_.take();
   const auto reader = std::make_shared<Reader>(stream.get_executor());
   readers_.emplace_back(reader);
   watch(stream, reader);

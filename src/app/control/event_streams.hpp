@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The clients that read along what the journal gets. All of this is used on the thread of the
-// control socket alone.
+// HTTP interface alone.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/http/status.hpp>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -16,23 +14,17 @@
 
 #include "app/control/connection.hpp"
 #include "app/control/event_ring.hpp"
+#include "app/control/stream_places.hpp"
+#include "app/control/tcp_rules.hpp"
 #include "modbus/result.hpp"
 
 namespace mbgate::app {
 
 class EventStreams {
  public:
-  /// A screen or two, a collector, and whoever looks: each costs a descriptor as long as it reads.
-  static constexpr std::size_t kMost = 16;
-
-  /// The answer to a request that does not become a stream.
-  struct Refusal {
-    boost::beast::http::status status;
-    std::string why;
-  };
-
   /// `numbered_from`: the first event of this process has the number after it.
-  explicit EventStreams(std::uint64_t numbered_from) : numbered_from_(numbered_from) {}
+  EventStreams(StreamPlaces& places, std::uint64_t numbered_from)
+      : places_(places), numbered_from_(numbered_from) {}
 
   /// Goes out to all of them.
   void add(JournalEvent event);
@@ -53,6 +45,7 @@ class EventStreams {
   /// What is to be sent after the event `last`, which moves on.
   std::string next_text(std::uint64_t& last) const;
 
+  StreamPlaces& places_;
   std::uint64_t numbered_from_;
   EventRing ring_;
   std::vector<std::weak_ptr<Reader>> readers_;  ///< feed() has them

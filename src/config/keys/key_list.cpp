@@ -56,6 +56,7 @@ std::string value_text(const KeyValue& value) { return std::visit(ToText(), valu
 std::string list_keys() {
   std::string text;
   list(text, "[gateway]", gateway_keys(), {});
+  list(text, "[http]", http_keys(), {});
   list(text, "[[listen]]", listener_keys(), {});
   list(text, "[[bus]]", bus_keys(), {});
   list(text, "[[bus]]", timing_keys(), {});

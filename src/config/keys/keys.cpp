@@ -14,6 +14,7 @@ using bus::LineSettings;
 using drive::Device;
 using drive::DeviceTiming;
 using gateway::DeviceGuard;
+using gateway::HttpSettings;
 using gateway::ListenerSettings;
 using gateway::Settings;
 using gateway::TcpSettings;
@@ -44,6 +45,10 @@ constexpr IntegerRange kKeepaliveProbes = {1, 127};
 constexpr std::array kGatewayKeys = {
     plain<&Settings::lock_memory>("lock_memory", Truth{}),
     plain<&Settings::wake_early>("wake_early", DurationRange{0us, 1ms}),
+};
+
+constexpr std::array kHttpKeys = {
+    plain<&HttpSettings::max_streams>("max_streams", IntegerRange{1, 100'000}),
 };
 
 constexpr std::array kListenerKeys = {
@@ -147,6 +152,7 @@ constexpr std::array kGuardKeys = {
 }  // namespace
 
 std::span<const PlainKey<Settings>> gateway_keys() { return kGatewayKeys; }
+std::span<const PlainKey<HttpSettings>> http_keys() { return kHttpKeys; }
 std::span<const PlainKey<ListenerSettings>> listener_keys() { return kListenerKeys; }
 std::span<const PlainKey<BusSettings>> bus_keys() { return kBusKeys; }
 std::span<const PlainKey<DeviceTiming>> timing_keys() { return kTimingKeys; }

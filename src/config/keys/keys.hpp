@@ -14,6 +14,8 @@ namespace mbgate::config {
 
 /// [gateway]
 std::span<const PlainKey<gateway::Settings>> gateway_keys();
+/// [http]
+std::span<const PlainKey<gateway::HttpSettings>> http_keys();
 /// [[listen]]
 std::span<const PlainKey<gateway::ListenerSettings>> listener_keys();
 /// [[bus]]

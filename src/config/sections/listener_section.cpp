@@ -75,18 +75,6 @@ void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener
   }
 }
 
-/// The kernel gives a port to one listening socket only; a wildcard takes it on every address of
-/// its kind.
-bool clash(const ListenerSettings& a, const ListenerSettings& b) {
-  const auto first = ClientAddress::parse(a.address);
-  const auto second = ClientAddress::parse(b.address);
-  if (a.port == 0 || a.port != b.port || !first || !second) {
-    return false;
-  }
-  return *first == *second || (first->is_v4() == second->is_v4() &&
-                               (is_every_interface(*first) || is_every_interface(*second)));
-}
-
 void check_port(Draft& draft, const ListenerSettings& listener) {
   const auto& all = draft.settings.listeners;
   const auto same = std::ranges::find_if(all, [&](const auto& it) { return clash(it, listener); });
@@ -100,6 +88,18 @@ void check_port(Draft& draft, const ListenerSettings& listener) {
 }
 
 }  // namespace
+
+/// The kernel gives a port to one listening socket only; a wildcard takes it on every address of
+/// its kind.
+bool clash(const ListenerSettings& a, const ListenerSettings& b) {
+  const auto first = ClientAddress::parse(a.address);
+  const auto second = ClientAddress::parse(b.address);
+  if (a.port == 0 || a.port != b.port || !first || !second) {
+    return false;
+  }
+  return *first == *second || (first->is_v4() == second->is_v4() &&
+                               (is_every_interface(*first) || is_every_interface(*second)));
+}
 
 void read_listeners(Draft& draft) {
   for (auto table : draft.document.root().tables("listen")) {

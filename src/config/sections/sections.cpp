@@ -30,23 +30,6 @@ void read_status_unit(TomlTable& table, gateway::Settings& settings) {
   }
 }
 
-/// The kernel takes no longer path for a Unix socket.
-constexpr std::size_t kLongestSocketPath = 107;
-
-void read_http(Draft& draft) {
-  auto table = draft.document.root().table("http");
-  if (!table) {
-    return;
-  }
-  if (const auto socket = table->string("socket")) {
-    draft.settings.control_socket = *socket;
-    if (!socket->empty() && (socket->front() != '/' || socket->size() > kLongestSocketPath)) {
-      table->report_expected("socket", *table->value("socket"),
-                             "an absolute path of at most 107 characters, or \"\" for none");
-    }
-  }
-}
-
 /// The folder that `profiles` names, relative to the folder of the file.
 std::optional<std::filesystem::path> read_profiles(TomlTable& table) {
   const auto named = table.string("profiles");
@@ -71,7 +54,6 @@ void read_gateway(Draft& draft, const std::optional<std::filesystem::path>& prof
     read_keys(*table, gateway_keys(), draft.settings);
     folder = read_profiles(*table);
   }
-  read_http(draft);
   if (profile_folder) {
     folder = profile_folder;
   }

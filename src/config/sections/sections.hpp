@@ -45,6 +45,10 @@ void read_routes(Draft& draft);
 /// Checks that need several sections: clashes between routes, routes that lead nowhere, deadlines.
 void check_whole(Draft& draft);
 
+/// [http]: the Unix socket, and the addresses at which it is read over TCP. The listeners are
+/// known.
+void read_http(Draft& draft);
+
 /// [[client]]: which clients get more turns.
 void read_clients(Draft& draft);
 
@@ -102,6 +106,9 @@ void check_routes(Draft& draft);
 
 /// Deadlines of routes against the times of the devices that they reach.
 void check_deadlines(Draft& draft);
+
+/// Do these take a port from each other?
+bool clash(const gateway::ListenerSettings& a, const gateway::ListenerSettings& b);
 
 /// Is it a connection to a Modbus TCP server? False for an unknown bus.
 bool is_tcp(const Draft& draft, drive::BusId bus);

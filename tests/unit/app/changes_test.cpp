@@ -50,6 +50,16 @@ TEST(Changes, AreToldWithTheValuesOfPlainKeys) {
                           "device axis-x: word_order, cache \"0s\" -> \"50ms\""));
 }
 
+TEST(Changes, OfHttpAreTold) {
+  auto next = plant();
+  next.http.listen = {*routing::ListenAddress::parse("127.0.0.1:8080")};
+  next.http.hosts = {"gateway.plant"};
+  next.http.max_streams = 2;
+  EXPECT_THAT(changes(plant(), next), ElementsAre("http: listen, hosts, max_streams 64 -> 2"));
+  next.http = {.allow = {*routing::Network::parse("10.0.0.7")}};
+  EXPECT_THAT(changes(plant(), next), ElementsAre("http: allow"));
+}
+
 TEST(Changes, OfABusAreNotToldAgainOfDevicesThatHaveItsTimes) {
   auto next = plant();
   next.buses[0].timing.retries = 2;

@@ -84,6 +84,16 @@ TEST(LoadSettings, NamesTheFileAsItWasGiven) {
   EXPECT_FALSE(loaded.settings);
 }
 
+TEST(LoadSettings, TakesOneAddressOfHttpWithoutAList) {
+  const auto loaded = load_settings_text(
+      "x.toml", text_of(kFolder / "valid/minimal.toml") + "[http]\nlisten = \"[::1]:8080\"\n");
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->http.listen,
+            std::vector{*routing::ListenAddress::parse("[::1]:8080")});
+  EXPECT_EQ(loaded.settings->http.allow, routing::loopback_networks());
+}
+
 TEST(LoadSettings, FillsListenersAndBuses) {
   const auto loaded = load(kFolder / "valid/every-key.toml");
   ASSERT_TRUE(loaded.settings);
@@ -91,6 +101,14 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(settings.status_unit, 200);
   EXPECT_TRUE(settings.lock_memory);
   EXPECT_EQ(settings.wake_early, 20us);
+  EXPECT_EQ(settings.control_socket, "/run/other/control");
+  EXPECT_EQ(settings.http,
+            (gateway::HttpSettings{.listen = {*routing::ListenAddress::parse("127.0.0.1:0"),
+                                              *routing::ListenAddress::parse("[fd00::7]:8080")},
+                                   .allow = {*routing::Network::parse("127.0.0.1"),
+                                             *routing::Network::parse("fd00::/64")},
+                                   .hosts = {"gateway.plant"},
+                                   .max_streams = 3}));
   const auto& routed = settings.listeners.at(0);
   EXPECT_EQ(routed.name, "plant");
   EXPECT_EQ(routed.address, "::1");

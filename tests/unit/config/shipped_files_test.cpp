@@ -66,7 +66,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
             : is_commented_setting(line) ? line.substr(2) + "\n"
                                          : line + "\n";
   }
-  EXPECT_EQ(commented, 50);
+  EXPECT_EQ(commented, 52);
   const auto loaded = load_settings_text(kFolder + "mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
@@ -75,6 +75,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
   EXPECT_EQ(loaded.settings->buses.back().line.framing, bus::Framing::tcp);
   EXPECT_EQ(loaded.settings->buses[0].frame_gap, 3ms);
   EXPECT_EQ(loaded.settings->listeners[0].allow.size(), 1U);
+  EXPECT_EQ(loaded.settings->http.listen.size(), 1U);
   EXPECT_EQ(loaded.settings->guards.at(0).failsafe.size(), 1U);
   EXPECT_EQ(loaded.settings->guards[0].writer, gateway::WriterRule::first);
   EXPECT_EQ(loaded.settings->weights.size(), 1U);
@@ -101,6 +102,7 @@ TEST(CompleteFile, ShowsTheDefaults) {
   const gateway::ListenerSettings listener;
   const bus::BusSettings bus;
   EXPECT_EQ(shown.status_unit, gateway::Settings().status_unit);
+  EXPECT_EQ(shown.http, gateway::HttpSettings());
   EXPECT_EQ(shown.listeners[0].address, listener.address);
   EXPECT_EQ(shown.listeners[0].port, listener.port);
   EXPECT_EQ(shown.listeners[1].broadcast_reply, listener.broadcast_reply);

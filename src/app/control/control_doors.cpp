@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/control_doors.hpp"
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <string_view>
+#include <utility>
+
+#include "io/supervise.hpp"
+
+namespace mbgate::app {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using routing::ClientAddress;
+
+constexpr std::size_t kMostConnections = 64;  ///< of each kind
+/// When there are too few descriptors: not again and again without a pause.
+constexpr std::chrono::seconds kAcceptPause{1};
+/// Whoever comes from more addresses than these is told of again.
+constexpr std::size_t kMostTold = 1000;
+
+std::string forbidden() {
+  constexpr std::string_view kBody =
+      R"({"error":"this address may not read: it is not in [http] allow"})"
+      "\n";
+  return "HTTP/1.1 403 Forbidden\r\n"
+         "Content-Type: application/json\r\n"
+         "Cache-Control: no-store\r\n"
+         "Connection: close\r\n"
+         "Content-Length: " +
+         std::to_string(kBody.size()) + "\r\n\r\n" + std::string(kBody);
+}
+
+ClientAddress address_of(const tcp::endpoint& peer) {
+  const auto from = peer.address();
+  const auto v6 =
+      from.is_v6() ? from.to_v6() : asio::ip::make_address_v6(asio::ip::v4_mapped, from.to_v4());
+  return ClientAddress(v6.to_bytes());
+}
+
+}  // namespace
+
+void ControlDoors::open(UnixAcceptor acceptor) {
+  io::supervise(*home_, accept(std::move(acceptor)), "control");
+}
+
+void ControlDoors::open(routing::ListenerId id, TcpAcceptor acceptor) {
+  tcp_.emplace(id, acceptor);
+  io::supervise(*home_, accept(std::move(acceptor)), "http");
+}
+
+void ControlDoors::close(routing::ListenerId id) {
+  const auto [first, last] = tcp_.equal_range(id);
+  for (auto at = first; at != last; ++at) {
+    boost::system::error_code ignored;
+    at->second->close(ignored);
+  }
+  tcp_.erase(first, last);
+}
+
+void ControlDoors::allow(routing::NetworkList networks) {
+  allowed_ = std::move(networks);
+  told_.clear();
+}
+
+template <typename Acceptor>
+asio::awaitable<void> ControlDoors::accept(Acceptor acceptor) {
+  while (acceptor->is_open()) {
+    auto [error, socket] = co_await acceptor->async_accept(kNoThrow);
+    if (!error) {
+      let_in(std::move(socket));
+    } else if (error != asio::error::operation_aborted) {
+      asio::steady_timer pause(*home_, kAcceptPause);
+      co_await pause.async_wait(kNoThrow);
+    }
+  }
+}
+
+void ControlDoors::let_in(asio::local::stream_protocol::socket socket) {
+  enter(ControlStream(std::move(socket)), false, of_unix_);
+}
+
+void ControlDoors::let_in(tcp::socket socket) {
+  boost::system::error_code error;
+  const tcp::endpoint peer = socket.remote_endpoint(error);
+  if (error) {
+    return;  // it has gone
+  }
+  const ClientAddress address = address_of(peer);
+  if (contains(allowed_, address)) {
+    enter(ControlStream(std::move(socket)), true, of_tcp_);
+  } else {
+    refuse(std::move(socket), address);
+  }
+}
+
+void ControlDoors::enter(ControlStream stream, bool over_tcp,
+                         const std::shared_ptr<std::size_t>& count) {
+  if (*count < kMostConnections) {
+    enter_({std::move(stream), over_tcp, count});
+  }
+}
+
+// Without a look at what it asks, so that it holds nothing here.
+void ControlDoors::refuse(tcp::socket socket, const ClientAddress& address) {
+  static const std::string kForbidden = forbidden();
+  boost::system::error_code ignored;
+  socket.send(asio::buffer(kForbidden), 0, ignored);  // a new connection has room for it
+  socket.shutdown(tcp::socket::shutdown_send, ignored);
+  if (told_.size() >= kMostTold) {
+    told_.clear();
+  }
+  if (told_.insert(address).second) {
+    refused_(address.to_text());
+  }
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// What may be asked over TCP: there the interface only reads, and only for those who mean this
+// machine. A page from elsewhere that a browser shows could otherwise have its own name lead here
+// (DNS rebinding), and read along.
+#pragma once
+
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/status.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mbgate::app {
+
+/// The answer to a request that gets no other.
+struct Refusal {
+  boost::beast::http::status status;
+  std::string why;
+};
+
+/// Does the Host of a request mean this machine: an address, "localhost" or one of `hosts`, which
+/// are in small letters? Each may have a port.
+bool is_own_host(std::string_view host, const std::vector<std::string>& hosts);
+
+/// Why this request over TCP is refused, or nothing.
+std::optional<Refusal> refused_over_tcp(const boost::beast::http::request_header<>& request,
+                                        const std::vector<std::string>& hosts);
+
+}  // namespace mbgate::app

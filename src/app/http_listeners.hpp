@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The TCP addresses at which the HTTP interface is read, `[http] listen`, or the sockets of systemd
+// that are named "http" in their place. The gateway serves drives without them: one that cannot be
+// had is tried again.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <vector>
+
+#include "app/control/control.hpp"
+#include "app/listeners.hpp"
+#include "app/log.hpp"
+#include "gateway/settings.hpp"
+
+namespace mbgate::app {
+
+/// `listen` as listeners. Those of `old` keep their numbers, and are marked where they have gone.
+std::vector<gateway::ListenerSettings> http_listeners(std::vector<gateway::ListenerSettings> old,
+                                                      const gateway::HttpSettings& settings);
+
+class HttpListeners {
+ public:
+  HttpListeners(boost::asio::io_context& context, Log& log, Control& control);
+
+  /// Takes its sockets out of those from systemd, if no listener has that name.
+  void take(const gateway::Settings& settings, std::vector<InheritedSocket>& inherited);
+  void begin(const gateway::HttpSettings& settings);
+  /// As Listeners: prints "listening http ADDRESS:PORT", and tries again.
+  void start() { listeners_.start(); }
+  /// Puts these settings into force, soon. Sockets from systemd stay as they are.
+  void reload(const gateway::HttpSettings& settings);
+  void stop();
+
+ private:
+  void change(const std::vector<gateway::ListenerSettings>& next);
+
+  Log& log_;
+  Control& control_;
+  Listeners listeners_;
+  std::vector<gateway::ListenerSettings> now_;
+  std::vector<InheritedSocket> inherited_;  ///< until begin()
+  bool is_inherited_ = false;
+  bool has_stopped_ = false;
+};
+
+}  // namespace mbgate::app

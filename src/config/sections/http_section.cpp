@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a running gateway is asked how it is: the Unix socket, and addresses that only read.
+#include <cctype>
+
+#include "config/sections/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using gateway::HttpSettings;
+using gateway::ListenerSettings;
+using routing::ListenAddress;
+
+/// The kernel takes no longer path for a Unix socket.
+constexpr std::size_t kLongestSocketPath = 107;
+/// Of a name (RFC 1035, 2.3.4).
+constexpr std::size_t kLongestHost = 253;
+
+void read_socket(TomlTable& table, std::string& path) {
+  if (const auto socket = table.string("socket")) {
+    path = *socket;
+    if (!socket->empty() && (socket->front() != '/' || socket->size() > kLongestSocketPath)) {
+      table.report_expected("socket", *table.value("socket"),
+                            "an absolute path of at most 107 characters, or \"\" for none");
+    }
+  }
+}
+
+constexpr std::string_view kListen =
+    "an IPv4 or IPv6 address and a port, such as \"127.0.0.1:8080\" or \"[::1]:8080\"";
+
+/// One text, or a list of texts.
+std::vector<TomlText> listen_texts(TomlTable& table) {
+  const auto* found = table.value("listen");
+  if (found == nullptr) {
+    return {};
+  }
+  if (const auto* text = std::get_if<std::string>(&found->data)) {
+    return {{*text, found->position}};
+  }
+  if (!std::holds_alternative<std::vector<TomlValue>>(found->data)) {
+    table.report_expected("listen", *found, std::string(kListen) + ", or a list of such");
+    return {};
+  }
+  return table.strings("listen").value_or(std::vector<TomlText>());
+}
+
+ListenerSettings as_listener(const ListenAddress& listen) {
+  ListenerSettings listener;
+  listener.address = listen.address.to_text();
+  listener.port = listen.port;
+  return listener;
+}
+
+/// Where that has taken the port; `entries` are those before this one.
+std::optional<Position> taken_at(const Draft& draft, const std::vector<TomlText>& entries,
+                                 const ListenAddress& listen) {
+  const auto wanted = as_listener(listen);
+  const auto& listeners = draft.settings.listeners;
+  const auto listener =
+      std::ranges::find_if(listeners, [&](const auto& it) { return clash(it, wanted); });
+  if (listener != listeners.end()) {
+    return draft.listeners[static_cast<std::size_t>(listener - listeners.begin())].value_position(
+        "port");
+  }
+  const auto& own = draft.settings.http.listen;
+  const auto same =
+      std::ranges::find_if(own, [&](const auto& it) { return clash(as_listener(it), wanted); });
+  return same == own.end()
+             ? std::nullopt
+             : std::optional(entries[static_cast<std::size_t>(same - own.begin())].position);
+}
+
+/// What drives do is not shown to every network that the machine is in by one line.
+void read_listen(Draft& draft, TomlTable& table) {
+  std::vector<TomlText> entries;  // beside settings.http.listen
+  for (const auto& [text, position] : listen_texts(table)) {
+    const auto listen = ListenAddress::parse(text);
+    if (!listen) {
+      table.report_expected("listen", {position, text}, kListen);
+      continue;
+    }
+    if (const auto first = taken_at(draft, entries, *listen)) {
+      draft.document.error(position, "listen: the port of " + in_quotes(text) +
+                                         " is taken already at " + place(draft.document, *first));
+    }
+    if (!is_loopback(listen->address) && !table.has("allow")) {
+      draft.document.error(position, "listen: other machines reach " + in_quotes(text) +
+                                         ": expected 'allow' with those who may read, such as "
+                                         "allow = [\"192.168.10.0/24\"]");
+    }
+    draft.settings.http.listen.push_back(*listen);
+    entries.push_back({text, position});
+  }
+}
+
+void read_allow(TomlTable& table, HttpSettings& http) {
+  const auto* allowed = table.value("allow");
+  if (allowed == nullptr) {
+    return;
+  }
+  http.allow = read_networks(table, "allow");
+  if (is_empty_list(*allowed)) {
+    table.error("allow", "expected at least one address; leave the key out for this machine alone");
+  }
+}
+
+bool is_host(std::string_view text) {
+  return !text.empty() && text.size() <= kLongestHost && std::ranges::all_of(text, [](char letter) {
+    return std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '-' ||
+           letter == '.' || letter == '_';
+  });
+}
+
+void read_hosts(TomlTable& table, HttpSettings& http) {
+  for (auto& [text, position] : table.strings("hosts").value_or(std::vector<TomlText>())) {
+    if (!is_host(text)) {
+      table.report_expected("hosts", {position, text},
+                            "a name as it stands in a URL, without port, such as "
+                            "\"gateway.plant\"");
+      continue;
+    }
+    std::string host;
+    for (const char letter : text) {
+      host += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    }
+    http.hosts.push_back(std::move(host));
+  }
+}
+
+}  // namespace
+
+void read_http(Draft& draft) {
+  auto table = draft.document.root().table("http");
+  if (!table) {
+    return;
+  }
+  read_socket(*table, draft.settings.control_socket);
+  read_listen(draft, *table);
+  read_allow(*table, draft.settings.http);
+  read_hosts(*table, draft.settings.http);
+  read_keys(*table, http_keys(), draft.settings.http);
+}
+
+}  // namespace mbgate::config

@@ -1,0 +1,182 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""The HTTP interface of the demo's gateway over TCP: it reads, for those who may, and changes nothing."""
+
+import http.client
+import json
+import re
+import socket
+import sys
+import time
+import unittest
+
+from control_case import EVENTS, MOONS, ControlCase, UnixConnection
+from demo_plant import PATIENCE
+from events_test import EventStream
+
+STATUS = "/api/v1/status"
+RELOAD = "/api/v1/reload"
+
+
+class Http(ControlCase):
+    def configure(self, *lines):
+        """These lines in [http], and no other but for the socket, put into force by a reload."""
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        head, rest = text.split("[http]\n")
+        own = [line for line in rest.splitlines() if line.startswith("socket")]
+        self.plant.configuration.write_text("\n".join([f"{head}[http]", *own, *lines, ""]), encoding="utf-8")
+        code, body = self.ask("POST", RELOAD)
+        self.assertEqual(code, 200, body)
+
+    def listen(self, *lines, host="127.0.0.1", shown="127.0.0.1"):
+        """A reload adds an address, which self.address is then."""
+        self.configure(f'listen = ["{shown}:0"]', *lines)
+        self.address = (host, int(self.plant.wait_for(rf"^listening http {re.escape(shown)}:(\d+)$").group(1)))
+
+    def tcp(self, source=None):
+        return http.client.HTTPConnection(*self.address, timeout=PATIENCE, source_address=source and (source, 0))
+
+    def server(self):
+        """As mbgatectl names it."""
+        return f"tcp://{self.address[0]}:{self.address[1]}"
+
+    def events(self, connection):
+        stream = EventStream(connection)
+        self.addCleanup(stream.close)
+        return stream
+
+    def test_what_is_read_over_tcp_is_what_the_socket_says(self):
+        self.listen()
+        code, body = self.ask("GET", STATUS, self.tcp())
+        self.assertEqual(code, 200)
+        here = self.status()
+        self.assertEqual(body.keys(), here.keys())
+        for key in ("version", "configuration", "diagnoses"):
+            self.assertEqual(body[key], here[key])
+        self.assertEqual([bus["name"] for bus in body["buses"]], ["line-a", "line-b"])
+        self.assertEqual(self.ask("GET", "/healthz", self.tcp()), (200, {"status": "ok"}))
+        self.assertEqual(self.ask("GET", "/", self.tcp())[0], 404)
+        stream = self.events(self.tcp())
+        self.assertEqual(self.ask("POST", RELOAD)[0], 200)
+        self.assertEqual(stream.find("nothing has changed")[-1]["data"]["text"], "reload: nothing has changed")
+
+    def test_mbgatectl_reads_over_tcp(self):
+        self.listen()
+        shown = self.mbgatectl("status", "--json", "--control", self.server())
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        self.assertEqual(json.loads(shown.stdout).keys(), self.status().keys())
+        following, line = self.follow(self.server())
+        self.assertRegex(line, r"^\d\d:\d\d:\d\d info reload: nothing has changed\n$")
+        self.plant.end_gateway()
+        self.assertEqual(following.wait(PATIENCE), 1)
+        self.assertIn("mbgated has ended", following.stderr.read())
+        shown = self.mbgatectl("status", "--control", self.server())
+        self.assertEqual((shown.returncode, shown.stdout), (1, ""))
+        self.assertIn(f"nobody listens at {self.server()}", shown.stderr)
+
+    def test_nothing_is_changed_over_tcp(self):
+        self.listen()
+        self.edit("baud = 9600", "baud = 19200")
+        only = {"error": "only on the Unix socket, [http] socket: nothing is changed over TCP"}
+        self.assertEqual(self.ask("POST", RELOAD, self.tcp()), (403, only))
+        self.assertEqual(self.ask("POST", STATUS, self.tcp()), (403, only))
+        self.assertEqual(self.ask("POST", "/", self.tcp()), (403, only))
+        self.assertEqual(self.ask("GET", RELOAD, self.tcp())[0], 405)
+        shown = self.mbgatectl("reload", "--control", self.server())
+        self.assertEqual((shown.returncode, shown.stdout, shown.stderr), (1, "", f"mbgatectl: {only['error']}\n"))
+        self.assertEqual(self.status()["buses"][1]["baud"], 9600)
+
+    def test_only_addresses_that_are_allowed_may_read(self):
+        self.listen('allow = ["127.0.0.1/32"]')
+        for _ in range(3):
+            refused = {"error": "this address may not read: it is not in [http] allow"}
+            self.assertEqual(self.ask("GET", STATUS, self.tcp("127.0.0.2")), (403, refused))
+        self.assertEqual(self.ask("GET", STATUS, self.tcp())[0], 200)
+        self.plant.wait_for(r"^warning: http: 127\.0\.0\.2 may not read, it is not in \[http\] allow$")
+        self.configure('listen = ["127.0.0.1:0"]', 'allow = ["127.0.0.2"]')
+        self.plant.wait_for("reload: done$")
+        self.assertEqual(self.ask("GET", STATUS, self.tcp())[0], 403)
+        self.assertEqual(self.ask("GET", STATUS, self.tcp("127.0.0.2"))[0], 200)
+        # Once of an address, though it came three times.
+        self.assertEqual(sum("127.0.0.2 may not read" in line for line in self.plant.printed()), 1)
+
+    def test_what_is_meant_for_another_name_is_refused(self):
+        self.listen()
+        for own in ("127.0.0.1", "localhost:80", "[::1]:8080"):
+            self.assertEqual(self.ask("GET", STATUS, self.tcp(), {"Host": own})[0], 200, own)
+        for path in (STATUS, EVENTS, "/healthz"):
+            code, body = self.ask("GET", path, self.tcp(), {"Host": "gateway.plant"})
+            self.assertEqual(code, 421)
+            self.assertIn('"gateway.plant"', body["error"])
+        # The Unix socket is reached by no browser.
+        self.assertEqual(self.ask("GET", STATUS, headers={"Host": "gateway.plant"})[0], 200)
+        self.configure('listen = ["127.0.0.1:0"]', 'hosts = ["Gateway.Plant"]')
+        self.assertEqual(self.ask("GET", STATUS, self.tcp(), {"Host": "gateway.plant:8080"})[0], 200)
+
+    def test_streams_of_all_sockets_are_counted_together(self):
+        self.listen("max_streams = 2")
+        streams = [self.events(UnixConnection(self.plant.control)), self.events(self.tcp())]
+        self.assertEqual([stream.status for stream in streams], [200, 200])
+        self.assertEqual(self.ask("GET", EVENTS)[0], 503)
+        code, body = self.ask("GET", EVENTS, self.tcp())
+        self.assertEqual((code, body["error"]), (503, "2 clients follow events already, [http] max_streams allows 2"))
+        self.assertEqual(self.ask("GET", STATUS, self.tcp())[0], 200)
+        streams.pop().close()
+        limit = time.monotonic() + PATIENCE
+        while self.events(self.tcp()).status != 200:
+            self.assertLess(time.monotonic(), limit, "the place of a stream that has ended is not free")
+
+    def test_clients_over_tcp_keep_nobody_from_the_socket(self):
+        self.listen()
+        for _ in range(80):
+            silent = socket.create_connection(self.address, PATIENCE)
+            self.addCleanup(silent.close)
+        self.status()
+        self.assertEqual(self.read(MOONS).returncode, 0)
+
+    def test_addresses_come_and_go_with_a_reload(self):
+        self.listen()
+        self.configure('listen = ["127.0.0.1:0"]', "max_streams = 3")
+        self.assertEqual(self.ask("GET", "/healthz", self.tcp())[0], 200)  # it has stayed as it was
+        self.configure()
+        limit = time.monotonic() + PATIENCE
+        while True:
+            try:
+                socket.create_connection(self.address, PATIENCE).close()
+            except ConnectionRefusedError:
+                break
+            self.assertLess(time.monotonic(), limit, "it still listens")
+        self.assertEqual(self.ask("GET", "/healthz")[0], 200)
+
+    def test_a_port_that_somebody_has_is_tried_again(self):
+        with socket.create_server(("127.0.0.1", 0)) as other:
+            self.address = other.getsockname()
+            self.configure(f'listen = "127.0.0.1:{self.address[1]}"')
+            self.plant.wait_for("cannot listen on .*: Address already in use; it is tried again$")
+            self.assertEqual(self.read(MOONS).returncode, 0)
+        self.plant.wait_for(rf"^listening http 127\.0\.0\.1:{self.address[1]}$")
+        self.assertEqual(self.ask("GET", "/healthz", self.tcp())[0], 200)
+
+    def test_a_socket_of_systemd_takes_the_place_of_listen(self):
+        self.plant.end_gateway()
+        with socket.create_server(("127.0.0.1", 0)) as given:
+            self.address = given.getsockname()
+            self.plant.start_gateway(given)
+        self.plant.wait_for(rf"^listening http 127\.0\.0\.1:{self.address[1]}$")
+        self.assertEqual(self.ask("GET", "/healthz", self.tcp())[0], 200)
+        self.assertEqual(self.ask("POST", RELOAD, self.tcp())[0], 403)
+        # It stays, whatever the file says.
+        self.configure('listen = ["127.0.0.1:0"]')
+        self.assertEqual(self.ask("GET", "/healthz", self.tcp())[0], 200)
+
+    def test_there_is_ipv6(self):
+        try:
+            socket.create_server(("::1", 0), family=socket.AF_INET6).close()
+        except OSError as error:
+            self.skipTest(f"no IPv6: {error}")
+        self.listen(host="::1", shown="[::1]")
+        self.assertEqual(self.ask("GET", STATUS, self.tcp())[0], 200)
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/tcp_rules.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mbgate::app {
+namespace {
+
+namespace http = boost::beast::http;
+
+http::request_header<> request(http::verb method, const std::string& host) {
+  http::request_header<> asked;
+  asked.method(method);
+  asked.target("/api/v1/status");
+  asked.version(11);
+  asked.set(http::field::host, host);
+  return asked;
+}
+
+TEST(TcpRules, TakeAddressesAndLocalhostForThisMachine) {
+  for (const char* host : {"127.0.0.1", "127.0.0.1:8080", "192.168.10.2:8080", "[::1]",
+                           "[::1]:8080", "localhost", "LocalHost:8080"}) {
+    EXPECT_TRUE(is_own_host(host, {})) << host;
+  }
+}
+
+TEST(TcpRules, TakeNoOtherNameForThisMachineThatIsNotGiven) {
+  for (const char* host :
+       {"", ":", "[", "[]", "evil.example", "evil.example:8080", "127.0.0.1.evil.example",
+        "localhost.evil.example", "[evil.example]", "gateway"}) {
+    EXPECT_FALSE(is_own_host(host, {"gateway.plant"})) << host;
+  }
+  EXPECT_TRUE(is_own_host("gateway.plant", {"panel", "gateway.plant"}));
+  EXPECT_TRUE(is_own_host("Gateway.Plant:8080", {"panel", "gateway.plant"}));
+}
+
+TEST(TcpRules, LetReadWhoMeansThisMachineOrNamesNone) {
+  EXPECT_FALSE(refused_over_tcp(request(http::verb::get, "127.0.0.1:8080"), {}));
+  auto nameless = request(http::verb::get, "");
+  nameless.erase(http::field::host);
+  EXPECT_FALSE(refused_over_tcp(nameless, {}));
+}
+
+TEST(TcpRules, RefuseWhatIsMeantForAnotherName) {
+  const auto refusal = refused_over_tcp(request(http::verb::get, "evil.example\xFF:80"), {});
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->status, http::status::misdirected_request);
+  EXPECT_EQ(refusal->why,
+            "this machine does not go by the name \"evil.example\xEF\xBF\xBD:80\": ask for its "
+            "address, or add the name to [http] hosts");
+}
+
+TEST(TcpRules, RefuseWhatWouldChangeSomething) {
+  const auto refusal = refused_over_tcp(request(http::verb::post, "127.0.0.1"), {});
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->status, http::status::forbidden);
+  EXPECT_EQ(refusal->why, "only on the Unix socket, [http] socket: nothing is changed over TCP");
+}
+
+}  // namespace
+}  // namespace mbgate::app
