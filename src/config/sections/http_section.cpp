@@ -27,7 +27,7 @@ void read_socket(TomlTable& table, std::string& path) {
 }
 
 constexpr std::string_view kListen =
-    "an IPv4 or IPv6 address and a port, such as \"127.0.0.1:8080\" or \"[::1]:8080\"";
+    R"(an IPv4 or IPv6 address and a port, such as "127.0.0.1:8080" or "[::1]:8080")";
 
 /// One text, or a list of texts.
 std::vector<TomlText> listen_texts(TomlTable& table) {
