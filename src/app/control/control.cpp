@@ -20,10 +20,17 @@ namespace {
 using boost::asio::ip::tcp;
 using UnixAcceptor = boost::asio::local::stream_protocol::acceptor;
 
+/// Batches of the trace that may be on their way: one that is being taken, and the next.
+constexpr std::size_t kMostBatches = 2;
+
 }  // namespace
 
 Control::Control(boost::asio::io_context& gateway, ControlTarget& target)
-    : gateway_(gateway), target_(target) {}
+    : gateway_(gateway),
+      target_(target),
+      feed_(
+          gateway, target, [this] { return batches_ < kMostBatches; },
+          [this](TraceBatch batch) { take_over(std::move(batch)); }) {}
 
 Control::~Control() {
   if (!thread_.joinable()) {
@@ -54,7 +61,10 @@ void Control::begin() {
   told_ = static_cast<std::uint64_t>(
       std::chrono::duration_cast<milliseconds>(std::chrono::system_clock::now().time_since_epoch())
           .count());
-  server_ = std::make_unique<ControlServer>(home_, gateway_, target_, told_);
+  const auto set_traced = [this](bool on) {
+    boost::asio::post(gateway_, [this, on] { feed_.set_on(on); });
+  };
+  server_ = std::make_unique<ControlServer>(home_, gateway_, target_, told_, set_traced);
   server_->apply(settings_);
   work_.emplace(home_->get_executor());
   try {
@@ -139,6 +149,14 @@ void Control::tell(Level level, const std::string& text) {
   boost::asio::post(*home_, [this, event = std::move(event)]() mutable {
     --waiting_;
     server_->tell(std::move(event));
+  });
+}
+
+void Control::take_over(TraceBatch batch) {
+  ++batches_;
+  boost::asio::post(*home_, [this, batch = std::move(batch)]() mutable {
+    --batches_;
+    server_->trace(std::move(batch));
   });
 }
 

@@ -20,6 +20,7 @@
 #include <thread>
 
 #include "app/control/control_server.hpp"
+#include "app/control/trace_feed.hpp"
 #include "app/log.hpp"
 #include "gateway/settings.hpp"
 
@@ -51,6 +52,7 @@ class Control {
   void tell(Level level, const std::string& text);
 
  private:
+  void take_over(TraceBatch batch);
   /// Has its thread and what runs there, once. Throws what the standard library throws.
   void begin();
   void run();
@@ -68,6 +70,8 @@ class Control {
   ino_t inode_ = 0;
   std::uint64_t told_ = 0;                ///< lines, also those that were dropped
   std::atomic<std::size_t> waiting_ = 0;  ///< lines that the server's thread has not taken yet
+  std::atomic<std::size_t> batches_ = 0;  ///< of the trace, not taken yet either
+  TraceFeed feed_;
   std::thread thread_;
 };
 

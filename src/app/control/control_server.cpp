@@ -12,7 +12,7 @@
 
 #include "app/control/question.hpp"
 #include "app/control/tcp_rules.hpp"
-#include "app/control/utf8.hpp"
+#include "app/utf8.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -29,6 +29,7 @@ constexpr std::chrono::seconds kAnswerLimit{1};
 constexpr std::chrono::seconds kReloadLimit{30};
 constexpr std::string_view kNoAnswer = "the gateway has not answered within 1 s";
 constexpr std::string_view kEventsPath = "/api/v1/events";
+constexpr std::string_view kTracePath = "/api/v1/trace";
 constexpr std::uint32_t kLongestHeader = 8192;
 constexpr std::uint64_t kLongestBody = 65536;
 
@@ -47,6 +48,12 @@ Response answer(const Request& request, http::status status, const boost::json::
 std::string_view path_of(const Request& request) {
   const std::string_view target(request.target().data(), request.target().size());
   return target.substr(0, target.find('?'));
+}
+
+std::string_view query_of(const Request& request) {
+  const std::string_view target(request.target().data(), request.target().size());
+  const std::size_t mark = target.find('?');
+  return mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
 }
 
 std::optional<std::string_view> last_event_id(const Request& request) {
@@ -68,7 +75,7 @@ Response wrong_method(const Request& request, const char* allowed) {
 
 ControlServer::ControlServer(const std::shared_ptr<asio::io_context>& home,
                              asio::io_context& gateway, ControlTarget& target,
-                             std::uint64_t numbered_from)
+                             std::uint64_t numbered_from, TraceStreams::Switch set_traced)
     : home_(home),
       gateway_(gateway),
       target_(target),
@@ -80,7 +87,8 @@ ControlServer::ControlServer(const std::shared_ptr<asio::io_context>& home,
           [this](const std::string& address) {
             asio::post(gateway_, [&target = target_, address] { target.http_refused(address); });
           }),
-      events_(streams_, numbered_from) {}
+      events_(streams_, numbered_from),
+      traces_(streams_, std::move(set_traced)) {}
 
 void ControlServer::apply(const gateway::HttpSettings& settings) {
   doors_.allow(settings.allow);
@@ -89,17 +97,41 @@ void ControlServer::apply(const gateway::HttpSettings& settings) {
 }
 
 asio::awaitable<void> ControlServer::serve_one(ControlDoors::Entered client) {
-  std::optional<std::uint64_t> begin;
+  std::optional<Stream> stream;
   {
     const Counted counted(client.count);  // whatever ends it; a stream is counted as one
-    begin = co_await serve(client);
+    stream = co_await serve(client);
   }
-  if (begin) {
-    co_await events_.feed(client.stream, *begin);
+  if (!stream) {
+    co_return;
+  }
+  if (const auto* after = std::get_if<std::uint64_t>(&*stream)) {
+    co_await events_.feed(client.stream, *after);
+  } else {
+    co_await traces_.feed(client.stream, std::get<TraceFilter>(*stream));
   }
 }
 
-asio::awaitable<std::optional<std::uint64_t>> ControlServer::serve(ControlDoors::Entered& client) {
+std::optional<Result<ControlServer::Stream, Refusal>> ControlServer::begin_stream(
+    const Request& request) {
+  const auto as_stream = [](const auto& begin) {
+    return begin ? Result<Stream, Refusal>(Stream(*begin))
+                 : Result<Stream, Refusal>(boost::system::in_place_error, begin.error());
+  };
+  if (request.method() != http::verb::get) {
+    return std::nullopt;
+  }
+  if (path_of(request) == kEventsPath) {
+    return as_stream(events_.begin(last_event_id(request)));
+  }
+  if (path_of(request) == kTracePath) {
+    return as_stream(traces_.begin(query_of(request)));
+  }
+  return std::nullopt;
+}
+
+asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
+    ControlDoors::Entered& client) {
   ControlStream& stream = client.stream;
   boost::beast::flat_buffer buffer;
   bool goes_on = true;
@@ -117,12 +149,12 @@ asio::awaitable<std::optional<std::uint64_t>> ControlServer::serve(ControlDoors:
     const auto refusal = client.over_tcp ? refused_over_tcp(request, hosts_) : std::nullopt;
     if (refusal) {
       response = answer(request, refusal->status, error_json(refusal->why));
-    } else if (path_of(request) == kEventsPath && request.method() == http::verb::get) {
-      const auto begin = events_.begin(last_event_id(request));
-      if (begin) {
-        co_return *begin;
+    } else if (const auto stream_asked = begin_stream(request)) {
+      if (*stream_asked) {
+        co_return **stream_asked;
       }
-      response = answer(request, begin.error().status, error_json(begin.error().why));
+      const Refusal& why_not = stream_asked->error();
+      response = answer(request, why_not.status, error_json(why_not.why));
     } else {
       response = co_await respond(request);
     }
@@ -138,10 +170,12 @@ asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& r
   const std::string_view path = path_of(request);
   const bool is_reload = path == "/api/v1/reload";
   const bool is_command = is_reload || path == "/api/v1/clear-counters";
-  if (!is_command && path != "/api/v1/status" && path != kEventsPath && path != "/healthz") {
-    co_return answer(request, http::status::not_found,
-                     error_json("expected GET /api/v1/status, GET /api/v1/events, GET /healthz, "
-                                "POST /api/v1/reload or POST /api/v1/clear-counters"));
+  const bool is_stream = path == kEventsPath || path == kTracePath;
+  if (!is_command && !is_stream && path != "/api/v1/status" && path != "/healthz") {
+    co_return answer(
+        request, http::status::not_found,
+        error_json("expected GET /api/v1/status, /api/v1/events, /api/v1/trace or /healthz, "
+                   "POST /api/v1/reload or POST /api/v1/clear-counters"));
   }
   const auto wanted = is_command ? http::verb::post : http::verb::get;
   if (request.method() != wanted) {

@@ -12,6 +12,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "app/control/connection.hpp"
@@ -19,20 +21,22 @@
 #include "app/control/control_target.hpp"
 #include "app/control/event_streams.hpp"
 #include "app/control/stream_places.hpp"
+#include "app/control/trace_streams.hpp"
 #include "gateway/settings.hpp"
 
 namespace mbgate::app {
 
 class ControlServer {
  public:
-  /// `numbered_from`: the first event has the number after it.
+  /// `numbered_from`: the first event has the number after it. `set_traced`: see TraceStreams.
   ControlServer(const std::shared_ptr<boost::asio::io_context>& home,
                 boost::asio::io_context& gateway, ControlTarget& target,
-                std::uint64_t numbered_from);
+                std::uint64_t numbered_from, TraceStreams::Switch set_traced);
 
   ControlDoors& doors() { return doors_; }
   void apply(const gateway::HttpSettings& settings);
   void tell(JournalEvent event) { events_.add(std::move(event)); }
+  void trace(TraceBatch batch) { traces_.add(std::move(batch)); }
 
  private:
   using Request = boost::beast::http::request<boost::beast::http::string_body>;
@@ -43,8 +47,13 @@ class ControlServer {
   };
 
   boost::asio::awaitable<void> serve_one(ControlDoors::Entered client);
-  /// Until the connection ends, or is to be a stream of events: then after which one.
-  boost::asio::awaitable<std::optional<std::uint64_t>> serve(ControlDoors::Entered& client);
+  /// What a connection becomes that is a stream from then on: of events after this one, or of a
+  /// trace.
+  using Stream = std::variant<std::uint64_t, TraceFilter>;
+  /// Until the connection ends, or is to be a stream.
+  boost::asio::awaitable<std::optional<Stream>> serve(ControlDoors::Entered& client);
+  /// Nothing: it is no request for a stream.
+  std::optional<Result<Stream, Refusal>> begin_stream(const Request& request);
   boost::asio::awaitable<Response> respond(const Request& request);
   /// Nothing: the gateway's thread has not answered in time.
   boost::asio::awaitable<std::optional<Status>> ask_status();
@@ -60,6 +69,7 @@ class ControlServer {
   std::vector<std::string> hosts_;  ///< names of this machine
   StreamPlaces streams_{gateway::HttpSettings{}.max_streams};
   EventStreams events_;
+  TraceStreams traces_;
   boost::json::object last_;
   std::optional<std::chrono::steady_clock::time_point> last_at_;
 };

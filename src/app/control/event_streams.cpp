@@ -1,61 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/control/event_streams.hpp"
 
-#include <poll.h>
-#include <sys/socket.h>
-
 #include <algorithm>
-#include <boost/asio/buffer.hpp>
-#include <boost/asio/write.hpp>
+#include <boost/beast/http/status.hpp>
 #include <charconv>
-#include <chrono>
+#include <functional>
 #include <system_error>
 #include <utility>
 
 #include "app/control/event_text.hpp"
 
 namespace mbgate::app {
-namespace {
-
-/// So often at least something is sent: both ends see that the other is there.
-constexpr std::chrono::seconds kCommentInterval{15};
-constexpr std::string_view kComment = ":\n\n";
-
-/// It has no length: it ends with the connection.
-constexpr std::string_view kStreamHead =
-    "HTTP/1.1 200 OK\r\n"
-    "Content-Type: text/event-stream\r\n"
-    "Cache-Control: no-store\r\n"
-    "Connection: close\r\n"
-    "\r\n";
-
-/// Not where the other end of a Unix socket only sends no more. TCP does not tell that from its
-/// end.
-bool is_closed(int descriptor) {
-  int family = AF_UNIX;
-  socklen_t size = sizeof family;
-  ::getsockopt(descriptor, SOL_SOCKET, SO_DOMAIN, &family, &size);
-  const unsigned ended = POLLHUP | POLLERR | (family == AF_UNIX ? 0U : unsigned{POLLRDHUP});
-  pollfd asked{descriptor, POLLRDHUP, 0};
-  return ::poll(&asked, 1, 0) > 0 && (static_cast<unsigned>(asked.revents) & ended) != 0;
-}
-
-}  // namespace
 
 void EventStreams::add(JournalEvent event) {
   ring_.add(std::move(event));
-  for (const auto& held : readers_) {
-    if (const auto reader = held.lock()) {
-      reader->news.cancel();
-    }
-  }
+  readers_.wake();
 }
 
 Result<std::uint64_t, Refusal> EventStreams::begin(std::optional<std::string_view> last_event_id) {
   using boost::beast::http::status;
-  std::erase_if(readers_, [](const auto& held) { return held.expired(); });
-  if (places_.are_taken()) {
-    return Refusal{status::service_unavailable, places_.refusal()};
+  if (readers_.places().are_taken()) {
+    return Refusal{status::service_unavailable, readers_.places().refusal()};
   }
   if (!last_event_id) {
     return std::max(ring_.newest(), numbered_from_);
@@ -69,47 +34,15 @@ Result<std::uint64_t, Refusal> EventStreams::begin(std::optional<std::string_vie
   return id >= numbered_from_ && id <= ring_.newest() ? id : numbered_from_;
 }
 
-// A client that closes would be noticed with the next comment; until then it would keep another one
-// out.
-void EventStreams::watch(ControlStream& stream, const std::shared_ptr<Reader>& reader) {
-  stream.socket().async_wait(
-      boost::asio::socket_base::wait_read,
-      [held = std::weak_ptr(reader),
-       descriptor = stream.socket().native_handle()](const boost::system::error_code& error) {
-        // As long as the reader is there, so is its connection.
-        const auto reading = held.lock();
-        if (!error && reading && is_closed(descriptor)) {
-          reading->has_gone = true;
-          reading->news.cancel();
-        }
-      });
-}
-
 boost::asio::awaitable<void> EventStreams::feed(ControlStream& stream, std::uint64_t after) {
-  const Counted place = places_.take();
-  const auto reader = std::make_shared<Reader>(stream.get_executor());
-  readers_.emplace_back(reader);
-  watch(stream, reader);
-  std::string text(kStreamHead);
-  while (!reader->has_gone) {
-    stream.expires_after(kClientLimit);
-    const auto [error, sent] =
-        co_await boost::asio::async_write(stream, boost::asio::buffer(text), kNoThrow);
-    if (error) {
-      break;
-    }
-    if (!reader->has_gone && ring_.newest() <= after) {
-      reader->news.expires_after(kCommentInterval);
-      co_await reader->news.async_wait(kNoThrow);
-    }
-    text = next_text(after);
-  }
+  std::function<std::string()> next = [this, after]() mutable { return next_text(after); };
+  co_await readers_.feed(stream, std::move(next));
 }
 
 std::string EventStreams::next_text(std::uint64_t& last) const {
   const auto next = ring_.after(last);
   if (!next) {
-    return std::string(kComment);
+    return {};
   }
   last = next->event.id;
   return (next->lost > 0 ? lost_text(next->lost) : "") + event_text(next->event);

@@ -4,17 +4,14 @@
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "app/control/connection.hpp"
 #include "app/control/event_ring.hpp"
-#include "app/control/stream_places.hpp"
+#include "app/control/stream_readers.hpp"
 #include "app/control/tcp_rules.hpp"
 #include "modbus/result.hpp"
 
@@ -24,7 +21,7 @@ class EventStreams {
  public:
   /// `numbered_from`: the first event of this process has the number after it.
   EventStreams(StreamPlaces& places, std::uint64_t numbered_from)
-      : places_(places), numbered_from_(numbered_from) {}
+      : readers_(places), numbered_from_(numbered_from) {}
 
   /// Goes out to all of them.
   void add(JournalEvent event);
@@ -35,20 +32,12 @@ class EventStreams {
   boost::asio::awaitable<void> feed(ControlStream& stream, std::uint64_t after);
 
  private:
-  struct Reader {
-    explicit Reader(const ControlStream::executor_type& executor) : news(executor) {}
-    boost::asio::steady_timer news;  ///< ends when there is something to send
-    bool has_gone = false;
-  };
-
-  static void watch(ControlStream& stream, const std::shared_ptr<Reader>& reader);
-  /// What is to be sent after the event `last`, which moves on.
+  /// What is to be sent after the event `last`, which moves on; nothing if it is still to come.
   std::string next_text(std::uint64_t& last) const;
 
-  StreamPlaces& places_;
+  StreamReaders readers_;
   std::uint64_t numbered_from_;
   EventRing ring_;
-  std::vector<std::weak_ptr<Reader>> readers_;  ///< feed() has them
 };
 
 }  // namespace mbgate::app

@@ -5,8 +5,8 @@
 #include <boost/json/serialize.hpp>
 #include <cstdio>
 
-#include "app/control/utc_text.hpp"
-#include "app/control/utf8.hpp"
+#include "app/utc_text.hpp"
+#include "app/utf8.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -27,8 +27,12 @@ std::string event_text(const JournalEvent& event) {
   const boost::json::object data{{"at", instant_text(event.at)},
                                  {"level", level_word(event.level)},
                                  {"text", valid_utf8(event.text)}};
-  return "id: " + std::to_string(event.id) +
-         "\nevent: journal\ndata: " + boost::json::serialize(data) + "\n\n";
+  return server_event(event.id, "journal", boost::json::serialize(data));
+}
+
+std::string server_event(std::uint64_t id, std::string_view name, std::string_view data) {
+  return "id: " + std::to_string(id) + "\nevent: " + std::string(name) +
+         "\ndata: " + std::string(data) + "\n\n";
 }
 
 std::string lost_text(std::uint64_t lost) {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string_view>
 
-#include "app/control/utc_text.hpp"
-#include "app/control/utf8.hpp"
+#include "app/utc_text.hpp"
+#include "app/utf8.hpp"
 #include "gateway/status/diagnosis.hpp"
 
 namespace mbgate::app {

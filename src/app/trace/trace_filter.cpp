@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/trace_filter.hpp"
+#include "app/trace/trace_filter.hpp"
 
 #include <algorithm>
 #include <charconv>

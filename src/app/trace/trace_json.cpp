@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/trace_json.hpp"
+#include "app/trace/trace_json.hpp"
 
 #include <boost/json/array.hpp>
 #include <boost/json/value.hpp>
 
-#include "app/control/utc_text.hpp"
-#include "app/control/utf8.hpp"
+#include "app/utc_text.hpp"
+#include "app/utf8.hpp"
 #include "gateway/trace/trace_text.hpp"
 #include "modbus/describe.hpp"
 

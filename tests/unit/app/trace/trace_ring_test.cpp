@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/trace_ring.hpp"
+#include "app/trace/trace_ring.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/utc_text.hpp"
+#include "app/utc_text.hpp"
 
 #include <cstdio>
 #include <ctime>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/utf8.hpp"
+#include "app/utf8.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/trace_json.hpp"
+#include "app/trace/trace_json.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clients that follow something without an end, as server-sent events. Used on the thread of the
+// HTTP interface alone.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/control/connection.hpp"
+#include "app/control/stream_places.hpp"
+
+namespace mbgate::app {
+
+class StreamReaders {
+ public:
+  explicit StreamReaders(StreamPlaces& places) : places_(places) {}
+
+  [[nodiscard]] const StreamPlaces& places() const { return places_; }
+  /// There is something new for them.
+  void wake();
+  /// Sends what `next` gives, which is nothing if it is still to come, until the client goes or
+  /// takes nothing for kClientLimit.
+  boost::asio::awaitable<void> feed(ControlStream& stream, std::function<std::string()> next);
+
+ private:
+  struct Reader {
+    explicit Reader(const ControlStream::executor_type& executor) : news(executor) {}
+    boost::asio::steady_timer news;  ///< ends when there is something to send
+    bool has_gone = false;
+  };
+
+  static void watch(ControlStream& stream, const std::shared_ptr<Reader>& reader);
+
+  StreamPlaces& places_;
+  std::vector<std::weak_ptr<Reader>> readers_;  ///< feed() has them
+};
+
+}  // namespace mbgate::app

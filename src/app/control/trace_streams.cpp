@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/trace_streams.hpp"
+
+#include <boost/beast/http/status.hpp>
+#include <boost/json/serialize.hpp>
+#include <utility>
+
+#include "app/control/event_text.hpp"
+#include "app/trace/trace_json.hpp"
+
+namespace mbgate::app {
+namespace {
+
+/// So much is written at a time.
+constexpr std::size_t kPiece = 65536;
+
+}  // namespace
+
+TraceStreams::TraceStreams(StreamPlaces& places, Switch set_traced) : readers_(places) {
+  audience_->set_traced = std::move(set_traced);
+}
+
+TraceStreams::Seat::Seat(std::shared_ptr<Audience> audience) : audience_(std::move(audience)) {
+  if (audience_->size++ == 0) {
+    audience_->set_traced(true);
+  }
+}
+
+TraceStreams::Seat::~Seat() {
+  if (--audience_->size == 0) {
+    audience_->set_traced(false);
+  }
+}
+
+void TraceStreams::add(TraceBatch batch) {
+  if (audience_->size == 0) {
+    return;  // it was on its way when the last one left
+  }
+  numbered_ += batch.taken.lost;
+  for (gateway::TraceRecord& record : batch.taken.records) {
+    const std::uint64_t id = ++numbered_;
+    std::string text = server_event(id, trace_kind(record),
+                                    boost::json::serialize(trace_json(record, batch.epoch)));
+    ring_.add({id, std::move(record), std::move(text)});
+  }
+  readers_.wake();
+}
+
+Result<TraceFilter, Refusal> TraceStreams::begin(std::string_view query) const {
+  using boost::beast::http::status;
+  auto filter = TraceFilter::parse(query);
+  if (!filter) {
+    return Refusal{status::bad_request, filter.error()};
+  }
+  if (readers_.places().are_taken()) {
+    return Refusal{status::service_unavailable, readers_.places().refusal()};
+  }
+  return *std::move(filter);
+}
+
+boost::asio::awaitable<void> TraceStreams::feed(ControlStream& stream, TraceFilter filter) {
+  const Seat seat(audience_);
+  std::function<std::string()> next = [this, filter = std::move(filter),
+                                       last = numbered_]() mutable {
+    return next_text(filter, last);
+  };
+  co_await readers_.feed(stream, std::move(next));
+  if (audience_->size == 1) {
+    ring_.clear();  // nobody else reads
+  }
+}
+
+std::string TraceStreams::next_text(const TraceFilter& filter, std::uint64_t& last) const {
+  std::string text;
+  while (text.size() < kPiece) {
+    const auto next = ring_.after(last);
+    if (!next) {
+      break;
+    }
+    text += next->lost > 0 ? lost_text(next->lost) : "";
+    last = next->item.id;
+    text += filter.matches(next->item.record) ? next->item.text : "";
+  }
+  return text;
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// The clients that read the trace. Used on the thread of the HTTP interface alone.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "app/control/connection.hpp"
+#include "app/control/stream_readers.hpp"
+#include "app/control/tcp_rules.hpp"
+#include "app/control/trace_feed.hpp"
+#include "app/trace/trace_filter.hpp"
+#include "app/trace/trace_ring.hpp"
+#include "modbus/result.hpp"
+
+namespace mbgate::app {
+
+class TraceStreams {
+ public:
+  /// Told when the first one comes and when the last one has gone; perhaps after this object has.
+  using Switch = std::function<void(bool)>;
+
+  TraceStreams(StreamPlaces& places, Switch set_traced);
+
+  /// Goes out to all of them.
+  void add(TraceBatch batch);
+  /// `query`: what stands behind the '?' of the request.
+  [[nodiscard]] Result<TraceFilter, Refusal> begin(std::string_view query) const;
+  /// Sends what matches from now on, until the client goes or takes nothing for kClientLimit.
+  boost::asio::awaitable<void> feed(ControlStream& stream, TraceFilter filter);
+
+ private:
+  /// How many there are, and who is told of it.
+  struct Audience {
+    std::size_t size = 0;
+    Switch set_traced;
+  };
+  /// One of them, as long as it is there.
+  class Seat {
+   public:
+    explicit Seat(std::shared_ptr<Audience> audience);
+    Seat(const Seat&) = delete;
+    Seat& operator=(const Seat&) = delete;
+    ~Seat();
+
+   private:
+    std::shared_ptr<Audience> audience_;
+  };
+
+  /// What is to be sent after the record `last`, which moves on; nothing if it is still to come.
+  std::string next_text(const TraceFilter& filter, std::uint64_t& last) const;
+
+  StreamReaders readers_;
+  std::shared_ptr<Audience> audience_ = std::make_shared<Audience>();
+  TraceRing ring_;
+  std::uint64_t numbered_ = 0;  ///< records, also those that were lost
+};
+
+}  // namespace mbgate::app
