@@ -4,6 +4,7 @@
 import http.client
 import json
 import pathlib
+import re
 import select
 import socket
 import subprocess
@@ -17,6 +18,10 @@ from demo_plant import PATIENCE, DemoPlant, program
 
 API = yaml.safe_load((pathlib.Path(__file__).parents[2] / "docs" / "api.yaml").read_text(encoding="utf-8"))
 EVENTS = "/api/v1/events"
+TRACE = "/api/v1/trace"
+EVENT_DATA = {
+    "journal": "JournalEvent", "lost": "LostEvents", "transaction": "Trace", "frame": "Trace", "heard": "Trace",
+}  # fmt: skip
 MOONS = 1  # the unit of a drive
 
 
@@ -45,6 +50,44 @@ class UnixConnection(http.client.HTTPConnection):
         self.sock.connect(str(self._path))
 
 
+class EventStream:
+    """A connection that reads events. `status` is that of HTTP; with 200 there is a stream."""
+
+    def __init__(self, connection, last=None, path=EVENTS):
+        connection.request("GET", path, headers={} if last is None else {"Last-Event-ID": str(last)})
+        self._answer = connection.getresponse()
+        self.status = self._answer.status
+        self.type = self._answer.headers["Content-Type"]
+        if self.status != 200:
+            self._answer.read()
+        connection.close()  # the answer keeps what it reads from
+
+    def next(self):
+        """The next event: its fields. None: the stream has ended."""
+        fields = {}
+        while line := self._answer.readline().decode():
+            if line == "\n" and "data" in fields:
+                fields["data"] = json.loads(fields["data"])
+                validate(fields["data"], {"$ref": f"#/components/schemas/{EVENT_DATA[fields['event']]}"})
+                return fields
+            name, _, value = line.removesuffix("\n").partition(": ")
+            if value:  # else it is a comment, or what ends one
+                fields[name] = value
+        return None
+
+    def find(self, pattern):
+        """The events from the next one up to the first whose text matches."""
+        found = []
+        while event := self.next():
+            found.append(event)
+            if re.search(pattern, event["data"].get("text", "")):
+                return found
+        raise AssertionError(f"no event matches {pattern!r} of {found}")
+
+    def close(self):
+        self._answer.close()
+
+
 class ControlCase(unittest.TestCase):
     """What tests of the control socket have in common."""
 
@@ -58,7 +101,7 @@ class ControlCase(unittest.TestCase):
         connection.request(method, path, headers=headers or {})
         answer = connection.getresponse()
         body = json.loads(answer.read())
-        described = API["paths"].get(path, {})
+        described = API["paths"].get(path.partition("?")[0], {})
         if method.lower() in described:
             response = resolved(described[method.lower()]["responses"][str(answer.status)])
             schema = response["content"]["application/json"]["schema"]

@@ -3,55 +3,15 @@
 """The events of the demo's gateway: as its control socket gives them, and as mbgatectl prints them."""
 
 import json
-import re
 import signal
 import sys
 import time
 import unittest
 
-from control_case import EVENTS, MOONS, ControlCase, UnixConnection, validate
+from control_case import EVENTS, MOONS, ControlCase, EventStream, UnixConnection, validate
 from demo_plant import PATIENCE
 
 MOST_STREAMS = 5
-
-
-class EventStream:
-    """A connection that reads events. `status` is that of HTTP; with 200 there is a stream."""
-
-    def __init__(self, connection, last=None):
-        connection.request("GET", EVENTS, headers={} if last is None else {"Last-Event-ID": str(last)})
-        self._answer = connection.getresponse()
-        self.status = self._answer.status
-        self.type = self._answer.headers["Content-Type"]
-        if self.status != 200:
-            self._answer.read()
-        connection.close()  # the answer keeps what it reads from
-
-    def next(self):
-        """The next event: its fields. None: the stream has ended."""
-        fields = {}
-        while line := self._answer.readline().decode():
-            if line == "\n" and "data" in fields:
-                name = {"journal": "JournalEvent", "lost": "LostEvents"}[fields["event"]]
-                fields["data"] = json.loads(fields["data"])
-                validate(fields["data"], {"$ref": f"#/components/schemas/{name}"})
-                return fields
-            name, _, value = line.removesuffix("\n").partition(": ")
-            if value:  # else it is a comment, or what ends one
-                fields[name] = value
-        return None
-
-    def find(self, pattern):
-        """The events from the next one up to the first whose text matches."""
-        found = []
-        while event := self.next():
-            found.append(event)
-            if re.search(pattern, event["data"].get("text", "")):
-                return found
-        raise AssertionError(f"no event matches {pattern!r} of {found}")
-
-    def close(self):
-        self._answer.close()
 
 
 class Events(ControlCase):
