@@ -82,6 +82,11 @@ class LineDiscipline {
   std::optional<LineFault> take_fault() {
     return std::visit([](auto& line) { return line.take_fault(); }, line_);
   }
+  /// Never on a connection.
+  [[nodiscard]] bool hears_itself() const {
+    const auto* serial = std::get_if<SerialDiscipline>(&line_);
+    return serial != nullptr && serial->hears_itself();
+  }
   [[nodiscard]] LineState state(Instant now) const {
     return std::visit([&](const auto& line) { return line.state(now); }, line_);
   }

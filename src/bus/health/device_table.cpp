@@ -52,6 +52,7 @@ void DeviceTable::note_reconfiguring(const Transaction& transaction) {
     const bool heard = transaction.is_broadcast() || device.address == transaction.address;
     if (heard && device.is_reconfigured_by(transaction.request)) {
       entries_.at(device.address).setting_known = false;
+      entries_.at(device.address).setting.reset();
     }
   }
 }
@@ -59,6 +60,7 @@ void DeviceTable::note_reconfiguring(const Transaction& transaction) {
 void DeviceTable::forget_what_was_read() {
   for (DeviceEntry& entry : entries_) {
     entry.setting_known = false;
+    entry.setting.reset();
     entry.cache.clear();
   }
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,10 @@ struct DeviceEntry {
   /// take.
   Instant asked_at = Instant::min();
   AnswerTimes times;
+  /// Shown only, too: when a second answer to one request came, and what the device's own setting
+  /// (Transaction::must_hold) was when it was last read.
+  Instant second_at = Instant::min();
+  std::optional<std::uint16_t> setting;
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
   /// A frame of the device was received: it is there.

@@ -20,6 +20,7 @@ constexpr std::size_t kLeastHeard = 3;
 
 void LineDiagnosis::note_opened() {
   foreign_reported_ = false;
+  last_never_silent_ = Instant::min();
   own_heard_ = false;
   denied_echoes_ = 0;
   never_silent_reported_ = false;
@@ -30,8 +31,11 @@ void LineDiagnosis::note_opened() {
 void LineDiagnosis::note_bytes(bool asked, Instant now) {
   const Duration limit = std::max(kNeverSilent, longest_stream(parts_.settings));
   const auto since = parts_.line.busy_since();
-  if (since && now >= *since + limit && !std::exchange(never_silent_reported_, true)) {
-    parts_.actions.push(NeverSilent{});
+  if (since && now >= *since + limit) {
+    last_never_silent_ = now;
+    if (!std::exchange(never_silent_reported_, true)) {
+      parts_.actions.push(NeverSilent{});
+    }
   }
   if (!asked) {
     quality_.note_unasked();
@@ -145,6 +149,7 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
                                  now <= entry.answered_at + entry.timing().response_timeout &&
                                  unsolicited.pdu.function() == entry.answered_function;
   if (answered_just_now && !foreign_reported_) {
+    entry.second_at = now;
     if (!std::exchange(entry.second_reported, true)) {
       notify(DeviceNotice::Kind::second_answer, address);
     }
@@ -152,11 +157,20 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   }
   ++parts_.counters.foreign_frames;
   last_foreign_ = now;
+  last_foreign_request_ = unsolicited.is_request ? now : last_foreign_request_;
   if (!std::exchange(foreign_reported_, true)) {
     DeviceNotice notice{DeviceNotice::Kind::foreign, address};
     notice.is_request = unsolicited.is_request;
     parts_.actions.push(notice);
   }
+}
+
+NoticedEcho LineDiagnosis::echo() const {
+  if (parts_.line.hears_itself()) {
+    return NoticedEcho::found;
+  }
+  const bool denied = parts_.settings.line.echo == false && denied_echoes_ == kEchoesToTell;
+  return denied ? NoticedEcho::denied : NoticedEcho::none;
 }
 
 // Was the own request heard, though the settings say that there is no echo? Told once.

@@ -19,6 +19,12 @@ struct Asked {
   bool wants_answer;
 };
 
+enum class NoticedEcho : std::uint8_t {
+  none,
+  found,  ///< the settings say nothing of it
+  denied  ///< the settings say that there is none
+};
+
 class LineDiagnosis {
  public:
   explicit LineDiagnosis(Parts& parts) : parts_(parts) {}
@@ -42,6 +48,12 @@ class LineDiagnosis {
   [[nodiscard]] LineLoad& load() { return load_; }
   /// When the last frame came that counts as foreign; Instant::min(): none did.
   [[nodiscard]] Instant last_foreign() const { return last_foreign_; }
+  /// The same for one that was a request: only another client sends these.
+  [[nodiscard]] Instant last_foreign_request() const { return last_foreign_request_; }
+  /// When the line was last without silence for too long; Instant::min(): never.
+  [[nodiscard]] Instant last_never_silent() const { return last_never_silent_; }
+  /// An echo that was found, though the settings do not say that there is one.
+  [[nodiscard]] NoticedEcho echo() const;
 
  private:
   friend struct mbgate::StateReader;
@@ -55,6 +67,8 @@ class LineDiagnosis {
   bool never_silent_reported_ = false;
   bool foreign_reported_ = false;
   Instant last_foreign_ = Instant::min();
+  Instant last_foreign_request_ = Instant::min();
+  Instant last_never_silent_ = Instant::min();
   bool replacement_reported_ = false;
   bool frame_heard_ = false;    // an unsolicited one, since the last transmission ended
   bool own_heard_ = false;      // the own request, since the last transmission ended

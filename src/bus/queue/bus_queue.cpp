@@ -87,6 +87,16 @@ void BusQueue::remove(Job& job) {
 
 Job* BusQueue::first_to_expire() { return by_deadline_.empty() ? nullptr : &*by_deadline_.begin(); }
 
+std::optional<BusQueue::Most> BusQueue::most_waiting() const {
+  const auto most = std::ranges::max_element(
+      round_, {}, [](const Source& source) { return source.waiting.size(); });
+  if (most == round_.end()) {
+    return std::nullopt;
+  }
+  const Job& first = most->waiting.front();
+  return Most{first.source, most->waiting.size(), first.accepted_at};
+}
+
 std::optional<Instant> BusQueue::first_deadline() const {
   return by_deadline_.empty() ? std::nullopt : std::optional(by_deadline_.begin()->deadline);
 }

@@ -59,6 +59,13 @@ class BusQueue {
   [[nodiscard]] Job* first_to_expire();
   [[nodiscard]] std::optional<Instant> first_deadline() const;
   [[nodiscard]] std::size_t size() const { return by_deadline_.size(); }
+  /// The client address with the most waiting requests.
+  struct Most {
+    FairnessKey source;
+    std::size_t requests;
+    Instant since;  ///< its first one was accepted
+  };
+  [[nodiscard]] std::optional<Most> most_waiting() const;
 
  private:
   friend struct mbgate::StateReader;

@@ -10,10 +10,11 @@
 namespace mbgate::bus {
 namespace {
 
-bool holds_one_of(const std::vector<std::uint16_t>& wanted, const modbus::Pdu& response) {
+// What was read of one register; nothing if the device refuses to tell.
+std::optional<std::uint16_t> register_of(const modbus::Pdu& response) {
   constexpr std::size_t kRegister = 2;  // after function and byte count (6.3)
-  return !response.is_exception() &&
-         std::ranges::find(wanted, modbus::load_be16(response.bytes(), kRegister)) != wanted.end();
+  return response.is_exception() ? std::nullopt
+                                 : std::optional(modbus::load_be16(response.bytes(), kRegister));
 }
 
 bool is_still_asked_for(const drive::Device& device, const std::vector<std::uint16_t>& wanted) {
@@ -129,7 +130,8 @@ void Outcomes::note_times(const Transmission& transmission, const LineEnd& end, 
 // Other settings, which came meanwhile, may expect the question's register to hold something else.
 bool Outcomes::holds_what_it_must(const Transaction& question) {
   DeviceEntry& entry = parts_.devices[question.address];
-  const bool holds = holds_one_of(*question.must_hold, *question.response);
+  entry.setting = register_of(*question.response);
+  const bool holds = entry.setting && std::ranges::count(*question.must_hold, *entry.setting) > 0;
   entry.setting_known = holds && is_still_asked_for(*entry.device, *question.must_hold);
   return holds;
 }

@@ -18,8 +18,8 @@ struct Diagnosis {
   std::string look_at;   ///< the key of the configuration, the cable, the drive
 };
 
-/// Lines before devices, because they explain what devices do; then as in the report. Takes
-/// longer than the report: not for the gateway's thread.
+/// Lines before devices, because they explain what devices do; then as in the report. Of a line
+/// first what explains the rest. Takes longer than the report: not for the gateway's thread.
 std::vector<Diagnosis> diagnose(const StatusReport& report);
 
 }  // namespace mbgate::gateway

@@ -23,7 +23,7 @@ QualityFinding quality_finding(const bus::QualityVerdict& verdict, bool is_of_li
     case bus::Quality::no_frame:
       return {"something answers, but no valid frame",
               "bytes came after each of " + std::to_string(verdict.of) + " requests",
-              "baud rate, parity, A and B exchanged?"};
+              "baud rate, parity, A and B exchanged, two devices at one address?"};
     case bus::Quality::late:
       return {
           "its answers come " + milliseconds_text(verdict.lateness) + " after its response timeout",

@@ -15,6 +15,18 @@ std::optional<Duration> since(Instant instant, Instant now) {
   return instant == Instant::min() ? std::nullopt : std::optional(now - instant);
 }
 
+std::optional<WaitingClient> most_waiting(const bus::Bus& bus, const Sessions& sessions,
+                                          Instant now) {
+  const auto most = bus.most_waiting();
+  std::optional<WaitingClient> found;  // not if it has gone: stops are sent all the same
+  sessions.for_each([&](const ClientSession& client) {
+    if (most && !found && client.turns != nullptr && client.turns->key == most->source) {
+      found = {client.info().address.to_text(), most->requests, now - most->since};
+    }
+  });
+  return found;
+}
+
 BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Instant now) {
   const bus::LineSettings& line = settings.line;
   BusStatus status;
@@ -31,12 +43,26 @@ BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Insta
   status.waiting = bus.waiting();
   status.counters = bus.counters();
   status.last_foreign = since(bus.diagnosis().last_foreign(), now);
+  status.last_foreign_request = since(bus.diagnosis().last_foreign_request(), now);
+  status.last_never_silent = since(bus.diagnosis().last_never_silent(), now);
+  status.echo = bus.diagnosis().echo();
   status.quality = bus.diagnosis().quality().verdict();
   return status;
 }
 
 Percentiles percentiles_of(const bus::Durations& durations) {
   return {durations.percentile(50), durations.percentile(90), durations.percentile(99)};
+}
+
+// Other settings may have come since it was read.
+std::optional<OtherWordOrder> other_order(const bus::DeviceEntry& entry) {
+  const drive::Device& device = *entry.device;
+  const auto* stated = device.stated_order();
+  if (!device.verify_word_order || stated == nullptr || !entry.setting ||
+      std::ranges::find(*stated, *entry.setting) != stated->end()) {
+    return std::nullopt;
+  }
+  return OtherWordOrder{device.profile.word_order_register->address, *entry.setting, *stated};
 }
 
 DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial, Instant now) {
@@ -57,6 +83,8 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
     status.next_probe = std::max(entry.health.probe_at() - now, Duration{0});
   }
   status.response_timeout = entry.timing().response_timeout;
+  status.last_second_answer = since(entry.second_at, now);
+  status.other_order = other_order(entry);
   status.counters = entry.counters;
   status.quality = bus.diagnosis().quality()[address].verdict();
   status.queue = percentiles_of(entry.times.queue);
@@ -104,6 +132,7 @@ StatusReport make_status_report(const StatusSources& sources, Duration uptime, I
   const std::vector<BusId> buses = settings.written_buses();
   for (const BusId bus : buses) {
     report.buses.push_back(status_of(sources.buses[bus], settings.bus(bus), now));
+    report.buses.back().most_waiting = most_waiting(sources.buses[bus], sources.sessions, now);
   }
   for (const drive::Device* device : settings.written_devices()) {
     DeviceStatus status =

@@ -23,6 +23,13 @@ struct Percentiles {
   std::optional<Duration> p99;
 };
 
+/// A client address with requests that wait for a line.
+struct WaitingClient {
+  std::string address;
+  std::size_t requests = 0;
+  Duration longest{0};  ///< how long its first one has waited
+};
+
 struct BusStatus {
   std::string name;
   std::string line;  ///< the path of a serial line, or HOST:PORT
@@ -36,8 +43,19 @@ struct BusStatus {
   unsigned load = 0;  ///< percent of the time of the line
   std::size_t waiting = 0;
   bus::BusCounters counters;
-  std::optional<Duration> last_foreign;  ///< how long ago the last foreign frame came
+  std::optional<WaitingClient> most_waiting;     ///< the one with the most of them
+  std::optional<Duration> last_foreign;          ///< how long ago the last foreign frame came
+  std::optional<Duration> last_foreign_request;  ///< the same, of those that are requests
+  std::optional<Duration> last_never_silent;     ///< how long ago it had no silence for too long
+  bus::NoticedEcho echo = bus::NoticedEcho::none;
   bus::QualityVerdict quality;
+};
+
+/// The word order that a drive is set to is not the configured one.
+struct OtherWordOrder {
+  std::uint16_t address;  ///< of the holding register that tells
+  std::uint16_t holds;
+  std::vector<std::uint16_t> expected;  ///< one of these
 };
 
 struct DeviceStatus {
@@ -56,6 +74,8 @@ struct DeviceStatus {
   Duration quarantine{0};              ///< how long it is held back after an unanswered request
   std::optional<Duration> next_probe;  ///< offline: in how long it is asked again at the earliest
   Duration response_timeout{0};
+  std::optional<Duration> last_second_answer;  ///< how long ago two answers came to one request
+  std::optional<OtherWordOrder> other_order;
   bus::DeviceCounters counters;
   bus::QualityVerdict quality;
   Percentiles queue;

@@ -82,7 +82,8 @@ TEST_F(JournalOfALine, TellsBytesThatNeverMakeAFrameUntilOneComes) {
   ask_in_vain(5, "E6 18 86 9E 06");
   EXPECT_THAT(rig_.events,
               ElementsAre("device axis: something answers, but no valid frame (bytes came after "
-                          "each of 5 requests): baud rate, parity, A and B exchanged?"));
+                          "each of 5 requests): baud rate, parity, A and B exchanged, two devices "
+                          "at one address?"));
   EXPECT_EQ(registers(kAxisQuality, 3), "00 03 00 00 00 00");
   rig_.events.clear();
   ask();

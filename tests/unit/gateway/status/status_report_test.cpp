@@ -245,9 +245,9 @@ TEST_F(StatusOfAPlant, NamesForeignFramesForAWhile) {
   rig_.line("09 03 00 00 00 01 85 42");
   rig_.advance(5s);
   EXPECT_THAT(diagnoses(),
-              ElementsAre("bus line-a: frames are heard that nobody here sent or asked for | the "
-                          "last one 5 s ago, 1 in all | another client on this line (a second "
-                          "gateway, PLC or tool), or two devices at one address"));
+              ElementsAre("bus line-a: requests are heard that nobody here sent | the last one 5 s "
+                          "ago, 1 in all | another client on this line (a second gateway, PLC or "
+                          "tool)"));
   rig_.advance(10min);
   EXPECT_THAT(diagnoses(), IsEmpty());
 }

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// A plant of two devices in trouble, and what its status says of it.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include "gateway/status/diagnosis.hpp"
+#include "support/machine_rig.hpp"
+
+namespace mbgate::test {
+
+inline constexpr auto kAnswerOfAxis = "01 03 02 12 34";
+
+inline Settings troubled_plant() {
+  Settings settings = one_bus();
+  settings.listeners[0].pipeline = 64;
+  settings.buses[0].timing.retries = 0;
+  settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing},
+                      {"lift", BusId{0}, 2, settings.buses[0].timing}};
+  return settings;
+}
+
+class Trouble {
+ public:
+  explicit Trouble(const Settings& settings = troubled_plant()) : rig(settings) {
+    rig.connect(1, "192.0.2.7");
+  }
+  [[nodiscard]] Lines diagnoses() {
+    Lines all;
+    for (const auto& it : gateway::diagnose(rig.harness.gateway().report_status(60s, rig.now()))) {
+      all.push_back(it.subject + ": " + it.finding + " | " + it.evidence + " | " + it.look_at);
+    }
+    return all;
+  }
+  /// `heard` comes, and after a silence the answer.
+  void read(std::string_view heard, std::string_view answer = kAnswerOfAxis) {
+    rig.receive(1, read_request(1));
+    rig.advance(10ms);
+    if (!heard.empty()) {
+      rig.line(heard);
+      rig.advance(10ms);
+    }
+    rig.respond(answer);
+    rig.advance(20ms);
+  }
+  void read_in_vain(int times, std::string_view heard = "") {
+    for (int at = 0; at < times; ++at) {
+      rig.receive(1, read_request(1));
+      rig.advance(30ms);
+      rig.line(heard);
+      rig.advance(400ms);
+    }
+  }
+  void write_value() { rig.receive(1, "0001 0000 000B 01 10 001E 0002 04 0001 0002"); }
+  /// The word order register holds this.
+  void tell_order(std::string_view value) {
+    rig.advance(10ms);
+    rig.respond("01 03 02 " + std::string(value));
+    rig.advance(10ms);
+  }
+
+  MachineRig rig;
+};
+
+}  // namespace mbgate::test
