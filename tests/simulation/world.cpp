@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/world.hpp"
 
+#include "base/assert.hpp"
+
 namespace mbgate::test {
 namespace {
 
@@ -48,6 +50,10 @@ World::World(const gateway::Settings& settings,
     : on_answer_(std::move(on_answer)), harness_(settings, Instant{1s}) {
   for (std::size_t bus = 0; bus < devices.size(); ++bus) {
     wires_.emplace_back(wire_for(settings.buses[bus]), devices[bus]);
+    servers_.emplace_back();
+    if (settings.buses[bus].line.framing == bus::Framing::tcp) {
+      servers_.back().emplace(devices[bus], true);
+    }
   }
   drain();
 }
@@ -80,6 +86,9 @@ std::optional<Instant> World::next_event() const {
   for (const sim::Wire& wire : wires_) {
     next = bus::earlier(next, wire.next_event());
   }
+  for (const auto& server : servers_) {
+    next = bus::earlier(next, server ? server->next_event() : std::nullopt);
+  }
   return next;
 }
 
@@ -97,9 +106,15 @@ void World::run(Instant limit, const std::function<bool()>& done) {
 
 void World::step() {
   for (std::size_t bus = 0; bus < wires_.size(); ++bus) {
+    const BusId number{static_cast<std::uint32_t>(bus)};
     const auto bytes = wires_[bus].advance(now());
     if (!bytes.empty()) {
-      feed(gateway::LineBytes{BusId{static_cast<std::uint32_t>(bus)}, bytes});
+      feed(gateway::LineBytes{number, bytes});
+    }
+    if (servers_[bus]) {
+      for (const sim::TcpResponse& response : servers_[bus]->advance(now())) {
+        feed(gateway::LineBytes{number, {response.bytes.data(), response.bytes.size()}});
+      }
     }
   }
   feed(gateway::DeadlineReached{});
@@ -119,8 +134,14 @@ void World::take(const gateway::Action& action) {
     harness_.handle(gateway::ClientSent{send->client});
     on_answer_(send->client, {send->adu.data(), send->adu.size()});
   } else if (const auto* transmit = std::get_if<gateway::Transmit>(&action)) {
-    wires_[static_cast<std::size_t>(transmit->bus)].transmit(
-        {transmit->frame.data(), transmit->frame.size()}, now());
+    const auto bus = static_cast<std::size_t>(transmit->bus);
+    const modbus::Bytes frame(transmit->frame.data(), transmit->frame.size());
+    if (servers_[bus]) {
+      constexpr sim::ConnectionId kConnection = 1;
+      MBGATE_ASSERT(servers_[bus]->receive(kConnection, frame, now()), "it is Modbus TCP");
+    } else {
+      wires_[bus].transmit(frame, now());
+    }
   } else if (const auto* look = std::get_if<gateway::Look>(&action)) {
     harness_.handle(gateway::LineLooked{look->bus});
   } else if (const auto* open = std::get_if<gateway::Open>(&action)) {

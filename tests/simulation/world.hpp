@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/wire/tcp_bus.hpp"
 #include "sim/wire/wire.hpp"
 #include "support/gateway_harness.hpp"
 
@@ -66,6 +67,7 @@ class World {
   OnAnswer on_answer_;
   GatewayHarness harness_;
   std::deque<sim::Wire> wires_;
+  std::deque<std::optional<sim::TcpBus>> servers_;  ///< in place of the wire of a TCP bus
   std::map<ClientId, bool> closed_;
   std::uint64_t clients_ = 0;
 };
