@@ -96,11 +96,14 @@ class ControlCase(unittest.TestCase):
 
     def ask(self, method, path, connection=None, headers=None):
         """The HTTP status and the JSON, which is as docs/api.yaml says. Without a connection: over the Unix socket."""
-        connection = connection or UnixConnection(self.plant.control)
+        own = None if connection else UnixConnection(self.plant.control)
+        connection = connection or own
         self.addCleanup(connection.close)
         connection.request(method, path, headers=headers or {})
         answer = connection.getresponse()
         body = json.loads(answer.read())
+        if own:
+            own.close()
         described = API["paths"].get(path.partition("?")[0], {})
         if method.lower() in described:
             response = resolved(described[method.lower()]["responses"][str(answer.status)])

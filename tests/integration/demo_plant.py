@@ -71,6 +71,9 @@ class Process:
             if match:
                 return match
 
+    def signal(self, number):
+        self._process.send_signal(number)
+
     def end(self):
         """Asks the program to end; its exit status."""
         self._process.terminate()
