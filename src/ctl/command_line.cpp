@@ -7,6 +7,7 @@
 #include "ctl/options/check_options.hpp"
 #include "ctl/options/control_options.hpp"
 #include "ctl/options/profile_options.hpp"
+#include "ctl/options/replay_options.hpp"
 #include "ctl/options/request_options.hpp"
 #include "ctl/options/scan_options.hpp"
 #include "ctl/request/carry_out.hpp"
@@ -21,6 +22,7 @@ struct Subcommands {
         profile(app),
         scan(app),
         check(app),
+        replay(app),
         status(app),
         reload(app),
         clear_counters(app),
@@ -43,6 +45,9 @@ struct Subcommands {
     if (check.given()) {
       return check.command();
     }
+    if (replay.given()) {
+      return replay.command();
+    }
     if (status.given()) {
       return status.command();
     }
@@ -57,6 +62,7 @@ struct Subcommands {
   ProfileOptions profile;
   ScanOptions scan;
   CheckOptions check;
+  ReplayOptions replay;
   StatusOptions status;
   ReloadOptions reload;
   ClearCountersOptions clear_counters;
@@ -69,8 +75,8 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
                                                  const char* const* arguments) {
   CLI::App app(
       "Reads and writes Modbus devices through a gateway, or any Modbus TCP server, finds out what "
-      "is on a bus, shows drive profiles, checks a configuration, and asks a running mbgated "
-      "how it is.",
+      "is on a bus, shows drive profiles, checks a configuration, replays a recording, and asks a "
+      "running mbgated how it is.",
       "mbgatectl");
   app.set_version_flag("--version", "mbgatectl " + version);
   app.require_subcommand(1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mbgatectl: the operator's hand. Exit status 0 done, 1 an exception or no answer, 2 wrong usage,
-// 78 a wrong configuration.
+// mbgatectl: the operator's hand. Exit status 0 done, 1 an exception, no answer or a replay that
+// differs, 2 wrong usage, 78 a wrong configuration or recording.
 #include <unistd.h>
 
 #include <iostream>

@@ -2,6 +2,7 @@
 // What mbgated --record has written is what the machine does again.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <iterator>
@@ -17,7 +18,7 @@ constexpr auto kConfiguration =
     "[[bus]]\nname = \"a\"\ndevice = \"/dev/no-such-line\"\nbaud = 115200\n";
 
 std::string replay(const TemporaryFolder& folder, const std::string& recording, int status) {
-  Process player("gateway_replay", {recording}, {folder.path(), {}});
+  Process player("mbgatectl", {"replay", recording}, {folder.path(), {}});
   EXPECT_EQ(player.wait_for_exit(), status);
   return player.output();
 }
@@ -66,7 +67,8 @@ TEST(Recording, IsReplayedByteForByte) {
 
   const std::string recorded = text_of_file(plant.folder.path() / "plant.rec");
   EXPECT_NE(recorded.find("< finished\n"), std::string::npos);
-  EXPECT_THAT(replay(plant.folder, "plant.rec", 0), testing::StartsWith("identical: "));
+  EXPECT_THAT(replay(plant.folder, "plant.rec", 0),
+              testing::StartsWith("same actions at every input: "));
 
   // One digit of the first answer of a device changed: the replay sees it.
   std::string changed = recorded;
@@ -74,7 +76,20 @@ TEST(Recording, IsReplayedByteForByte) {
   ASSERT_NE(answer, std::string::npos);
   changed.replace(answer, 12, " line 0 0183");
   plant.folder.write("changed.rec", changed);
-  EXPECT_THAT(replay(plant.folder, "changed.rec", 1), testing::StartsWith("different: line "));
+  EXPECT_THAT(replay(plant.folder, "changed.rec", 1),
+              testing::MatchesRegex("changed.rec:[0-9]+: different, after [0-9]+ inputs and [0-9]+ "
+                                    "actions that were the same\nthe last input:    .*\n"
+                                    "recorded:          .*\nthis version does: .*\n"));
+
+  // An input that is none: its place is named.
+  const auto number =
+      1 + std::count(recorded.begin(), recorded.begin() + recorded.find(" line 0 "), '\n');
+  std::string broken = recorded;
+  broken.replace(broken.find(" line 0 "), 8, " wire 0 ");
+  plant.folder.write("broken.rec", broken);
+  EXPECT_EQ(
+      replay(plant.folder, "broken.rec", 78),
+      "broken.rec:" + std::to_string(number) + ": error: expected an input, found \"wire\"\n");
 }
 
 TEST(Recording, GoesToTheStateDirectory) {
@@ -87,7 +102,7 @@ TEST(Recording, GoesToTheStateDirectory) {
   EXPECT_NE(gateway.port_of("plant"), 0);
   gateway.signal(SIGTERM);
   EXPECT_EQ(gateway.wait_for_exit(), 0) << gateway.output();
-  EXPECT_THAT(replay(state, "plant.rec", 0), testing::StartsWith("identical: "));
+  EXPECT_THAT(replay(state, "plant.rec", 0), testing::StartsWith("same actions at every input: "));
 }
 
 TEST(Recording, ThatCannotBeCreatedStopsTheStart) {

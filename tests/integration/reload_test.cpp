@@ -99,9 +99,9 @@ class ReloadRecorded : public Reload {
   void replay() {
     plant.gateway.signal(SIGTERM);
     ASSERT_EQ(plant.gateway.wait_for_exit(), 0) << plant.gateway.output();
-    Process player("gateway_replay", {"plant.rec"}, {plant.folder.path(), {}});
+    Process player("mbgatectl", {"replay", "plant.rec"}, {plant.folder.path(), {}});
     EXPECT_EQ(player.wait_for_exit(), 0);
-    EXPECT_THAT(player.output(), testing::StartsWith("identical: "));
+    EXPECT_THAT(player.output(), testing::StartsWith("same actions at every input: "));
   }
 };
 

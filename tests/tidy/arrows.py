@@ -36,6 +36,10 @@ MODULES = {
     "sim": CONFIG | {"sim"},
     "ctl": CONFIG | {"ctl"},
 }
+# Folders that see more than the rest of their module: a replay runs the machine itself.
+FOLDERS = {
+    "ctl/replay": GATEWAY | CONFIG | {"ctl"},
+}
 # Single headers beyond a module's arrows: plain data that carries no decision.
 SETTINGS = {"gateway/settings.hpp", "gateway/limits.hpp", "routing/route.hpp", "routing/client_address.hpp",
             "routing/listen_address.hpp", "bus/settings.hpp"}
@@ -88,15 +92,20 @@ MOST_LINES = 300
 MOST_UNITS = 20
 
 
+def reach_of_module(parts):
+    """The modules that a file of a module, or of its tests, may include; `parts` is its path within src/ or tests/unit/."""
+    return FOLDERS.get("/".join(parts[:2]), MODULES.get(parts[0]))
+
+
 def modules_in_reach(path):
     """The modules that the file `path` may include."""
     parts = path.split("/")
     if parts[0] == "src":
-        return MODULES.get(parts[1])
+        return reach_of_module(parts[1:])
     if parts[0] == "bench":
         return BENCH
     if parts[1] == "unit":
-        return MODULES.get(parts[2])
+        return reach_of_module(parts[2:])
     return TEST_FOLDERS.get(parts[1])
 
 

@@ -22,8 +22,11 @@ FRONTS = {
         "duration_text", "match_entry", "suggestion", "toml_reader", "toml_value", "unit_range", "words",
     },
     "ctl/control": {"control_command"},
-    "ctl/options": {"check_options", "control_options", "profile_options", "request_options", "scan_options"},
+    "ctl/options": {
+        "check_options", "control_options", "profile_options", "replay_options", "request_options", "scan_options",
+    },
     "ctl/profile": {"profile_text", "show_profile"},
+    "ctl/replay": {"replay_command"},
     "ctl/request": {"carry_out", "command", "interruption", "modbus_client", "period", "report", "value_text"},
     "ctl/scan": {"scan", "scan_command"},
     "ctl/serial": {"heard", "line_mode", "serial_client", "serial_port"},

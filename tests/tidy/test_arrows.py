@@ -91,12 +91,20 @@ class Arrows(unittest.TestCase):
             ("src/config/a.cpp", "gateway/gateway.hpp"),
             ("src/sim/a.cpp", "gateway/gateway.hpp"),
             ("src/ctl/a.cpp", "io/tty.hpp"),
+            ("src/ctl/a.cpp", "gateway/gateway.hpp"),
             ("tests/unit/bus/a.cpp", "gateway/gateway.hpp"),
             ("tests/simulation/a.cpp", "io/tty.hpp"),
             ("tests/integration/a.cpp", "modbus/pdu.hpp"),
         ):
             with self.subTest(path=path, header=header):
                 self.assertEqual(len(findings(path, f'#include "{header}"')), 1)
+
+    def test_a_replay_sees_the_machine_and_the_rest_of_its_module_does_not(self):
+        for folder in ("src/ctl", "tests/unit/ctl"):
+            for path, header, number in (("replay/a.cpp", "gateway/gateway.hpp", 0), ("replay/a.cpp", "config/load.hpp", 0),
+                                         ("replay/a.cpp", "io/tty.hpp", 1), ("scan/a.cpp", "gateway/gateway.hpp", 1)):
+                with self.subTest(folder=folder, path=path, header=header):
+                    self.assertEqual(len(arrows.check_module(f"{folder}/{path}", header)), number)
 
     def test_a_module_of_its_own_must_be_known(self):
         self.assertEqual(

@@ -7,6 +7,7 @@
 #include "ctl/check_config.hpp"
 #include "ctl/control/control_command.hpp"
 #include "ctl/profile/show_profile.hpp"
+#include "ctl/replay/replay_command.hpp"
 #include "ctl/request/connection.hpp"
 #include "ctl/request/repeated_read.hpp"
 #include "ctl/request/report.hpp"
@@ -75,6 +76,10 @@ int carry_out_one(const ScanCommand& command, std::ostream& out, std::ostream& e
 
 int carry_out_one(const CheckCommand& command, std::ostream& out, std::ostream& errors) {
   return check_config(command, out, errors);
+}
+
+int carry_out_one(const ReplayCommand& command, std::ostream& out, std::ostream& errors) {
+  return replay_recording(command, out, errors);
 }
 
 int carry_out_one(const StatusCommand& command, std::ostream& out, std::ostream& errors) {

@@ -14,7 +14,7 @@ namespace mbgate::ctl {
 inline constexpr int kExitDone = 0;
 inline constexpr int kExitNotDone = 1;  ///< an exception, no answer, or no connection
 inline constexpr int kExitUsage = 2;
-inline constexpr int kExitConfiguration = 78;  ///< a configuration is wrong, as mbgated says it
+inline constexpr int kExitConfiguration = 78;  ///< a configuration or a recording is wrong
 
 /// Prints values to `out`, one on each line, and errors to `errors`; with --json both to `out`.
 /// Returns the exit status.

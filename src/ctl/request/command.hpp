@@ -89,6 +89,12 @@ struct CheckCommand {
   std::optional<std::filesystem::path> folder;  ///< the only one to look for profiles in
 };
 
+/// Does again what a recorded gateway did; no port is opened.
+struct ReplayCommand {
+  std::filesystem::path recording;
+  std::optional<std::filesystem::path> folder;  ///< goes before the one that the recording names
+};
+
 inline constexpr const char* kControlSocket = "/run/mbgate/control";
 
 /// Shows the state of a running mbgated.
@@ -117,7 +123,8 @@ struct EventsCommand {
 };
 
 using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, CheckCommand,
-                             StatusCommand, ReloadCommand, ClearCountersCommand, EventsCommand>;
+                             ReplayCommand, StatusCommand, ReloadCommand, ClearCountersCommand,
+                             EventsCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a value are never written one by one. The error is a full sentence.
