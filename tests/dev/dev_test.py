@@ -21,8 +21,10 @@ DPKG_QUERY = """#!/bin/bash
 [[ " $MISSING " == *" ${*: -1} "* ]] || echo installed
 """
 DPKG_CHECKBUILDDEPS = """#!/bin/bash
+control=debian/control profile=none
+[[ ${1-} != -P ]] || profile=$2 control=$3
 for package in $MISSING; do
-  grep -q "^ $package\\b" debian/control || continue
+  grep "^ $package\\b" "$control" | grep -qv "<!$profile>" || continue
   echo "dpkg-checkbuilddeps: error: Unmet build dependencies: $package" >&2
   exit 1
 done
@@ -89,7 +91,7 @@ class DevInstalls(unittest.TestCase):
 
     def test_through_sudo(self):
         machine = Machine(self)
-        _, output = machine.run("demo", "--once", MISSING="cmake")
+        _, output = machine.run("soak", MISSING="cmake")
         self.assertIn("Unmet build dependencies: cmake\n", output)
         self.assertEqual(
             machine.noted(),
@@ -102,6 +104,25 @@ class DevInstalls(unittest.TestCase):
                 "frontend noninteractive",
             ],
         )
+
+    def test_for_the_demo_what_the_programs_need(self):
+        machine = Machine(self)
+        _, output = machine.run("demo", "--once", MISSING="libmodbus-dev")
+        self.assertIn("Unmet build dependencies: libmodbus-dev\n", output)
+        self.assertIn(
+            "apt-get build-dep --build-profiles=nocheck --no-remove --no-install-recommends -y ./build/demo/dependencies",
+            machine.noted(),
+        )
+        given = (ROOT / "debian/control").read_text(encoding="utf-8").splitlines()
+        taken = (machine.folder / "build/demo/dependencies/debian/control").read_text(encoding="utf-8").splitlines()
+        self.assertEqual(taken, [line for line in given if not line.startswith(" debhelper-compat ")])
+        self.assertEqual(len(taken), len(given) - 1)
+
+    def test_for_the_demo_nothing_of_tests_and_packaging(self):
+        machine = Machine(self)
+        _, output = machine.run("demo", "--once", MISSING="debhelper-compat clang-tidy-19 libgmock-dev libbenchmark-dev")
+        self.assertIn("dev: cmake could not configure the build", output)
+        self.assertEqual(machine.noted(), [])
 
     @unittest.skipUnless(os.geteuid() == 0, "skipped: only root can see what happens to root")
     def test_without_sudo_as_root(self):
