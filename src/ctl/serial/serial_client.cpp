@@ -68,30 +68,39 @@ std::optional<std::string> SerialClient::send(modbus::Bytes frame) {
                                          : gone_text(device_, errno);
 }
 
-std::optional<std::string> SerialClient::listen(const SentRead& sent,
-                                                steady_clock::time_point until) {
-  const auto quiet =
-      std::max<nanoseconds>(kPieces, modbus::RtuTiming(mode_.baud, mode_.format).t3_5());
-  received_.clear();
-  auto end = until;
-  while (received_.size() < kMostHeard && wait_readable(port_.descriptor(), end)) {
-    std::array<std::uint8_t, modbus::kMaxRtuSize> piece{};
-    const auto size = ::read(port_.descriptor(), piece.data(), piece.size());
+Result<std::optional<Piece>, std::string> SerialClient::take_piece(Instant begin, Instant until) {
+  while (received_.size() < kMostHeard && wait_readable(port_.descriptor(), until)) {
+    std::array<std::uint8_t, modbus::kMaxRtuSize> bytes{};
+    const auto size = ::read(port_.descriptor(), bytes.data(), bytes.size());
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) {
       continue;
     }
     if (size <= 0) {
       return gone_text(device_, size == 0 ? 0 : errno);
     }
-    received_.insert(received_.end(), piece.begin(), piece.begin() + size);
     last_received_ = steady_clock::now();
-    if (sent.answer_in(received())) {
+    received_.insert(received_.end(), bytes.begin(), bytes.begin() + size);
+    return std::optional(Piece{last_received_ - begin, {bytes.begin(), bytes.begin() + size}});
+  }
+  return std::optional<Piece>();
+}
+
+std::optional<std::string> SerialClient::listen(const SentRead& sent, Instant until) {
+  const auto quiet =
+      std::max<nanoseconds>(kPieces, modbus::RtuTiming(mode_.baud, mode_.format).t3_5());
+  received_.clear();
+  auto end = until;
+  while (true) {
+    const auto piece = take_piece(until, end);
+    if (!piece) {
+      return piece.error();
+    }
+    if (!*piece || sent.answer_in(received())) {
       return std::nullopt;
     }
     // After other bytes the answer may still come.
     end = std::max(until, last_received_ + quiet);
   }
-  return std::nullopt;
 }
 
 Result<Heard, std::string> SerialClient::ask(std::uint8_t unit, const modbus::TableRange& read,
@@ -113,6 +122,55 @@ Result<Heard, std::string> SerialClient::ask(std::uint8_t unit, const modbus::Ta
   const nanoseconds pause = understood ? nanoseconds(0) : nanoseconds(kPauseAfterNoise);
   ready_at_ = steady_clock::now() + std::max<nanoseconds>(timing.t3_5(), pause);
   return heard;
+}
+
+Result<std::vector<Piece>, std::string> SerialClient::ask_all(const SentRead& sent,
+                                                              const ListenTimes& times) {
+  const modbus::RtuTiming timing(mode_.baud, mode_.format);
+  received_.clear();
+  discard_serial(port_.descriptor());
+  const auto left = steady_clock::now() + timing.duration_of(sent.frame().size());
+  if (auto error = send(sent.frame())) {
+    return *std::move(error);
+  }
+  std::vector<Piece> pieces;
+  auto end = left + times.wait;
+  while (true) {
+    auto piece = take_piece(left, end);
+    if (!piece) {
+      return piece.error();
+    }
+    if (!*piece) {
+      break;
+    }
+    pieces.push_back(**std::move(piece));
+    const auto heard = sent.understand(received());
+    if (heard.kind == HeardKind::answer) {
+      end = last_received_ + times.after_answer;
+    } else if (heard.bytes >= modbus::kMinRtuSize) {
+      end = last_received_ + times.after_bytes;
+    }
+  }
+  ready_at_ = steady_clock::now() + std::max<nanoseconds>(timing.t3_5(), kPauseAfterNoise);
+  return pieces;
+}
+
+Result<std::vector<Piece>, std::string> SerialClient::overhear(nanoseconds time) {
+  received_.clear();
+  std::vector<Piece> pieces;
+  const auto begin = steady_clock::now();
+  while (true) {
+    auto piece = take_piece(begin, begin + time);
+    if (!piece) {
+      return piece.error();
+    }
+    if (!*piece) {
+      break;
+    }
+    pieces.push_back(**std::move(piece));
+  }
+  ready_at_ = steady_clock::now() + modbus::RtuTiming(mode_.baud, mode_.format).t3_5();
+  return pieces;
 }
 
 }  // namespace mbgate::ctl

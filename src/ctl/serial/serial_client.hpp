@@ -20,6 +20,19 @@ inline constexpr std::chrono::milliseconds kModeSettling{20};
 /// The least pause after bytes that were not understood: they may have more behind them.
 inline constexpr std::chrono::milliseconds kPauseAfterNoise{5};
 
+/// How long ask_all() listens.
+struct ListenTimes {
+  std::chrono::nanoseconds wait;          ///< for an answer, after the request
+  std::chrono::nanoseconds after_answer;  ///< for a second one
+  std::chrono::nanoseconds after_bytes;   ///< for the rest, after as many bytes as a frame has
+};
+
+/// Bytes that came together.
+struct Piece {
+  std::chrono::nanoseconds at;  ///< after the request has left, or since listening began
+  std::vector<std::uint8_t> bytes;
+};
+
 class SerialClient {
  public:
   /// Opens the port and locks it; the error is a full sentence. set_mode() comes next.
@@ -33,13 +46,20 @@ class SerialClient {
   /// request and all is quiet. The error is a full sentence: the port is of no more use.
   Result<Heard, std::string> ask(std::uint8_t unit, const modbus::TableRange& read,
                                  std::chrono::nanoseconds wait);
+  /// Sends a read and takes all that comes, also what comes after its answer. The request has left
+  /// when its characters have had their time.
+  Result<std::vector<Piece>, std::string> ask_all(const SentRead& sent, const ListenTimes& times);
+  /// Sends nothing. It may end early where much is heard.
+  Result<std::vector<Piece>, std::string> overhear(std::chrono::nanoseconds time);
 
  private:
+  using Instant = std::chrono::steady_clock::time_point;
   SerialClient(std::string device, SerialPort port)
       : device_(std::move(device)), port_(std::move(port)) {}
   std::optional<std::string> send(modbus::Bytes frame);
-  std::optional<std::string> listen(const SentRead& sent,
-                                    std::chrono::steady_clock::time_point until);
+  std::optional<std::string> listen(const SentRead& sent, Instant until);
+  /// Appends what comes until `until`. Nothing if nothing came.
+  Result<std::optional<Piece>, std::string> take_piece(Instant begin, Instant until);
   [[nodiscard]] modbus::Bytes received() const { return {received_.data(), received_.size()}; }
 
   std::string device_;

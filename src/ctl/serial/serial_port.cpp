@@ -110,6 +110,10 @@ std::string port_failure(const std::string& device, int error,
   }
 }
 
+bool is_held(const std::string& device, const std::string& error) {
+  return error == held_text(device);
+}
+
 std::vector<std::string> serial_names(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;

@@ -40,6 +40,9 @@ class SerialPort {
 std::string port_failure(const std::string& device, int error,
                          const std::vector<std::string>& names);
 
+/// Is `error`, of SerialPort::open() of `device`, that another program holds it?
+[[nodiscard]] bool is_held(const std::string& device, const std::string& error);
+
 /// The paths in `folder`, which are names of serial ports; sorted.
 std::vector<std::string> serial_names(const std::string& folder = kSerialNames);
 

@@ -78,6 +78,62 @@ TEST(SerialClient, HearsSilence) {
   EXPECT_EQ(heard->kind, HeardKind::silence);
 }
 
+std::vector<std::uint8_t> bytes_of(const std::vector<Piece>& pieces) {
+  std::vector<std::uint8_t> bytes;
+  for (const auto& piece : pieces) {
+    bytes.insert(bytes.end(), piece.bytes.begin(), piece.bytes.end());
+  }
+  return bytes;
+}
+
+TEST(SerialClient, TakesWhatComesAfterTheAnswerToo) {
+  const Terminal terminal;
+  auto client = SerialClient::open(terminal.path);
+  ASSERT_TRUE(client);
+  ASSERT_EQ(client->set_mode(kMode), std::nullopt);
+  auto both = data_of(1);
+  both.insert(both.end(), both.begin(), both.end());
+  std::thread other(reply_once, terminal.other_end(), both);
+  const auto pieces =
+      client->ask_all(SentRead(1, kRead), {kLong, std::chrono::milliseconds(50), kLong});
+  other.join();
+  ASSERT_TRUE(pieces) << pieces.error();
+  EXPECT_EQ(bytes_of(*pieces), both);
+}
+
+TEST(SerialClient, EndsWhatMayBeAnAnswerAndGoesOnAfterLess) {
+  const auto ask_all = [](const std::vector<std::uint8_t>& bytes, std::chrono::nanoseconds wait) {
+    const Terminal terminal;
+    auto client = SerialClient::open(terminal.path);
+    EXPECT_TRUE(client);
+    EXPECT_EQ(client->set_mode(kMode), std::nullopt);
+    std::thread other(reply_once, terminal.other_end(), bytes);
+    const auto begin = steady_clock::now();
+    const auto pieces = client->ask_all(SentRead(1, kRead), {wait, kLong, kShort});
+    other.join();
+    EXPECT_EQ(bytes_of(*pieces), bytes);
+    return steady_clock::now() - begin;
+  };
+  EXPECT_LT(ask_all({0xFF, 0xFE, 0xFD, 0xFC}, kLong), kLong);
+  EXPECT_GE(ask_all({0xFF}, std::chrono::milliseconds(100)), std::chrono::milliseconds(100));
+}
+
+TEST(SerialClient, OverhearsWithoutSending) {
+  const Terminal terminal;
+  auto client = SerialClient::open(terminal.path);
+  ASSERT_TRUE(client);
+  ASSERT_EQ(client->set_mode(kMode), std::nullopt);
+  const auto silence = client->overhear(kShort);
+  ASSERT_TRUE(silence);
+  EXPECT_TRUE(silence->empty());
+  const auto frame = data_of(1);
+  ASSERT_EQ(write(terminal.other_end(), frame.data(), frame.size()),
+            static_cast<ssize_t>(frame.size()));
+  const auto pieces = client->overhear(std::chrono::milliseconds(100));
+  ASSERT_TRUE(pieces);
+  EXPECT_EQ(bytes_of(*pieces), frame);
+}
+
 TEST(SerialClient, DoesNotOpenWhatIsNotThere) {
   const auto client = SerialClient::open("/dev/null");
   ASSERT_FALSE(client);

@@ -37,6 +37,7 @@ TEST(SerialPort, IsNotTakenFromWhoHasLockedIt) {
   close(other);
   ASSERT_FALSE(port);
   EXPECT_EQ(port.error(), held_port(terminal.path));
+  EXPECT_TRUE(is_held(terminal.path, port.error()));
 }
 
 TEST(SerialPort, TakesAnyRate) {
@@ -53,6 +54,7 @@ TEST(SerialPort, IsNoOtherDevice) {
   const auto port = SerialPort::open("/dev/null");
   ASSERT_FALSE(port);
   EXPECT_EQ(port.error(), "/dev/null: this is no serial port");
+  EXPECT_FALSE(is_held("/dev/null", port.error()));
 }
 
 TEST(PortFailure, SaysWhatHelps) {
