@@ -6,6 +6,7 @@
 
 #include "ctl/options/check_options.hpp"
 #include "ctl/options/control_options.hpp"
+#include "ctl/options/doctor_options.hpp"
 #include "ctl/options/profile_options.hpp"
 #include "ctl/options/replay_options.hpp"
 #include "ctl/options/request_options.hpp"
@@ -23,6 +24,7 @@ struct Subcommands {
         scan(app),
         check(app),
         replay(app),
+        doctor(app),
         status(app),
         reload(app),
         clear_counters(app),
@@ -48,6 +50,9 @@ struct Subcommands {
     if (replay.given()) {
       return replay.command();
     }
+    if (doctor.given()) {
+      return doctor.command();
+    }
     if (status.given()) {
       return status.command();
     }
@@ -63,6 +68,7 @@ struct Subcommands {
   ScanOptions scan;
   CheckOptions check;
   ReplayOptions replay;
+  DoctorOptions doctor;
   StatusOptions status;
   ReloadOptions reload;
   ClearCountersOptions clear_counters;
@@ -75,8 +81,8 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
                                                  const char* const* arguments) {
   CLI::App app(
       "Reads and writes Modbus devices through a gateway, or any Modbus TCP server, finds out what "
-      "is on a bus, shows drive profiles, checks a configuration, replays a recording, and asks a "
-      "running mbgated how it is.",
+      "is on a bus and what is wrong with a line, shows drive profiles, checks a configuration, "
+      "replays a recording, and asks a running mbgated how it is.",
       "mbgatectl");
   app.set_version_flag("--version", "mbgatectl " + version);
   app.require_subcommand(1);

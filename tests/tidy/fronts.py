@@ -22,8 +22,10 @@ FRONTS = {
         "duration_text", "match_entry", "suggestion", "toml_reader", "toml_value", "unit_range", "words",
     },
     "ctl/control": {"control_command"},
+    "ctl/doctor": {"doctor_command"},
     "ctl/options": {
-        "check_options", "control_options", "profile_options", "replay_options", "request_options", "scan_options",
+        "check_options", "control_options", "doctor_options", "profile_options", "replay_options", "request_options",
+        "scan_options",
     },
     "ctl/profile": {"profile_text", "show_profile"},
     "ctl/replay": {"replay_command"},

@@ -6,6 +6,7 @@
 
 #include "ctl/check_config.hpp"
 #include "ctl/control/control_command.hpp"
+#include "ctl/doctor/doctor_command.hpp"
 #include "ctl/profile/show_profile.hpp"
 #include "ctl/replay/replay_command.hpp"
 #include "ctl/request/connection.hpp"
@@ -80,6 +81,10 @@ int carry_out_one(const CheckCommand& command, std::ostream& out, std::ostream& 
 
 int carry_out_one(const ReplayCommand& command, std::ostream& out, std::ostream& errors) {
   return replay_recording(command, out, errors);
+}
+
+int carry_out_one(const DoctorCommand& command, std::ostream& out, std::ostream& errors) {
+  return carry_out_doctor(command, out, errors);
 }
 
 int carry_out_one(const StatusCommand& command, std::ostream& out, std::ostream& errors) {

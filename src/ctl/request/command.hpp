@@ -95,6 +95,26 @@ struct ReplayCommand {
   std::optional<std::filesystem::path> folder;  ///< goes before the one that the recording names
 };
 
+/// A serial port to examine that no configuration describes.
+struct ExaminedPort {
+  std::string device;
+  LineMode mode;
+  std::chrono::nanoseconds timeout;  ///< an answer that comes later is too late
+};
+
+/// Says what is wrong with a serial line that no gateway holds. Only reads are sent.
+struct DoctorCommand {
+  std::optional<ExaminedPort> port;  ///< none: a bus of the configuration
+  std::string bus;                   ///< empty: the only one there is
+  std::filesystem::path config = "/etc/mbgate/mbgate.toml";
+  std::optional<std::filesystem::path> folder;  ///< the only one to look for profiles in
+  std::vector<std::uint8_t> units;              ///< to ask; none: those that are configured
+  std::uint16_t holding_register = 0;           ///< what is read
+  std::size_t requests = 20;                    ///< to each of them
+  std::chrono::nanoseconds listen = std::chrono::seconds(2);  ///< to the idle line
+  bool json = false;
+};
+
 inline constexpr const char* kControlSocket = "/run/mbgate/control";
 
 /// Shows the state of a running mbgated.
@@ -123,8 +143,8 @@ struct EventsCommand {
 };
 
 using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, CheckCommand,
-                             ReplayCommand, StatusCommand, ReloadCommand, ClearCountersCommand,
-                             EventsCommand>;
+                             DoctorCommand, ReplayCommand, StatusCommand, ReloadCommand,
+                             ClearCountersCommand, EventsCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a value are never written one by one. The error is a full sentence.

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/doctor/answer_findings.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "config/toml/duration_text.hpp"
+#include "ctl/doctor/tally.hpp"
+#include "modbus/exception_code.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+std::string share_text(std::size_t part, std::size_t whole) {
+  return " (" + std::to_string((part * 100 + whole / 2) / whole) + " %)";
+}
+
+void append_part(std::string& text, const std::string& part) {
+  text.append(text.empty() ? "" : ", ").append(part);
+}
+
+std::string times_text(const std::vector<std::chrono::nanoseconds>& times) {
+  if (times.empty()) {
+    return {};
+  }
+  return ", " + tenths_text(times.front()) + " to " + tenths_text(times.back()) +
+         " after the request, half of them within " + tenths_text(times[(times.size() - 1) / 2]);
+}
+
+/// "3 with a bad CRC (15 %), 2 not answered": what went wrong.
+std::string failures_text(const Tally& tally) {
+  std::string text;
+  if (tally.bad_crcs > 0) {
+    append_part(text, std::to_string(tally.bad_crcs) + " with a bad CRC" +
+                          share_text(tally.bad_crcs, tally.asked));
+  }
+  if (tally.noise > 0) {
+    append_part(text, std::to_string(tally.noise) + " with bytes that are no frame" +
+                          share_text(tally.noise, tally.asked));
+  }
+  if (tally.others > 0) {
+    append_part(text, std::to_string(tally.others) + " with a frame that is not the answer");
+  }
+  if (tally.silent > 0) {
+    append_part(text, std::to_string(tally.silent) + " not at all");
+  }
+  return text;
+}
+
+std::string answered_text(const Tally& tally) {
+  std::string text = std::to_string(tally.answered) + " of " + std::to_string(tally.asked) +
+                     " requests answered" + times_text(tally.times);
+  if (const auto failures = failures_text(tally); !failures.empty()) {
+    text += "; " + failures;
+  }
+  return text;
+}
+
+/// The value that `response_timeout` needs: a fifth over the slowest answer, in tens of ms.
+std::string needed_timeout(const Tally& tally) {
+  constexpr std::chrono::milliseconds kStep(10);
+  const auto needed = tally.times.back() + tally.times.back() / 5;
+  return config::to_text((needed + kStep - std::chrono::nanoseconds(1)) / kStep * kStep);
+}
+
+/// Of a unit of which no answer was understood, while bytes came.
+std::string garbled_advice(const LinePlan& plan, const std::string& scan, bool others_answer) {
+  return others_answer ? "two devices at this address whose answers overlap, or its own rate, "
+                         "parity, wires or transceiver: switch it off, and see whether something "
+                         "still answers"
+                       : "rate or parity, here " + mode_text(plan.mode) + " (" + scan +
+                             "); A and B; two devices at one address";
+}
+
+std::string nothing_advice(const LinePlan& plan, const Tally& tally, bool others_answer) {
+  const auto scan = "mbgatectl scan --device " + plan.device + " finds those that answer";
+  if (tally.others > 0 && tally.damaged() == 0) {
+    return "a device that answers with another address, or so late that another request was sent "
+           "before; or another client on this line";
+  }
+  if (tally.damaged() > 0) {
+    return garbled_advice(plan, scan, others_answer);
+  }
+  return others_answer ? "look at its power, its address, its wires, its rate and parity"
+                       : "look at power; A and B; the address of the drive; its rate and parity, "
+                         "here " +
+                             mode_text(plan.mode) + ": " + scan;
+}
+
+std::string partly_advice(const Tally& tally, bool others_are_well) {
+  std::string advice;
+  if (tally.damaged() > 0) {
+    advice = "look at termination, bias and shield of the line, and at motor cables beside it";
+    advice += others_are_well ? "; or two devices at this address" : "";
+  }
+  if (tally.silent > 0) {
+    advice += advice.empty() ? "look for a loose wire, and for a drive that is busy at times" : "";
+  }
+  return advice.empty() ? "look for another client on this line" : advice;
+}
+
+Finding unit_finding(const LinePlan& plan, const UnitTrials& unit, bool others_answer,
+                     bool others_are_well) {
+  const auto tally = tally_of(unit);
+  Finding finding{Verdict::ok, "answers of " + unit_text(unit.unit), answered_text(tally)};
+  if (tally.answered == 0) {
+    finding.verdict = Verdict::fault;
+    finding.seen = "no answer to " + number_of_text(tally.asked, "request") +
+                   (tally.silent == tally.asked && tally.echoes > 0
+                        ? ": only the request itself was heard"
+                        : ": " + (tally.silent == tally.asked ? std::string("not a byte was heard")
+                                                              : failures_text(tally)));
+    finding.advice = nothing_advice(plan, tally, others_answer);
+  } else if (tally.answered < tally.asked) {
+    finding.verdict = Verdict::fault;
+    finding.advice = partly_advice(tally, others_are_well);
+  } else if (tally.exceptions == tally.asked) {
+    finding.seen += ", with " + modbus::exception_text(*unit.trials.front().exception);
+  }
+  if (tally.late > 0) {
+    finding.verdict = Verdict::fault;
+    finding.seen += "; " + std::to_string(tally.late) + " later than the timeout of " +
+                    config::to_text(unit.unit.timeout);
+    finding.advice += (finding.advice.empty() ? "" : "; ") +
+                      ("set response_timeout to at least " + needed_timeout(tally));
+  }
+  return finding;
+}
+
+}  // namespace
+
+std::vector<Finding> answer_findings(const LinePlan& plan, const std::vector<UnitTrials>& units) {
+  std::vector<Tally> tallies;
+  std::ranges::transform(units, std::back_inserter(tallies), &tally_of);
+  std::vector<Finding> findings;
+  for (std::size_t at = 0; at < units.size(); ++at) {
+    const auto any_other = [&](auto fits) {
+      return std::ranges::any_of(
+          tallies, [&](const Tally& other) { return &other != &tallies[at] && fits(other); });
+    };
+    const bool answer = any_other([](const Tally& other) { return other.answered > 0; });
+    const bool well = any_other([](const Tally& other) { return other.answered == other.asked; });
+    findings.push_back(unit_finding(plan, units[at], answer, well));
+  }
+  return findings;
+}
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/doctor/finding.hpp"
+
+#include <boost/json.hpp>
+
+namespace mbgate::ctl {
+namespace {
+
+const char* verdict_word(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::ok: return "ok";
+    case Verdict::fault: return "fault";
+    case Verdict::unknown: return "unknown";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string finding_line(const Finding& finding) {
+  constexpr std::size_t kWordsWidth = 9;
+  std::string line = verdict_word(finding.verdict);
+  line.resize(kWordsWidth, ' ');
+  line.append(finding.step).append(": ").append(finding.seen);
+  return finding.advice.empty() ? line : line + "; " + finding.advice;
+}
+
+std::string findings_json(const std::string& device, const std::vector<Finding>& findings,
+                          const std::optional<std::string>& error) {
+  boost::json::array list;
+  for (const auto& finding : findings) {
+    boost::json::object object{
+        {"verdict", verdict_word(finding.verdict)}, {"step", finding.step}, {"seen", finding.seen}};
+    if (!finding.advice.empty()) {
+      object["advice"] = finding.advice;
+    }
+    list.push_back(std::move(object));
+  }
+  boost::json::object object{{"device", device}, {"findings", std::move(list)}};
+  if (error) {
+    object["error"] = *error;
+  }
+  return boost::json::serialize(object);
+}
+
+std::string tenths_text(std::chrono::nanoseconds time) {
+  constexpr std::chrono::microseconds kTenth(100);
+  const auto tenths = (time + kTenth / 2) / kTenth;
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " ms";
+}
+
+std::string number_of_text(std::size_t number, const std::string& what) {
+  return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
+}
+
+}  // namespace mbgate::ctl

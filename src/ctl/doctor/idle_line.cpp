@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/doctor/idle_line.hpp"
+
+#include <algorithm>
+
+#include "config/toml/duration_text.hpp"
+#include "ctl/doctor/bus_frames.hpp"
+#include "modbus/describe.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+constexpr std::size_t kBytesShown = 8;
+/// So many bytes an adapter or a transceiver makes up when it is switched on.
+constexpr std::size_t kFewBytes = 2;
+
+constexpr const char* kOtherClient =
+    "an RS-485 line has one client: let the other one (a gateway, a PLC, a tool) connect to the "
+    "gateway instead";
+
+std::size_t requests_in(const BusFrames& found) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      found.frames, [](const BusFrame& frame) { return frame.kind != FrameKind::response; }));
+}
+
+std::string first_frame_text(modbus::Bytes heard, const BusFrame& frame) {
+  const auto direction =
+      frame.kind == FrameKind::response ? modbus::Direction::response : modbus::Direction::request;
+  return modbus::describe_rtu(heard.subspan(frame.begin, frame.size), direction);
+}
+
+/// Of a line with whole frames on it.
+Finding frames_finding(const IdleLine& line, const BusFrames& found, const std::string& during) {
+  Finding finding{Verdict::fault, "idle line", {}};
+  const auto count = number_of_text(found.frames.size(), "frame");
+  const auto first = ", the first: " + first_frame_text(line.heard, found.frames.front());
+  if (requests_in(found) > 0) {
+    finding.seen = "another client is on this line: " + count + " heard" + during + first;
+    finding.advice = kOtherClient;
+  } else if (found.frames.size() > 1) {
+    finding.seen = count + " of devices heard" + during +
+                   ", but not what they answer: another client whose requests do not reach this "
+                   "port, as on four wires" +
+                   first;
+    finding.advice = kOtherClient;
+  } else {
+    finding.verdict = Verdict::unknown;
+    finding.seen = count + " heard" + during + ": " +
+                   first_frame_text(line.heard, found.frames.front()) +
+                   "; a late answer to a program that has ended, or another client";
+    finding.advice = "run this again";
+  }
+  return finding;
+}
+
+/// What bytes that are no frames look like.
+std::string likeness(modbus::Bytes heard) {
+  const auto all = [&](std::uint8_t value) {
+    return std::ranges::all_of(heard, [&](std::uint8_t byte) { return byte == value; });
+  };
+  if (all(0x00) || all(0xFF)) {
+    return "as of a line that nothing holds at rest: are A and B exchanged, is there a bias and a "
+           "termination, is a wire loose?";
+  }
+  return "as of noise (termination, bias, shield, motor cables beside it), or of another client at "
+         "another rate or parity";
+}
+
+}  // namespace
+
+Finding idle_finding(const IdleLine& line, const LineMode& mode) {
+  const auto during = " in " + config::to_text(line.time);
+  if (line.bytes == 0) {
+    return {Verdict::ok, "idle line", "nothing was heard" + during};
+  }
+  const auto found = find_frames(line.heard);
+  if (!found.frames.empty()) {
+    return frames_finding(line, found, during);
+  }
+  const modbus::Bytes heard(line.heard);
+  Finding finding{Verdict::fault, "idle line", {}};
+  finding.seen = number_of_text(line.bytes, "byte") + " heard" + during + " that " +
+                 (line.bytes == 1 ? "is" : "are") + " no frame at " + mode_text(mode) + ": " +
+                 modbus::hex(heard.first(std::min(heard.size(), kBytesShown))) +
+                 (line.bytes > kBytesShown ? " .." : "");
+  if (line.bytes <= kFewBytes) {
+    finding.verdict = Verdict::unknown;
+    finding.advice = "an adapter may make them when it is opened: run this again";
+  } else {
+    finding.advice = likeness(heard);
+  }
+  return finding;
+}
+
+bool is_of_another_client(const IdleLine& line) {
+  const auto found = find_frames(line.heard);
+  return requests_in(found) > 0 || found.frames.size() > 1;
+}
+
+}  // namespace mbgate::ctl

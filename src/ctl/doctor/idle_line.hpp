@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What was heard on a line to which nothing had been sent, and what it looks like.
+#pragma once
+
+#include <chrono>
+
+#include "ctl/doctor/finding.hpp"
+#include "ctl/serial/line_mode.hpp"
+#include "modbus/bytes.hpp"
+
+namespace mbgate::ctl {
+
+struct IdleLine {
+  std::vector<std::uint8_t> heard{};  ///< the first bytes; of a line full of noise not all
+  std::size_t bytes = 0;              ///< all that came
+  std::chrono::nanoseconds time{0};   ///< how long it was listened to
+};
+
+Finding idle_finding(const IdleLine& line, const LineMode& mode);
+
+/// Are there frames of another client? Whoever sends there now damages them.
+[[nodiscard]] bool is_of_another_client(const IdleLine& line);
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/doctor/line_findings.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "ctl/doctor/tally.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+/// One answer more than there should be may be a late one, of before.
+constexpr std::size_t kEnoughDoubled = 2;
+/// So many damaged answers, and no good one, are no accident.
+constexpr std::size_t kEnoughDamaged = 3;
+
+struct LineTally {
+  std::size_t asked = 0;
+  std::size_t answered = 0;
+  std::size_t echoes = 0;
+  bool other_client = false;
+};
+
+LineTally tally_of_line(const std::vector<UnitTrials>& units) {
+  LineTally line;
+  for (const auto& unit : units) {
+    const auto tally = tally_of(unit);
+    line.asked += tally.asked;
+    line.answered += tally.answered;
+    line.echoes += tally.echoes;
+    line.other_client = line.other_client || tally.other_client;
+  }
+  return line;
+}
+
+Finding full_echo_finding(const LinePlan& plan) {
+  Finding finding{Verdict::ok, "echo",
+                  "the port hears what it sends: each request came back before its answer"};
+  if (plan.echo == false) {
+    finding.verdict = Verdict::fault;
+    finding.seen += ", and the bus has echo = false";
+    finding.advice = R"(set echo = true or "auto")";
+  } else if (!plan.echo) {
+    finding.advice = R"(with echo = "auto" the gateway learns it, with echo = true it knows)";
+  }
+  return finding;
+}
+
+Finding doubled_finding(const UnitTrials& unit, const Tally& tally, bool other_client) {
+  Finding finding{Verdict::unknown, "addresses",
+                  std::to_string(tally.doubled) + " of " + number_of_text(tally.asked, "request") +
+                      " to " + unit_text(unit.unit) + " had two whole answers"};
+  if (other_client) {
+    finding.seen += ", but another client asks on this line too";
+    finding.advice = "take the other client off, and run this again";
+  } else if (tally.doubled < kEnoughDoubled) {
+    finding.advice = "run this again: one may be a late answer of before";
+  } else {
+    finding.verdict = Verdict::fault;
+    finding.seen += ", and no request but ours was heard";
+    finding.advice = "two devices have address " + std::to_string(unit.unit.address) +
+                     ": switch one of them off, and give the other another address";
+  }
+  return finding;
+}
+
+bool is_always_damaged(const Tally& tally) {
+  return tally.damaged() == tally.asked && tally.asked >= kEnoughDamaged;
+}
+
+/// Two answers that overlap damage each other, but so do others.
+Finding damaged_finding(const UnitTrials& unit, const Tally& tally) {
+  return {Verdict::unknown, "addresses",
+          "each answer of " + unit_text(unit.unit) + " is damaged (up to " +
+              number_of_text(tally.most_bytes, "byte") +
+              "), while others answer well: two devices whose answers overlap would look so, and "
+              "so would its own rate, parity, wires or transceiver",
+          "switch it off: if something still answers, there is a second one"};
+}
+
+}  // namespace
+
+Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units) {
+  const auto line = tally_of_line(units);
+  if (line.echoes == line.asked) {
+    return full_echo_finding(plan);
+  }
+  if (line.echoes > 0) {
+    return {Verdict::fault, "echo",
+            std::to_string(line.echoes) + " of " + number_of_text(line.asked, "request") +
+                " came back as they were sent, the others did not",
+            "look for another client that sends at the same time, and for an adapter that loses "
+            "bytes"};
+  }
+  Finding finding{Verdict::ok, "echo", "no request came back to the port"};
+  if (plan.echo == true) {
+    finding.verdict = line.answered > 0 ? Verdict::fault : Verdict::unknown;
+    finding.seen += ", but the bus has echo = true";
+    finding.advice = line.answered > 0 ? R"(set echo = false or "auto")"
+                                       : "nothing was understood on this line at all";
+  }
+  return finding;
+}
+
+Finding addresses_finding(const std::vector<UnitTrials>& units) {
+  const auto line = tally_of_line(units);
+  std::vector<Tally> tallies;
+  std::ranges::transform(units, std::back_inserter(tallies), &tally_of);
+  const auto doubled = std::ranges::max_element(tallies, {}, &Tally::doubled);
+  if (doubled != tallies.end() && doubled->doubled > 0) {
+    return doubled_finding(units[static_cast<std::size_t>(doubled - tallies.begin())], *doubled,
+                           line.other_client);
+  }
+  const auto damaged = std::ranges::find_if(tallies, &is_always_damaged);
+  const bool others_are_well = std::ranges::any_of(
+      tallies, [](const Tally& tally) { return tally.answered == tally.asked; });
+  if (damaged != tallies.end() && others_are_well) {
+    return damaged_finding(units[static_cast<std::size_t>(damaged - tallies.begin())], *damaged);
+  }
+  if (line.answered == 0) {
+    return {Verdict::unknown, "addresses", "no answer was understood"};
+  }
+  return {Verdict::ok, "addresses", "no request had a second answer"};
+}
+
+}  // namespace mbgate::ctl

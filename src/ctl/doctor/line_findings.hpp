@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the answers of all units together say of the line: whether it has an echo, and whether two
+// devices have one address.
+#pragma once
+
+#include <vector>
+
+#include "ctl/doctor/finding.hpp"
+#include "ctl/doctor/trial.hpp"
+
+namespace mbgate::ctl {
+
+/// Each of the units was asked at least once.
+Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units);
+
+/// Nothing is claimed that another cause could explain as well.
+Finding addresses_finding(const std::vector<UnitTrials>& units);
+
+}  // namespace mbgate::ctl

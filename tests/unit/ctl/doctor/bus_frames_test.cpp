@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/doctor/bus_frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include "line_bytes.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+TEST(BusFrames, AreFoundAmongOtherBytes) {
+  const auto heard =
+      one_after_the_other({{0x00, 0xFF}, rtu_frame(5, kReadPdu), rtu_frame(5, kAnswerPdu), {0x7E}});
+  const auto found = find_frames(heard);
+  EXPECT_EQ(found.stray, 3U);
+  EXPECT_EQ(found.frames, (std::vector<BusFrame>{{2, 8, 5, FrameKind::request},
+                                                 {10, 7, 5, FrameKind::response}}));
+}
+
+TEST(BusFrames, AreOneThingOrTheOtherWhereAWriteIsAcknowledgedByItself) {
+  const auto found = find_frames(rtu_frame(1, {0x06, 0x00, 0x01, 0x00, 0x02}));
+  EXPECT_EQ(found.frames, (std::vector<BusFrame>{{0, 8, 1, FrameKind::either}}));
+}
+
+TEST(BusFrames, HaveTheRightCrcAndAreWhole) {
+  auto frame = rtu_frame(5, kAnswerPdu);
+  frame.back() ^= 1U;
+  EXPECT_TRUE(find_frames(frame).frames.empty());
+  EXPECT_EQ(find_frames(frame).stray, 7U);
+  frame.back() ^= 1U;
+  frame.pop_back();
+  EXPECT_TRUE(find_frames(frame).frames.empty());
+  EXPECT_TRUE(find_frames({}).frames.empty());
+}
+
+TEST(BusFrames, AreNotThoseOfAnAddressThatNobodyCanHave) {
+  EXPECT_TRUE(find_frames(rtu_frame(248, kReadPdu)).frames.empty());
+}
+
+}  // namespace
+}  // namespace mbgate::ctl
