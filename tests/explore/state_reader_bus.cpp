@@ -10,10 +10,10 @@ using explore::Order;
 
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   auto& [parts, ends, diagnosis, outcomes, dispatch, admission] = bus;
-  // Settings: settings. Counted only: counters. Watches real adapters only: adapter. Empty
-  // when the machine was asked for its actions: actions.
+  // Settings: settings. Counted only: counters. Watches real adapters only: adapter. For the trace:
+  // is_traced. Empty when the machine was asked for its actions: actions.
   auto& [settings, devices, counters, line, queue, transmissions, stops, turns, probes, adapter,
-         link, stopping, pumped_at, actions] = parts;
+         link, stopping, is_traced, pumped_at, actions] = parts;
   // Told only: diagnosis. They know nothing of their own: ends, outcomes.
   const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, next_start, looking] = dispatch;
   const auto& [of_admission, ends_too, sequence] = admission;

@@ -6,9 +6,9 @@
 namespace mbgate {
 
 void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
-  // Empty when the machine was asked for its actions: line_actions, actions.
-  auto& [line_actions, actions, settings, exchanges, buses, rules, failsafe, clients, stopping,
-         finished, stop_deadline] = gateway;
+  // Empty when the machine was asked for its actions: line_actions, actions. Looks only: trace.
+  auto& [line_actions, actions, settings, trace, exchanges, buses, rules, failsafe, clients,
+         stopping, finished, stop_deadline] = gateway;
   const auto& [snapshots] = settings;
   explore::require(snapshots.size() == 1 && gateway.settings().guards.empty(),
                    "one snapshot of settings, and no guards");
@@ -24,7 +24,8 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
   // Whatever arrives from now on is younger than all of them: stop_marks. Only without guards:
   // writers, and all of failsafe.
   [[maybe_unused]] auto& [in_force, stop_marks, writers] = rules;
-  auto& [slots, touched] = buses;
+  // For the trace: traced.
+  auto& [slots, touched, traced] = buses;
   explore::require(touched.empty(), "nothing is left to do");
   for (const auto& slot : slots) {
     read(*slot.bus, gateway, hash);
