@@ -102,9 +102,9 @@ std::string partly_advice(const Tally& tally, bool others_are_well) {
 Finding unit_finding(const LinePlan& plan, const UnitTrials& unit, bool others_answer,
                      bool others_are_well) {
   const auto tally = tally_of(unit);
-  Finding finding{Verdict::ok, "answers of " + unit_text(unit.unit), answered_text(tally)};
+  Finding finding{Judgement::ok, "answers of " + unit_text(unit.unit), answered_text(tally)};
   if (tally.answered == 0) {
-    finding.verdict = Verdict::fault;
+    finding.verdict = Judgement::fault;
     finding.seen = "no answer to " + number_of_text(tally.asked, "request") +
                    (tally.silent == tally.asked && tally.echoes > 0
                         ? ": only the request itself was heard"
@@ -112,13 +112,13 @@ Finding unit_finding(const LinePlan& plan, const UnitTrials& unit, bool others_a
                                                               : failures_text(tally)));
     finding.advice = nothing_advice(plan, tally, others_answer);
   } else if (tally.answered < tally.asked) {
-    finding.verdict = Verdict::fault;
+    finding.verdict = Judgement::fault;
     finding.advice = partly_advice(tally, others_are_well);
   } else if (tally.exceptions == tally.asked) {
     finding.seen += ", with " + modbus::exception_text(*unit.trials.front().exception);
   }
   if (tally.late > 0) {
-    finding.verdict = Verdict::fault;
+    finding.verdict = Judgement::fault;
     finding.seen += "; " + std::to_string(tally.late) + " later than the timeout of " +
                     config::to_text(unit.unit.timeout);
     finding.advice += (finding.advice.empty() ? "" : "; ") +

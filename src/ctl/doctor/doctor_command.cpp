@@ -42,7 +42,7 @@ int examine_and_print(const LinePlan& plan, const DoctorCommand& command, std::o
     errors << "mbgatectl: " << *error << '\n';
   }
   const bool faulty = std::ranges::any_of(
-      findings, [](const Finding& finding) { return finding.verdict == Verdict::fault; });
+      findings, [](const Finding& finding) { return finding.verdict == Judgement::fault; });
   return error || faulty ? kExitNotDone : kExitDone;
 }
 

@@ -34,12 +34,12 @@ constexpr std::chrono::milliseconds kRestOfFrame{300};
 bool examine_from_outside(const std::string& device, const ReportFinding& report) {
   const auto port = port_finding(device, look_at_port(device));
   report(port);
-  if (port.verdict != Verdict::ok) {
+  if (port.verdict != Judgement::ok) {
     return false;
   }
   const auto permission = permission_finding(device, look_at_permission(device));
   report(permission);
-  return permission.verdict == Verdict::ok;
+  return permission.verdict == Judgement::ok;
 }
 
 /// The port, with its mode set; nothing if it cannot be had.
@@ -48,7 +48,7 @@ std::optional<SerialClient> take_port(const LinePlan& plan, const ReportFinding&
   if (!client) {
     report(is_held(plan.device, client.error())
                ? held_finding(plan.device, find_lock_holders(plan.device))
-               : Finding{Verdict::fault, "port", client.error()});
+               : Finding{Judgement::fault, "port", client.error()});
     return std::nullopt;
   }
   report(free_finding(plan.device, is_pseudo_terminal(plan.device) ? std::vector<Holder>()
@@ -171,12 +171,12 @@ std::optional<std::string> examine(const LinePlan& plan, const DoctorCommand& co
   }
   report(idle_finding(idle, plan.mode));
   if (is_of_another_client(idle)) {
-    report({Verdict::unknown, "answers",
+    report({Judgement::unknown, "answers",
             "nobody was asked: that would damage the frames of the other client"});
     return std::nullopt;
   }
   if (plan.nobody) {
-    report({Verdict::unknown, "answers", "nobody was asked: " + *plan.nobody});
+    report({Judgement::unknown, "answers", "nobody was asked: " + *plan.nobody});
     return std::nullopt;
   }
   return ask_and_report(examination, plan, report);

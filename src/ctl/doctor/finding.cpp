@@ -6,11 +6,11 @@
 namespace mbgate::ctl {
 namespace {
 
-const char* verdict_word(Verdict verdict) {
+const char* verdict_word(Judgement verdict) {
   switch (verdict) {
-    case Verdict::ok: return "ok";
-    case Verdict::fault: return "fault";
-    case Verdict::unknown: return "unknown";
+    case Judgement::ok: return "ok";
+    case Judgement::fault: return "fault";
+    case Judgement::unknown: return "unknown";
   }
   return "";
 }

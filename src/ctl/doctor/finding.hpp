@@ -10,14 +10,14 @@
 
 namespace mbgate::ctl {
 
-enum class Verdict : std::uint8_t {
+enum class Judgement : std::uint8_t {
   ok,
   fault,
   unknown  ///< it cannot be known, or several causes would look like this
 };
 
 struct Finding {
-  Verdict verdict = Verdict::ok;
+  Judgement verdict = Judgement::ok;
   std::string step;      ///< "port", "answers of unit 3"
   std::string seen;      ///< how it is known
   std::string advice{};  ///< what to do; may be empty

@@ -31,7 +31,7 @@ std::string first_frame_text(modbus::Bytes heard, const BusFrame& frame) {
 
 /// Of a line with whole frames on it.
 Finding frames_finding(const IdleLine& line, const BusFrames& found, const std::string& during) {
-  Finding finding{Verdict::fault, "idle line", {}};
+  Finding finding{Judgement::fault, "idle line", {}};
   const auto count = number_of_text(found.frames.size(), "frame");
   const auto first = ", the first: " + first_frame_text(line.heard, found.frames.front());
   if (requests_in(found) > 0) {
@@ -44,7 +44,7 @@ Finding frames_finding(const IdleLine& line, const BusFrames& found, const std::
                    first;
     finding.advice = kOtherClient;
   } else {
-    finding.verdict = Verdict::unknown;
+    finding.verdict = Judgement::unknown;
     finding.seen = count + " heard" + during + ": " +
                    first_frame_text(line.heard, found.frames.front()) +
                    "; a late answer to a program that has ended, or another client";
@@ -71,20 +71,20 @@ std::string likeness(modbus::Bytes heard) {
 Finding idle_finding(const IdleLine& line, const LineMode& mode) {
   const auto during = " in " + config::to_text(line.time);
   if (line.bytes == 0) {
-    return {Verdict::ok, "idle line", "nothing was heard" + during};
+    return {Judgement::ok, "idle line", "nothing was heard" + during};
   }
   const auto found = find_frames(line.heard);
   if (!found.frames.empty()) {
     return frames_finding(line, found, during);
   }
   const modbus::Bytes heard(line.heard);
-  Finding finding{Verdict::fault, "idle line", {}};
+  Finding finding{Judgement::fault, "idle line", {}};
   finding.seen = number_of_text(line.bytes, "byte") + " heard" + during + " that " +
                  (line.bytes == 1 ? "is" : "are") + " no frame at " + mode_text(mode) + ": " +
                  modbus::hex(heard.first(std::min(heard.size(), kBytesShown))) +
                  (line.bytes > kBytesShown ? " .." : "");
   if (line.bytes <= kFewBytes) {
-    finding.verdict = Verdict::unknown;
+    finding.verdict = Judgement::unknown;
     finding.advice = "an adapter may make them when it is opened: run this again";
   } else {
     finding.advice = likeness(heard);

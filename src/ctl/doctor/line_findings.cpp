@@ -34,10 +34,10 @@ LineTally tally_of_line(const std::vector<UnitTrials>& units) {
 }
 
 Finding full_echo_finding(const LinePlan& plan) {
-  Finding finding{Verdict::ok, "echo",
+  Finding finding{Judgement::ok, "echo",
                   "the port hears what it sends: each request came back before its answer"};
   if (plan.echo == false) {
-    finding.verdict = Verdict::fault;
+    finding.verdict = Judgement::fault;
     finding.seen += ", and the bus has echo = false";
     finding.advice = R"(set echo = true or "auto")";
   } else if (!plan.echo) {
@@ -47,7 +47,7 @@ Finding full_echo_finding(const LinePlan& plan) {
 }
 
 Finding doubled_finding(const UnitTrials& unit, const Tally& tally, bool other_client) {
-  Finding finding{Verdict::unknown, "addresses",
+  Finding finding{Judgement::unknown, "addresses",
                   std::to_string(tally.doubled) + " of " + number_of_text(tally.asked, "request") +
                       " to " + unit_text(unit.unit) + " had two whole answers"};
   if (other_client) {
@@ -56,7 +56,7 @@ Finding doubled_finding(const UnitTrials& unit, const Tally& tally, bool other_c
   } else if (tally.doubled < kEnoughDoubled) {
     finding.advice = "run this again: one may be a late answer of before";
   } else {
-    finding.verdict = Verdict::fault;
+    finding.verdict = Judgement::fault;
     finding.seen += ", and no request but ours was heard";
     finding.advice = "two devices have address " + std::to_string(unit.unit.address) +
                      ": switch one of them off, and give the other another address";
@@ -70,7 +70,7 @@ bool is_always_damaged(const Tally& tally) {
 
 /// Two answers that overlap damage each other, but so do others.
 Finding damaged_finding(const UnitTrials& unit, const Tally& tally) {
-  return {Verdict::unknown, "addresses",
+  return {Judgement::unknown, "addresses",
           "each answer of " + unit_text(unit.unit) + " is damaged (up to " +
               number_of_text(tally.most_bytes, "byte") +
               "), while others answer well: two devices whose answers overlap would look so, and "
@@ -86,15 +86,15 @@ Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units)
     return full_echo_finding(plan);
   }
   if (line.echoes > 0) {
-    return {Verdict::fault, "echo",
+    return {Judgement::fault, "echo",
             std::to_string(line.echoes) + " of " + number_of_text(line.asked, "request") +
                 " came back as they were sent, the others did not",
             "look for another client that sends at the same time, and for an adapter that loses "
             "bytes"};
   }
-  Finding finding{Verdict::ok, "echo", "no request came back to the port"};
+  Finding finding{Judgement::ok, "echo", "no request came back to the port"};
   if (plan.echo == true) {
-    finding.verdict = line.answered > 0 ? Verdict::fault : Verdict::unknown;
+    finding.verdict = line.answered > 0 ? Judgement::fault : Judgement::unknown;
     finding.seen += ", but the bus has echo = true";
     finding.advice = line.answered > 0 ? R"(set echo = false or "auto")"
                                        : "nothing was understood on this line at all";
@@ -118,9 +118,9 @@ Finding addresses_finding(const std::vector<UnitTrials>& units) {
     return damaged_finding(units[static_cast<std::size_t>(damaged - tallies.begin())], *damaged);
   }
   if (line.answered == 0) {
-    return {Verdict::unknown, "addresses", "no answer was understood"};
+    return {Judgement::unknown, "addresses", "no answer was understood"};
   }
-  return {Verdict::ok, "addresses", "no request had a second answer"};
+  return {Judgement::ok, "addresses", "no request had a second answer"};
 }
 
 }  // namespace mbgate::ctl

@@ -43,7 +43,7 @@ bool is_gateway(const Holder& holder) { return holder.name == "mbgated"; }
 }  // namespace
 
 Finding port_finding(const std::string& device, const PortFacts& facts) {
-  Finding finding{Verdict::fault, "port", {}};
+  Finding finding{Judgement::fault, "port", {}};
   if (facts.error != 0) {
     finding.seen = port_failure(device, facts.error, facts.names);
     finding.advice = facts.names.empty() ? "is the adapter plugged in? dmesg says so"
@@ -52,7 +52,7 @@ Finding port_finding(const std::string& device, const PortFacts& facts) {
     finding.seen = device + " is no serial port";
     finding.advice = "name one, such as those of ls /dev/serial/by-id";
   } else {
-    finding.verdict = Verdict::ok;
+    finding.verdict = Judgement::ok;
     finding.seen = device + " is there";
     if (!facts.is_lasting && !facts.leading.empty()) {
       finding.advice =
@@ -65,11 +65,11 @@ Finding port_finding(const std::string& device, const PortFacts& facts) {
 }
 
 Finding permission_finding(const std::string& device, const PermissionFacts& facts) {
-  Finding finding{Verdict::ok, "permission", facts.user + " may open " + device};
+  Finding finding{Judgement::ok, "permission", facts.user + " may open " + device};
   if (facts.error == 0) {
     return finding;
   }
-  finding.verdict = Verdict::fault;
+  finding.verdict = Judgement::fault;
   finding.seen = facts.user + " may not open " + device + ": ";
   const bool group_may = (facts.mode & kGroupReadsAndWrites) == kGroupReadsAndWrites;
   if (!group_may) {
@@ -91,7 +91,7 @@ Finding permission_finding(const std::string& device, const PermissionFacts& fac
 }
 
 Finding held_finding(const std::string& device, const std::vector<Holder>& holders) {
-  Finding finding{Verdict::fault, "holder", "a gateway or another program holds " + device};
+  Finding finding{Judgement::fault, "holder", "a gateway or another program holds " + device};
   if (holders.empty()) {
     finding.advice = "sudo fuser -v " + device +
                      " names it; a gateway is stopped with sudo systemctl stop mbgated, or asked "
@@ -108,21 +108,21 @@ Finding held_finding(const std::string& device, const std::vector<Holder>& holde
 
 Finding free_finding(const std::string& device, const std::vector<Holder>& others) {
   if (others.empty()) {
-    return {Verdict::ok, "holder", "no other program is seen to have it open"};
+    return {Judgement::ok, "holder", "no other program is seen to have it open"};
   }
-  return {Verdict::fault, "holder",
+  return {Judgement::fault, "holder",
           holders_text(others) + (others.size() == 1 ? " has " : " have ") + device +
               " open too, and takes bytes that are not meant for it",
           "end it first"};
 }
 
 Finding latency_finding(const LatencyFacts& facts) {
-  Finding finding{Verdict::unknown, "latency", {}};
+  Finding finding{Judgement::unknown, "latency", {}};
   if (!facts.timer) {
     finding.seen = facts.real_path + " is no FTDI adapter, or does not show its timer";
     return finding;
   }
-  finding.verdict = Verdict::ok;
+  finding.verdict = Judgement::ok;
   finding.seen = "the adapter hands bytes over after " + std::to_string(*facts.timer) + " ms";
   if (*facts.timer <= kShortTimer) {
     return finding;
@@ -131,7 +131,7 @@ Finding latency_finding(const LatencyFacts& facts) {
       R"(ACTION=="add", SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", ATTR{latency_timer}="1")";
   const std::string how = "this line in /etc/udev/rules.d/99-ftdi.rules makes it 1 ms: " + rule;
   if (facts.low_latency == false) {
-    finding.verdict = Verdict::fault;
+    finding.verdict = Judgement::fault;
     finding.seen += ", and low_latency = false leaves it so";
     finding.advice = "set low_latency = true; or " + how;
   } else {
@@ -143,9 +143,9 @@ Finding latency_finding(const LatencyFacts& facts) {
 
 Finding settings_finding(const LineMode& mode, const std::optional<std::string>& refusal) {
   if (!refusal) {
-    return {Verdict::ok, "settings", mode_text(mode) + " is set and was read back"};
+    return {Judgement::ok, "settings", mode_text(mode) + " is set and was read back"};
   }
-  return {Verdict::fault, "settings", mode_text(mode) + ": " + *refusal,
+  return {Judgement::fault, "settings", mode_text(mode) + ": " + *refusal,
           "this adapter cannot do it: take another rate or parity, here and at the drives, or "
           "another adapter"};
 }

@@ -40,7 +40,7 @@ TEST(AnswerFindings, SayHowSoonTheAnswersCome) {
   const auto finding =
       only_finding({answered_after(microseconds(5200)), answered_after(microseconds(4100)),
                     answered_after(microseconds(4500))});
-  EXPECT_EQ(finding, (Finding{Verdict::ok, "answers of unit 3",
+  EXPECT_EQ(finding, (Finding{Judgement::ok, "answers of unit 3",
                               "3 of 3 requests answered, 4.1 ms to 5.2 ms after the request, half "
                               "of them within 4.5 ms"}));
 }
@@ -50,27 +50,27 @@ TEST(AnswerFindings, TakeAnExceptionForAnAnswer) {
   refused.exception = 2;
   const auto finding = only_finding(trials(2, refused));
   EXPECT_EQ(finding,
-            (Finding{Verdict::ok, "answers of unit 3",
+            (Finding{Judgement::ok, "answers of unit 3",
                      "2 of 2 requests answered, 4.0 ms to 4.0 ms after the request, half "
                      "of them within 4.0 ms, with exception 0x02 (illegal data address)"}));
 }
 
 TEST(AnswerFindings, NameAllThatLooksAlikeWhereNobodyAnswers) {
   EXPECT_EQ(only_finding(trials(3, {})),
-            (Finding{Verdict::fault, "answers of unit 3",
+            (Finding{Judgement::fault, "answers of unit 3",
                      "no answer to 3 requests: not a byte was heard", kAllLookAlike}));
   Trial echoed;
   echoed.echo = true;
   EXPECT_EQ(only_finding(trials(3, echoed)),
-            (Finding{Verdict::fault, "answers of unit 3",
+            (Finding{Judgement::fault, "answers of unit 3",
                      "no answer to 3 requests: only the request itself was heard", kAllLookAlike}));
 }
 
 TEST(AnswerFindings, LookAtTheDriveAloneWhereOthersAnswer) {
-  EXPECT_EQ(
-      finding_beside_a_good_one(trials(3, {})),
-      (Finding{Verdict::fault, "answers of unit 3", "no answer to 3 requests: not a byte was heard",
-               "look at its power, its address, its wires, its rate and parity"}));
+  EXPECT_EQ(finding_beside_a_good_one(trials(3, {})),
+            (Finding{Judgement::fault, "answers of unit 3",
+                     "no answer to 3 requests: not a byte was heard",
+                     "look at its power, its address, its wires, its rate and parity"}));
 }
 
 TEST(AnswerFindings, SayTheShareOfBadCrcs) {
@@ -81,19 +81,19 @@ TEST(AnswerFindings, SayTheShareOfBadCrcs) {
   const std::string line =
       "look at termination, bias and shield of the line, and at motor cables "
       "beside it";
-  EXPECT_EQ(only_finding(some), (Finding{Verdict::fault, "answers of unit 3", seen, line}));
-  EXPECT_EQ(finding_beside_a_good_one(some), (Finding{Verdict::fault, "answers of unit 3", seen,
+  EXPECT_EQ(only_finding(some), (Finding{Judgement::fault, "answers of unit 3", seen, line}));
+  EXPECT_EQ(finding_beside_a_good_one(some), (Finding{Judgement::fault, "answers of unit 3", seen,
                                                       line + "; or two devices at this address"}));
 }
 
 TEST(AnswerFindings, NameRateAndParityWhereOnlyDamageIsHeard) {
   EXPECT_EQ(only_finding(trials(4, {HeardKind::noise})),
-            (Finding{Verdict::fault, "answers of unit 3",
+            (Finding{Judgement::fault, "answers of unit 3",
                      "no answer to 4 requests: 4 with bytes that are no frame (100 %)",
                      "rate or parity, here 9600 8E1 (mbgatectl scan --device /dev/ttyUSB0 finds "
                      "those that answer); A and B; two devices at one address"}));
   EXPECT_EQ(finding_beside_a_good_one(trials(4, {HeardKind::bad_crc})),
-            (Finding{Verdict::fault, "answers of unit 3",
+            (Finding{Judgement::fault, "answers of unit 3",
                      "no answer to 4 requests: 4 with a bad CRC (100 %)",
                      "two devices at this address whose answers overlap, or its own rate, parity, "
                      "wires or transceiver: switch it off, and see whether something still "
@@ -102,7 +102,7 @@ TEST(AnswerFindings, NameRateAndParityWhereOnlyDamageIsHeard) {
 
 TEST(AnswerFindings, SayWhatTheTimeoutMustBe) {
   EXPECT_EQ(only_finding(mixed(good(1), {answered_after(microseconds(351'000))})),
-            (Finding{Verdict::fault, "answers of unit 3",
+            (Finding{Judgement::fault, "answers of unit 3",
                      "2 of 2 requests answered, 4.0 ms to 351.0 ms after the request, half of "
                      "them within 4.0 ms; 1 later than the timeout of 300ms",
                      "set response_timeout to at least 430ms"}));
@@ -110,7 +110,7 @@ TEST(AnswerFindings, SayWhatTheTimeoutMustBe) {
 
 TEST(AnswerFindings, NameTheCausesOfAnotherFrame) {
   EXPECT_EQ(only_finding(trials(3, {HeardKind::other_frame})),
-            (Finding{Verdict::fault, "answers of unit 3",
+            (Finding{Judgement::fault, "answers of unit 3",
                      "no answer to 3 requests: 3 with a frame that is not the answer",
                      "a device that answers with another address, or so late that another request "
                      "was sent before; or another client on this line"}));

@@ -7,17 +7,17 @@ namespace mbgate::ctl {
 namespace {
 
 TEST(FindingLine, SaysWhatWasSeenAndWhatToDo) {
-  EXPECT_EQ(finding_line({Verdict::ok, "port", "it is there"}), "ok       port: it is there");
-  EXPECT_EQ(finding_line({Verdict::fault, "holder", "it is held", "end it first"}),
+  EXPECT_EQ(finding_line({Judgement::ok, "port", "it is there"}), "ok       port: it is there");
+  EXPECT_EQ(finding_line({Judgement::fault, "holder", "it is held", "end it first"}),
             "fault    holder: it is held; end it first");
-  EXPECT_EQ(finding_line({Verdict::unknown, "answers", "nobody was asked"}),
+  EXPECT_EQ(finding_line({Judgement::unknown, "answers", "nobody was asked"}),
             "unknown  answers: nobody was asked");
 }
 
 TEST(FindingsJson, HasAdviceAndErrorOnlyWhereThereIsOne) {
-  EXPECT_EQ(findings_json("a", {{Verdict::ok, "port", "is there"}}, std::nullopt),
+  EXPECT_EQ(findings_json("a", {{Judgement::ok, "port", "is there"}}, std::nullopt),
             R"({"device":"a","findings":[{"verdict":"ok","step":"port","seen":"is there"}]})");
-  EXPECT_EQ(findings_json("a", {{Verdict::unknown, "port", "s", "look"}}, "interrupted"),
+  EXPECT_EQ(findings_json("a", {{Judgement::unknown, "port", "s", "look"}}, "interrupted"),
             R"({"device":"a","findings":[{"verdict":"unknown","step":"port","seen":"s",)"
             R"("advice":"look"}],"error":"interrupted"})");
 }

@@ -26,29 +26,29 @@ Finding echo_of(std::optional<bool> configured, std::vector<Trial> of_unit_3) {
 
 TEST(EchoFinding, IsAFaultOnlyWhereTheConfigurationSaysOtherwise) {
   EXPECT_EQ(echo_of(std::nullopt, trials(2, without_echo())),
-            (Finding{Verdict::ok, "echo", "no request came back to the port"}));
+            (Finding{Judgement::ok, "echo", "no request came back to the port"}));
   const std::string heard =
       "the port hears what it sends: each request came back before its answer";
   EXPECT_EQ(echo_of(std::nullopt, trials(2, with_echo())),
-            (Finding{Verdict::ok, "echo", heard,
+            (Finding{Judgement::ok, "echo", heard,
                      R"(with echo = "auto" the gateway learns it, with echo = true it knows)"}));
-  EXPECT_EQ(echo_of(true, trials(2, with_echo())), (Finding{Verdict::ok, "echo", heard}));
+  EXPECT_EQ(echo_of(true, trials(2, with_echo())), (Finding{Judgement::ok, "echo", heard}));
   EXPECT_EQ(echo_of(false, trials(2, with_echo())),
-            (Finding{Verdict::fault, "echo", heard + ", and the bus has echo = false",
+            (Finding{Judgement::fault, "echo", heard + ", and the bus has echo = false",
                      R"(set echo = true or "auto")"}));
 }
 
 TEST(EchoFinding, MissesAnEchoOnlyWhereSomethingIsHeard) {
   const std::string seen = "no request came back to the port, but the bus has echo = true";
   EXPECT_EQ(echo_of(true, trials(2, without_echo())),
-            (Finding{Verdict::fault, "echo", seen, R"(set echo = false or "auto")"}));
-  EXPECT_EQ(echo_of(true, trials(2, {})), (Finding{Verdict::unknown, "echo", seen,
+            (Finding{Judgement::fault, "echo", seen, R"(set echo = false or "auto")"}));
+  EXPECT_EQ(echo_of(true, trials(2, {})), (Finding{Judgement::unknown, "echo", seen,
                                                    "nothing was understood on this line at all"}));
 }
 
 TEST(EchoFinding, SaysThatSomeRequestsDidNotComeBack) {
   EXPECT_EQ(echo_of(true, {with_echo(), with_echo(), without_echo()}),
-            (Finding{Verdict::fault, "echo",
+            (Finding{Judgement::fault, "echo",
                      "2 of 3 requests came back as they were sent, the others did not",
                      "look for another client that sends at the same time, and for an adapter that "
                      "loses bytes"}));
@@ -67,14 +67,14 @@ std::vector<Trial> followed(std::vector<Trial> trials, const Trial& last) {
 
 TEST(AddressesFinding, NeedsTwoAnswersTwice) {
   EXPECT_EQ(addresses_finding({trials_of(3, trials(20, without_echo()))}),
-            (Finding{Verdict::ok, "addresses", "no request had a second answer"}));
+            (Finding{Judgement::ok, "addresses", "no request had a second answer"}));
   EXPECT_EQ(
       addresses_finding({trials_of(3, followed(trials(19, without_echo()), doubled()))}),
-      (Finding{Verdict::unknown, "addresses", "1 of 20 requests to unit 3 had two whole answers",
+      (Finding{Judgement::unknown, "addresses", "1 of 20 requests to unit 3 had two whole answers",
                "run this again: one may be a late answer of before"}));
   EXPECT_EQ(addresses_finding(
                 {trials_of(4, trials(20, without_echo())), trials_of(3, trials(20, doubled()))}),
-            (Finding{Verdict::fault, "addresses",
+            (Finding{Judgement::fault, "addresses",
                      "20 of 20 requests to unit 3 had two whole answers, and no request but ours "
                      "was heard",
                      "two devices have address 3: switch one of them off, and give the other "
@@ -85,7 +85,7 @@ TEST(AddressesFinding, ClaimsNothingWhereAnotherClientAsks) {
   auto foreign = without_echo();
   foreign.other_client = true;
   EXPECT_EQ(addresses_finding({trials_of(3, followed(trials(2, doubled()), foreign))}),
-            (Finding{Verdict::unknown, "addresses",
+            (Finding{Judgement::unknown, "addresses",
                      "2 of 3 requests to unit 3 had two whole answers, but another client asks on "
                      "this line too",
                      "take the other client off, and run this again"}));
@@ -93,7 +93,7 @@ TEST(AddressesFinding, ClaimsNothingWhereAnotherClientAsks) {
 
 TEST(AddressesFinding, DoesNotCountAnAnswerThatMayBeToTheRequestBefore) {
   EXPECT_EQ(addresses_finding({trials_of(3, {{}, doubled(), {}, doubled()})}),
-            (Finding{Verdict::ok, "addresses", "no request had a second answer"}));
+            (Finding{Judgement::ok, "addresses", "no request had a second answer"}));
 }
 
 TEST(AddressesFinding, NamesAllCausesOfAnswersThatAreAlwaysDamaged) {
@@ -101,13 +101,13 @@ TEST(AddressesFinding, NamesAllCausesOfAnswersThatAreAlwaysDamaged) {
   damaged.bytes = 9;
   EXPECT_EQ(addresses_finding(
                 {trials_of(3, trials(20, damaged)), trials_of(4, trials(20, without_echo()))}),
-            (Finding{Verdict::unknown, "addresses",
+            (Finding{Judgement::unknown, "addresses",
                      "each answer of unit 3 is damaged (up to 9 bytes), while others answer well: "
                      "two devices whose answers overlap would look so, and so would its own rate, "
                      "parity, wires or transceiver",
                      "switch it off: if something still answers, there is a second one"}));
   EXPECT_EQ(addresses_finding({trials_of(3, trials(20, damaged))}),
-            (Finding{Verdict::unknown, "addresses", "no answer was understood"}));
+            (Finding{Judgement::unknown, "addresses", "no answer was understood"}));
 }
 
 }  // namespace

@@ -15,26 +15,26 @@ const std::string kByItsId = "/dev/serial/by-id/usb-FTDI-if00";
 
 TEST(PortFinding, NamesThePortsThatThereAre) {
   EXPECT_EQ(port_finding(kPort, {.error = ENOENT}),
-            (Finding{Verdict::fault, "port", "there is no serial port /dev/ttyUSB0",
+            (Finding{Judgement::fault, "port", "there is no serial port /dev/ttyUSB0",
                      "is the adapter plugged in? dmesg says so"}));
-  EXPECT_EQ(
-      port_finding(kPort, {.error = ENOENT, .names = {kByItsId}}),
-      (Finding{Verdict::fault, "port", "there is no serial port /dev/ttyUSB0; there is " + kByItsId,
-               "name one of those that there are"}));
+  EXPECT_EQ(port_finding(kPort, {.error = ENOENT, .names = {kByItsId}}),
+            (Finding{Judgement::fault, "port",
+                     "there is no serial port /dev/ttyUSB0; there is " + kByItsId,
+                     "name one of those that there are"}));
   EXPECT_EQ(port_finding("/etc/passwd", {}),
-            (Finding{Verdict::fault, "port", "/etc/passwd is no serial port",
+            (Finding{Judgement::fault, "port", "/etc/passwd is no serial port",
                      "name one, such as those of ls /dev/serial/by-id"}));
 }
 
 TEST(PortFinding, SuggestsTheNameThatStays) {
-  const Finding plain{Verdict::ok, "port", "/dev/ttyUSB0 is there"};
+  const Finding plain{Judgement::ok, "port", "/dev/ttyUSB0 is there"};
   EXPECT_EQ(port_finding(kPort, {.is_character_device = true}), plain);
   auto named = plain;
   named.advice =
       "where adapters are plugged in otherwise it may be another one; this name stays: " + kByItsId;
   EXPECT_EQ(port_finding(kPort, {.is_character_device = true, .leading = {kByItsId}}), named);
   EXPECT_EQ(port_finding(kByItsId, {.is_character_device = true, .is_lasting = true}),
-            (Finding{Verdict::ok, "port", kByItsId + " is there"}));
+            (Finding{Judgement::ok, "port", kByItsId + " is there"}));
 }
 
 PermissionFacts not_allowed() {
@@ -49,14 +49,14 @@ PermissionFacts not_allowed() {
 
 TEST(PermissionFinding, SaysHowToJoinTheGroup) {
   EXPECT_EQ(permission_finding(kPort, not_allowed()),
-            (Finding{Verdict::fault, "permission",
+            (Finding{Judgement::fault, "permission",
                      "anna may not open /dev/ttyUSB0: no member of group dialout, which owns it",
                      "sudo adduser anna dialout, then log in again"}));
   auto joined = not_allowed();
   joined.becomes_member = true;
   EXPECT_EQ(
       permission_finding(kPort, joined),
-      (Finding{Verdict::fault, "permission",
+      (Finding{Judgement::fault, "permission",
                "anna may not open /dev/ttyUSB0: a member of group dialout, but not since the last "
                "login",
                "log in again"}));
@@ -66,43 +66,43 @@ TEST(PermissionFinding, DoesNotSendAnybodyIntoAGroupThatMayNot) {
   auto closed = not_allowed();
   closed.mode = 0600;
   EXPECT_EQ(permission_finding(kPort, closed),
-            (Finding{Verdict::fault, "permission",
+            (Finding{Judgement::fault, "permission",
                      "anna may not open /dev/ttyUSB0: its mode is 0600, of root and group dialout",
                      "a udev rule must give it to a group, or run this with sudo"}));
   auto member = not_allowed();
   member.is_member = true;
   EXPECT_EQ(permission_finding(kPort, member),
-            (Finding{Verdict::fault, "permission",
+            (Finding{Judgement::fault, "permission",
                      "anna may not open /dev/ttyUSB0: Permission denied, though a member of group "
                      "dialout",
                      "what else forbids it? getfacl /dev/ttyUSB0"}));
   auto allowed = not_allowed();
   allowed.error = 0;
   EXPECT_EQ(permission_finding(kPort, allowed),
-            (Finding{Verdict::ok, "permission", "anna may open /dev/ttyUSB0"}));
+            (Finding{Judgement::ok, "permission", "anna may open /dev/ttyUSB0"}));
 }
 
 TEST(HolderFinding, NamesWhoHasThePort) {
   EXPECT_EQ(held_finding(kPort, {{12, "mbgated"}}),
-            (Finding{Verdict::fault, "holder",
+            (Finding{Judgement::fault, "holder",
                      "mbgated (process 12) has /dev/ttyUSB0 open, and it is locked",
                      "ask it with mbgatectl status, or stop it: sudo systemctl stop mbgated"}));
   EXPECT_EQ(held_finding(kPort, {{12, "mbpoll"}, {13, "minicom"}}),
-            (Finding{Verdict::fault, "holder",
+            (Finding{Judgement::fault, "holder",
                      "mbpoll (process 12), minicom (process 13) have /dev/ttyUSB0 open, and it is "
                      "locked",
                      "end it first"}));
   EXPECT_EQ(held_finding(kPort, {}),
-            (Finding{Verdict::fault, "holder", "a gateway or another program holds /dev/ttyUSB0",
+            (Finding{Judgement::fault, "holder", "a gateway or another program holds /dev/ttyUSB0",
                      "sudo fuser -v /dev/ttyUSB0 names it; a gateway is stopped with sudo "
                      "systemctl stop mbgated, or asked with mbgatectl status"}));
 }
 
 TEST(HolderFinding, SaysWhoReadsAlongWithoutALock) {
   EXPECT_EQ(free_finding(kPort, {}),
-            (Finding{Verdict::ok, "holder", "no other program is seen to have it open"}));
+            (Finding{Judgement::ok, "holder", "no other program is seen to have it open"}));
   EXPECT_EQ(free_finding(kPort, {{12, "mbpoll"}}),
-            (Finding{Verdict::fault, "holder",
+            (Finding{Judgement::fault, "holder",
                      "mbpoll (process 12) has /dev/ttyUSB0 open too, and takes bytes that are not "
                      "meant for it",
                      "end it first"}));
@@ -114,35 +114,36 @@ constexpr const char* kHowTo =
 
 TEST(LatencyFinding, IsAFaultOnlyWhereTheGatewayLeavesItSo) {
   EXPECT_EQ(latency_finding({kPort, 16, false}),
-            (Finding{Verdict::fault, "latency",
+            (Finding{Judgement::fault, "latency",
                      "the adapter hands bytes over after 16 ms, and low_latency = false leaves it "
                      "so",
                      "set low_latency = true; or " + std::string(kHowTo)}));
   const Finding slow{
-      Verdict::ok, "latency",
+      Judgement::ok, "latency",
       "the adapter hands bytes over after 16 ms; so long the times below may be too "
       "long",
       "mbgated itself asks for 1 ms (low_latency); for other programs " + std::string(kHowTo)};
   EXPECT_EQ(latency_finding({kPort, 16, true}), slow);
   EXPECT_EQ(latency_finding({kPort, 16, std::nullopt}), slow);
   EXPECT_EQ(latency_finding({kPort, 1, false}),
-            (Finding{Verdict::ok, "latency", "the adapter hands bytes over after 1 ms"}));
+            (Finding{Judgement::ok, "latency", "the adapter hands bytes over after 1 ms"}));
 }
 
 TEST(LatencyFinding, KnowsNothingOfOtherAdapters) {
   EXPECT_EQ(latency_finding({"/dev/ttyS0"}),
-            (Finding{Verdict::unknown, "latency",
+            (Finding{Judgement::unknown, "latency",
                      "/dev/ttyS0 is no FTDI adapter, or does not show its timer"}));
 }
 
 TEST(SettingsFinding, SaysWhyThePortCannotHaveTheMode) {
   const LineMode mode{modbus::Baud{250000}, {8, modbus::Parity::odd, 1}};
   EXPECT_EQ(settings_finding(mode, std::nullopt),
-            (Finding{Verdict::ok, "settings", "250000 8O1 is set and was read back"}));
-  EXPECT_EQ(settings_finding(mode, "the driver took 230400 baud instead"),
-            (Finding{Verdict::fault, "settings", "250000 8O1: the driver took 230400 baud instead",
-                     "this adapter cannot do it: take another rate or parity, here and at the "
-                     "drives, or another adapter"}));
+            (Finding{Judgement::ok, "settings", "250000 8O1 is set and was read back"}));
+  EXPECT_EQ(
+      settings_finding(mode, "the driver took 230400 baud instead"),
+      (Finding{Judgement::fault, "settings", "250000 8O1: the driver took 230400 baud instead",
+               "this adapter cannot do it: take another rate or parity, here and at the "
+               "drives, or another adapter"}));
 }
 
 }  // namespace
