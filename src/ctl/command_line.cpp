@@ -11,6 +11,7 @@
 #include "ctl/options/replay_options.hpp"
 #include "ctl/options/request_options.hpp"
 #include "ctl/options/scan_options.hpp"
+#include "ctl/options/trace_options.hpp"
 #include "ctl/request/carry_out.hpp"
 
 namespace mbgate::ctl {
@@ -28,7 +29,8 @@ struct Subcommands {
         status(app),
         reload(app),
         clear_counters(app),
-        events(app) {}
+        events(app),
+        trace(app) {}
 
   /// That of the subcommand which was given. The error is a full sentence.
   [[nodiscard]] Result<Command, std::string> command() const {
@@ -59,6 +61,9 @@ struct Subcommands {
     if (reload.given()) {
       return reload.command();
     }
+    if (trace.given()) {
+      return trace.command();
+    }
     return clear_counters.given() ? clear_counters.command() : events.command();
   }
 
@@ -73,6 +78,7 @@ struct Subcommands {
   ReloadOptions reload;
   ClearCountersOptions clear_counters;
   EventsOptions events;
+  TraceOptions trace;
 };
 
 }  // namespace

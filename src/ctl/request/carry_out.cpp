@@ -13,6 +13,7 @@
 #include "ctl/request/repeated_read.hpp"
 #include "ctl/request/report.hpp"
 #include "ctl/scan/scan_command.hpp"
+#include "ctl/trace/trace_command.hpp"
 #include "modbus/exception_code.hpp"
 
 namespace mbgate::ctl {
@@ -101,6 +102,10 @@ int carry_out_one(const ClearCountersCommand& command, std::ostream& out, std::o
 
 int carry_out_one(const EventsCommand& command, std::ostream& out, std::ostream& errors) {
   return follow_events(command, out, errors);
+}
+
+int carry_out_one(const TraceCommand& command, std::ostream& out, std::ostream& errors) {
+  return follow_trace(command, out, errors);
 }
 
 }  // namespace

@@ -142,9 +142,28 @@ struct EventsCommand {
   bool json = false;  ///< one object a line
 };
 
+/// Which requests and frames are traced; what is empty or nothing lets all through.
+struct TraceFilter {
+  std::string bus;
+  std::string device;
+  std::string client;                    ///< an IP address
+  std::optional<std::uint8_t> function;  ///< of the request
+  bool only_failed = false;
+};
+
+/// Prints what goes through a running mbgated, from the clients to the wire and back.
+struct TraceCommand {
+  std::string socket = kControlSocket;
+  TraceFilter filter;
+  bool json = false;                 ///< one object a line
+  bool quiet = false;                ///< no text
+  std::string pcapng;                ///< a file; "-": standard output, without text; empty: none
+  std::optional<std::size_t> times;  ///< records; none: until interrupted
+};
+
 using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, CheckCommand,
                              DoctorCommand, ReplayCommand, StatusCommand, ReloadCommand,
-                             ClearCountersCommand, EventsCommand>;
+                             ClearCountersCommand, EventsCommand, TraceCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a value are never written one by one. The error is a full sentence.

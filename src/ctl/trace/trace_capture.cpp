@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/trace/trace_capture.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "ctl/trace/bus_packets.hpp"
+#include "ctl/trace/trace_lines.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+constexpr std::uint32_t kClients = 0;          // the interface
+constexpr std::uint16_t kModbusTcpPort = 502;  // where Wireshark looks for Modbus
+
+/// An address for the gateway that is nobody's: those of documentation (RFC 5737, RFC 3849). The
+/// trace does not say which of its own addresses a client has used.
+TcpEndpoint gateway_towards(const ByteString& client) {
+  const bool is_v4 = client.size() == 4;
+  return {*ip_octets(is_v4 ? "192.0.2.1" : "2001:db8::1"), kModbusTcpPort};
+}
+
+/// A port that a program has; the number of its connection tells it from others of the address.
+std::uint16_t port_of(std::uint64_t connection) {
+  constexpr std::uint64_t kFirst = 1024;
+  constexpr std::uint64_t kPorts = 65536 - kFirst;
+  return static_cast<std::uint16_t>(kFirst + connection % kPorts);
+}
+
+void append_block(ByteString& blocks, const ByteString& block) {
+  blocks.insert(blocks.end(), block.begin(), block.end());
+}
+
+}  // namespace
+
+ByteString TraceCapture::start() {
+  ByteString blocks = section_block("mbgatectl trace");
+  append_block(blocks, interface_block(LinkType::raw_ip, "clients",
+                                       "what clients and gateway said; the gateway's address and "
+                                       "all ports are made up"));
+  return blocks;
+}
+
+ByteString TraceCapture::add(const TraceEvent& event) {
+  ByteString blocks;
+  std::vector<Placed> packets;
+  if (event.asked) {
+    add_request(*event.asked, packets);
+  }
+  for (const TracedFrame& frame : event.wire) {
+    add_frame(frame, packets, blocks);
+  }
+  std::ranges::stable_sort(packets, {}, [](const Placed& it) { return it.packet.at; });
+  const std::string failure = failure_of(event);
+  for (Placed& it : packets) {
+    std::string& comment = it.packet.comment;
+    if (comment.empty() && !failure.empty()) {
+      comment = "failed: " + failure;
+    }
+    if (lost_ > 0) {
+      const std::string missing = missing_records(std::exchange(lost_, 0));
+      comment = comment.empty() ? missing : missing + "\n" + comment;
+    }
+    append_block(blocks, packet_block(it.interface, it.packet));
+  }
+  return blocks;
+}
+
+void TraceCapture::add_request(const TracedRequest& asked, std::vector<Placed>& packets) {
+  const auto address = ip_octets(asked.client);
+  if (!address) {
+    throw std::invalid_argument("\"" + asked.client + "\" is no IP address");
+  }
+  if (conversations_.size() >= kMostConversations) {
+    conversations_.clear();
+  }
+  const TcpEndpoint client{*address, port_of(asked.connection)};
+  const TcpEndpoint gateway = gateway_towards(*address);
+  Streams& streams = conversations_[{client.address, client.port}];
+  const ByteString& request = asked.request.raw.bytes;
+  const TcpPlace place{streams.of_client, streams.of_gateway};
+  packets.push_back(
+      {kClients,
+       {asked.request.raw.at, Heading::inbound, tcp_segment(client, gateway, place, request), {}}});
+  streams.of_client += static_cast<std::uint32_t>(request.size());
+  if (asked.answer) {
+    const ByteString& answer = asked.answer->raw.bytes;
+    const TcpPlace back{streams.of_gateway, streams.of_client};
+    packets.push_back({kClients,
+                       {asked.answer->raw.at,
+                        Heading::outbound,
+                        tcp_segment(gateway, client, back, answer),
+                        {}}});
+    streams.of_gateway += static_cast<std::uint32_t>(answer.size());
+  }
+}
+
+void TraceCapture::add_frame(const TracedFrame& frame, std::vector<Placed>& packets,
+                             ByteString& blocks) {
+  if (was_added(frame)) {
+    return;
+  }
+  const std::uint32_t interface = interface_of(frame.bus, blocks);
+  const std::string failure = failure_of(frame);
+  for (CapturedPacket& packet : bus_packets(frame)) {
+    if (packet.comment.empty() && !failure.empty()) {
+      packet.comment = "failed: " + failure;
+    }
+    packets.push_back({interface, std::move(packet)});
+  }
+}
+
+/// A frame that answers several requests comes with each of them.
+bool TraceCapture::was_added(const TracedFrame& frame) {
+  if (!frame.sent || frame.shared_by < 2) {
+    return false;
+  }
+  std::pair<std::string, TraceInstant> key(frame.bus, frame.sent->raw.at);
+  if (std::ranges::find(shared_, key) != shared_.end()) {
+    return true;
+  }
+  shared_.push_back(std::move(key));
+  if (shared_.size() > kMostShared) {
+    shared_.pop_front();
+  }
+  return false;
+}
+
+std::uint32_t TraceCapture::interface_of(const std::string& bus, ByteString& blocks) {
+  const auto number = static_cast<std::uint32_t>(kClients + 1 + buses_.size());
+  const auto [it, is_new] = buses_.try_emplace(bus, number);
+  if (is_new) {
+    append_block(blocks, interface_block(LinkType::upper_pdu, bus, "what went over this bus"));
+  }
+  return it->second;
+}
+
+}  // namespace mbgate::ctl

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/trace/trace_command.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <ostream>
+
+#include "ctl/control/control_shell.hpp"
+#include "ctl/control/event_reader.hpp"
+#include "ctl/request/carry_out.hpp"
+#include "ctl/request/interruption.hpp"
+#include "ctl/request/report.hpp"
+#include "ctl/trace/trace_printer.hpp"
+#include "ctl/trace/trace_query.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+std::string cannot_write(const std::string& file) {
+  return "cannot write " + file + ": " + std::strerror(errno);
+}
+
+}  // namespace
+
+int follow_trace(const TraceCommand& command, std::ostream& out, std::ostream& errors) {
+  const auto fail = [&](const std::string& why) {
+    return report_failure({kExitNotDone, why}, command.json, out, errors);
+  };
+  const bool is_text = !command.quiet && command.pcapng != "-";
+  std::ofstream file;
+  if (!command.pcapng.empty() && command.pcapng != "-") {
+    file.open(command.pcapng, std::ios::binary);
+    if (!file) {
+      return fail(cannot_write(command.pcapng));
+    }
+  }
+  std::ostream* const capture = command.pcapng == "-"    ? &out
+                                : command.pcapng.empty() ? nullptr
+                                                         : &file;
+  const Interruption interruption;
+  TracePrinter printer({is_text ? &out : nullptr, command.json, capture, command.times});
+  EventReader reader;
+  const auto take = [&](std::string_view piece) {
+    for (const ServerEvent& event : reader.take(piece)) {
+      if (!printer.take(event)) {
+        return false;
+      }
+    }
+    return true;
+  };
+  std::string why;
+  try {
+    why = printer.start()
+              ? follow_control(command.socket, trace_target(command.filter), interruption, take)
+              : std::string();
+  } catch (const std::exception& exception) {
+    why = std::string("mbgated is of another version than mbgatectl: ") + exception.what();
+  }
+  if (!why.empty()) {
+    return fail(why);
+  }
+  if (file.is_open() && !file) {
+    return fail(cannot_write(command.pcapng));
+  }
+  return printer.is_done() ? kExitDone : kExitNotDone;
+}
+
+}  // namespace mbgate::ctl

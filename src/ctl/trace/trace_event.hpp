@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// One record of a trace as mbgated sends it (docs/api.yaml): a request from the client to the wire
+// and back, a frame for no request that is traced, or bytes that nobody had asked for.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mbgate::ctl {
+
+using ByteString = std::vector<std::uint8_t>;
+/// Of the day, in UTC.
+using TraceInstant = std::chrono::sys_time<std::chrono::microseconds>;
+
+/// Bytes that were sent or came together.
+struct TracedBytes {
+  TraceInstant at;
+  ByteString bytes;
+};
+
+/// `text`: what they mean, in one line.
+struct TracedAdu {
+  TracedBytes raw;
+  std::string text;
+};
+
+enum class TracedFraming : std::uint8_t { rtu, ascii, tcp };
+enum class TracedOutcome : std::uint8_t { answered, sent, no_response, damaged, cut, unasked };
+
+/// One frame on a line, and what came back.
+struct TracedFrame {
+  std::string bus;
+  std::string device;  ///< empty: the configuration has none at this address
+  std::uint8_t address = 0;
+  TracedFraming framing = TracedFraming::rtu;
+  std::optional<TracedAdu> sent;  ///< nothing: heard without being asked
+  std::uint64_t tries = 0;        ///< this one included
+  std::uint64_t shared_by = 0;    ///< requests that this frame answers
+  std::vector<TracedBytes> heard;
+  std::uint64_t not_kept = 0;  ///< bytes that were heard beyond those
+  std::string heard_text;
+  std::optional<ByteString> response;  ///< the PDU that was taken
+  TracedOutcome outcome = TracedOutcome::cut;
+  TraceInstant ended_at;
+};
+
+/// The client's side.
+struct TracedRequest {
+  std::string client;  ///< its IP address
+  std::uint64_t connection = 0;
+  std::string listener;
+  TracedAdu request;
+  std::optional<TracedAdu> answer;  ///< nothing: the client has gone, or gets none
+  bool refused = false;             ///< answered by the gateway without asking a device
+  std::string ended;                ///< how its last job ended; empty: it had none
+};
+
+struct TraceEvent {
+  bool failed = false;
+  std::optional<TracedRequest> asked;
+  std::vector<TracedFrame> wire;
+  std::uint64_t wire_not_kept = 0;  ///< frames beyond those
+};
+
+/// `data`: that of an event. An exception says what is not as mbgated sends it.
+TraceEvent parse_trace(const std::string& data);
+
+/// All bytes that were heard, one behind the other.
+ByteString all_heard(const TracedFrame& frame);
+
+}  // namespace mbgate::ctl

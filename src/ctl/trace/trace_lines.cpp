@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/trace/trace_lines.hpp"
+
+#include <cstdio>
+#include <ctime>
+#include <string_view>
+#include <vector>
+
+#include "modbus/describe.hpp"
+#include "modbus/function_code.hpp"
+#include "modbus/mbap.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+constexpr std::string_view kFailed = "FAILED: ";
+
+/// "22:10:00.123456"
+std::string clock_text(TraceInstant instant) {
+  const auto second = std::chrono::floor<std::chrono::seconds>(instant);
+  const std::time_t time = second.time_since_epoch().count();
+  std::tm local{};
+  ::localtime_r(&time, &local);
+  char text[32];
+  const std::size_t size = std::strftime(text, sizeof text, "%H:%M:%S", &local);
+  std::snprintf(text + size, sizeof text - size, ".%06d",
+                static_cast<int>((instant - second).count()));
+  return text;
+}
+
+/// "5.1 ms"
+std::string span_text(std::chrono::microseconds span) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f ms",
+                std::chrono::duration<double, std::milli>(span).count());
+  return text;
+}
+
+/// "2nd", "11th"
+std::string ordinal(std::uint64_t number) {
+  const std::uint64_t tens = number / 10 % 10;
+  const std::uint64_t last = tens == 1 ? 0 : number % 10;
+  const char* const ends[] = {"th", "st", "nd", "rd"};
+  return std::to_string(number) + ends[last < 4 ? last : 0];
+}
+
+/// "unit 1: 2 registers" of "transaction 7 unit 1: 2 registers".
+std::string_view without_transaction(std::string_view text) {
+  const std::size_t unit = text.find(" unit ");
+  const bool has_both = text.starts_with("transaction ") && unit != std::string_view::npos;
+  return has_both ? text.substr(unit + 1) : text;
+}
+
+/// "2 registers" of "transaction 7 unit 1: 2 registers".
+std::string_view without_unit(std::string_view text) {
+  text = without_transaction(text);
+  const std::size_t colon = text.find(": ");
+  return text.starts_with("unit ") && colon != std::string_view::npos ? text.substr(colon + 2)
+                                                                      : text;
+}
+
+bool is_exception(const TracedAdu& answer) {
+  const ByteString& adu = answer.raw.bytes;
+  return adu.size() > modbus::kMbapHeaderSize &&
+         (adu[modbus::kMbapHeaderSize] & modbus::kExceptionBit) != 0;
+}
+
+std::string ended_behind(const TracedRequest& asked) {
+  const bool is_known = asked.ended.empty() || asked.ended == "answered";
+  return is_known ? std::string() : ": " + asked.ended;
+}
+
+/// "line-a axis-x"
+std::string place_of(const TracedFrame& frame) {
+  if (frame.outcome == TracedOutcome::unasked) {
+    return frame.bus;
+  }
+  return frame.bus + " " +
+         (frame.device.empty() ? "address " + std::to_string(frame.address) : frame.device);
+}
+
+/// "(+0.1 ms after the request came; 2nd try)", or nothing.
+std::string sent_note(const TracedFrame& frame, const std::optional<TracedRequest>& asked) {
+  std::vector<std::string> notes;
+  const std::string_view meaning = without_transaction(frame.sent->text);
+  if (asked) {
+    const auto after = frame.sent->raw.at - asked->request.raw.at;
+    notes.push_back(after.count() < 0 ? span_text(-after) + " before the request came"
+                                      : "+" + span_text(after) + " after the request came");
+  }
+  if (!asked || meaning != without_transaction(asked->request.text)) {
+    notes.emplace_back(meaning);
+  }
+  if (frame.tries > 1) {
+    notes.push_back(ordinal(frame.tries) + " try");
+  }
+  if (frame.shared_by > 1) {
+    notes.push_back("shared by " + std::to_string(frame.shared_by) + " requests");
+  }
+  if (frame.outcome == TracedOutcome::sent) {
+    notes.emplace_back("nobody answers that");
+  }
+  std::string text;
+  for (const std::string& note : notes) {
+    text += (text.empty() ? "" : "; ") + note;
+  }
+  return text.empty() ? text : "  (" + text + ")";
+}
+
+/// What is said of heard bytes beside them.
+std::string heard_note(const TracedFrame& frame, const std::optional<TracedRequest>& asked) {
+  if (const std::string failure = failure_of(frame); !failure.empty()) {
+    return std::string(kFailed) + failure;
+  }
+  const bool says_the_answer =
+      asked && asked->answer && frame.heard_text == without_unit(asked->answer->text);
+  return says_the_answer ? std::string() : frame.heard_text;
+}
+
+/// The line of what was heard, or nothing where nothing had to be heard.
+std::string heard_line(const TracedFrame& frame, const std::optional<TracedRequest>& asked) {
+  if (frame.heard.empty() && frame.outcome == TracedOutcome::sent) {
+    return {};
+  }
+  std::string line = "  " + place_of(frame) + " <";
+  if (!frame.heard.empty()) {
+    line += " " + modbus::hex(all_heard(frame));
+    if (frame.not_kept > 0) {
+      line += " and " + std::to_string(frame.not_kept) + " bytes more";
+    }
+    if (frame.sent) {
+      line += "  " + span_text(frame.heard.front().at - frame.sent->raw.at);
+    }
+  }
+  if (const std::string note = heard_note(frame, asked); !note.empty()) {
+    line += (frame.heard.empty() ? " " : "  ") + note;
+  }
+  return line + "\n";
+}
+
+std::string frame_lines(const TracedFrame& frame, const std::optional<TracedRequest>& asked) {
+  std::string lines;
+  if (frame.sent) {
+    lines = "  " + place_of(frame) + " > " + modbus::hex(frame.sent->raw.bytes) +
+            sent_note(frame, asked) + "\n";
+  }
+  return lines + heard_line(frame, asked);
+}
+
+std::string answer_line(const TraceEvent& event) {
+  const TracedRequest& asked = *event.asked;
+  const std::string failure = failure_of(asked);
+  std::string line = "  = ";
+  if (!failure.empty()) {
+    line.append(kFailed).append(failure);
+  } else {
+    line += without_unit(asked.answer->text);
+    if (asked.refused) {
+      line += "  (from the gateway itself)";
+    } else if (event.wire.empty()) {
+      line += "  (nothing was sent for it)";
+    }
+  }
+  if (asked.answer) {
+    line += "  " + span_text(asked.answer->raw.at - asked.request.raw.at) + " in all";
+  }
+  return line + "\n";
+}
+
+std::string head_line(const TraceEvent& event) {
+  if (event.asked) {
+    const TracedRequest& asked = *event.asked;
+    return clock_text(asked.request.raw.at) + (failure_of(asked).empty() ? " " : " FAILED ") +
+           asked.client + " " + asked.listener + " " +
+           std::string(without_transaction(asked.request.text)) + "\n";
+  }
+  const TracedFrame& frame = event.wire.front();
+  if (frame.sent) {
+    return clock_text(frame.sent->raw.at) + (failure_of(frame).empty() ? "" : " FAILED") +
+           " for no client's request that is traced\n";
+  }
+  return clock_text(frame.heard.empty() ? frame.ended_at : frame.heard.front().at) +
+         " heard without being asked\n";
+}
+
+}  // namespace
+
+std::string trace_lines(const TraceEvent& event) {
+  std::string lines = head_line(event);
+  for (const TracedFrame& frame : event.wire) {
+    lines += frame_lines(frame, event.asked);
+  }
+  if (event.wire_not_kept > 0) {
+    lines += "  and " + std::to_string(event.wire_not_kept) + " frames more\n";
+  }
+  return event.asked ? lines + answer_line(event) : lines;
+}
+
+std::string missing_records(std::uint64_t lost) {
+  return std::to_string(lost) + (lost == 1 ? " record is" : " records are") +
+         " missing here: they came faster than they were read";
+}
+
+std::string failure_of(const TracedFrame& frame) {
+  const std::string heard = frame.heard.empty() ? std::string() : ": " + frame.heard_text;
+  const auto lasted = [&] {
+    return frame.sent ? span_text(frame.ended_at - frame.sent->raw.at) : std::string();
+  };
+  switch (frame.outcome) {
+    case TracedOutcome::answered:
+    case TracedOutcome::sent:
+    case TracedOutcome::unasked: return {};
+    case TracedOutcome::damaged: return frame.heard_text;
+    case TracedOutcome::no_response:
+      return (heard.empty() ? "nothing within " : "no response within ") + lasted() + heard;
+    case TracedOutcome::cut: return "cut off after " + lasted() + heard;
+  }
+  return {};
+}
+
+std::string failure_of(const TracedRequest& asked) {
+  if (!asked.answer) {
+    return "no answer, the client has gone or gets none" + ended_behind(asked);
+  }
+  if (!is_exception(*asked.answer)) {
+    return {};
+  }
+  return (asked.refused ? "refused by the gateway: " : "") +
+         std::string(without_unit(asked.answer->text)) + ended_behind(asked);
+}
+
+std::string failure_of(const TraceEvent& event) {
+  if (event.asked) {
+    if (std::string failure = failure_of(*event.asked); !failure.empty()) {
+      return failure;
+    }
+  }
+  for (const TracedFrame& frame : event.wire) {
+    if (std::string failure = failure_of(frame); !failure.empty()) {
+      return failure;
+    }
+  }
+  return {};
+}
+
+}  // namespace mbgate::ctl

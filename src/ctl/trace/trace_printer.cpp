@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/trace/trace_printer.hpp"
+
+#include <boost/json/object.hpp>
+#include <boost/json/parse.hpp>
+#include <boost/json/serialize.hpp>
+#include <boost/json/value.hpp>
+#include <ostream>
+#include <stdexcept>
+
+#include "ctl/trace/trace_lines.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+/// {"event":"transaction", and what came}
+std::string with_name(const ServerEvent& event) {
+  boost::json::object whole{{"event", event.name}};
+  for (const auto& [key, value] : boost::json::parse(event.data).as_object()) {
+    whole[key] = value;
+  }
+  return boost::json::serialize(whole);
+}
+
+}  // namespace
+
+bool TracePrinter::start() {
+  if (ways_.capture != nullptr) {
+    put(TraceCapture::start());
+  }
+  return is_written();
+}
+
+bool TracePrinter::take(const ServerEvent& event) {
+  if (ways_.text != nullptr && ways_.json) {
+    *ways_.text << with_name(event) << '\n';
+  }
+  if (event.name == "lost") {
+    take_lost(event);
+  } else {
+    take_record(event);
+  }
+  if (ways_.text != nullptr) {
+    ways_.text->flush();
+  }
+  return is_written() && !is_done();
+}
+
+void TracePrinter::take_lost(const ServerEvent& event) {
+  const auto data = boost::json::parse(event.data);
+  const auto lost = data.as_object().at("lost").to_number<std::uint64_t>();
+  if (ways_.text != nullptr && !ways_.json) {
+    *ways_.text << missing_records(lost) << '\n';
+  }
+  capture_.note_lost(lost);
+}
+
+void TracePrinter::take_record(const ServerEvent& event) {
+  const TraceEvent record = parse_trace(event.data);
+  if (ways_.text != nullptr && !ways_.json) {
+    *ways_.text << trace_lines(record);
+  }
+  if (ways_.capture != nullptr) {
+    put(capture_.add(record));
+  }
+  ++taken_;
+}
+
+void TracePrinter::put(const ByteString& blocks) {
+  ways_.capture->write(reinterpret_cast<const char*>(blocks.data()),
+                       static_cast<std::streamsize>(blocks.size()));
+  ways_.capture->flush();
+}
+
+bool TracePrinter::is_written() const {
+  return (ways_.text == nullptr || ways_.text->good()) &&
+         (ways_.capture == nullptr || ways_.capture->good());
+}
+
+}  // namespace mbgate::ctl
