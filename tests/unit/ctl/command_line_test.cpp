@@ -205,6 +205,36 @@ TEST(CommandLine, EventsAreAskedOfMbgatedsSocket) {
   EXPECT_TRUE(others.json);
 }
 
+TEST(CommandLine, TraceTakesEveryOption) {
+  const auto plain = command<TraceCommand>("trace");
+  EXPECT_EQ(plain.socket, "/run/mbgate/control");
+  EXPECT_EQ(plain.filter.function, std::nullopt);
+  EXPECT_FALSE(plain.filter.only_failed || plain.json || plain.quiet);
+  EXPECT_EQ(plain.pcapng, "");
+  EXPECT_EQ(plain.times, std::nullopt);
+  const auto trace = command<TraceCommand>(
+      "trace --bus line-a --device axis-x --client fd00::5 --function 0x10 --failed --json "
+      "--pcapng f --quiet --times 3 --control c");
+  EXPECT_EQ(trace.filter.bus, "line-a");
+  EXPECT_EQ(trace.filter.device, "axis-x");
+  EXPECT_EQ(trace.filter.client, "fd00::5");
+  EXPECT_EQ(trace.filter.function, 16);
+  EXPECT_TRUE(trace.filter.only_failed && trace.json && trace.quiet);
+  EXPECT_EQ(trace.pcapng, "f");
+  EXPECT_EQ(trace.times, 3U);
+  EXPECT_EQ(trace.socket, "c");
+}
+
+TEST(CommandLine, TraceSaysWhatAFilterTakes) {
+  EXPECT_EQ(complaint("trace --function 300"),
+            "mbgatectl: --function \"300\" is not a function code: 1 to 127, like 3 or 0x10");
+  EXPECT_EQ(complaint("trace --client plc"),
+            "mbgatectl: --client \"plc\" is not an IP address, like 192.168.10.5 or fd00::5");
+  EXPECT_EQ(complaint("trace --pcapng - --json"),
+            "mbgatectl: --json and --pcapng - both want standard output: name a file for one");
+  EXPECT_EQ(complaint("trace --quiet"), "mbgatectl: --quiet requires --pcapng");
+}
+
 TEST(CommandLine, HelpAndVersionAreNoErrors) {
   for (const auto* line : {"--help", "read --help", "write --help", "profile --help", "scan --help",
                            "events --help"}) {
