@@ -70,7 +70,7 @@ class Trace(ControlCase):
         return "".join(lines)
 
     def tshark(self, file, shown, *fields):
-        options = ["-o", "mbrtu.tcp.port:502", "-o", "mbrtu.crc_verification:TRUE", "-o", "ip.check_checksum:TRUE"]
+        options = ["-o", "mbrtu.tcp.port:20502", "-o", "mbrtu.crc_verification:TRUE", "-o", "ip.check_checksum:TRUE"]
         options += ["-o", "tcp.check_checksum:TRUE"]
         printed = [part for field in fields for part in ("-e", field)]
         command = ["tshark", "-r", str(file), *options, "-Y", shown, "-T", "fields", "-E", "separator=,", *printed]

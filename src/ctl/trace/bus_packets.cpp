@@ -14,7 +14,11 @@ namespace {
 /// Which side a frame is from. Wireshark tells a request from a response by its ports.
 enum class Side : std::uint8_t { gateway, device, unknown };
 
-constexpr std::uint16_t kDevicePort = 502;  // that of Modbus
+/// The port of the device's side. That of RTU is not 502: there the clients' side is, and who tells
+/// Wireshark that its RTU is at a port takes this port from Modbus TCP.
+constexpr std::uint16_t port_of_device(std::string_view dissector) {
+  return dissector == "mbtcp" ? 502 : 20502;
+}
 constexpr std::uint16_t kGatewayPort = 50000;
 
 void append_tag(ByteString& bytes, std::uint16_t tag, modbus::Bytes value) {
@@ -45,9 +49,10 @@ ByteString upper_pdu(std::string_view dissector, Side side, modbus::Bytes bytes)
   append_tag(pdu, kDissector, ByteString(dissector.begin(), dissector.end()));
   if (side != Side::unknown) {
     const bool is_gateway = side == Side::gateway;
+    const std::uint16_t device_port = port_of_device(dissector);
     append_tag(pdu, kPortType, kTcpPorts);
-    append_tag(pdu, kSourcePort, is_gateway ? kGatewayPort : kDevicePort);
-    append_tag(pdu, kDestinationPort, is_gateway ? kDevicePort : kGatewayPort);
+    append_tag(pdu, kSourcePort, is_gateway ? kGatewayPort : device_port);
+    append_tag(pdu, kDestinationPort, is_gateway ? device_port : kGatewayPort);
   }
   append_tag(pdu, kEnd, modbus::Bytes());
   pdu.insert(pdu.end(), bytes.begin(), bytes.end());

@@ -16,7 +16,8 @@ namespace {
 /// {"event":"transaction", and what came}
 std::string with_name(const ServerEvent& event) {
   boost::json::object whole{{"event", event.name}};
-  for (const auto& [key, value] : boost::json::parse(event.data).as_object()) {
+  const boost::json::value data = boost::json::parse(event.data);
+  for (const auto& [key, value] : data.as_object()) {
     whole[key] = value;
   }
   return boost::json::serialize(whole);
