@@ -79,12 +79,14 @@ class Trace(ControlCase):
     def test_the_capture_has_both_sides(self):
         file = self.plant.configuration.parent / "trace.pcapng"
         text = self.read_along("--pcapng", file)
-        for word in (" > 01 10 00 1E", " < 01 10 00 1E", "FAILED 127.0.0.1 demo unit 17", "FAILED: refused by the gateway"):
+        words = (" > 01 10 00 1E", " < 01 10 00 1E", "FAILED 127.0.0.1 demo unit 17", "FAILED: refused by the gateway")
+        for word in words:
             self.assertIn(word, text)
         self.assertEqual(self.tshark(file, "_ws.malformed || _ws.expert.severity >= 6291456", "frame.number"), [])
         self.assertEqual(self.tshark(file, "tcp.checksum.status == 0 || ip.checksum.status == 0", "frame.number"), [])
-        requests = self.tshark(file, 'mbtcp && frame.interface_name == "clients" && tcp.dstport == 502', "modbus.func_code")
-        answers = self.tshark(file, 'mbtcp && frame.interface_name == "clients" && tcp.srcport == 502', "modbus.func_code")
+        clients = 'mbtcp && frame.interface_name == "clients"'
+        requests = self.tshark(file, f"{clients} && tcp.dstport == 502", "modbus.func_code")
+        answers = self.tshark(file, f"{clients} && tcp.srcport == 502", "modbus.func_code")
         self.assertEqual(sorted(requests), sorted(answers))
         self.assertEqual(list(map(int, requests))[-len(FUNCTIONS) - 1 :], [*FUNCTIONS, 3])
         frames = collections.Counter(map(int, self.tshark(file, "mbrtu", "modbus.func_code")))
