@@ -82,8 +82,7 @@ TEST(Recording, IsReplayedByteForByte) {
                                     "recorded:          .*\nthis version does: .*\n"));
 
   // An input that is none: its place is named.
-  const auto number =
-      1 + std::count(recorded.begin(), recorded.begin() + recorded.find(" line 0 "), '\n');
+  const auto number = 1 + std::ranges::count(recorded.substr(0, recorded.find(" line 0 ")), '\n');
   std::string broken = recorded;
   broken.replace(broken.find(" line 0 "), 8, " wire 0 ");
   plant.folder.write("broken.rec", broken);

@@ -12,6 +12,8 @@ namespace {
 constexpr std::chrono::milliseconds kShortestPeriodOfStatus{100};
 constexpr unsigned kMostStatuses = 1'000'000'000;
 
+}  // namespace
+
 void add_control(CLI::App& command, std::string& socket) {
   command
       .add_option("--control", socket,
@@ -20,8 +22,6 @@ void add_control(CLI::App& command, std::string& socket) {
       ->type_name("PLACE")
       ->capture_default_str();
 }
-
-}  // namespace
 
 StatusOptions::StatusOptions(CLI::App& app)
     : status_(app.add_subcommand(

@@ -12,6 +12,9 @@ class App;
 
 namespace mbgate::ctl {
 
+/// --control: where mbgated is asked.
+void add_control(CLI::App& command, std::string& socket);
+
 class StatusOptions {
  public:
   explicit StatusOptions(CLI::App& app);

@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 
+#include "ctl/options/control_options.hpp"
 #include "modbus/function_code.hpp"
 
 namespace mbgate::ctl {
@@ -56,9 +57,7 @@ TraceOptions::TraceOptions(CLI::App& app)
   trace_->add_flag("--quiet", words_.quiet, "with --pcapng: print nothing")->needs(pcapng);
   trace_->add_option("--times", words_.times, "end after so many records")
       ->check(CLI::Range(1U, kMostRecords));
-  trace_->add_option("--control", words_.socket, "the control socket of mbgated, its [http] socket")
-      ->type_name("PATH")
-      ->capture_default_str();
+  add_control(*trace_, words_.socket);
 }
 
 bool TraceOptions::given() const { return trace_->parsed(); }

@@ -68,6 +68,7 @@ class SettingsLoader {
       return std::nullopt;
     }
     std::vector<config::TextFile> read;
+    read.reserve(files.size());
     for (const auto& file : files) {
       read.push_back({file.path, file.text});
     }

@@ -60,6 +60,14 @@ TEST(CommandLine, ReadIsRepeatedOnRequest) {
             "mbgatectl: --times: Value 0 not in range 1 to 1000000000");
 }
 
+TEST(CommandLine, ReplayWantsAFile) {
+  const auto replay = command<ReplayCommand>("replay plant.rec");
+  EXPECT_EQ(replay.recording, "plant.rec");
+  EXPECT_EQ(replay.folder, std::nullopt);
+  EXPECT_EQ(command<ReplayCommand>("replay plant.rec --profiles /tmp").folder, "/tmp");
+  EXPECT_EQ(complaint("replay"), "mbgatectl: file is required");
+}
+
 TEST(CommandLine, EveryTypeHasItsWord) {
   const auto type = [](const std::string& word) {
     return command<ReadCommand>("read holding 0 --type " + word).place.type;

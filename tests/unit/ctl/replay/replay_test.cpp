@@ -95,7 +95,7 @@ std::string changed(const std::string& found, const std::string& wanted) {
 std::size_t line_of(const std::string& text, const std::string& begin) {
   const auto at = text.rfind("\n" + begin);
   EXPECT_NE(at, std::string::npos) << begin;
-  return 2 + static_cast<std::size_t>(std::count(text.begin(), text.begin() + at, '\n'));
+  return 2 + static_cast<std::size_t>(std::ranges::count(text.substr(0, at), '\n'));
 }
 
 ReplayOutcome replayed(const std::string& text) {
@@ -214,7 +214,7 @@ class ReplayCommandPrints : public testing::Test {
  protected:
   ReplayCommandPrints()
       : file_(testing::TempDir() + "mbgate-" + std::to_string(getpid()) + ".rec") {}
-  ~ReplayCommandPrints() override { std::filesystem::remove(file_); }
+  void TearDown() override { std::filesystem::remove(file_); }
   int run(const std::string& text) {
     std::ofstream(file_, std::ios::binary) << text;
     return run_file(file_);
