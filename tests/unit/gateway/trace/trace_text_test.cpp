@@ -27,7 +27,7 @@ TEST(TraceText, SaysWhatWasSent) {
 TEST(TraceText, SaysWhatIsWrongWithAnRtuFrame) {
   EXPECT_EQ(heard("01 03 02 12 34 FF FF"), "CRC FF FF, B5 33 would be right");
   EXPECT_EQ(heard("01 03 02 12 34"), "5 bytes of 7: the frame is not whole");
-  EXPECT_EQ(heard("01 03 02 12 34 B5 33 00"), "8 bytes, not one whole frame");
+  EXPECT_EQ(heard("01 03 02 12 34 B5 33 FF"), "8 bytes, not one whole frame");
   EXPECT_EQ(heard("01"), "1 byte, too few for a frame");
   EXPECT_EQ(heard(""), "nothing");
 }
