@@ -72,6 +72,8 @@ class Bus {
   void clear_counters();
   /// From now on each transmission is told, or none any more. Nothing else depends on it.
   void set_traced(bool traced) { parts_.is_traced = traced; }
+  /// Transmissions on the wire.
+  [[nodiscard]] std::size_t in_flight() const { return parts_.transmissions.in_flight(); }
 
  private:
   friend struct mbgate::StateReader;

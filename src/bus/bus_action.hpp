@@ -81,6 +81,7 @@ struct TransmissionBegan {
 struct TransmissionOver {
   TransmissionTitle title;
   LineEnd::How how;
+  bool may_stay_silent;  ///< then no response is no failure
   std::optional<modbus::Pdu> response;
 };
 using BusAction = std::variant<OpenLine, LookAtLine, TransmitFrame, JobEnded, LineNotice, CloseLine,

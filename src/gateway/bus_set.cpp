@@ -101,7 +101,21 @@ void BusSet::clear_counters() {
 
 void BusSet::set_traced(bool traced) {
   traced_ = traced;
-  for_each([&](BusId id, const bus::Bus&) { touch(id).set_traced(traced); });
+  for (const Slot& slot : buses_) {
+    if (slot.bus != nullptr) {
+      slot.bus->set_traced(traced);  // not touched: what is done next stays as it is
+    }
+  }
+}
+
+std::vector<std::pair<BusId, std::size_t>> BusSet::in_flight() const {
+  std::vector<std::pair<BusId, std::size_t>> busy;
+  for_each([&](BusId id, const bus::Bus& it) {
+    if (it.in_flight() > 0) {
+      busy.emplace_back(id, it.in_flight());
+    }
+  });
+  return busy;
 }
 
 std::vector<BusSet::GivenUp> BusSet::adopt(const Settings& old, const Settings& next, Instant now) {

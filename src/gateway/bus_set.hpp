@@ -53,6 +53,8 @@ class BusSet {
   void clear_counters();
   /// Each transmission is told, of buses to come too.
   void set_traced(bool traced);
+  /// Buses with transmissions on the wire, and how many.
+  [[nodiscard]] std::vector<std::pair<BusId, std::size_t>> in_flight() const;
 
   /// A bus that is not in the new settings, or gets another line there.
   struct GivenUp {

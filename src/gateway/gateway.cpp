@@ -154,6 +154,9 @@ std::optional<Wake> Gateway::next_wake() const {
 
 void Gateway::set_traced(bool traced) {
   trace_.set_on(traced);
+  if (traced) {
+    trace_.begin_amid(buses_.in_flight());
+  }
   buses_.set_traced(traced);
 }
 
@@ -239,9 +242,7 @@ void Gateway::carry_out(BusId bus, const bus::BusAction& action) {
 }
 
 void Gateway::trace(BusId bus, const bus::BusAction& action, Instant now) {
-  if (const auto* ended = std::get_if<bus::JobEnded>(&action)) {
-    trace_.job_ended(ended->job->owner, ended->ending);
-  } else if (const auto* began = std::get_if<bus::TransmissionBegan>(&action)) {
+  if (const auto* began = std::get_if<bus::TransmissionBegan>(&action)) {
     trace_.began(bus, *began, now);
   } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&action)) {
     trace_.transmitted(bus, transmit->frame);

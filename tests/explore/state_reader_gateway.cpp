@@ -82,10 +82,10 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
     return;
   }
   // One for all: snapshot; of that and the unit: route. Of its client: listener, address. Unordered
-  // answers have no place: answer.
+  // answers have no place: answer. For the trace: ended_as.
   const auto& [snapshot, route, client, listener, address, client_gone, is_stop, left_out, answer,
-               header, plan, parts, response, failed, was_on_wire, wrong_word_order, had_no_path] =
-      exchange;
+               header, plan, parts, response, failed, was_on_wire, wrong_word_order, had_no_path,
+               ended_as] = exchange;
   explore::require(plan && left_out.empty(), "a request of a client");
   hash.add(client);
   hash.add(header.transaction);

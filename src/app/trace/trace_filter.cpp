@@ -94,10 +94,16 @@ bool TraceFilter::matches(const gateway::TraceRecord& record) const {
   if (function && (!record.asked || record.asked->request[modbus::kMbapHeaderSize] != *function)) {
     return false;
   }
-  const auto is_of = [&](const auto& name, std::string gateway::WireTrace::*member) {
-    return !name || std::ranges::find(record.wire, *name, member) != record.wire.end();
+  const auto is_one = [](const auto& all, const auto& name, auto member) {
+    return std::ranges::find(all, name, member) != all.end();
   };
-  return is_of(bus, &gateway::WireTrace::bus) && is_of(device, &gateway::WireTrace::device);
+  using Target = gateway::AskedTrace::Target;
+  const auto is_of = [&](const auto& name, auto of_wire, auto of_target) {
+    return !name || is_one(record.wire, *name, of_wire) ||
+           (record.asked && is_one(record.asked->targets, *name, of_target));
+  };
+  return is_of(bus, &gateway::WireTrace::bus, &Target::bus) &&
+         is_of(device, &gateway::WireTrace::device, &Target::device);
 }
 
 }  // namespace mbgate::app

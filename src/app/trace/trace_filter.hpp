@@ -13,8 +13,8 @@
 namespace mbgate::app {
 
 struct TraceFilter {
-  std::optional<std::string> bus;     ///< name; something of it was sent or heard there
-  std::optional<std::string> device;  ///< name; something of it was sent there
+  std::optional<std::string> bus;     ///< name; it was to go there, or was heard there
+  std::optional<std::string> device;  ///< name; it was to go there
   std::optional<routing::ClientAddress> client;
   std::optional<std::uint8_t> function;  ///< of the request
   bool only_failed = false;

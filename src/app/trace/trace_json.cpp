@@ -46,18 +46,20 @@ object adu_json(const ByteString& adu, Direction direction, const std::string& a
   return {{"at", at}, {"bytes", modbus::hex(adu)}, {"text", modbus::describe_mbap(adu, direction)}};
 }
 
+/// null: it has none.
+boost::json::value name_json(const std::string& name) {
+  return name.empty() ? boost::json::value(nullptr) : boost::json::value(valid_utf8(name));
+}
+
 object wire_json(const WireTrace& wire, const Clock& clock) {
   object json{{"bus", valid_utf8(wire.bus)},
-              {"device", nullptr},
+              {"device", name_json(wire.device)},
               {"address", wire.address},
               {"framing", framing_word(wire.framing)},
               {"sent", nullptr},
               {"outcome", to_text(wire.outcome)},
               {"ended_at", clock.at(wire.ended_at)},
               {"response", nullptr}};
-  if (!wire.device.empty()) {
-    json["device"] = valid_utf8(wire.device);
-  }
   if (wire.outcome != WireTrace::Outcome::unasked) {
     json["sent"] = object{{"at", clock.at(wire.sent_at)},
                           {"bytes", modbus::hex(wire.frame)},
@@ -88,6 +90,12 @@ void add_asked(object& json, const AskedTrace& asked, const Clock& clock) {
     json["answer"] = adu_json(*asked.answer, Direction::response, clock.at(asked.answered_at));
   }
   json["refused"] = asked.refused;
+  array targets;
+  for (const AskedTrace::Target& target : asked.targets) {
+    targets.push_back(
+        object{{"bus", valid_utf8(target.bus)}, {"device", name_json(target.device)}});
+  }
+  json["targets"] = std::move(targets);
 }
 
 }  // namespace
@@ -107,7 +115,7 @@ object trace_json(const gateway::TraceRecord& record, system_clock::time_point e
     add_asked(json, *record.asked, clock);
     json["ended"] = nullptr;
     if (record.ended_as) {
-      json["ended"] = gateway::to_text(*record.ended_as);
+      json["ended"] = gateway::to_text(*record.ended_as, !record.wire.empty());
     }
   }
   array wire;

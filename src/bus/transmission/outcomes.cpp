@@ -35,9 +35,7 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
   if (parts_.is_traced) {
-    const bool has_response = end.how == LineEnd::How::response;
-    parts_.actions.push(TransmissionOver{title_of(transmission), end.how,
-                                         has_response ? sent.response : std::nullopt});
+    parts_.actions.push(over_of(transmission, end));
   }
   switch (end.how) {
     case LineEnd::How::response:

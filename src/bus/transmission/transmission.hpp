@@ -48,6 +48,8 @@ struct Transmission {
 
 /// For whom it is, for a trace.
 [[nodiscard]] TransmissionTitle title_of(const Transmission& transmission);
+/// What became of it, for a trace; before anything follows from that.
+[[nodiscard]] TransmissionOver over_of(const Transmission& transmission, const LineEnd& end);
 
 /// Is the job's current transaction on the wire, with the job as its leader?
 [[nodiscard]] inline bool is_in_flight(const Job& job) {
@@ -81,12 +83,12 @@ class Transmissions {
   [[nodiscard]] Transmission& find(const Transaction* on_wire) const;
   /// Of those in flight, the one that was started first; nullptr if there is none.
   [[nodiscard]] Transmission* first_in_flight() const;
+  [[nodiscard]] std::size_t in_flight() const;
   [[nodiscard]] bool has_room() const { return in_flight() < room_; }
   [[nodiscard]] std::size_t room() const { return room_; }
 
  private:
   friend struct mbgate::StateReader;
-  [[nodiscard]] std::size_t in_flight() const;
 
   std::size_t room_;
   std::vector<Transmission*> running_;

@@ -63,7 +63,7 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   exchange.left_out = std::move(request.left_out);
   exchange.plan = *std::move(request.plan);
   if (trace_.is_on()) {
-    trace_.asked(index, trace_of(session, request));
+    trace_.asked(index, trace_of(session, request), *exchange.plan);
   }
   place_answer(session, request, index);
   rules_.note_accepted(*exchange.plan, exchange.left_out, origin, now);
@@ -134,8 +134,8 @@ void Requests::complete(std::uint32_t index, Instant now) {
   const Exchange& exchange = exchanges_[index];
   if (trace_.is_on()) {
     const auto pdu = exchange.client_gone ? std::nullopt : exchange.result();
-    trace_.answered(
-        index, pdu ? std::optional(modbus::MbapAdu{exchange.header, *pdu}) : std::nullopt, now);
+    const auto adu = pdu ? std::optional(modbus::MbapAdu{exchange.header, *pdu}) : std::nullopt;
+    trace_.answered(index, {adu, exchange.ended_as, now});
   }
   if (!exchange.client_gone) {
     ClientSession* session = sessions_.find(exchange.client);

@@ -5,6 +5,7 @@ namespace mbgate::gateway {
 
 void Exchange::note(const bus::Job& job, bus::Ending ending) {
   was_on_wire = was_on_wire || job.was_on_wire;
+  ended_as = failed ? ended_as : ending;
   if (!plan) {
     return;  // nobody is answered
   }

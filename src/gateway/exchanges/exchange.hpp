@@ -43,6 +43,7 @@ struct Exchange {
   bool was_on_wire = false;
   bool wrong_word_order = false;  ///< the drive's own setting is not the configured one
   bool had_no_path = false;       ///< a line was not open and nothing of that part was transmitted
+  std::optional<bus::Ending> ended_as;  ///< its last job, or the first that failed
 
   [[nodiscard]] bool leaves_out(BusId bus) const {
     return std::ranges::find(left_out, bus) != left_out.end();

@@ -9,21 +9,23 @@
 #include <map>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "bus/bus_action.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
+#include "gateway/trace/line_trace.hpp"
 #include "gateway/trace/trace_record.hpp"
 #include "modbus/mbap.hpp"
+#include "routing/plan.hpp"
 
 namespace mbgate::gateway {
 
 class TraceBook {
  public:
-  /// What is kept of a transmission, of a request, and until it is taken: a stuck reader costs
-  /// memory, and these say how much. The longest answer has 513 characters, in ASCII.
-  static constexpr std::size_t kMostHeard = 1024;  ///< bytes
-  static constexpr std::size_t kMostWires = 64;    ///< transmissions of one request
+  /// What is kept of a request, and until it is taken: a stuck reader costs memory, and these say
+  /// how much.
+  static constexpr std::size_t kMostWires = 64;  ///< transmissions of one request
   static constexpr std::size_t kMostRecords = 2048;
 
   explicit TraceBook(const SettingsHistory& settings) : settings_(settings) {}
@@ -31,14 +33,20 @@ class TraceBook {
   [[nodiscard]] bool is_on() const { return on_; }
   /// Off: everything is forgotten. On: what is asked from now on is traced.
   void set_on(bool on);
+  /// So many transmissions of these buses began before anybody read along: what is heard of them is
+  /// not told.
+  void begin_amid(const std::vector<std::pair<BusId, std::size_t>>& in_flight);
 
   /// A request that is answered at once.
   void refused(AskedTrace asked);
   /// A request is carried out; `exchange` names it until it is answered.
-  void asked(std::uint32_t exchange, AskedTrace asked);
-  void job_ended(std::uint32_t exchange, bus::Ending ending);
-  /// Nothing: no answer is given.
-  void answered(std::uint32_t exchange, const std::optional<modbus::MbapAdu>& answer, Instant now);
+  void asked(std::uint32_t exchange, AskedTrace asked, const routing::Plan& plan);
+  struct Answer {
+    const std::optional<modbus::MbapAdu>& adu;  ///< nothing: none is given
+    std::optional<bus::Ending> ended_as;
+    Instant at;
+  };
+  void answered(std::uint32_t exchange, const Answer& answer);
 
   /// What comes from the line now is no part of what came before.
   void opened(BusId bus, Instant now);
@@ -58,28 +66,17 @@ class TraceBook {
   Taken take(Instant now);
 
  private:
-  struct InFlight {
-    bus::TransmissionTitle title;
-    WireTrace wire;
-  };
-  struct Line {
-    std::vector<InFlight> in_flight;
-    std::optional<WireTrace> unasked;
-    ByteString partial;  ///< of a connection: the beginning of an ADU
-  };
-
-  [[nodiscard]] WireTrace wire_of(BusId bus, std::uint8_t address) const;
-  void hear_adus(BusId bus, modbus::Bytes bytes, Instant now);
-  void hear_unasked(BusId bus, modbus::Bytes bytes, Instant now);
-  void give(const bus::TransmissionTitle& title, const WireTrace& wire);
-  void end_unasked(Line& line);
-  void end_cut(InFlight& cut, Instant now);
+  /// What is known of a frame before anything was sent; address 0: of the line alone.
+  [[nodiscard]] WireTrace blank(BusId bus, std::uint8_t address = 0) const;
+  /// Takes over what has come to its end on the line.
+  void collect(LineTrace& line);
+  void give(const LineTrace::Told& told);
   void finish(TraceRecord record);
 
   const SettingsHistory& settings_;
   bool on_ = false;
   std::unordered_map<std::uint32_t, TraceRecord> open_;
-  std::map<BusId, Line> lines_;
+  std::map<BusId, LineTrace> lines_;
   std::deque<TraceRecord> finished_;
   std::size_t lost_ = 0;
 };

@@ -26,7 +26,7 @@ struct HeardBytes {
 struct WireTrace {
   enum class Outcome : std::uint8_t {
     answered,     ///< with the response
-    sent,         ///< a broadcast: nobody answers
+    sent,         ///< nobody answers: a broadcast, or a write that its device never answers
     no_response,  ///< nothing that answers it came in time
     damaged,      ///< a response with a wrong CRC or LRC
     cut,          ///< the line was lost, or the gateway has given it up
@@ -53,9 +53,16 @@ struct AskedTrace {
   ClientId connection{};
   routing::ClientAddress client;
   std::string listener;
-  Instant asked_at;
+  Instant asked_at;    ///< where reading had been paused: since then
   ByteString request;  ///< the ADU as it came
-  Instant answered_at;
+  /// Where it is to go.
+  struct Target {
+    std::string bus;
+    std::string device;  ///< empty: the configuration has none at the address
+    friend bool operator==(const Target&, const Target&) = default;
+  };
+  std::vector<Target> targets;
+  Instant answered_at;               ///< with `ordered` it is sent behind those before it
   std::optional<ByteString> answer;  ///< nothing: the client has gone, or gets none
   bool refused = false;              ///< answered by the gateway without asking a device
 };
@@ -66,7 +73,7 @@ struct TraceRecord {
   std::optional<AskedTrace> asked;
   std::vector<WireTrace> wire;          ///< in their order
   std::size_t wire_not_kept = 0;        ///< frames beyond those
-  std::optional<bus::Ending> ended_as;  ///< how the last job of the request ended
+  std::optional<bus::Ending> ended_as;  ///< its last job, or the first that failed
 
   /// The client got an exception or nothing, or something on the wire failed.
   [[nodiscard]] bool is_failed() const;

@@ -6,6 +6,7 @@
 #include "modbus/ascii.hpp"
 #include "modbus/crc16.hpp"
 #include "modbus/describe.hpp"
+#include "modbus/request.hpp"
 #include "modbus/response.hpp"
 #include "modbus/rtu.hpp"
 
@@ -30,7 +31,18 @@ std::string body_text(const modbus::RtuAdu& adu, Direction direction) {
                                           : modbus::describe_response(pdu));
 }
 
-/// What is wrong with bytes that are no good RTU frame.
+/// Of bytes that nobody had asked for: whose meaning fits.
+Direction direction_of(const modbus::RtuAdu& adu) {
+  const Bytes pdu = adu.pdu.bytes();
+  const auto length = modbus::response_length(pdu);
+  const bool may_be_response = length.kind != modbus::PduLength::Kind::known ||
+                               length.bytes == pdu.size() || adu.pdu.is_exception();
+  return may_be_response || !modbus::Request::parse(adu.pdu) ? Direction::response
+                                                             : Direction::request;
+}
+
+/// What is wrong with bytes that are no good RTU frame. A CRC is only called wrong where the bytes
+/// are as many as a frame of their function has.
 std::string bad_rtu(Bytes bytes) {
   const std::string size = std::to_string(bytes.size()) + (bytes.size() == 1 ? " byte" : " bytes");
   if (bytes.size() < modbus::kMinRtuSize) {
@@ -39,12 +51,14 @@ std::string bad_rtu(Bytes bytes) {
   constexpr std::size_t kCrc = 2;
   const Bytes body = bytes.first(bytes.size() - kCrc);
   const auto length = modbus::response_length(body.subspan(1));
-  const bool is_known = length.kind == modbus::PduLength::Kind::known;
-  if (is_known && bytes.size() < length.bytes + modbus::kRtuOverhead) {
-    return size + " of " + std::to_string(length.bytes + modbus::kRtuOverhead) +
-           ": the frame is not whole";
+  if (length.kind != modbus::PduLength::Kind::known) {
+    return size + ", no frame";
   }
-  if (is_known && bytes.size() > length.bytes + modbus::kRtuOverhead) {
+  const std::size_t whole = length.bytes + modbus::kRtuOverhead;
+  if (bytes.size() < whole) {
+    return size + " of " + std::to_string(whole) + ": the frame is not whole";
+  }
+  if (bytes.size() > whole) {
     return size + ", not one whole frame";
   }
   const std::uint16_t crc = modbus::crc16(body);
@@ -88,7 +102,7 @@ const char* to_text(WireTrace::Outcome outcome) {
   return "";
 }
 
-const char* to_text(bus::Ending ending) {
+const char* to_text(bus::Ending ending, bool was_sent) {
   switch (ending) {
     case bus::Ending::answered: return "answered";
     case bus::Ending::transmitted: return "transmitted";
@@ -97,7 +111,8 @@ const char* to_text(bus::Ending ending) {
     case bus::Ending::mismatched: return "the drive's word order is not the configured one";
     case bus::Ending::closed: return "the line is not open";
     case bus::Ending::offline: return "the device is offline";
-    case bus::Ending::cancelled: return "taken back before it was sent";
+    case bus::Ending::cancelled:
+      return was_sent ? "given up before it was done" : "taken back before it was sent";
   }
   return "";
 }
@@ -108,6 +123,10 @@ std::string sent_text(const WireTrace& wire) {
 
 std::string heard_text(const WireTrace& wire) {
   const ByteString all = all_heard(wire);
+  const auto frame = modbus::decode_rtu(all);
+  if (wire.outcome == WireTrace::Outcome::unasked && wire.framing == bus::Framing::rtu && frame) {
+    return body_text(*frame, direction_of(*frame));
+  }
   Bytes rest = all;
   std::string text;
   const bool has_same = !wire.frame.empty() && rest.size() >= wire.frame.size() &&

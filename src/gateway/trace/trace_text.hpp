@@ -10,9 +10,9 @@ namespace mbgate::gateway {
 
 /// "answered", "no response"
 const char* to_text(WireTrace::Outcome outcome);
-/// How a request ended that has no answer of its own: "its deadline was over", "the device is
-/// offline".
-const char* to_text(bus::Ending ending);
+/// How a request ended: "its deadline was over", "the device is offline". `was_sent`: something of
+/// it was on the wire.
+const char* to_text(bus::Ending ending, bool was_sent);
 
 /// "unit 1: read holding registers 30..31"
 std::string sent_text(const WireTrace& wire);

@@ -57,6 +57,14 @@ TEST(TraceFilter, AnExceptionNoAnswerOrATroubleOnTheWireIsAFailure) {
   EXPECT_TRUE(matches("only=failed", record));
 }
 
+TEST(TraceFilter, ARequestOfWhichNothingWasSentWasToGoSomewhere) {
+  TraceRecord record = read_of_axis();
+  record.asked->targets = {{"line a", "axis-x"}};
+  record.wire.clear();
+  EXPECT_TRUE(matches("bus=line+a&device=axis-x", record));
+  EXPECT_FALSE(matches("device=axis-y", record));
+}
+
 TEST(TraceFilter, BytesThatNobodyAskedForHaveNoClient) {
   TraceRecord record;
   record.wire.emplace_back().bus = "line-a";

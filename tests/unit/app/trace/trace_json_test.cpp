@@ -39,6 +39,7 @@ TEST(TraceJson, HasBothSides) {
   asked.connection = gateway::ClientId{12};
   asked.client = *routing::ClientAddress::parse("192.0.2.7");
   asked.listener = "plant";
+  asked.targets = {{"line-a", "axis-x"}};
   asked.asked_at = Instant{1s};
   asked.request = unhex("00 07 00 00 00 06 01 03 00 00 00 01");
   asked.answered_at = Instant{1s + 9ms + 1us};
@@ -53,7 +54,8 @@ TEST(TraceJson, HasBothSides) {
       R"("request":{"at":"2026-11-25T00:00:01.000000Z","bytes":"00 07 00 00 00 06 01 03 00 00 00 01",)"
       R"("text":"transaction 7 unit 1: read holding registers 0"},)"
       R"("answer":{"at":"2026-11-25T00:00:01.009001Z","bytes":"00 07 00 00 00 05 01 03 02 12 34",)"
-      R"("text":"transaction 7 unit 1: 1 register: 0x1234"},"refused":false,"ended":"answered",)"
+      R"("text":"transaction 7 unit 1: 1 register: 0x1234"},"refused":false,)"
+      R"("targets":[{"bus":"line-a","device":"axis-x"}],"ended":"answered",)"
       R"("wire":[{"bus":"line-a","device":"axis-x","address":1,"framing":"rtu",)"
       R"("sent":{"at":"2026-11-25T00:00:01.000250Z","bytes":"01 03 00 00 00 01 84 0A",)"
       R"("text":"unit 1: read holding registers 0"},"outcome":"answered",)"

@@ -208,13 +208,14 @@ TEST_F(Trace, CountsWhatIsNotTakenInTime) {
 }
 
 TEST_F(Trace, KeepsOnlySoMuchOfWhatIsHeard) {
+  rig_.receive(1, read_request(7));
   for (int at = 0; at < 100; ++at) {
     rig_.line("55 55 55 55 55 55 55 55 55 55 55 55 55 55 55 55");
   }
-  rig_.advance(60ms);
+  rig_.advance(1s);
   const auto taken = rig_.harness.gateway().take_trace(rig_.now());
-  ASSERT_EQ(taken.records.size(), 1U);
-  EXPECT_EQ(taken.records[0].wire[0].not_kept, 1600U - TraceBook::kMostHeard);
+  ASSERT_FALSE(taken.records.empty());
+  EXPECT_EQ(taken.records[0].wire[0].not_kept, 1600U - gateway::LineTrace::kMostHeard);
 }
 
 Settings one_connection() {
@@ -223,6 +224,87 @@ Settings one_connection() {
   settings.buses[0].line.remote = bus::Endpoint{"192.0.2.50"};
   settings.buses[0].outstanding = 2;
   return settings;
+}
+
+Settings broadcasting() {
+  Settings settings = one_axis();
+  settings.listeners[0].bus = BusId{0};
+  settings.listeners[0].broadcast = true;
+  settings.routes.clear();
+  return settings;
+}
+
+// The echo of a broadcast comes when the bus waits for nothing any more.
+TEST(TraceOfABroadcast, ItsEchoIsNotCalledUnasked) {
+  MachineRig rig{broadcasting()};
+  rig.connect(1);
+  rig.harness.gateway().set_traced(true);
+  rig.receive(1, "0007 0000 0006 00 06 0000 0001");
+  rig.advance(150ms);
+  rig.line("00 06 00 00 00");
+  rig.advance(1ms);
+  rig.line("01 49 DB");
+  rig.advance(100ms);
+  rig.line("55");
+  rig.advance(100ms);
+  Lines all;
+  for (const TraceRecord& record : rig.harness.gateway().take_trace(rig.now()).records) {
+    all.push_back(text(record));
+  }
+  EXPECT_THAT(
+      all, ElementsAre("00 07 00 00 00 06 00 06 00 00 00 01 = 00 07 00 00 00 06 00 06 00 00 00 01"
+                       " / line-a > 00 06 00 00 00 01 49 DB < sent",
+                       "= / line-a >  < 55 unasked"));
+}
+
+TEST_F(Trace, SaysWhereARequestWasToGo) {
+  rig_.lose_line();
+  rig_.receive(1, write_request(7));
+  const auto taken = rig_.harness.gateway().take_trace(rig_.now());
+  ASSERT_EQ(taken.records.size(), 1U);
+  EXPECT_TRUE(taken.records[0].wire.empty());
+  ASSERT_EQ(taken.records[0].asked->targets.size(), 1U);
+  EXPECT_EQ(taken.records[0].asked->targets[0].bus, "line-a");
+  EXPECT_EQ(taken.records[0].asked->targets[0].device, "axis");
+  EXPECT_EQ(taken.records[0].ended_as, bus::Ending::closed);
+}
+
+TEST_F(Trace, ALineThatIsNeverSilentIsToldOf) {
+  for (int at = 0; at < 120; ++at) {
+    rig_.line("55");
+    rig_.advance(10ms);
+  }
+  EXPECT_EQ(take().size(), 1U);
+}
+
+TEST_F(Trace, DecidesNothingWhenItIsTurnedOn) {
+  rig_.receive(1, read_request(7));
+  rig_.receive(2, read_request(8, 2));
+  rig_.harness.gateway().set_traced(false);
+  rig_.harness.gateway().set_traced(true);
+  EXPECT_FALSE(rig_.harness.gateway().poll_action());
+}
+
+// A length that is too large: the answer never becomes whole.
+TEST(TraceOfAConnection, ShowsWhatIsNoWholeAdu) {
+  Settings settings = one_axis();
+  settings.buses[0].timing.retries = 0;
+  settings.buses[0].line.framing = bus::Framing::tcp;
+  settings.buses[0].line.remote = bus::Endpoint{"192.0.2.50"};
+  MachineRig rig{settings};
+  rig.connect(1);
+  rig.harness.gateway().set_traced(true);
+  rig.receive(1, read_request(7, 1));
+  rig.advance(5ms);
+  const auto sent = rig.take_transmitted();
+  ASSERT_EQ(sent.size(), 1U);
+  rig.line(sent[0].substr(0, 5) + " 00 00 00 06 01 03 02 00 01");
+  rig.advance(500ms);
+  const auto taken = rig.harness.gateway().take_trace(rig.now());
+  ASSERT_EQ(taken.records.size(), 1U);
+  EXPECT_EQ(text(taken.records[0].wire[0]), " / line-a axis> " + sent[0] + " < " +
+                                                sent[0].substr(0, 5) +
+                                                " 00 00 00 06 01 03 02 00 01 no response");
 }
 
 // The answers come in the other order, in one piece and a half.

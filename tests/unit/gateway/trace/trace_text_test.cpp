@@ -36,6 +36,24 @@ TEST(TraceText, SaysWhoseFrameItIs) {
   EXPECT_EQ(heard("02 03 02 12 34 F1 33"), "unit 2: 1 register: 0x1234");
 }
 
+TEST(TraceText, CallsACrcWrongOnlyWhereItIsKnownToBeOne) {
+  EXPECT_EQ(heard("99 64 12 34 56 78 9A BC"), "8 bytes, no frame");
+}
+
+TEST(TraceText, ARequestThatNobodyHereHasSentIsOne) {
+  WireTrace wire;
+  wire.outcome = WireTrace::Outcome::unasked;
+  wire.heard.push_back({{}, unhex("01 03 00 1E 00 02 A4 0D")});
+  EXPECT_EQ(gateway::heard_text(wire), "unit 1: read holding registers 30..31");
+  wire.heard = {{{}, unhex("02 03 02 12 34 F1 33")}};
+  EXPECT_EQ(gateway::heard_text(wire), "unit 2: 1 register: 0x1234");
+}
+
+TEST(TraceText, SaysWhetherSomethingWasSentOfWhatWasCancelled) {
+  EXPECT_STREQ(gateway::to_text(bus::Ending::cancelled, false), "taken back before it was sent");
+  EXPECT_STREQ(gateway::to_text(bus::Ending::cancelled, true), "given up before it was done");
+}
+
 TEST(TraceText, TellsWhatWasSentFromWhatCameThen) {
   EXPECT_EQ(heard("01 03 00 00 00 01 84 0A"), "the same as was sent, then nothing");
   EXPECT_EQ(heard("01 03 00 00 00 01 84 0A 01"),
