@@ -122,6 +122,8 @@ void AnswerQuality::judge() {
     verdict_ = {Quality::late, late, most_requests_, lateness_, needed_};
   } else if (has_answered_ && crcs_.is_known()) {
     verdict_ = crcs_.verdict();
+  } else if (has_framed_ || unreadable_in_row_ == 0) {
+    verdict_ = {};  // what it was based on is gone
   }
 }
 
@@ -151,10 +153,12 @@ std::optional<QualityNotice> LineQuality::take_change(std::uint8_t address) {
     return before != now && (before != Quality::unknown || now != Quality::good);
   };
   const QualityVerdict& device = devices_.at(address).verdict();
-  const Quality before = std::exchange(told_.at(address), device.quality);
-  bad_devices_ += device.quality == Quality::bad_crc ? 1U : 0U;
+  const Quality before = told_.at(address);
+  const Quality now = device.quality == Quality::unknown ? before : device.quality;
+  told_.at(address) = now;
+  bad_devices_ += now == Quality::bad_crc ? 1U : 0U;
   bad_devices_ -= before == Quality::bad_crc ? 1U : 0U;
-  if (is_news(before, device.quality)) {
+  if (is_news(before, now)) {
     return QualityNotice{address, device};
   }
   const QualityVerdict line = verdict();

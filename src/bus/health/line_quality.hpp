@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The quality of the answers on a line, device by device: good, with bad CRCs, never a valid frame,
-// or too late. Pure counting. A verdict holds until what is seen contradicts it. It is reported
-// when it changes, with the figures that it is based on. No verdict rests on what a single event
-// could explain.
+// or too late. Pure counting. A verdict holds until what is seen contradicts it, or nothing is left
+// of what it is based on. It is reported when it changes, with the figures that it is based on. No
+// verdict rests on what a single event could explain.
 #pragma once
 
 #include <array>
@@ -123,7 +123,8 @@ class LineQuality {
   /// device alone is not a fault of the line.
   [[nodiscard]] QualityVerdict verdict() const;
   /// A verdict that has changed since the last call: that of this device, or because of it that of
-  /// the line. Call it until it returns nothing. A change from unknown to good is not reported.
+  /// the line. Call it until it returns nothing. A change from unknown to good is not reported, nor
+  /// is one to unknown, or from there back to what was reported before.
   std::optional<QualityNotice> take_change(std::uint8_t address);
 
  private:

@@ -134,6 +134,45 @@ TEST_F(LineQuality, ManyLateAnswersAtOnceAreOneEvent) {
   EXPECT_TRUE(quality_[1].has_answered());
 }
 
+// Five times bytes, and then the cable is pulled.
+TEST_F(LineQuality, BytesWithoutAFrameAreNoVerdictOnWhoIsSilentNow) {
+  const auto unreadable = [this] {
+    for (int at = 0; at < 5; ++at) {
+      quality_[1].note_unreadable(30ms, 0);
+      tell(1);
+    }
+  };
+  unreadable();
+  ASSERT_EQ(verdict().quality, Quality::no_frame);
+  quality_[1].note_silent();
+  tell(1);
+  EXPECT_EQ(verdict().quality, Quality::unknown);
+  unreadable();
+  EXPECT_EQ(verdict().quality, Quality::no_frame);
+  EXPECT_EQ(of_device_,
+            std::vector{Quality::no_frame});  // silence is no news, nor is the same again
+  answers(1, 1, 0);
+  EXPECT_EQ(of_device_, (std::vector{Quality::no_frame, Quality::good}));
+}
+
+// Late answers alone, and then its power is off.
+TEST_F(LineQuality, LateAnswersAreNoVerdictOnceTheLastRequestsHadNone) {
+  for (int at = 0; at < 4; ++at) {
+    quality_[1].note_silent();
+    quality_[1].note_late(100ms, 300ms);
+    tell(1);
+  }
+  for (int at = 0; at < 15; ++at) {
+    quality_[1].note_silent();
+    tell(1);
+  }
+  EXPECT_EQ(verdict().quality, Quality::late);
+  quality_[1].note_silent();
+  tell(1);
+  EXPECT_EQ(verdict().quality, Quality::unknown);
+  EXPECT_EQ(of_device_, std::vector{Quality::late});
+}
+
 TEST_F(LineQuality, AnotherLineIsJudgedAnew) {
   answers(1, 0, 5);
   quality_.forget();
