@@ -122,8 +122,12 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
 
 // A request that somebody else sent, or a frame of a device that has owed nothing for so long that
 // it can be no late answer: another client is on this line, or another device at this address. What
-// a line had in store when it was opened says nothing.
+// a line had in store when it was opened says nothing. On Modbus TCP the transaction identifier
+// says that it is an answer to this gateway, however late.
 void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
+  if (parts_.settings.line.framing == Framing::tcp) {
+    return;
+  }
   const Instant now = unsolicited.came;
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];

@@ -127,6 +127,19 @@ TEST_F(BusTcp, WhatALostConnectionOwedIsNotWaitedForOnTheNextOne) {
   EXPECT_EQ(bus_->counters().foreign_frames, 0U);
 }
 
+// Its transaction identifier was this gateway's.
+TEST_F(BusTcp, AnAnswerIsNobodyElsesHoweverLateItIs) {
+  open(tcp());
+  advance(11s);
+  submit(job(kRead));
+  advance(11s);  // longer than quarantine_max
+  answer(0, "01 03 02 12 34");
+  EXPECT_EQ(bus_->counters().unsolicited_frames, 1U);
+  EXPECT_EQ(bus_->counters().foreign_frames, 0U);
+  EXPECT_EQ(bus_->diagnosis().last_foreign(), Instant::min());
+  EXPECT_THAT(notices_, IsEmpty());
+}
+
 TEST_F(BusTcp, AnswersAfterALostConnectionAreNoLaterForIt) {
   auto slow = tcp();
   slow.timing.quarantine = 10s;
