@@ -159,8 +159,9 @@ struct Book {
   bool must_tell_unproven = false;
   bool told_denied = false;
   bool must_tell_denied = false;
-  bool denied_echo = false;    ///< one came of what was transmitted last
-  bool denied_before = false;  ///< and of what was before it
+  bool denied_echo = false;            ///< one came of what was transmitted last
+  bool denied_before = false;          ///< and of what was before it
+  Instant denied_at = Instant::min();  ///< the last one came
 
   /// It is opened anew.
   void forget_line() {

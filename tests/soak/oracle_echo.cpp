@@ -177,7 +177,10 @@ void Oracle::read_echo(std::size_t bus) {
   }
   book.denied_echo = is_plain && echo->in_one && bus_settings(bus).line.echo == false &&
                      !last->is_broadcast && is_no_response(last->pdu);
-  book.must_tell_denied |= book.denied_echo && book.denied_before;
+  // Two that are a minute apart prove nothing.
+  const bool is_soon = schedule_.now() < book.denied_at + std::chrono::seconds(50);
+  book.must_tell_denied |= book.denied_echo && book.denied_before && is_soon;
+  book.denied_at = book.denied_echo ? schedule_.now() : book.denied_at;
 }
 
 void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEcho& echo) {

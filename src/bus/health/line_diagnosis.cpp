@@ -10,8 +10,9 @@ namespace {
 constexpr Duration kNeverSilent = std::chrono::seconds(1);
 
 // Another client may have asked for the same a moment before, and an adapter kept that; hardly for
-// two requests in a row.
+// two requests in a row, so soon after each other.
 constexpr unsigned kEchoesToTell = 2;
+constexpr Duration kEchoesWithin = std::chrono::minutes(1);
 
 // Fewer bytes than these are a driver that turns off.
 constexpr std::size_t kLeastHeard = 3;
@@ -23,6 +24,7 @@ void LineDiagnosis::note_opened() {
   last_never_silent_ = Instant::min();
   own_heard_ = false;
   denied_echoes_ = 0;
+  denied_echo_reported_ = false;
   never_silent_reported_ = false;
   quality_.forget();
 }
@@ -44,7 +46,7 @@ void LineDiagnosis::note_bytes(bool asked, Instant now) {
 
 void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end) {
   if (!std::exchange(own_heard_, false) && end.how == LineEnd::How::response && asked.is_read) {
-    note_denied_echo(false);
+    denied_echoes_ = 0;
   }
   const bool heard_frame = std::exchange(frame_heard_, false);
   if (!asked.wants_answer) {
@@ -140,7 +142,7 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   const bool is_own = is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(),
                                                      unsolicited.pdu.bytes());
   if (is_own && unsolicited.is_request && !std::exchange(own_heard_, true)) {
-    note_denied_echo(true);
+    note_denied_echo(now);
   }
   if (unsolicited.after_noise || is_own || now < parts_.link.opened_at() + longest) {
     return;
@@ -177,13 +179,17 @@ NoticedEcho LineDiagnosis::echo() const {
   return denied ? NoticedEcho::denied : NoticedEcho::none;
 }
 
-// Was the own request heard, though the settings say that there is no echo? Told once.
-void LineDiagnosis::note_denied_echo(bool was_heard) {
-  if (parts_.settings.line.echo != false || denied_echoes_ == kEchoesToTell) {
+// The own request was heard. Told once if the settings say that there is no echo.
+void LineDiagnosis::note_denied_echo(Instant now) {
+  if (parts_.settings.line.echo != false) {
     return;
   }
-  denied_echoes_ = was_heard ? denied_echoes_ + 1 : 0;
-  if (denied_echoes_ == kEchoesToTell) {
+  const bool is_soon = denied_echoes_ > 0 && now <= denied_echo_at_ + kEchoesWithin;
+  denied_echo_at_ = now;
+  if (denied_echoes_ < kEchoesToTell) {
+    denied_echoes_ = is_soon ? denied_echoes_ + 1 : 1;
+  }
+  if (denied_echoes_ == kEchoesToTell && !std::exchange(denied_echo_reported_, true)) {
     parts_.actions.push(LineNotice{LineFault::echo_denied});
   }
 }

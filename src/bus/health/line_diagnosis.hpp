@@ -58,7 +58,7 @@ class LineDiagnosis {
  private:
   friend struct mbgate::StateReader;
   void note_foreign(const UnsolicitedFrame& unsolicited);
-  void note_denied_echo(bool was_heard);
+  void note_denied_echo(Instant now);
   void tell_quality(std::uint8_t address);
 
   Parts& parts_;
@@ -73,6 +73,8 @@ class LineDiagnosis {
   bool frame_heard_ = false;    // an unsolicited one, since the last transmission ended
   bool own_heard_ = false;      // the own request, since the last transmission ended
   unsigned denied_echoes_ = 0;  // in a row; a read that is answered without one ends it
+  Instant denied_echo_at_ = Instant::min();  // the last of them
+  bool denied_echo_reported_ = false;
 };
 
 }  // namespace mbgate::bus

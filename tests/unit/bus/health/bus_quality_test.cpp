@@ -115,6 +115,22 @@ TEST_F(BusQuality, ARequestHeardIsForeignAtOnce) {
   EXPECT_TRUE(last_notice_.is_request);
 }
 
+TEST_F(BusQuality, ADeniedEchoIsToldOnceThoughAReadWithoutOneClearsIt) {
+  auto denying = settings();
+  denying.line.echo = false;
+  open(denying);
+  for (const std::string echo : {kReadFrame, kReadFrame, "", kReadFrame, kReadFrame}) {
+    ask();
+    line(echo);
+    advance(10ms);
+    line(kAnswer);
+    EXPECT_EQ(bus_->diagnosis().echo() == bus::NoticedEcho::denied, endings_.size() % 3 == 2);
+    rest();
+  }
+  EXPECT_THAT(endings_, SizeIs(5));
+  EXPECT_THAT(faults_, ElementsAre(bus::LineFault::echo_denied));
+}
+
 TEST_F(BusQuality, ASecondAnswerIsNoOtherClient) {
   open(settings());
   advance(11s);
