@@ -74,6 +74,19 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end) {
   tell_quality(asked.address);
 }
 
+// On a connection it is not known which part of the time is the wire's.
+void LineDiagnosis::note_times(const Transmission& transmission, const LineEnd& end, Instant now) {
+  const Job& job = *transmission.leader;
+  AnswerTimes& times = parts_.devices[transmission.on_wire().address].times;
+  const Duration whole = std::max(now - transmission.last_sent, Duration{0});
+  const Duration device = std::clamp(end.heard > 0 ? end.heard_after : whole, Duration{0}, whole);
+  times.device.note(device);
+  times.wire.note(whole - device);
+  if (job.current == 0 && transmission.tries == 1) {
+    times.queue.note(transmission.transmitted_at - job.accepted_at);
+  }
+}
+
 void LineDiagnosis::tell_quality(std::uint8_t address) {
   while (const auto change = quality_.take_change(address)) {
     parts_.actions.push(*change);

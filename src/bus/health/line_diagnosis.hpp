@@ -37,6 +37,8 @@ class LineDiagnosis {
   /// An answer to a pending request came.
   void note_understood() { never_silent_reported_ = false; }
   void note_ended(const Asked& asked, const LineEnd& end);
+  /// It was answered: how long that took.
+  void note_times(const Transmission& transmission, const LineEnd& end, Instant now);
   /// The server takes requests and does not answer. Returns true the first time since something was
   /// received from it.
   bool note_unanswered_connection();

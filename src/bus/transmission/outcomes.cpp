@@ -22,6 +22,13 @@ bool is_still_asked_for(const drive::Device& device, const std::vector<std::uint
   return stated != nullptr && *stated == wanted;
 }
 
+// Does the device still tell its setting in the register that was read?
+bool is_still_there(const drive::Device& device, const modbus::Request& question) {
+  const auto& told = device.profile.word_order_register;
+  const auto& read = question.reads();
+  return told && read && read->range.first == told->address;
+}
+
 }  // namespace
 
 void Outcomes::handle_end(const LineEnd& end, Instant now) {
@@ -85,7 +92,7 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
           {asked.request, response.bytes(), transmission.last_sent, end.due, end.took}, now)) {
     diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
   }
-  note_times(transmission, end, now);
+  diagnosis_.note_times(transmission, end, now);
   transmission.is_probe = false;
   if (exception && transmission.merged) {
     entry.merge_refused = true;
@@ -112,25 +119,17 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   ends_.advance(transmission, Ending::answered);
 }
 
-// On a connection it is not known which part of the time is the wire's.
-void Outcomes::note_times(const Transmission& transmission, const LineEnd& end, Instant now) {
-  const Job& job = *transmission.leader;
-  AnswerTimes& times = parts_.devices[transmission.on_wire().address].times;
-  const Duration whole = std::max(now - transmission.last_sent, Duration{0});
-  const Duration device = std::clamp(end.heard > 0 ? end.heard_after : whole, Duration{0}, whole);
-  times.device.note(device);
-  times.wire.note(whole - device);
-  if (job.current == 0 && transmission.tries == 1) {
-    times.queue.note(transmission.transmitted_at - job.accepted_at);
-  }
-}
-
-// Other settings, which came meanwhile, may expect the question's register to hold something else.
+// Other settings, which came meanwhile, may expect the question's register to hold something else,
+// or ask another one.
 bool Outcomes::holds_what_it_must(const Transaction& question) {
   DeviceEntry& entry = parts_.devices[question.address];
-  entry.setting = register_of(*question.response);
-  const bool holds = entry.setting && std::ranges::count(*question.must_hold, *entry.setting) > 0;
-  entry.setting_known = holds && is_still_asked_for(*entry.device, *question.must_hold);
+  const auto setting = register_of(*question.response);
+  const bool holds = setting && std::ranges::count(*question.must_hold, *setting) > 0;
+  const bool is_wanted = is_still_asked_for(*entry.device, *question.must_hold);
+  entry.setting_known = holds && is_wanted;
+  if (is_wanted && is_still_there(*entry.device, question.request)) {
+    entry.setting = setting;
+  }
   return holds;
 }
 

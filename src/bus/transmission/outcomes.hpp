@@ -24,7 +24,6 @@ class Outcomes {
 
  private:
   void handle_response(Transmission& transmission, const LineEnd& end, Instant now);
-  void note_times(const Transmission& transmission, const LineEnd& end, Instant now);
   [[nodiscard]] bool holds_what_it_must(const Transaction& question);
   void handle_silence(Transmission& transmission, const LineEnd& end, Instant now);
   void handle_damaged(Transmission& transmission, const LineEnd& end, Instant now);

@@ -243,6 +243,29 @@ TEST_F(BusSettings, AWriteWhoseQuestionIsNotPutWaitsForTheQuarantine) {
   EXPECT_EQ(frames_[3].substr(0, 5), "01 06");
 }
 
+// Settings that came while the question was on the wire have the answer elsewhere.
+TEST_F(BusSettings, WhatOneRegisterHeldIsNotShownOfAnother) {
+  open(settings(), {stated()});
+  submit(asking());
+  auto elsewhere = stated();
+  elsewhere.profile.word_order_register->address = 9;
+  update(settings(), {elsewhere});
+  line(kAnswer);
+  EXPECT_EQ(bus_->devices()[1].setting, std::nullopt);
+  answer_write();
+  auto other = stated();
+  other.word_order = drive::WordOrder::little;
+  update(settings(), {stated()});
+  submit(asking());
+  update(settings(), {other});
+  line(kAnswer);
+  EXPECT_EQ(bus_->devices()[1].setting, std::nullopt);
+  answer_write();
+  update(settings(), {stated()});
+  EXPECT_TRUE(is_asked());
+  EXPECT_EQ(bus_->devices()[1].setting, 0x1234);
+}
+
 TEST_F(BusSettings, AnotherAnswerEndsTheJobBeforeItsWrite) {
   open(settings(), {stated()});
   bus::Job& write = asking();
