@@ -62,7 +62,7 @@ struct DeviceNotice {
   Duration lateness{0};         ///< late: after the response timeout
   Duration quarantine{0};       ///< late: in force from now on
   bool answered_before = true;  ///< lost, back: has it ever sent a valid answer?
-  unsigned requests = 0;        ///< lost: unanswered in a row
+  unsigned transmissions = 0;   ///< lost: unanswered in a row
   bool is_request = false;      ///< foreign: it was a request
 };
 /// Which jobs a transmission is for. A job leads one transmission at a time.

@@ -63,8 +63,8 @@ std::string notice_text(const bus::DeviceNotice& notice) {
     case Kind::lost:
       return notice.answered_before
                  ? "does not answer any more"
-                 : "no valid answer came so far, after " + std::to_string(notice.requests) +
-                       (notice.requests == 1 ? " request" : " requests");
+                 : "no valid answer came so far, after " + std::to_string(notice.transmissions) +
+                       (notice.transmissions == 1 ? " transmission" : " transmissions");
     case Kind::back: return notice.answered_before ? "answers again" : "answers";
     case Kind::late:
       return "an answer came " + milliseconds_text(notice.lateness) +

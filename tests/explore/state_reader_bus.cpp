@@ -175,12 +175,12 @@ void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash
 
 void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash) {
   // A setting: device. Counted or told only: counters, early_reported, second_reported, owed_until,
-  // answered_at, answered_function, asked_at, times, second_at, setting. A job that the queue shows
-  // too: probe.
+  // answered_at, answered_function, asked_at, silence, times, second_at, setting. A job that the
+  // queue shows too: probe.
   const auto& [device, counters, health, cache, free_at, probe, setting_known, early_reported,
                last_turn, last_stop_turn, stops_given_up, merge_refused, second_reported,
-               owed_until, answered_at, answered_function, asked_at, times, second_at, setting] =
-      entry;
+               owed_until, answered_at, answered_function, asked_at, silence, times, second_at,
+               setting] = entry;
   read(health, entry.timing(), hash);
   read(cache, device->cache, hash);
   hash.until(free_at);
@@ -201,10 +201,10 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
   // What was learned is forgotten by the minute, which no small world lives: while_began,
   // learned_at, longest_before. Read with the entry, because they count only offline: probe_at,
   // wanted_at. On a serial line all that may end was sent later than what was answered:
-  // answered_sent.
+  // answered_sent. Shown only: damaged_in_row.
   const auto& [debts, forgotten_due, forgotten, answered_at, longest_answer, longest_before,
-               while_began, learned, learned_at, unanswered_in_row, answered_sent, state, probe_at,
-               wanted_at] = health;
+               while_began, learned, learned_at, unanswered_in_row, answered_sent, damaged_in_row,
+               state, probe_at, wanted_at] = health;
   explore::require(!forgotten_due && longest_before == Duration{0}, "few debts, and a short life");
   bool holds = false;
   hash.add(debts.size());

@@ -13,6 +13,9 @@ constexpr int kForgottenPart = 8;    // an eighth in each of these
 constexpr int kLongestMemory = 100;  // of these; nothing is left by then
 constexpr int kMarginPart = 4;       // a quarter more than what was seen
 
+// A device that answers may have so many damaged in a row before it is shown.
+constexpr unsigned kDamagedInRow = 3;
+
 constexpr auto kRecently = std::chrono::minutes(1);
 constexpr int kAnswerTimes = 4;  // after so many answer times an owed answer was not just late
 
@@ -39,7 +42,8 @@ bool DeviceHealth::note_unanswered(const modbus::Request& asked, Instant sent, I
 
 void DeviceHealth::note_damaged(const modbus::Request& asked, Instant due, Instant now) {
   owe(asked, due);
-  if (state() == DeviceState::not_asked) {
+  const bool was_well = state() == DeviceState::answering && ++damaged_in_row_ < kDamagedInRow;
+  if (!is_offline() && !was_well) {
     state_.enter(DeviceState::damaged, now);
   }
 }
@@ -109,7 +113,7 @@ void DeviceHealth::note_took(Duration took, Instant now) {
 }
 
 bool DeviceHealth::answer_seen(Instant now) {
-  unanswered_in_row_ = 0;
+  unanswered_in_row_ = damaged_in_row_ = 0;
   return state_.enter(DeviceState::answering, now) == DeviceState::offline;
 }
 

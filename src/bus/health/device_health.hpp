@@ -140,6 +140,7 @@ class DeviceHealth {
 
   unsigned unanswered_in_row_ = 0;  // sent after the last transmission that was answered
   Instant answered_sent_ = Instant::min();
+  unsigned damaged_in_row_ = 0;  // shown only
   LastingState state_;
   Instant probe_at_ = Instant::min();
   Instant wanted_at_ = Instant::min();

@@ -11,6 +11,7 @@
 #include "bus/counters.hpp"
 #include "bus/health/answer_times.hpp"
 #include "bus/health/device_health.hpp"
+#include "bus/health/silence.hpp"
 #include "bus/job.hpp"
 #include "bus/settings.hpp"
 #include "bus/sharing/read_cache.hpp"
@@ -41,9 +42,10 @@ struct DeviceEntry {
   Instant owed_until = Instant::min();   ///< when the last unanswered request was due
   Instant answered_at = Instant::min();  ///< of the last answer
   std::uint8_t answered_function = 0;    ///< function code of that answer
-  /// Shown only, they decide nothing: when a request was last sent to it, and how long answers
-  /// take.
+  /// Shown only, they decide nothing: when a request was last sent to it, what it has left
+  /// unanswered since it was heard, and how long answers take.
   Instant asked_at = Instant::min();
+  Silence silence;
   AnswerTimes times;
   /// Shown only, too: when a second answer to one request came, and what the device's own setting
   /// (Transaction::must_hold) was when it was last read.

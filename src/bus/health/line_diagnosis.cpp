@@ -44,11 +44,12 @@ void LineDiagnosis::note_bytes(bool asked, Instant now) {
   }
 }
 
-void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end) {
+void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant now) {
   if (!std::exchange(own_heard_, false) && end.how == LineEnd::How::response && asked.is_read) {
     denied_echoes_ = 0;
   }
   const bool heard_frame = std::exchange(frame_heard_, false);
+  note_silence(asked, end.how, now);
   if (!asked.wants_answer) {
     return;
   }
@@ -72,6 +73,20 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end) {
     case LineEnd::How::sent: break;
   }
   tell_quality(asked.address);
+}
+
+void LineDiagnosis::note_silence(const Asked& asked, LineEnd::How how, Instant now) {
+  Silence& silence = parts_.devices[asked.address].silence;
+  switch (how) {
+    case LineEnd::How::response: silence.note_answer(now); break;
+    case LineEnd::How::damaged: silence.note_damaged(now); break;
+    case LineEnd::How::no_response:
+      if (asked.wants_answer) {
+        silence.note_unanswered(asked.sent, asked.is_first);
+      }
+      break;
+    case LineEnd::How::sent: break;
+  }
 }
 
 // On a connection it is not known which part of the time is the wire's.
@@ -100,7 +115,7 @@ bool LineDiagnosis::note_unanswered_connection() {
 void LineDiagnosis::notify(DeviceNotice::Kind kind, std::uint8_t address) {
   DeviceNotice notice{kind, address};
   notice.answered_before = quality_[address].has_answered();
-  notice.requests = parts_.devices[address].health.unanswered_in_row();
+  notice.transmissions = parts_.devices[address].health.unanswered_in_row();
   parts_.actions.push(notice);
 }
 
@@ -122,6 +137,7 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   ++parts_.counters.late_responses;
   ++entry.counters.late_responses;
   entry.note_heard();
+  entry.silence.note_answer(unsolicited.came);
   if (late->grew) {
     parts_.actions.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
                                      entry.health.quarantine(unsolicited.came, entry.timing())});

@@ -17,6 +17,8 @@ struct Asked {
   std::uint8_t address;
   bool is_read;
   bool wants_answer;
+  bool is_first;  ///< no repetition
+  Instant sent;
 };
 
 enum class NoticedEcho : std::uint8_t {
@@ -36,7 +38,7 @@ class LineDiagnosis {
   void note_unsolicited(const UnsolicitedFrame& unsolicited);
   /// An answer to a pending request came.
   void note_understood() { never_silent_reported_ = false; }
-  void note_ended(const Asked& asked, const LineEnd& end);
+  void note_ended(const Asked& asked, const LineEnd& end, Instant now);
   /// It was answered: how long that took.
   void note_times(const Transmission& transmission, const LineEnd& end, Instant now);
   /// The server takes requests and does not answer. Returns true the first time since something was
@@ -60,6 +62,7 @@ class LineDiagnosis {
  private:
   friend struct mbgate::StateReader;
   void note_foreign(const UnsolicitedFrame& unsolicited);
+  void note_silence(const Asked& asked, LineEnd::How how, Instant now);
   void note_denied_echo(Instant now);
   void tell_quality(std::uint8_t address);
 

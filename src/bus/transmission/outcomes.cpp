@@ -37,7 +37,8 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   transmission.is_let_by = false;
   const Transaction& sent = *end.transaction;
   const Asked asked{sent.address, sent.request.is_read(),
-                    !sent.is_broadcast() && !sent.may_stay_silent()};
+                    !sent.is_broadcast() && !sent.may_stay_silent(), transmission.tries == 1,
+                    transmission.last_sent};
   const std::uint8_t function = sent.request.function();
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
@@ -62,7 +63,7 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   if (asked.wants_answer && is_owed) {
     entry.owed_until = std::max(entry.owed_until, end.due);
   }
-  diagnosis_.note_ended(asked, end);
+  diagnosis_.note_ended(asked, end, now);
 }
 
 void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, Instant now) {

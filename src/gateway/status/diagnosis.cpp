@@ -10,7 +10,8 @@ namespace {
 Diagnosis of_silent_device(const StatusReport& report, const DeviceStatus& device,
                            const Together& all) {
   const BusStatus& bus = report.buses[device.bus];
-  std::string evidence = counted(device.unanswered_in_row, "request") + " in a row unanswered";
+  std::string evidence =
+      counted(device.silence.transmissions(), "transmission") + " in a row unanswered";
   if (!device.has_answered) {
     if (all.asked > all.silent) {
       evidence += "; others on " + bus.name + " answer";

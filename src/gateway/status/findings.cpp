@@ -8,8 +8,10 @@
 namespace mbgate::gateway {
 namespace {
 
-// So many requests in a row are unanswered before it is said: one alone may be a disturbance.
+// So many transmissions in a row, of so many requests, are unanswered before it is said: one
+// request alone with its repetitions may be a disturbance.
 constexpr unsigned kUnansweredInRow = 3;
+constexpr unsigned kRequestsInRow = 2;
 constexpr Duration kLately = std::chrono::minutes(10);
 
 // Requests to an offline device are answered at once; its probes take hardly any time.
@@ -46,7 +48,8 @@ bool is_lately(const std::optional<Duration>& ago) { return ago && *ago < kLatel
 
 bool speaks(const DeviceStatus& device) {
   const bus::Quality quality = device.quality.quality;
-  return device.unanswered_in_row < kUnansweredInRow || quality == bus::Quality::no_frame ||
+  return device.silence.transmissions() < kUnansweredInRow ||
+         device.silence.requests() < kRequestsInRow || quality == bus::Quality::no_frame ||
          quality == bus::Quality::late;
 }
 
@@ -72,7 +75,7 @@ Together together(const StatusReport& report, std::size_t bus) {
     all.are_waited_for = all.are_waited_for || is_waited_for(device);
     if (!speaks(device)) {
       ++all.silent;
-      all.unanswered += device.unanswered_in_row;
+      all.unanswered += device.silence.transmissions();
     } else if (device.queue.p50 && !is_bad(device.quality)) {
       all.shortest_wait = std::min(all.shortest_wait.value_or(Duration::max()), *device.queue.p50);
     }

@@ -38,7 +38,7 @@ Diagnosis diagnosis_of_quality(std::string subject, const bus::QualityVerdict& v
 struct Together {
   std::uint64_t asked = 0;  ///< devices
   std::uint64_t silent = 0;
-  std::uint64_t unanswered = 0;  ///< requests in a row, of all of them
+  std::uint64_t unanswered = 0;  ///< transmissions in a row, of all of them
   bool had_answers = false;
   bool are_waited_for = false;            ///< response timeouts of some take the time of the line
   std::optional<Duration> shortest_wait;  ///< the median of each answering device, the least of it

@@ -28,7 +28,7 @@ bool was_anything_heard(const BusStatus& bus) {
 }
 
 Diagnosis of_dead_bus(const BusStatus& bus, const Together& all) {
-  std::string evidence = counted(all.unanswered, "request") + " in a row to " +
+  std::string evidence = counted(all.unanswered, "transmission") + " in a row to " +
                          counted(all.silent, "device") + " unanswered";
   if (!was_anything_heard(bus)) {
     evidence += bus.echo == bus::NoticedEcho::none ? ", and nothing else heard"

@@ -75,8 +75,9 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   }
   status.has_answered = bus.diagnosis().quality()[address].has_answered();
   status.last_request = since(entry.asked_at, now);
-  status.last_answer = since(entry.answered_at, now);
+  status.last_answer = since(entry.silence.last_answer(), now);
   status.unanswered_in_row = entry.health.unanswered_in_row();
+  status.silence = entry.silence;
   status.held_back = bus.held_back(address, now);
   status.quarantine = entry.health.quarantine(now, entry.timing());
   if (entry.health.is_offline()) {

@@ -69,10 +69,11 @@ struct DeviceStatus {
   bool has_answered = false;             ///< ever
   std::optional<Duration> last_request;  ///< how long ago one was sent to it
   std::optional<Duration> last_answer;   ///< how long ago that was
-  unsigned unanswered_in_row = 0;
-  Duration held_back{0};               ///< it still gets nothing but stops for so long
-  Duration quarantine{0};              ///< how long it is held back after an unanswered request
-  std::optional<Duration> next_probe;  ///< offline: in how long it is asked again at the earliest
+  unsigned unanswered_in_row = 0;        ///< transmissions: so many take it offline
+  bus::Silence silence;                  ///< what it has left unanswered since it was heard
+  Duration held_back{0};                 ///< it still gets nothing but stops for so long
+  Duration quarantine{0};                ///< how long it is held back after an unanswered request
+  std::optional<Duration> next_probe;    ///< offline: in how long it is asked again at the earliest
   Duration response_timeout{0};
   std::optional<Duration> last_second_answer;  ///< how long ago two answers came to one request
   std::optional<OtherWordOrder> other_order;

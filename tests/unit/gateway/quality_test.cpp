@@ -118,7 +118,7 @@ TEST_F(JournalOfALine, CallsOnlyADeviceLostThatHasAnswered) {
   rest();
   ask_in_vain(2, "");
   EXPECT_THAT(rig_.events,
-              ElementsAre("device axis: no valid answer came so far, after 2 requests",
+              ElementsAre("device axis: no valid answer came so far, after 2 transmissions",
                           "device axis: answers", "device axis: does not answer any more"));
 }
 

@@ -78,7 +78,7 @@ TEST_F(BusQuality, ADriveThatNeverAnsweredIsNotCalledLost) {
   rest();
   ASSERT_THAT(notices_, ElementsAre(Notice::lost));
   EXPECT_FALSE(last_notice_.answered_before);
-  EXPECT_EQ(last_notice_.requests, 1U);
+  EXPECT_EQ(last_notice_.transmissions, 1U);
 }
 
 TEST_F(BusQuality, ForeignIsNobodyWithinQuarantineMaxOfTheOpening) {

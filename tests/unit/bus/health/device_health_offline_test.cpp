@@ -49,14 +49,41 @@ TEST_F(Health, ADeviceIsInTheStateOfItsLastRequest) {
   health_.note_damaged(read_, at(100ms), at(50ms));
   EXPECT_EQ(health_.state(), DeviceState::damaged);
   unanswered(read_, 500ms);
-  health_.note_damaged(read_, at(800ms), at(750ms));
   EXPECT_EQ(health_.state(), DeviceState::not_answering);
+  health_.note_damaged(read_, at(800ms), at(750ms));
+  EXPECT_EQ(health_.state(), DeviceState::damaged);
   answered(read_, kAnswer, 1100ms, 10ms, 1010ms);
   health_.note_damaged(read_, at(1200ms), at(1150ms));
   EXPECT_EQ(health_.state(), DeviceState::answering);
   for (const auto due : {2s, 3s, 4s}) {
     unanswered(read_, due);
   }
+  EXPECT_EQ(health_.state(), DeviceState::offline);
+}
+
+TEST_F(Health, ADeviceThatAnswersIsDamagedAfterThreeInARow) {
+  const auto damaged = [this](bus::Duration now) {
+    health_.note_damaged(read_, at(now + 50ms), at(now));
+  };
+  answered(read_, kAnswer, 100ms, 10ms, 50ms);
+  damaged(1s);
+  damaged(2s);
+  answered(read_, kAnswer, 2600ms, 10ms, 2510ms);
+  damaged(3s);
+  damaged(4s);
+  EXPECT_EQ(health_.state(), DeviceState::answering);
+  damaged(5s);
+  EXPECT_EQ(health_.state(), DeviceState::damaged);
+  EXPECT_EQ(health_.state_since(), at(5s));
+  answered(read_, kAnswer, 6100ms, 10ms, 6010ms);
+  EXPECT_EQ(health_.state(), DeviceState::answering);
+}
+
+TEST_F(Health, ADamagedAnswerBringsNoDeviceBack) {
+  for (const auto due : {1s, 2s, 3s}) {
+    unanswered(read_, due);
+  }
+  health_.note_damaged(read_, at(4s), at(3950ms));
   EXPECT_EQ(health_.state(), DeviceState::offline);
 }
 

@@ -91,7 +91,7 @@ TEST(LineWithEcho, IsDoubtedWhereNoneComes) {
     trouble.rig.advance(400ms);
   }
   EXPECT_THAT(trouble.diagnoses(),
-              ElementsAre("bus line-a: nothing answers | 4 requests in a row to 1 device "
+              ElementsAre("bus line-a: nothing answers | 4 transmissions in a row to 1 device "
                           "unanswered | power; A and B; unit addresses; the drives' setting, here "
                           "19200 baud 8E1; `echo`: what came back is not what was sent"));
 }
@@ -100,7 +100,7 @@ TEST(DeadLine, HasHeardSomethingIfBytesCame) {
   Trouble trouble;
   trouble.read_in_vain(4, "E6 18 86 9E 06");
   EXPECT_THAT(trouble.diagnoses(),
-              ElementsAre("bus line-a: nothing answers | 4 requests in a row to 1 device "
+              ElementsAre("bus line-a: nothing answers | 4 transmissions in a row to 1 device "
                           "unanswered | power; A and B; unit addresses; the drives' setting, here "
                           "19200 baud 8E1"));
 }

@@ -167,7 +167,7 @@ TEST_F(StatusOfAPlant, NamesADriveThatDoesNotAnswerAnyMore) {
   ask_in_vain(3);
   EXPECT_THAT(
       diagnoses(),
-      ElementsAre("device axis: it does not answer any more | 3 requests in a row "
+      ElementsAre("device axis: it does not answer any more | 3 transmissions in a row "
                   "unanswered; the last answer came 1 s ago | its power, its cable; whether "
                   "it answers later than response_timeout, 100 ms"));
   ask_and_answer();
@@ -177,10 +177,11 @@ TEST_F(StatusOfAPlant, NamesADriveThatDoesNotAnswerAnyMore) {
 TEST_F(StatusOfAPlant, NamesADriveThatHasNeverAnsweredBesideOneThatDoes) {
   ask_and_answer(2);
   ask_in_vain(3);
-  EXPECT_THAT(diagnoses(),
-              ElementsAre("device axis: it has never answered | 3 requests in a row unanswered; "
-                          "others on line-a answer | its power; its address 1; its baud rate and "
-                          "parity, here 19200 baud 8E1; its wires"));
+  EXPECT_THAT(
+      diagnoses(),
+      ElementsAre("device axis: it has never answered | 3 transmissions in a row unanswered; "
+                  "others on line-a answer | its power; its address 1; its baud rate and "
+                  "parity, here 19200 baud 8E1; its wires"));
 }
 
 // Which of these it is cannot be known.
@@ -191,7 +192,7 @@ TEST_F(StatusOfAPlant, NamesAllCausesWhereNothingAnswers) {
   ask_in_vain(1, 2);
   EXPECT_THAT(
       diagnoses(),
-      ElementsAre("bus line-a: nothing answers | 6 requests in a row to 2 devices "
+      ElementsAre("bus line-a: nothing answers | 6 transmissions in a row to 2 devices "
                   "unanswered, and nothing else heard | power; A and B; unit addresses; the "
                   "drives' setting, here 19200 baud 8E1"));
 }
@@ -211,7 +212,7 @@ TEST_F(StatusOfAPlant, NamesALineOnWhichNothingAnswersAnyMore) {
   ask_in_vain(3, 2);
   EXPECT_THAT(
       diagnoses(),
-      ElementsAre("bus line-a: nothing answers any more | 6 requests in a row to 2 devices "
+      ElementsAre("bus line-a: nothing answers any more | 6 transmissions in a row to 2 devices "
                   "unanswered, and nothing else heard | the plug and the cable of the line; "
                   "the power of the drives"));
 }

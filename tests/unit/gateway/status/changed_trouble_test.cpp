@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Troubles that change: silence between damaged answers, an echo that is gone. What is said must be
+// true of now.
+#include "unit/gateway/status/trouble.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using gateway::DeviceStatus;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr auto kDamagedAnswer = "01 03 02 12 35 B5 33";
+constexpr auto kOwnEcho = "01 03 00 00 00 01 84 0A";
+
+void ask_silent(Trouble& trouble, int times, unsigned unit = 1) {
+  for (int at = 0; at < times; ++at) {
+    trouble.rig.receive(1, read_request(1, unit));
+    trouble.rig.advance(430ms);
+  }
+}
+
+DeviceStatus first_device(Trouble& trouble) {
+  return trouble.rig.harness.gateway().report_status(60s, trouble.rig.now()).devices.at(0);
+}
+
+TEST(DamagedAnswersAmongTimeouts, AreNoSilence) {
+  Trouble trouble;
+  for (int at = 0; at < 5; ++at) {
+    trouble.read_in_vain(1, kDamagedAnswer);
+    ask_silent(trouble, 1);
+  }
+  EXPECT_THAT(trouble.diagnoses(),
+              ElementsAre("device axis: bad CRC in 100 % of its answers | 5 of 5 | termination, "
+                          "bias, cable, or two devices at one address"));
+}
+
+TEST(DamagedAnswersAmongTimeouts, BeginTheSilenceAnew) {
+  Trouble trouble;
+  ask_silent(trouble, 2);
+  trouble.read_in_vain(1, kDamagedAnswer);
+  ask_silent(trouble, 3);
+  EXPECT_THAT(trouble.diagnoses(),
+              ElementsAre("bus line-a: nothing answers | 3 transmissions in a row to 1 device "
+                          "unanswered | power; A and B; unit addresses; the drives' setting, here "
+                          "19200 baud 8E1"));
+}
+
+TEST(OneRequest, IsADisturbanceHoweverOftenItIsRepeated) {
+  Settings settings = troubled_plant();
+  settings.devices[0].timing.retries = 2;
+  Trouble trouble(settings);
+  ask_silent(trouble, 1);
+  EXPECT_EQ(first_device(trouble).unanswered_in_row, 3U);
+  EXPECT_THAT(trouble.diagnoses(), IsEmpty());
+  ask_silent(trouble, 1);
+  EXPECT_THAT(trouble.diagnoses(),
+              ElementsAre("bus line-a: nothing answers | 6 transmissions in a row to 1 device "
+                          "unanswered, and nothing else heard | power; A and B; unit addresses; "
+                          "the drives' setting, here 19200 baud 8E1"));
+}
+
+TEST(LateAnswer, IsTheLastOneThatCame) {
+  Trouble trouble;
+  ask_silent(trouble, 1);
+  EXPECT_EQ(first_device(trouble).last_answer, std::nullopt);
+  trouble.rig.respond(kAnswerOfAxis);
+  trouble.rig.advance(2s);
+  const DeviceStatus axis = first_device(trouble);
+  EXPECT_TRUE(axis.has_answered);
+  EXPECT_EQ(axis.last_answer, Duration{2s});
+}
+
+TEST(DeniedEcho, IsOverOnceAReadIsAnsweredWithoutIt) {
+  Trouble trouble;
+  trouble.read(kOwnEcho);
+  trouble.read(kOwnEcho);
+  ASSERT_THAT(trouble.diagnoses(), SizeIs(1));
+  trouble.read("");
+  EXPECT_THAT(trouble.diagnoses(), IsEmpty());
+}
+
+// Each may be a request of another client that asked for the same.
+TEST(DeniedEcho, IsNotProvenByTwoThatAreFarApart) {
+  Trouble trouble;
+  trouble.read(kOwnEcho);
+  trouble.rig.advance(2min);
+  trouble.read(kOwnEcho);
+  EXPECT_THAT(trouble.diagnoses(), IsEmpty());
+  trouble.read(kOwnEcho);
+  EXPECT_THAT(trouble.diagnoses(), SizeIs(1));
+}
+
+}  // namespace
+}  // namespace mbgate::test
