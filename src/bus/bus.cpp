@@ -8,7 +8,7 @@ Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
     : parts_(settings, devices) {}
 
 void Bus::update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now) {
-  parts_.update(settings, devices);
+  diagnosis_.note_other_devices(parts_.update(settings, devices));
   parts_.stops.visit([this](const Transmission& stop) { ends_.overtake_writes(*stop.leader); });
   ends_.end_repeats();
   dispatch_.pump(now);

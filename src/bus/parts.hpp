@@ -33,13 +33,14 @@ struct Parts {
   Parts(const Parts&) = delete;  // some refer to others
   Parts& operator=(const Parts&) = delete;
 
-  /// New settings, or other devices, on the same line.
-  void update(const BusSettings& in_force, std::span<const drive::Device> known) {
+  /// New settings, or other devices, on the same line. Returns the addresses with another device.
+  Addresses update(const BusSettings& in_force, std::span<const drive::Device> known) {
     settings = in_force;
-    devices.update(settings, known);
+    const Addresses others = devices.update(settings, known);
     line.update(settings, listening_time());
     queue.set_limit(settings.queue);
     transmissions.set_room(most_in_flight());
+    return others;
   }
 
   /// Are devices held in quarantine? Not on Modbus TCP, where the transaction identifier tells late

@@ -48,6 +48,13 @@ void DeviceHealth::note_damaged(const modbus::Request& asked, Instant due, Insta
   }
 }
 
+void DeviceHealth::forget_shown() {
+  damaged_in_row_ = 0;
+  if (!is_offline()) {
+    state_ = {};
+  }
+}
+
 DeviceHealth::Debt& DeviceHealth::owe(const modbus::Request& asked, Instant due) {
   answered_at_.reset();
   if (forgotten_due_) {

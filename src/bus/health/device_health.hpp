@@ -47,6 +47,10 @@ class DeviceHealth {
   void note_spoilt(const modbus::Request& asked, Instant due) { owe(asked, due); }
   /// The same: an answer came with a wrong CRC or LRC.
   void note_damaged(const modbus::Request& asked, Instant due, Instant now);
+  /// Another device is at this address now. What decides stays: the owed answers and the row of
+  /// unanswered transmissions; and the state, as long as it is offline, because that is how
+  /// requests to this address are treated.
+  void forget_shown();
   struct Answered {
     const modbus::Request& asked;
     modbus::Bytes response;  ///< its PDU

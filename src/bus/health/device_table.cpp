@@ -2,27 +2,58 @@
 #include "bus/health/device_table.hpp"
 
 #include <algorithm>
+#include <string>
 
 namespace mbgate::bus {
+namespace {
+
+/// By address; empty: it has no device.
+std::array<std::string, kAddresses> names_of(std::span<const drive::Device> devices) {
+  std::array<std::string, kAddresses> names;
+  for (const drive::Device& device : devices) {
+    names.at(device.address) = device.name;
+  }
+  return names;
+}
+
+}  // namespace
+
+void DeviceEntry::forget_shown() {
+  health.forget_shown();
+  asked_at = second_at = Instant::min();
+  silence = {};
+  times = {};
+}
 
 DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Device> devices) {
   update(settings, devices);
 }
 
-void DeviceTable::update(const BusSettings& settings, std::span<const drive::Device> devices) {
+Addresses DeviceTable::update(const BusSettings& settings, std::span<const drive::Device> devices) {
+  const auto before = names_of(devices_);
+  const auto names = names_of(devices);
   devices_.assign(devices.begin(), devices.end());
   other_.timing = settings.timing;
   longest_response_timeout_ = bus::longest_response_timeout(settings, devices);
-  for (DeviceEntry& entry : entries_) {
+  Addresses others;
+  for (std::size_t address = 0; address < kAddresses; ++address) {
+    DeviceEntry& entry = entries_.at(address);
     entry.device = &other_;
     entry.early_reported = false;
     entry.merge_refused = false;
     entry.second_reported = false;
+    if (names.at(address) != before.at(address)) {
+      others.set(address);
+      entry.forget_shown();
+    } else if (names.at(address).empty()) {
+      entry.asked_at = Instant::min();  // perhaps nothing leads there any more
+    }
   }
   for (const drive::Device& device : devices_) {
     entries_.at(device.address).device = &device;
   }
   forget_what_was_read();
+  return others;
 }
 
 bool DeviceTable::is_stop(std::uint8_t address, const modbus::Request& request,

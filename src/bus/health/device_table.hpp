@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <limits>
 #include <optional>
 #include <span>
@@ -21,6 +22,7 @@ namespace mbgate::bus {
 
 /// A serial line has 1 to 247, a downstream TCP bus 0 to 255.
 inline constexpr std::size_t kAddresses = std::numeric_limits<std::uint8_t>::max() + 1;
+using Addresses = std::bitset<kAddresses>;
 
 struct DeviceEntry {
   const drive::Device* device = nullptr;  ///< never null
@@ -58,6 +60,8 @@ struct DeviceEntry {
     last_stop_turn = 0;
     stops_given_up = false;
   }
+  /// Another device is at this address now. What is still owed there, and what is decided, stays.
+  void forget_shown();
 };
 
 class DeviceTable {
@@ -67,8 +71,9 @@ class DeviceTable {
   DeviceTable(const DeviceTable&) = delete;  // its entries point to its devices
   DeviceTable& operator=(const DeviceTable&) = delete;
 
-  /// New devices, or new settings of them. What is known of their addresses is kept.
-  void update(const BusSettings& settings, std::span<const drive::Device> devices);
+  /// New devices, or new settings of them. What is known of their addresses is kept, but not what
+  /// is shown of those that have a device of another name now, or none any more. Returns these.
+  Addresses update(const BusSettings& settings, std::span<const drive::Device> devices);
   [[nodiscard]] DeviceEntry& operator[](std::uint8_t address) { return entries_.at(address); }
   [[nodiscard]] const DeviceEntry& operator[](std::uint8_t address) const {
     return entries_.at(address);

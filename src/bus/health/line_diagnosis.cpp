@@ -102,6 +102,14 @@ void LineDiagnosis::note_times(const Transmission& transmission, const LineEnd& 
   }
 }
 
+void LineDiagnosis::note_other_devices(const Addresses& addresses) {
+  for (std::size_t address = 0; address < addresses.size(); ++address) {
+    if (addresses[address]) {
+      quality_.forget(static_cast<std::uint8_t>(address));
+    }
+  }
+}
+
 void LineDiagnosis::tell_quality(std::uint8_t address) {
   while (const auto change = quality_.take_change(address)) {
     parts_.actions.push(*change);

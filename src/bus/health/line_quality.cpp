@@ -138,6 +138,12 @@ void LineQuality::forget() {
   unasked_ = 0;
 }
 
+void LineQuality::forget(std::uint8_t address) {
+  devices_.at(address) = {};
+  const Quality told = std::exchange(told_.at(address), Quality::unknown);
+  bad_devices_ -= told == Quality::bad_crc ? 1U : 0U;
+}
+
 QualityVerdict LineQuality::verdict() const {
   QualityVerdict verdict = crcs_.verdict();
   if (!crcs_.is_known()) {

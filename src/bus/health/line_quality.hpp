@@ -119,6 +119,8 @@ class LineQuality {
   void note_unasked() { ++unasked_; }
   [[nodiscard]] unsigned unasked() const { return unasked_; }
   void forget();
+  /// Another device is at this address now.
+  void forget(std::uint8_t address);
   /// Good or bad CRCs of all devices together. Bad only if at least two devices are bad: one bad
   /// device alone is not a fault of the line.
   [[nodiscard]] QualityVerdict verdict() const;

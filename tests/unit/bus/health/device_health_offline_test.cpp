@@ -87,6 +87,19 @@ TEST_F(Health, ADamagedAnswerBringsNoDeviceBack) {
   EXPECT_EQ(health_.state(), DeviceState::offline);
 }
 
+// Requests to this address are still answered at once.
+TEST_F(Health, OfAnotherDeviceOnlyThatTheAddressIsOfflineIsShown) {
+  unanswered(read_, 1s);
+  health_.forget_shown();
+  EXPECT_EQ(health_.state(), DeviceState::not_asked);
+  EXPECT_EQ(health_.state_since(), Instant::min());
+  EXPECT_FALSE(may_be_asked(1100ms));  // what is owed may still come
+  unanswered(read_, 2s);
+  EXPECT_TRUE(unanswered(read_, 3s));  // the row goes on
+  health_.forget_shown();
+  EXPECT_EQ(health_.state(), DeviceState::offline);
+}
+
 TEST_F(Health, ADeviceThatAnswersLateIsAnswering) {
   unanswered(read_, 100ms);
   EXPECT_EQ(health_.state(), DeviceState::not_answering);

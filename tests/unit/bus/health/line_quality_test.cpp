@@ -173,6 +173,17 @@ TEST_F(LineQuality, LateAnswersAreNoVerdictOnceTheLastRequestsHadNone) {
   EXPECT_EQ(of_device_, std::vector{Quality::late});
 }
 
+TEST_F(LineQuality, AnotherDeviceIsJudgedAnewAndTheLineWithoutTheOneBefore) {
+  answers(1, 1, 5);
+  answers(2, 1, 5);
+  ASSERT_EQ(quality_.verdict().quality, Quality::bad_crc);
+  quality_.forget(1);
+  EXPECT_EQ(verdict().quality, Quality::unknown);
+  EXPECT_FALSE(quality_[1].has_answered());
+  EXPECT_TRUE(quality_[2].has_answered());
+  EXPECT_EQ(quality_.verdict().quality, Quality::good);
+}
+
 TEST_F(LineQuality, AnotherLineIsJudgedAnew) {
   answers(1, 0, 5);
   quality_.forget();

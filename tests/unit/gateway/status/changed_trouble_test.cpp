@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Troubles that change: silence between damaged answers, an echo that is gone. What is said must be
-// true of now.
+// Troubles that change: silence between damaged answers, an echo that is gone, another device at an
+// address. What is said must be true of now.
 #include "unit/gateway/status/trouble.hpp"
 
 namespace mbgate::test {
@@ -10,6 +10,7 @@ using gateway::DeviceStatus;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
+using testing::StartsWith;
 
 constexpr auto kDamagedAnswer = "01 03 02 12 35 B5 33";
 constexpr auto kOwnEcho = "01 03 00 00 00 01 84 0A";
@@ -90,6 +91,59 @@ TEST(DeniedEcho, IsNotProvenByTwoThatAreFarApart) {
   EXPECT_THAT(trouble.diagnoses(), IsEmpty());
   trouble.read(kOwnEcho);
   EXPECT_THAT(trouble.diagnoses(), SizeIs(1));
+}
+
+TEST(AnotherDevice, IsNotWhatTheOneBeforeItWas) {
+  Settings settings = troubled_plant();
+  Trouble trouble(settings);
+  trouble.read("");
+  ask_silent(trouble, 3);
+  trouble.rig.reload(settings);
+  ASSERT_THAT(trouble.diagnoses(),
+              ElementsAre(StartsWith("device axis: it does not answer any more | 3 ")));
+  settings.devices[0].name = "crane";
+  trouble.rig.reload(settings);
+  EXPECT_THAT(trouble.diagnoses(), IsEmpty());
+  const DeviceStatus crane = first_device(trouble);
+  EXPECT_EQ(crane.name, "crane");
+  EXPECT_EQ(crane.state, DeviceStatus::State::not_asked);
+  EXPECT_EQ(crane.state_since, std::nullopt);
+  EXPECT_FALSE(crane.has_answered);
+  EXPECT_EQ(crane.last_request, std::nullopt);
+  EXPECT_EQ(crane.last_answer, std::nullopt);
+  EXPECT_EQ(crane.quality.quality, bus::Quality::unknown);
+  EXPECT_EQ(crane.device.p50, std::nullopt);
+  ask_silent(trouble, 3);
+  EXPECT_THAT(trouble.diagnoses(), ElementsAre(StartsWith("bus line-a: nothing answers | 3 ")));
+}
+
+TEST(AnotherDevice, IsNotOneOfTwoThatGaveTwoAnswers) {
+  Settings settings = troubled_plant();
+  Trouble trouble(settings);
+  trouble.rig.advance(20s);
+  trouble.read("");
+  trouble.rig.respond(kAnswerOfAxis);
+  trouble.rig.advance(3s);
+  ASSERT_THAT(trouble.diagnoses(), SizeIs(1));
+  settings.devices[0].name = "crane";
+  trouble.rig.reload(settings);
+  trouble.read("");
+  EXPECT_THAT(trouble.diagnoses(), IsEmpty());
+}
+
+// Perhaps the route that led there is gone.
+TEST(AddressWithoutADevice, IsOnlyNamedIfItWasAskedSinceTheReload) {
+  const Settings settings = troubled_plant();
+  Trouble trouble(settings);
+  trouble.read("");
+  ask_silent(trouble, 3, 9);
+  ASSERT_THAT(trouble.diagnoses(),
+              ElementsAre(StartsWith("bus line-a address 9: it has never answered | 3 ")));
+  trouble.rig.reload(settings);
+  EXPECT_THAT(trouble.diagnoses(), IsEmpty());
+  ask_silent(trouble, 1, 9);
+  EXPECT_THAT(trouble.diagnoses(),
+              ElementsAre(StartsWith("bus line-a address 9: it has never answered | 4 ")));
 }
 
 }  // namespace
