@@ -127,15 +127,16 @@ std::string buses_text(const boost::json::array& buses) {
       rows, 4);
 }
 
-// Those that do not answer first, then the slow ones.
+// Those that do not answer first, then those whose answers are bad, then the slow ones.
 bool is_worse(const value& a, const value& b) {
   const auto rank = [](const value& one) {
     const object& device = one.as_object();
     const std::string state = text(device, "state");
+    const std::string quality = text(device.at("quality").as_object(), "verdict");
     const value& slow = device.at("latency_ms").as_object().at("device").as_object().at("p90");
-    return std::tuple(state != "answering" && state != "not asked",
-                      number(device, "unanswered_in_row"),
-                      slow.is_null() ? 0.0 : slow.to_number<double>());
+    return std::tuple(
+        state != "answering" && state != "not asked", number(device, "unanswered_in_row"),
+        quality != "good" && quality != "unknown", slow.is_null() ? 0.0 : slow.to_number<double>());
   };
   return rank(a) > rank(b);
 }

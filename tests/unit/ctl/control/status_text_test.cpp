@@ -17,6 +17,7 @@ boost::json::object listed(const char* name, const char* state, const char* exce
           {"state", state},
           {"state_since_s", since},
           {"unanswered_in_row", 0},
+          {"quality", {{"verdict", "good"}, {"count", 0}, {"of", 5}}},
           {"latency_ms", {{"queue", none}, {"wire", none}, {"device", none}}},
           {"counters", {{"responses", 5}, {"timeouts", 0}, {"bad_crcs", 0}, {"late_responses", 0}}},
           {"exceptions", boost::json::parse(exceptions)}};
@@ -58,6 +59,17 @@ lift    line-a  1        offline for 4 min        5         0        0     0    
 axis    line-a  1        answering                5         0        0     0      -     -      -    -    -
 fan     line-a  1        not asked                5         0        0     0      -     -      -    -    -
 )");
+}
+
+TEST(StatusText, HasADeviceWithBadAnswersBeforeThoseThatAreOnlySlow) {
+  auto slow = listed("axis", "answering", "{}");
+  slow["latency_ms"].as_object()["device"].as_object()["p90"] = 120;
+  auto bad = listed("lift", "answering", "{}");
+  bad["quality"].as_object()["verdict"] = "bad crc";
+  auto silent = listed("pump", "not answering", "{}");
+  const std::string table = device_table({slow, bad, silent});
+  EXPECT_LT(table.find("pump"), table.find("lift"));
+  EXPECT_LT(table.find("lift"), table.find("axis"));
 }
 
 }  // namespace
