@@ -79,6 +79,18 @@ std::string ascii_text(Bytes bytes, Direction direction) {
   return modbus::ascii_content(bytes) ? "its LRC is wrong" : "no whole ASCII frame";
 }
 
+/// Is the frame of the response that was taken among these bytes?
+bool has_response(const WireTrace& wire, Bytes bytes) {
+  const auto pdu = modbus::Pdu::from(*wire.response);
+  const auto has = [&](const auto& frame) { return !std::ranges::search(bytes, frame).empty(); };
+  switch (wire.framing) {
+    case bus::Framing::rtu: return pdu && has(modbus::encode_rtu(wire.address, *pdu));
+    case bus::Framing::ascii: return pdu && has(modbus::encode_ascii(wire.address, *pdu));
+    case bus::Framing::tcp: return false;
+  }
+  return false;
+}
+
 std::string frame_text(const WireTrace& wire, Bytes bytes, Direction direction) {
   switch (wire.framing) {
     case bus::Framing::rtu: return rtu_text(bytes, direction);
@@ -130,9 +142,8 @@ std::string heard_text(const WireTrace& wire) {
   Bytes rest = all;
   std::string text;
   const bool has_same = !wire.frame.empty() && rest.size() >= wire.frame.size() &&
-                        std::ranges::equal(rest.first(wire.frame.size()), wire.frame) &&
-                        (rest.size() > wire.frame.size() || !wire.response);
-  if (has_same) {
+                        std::ranges::equal(rest.first(wire.frame.size()), wire.frame);
+  if (has_same && (!wire.response || has_response(wire, rest.subspan(wire.frame.size())))) {
     text = "the same as was sent, then ";
     rest = rest.subspan(wire.frame.size());
   }

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "modbus/ascii.hpp"
+#include "modbus/rtu.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {
@@ -66,6 +68,34 @@ TEST(TraceText, AResponseThatWasTakenIsNoEcho) {
   wire.heard.push_back({{}, wire.frame});
   wire.response = unhex("06 00 00 00 01");
   EXPECT_EQ(gateway::heard_text(wire), "write single register 0 done");
+}
+
+/// What is said of a write that was answered, with these bytes heard.
+std::string heard_of_write(const std::vector<std::uint8_t>& bytes, bus::Framing framing) {
+  const auto pdu = *modbus::Pdu::from(unhex("06 00 00 00 01"));
+  const auto rtu = modbus::encode_rtu(1, pdu);
+  const auto ascii = modbus::encode_ascii(1, pdu);
+  WireTrace wire;
+  wire.address = 1;
+  wire.framing = framing;
+  wire.frame.assign(rtu.begin(), rtu.end());
+  if (framing == bus::Framing::ascii) {
+    wire.frame.assign(ascii.begin(), ascii.end());
+  }
+  wire.heard.push_back({{}, wire.frame});
+  wire.heard.push_back({{}, bytes});
+  wire.response = unhex("06 00 00 00 01");
+  return gateway::heard_text(wire);
+}
+
+TEST(TraceText, AnEchoHasTheResponseBehindIt) {
+  EXPECT_EQ(heard_of_write(unhex("00"), bus::Framing::rtu), "write single register 0 done");
+  EXPECT_EQ(heard_of_write(unhex("00 01 06 00 00 00 01 48 0A"), bus::Framing::rtu),
+            "the same as was sent, then write single register 0 done");
+  EXPECT_EQ(heard_of_write(unhex("00"), bus::Framing::ascii), "write single register 0 done");
+  EXPECT_EQ(heard_of_write(unhex("3A 30 31 30 36 30 30 30 30 30 30 30 31 46 38 0D 0A"),
+                           bus::Framing::ascii),
+            "the same as was sent, then write single register 0 done");
 }
 
 // ':', 01 03 02 12 34, its LRC, CR LF
