@@ -7,11 +7,11 @@
 namespace mbgate::gateway {
 
 bool TraceRecord::is_failed() const {
-  if (asked && !asked->answer) {
+  if (asked && !asked->answer && ended_as != bus::Ending::transmitted) {
     return true;
   }
   constexpr std::uint8_t kException = 0x80;
-  if (asked && ((*asked->answer)[modbus::kMbapHeaderSize] & kException) != 0) {
+  if (asked && asked->answer && ((*asked->answer)[modbus::kMbapHeaderSize] & kException) != 0) {
     return true;
   }
   return std::ranges::any_of(wire, [](const WireTrace& it) {

@@ -75,7 +75,8 @@ struct TraceRecord {
   std::size_t wire_not_kept = 0;        ///< frames beyond those
   std::optional<bus::Ending> ended_as;  ///< its last job, or the first that failed
 
-  /// The client got an exception or nothing, or something on the wire failed.
+  /// The client got an exception, or nothing although no broadcast was sent for it, or something on
+  /// the wire failed.
   [[nodiscard]] bool is_failed() const;
 };
 

@@ -201,5 +201,31 @@ TEST_F(Trace, DecidesNothingWhenItIsTurnedOn) {
   EXPECT_FALSE(rig_.harness.gateway().poll_action());
 }
 
+TEST(TraceOfABroadcast, ThatIsNotAnsweredIsNoFailure) {
+  Settings settings = one_bus();
+  settings.routes.clear();
+  settings.listeners[0].bus = BusId{0};
+  settings.listeners[0].broadcast = true;
+  settings.listeners[0].broadcast_reply = routing::BroadcastReply::none;
+  MachineRig rig{settings};
+  rig.connect(1);
+  rig.harness.gateway().set_traced(true);
+  rig.receive(1, "0007 0000 0006 00 06 0000 0001");
+  rig.advance(200ms);
+  rig.receive(1, "0008 0000 0006 01 06 0000 0001");
+  rig.advance(10ms);
+  rig.disconnect(1);
+  rig.respond("01 06 00 00 00 01");
+  const auto taken = rig.harness.gateway().take_trace(rig.now());
+  ASSERT_EQ(taken.records.size(), 2U);
+  EXPECT_EQ(text(taken.records[0]),
+            "00 07 00 00 00 06 00 06 00 00 00 01 = / line-a > 00 06 00 00 00 01 49 DB < sent");
+  EXPECT_FALSE(taken.records[0].is_failed());
+  EXPECT_EQ(text(taken.records[1]),
+            "00 08 00 00 00 06 01 06 00 00 00 01 = / line-a > 01 06 00 00 00 01 48 0A < "
+            "01 06 00 00 00 01 48 0A answered");
+  EXPECT_TRUE(taken.records[1].is_failed()) << "its client has gone";
+}
+
 }  // namespace
 }  // namespace mbgate::test
