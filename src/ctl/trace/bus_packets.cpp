@@ -5,21 +5,26 @@
 #include <string_view>
 
 #include "ctl/trace/trace_lines.hpp"
+#include "modbus/ascii.hpp"
 #include "modbus/mbap.hpp"
+#include "modbus/request.hpp"
+#include "modbus/request_length.hpp"
+#include "modbus/response.hpp"
 #include "modbus/rtu.hpp"
 
 namespace mbgate::ctl {
 namespace {
 
-/// Which side a frame is from. Wireshark tells a request from a response by its ports.
-enum class Side : std::uint8_t { gateway, device, unknown };
+/// Which side a frame is from: that of the gateway, and of other clients of the line, or that of a
+/// device. Wireshark tells a request from a response by its ports.
+enum class Side : std::uint8_t { client, device, unknown };
 
 /// The port of the device's side. That of RTU is not 502: there the clients' side is, and who tells
 /// Wireshark that its RTU is at a port takes this port from Modbus TCP.
 constexpr std::uint16_t port_of_device(std::string_view dissector) {
   return dissector == "mbtcp" ? 502 : 20502;
 }
-constexpr std::uint16_t kGatewayPort = 50000;
+constexpr std::uint16_t kClientPort = 50000;
 
 void append_tag(ByteString& bytes, std::uint16_t tag, modbus::Bytes value) {
   const std::size_t padded = (value.size() + 3) / 4 * 4;
@@ -48,11 +53,11 @@ ByteString upper_pdu(std::string_view dissector, Side side, modbus::Bytes bytes)
   ByteString pdu;
   append_tag(pdu, kDissector, ByteString(dissector.begin(), dissector.end()));
   if (side != Side::unknown) {
-    const bool is_gateway = side == Side::gateway;
+    const bool is_client = side == Side::client;
     const std::uint16_t device_port = port_of_device(dissector);
     append_tag(pdu, kPortType, kTcpPorts);
-    append_tag(pdu, kSourcePort, is_gateway ? kGatewayPort : device_port);
-    append_tag(pdu, kDestinationPort, is_gateway ? device_port : kGatewayPort);
+    append_tag(pdu, kSourcePort, is_client ? kClientPort : device_port);
+    append_tag(pdu, kDestinationPort, is_client ? device_port : kClientPort);
   }
   append_tag(pdu, kEnd, modbus::Bytes());
   pdu.insert(pdu.end(), bytes.begin(), bytes.end());
@@ -73,57 +78,90 @@ bool is_good_frame(TracedFraming framing, modbus::Bytes bytes) {
   return false;
 }
 
+/// Whose frame it is that was heard on a serial line and not taken, by its length. A write and the
+/// answer to it look the same.
+Side side_of(const modbus::Pdu& pdu) {
+  const auto is_whole = [&](const modbus::PduLength& length) {
+    return length.kind == modbus::PduLength::Kind::known && length.bytes == pdu.size();
+  };
+  const bool may_be_response = is_whole(modbus::response_length(pdu.bytes()));
+  const bool may_be_request =
+      is_whole(modbus::request_length(pdu.bytes())) && modbus::Request::parse(pdu);
+  if (may_be_response == may_be_request) {
+    return Side::unknown;
+  }
+  return may_be_response ? Side::device : Side::client;
+}
+
+Side side_of(TracedFraming framing, modbus::Bytes good_frame) {
+  if (framing == TracedFraming::tcp) {
+    return Side::device;  // a connection has only one other end
+  }
+  const auto adu = modbus::decode_rtu(good_frame);
+  return adu ? side_of(adu->pdu) : Side::unknown;
+}
+
 /// The frame around the PDU that was taken, as it came.
 ByteString taken_frame(const TracedFrame& frame) {
   const auto pdu = frame.response ? modbus::Pdu::from(*frame.response) : std::nullopt;
-  ByteString taken;
-  if (pdu && frame.framing == TracedFraming::rtu) {
-    const modbus::RtuBytes bytes = modbus::encode_rtu(frame.address, *pdu);
-    taken.assign(bytes.begin(), bytes.end());
-  } else if (pdu && frame.framing == TracedFraming::tcp && frame.sent->raw.bytes.size() >= 2) {
-    const modbus::MbapHeader header{modbus::load_be16(frame.sent->raw.bytes, 0), frame.address};
-    const modbus::MbapBytes bytes = modbus::encode({header, *pdu});
-    taken.assign(bytes.begin(), bytes.end());
+  if (!pdu || !frame.sent) {
+    return {};
   }
-  return taken;
+  const auto copy = [](const auto& bytes) { return ByteString(bytes.begin(), bytes.end()); };
+  switch (frame.framing) {
+    case TracedFraming::rtu: return copy(modbus::encode_rtu(frame.address, *pdu));
+    case TracedFraming::ascii: return copy(modbus::encode_ascii(frame.address, *pdu));
+    case TracedFraming::tcp: break;
+  }
+  if (frame.sent->raw.bytes.size() < 2) {
+    return {};
+  }
+  const modbus::MbapHeader header{modbus::load_be16(frame.sent->raw.bytes, 0), frame.address};
+  return copy(modbus::encode({header, *pdu}));
 }
 
 /// From heard bytes to packets.
 class HeardPackets {
  public:
-  explicit HeardPackets(const TracedFrame& frame) : frame_(frame), all_(all_heard(frame)) {}
+  explicit HeardPackets(const TracedFrame& frame)
+      : frame_(frame), all_(all_heard(frame)), taken_(taken_frame(frame)) {}
 
   std::vector<CapturedPacket> take() {
     std::size_t begin = 0;
-    std::size_t end = all_.size();
     if (frame_.sent && is_echo()) {
       begin = frame_.sent->raw.bytes.size();
       add_bytes(0, begin, "the same as was sent: the line hears itself");
     }
-    const ByteString taken = taken_frame(frame_);
-    const auto rest = all_.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto found = taken.empty()
-                           ? std::ranges::subrange(all_.end(), all_.end())
-                           : std::ranges::find_end(rest, all_.end(), taken.begin(), taken.end());
-    if (!found.empty()) {
-      end = static_cast<std::size_t>(found.begin() - all_.begin());
-      add_others(begin, end);
-      add_frame(end, end + taken.size(), Side::device);
-      begin = end + taken.size();
-      end = all_.size();
+    if (const auto found = taken_from(begin)) {
+      add_others(begin, *found);
+      begin = *found + taken_.size();
+      if (frame_.framing == TracedFraming::ascii) {
+        add_bytes(*found, begin, frame_.heard_text);
+      } else {
+        add_frame(*found, begin, Side::device, {});
+      }
     }
-    add_others(begin, end);
+    add_others(begin, all_.size());
     return std::move(packets_);
   }
 
  private:
-  /// A response may look like its request; then something must come behind the echo.
+  /// Where the frame that was taken begins, the last one from this place on.
+  [[nodiscard]] std::optional<std::size_t> taken_from(std::size_t place) const {
+    const modbus::Bytes rest = modbus::Bytes(all_).subspan(place);
+    const auto found = std::ranges::find_end(rest, taken_);
+    return taken_.empty() || found.empty()
+               ? std::nullopt
+               : std::optional(place + static_cast<std::size_t>(found.begin() - rest.begin()));
+  }
+
+  /// A response may look like its request; then the response must come behind the echo.
   [[nodiscard]] bool is_echo() const {
     const ByteString& sent = frame_.sent->raw.bytes;
     const bool begins = !sent.empty() && all_.size() >= sent.size() &&
                         std::equal(sent.begin(), sent.end(), all_.begin());
     return begins && frame_.framing != TracedFraming::tcp &&
-           (all_.size() > sent.size() || !frame_.response);
+           (!frame_.response || taken_from(sent.size()));
   }
 
   /// When the byte came that has this place among all.
@@ -157,9 +195,9 @@ class HeardPackets {
   void add(std::size_t begin, ByteString bytes, std::string comment) {
     packets_.push_back({instant_of(begin), Heading::inbound, std::move(bytes), std::move(comment)});
   }
-  void add_frame(std::size_t begin, std::size_t end, Side side) {
+  void add_frame(std::size_t begin, std::size_t end, Side side, std::string comment) {
     const char* const dissector = frame_.framing == TracedFraming::tcp ? "mbtcp" : "mbrtu";
-    add(begin, upper_pdu(dissector, side, piece(begin, end)), {});
+    add(begin, upper_pdu(dissector, side, piece(begin, end)), std::move(comment));
   }
   void add_bytes(std::size_t begin, std::size_t end, std::string comment) {
     if (begin < end) {
@@ -183,14 +221,13 @@ class HeardPackets {
 
   /// What is not the response: frames of others, which come in parts of their own, and bytes.
   void add_others(std::size_t begin, std::size_t limit) {
-    const std::string comment = frame_.response && frame_.framing != TracedFraming::ascii
-                                    ? "no part of the response"
-                                    : frame_.heard_text;
+    const std::string comment = taken_from(0) ? "no part of the response" : frame_.heard_text;
     std::size_t bytes_from = begin;
     for (std::size_t at = begin; at < limit;) {
       if (const std::size_t end = good_end(at, limit); end != 0) {
         add_bytes(bytes_from, at, comment);
-        add_frame(at, end, frame_.sent ? Side::device : Side::unknown);
+        add_frame(at, end, side_of(frame_.framing, piece(at, end)),
+                  frame_.sent ? "not the response" : "");
         at = bytes_from = end;
       } else {
         at = std::min(part_end(at), limit);
@@ -201,6 +238,7 @@ class HeardPackets {
 
   const TracedFrame& frame_;
   ByteString all_;
+  ByteString taken_;
   std::vector<CapturedPacket> packets_;
 };
 
@@ -211,7 +249,7 @@ CapturedPacket sent_packet(const TracedFrame& frame) {
             sent.text};
   }
   const char* const dissector = frame.framing == TracedFraming::tcp ? "mbtcp" : "mbrtu";
-  return {sent.raw.at, Heading::outbound, upper_pdu(dissector, Side::gateway, sent.raw.bytes), {}};
+  return {sent.raw.at, Heading::outbound, upper_pdu(dissector, Side::client, sent.raw.bytes), {}};
 }
 
 }  // namespace

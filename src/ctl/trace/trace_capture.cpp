@@ -27,6 +27,21 @@ std::uint16_t port_of(std::uint64_t connection) {
   return static_cast<std::uint16_t>(kFirst + connection % kPorts);
 }
 
+/// Two instants of the same. Each batch is told by the clock of its own moment, so they may differ
+/// a little; and a frame of the same bytes that is sent again comes later than this.
+bool is_same(TraceInstant one, TraceInstant other) {
+  constexpr std::chrono::milliseconds kTolerance{1};
+  return std::chrono::abs(one - other) <= kTolerance;
+}
+
+std::string failed_comment(const std::string& failure) {
+  return failure.empty() ? failure : "failed: " + failure;
+}
+
+void add_line(std::string& comment, const std::string& line) {
+  comment += (comment.empty() ? "" : "\n") + line;
+}
+
 void append_block(ByteString& blocks, const ByteString& block) {
   blocks.insert(blocks.end(), block.begin(), block.end());
 }
@@ -45,28 +60,31 @@ ByteString TraceCapture::add(const TraceEvent& event) {
   ByteString blocks;
   std::vector<Placed> packets;
   if (event.asked) {
-    add_request(*event.asked, packets);
+    add_request(*event.asked, failed_comment(request_failure(event)), packets);
   }
   for (const TracedFrame& frame : event.wire) {
     add_frame(frame, packets, blocks);
   }
   std::ranges::stable_sort(packets, {}, [](const Placed& it) { return it.packet.at; });
-  const std::string failure = failure_of(event);
-  for (Placed& it : packets) {
-    std::string& comment = it.packet.comment;
-    if (comment.empty() && !failure.empty()) {
-      comment = "failed: " + failure;
+  if (!packets.empty() && lost_ > 0) {
+    std::string& first = packets.front().packet.comment;
+    std::string missing = missing_records(std::exchange(lost_, 0));
+    if (!first.empty()) {
+      add_line(missing, first);
     }
-    if (lost_ > 0) {
-      const std::string missing = missing_records(std::exchange(lost_, 0));
-      comment = comment.empty() ? missing : missing + "\n" + comment;
-    }
+    first = std::move(missing);
+  }
+  if (!packets.empty() && event.wire_not_kept > 0) {
+    add_line(packets.back().packet.comment, and_more(event.wire_not_kept, "frame"));
+  }
+  for (const Placed& it : packets) {
     append_block(blocks, packet_block(it.interface, it.packet));
   }
   return blocks;
 }
 
-void TraceCapture::add_request(const TracedRequest& asked, std::vector<Placed>& packets) {
+void TraceCapture::add_request(const TracedRequest& asked, const std::string& comment,
+                               std::vector<Placed>& packets) {
   const auto address = ip_octets(asked.client);
   if (!address) {
     throw std::invalid_argument("\"" + asked.client + "\" is no IP address");
@@ -79,18 +97,16 @@ void TraceCapture::add_request(const TracedRequest& asked, std::vector<Placed>& 
   Streams& streams = conversations_[{client.address, client.port}];
   const ByteString& request = asked.request.raw.bytes;
   const TcpPlace place{streams.of_client, streams.of_gateway};
-  packets.push_back(
-      {kClients,
-       {asked.request.raw.at, Heading::inbound, tcp_segment(client, gateway, place, request), {}}});
+  packets.push_back({kClients,
+                     {asked.request.raw.at, Heading::inbound,
+                      tcp_segment(client, gateway, place, request), comment}});
   streams.of_client += static_cast<std::uint32_t>(request.size());
   if (asked.answer) {
     const ByteString& answer = asked.answer->raw.bytes;
     const TcpPlace back{streams.of_gateway, streams.of_client};
     packets.push_back({kClients,
-                       {asked.answer->raw.at,
-                        Heading::outbound,
-                        tcp_segment(gateway, client, back, answer),
-                        {}}});
+                       {asked.answer->raw.at, Heading::outbound,
+                        tcp_segment(gateway, client, back, answer), comment}});
     streams.of_gateway += static_cast<std::uint32_t>(answer.size());
   }
 }
@@ -101,10 +117,14 @@ void TraceCapture::add_frame(const TracedFrame& frame, std::vector<Placed>& pack
     return;
   }
   const std::uint32_t interface = interface_of(frame.bus, blocks);
-  const std::string failure = failure_of(frame);
-  for (CapturedPacket& packet : bus_packets(frame)) {
-    if (packet.comment.empty() && !failure.empty()) {
-      packet.comment = "failed: " + failure;
+  const std::string failure = failed_comment(failure_of(frame));
+  std::vector<CapturedPacket> of_frame = bus_packets(frame);
+  if (!of_frame.empty() && frame.not_kept > 0) {
+    add_line(of_frame.back().comment, and_more(frame.not_kept, "byte"));
+  }
+  for (CapturedPacket& packet : of_frame) {
+    if (packet.heading == Heading::outbound && !failure.empty()) {
+      add_line(packet.comment, failure);
     }
     packets.push_back({interface, std::move(packet)});
   }
@@ -115,11 +135,14 @@ bool TraceCapture::was_added(const TracedFrame& frame) {
   if (!frame.sent || frame.shared_by < 2) {
     return false;
   }
-  std::pair<std::string, TraceInstant> key(frame.bus, frame.sent->raw.at);
-  if (std::ranges::find(shared_, key) != shared_.end()) {
+  const TracedBytes& sent = frame.sent->raw;
+  const bool is_known = std::ranges::any_of(shared_, [&](const Shared& it) {
+    return it.bus == frame.bus && it.sent.bytes == sent.bytes && is_same(it.sent.at, sent.at);
+  });
+  if (is_known) {
     return true;
   }
-  shared_.push_back(std::move(key));
+  shared_.push_back({frame.bus, sent});
   if (shared_.size() > kMostShared) {
     shared_.pop_front();
   }

@@ -23,7 +23,8 @@ class TraceCapture {
 
   /// The beginning of the file.
   static ByteString start();
-  /// What the record adds to it: whole blocks, the packets in the order of their instants.
+  /// What the record adds to it: whole blocks, the packets in the order of their instants. Comments
+  /// say what has failed, and what was not kept.
   ByteString add(const TraceEvent& event);
   /// Records are missing before the next one: its first packet says so.
   void note_lost(std::uint64_t lost) { lost_ += lost; }
@@ -40,14 +41,21 @@ class TraceCapture {
     CapturedPacket packet;
   };
 
-  void add_request(const TracedRequest& asked, std::vector<Placed>& packets);
+  /// A frame that several requests share.
+  struct Shared {
+    std::string bus;
+    TracedBytes sent;
+  };
+
+  void add_request(const TracedRequest& asked, const std::string& comment,
+                   std::vector<Placed>& packets);
   void add_frame(const TracedFrame& frame, std::vector<Placed>& packets, ByteString& blocks);
   [[nodiscard]] bool was_added(const TracedFrame& frame);
   std::uint32_t interface_of(const std::string& bus, ByteString& blocks);
 
   std::map<std::string, std::uint32_t> buses_;
   std::map<Conversation, Streams> conversations_;
-  std::deque<std::pair<std::string, TraceInstant>> shared_;
+  std::deque<Shared> shared_;
   std::uint64_t lost_ = 0;
 };
 

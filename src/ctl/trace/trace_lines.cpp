@@ -14,6 +14,7 @@ namespace mbgate::ctl {
 namespace {
 
 constexpr std::string_view kFailed = "FAILED: ";
+constexpr const char* kNoAnswer = "no answer, the client has gone or gets none";
 
 /// "22:10:00.123456"
 std::string clock_text(TraceInstant instant) {
@@ -126,7 +127,7 @@ std::string heard_line(const TracedFrame& frame, const std::optional<TracedReque
   if (!frame.heard.empty()) {
     line += " " + modbus::hex(all_heard(frame));
     if (frame.not_kept > 0) {
-      line += " and " + std::to_string(frame.not_kept) + " bytes more";
+      line += " " + and_more(frame.not_kept, "byte");
     }
     if (frame.sent) {
       line += "  " + span_text(frame.heard.front().at - frame.sent->raw.at);
@@ -149,10 +150,12 @@ std::string frame_lines(const TracedFrame& frame, const std::optional<TracedRequ
 
 std::string answer_line(const TraceEvent& event) {
   const TracedRequest& asked = *event.asked;
-  const std::string failure = failure_of(asked);
+  const std::string failure = request_failure(event);
   std::string line = "  = ";
   if (!failure.empty()) {
     line.append(kFailed).append(failure);
+  } else if (!asked.answer) {
+    line += kNoAnswer;
   } else {
     line += without_unit(asked.answer->text);
     if (asked.refused) {
@@ -170,7 +173,7 @@ std::string answer_line(const TraceEvent& event) {
 std::string head_line(const TraceEvent& event) {
   if (event.asked) {
     const TracedRequest& asked = *event.asked;
-    return clock_text(asked.request.raw.at) + (failure_of(asked).empty() ? " " : " FAILED ") +
+    return clock_text(asked.request.raw.at) + (request_failure(event).empty() ? " " : " FAILED ") +
            asked.client + " " + asked.listener + " " +
            std::string(without_transaction(asked.request.text)) + "\n";
   }
@@ -191,7 +194,7 @@ std::string trace_lines(const TraceEvent& event) {
     lines += frame_lines(frame, event.asked);
   }
   if (event.wire_not_kept > 0) {
-    lines += "  and " + std::to_string(event.wire_not_kept) + " frames more\n";
+    lines += "  " + and_more(event.wire_not_kept, "frame") + "\n";
   }
   return event.asked ? lines + answer_line(event) : lines;
 }
@@ -218,9 +221,13 @@ std::string failure_of(const TracedFrame& frame) {
   return {};
 }
 
-std::string failure_of(const TracedRequest& asked) {
+std::string request_failure(const TraceEvent& event) {
+  if (!event.failed || !event.asked) {
+    return {};
+  }
+  const TracedRequest& asked = *event.asked;
   if (!asked.answer) {
-    return "no answer, the client has gone or gets none" + ended_behind(asked);
+    return asked.ended == "transmitted" ? std::string() : kNoAnswer + ended_behind(asked);
   }
   if (!is_exception(*asked.answer)) {
     return {};
@@ -229,18 +236,8 @@ std::string failure_of(const TracedRequest& asked) {
          std::string(without_unit(asked.answer->text)) + ended_behind(asked);
 }
 
-std::string failure_of(const TraceEvent& event) {
-  if (event.asked) {
-    if (std::string failure = failure_of(*event.asked); !failure.empty()) {
-      return failure;
-    }
-  }
-  for (const TracedFrame& frame : event.wire) {
-    if (std::string failure = failure_of(frame); !failure.empty()) {
-      return failure;
-    }
-  }
-  return {};
+std::string and_more(std::uint64_t not_kept, const std::string& what) {
+  return "and " + std::to_string(not_kept) + " " + what + (not_kept == 1 ? "" : "s") + " more";
 }
 
 }  // namespace mbgate::ctl

@@ -50,6 +50,38 @@ TEST_F(TraceLines, SayWhenNothingWasSent) {
             "  = 2 registers: 0x0003 0x0D40  (nothing was sent for it)  6.0 ms in all\n");
 }
 
+/// A broadcast that nobody answers. `rest`: whether it failed, how it ended.
+std::string broadcast_record(const std::string& rest) {
+  return R"({"client":{"address":"192.0.2.7","connection":3,"listener":"plant"},)"
+         R"("request":{"at":"2026-11-24T22:10:00.123456Z","bytes":"00 07 00 00 00 06 00 06 00 00 00 01",)"
+         R"("text":"transaction 7 unit 0: write single register 0: 0x0001"},"answer":null,)"
+         R"("refused":false,)" +
+         rest +
+         R"(,"wire":[{"bus":"line-a","device":null,"address":0,"framing":"rtu",)"
+         R"("sent":{"at":"2026-11-24T22:10:00.123556Z","bytes":"00 06 00 00 00 01 49 DB",)"
+         R"("text":"unit 0: write single register 0: 0x0001"},"try":1,"shared_by":1,)"
+         R"("outcome":"sent","ended_at":"2026-11-24T22:10:00.129400Z","response":null,"heard":[],)"
+         R"("heard_not_kept":0,"heard_text":"nothing"}],"wire_not_kept":0})";
+}
+
+const char* const kBroadcast =
+    " 192.0.2.7 plant unit 0: write single register 0: 0x0001\n"
+    "  line-a address 0 > 00 06 00 00 00 01 49 DB  (+0.1 ms after the request came; "
+    "nobody answers that)\n";
+
+TEST_F(TraceLines, ABroadcastThatHasNoAnswerHasNotFailed) {
+  EXPECT_EQ(trace_lines(parse_trace(broadcast_record(R"("failed":false,"ended":"transmitted")"))),
+            "03:55:00.123456" + std::string(kBroadcast) +
+                "  = no answer, the client has gone or gets none\n");
+}
+
+TEST_F(TraceLines, ARequestThatHasNoAnswerHasFailed) {
+  EXPECT_EQ(
+      trace_lines(parse_trace(broadcast_record(R"("failed":true,"ended":"the line is not open")"))),
+      "03:55:00.123456 FAILED" + std::string(kBroadcast) +
+          "  = FAILED: no answer, the client has gone or gets none: the line is not open\n");
+}
+
 TEST_F(TraceLines, SayWhatWasHeardWithoutBeingAsked) {
   EXPECT_EQ(
       trace_lines(parse_trace(
