@@ -36,15 +36,22 @@ bool TracePrinter::take(const ServerEvent& event) {
   if (ways_.text != nullptr && ways_.json) {
     *ways_.text << with_name(event) << '\n';
   }
-  if (event.name == "lost") {
+  const bool is_lost = event.name == "lost";
+  if (is_read() && is_lost) {
     take_lost(event);
-  } else {
+  } else if (is_read()) {
     take_record(event);
   }
+  taken_ += is_lost ? 0 : 1;
   if (ways_.text != nullptr) {
     ways_.text->flush();
   }
   return is_written() && !is_done();
+}
+
+// What JSON alone is printed of is not looked into: another version may say more of it.
+bool TracePrinter::is_read() const {
+  return (ways_.text != nullptr && !ways_.json) || ways_.capture != nullptr;
 }
 
 void TracePrinter::take_lost(const ServerEvent& event) {
@@ -64,7 +71,6 @@ void TracePrinter::take_record(const ServerEvent& event) {
   if (ways_.capture != nullptr) {
     put(capture_.add(record));
   }
-  ++taken_;
 }
 
 void TracePrinter::put(const ByteString& blocks) {

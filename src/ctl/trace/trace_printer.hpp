@@ -31,6 +31,7 @@ class TracePrinter {
   [[nodiscard]] bool is_done() const { return ways_.times && taken_ >= *ways_.times; }
 
  private:
+  [[nodiscard]] bool is_read() const;
   void take_lost(const ServerEvent& event);
   void take_record(const ServerEvent& event);
   void put(const ByteString& blocks);

@@ -22,6 +22,19 @@ TEST(TracePrinter, PrintsOneJsonObjectALine) {
                            read_record("").substr(1) + "\n");
 }
 
+TEST(TracePrinter, LooksIntoNothingThatItOnlyPassesOn) {
+  std::ostringstream out;
+  TracePrinter printer({&out, true, nullptr, 1});
+  EXPECT_TRUE(printer.take({"lost", R"({"dropped":2})"}));
+  EXPECT_FALSE(printer.take({"transaction", R"({"of":"another version"})"}));
+  EXPECT_EQ(out.str(),
+            "{\"event\":\"lost\",\"dropped\":2}\n"
+            "{\"event\":\"transaction\",\"of\":\"another version\"}\n");
+  std::ostringstream capture;
+  TracePrinter both({&out, true, &capture, 1});
+  EXPECT_ANY_THROW(both.take({"transaction", R"({"of":"another version"})"}));
+}
+
 TEST(TracePrinter, WritesTheCaptureFromTheFirstByteOn) {
   std::ostringstream capture;
   TracePrinter printer({nullptr, false, &capture, {}});
