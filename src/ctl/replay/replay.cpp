@@ -18,6 +18,17 @@ using gateway::Gateway;
 constexpr gateway::Instant kLastInstant{
     gateway::Duration(std::numeric_limits<std::int64_t>::max() / 2)};
 
+/// Why the instant of an input cannot be this one, or nothing. `first`: that of the input before.
+std::string wrong_instant(gateway::Instant at, gateway::Instant first) {
+  const auto nanoseconds = [](gateway::Instant instant) {
+    return std::to_string(instant.time_since_epoch().count());
+  };
+  return at >= first && at <= kLastInstant
+             ? std::string()
+             : "expected an instant from " + nanoseconds(first) + " to " +
+                   nanoseconds(kLastInstant) + ", found " + nanoseconds(at);
+}
+
 /// The lines of the recording, counted.
 class RecordedLines {
  public:
@@ -109,20 +120,28 @@ class Player {
   /// What is wrong with the line, or nothing. A difference is put into the outcome.
   std::string play(const RecordedLines& lines) {
     if (!gateway::is_action_line(lines.line())) {
-      return feed(lines.line());
+      return feed(lines);
     }
     compare(lines);
     return {};
   }
   /// Nothing may be left to do for a gateway that said that it had finished.
   void play_end(const RecordedLines& lines) {
-    if (const auto action = finished_ ? gateway_.poll_action() : std::nullopt) {
-      outcome_.difference = {lines.number(), input_, "nothing more", text_of(*action)};
+    if (finished_) {
+      expect_nothing_more(lines);
     }
   }
 
  private:
-  std::string feed(const std::string& line) {
+  bool expect_nothing_more(const RecordedLines& lines) {
+    const auto action = gateway_.poll_action();
+    if (action) {
+      outcome_.difference = {lines.number(), input_, "nothing more", text_of(*action)};
+    }
+    return !action;
+  }
+  std::string feed(const RecordedLines& lines) {
+    const std::string& line = lines.line();
     if (config_.read(line)) {
       return {};
     }
@@ -130,18 +149,23 @@ class Player {
     if (!recorded) {
       return recorded.error();
     }
-    if (recorded->at < at_ || recorded->at > kLastInstant) {
-      return "expected an instant from " + nanoseconds(at_) + " to " + nanoseconds(kLastInstant) +
-             ", found " + nanoseconds(recorded->at);
+    if (std::string error = wrong_instant(recorded->at, at_); !error.empty()) {
+      return error;
     }
     if (!fits(gateway_.settings(), recorded->input)) {
       return "expected a bus or a listener that the recorded configuration has, found \"" + line +
              '"';
     }
+    // What older settings have decided is carried out before newer ones: else it is not this
+    // gateway that was recorded.
+    const bool is_change = std::holds_alternative<gateway::SettingsChanged>(recorded->input);
+    if (is_change && !expect_nothing_more(lines)) {
+      return {};
+    }
     at_ = recorded->at;
     input_ = line;
     ++outcome_.inputs;
-    if (std::holds_alternative<gateway::SettingsChanged>(recorded->input)) {
+    if (is_change) {
       return change_settings();
     }
     gateway_.handle(recorded->input, at_);
@@ -170,10 +194,6 @@ class Player {
     text.pop_back();
     return text;
   }
-  static std::string nanoseconds(gateway::Instant instant) {
-    return std::to_string(instant.time_since_epoch().count());
-  }
-
   Gateway gateway_;
   gateway::Instant at_;  // of the last input
   const SettingsLoader& loader_;
@@ -193,6 +213,10 @@ std::string play_all(RecordedLines& lines, const std::optional<std::filesystem::
     return error;
   }
   const gateway::RecordingHead& head = reader.head();
+  error = wrong_instant(head.start, gateway::Instant{});
+  if (!error.empty()) {
+    return error;
+  }
   outcome.version = head.version;
   const SettingsLoader loader(head, profiles);
   auto settings = loader.load(head.config, error);

@@ -180,6 +180,29 @@ TEST(Replay, OnesThatAreNotValidAreSaid) {
              "         ^");
 }
 
+// Settings that come before everything is done are no recorded gateway's.
+TEST(Replay, NamesAnActionThatIsNotInTheRecordingBeforeOtherSettings) {
+  std::string text = with_other_settings().text();
+  const auto begin = text.rfind("\n< ", text.find("4000000000 settings\n")) + 1;
+  const auto end = text.find('\n', begin);
+  const std::string action = text.substr(begin, end - begin);
+  text.erase(begin, action.size() + 1);
+  const auto outcome = replayed(text);
+  EXPECT_FALSE(outcome.bad);
+  ASSERT_TRUE(outcome.difference);
+  EXPECT_EQ(outcome.difference->line, line_of(text, "4000000000 settings"));
+  EXPECT_EQ(outcome.difference->input, "3000000000 read 0 0 000100000006010300000001");
+  EXPECT_EQ(outcome.difference->recorded, "nothing more");
+  EXPECT_EQ(outcome.difference->replayed, action);
+}
+
+TEST(Replay, SaysThatItCannotStartThen) {
+  for (const std::string start : {"-1", "4611686018427387904", "9223372036854775807"}) {
+    expect_bad(changed("1000000000 start", start + " start"), start + " start",
+               "expected an instant from 0 to 4611686018427387903, found " + start);
+  }
+}
+
 TEST(Replay, SaysWhatIsNoRecording) {
   const auto outcome = replayed("[[listen]]\n");
   ASSERT_TRUE(outcome.bad);
