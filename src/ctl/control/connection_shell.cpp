@@ -7,16 +7,19 @@
 
 #include <algorithm>
 #include <boost/asio/error.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <cerrno>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
+#include <future>
 #include <optional>
 #include <sstream>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 namespace mbgate::ctl {
 namespace {
@@ -100,6 +103,43 @@ error_code connect_to(ControlConnection& connection, const stream_protocol::endp
   return error;
 }
 
+/// What a name stands for, or why that is not known.
+struct LookedUp {
+  std::vector<stream_protocol::endpoint> found;
+  error_code error;
+};
+
+LookedUp look_up(const HostAndPort& server) {
+  LookedUp result;
+  boost::asio::io_context context;
+  tcp::resolver resolver(context);
+  for (const auto& entry : resolver.resolve(server.host, server.port, result.error)) {
+    result.found.emplace_back(entry.endpoint());
+  }
+  return result;
+}
+
+/// Nothing interrupts the system's search for a name, and Asio would wait for it to end. So it has
+/// a thread of its own, which is left behind where the patience is over: it ends with its search,
+/// or with the process. An address needs none of that.
+LookedUp look_up_in_time(const HostAndPort& server, const Patience& patience) {
+  error_code is_a_name;
+  const auto address = boost::asio::ip::make_address(server.host, is_a_name);
+  if (!is_a_name) {
+    const auto port = static_cast<std::uint16_t>(std::stoul(server.port));
+    return {{tcp::endpoint(address, port)}, {}};
+  }
+  std::packaged_task<LookedUp()> task([server] { return look_up(server); });
+  auto result = task.get_future();
+  std::thread(std::move(task)).detach();
+  while (result.wait_for(kLook) != std::future_status::ready) {
+    if (patience.is_over()) {
+      return {{}, boost::asio::error::timed_out};
+    }
+  }
+  return result.get();
+}
+
 }  // namespace
 
 std::string wrong_place(const std::string& place) {
@@ -120,15 +160,26 @@ error_code connect(ControlConnection& connection, const std::string& place,
   if (!is_tcp(place)) {
     return connect_to(connection, boost::asio::local::stream_protocol::endpoint(place), patience);
   }
-  const auto server = parse_place(place);
-  error_code error;
-  tcp::resolver resolver(connection.get_executor());
-  const auto found = resolver.resolve(server->host, server->port, error);
-  for (const auto& entry : found) {
+  const LookedUp server = look_up_in_time(*parse_place(place), patience);
+  if (server.error) {
+    return server.error;
+  }
+  return try_in_turn(server.found.size(), patience, [&](std::size_t at, const Patience& share) {
     error_code ignored;
     static_cast<void>(connection.close(ignored));
-    error = connect_to(connection, entry.endpoint(), patience);
-    if (!error || error == boost::asio::error::timed_out) {
+    return connect_to(connection, server.found[at], share);
+  });
+}
+
+error_code try_in_turn(
+    std::size_t count, const Patience& patience,
+    const std::function<error_code(std::size_t place, const Patience& share)>& attempt) {
+  error_code error = boost::asio::error::host_not_found;
+  for (std::size_t at = 0; at < count; ++at) {
+    const auto now = std::chrono::steady_clock::now();
+    const auto left = static_cast<std::chrono::steady_clock::rep>(count - at);
+    error = attempt(at, {now + (patience.end - now) / left, patience.give_up});
+    if (!error || patience.is_over()) {
       break;
     }
   }

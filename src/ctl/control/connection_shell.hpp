@@ -6,6 +6,7 @@
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/system/error_code.hpp>
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -32,6 +33,13 @@ std::string wrong_place(const std::string& place);
 /// The place must not be wrong. Where the patience is over, the error is timed_out.
 boost::system::error_code connect(ControlConnection& connection, const std::string& place,
                                   const Patience& patience);
+
+/// Tries `count` places one by one until one can be reached. Each but the last gets a share of what
+/// is left of the patience: one that never answers leaves time for the others.
+boost::system::error_code try_in_turn(
+    std::size_t count, const Patience& patience,
+    const std::function<boost::system::error_code(std::size_t place, const Patience& share)>&
+        attempt);
 
 /// What HTTP calls the other end: of TCP its address, by which it always answers.
 std::string host_of(const ControlConnection& connection);
