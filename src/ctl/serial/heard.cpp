@@ -16,10 +16,15 @@ SentRead::SentRead(std::uint8_t unit, const modbus::TableRange& read)
       request_(modbus::make_read(read)),
       frame_(modbus::encode_rtu(unit, request_.pdu())) {}
 
-Bytes SentRead::without_echo(Bytes received) const {
-  const bool echo =
-      received.size() >= frame_.size() && std::ranges::equal(received.first(frame_.size()), frame_);
-  return echo ? received.subspan(frame_.size()) : received;
+std::optional<std::size_t> SentRead::echo_in(Bytes received) const {
+  const auto echo = std::ranges::search(received, frame_);
+  return echo.empty() ? std::nullopt
+                      : std::optional(static_cast<std::size_t>(echo.begin() - received.begin()));
+}
+
+Bytes SentRead::behind_echo(Bytes received) const {
+  const auto echo = echo_in(received);
+  return echo ? received.subspan(*echo + frame_.size()) : received;
 }
 
 std::optional<Pdu> SentRead::answer_at_begin(Bytes received) const {
@@ -37,7 +42,7 @@ std::optional<Pdu> SentRead::answer_at_begin(Bytes received) const {
 }
 
 std::optional<Pdu> SentRead::answer_in(Bytes received) const {
-  for (auto rest = without_echo(received); !rest.empty(); rest = rest.subspan(1)) {
+  for (auto rest = behind_echo(received); !rest.empty(); rest = rest.subspan(1)) {
     if (auto answer = answer_at_begin(rest)) {
       return answer;
     }
@@ -46,7 +51,7 @@ std::optional<Pdu> SentRead::answer_in(Bytes received) const {
 }
 
 Heard SentRead::understand(Bytes received) const {
-  const auto rest = without_echo(received);
+  const auto rest = behind_echo(received);
   Heard heard;
   heard.bytes = rest.size();
   if (rest.empty()) {

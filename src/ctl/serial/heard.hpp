@@ -21,7 +21,7 @@ enum class HeardKind : std::uint8_t {
 
 struct Heard {
   HeardKind kind = HeardKind::silence;
-  std::size_t bytes = 0;                  ///< all that came, without an echo of the request
+  std::size_t bytes = 0;                  ///< all that came; with an echo, what came behind it
   std::uint8_t unit = 0;                  ///< of `other_frame`
   std::optional<modbus::Pdu> response{};  ///< of `answer`
   std::chrono::nanoseconds took{0};       ///< from the first byte sent to the last one heard
@@ -34,14 +34,17 @@ class SentRead {
 
   [[nodiscard]] std::uint8_t unit() const { return unit_; }
   [[nodiscard]] modbus::Bytes frame() const { return {frame_.data(), frame_.size()}; }
-  /// The answer in what was received so far. Around it there may be other bytes: an echo, a late
-  /// answer of another unit, and what a transceiver makes of turning round.
+  /// Where the request itself stands in what was received, if the port hears what it sends. Before
+  /// it there may be what a transceiver makes of turning round.
+  [[nodiscard]] std::optional<std::size_t> echo_in(modbus::Bytes received) const;
+  /// The answer in what was received so far, behind an echo if there is one. Around it there may be
+  /// other bytes: a late answer of another unit, and what a transceiver makes of turning round.
   [[nodiscard]] std::optional<modbus::Pdu> answer_in(modbus::Bytes received) const;
   /// What all that was received means; `took` is not set.
   [[nodiscard]] Heard understand(modbus::Bytes received) const;
 
  private:
-  [[nodiscard]] modbus::Bytes without_echo(modbus::Bytes received) const;
+  [[nodiscard]] modbus::Bytes behind_echo(modbus::Bytes received) const;
   [[nodiscard]] std::optional<modbus::Pdu> answer_at_begin(modbus::Bytes received) const;
 
   std::uint8_t unit_;

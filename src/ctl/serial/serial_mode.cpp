@@ -6,6 +6,7 @@
 #include <sys/ioctl.h>
 
 #include <cerrno>
+#include <cstring>
 #include <system_error>
 
 namespace mbgate::ctl {
@@ -67,6 +68,24 @@ std::optional<std::string> set_serial_mode(int fd, const LineMode& mode, bool ps
   }
   discard_serial(fd);
   return std::nullopt;
+}
+
+SerialSettings read_serial_settings(int fd) {
+  termios2 present{};
+  if (::ioctl(fd, TCGETS2, &present) != 0) {
+    return {};
+  }
+  SerialSettings settings(sizeof present);
+  std::memcpy(settings.data(), &present, sizeof present);
+  return settings;
+}
+
+void restore_serial_settings(int fd, const SerialSettings& settings) {
+  termios2 before{};
+  if (settings.size() == sizeof before) {
+    std::memcpy(&before, settings.data(), sizeof before);
+    ::ioctl(fd, TCSETS2, &before);
+  }
 }
 
 void discard_serial(int fd) { ::ioctl(fd, TCFLSH, TCIOFLUSH); }

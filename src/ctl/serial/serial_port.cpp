@@ -14,8 +14,6 @@
 #include <system_error>
 #include <utility>
 
-#include "ctl/serial/serial_mode.hpp"
-
 namespace mbgate::ctl {
 namespace {
 
@@ -57,11 +55,16 @@ std::optional<std::string> lock(int fd, const std::string& device, bool pseudo_t
 SerialPort::SerialPort(int fd) : fd_(fd), pseudo_terminal_(is_pty(fd)) {}
 
 SerialPort::SerialPort(SerialPort&& other) noexcept
-    : fd_(std::exchange(other.fd_, -1)), pseudo_terminal_(other.pseudo_terminal_) {}
+    : fd_(std::exchange(other.fd_, -1)),
+      pseudo_terminal_(other.pseudo_terminal_),
+      before_(std::move(other.before_)) {}
 
 SerialPort::~SerialPort() {
   if (fd_ >= 0) {
-    discard_serial(fd_);  // else close() waits for what a failing adapter never sends
+    if (before_) {
+      discard_serial(fd_);  // else close() waits for what a failing adapter never sends
+      restore_serial_settings(fd_, *before_);
+    }
     ::ioctl(fd_, TIOCNXCL);
     ::close(fd_);
   }
@@ -85,7 +88,10 @@ Result<SerialPort, std::string> SerialPort::open(const std::string& device) {
   return SerialPort(fd);
 }
 
-std::optional<std::string> SerialPort::set_mode(const LineMode& mode) const {
+std::optional<std::string> SerialPort::set_mode(const LineMode& mode) {
+  if (!before_) {
+    before_ = read_serial_settings(fd_);
+  }
   return set_serial_mode(fd_, mode, pseudo_terminal_);
 }
 

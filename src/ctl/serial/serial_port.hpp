@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A serial port for our use alone, with the locks that mbgated takes, and sentences for people
-// where it cannot be had.
+// where it cannot be had. A program that has the port open without a lock loses nothing but what
+// comes meanwhile: it gets its settings back.
 #pragma once
 
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "ctl/serial/line_mode.hpp"
+#include "ctl/serial/serial_mode.hpp"
 
 namespace mbgate::ctl {
 
@@ -25,14 +27,16 @@ class SerialPort {
   ~SerialPort();
 
   [[nodiscard]] int descriptor() const { return fd_; }
-  /// Why the port cannot have this mode, or nothing.
-  [[nodiscard]] std::optional<std::string> set_mode(const LineMode& mode) const;
+  /// Why the port cannot have this mode, or nothing. Bytes that wait are discarded, then and in the
+  /// end, when the port gets the settings of before.
+  [[nodiscard]] std::optional<std::string> set_mode(const LineMode& mode);
 
  private:
   explicit SerialPort(int fd);
 
   int fd_;
   bool pseudo_terminal_;
+  std::optional<SerialSettings> before_{};  ///< once the mode was set
 };
 
 /// What to say where open() of `device` has failed with `error`. `names` are those of the ports

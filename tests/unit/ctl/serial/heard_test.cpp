@@ -67,6 +67,18 @@ TEST(SentRead, HearsNothingInItsOwnEcho) {
   EXPECT_EQ(sent_read().understand({}).kind, HeardKind::silence);
 }
 
+TEST(SentRead, KnowsItsEchoBehindOtherBytes) {
+  const auto behind_a_glitch = joined({{0xFF}, echo()});
+  EXPECT_EQ(sent_read().echo_in(behind_a_glitch), 1U);
+  EXPECT_EQ(sent_read().understand(behind_a_glitch).kind, HeardKind::silence);
+  EXPECT_EQ(sent_read().understand(behind_a_glitch).bytes, 0U);
+  const auto heard = sent_read().understand(joined({{0xFF}, echo(), frame_of(5, kData)}));
+  EXPECT_EQ(heard.kind, HeardKind::answer);
+  EXPECT_EQ(heard.bytes, 7U);
+  EXPECT_EQ(sent_read().echo_in(frame_of(5, kData)), std::nullopt);
+  EXPECT_EQ(sent_read().echo_in({}), std::nullopt);
+}
+
 TEST(SentRead, NamesTheUnitOfAnotherFrame) {
   const auto heard = sent_read().understand(joined({echo(), frame_of(4, kData)}));
   EXPECT_EQ(heard.kind, HeardKind::other_frame);

@@ -42,12 +42,45 @@ TEST(SerialPort, IsNotTakenFromWhoHasLockedIt) {
 
 TEST(SerialPort, TakesAnyRate) {
   const Terminal terminal;
-  const auto port = SerialPort::open(terminal.path);
+  auto port = SerialPort::open(terminal.path);
   ASSERT_TRUE(port) << port.error();
   for (const std::uint32_t baud : {9600U, 38400U, 250000U}) {
     const LineMode mode{modbus::Baud{baud}, {8, modbus::Parity::odd, 1}};
     EXPECT_EQ(port->set_mode(mode), std::nullopt);
   }
+}
+
+std::vector<std::uint8_t> present_settings(const Terminal& terminal) {
+  const int port = open(terminal.path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  auto settings = read_serial_settings(port);
+  close(port);
+  EXPECT_FALSE(settings.empty());
+  return settings;
+}
+
+TEST(SerialPort, HasItsSettingsOfBeforeWhenItIsClosed) {
+  const Terminal terminal;
+  const auto before = present_settings(terminal);
+  {
+    auto opened = SerialPort::open(terminal.path);
+    ASSERT_TRUE(opened) << opened.error();
+    for (const std::uint32_t baud : {19200U, 250000U}) {
+      ASSERT_EQ(opened->set_mode({modbus::Baud{baud}, {8, modbus::Parity::even, 1}}), std::nullopt);
+    }
+    EXPECT_NE(read_serial_settings(opened->descriptor()), before);
+    const SerialPort port = *std::move(opened);
+  }
+  EXPECT_EQ(present_settings(terminal), before);
+}
+
+TEST(SerialPort, LeavesBytesAloneUntilItsModeIsSet) {
+  const Terminal terminal;
+  ASSERT_EQ(write(terminal.other_end(), "\n", 1), 1);
+  EXPECT_TRUE(SerialPort::open(terminal.path));
+  const int port = open(terminal.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  char byte = 0;
+  EXPECT_EQ(read(port, &byte, 1), 1);
+  close(port);
 }
 
 TEST(SerialPort, IsNoOtherDevice) {
