@@ -6,22 +6,15 @@ import fcntl
 import json
 import os
 import pathlib
-import re
-import select
-import signal
-import subprocess
 import sys
 import tempfile
-import threading
 import unittest
 
-from demo_plant import PATIENCE, Process, program
+from demo_plant import Process
+from doctor_lines import ANSWERS, NO_ECHO, QUIET, Doctor, beginning
 
 # On each line the same two drives; unit 3 is the one with a fault.
 FAULTS = {"healthy": "", "dead": "faults = { silent = true }", "damaged": "faults = { bad_crc = true }", "hearing": ""}
-READ = bytes.fromhex("05 03 00 00 00 01 85 8e")  # unit 5, holding register 0
-ANSWER = bytes.fromhex("05 03 02 12 34 44 f3")
-SECOND_ANSWER = bytes.fromhex("05 03 02 00 07 08 46")
 
 
 def simulator_configuration():
@@ -43,43 +36,11 @@ def gateway_configuration():
         text += f'[[listen]]\nname = "to-{line}"\nport = 0\nbus = "{line}"\n'
         for address, name in ((3, "lift"), (17, "belt")):
             text += f'[[device]]\nname = "{line}-{name}"\nbus = "{line}"\naddress = {address}\n'
-            # A busy machine may be slow, but what is dead is dead.
-            text += f'response_timeout = "{"500ms" if (line, address) == ("dead", 3) else "10s"}"\n'
+            # A busy machine may be slow, but what is dead is dead. And a good answer is waited for in vain five times
+            # where all are damaged.
+            timeout = {("dead", 3): "500ms", ("damaged", 3): "2s"}.get((line, address), "10s")
+            text += f'response_timeout = "{timeout}"\n'
     return text
-
-
-def without_figures(text):
-    """Times and numbers of processes are those of this run."""
-    return re.sub(r"process \d+", "process P", re.sub(r"\d+\.\d ms", "T", text))
-
-
-def beginning(device, mode):
-    return [
-        f"ok       port: {device} is there",
-        f"ok       permission: USER may open {device}",
-        "ok       holder: no other program is seen to have it open",
-        "unknown  latency: PTY is no FTDI adapter, or does not show its timer",
-        f"ok       settings: {mode} is set and was read back",
-    ]
-
-
-TIMES = "T to T after the request, half of them within T"
-ANSWERS = f"5 of 5 requests answered, {TIMES}"
-NO_ECHO = "ok       echo: no request came back to the port"
-QUIET = "ok       idle line: nothing was heard in 200ms"
-
-
-class Doctor(unittest.TestCase):
-    def examine(self, *options):
-        command = [program("mbgatectl"), "doctor", "--requests", "5", "--listen", "200ms", *options]
-        return subprocess.run(
-            command, cwd=self.folder, capture_output=True, text=True, timeout=4 * PATIENCE, check=False
-        )
-
-    def check_lines(self, done, status, expected):
-        text = re.sub(r"permission: \S+ may", "permission: USER may", without_figures(done.stdout))
-        text = re.sub(r"latency: /dev/pts/\d+", "latency: PTY", text)
-        self.assertEqual((text.splitlines(), done.returncode), (expected, status), done.stderr)
 
 
 class DoctorAtTheSimulator(Doctor):
@@ -247,87 +208,6 @@ class DoctorAtTheSimulator(Doctor):
         )
         done = self.examine("--config", "missing.toml")
         self.assertEqual((done.returncode, done.stdout), (78, ""))
-
-
-class DoctorAtAScriptedLine(Doctor):
-    """The other end of the line is this test."""
-
-    def setUp(self):
-        self.folder = "/"
-        self.line, port = os.openpty()
-        self.addCleanup(os.close, self.line)
-        self.addCleanup(os.close, port)
-        self.device = os.ttyname(port)
-
-    def follow(self, work):
-        """Does `work` again and again in a thread, until the test is over."""
-        over = threading.Event()
-
-        def repeat():
-            while not over.is_set():
-                work()
-
-        thread = threading.Thread(target=repeat)
-        thread.start()
-        self.addCleanup(thread.join)
-        self.addCleanup(over.set)
-
-    def answer_twice(self):
-        if select.select([self.line], [], [], 0.01)[0]:
-            request = b""
-            while len(request) < len(READ):
-                request += os.read(self.line, len(READ) - len(request))
-            self.assertEqual(request, READ)
-            os.write(self.line, ANSWER + SECOND_ANSWER)
-
-    def chatter(self):
-        os.write(self.line, READ + ANSWER)
-        select.select([], [], [], 0.01)
-
-    def test_knows_two_devices_at_one_address_by_two_answers(self):
-        self.follow(self.answer_twice)
-        done = self.examine("--device", self.device, "--address", "5", "--timeout", "10s")
-        self.check_lines(
-            done,
-            1,
-            [
-                *beginning(self.device, "19200 8E1"),
-                QUIET,
-                NO_ECHO,
-                f"ok       answers of unit 5: {ANSWERS}",
-                "fault    addresses: 5 of 5 requests to unit 5 had two whole answers, and no request but ours was "
-                "heard; two devices have address 5: switch one of them off, and give the other another address",
-            ],
-        )
-
-    def test_does_not_send_among_the_frames_of_another_client(self):
-        self.follow(self.chatter)
-        done = self.examine("--device", self.device, "--address", "5")
-        # The first frame may have lost its begin when the port was opened.
-        text = re.sub(r"\d+ frames heard in 200ms, the first: .*?;", "FRAMES;", done.stdout)
-        self.assertEqual(
-            (text.splitlines()[5:], done.returncode),
-            (
-                [
-                    "fault    idle line: another client is on this line: FRAMES; an RS-485 line has one client: let "
-                    "the other one (a gateway, a PLC, a tool) connect to the gateway instead",
-                    "unknown  answers: nobody was asked: that would damage the frames of the other client",
-                ],
-                1,
-            ),
-        )
-
-    def test_ends_with_what_was_found_when_it_is_interrupted(self):
-        command = [program("mbgatectl"), "doctor", "--device", self.device, "--address", "5", "--json"]
-        with subprocess.Popen([*command, "--listen", "1ms"], stdout=subprocess.PIPE, text=True) as doctor:
-            self.assertTrue(select.select([self.line], [], [], PATIENCE)[0], "nothing was asked")
-            doctor.send_signal(signal.SIGINT)
-            os.write(self.line, ANSWER)
-            printed, _ = doctor.communicate(timeout=PATIENCE)
-        self.assertEqual(doctor.returncode, 1)
-        found = json.loads(printed)
-        self.assertEqual(found["error"], "interrupted")
-        self.assertIn("answers of unit 5", [finding["step"] for finding in found["findings"]])
 
 
 if __name__ == "__main__":

@@ -42,7 +42,8 @@ std::string failures_text(const Tally& tally) {
     append_part(text, std::to_string(tally.others) + " with a frame that is not the answer");
   }
   if (tally.silent > 0) {
-    append_part(text, std::to_string(tally.silent) + " not at all");
+    append_part(
+        text, std::to_string(tally.silent) + (tally.overdue > 0 ? " not in time" : " not at all"));
   }
   return text;
 }
@@ -56,10 +57,23 @@ std::string answered_text(const Tally& tally) {
   return text;
 }
 
-/// The value that `response_timeout` needs: a fifth over the slowest answer, in tens of ms.
-std::string needed_timeout(const Tally& tally) {
+std::string unanswered_text(const Tally& tally) {
+  const auto text = "no answer to " + number_of_text(tally.asked, "request");
+  if (tally.silent < tally.asked) {
+    return text + ": " + failures_text(tally);
+  }
+  if (tally.overdue > 0) {
+    return text + " in time";
+  }
+  return text +
+         (tally.echoes > 0 ? ": only the request itself was heard" : ": not a byte was heard");
+}
+
+/// The value that `response_timeout` needs: a fifth over the slowest answer, in tens of ms. The
+/// device's `response_wait` comes before it.
+std::string needed_timeout(const Tally& tally, const PlannedUnit& unit) {
   constexpr std::chrono::milliseconds kStep(10);
-  const auto needed = tally.times.back() + tally.times.back() / 5;
+  const auto needed = tally.times.back() + tally.times.back() / 5 - unit.response_wait;
   return config::to_text((needed + kStep - std::chrono::nanoseconds(1)) / kStep * kStep);
 }
 
@@ -99,17 +113,57 @@ std::string partly_advice(const Tally& tally, bool others_are_well) {
   return advice.empty() ? "look for another client on this line" : advice;
 }
 
+std::string timeout_text(const PlannedUnit& unit) {
+  const auto text = "the timeout of " + config::to_text(unit.timeout);
+  return unit.response_wait.count() == 0
+             ? text
+             : text + " (with a response_wait of " + config::to_text(unit.response_wait) + ")";
+}
+
+void append_advice(Finding& finding, const std::string& advice) {
+  finding.advice.append(finding.advice.empty() ? "" : "; ").append(advice);
+}
+
+/// Of a unit with answers that the gateway would not have waited for.
+void judge_late(Finding& finding, const LinePlan& plan, const PlannedUnit& unit,
+                const Tally& tally) {
+  finding.seen += "; " + std::to_string(tally.late) + " later than " + timeout_text(unit);
+  if (tally.times.back() - unit.timeout > plan.adapter_delay) {
+    finding.verdict = Judgement::fault;
+    append_advice(finding, "set response_timeout to at least " + needed_timeout(tally, unit));
+    return;
+  }
+  finding.verdict = finding.verdict == Judgement::ok ? Judgement::unknown : finding.verdict;
+  finding.seen +=
+      ", by no more than the " + config::to_text(plan.adapter_delay) + " of the adapter's timer";
+  append_advice(finding, "with a timer of 1 ms they may be in time: run this again with it");
+}
+
+/// Of a unit with answers that came after the next request was sent, or was about to be.
+void judge_overdue(Finding& finding, const PlannedUnit& unit, const Tally& tally) {
+  const auto patience = config::to_text(patience_with(unit) - unit.response_wait);
+  finding.verdict = Judgement::fault;
+  finding.seen += "; " + number_of_text(tally.overdue, "answer") + " came after more than " +
+                  config::to_text(patience_with(unit));
+  finding.advice = "set response_timeout to more than " + patience +
+                   ", and run this again; or see why the device takes so long";
+}
+
+/// What is wrong may be of the other client's making.
+void doubt(Finding& finding, const Tally& line) {
+  finding.verdict = Judgement::unknown;
+  finding.advice = line.other_client
+                       ? "another client is on this line: take it off, and run this again"
+                       : "noise or another client is on this line: cure that, and run this again";
+}
+
 Finding unit_finding(const LinePlan& plan, const UnitTrials& unit, bool others_answer,
                      bool others_are_well) {
   const auto tally = tally_of(unit);
   Finding finding{Judgement::ok, "answers of " + unit_text(unit.unit), answered_text(tally)};
   if (tally.answered == 0) {
     finding.verdict = Judgement::fault;
-    finding.seen = "no answer to " + number_of_text(tally.asked, "request") +
-                   (tally.silent == tally.asked && tally.echoes > 0
-                        ? ": only the request itself was heard"
-                        : ": " + (tally.silent == tally.asked ? std::string("not a byte was heard")
-                                                              : failures_text(tally)));
+    finding.seen = unanswered_text(tally);
     finding.advice = nothing_advice(plan, tally, others_answer);
   } else if (tally.answered < tally.asked) {
     finding.verdict = Judgement::fault;
@@ -118,11 +172,10 @@ Finding unit_finding(const LinePlan& plan, const UnitTrials& unit, bool others_a
     finding.seen += ", with " + modbus::exception_text(*unit.trials.front().exception);
   }
   if (tally.late > 0) {
-    finding.verdict = Judgement::fault;
-    finding.seen += "; " + std::to_string(tally.late) + " later than the timeout of " +
-                    config::to_text(unit.unit.timeout);
-    finding.advice += (finding.advice.empty() ? "" : "; ") +
-                      ("set response_timeout to at least " + needed_timeout(tally));
+    judge_late(finding, plan, unit.unit, tally);
+  }
+  if (tally.overdue > 0) {
+    judge_overdue(finding, unit.unit, tally);
   }
   return finding;
 }
@@ -132,6 +185,11 @@ Finding unit_finding(const LinePlan& plan, const UnitTrials& unit, bool others_a
 std::vector<Finding> answer_findings(const LinePlan& plan, const std::vector<UnitTrials>& units) {
   std::vector<Tally> tallies;
   std::ranges::transform(units, std::back_inserter(tallies), &tally_of);
+  Tally line;
+  for (const auto& tally : tallies) {
+    line.other_client = line.other_client || tally.other_client;
+    line.disturbed = line.disturbed || tally.disturbed;
+  }
   std::vector<Finding> findings;
   for (std::size_t at = 0; at < units.size(); ++at) {
     const auto any_other = [&](auto fits) {
@@ -141,6 +199,9 @@ std::vector<Finding> answer_findings(const LinePlan& plan, const std::vector<Uni
     const bool answer = any_other([](const Tally& other) { return other.answered > 0; });
     const bool well = any_other([](const Tally& other) { return other.answered == other.asked; });
     findings.push_back(unit_finding(plan, units[at], answer, well));
+    if (line.disturbed && findings.back().verdict != Judgement::ok) {
+      doubt(findings.back(), line);
+    }
   }
   return findings;
 }

@@ -3,12 +3,17 @@
 // determine their length are known: without it nothing tells a frame from noise.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "modbus/bytes.hpp"
 
 namespace mbgate::ctl {
+
+/// So many bytes an adapter or a transceiver makes up, when it is switched on or turns round. More
+/// of them may be what is left of another client's frames.
+inline constexpr std::size_t kFewBytes = 2;
 
 enum class FrameKind : std::uint8_t {
   request,

@@ -11,12 +11,6 @@ namespace mbgate::ctl {
 namespace {
 
 constexpr std::size_t kBytesShown = 8;
-/// So many bytes an adapter or a transceiver makes up when it is switched on.
-constexpr std::size_t kFewBytes = 2;
-
-constexpr const char* kOtherClient =
-    "an RS-485 line has one client: let the other one (a gateway, a PLC, a tool) connect to the "
-    "gateway instead";
 
 std::size_t requests_in(const BusFrames& found) {
   return static_cast<std::size_t>(std::ranges::count_if(
@@ -36,13 +30,13 @@ Finding frames_finding(const IdleLine& line, const BusFrames& found, const std::
   const auto first = ", the first: " + first_frame_text(line.heard, found.frames.front());
   if (requests_in(found) > 0) {
     finding.seen = "another client is on this line: " + count + " heard" + during + first;
-    finding.advice = kOtherClient;
+    finding.advice = kOneClient;
   } else if (found.frames.size() > 1) {
     finding.seen = count + " of devices heard" + during +
                    ", but not what they answer: another client whose requests do not reach this "
                    "port, as on four wires" +
                    first;
-    finding.advice = kOtherClient;
+    finding.advice = kOneClient;
   } else {
     finding.verdict = Judgement::unknown;
     finding.seen = count + " heard" + during + ": " +
@@ -58,9 +52,10 @@ std::string likeness(modbus::Bytes heard) {
   const auto all = [&](std::uint8_t value) {
     return std::ranges::all_of(heard, [&](std::uint8_t byte) { return byte == value; });
   };
+  // With a parity, each character of another parity reads as zero too (INPCK).
   if (all(0x00) || all(0xFF)) {
-    return "as of a line that nothing holds at rest: are A and B exchanged, is there a bias and a "
-           "termination, is a wire loose?";
+    return "as of a line that nothing holds at rest (are A and B exchanged, is there a bias and a "
+           "termination, is a wire loose?), or of another client at another rate or parity";
   }
   return "as of noise (termination, bias, shield, motor cables beside it), or of another client at "
          "another rate or parity";
@@ -96,5 +91,7 @@ bool is_of_another_client(const IdleLine& line) {
   const auto found = find_frames(line.heard);
   return requests_in(found) > 0 || found.frames.size() > 1;
 }
+
+bool may_be_of_another_client(const IdleLine& line) { return line.bytes > kFewBytes; }
 
 }  // namespace mbgate::ctl

@@ -18,7 +18,14 @@ struct IdleLine {
 
 Finding idle_finding(const IdleLine& line, const LineMode& mode);
 
-/// Are there frames of another client? Whoever sends there now damages them.
+/// Are there frames of another client?
 [[nodiscard]] bool is_of_another_client(const IdleLine& line);
+/// May there be some, at whatever rate and parity? Whoever sends there now damages them.
+[[nodiscard]] bool may_be_of_another_client(const IdleLine& line);
+
+/// What to do where another client is heard.
+inline constexpr const char* kOneClient =
+    "an RS-485 line has one client: let the other one (a gateway, a PLC, a tool) connect to the "
+    "gateway instead";
 
 }  // namespace mbgate::ctl

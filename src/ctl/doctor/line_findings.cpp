@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "ctl/doctor/idle_line.hpp"
 #include "ctl/doctor/tally.hpp"
 
 namespace mbgate::ctl {
@@ -19,6 +20,7 @@ struct LineTally {
   std::size_t answered = 0;
   std::size_t echoes = 0;
   bool other_client = false;
+  bool disturbed = false;
 };
 
 LineTally tally_of_line(const std::vector<UnitTrials>& units) {
@@ -29,6 +31,7 @@ LineTally tally_of_line(const std::vector<UnitTrials>& units) {
     line.answered += tally.answered;
     line.echoes += tally.echoes;
     line.other_client = line.other_client || tally.other_client;
+    line.disturbed = line.disturbed || tally.disturbed;
   }
   return line;
 }
@@ -46,20 +49,25 @@ Finding full_echo_finding(const LinePlan& plan) {
   return finding;
 }
 
-Finding doubled_finding(const UnitTrials& unit, const Tally& tally, bool other_client) {
+Finding doubled_finding(const UnitTrials& unit, const Tally& tally, const LineTally& line) {
   Finding finding{Judgement::unknown, "addresses",
                   std::to_string(tally.doubled) + " of " + number_of_text(tally.asked, "request") +
                       " to " + unit_text(unit.unit) + " had two whole answers"};
-  if (other_client) {
+  if (line.other_client) {
     finding.seen += ", but another client asks on this line too";
     finding.advice = "take the other client off, and run this again";
+  } else if (line.disturbed) {
+    finding.seen += ", but there is something on this line that nobody had asked for";
+    finding.advice = "cure that, and run this again";
   } else if (tally.doubled < kEnoughDoubled) {
     finding.advice = "run this again: one may be a late answer of before";
   } else {
     finding.verdict = Judgement::fault;
     finding.seen += ", and no request but ours was heard";
-    finding.advice = "two devices have address " + std::to_string(unit.unit.address) +
-                     ": switch one of them off, and give the other another address";
+    finding.advice = "two devices at address " + std::to_string(unit.unit.address) +
+                     ", or another client whose requests are not heard here, or a line that hears "
+                     "what it sends: switch the device off, and see whether something still "
+                     "answers";
   }
   return finding;
 }
@@ -78,7 +86,39 @@ Finding damaged_finding(const UnitTrials& unit, const Tally& tally) {
           "switch it off: if something still answers, there is a second one"};
 }
 
+Finding other_client_finding(const std::string& request) {
+  return {Judgement::fault, "other client",
+          "a request was heard that is not ours: " + request + "; nobody was asked any more",
+          kOneClient};
+}
+
+Finding unasked_finding(const Unasked& unasked) {
+  return {Judgement::fault, "between requests",
+          number_of_text(unasked.bytes, "byte") +
+              " came that nobody had asked for; nobody was asked any more",
+          "as of noise (termination, bias, shield, motor cables beside it), or of another client, "
+          "maybe at another rate or parity"};
+}
+
 }  // namespace
+
+std::optional<Finding> foreign_finding(const Unasked& before,
+                                       const std::vector<UnitTrials>& units) {
+  std::vector<Unasked> all{before};
+  for (const auto& unit : units) {
+    for (const auto& trial : unit.trials) {
+      all.push_back({.other_client = trial.other_client});
+      all.push_back(trial.after);
+    }
+  }
+  const auto other = std::ranges::find_if(
+      all, [](const Unasked& unasked) { return !unasked.other_client.empty(); });
+  if (other != all.end()) {
+    return other_client_finding(other->other_client);
+  }
+  const auto foreign = std::ranges::find_if(all, &Unasked::is_foreign);
+  return foreign == all.end() ? std::nullopt : std::optional(unasked_finding(*foreign));
+}
 
 Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units) {
   const auto line = tally_of_line(units);
@@ -109,7 +149,7 @@ Finding addresses_finding(const std::vector<UnitTrials>& units) {
   const auto doubled = std::ranges::max_element(tallies, {}, &Tally::doubled);
   if (doubled != tallies.end() && doubled->doubled > 0) {
     return doubled_finding(units[static_cast<std::size_t>(doubled - tallies.begin())], *doubled,
-                           line.other_client);
+                           line);
   }
   const auto damaged = std::ranges::find_if(tallies, &is_always_damaged);
   const bool others_are_well = std::ranges::any_of(

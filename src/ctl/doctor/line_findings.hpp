@@ -3,12 +3,17 @@
 // devices have one address.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "ctl/doctor/finding.hpp"
 #include "ctl/doctor/trial.hpp"
 
 namespace mbgate::ctl {
+
+/// Of what came before anything was sent, or else between two requests; nothing where that is of no
+/// importance.
+std::optional<Finding> foreign_finding(const Unasked& before, const std::vector<UnitTrials>& units);
 
 /// Each of the units was asked at least once.
 Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units);

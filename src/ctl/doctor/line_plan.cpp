@@ -60,7 +60,7 @@ std::optional<std::string> find_obstacle(const BusSettings& bus) {
 PlannedUnit planned(std::uint8_t address, const std::string& name, const BusSettings& bus,
                     const drive::DeviceTiming& timing) {
   return {address, name, timing.response_timeout + timing.response_wait,
-          timing.gap + bus.frame_gap.value_or(bus::Duration(0))};
+          timing.gap + bus.frame_gap.value_or(bus::Duration(0)), timing.response_wait};
 }
 
 std::vector<PlannedUnit> units_of(const DoctorCommand& command, const BusSettings& bus,

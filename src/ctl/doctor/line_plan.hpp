@@ -14,9 +14,10 @@ namespace mbgate::ctl {
 
 struct PlannedUnit {
   std::uint8_t address = 1;
-  std::string name{};                 ///< of the configuration; may be empty
-  std::chrono::nanoseconds timeout;   ///< later answers are too late for the gateway
-  std::chrono::nanoseconds pause{0};  ///< before each request, beyond t3.5
+  std::string name{};                         ///< of the configuration; may be empty
+  std::chrono::nanoseconds timeout;           ///< later answers are too late for the gateway
+  std::chrono::nanoseconds pause{0};          ///< before each request, beyond t3.5
+  std::chrono::nanoseconds response_wait{0};  ///< part of the timeout, a key of its own
 };
 
 /// "unit 3", "unit 3 (axis-x)"
@@ -29,6 +30,8 @@ struct LinePlan {
   std::optional<std::string> nobody{};  ///< why no unit is asked
   std::optional<bool> echo{};           ///< what the configuration says
   std::optional<bool> low_latency{};    ///< none: there is no configuration
+  /// The adapter keeps bytes back so long here, but not from the gateway.
+  std::chrono::nanoseconds adapter_delay{0};
 };
 
 /// Of a port that no configuration describes; `command` has one.

@@ -95,8 +95,12 @@ bool has_open(const fs::path& process, dev_t port) {
   std::error_code error;
   for (fs::directory_iterator entry(process / "fd", error), end; !error && entry != end;
        entry.increment(error)) {
+    // Not stat() for every file: on a network that is gone it blocks.
+    std::error_code unreadable;
+    const auto target = fs::read_symlink(entry->path(), unreadable);
     struct stat status {};
-    if (::stat(entry->path().c_str(), &status) == 0 && S_ISCHR(status.st_mode) &&
+    if (!unreadable && target.string().starts_with("/dev/") &&
+        ::stat(entry->path().c_str(), &status) == 0 && S_ISCHR(status.st_mode) &&
         status.st_rdev == port) {
       return true;
     }

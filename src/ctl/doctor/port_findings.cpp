@@ -112,7 +112,7 @@ Finding free_finding(const std::string& device, const std::vector<Holder>& other
   }
   return {Judgement::fault, "holder",
           holders_text(others) + (others.size() == 1 ? " has " : " have ") + device +
-              " open too, and takes bytes that are not meant for it",
+              " open too; nothing was sent, because each takes bytes that are not meant for it",
           "end it first"};
 }
 
@@ -139,6 +139,12 @@ Finding latency_finding(const LatencyFacts& facts) {
     finding.advice = "mbgated itself asks for 1 ms (low_latency); for other programs " + how;
   }
   return finding;
+}
+
+std::chrono::milliseconds avoidable_delay(const LatencyFacts& facts) {
+  const auto timer = facts.timer.value_or(0);
+  const bool shortened = timer > kShortTimer && facts.low_latency != false;
+  return std::chrono::milliseconds(shortened ? timer : 0);
 }
 
 Finding settings_finding(const LineMode& mode, const std::optional<std::string>& refusal) {

@@ -48,6 +48,8 @@ struct LatencyFacts {
   std::optional<bool> low_latency{};  ///< what the configuration says
 };
 Finding latency_finding(const LatencyFacts& facts);
+/// By how much answers may come sooner to a gateway than to us: it shortens the timer.
+std::chrono::milliseconds avoidable_delay(const LatencyFacts& facts);
 
 /// `refusal` is why the port cannot have the mode, none if it has it.
 Finding settings_finding(const LineMode& mode, const std::optional<std::string>& refusal);

@@ -23,6 +23,8 @@ using std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPieces{20};
 /// A line that never falls silent is listened to no longer: an echo, a frame, and one more.
 constexpr std::size_t kMostHeard = 2 * modbus::kMaxRtuSize + 8;
+/// So often whoever asks is asked whether it is over.
+constexpr std::chrono::milliseconds kSlice{100};
 
 /// Is there something to read, or an error, before `until`?
 bool wait_readable(int fd, steady_clock::time_point until) {
@@ -68,8 +70,10 @@ std::optional<std::string> SerialClient::send(modbus::Bytes frame) {
                                          : gone_text(device_, errno);
 }
 
+bool SerialClient::is_full() const { return received_.size() >= kMostHeard; }
+
 Result<std::optional<Piece>, std::string> SerialClient::take_piece(Instant begin, Instant until) {
-  while (received_.size() < kMostHeard && wait_readable(port_.descriptor(), until)) {
+  while (!is_full() && wait_readable(port_.descriptor(), until)) {
     std::array<std::uint8_t, modbus::kMaxRtuSize> bytes{};
     const auto size = ::read(port_.descriptor(), bytes.data(), bytes.size());
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) {
@@ -125,30 +129,35 @@ Result<Heard, std::string> SerialClient::ask(std::uint8_t unit, const modbus::Ta
 }
 
 Result<std::vector<Piece>, std::string> SerialClient::ask_all(const SentRead& sent,
-                                                              const ListenTimes& times) {
+                                                              const ListenTimes& times,
+                                                              const IsOver& is_over) {
   const modbus::RtuTiming timing(mode_.baud, mode_.format);
   received_.clear();
-  discard_serial(port_.descriptor());
   const auto left = steady_clock::now() + timing.duration_of(sent.frame().size());
   if (auto error = send(sent.frame())) {
     return *std::move(error);
   }
   std::vector<Piece> pieces;
-  auto end = left + times.wait;
+  const auto answered_by = left + times.wait;
+  const auto latest = answered_by + timing.duration_of(modbus::kMaxRtuSize) + times.after_bytes;
+  auto end = answered_by;
   while (true) {
-    auto piece = take_piece(left, end);
+    const auto slice_end = std::min<Instant>(end, steady_clock::now() + kSlice);
+    auto piece = take_piece(left, slice_end);
     if (!piece) {
       return piece.error();
     }
-    if (!*piece) {
+    if (*piece) {
+      pieces.push_back(**std::move(piece));
+      end = sent.answer_in(received())
+                ? last_received_ + times.after_answer
+                : std::max<Instant>(answered_by, last_received_ + times.after_bytes);
+      end = std::min<Instant>(end, latest);
+    } else if (slice_end == end) {
       break;
     }
-    pieces.push_back(**std::move(piece));
-    const auto heard = sent.understand(received());
-    if (heard.kind == HeardKind::answer) {
-      end = last_received_ + times.after_answer;
-    } else if (heard.bytes >= modbus::kMinRtuSize) {
-      end = last_received_ + times.after_bytes;
+    if (is_full() || is_over()) {
+      break;
     }
   }
   ready_at_ = steady_clock::now() + std::max<nanoseconds>(timing.t3_5(), kPauseAfterNoise);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,12 +21,16 @@ inline constexpr std::chrono::milliseconds kModeSettling{20};
 /// The least pause after bytes that were not understood: they may have more behind them.
 inline constexpr std::chrono::milliseconds kPauseAfterNoise{5};
 
-/// How long ask_all() listens.
+/// How long ask_all() listens. Whatever comes, it ends when the longest frame that begins at the
+/// end of `wait` must be whole.
 struct ListenTimes {
   std::chrono::nanoseconds wait;          ///< for an answer, after the request
   std::chrono::nanoseconds after_answer;  ///< for a second one
-  std::chrono::nanoseconds after_bytes;   ///< for the rest, after as many bytes as a frame has
+  std::chrono::nanoseconds after_bytes;   ///< a pause of this length ends a frame
 };
+
+/// Whether the asker wants it to end now; asked ten times a second, and after each piece.
+using IsOver = std::function<bool()>;
 
 /// Bytes that came together.
 struct Piece {
@@ -46,9 +51,10 @@ class SerialClient {
   /// request and all is quiet. The error is a full sentence: the port is of no more use.
   Result<Heard, std::string> ask(std::uint8_t unit, const modbus::TableRange& read,
                                  std::chrono::nanoseconds wait);
-  /// Sends a read and takes all that comes, also what comes after its answer. The request has left
-  /// when its characters have had their time.
-  Result<std::vector<Piece>, std::string> ask_all(const SentRead& sent, const ListenTimes& times);
+  /// Sends a read and takes all that comes, also what comes after its answer, and what already lay
+  /// there. The request has left when its characters have had their time.
+  Result<std::vector<Piece>, std::string> ask_all(const SentRead& sent, const ListenTimes& times,
+                                                  const IsOver& is_over);
   /// Sends nothing. It may end early where much is heard.
   Result<std::vector<Piece>, std::string> overhear(std::chrono::nanoseconds time);
 
@@ -60,6 +66,7 @@ class SerialClient {
   std::optional<std::string> listen(const SentRead& sent, Instant until);
   /// Appends what comes until `until`. Nothing if nothing came.
   Result<std::optional<Piece>, std::string> take_piece(Instant begin, Instant until);
+  [[nodiscard]] bool is_full() const;
   [[nodiscard]] modbus::Bytes received() const { return {received_.data(), received_.size()}; }
 
   std::string device_;

@@ -9,9 +9,6 @@ namespace mbgate::ctl {
 namespace {
 
 constexpr LineMode kNineSix{modbus::Baud{9600}, {8, modbus::Parity::even, 1}};
-constexpr const char* kOneClient =
-    "an RS-485 line has one client: let the other one (a gateway, a PLC, a tool) connect to the "
-    "gateway instead";
 
 IdleLine idle_with(const LineBytes& heard) {
   return {heard, heard.size(), std::chrono::seconds(2)};
@@ -22,6 +19,7 @@ Finding found_in(const LineBytes& heard) { return idle_finding(idle_with(heard),
 TEST(IdleLine, IsSilentWhereAllIsWell) {
   EXPECT_EQ(found_in({}), (Finding{Judgement::ok, "idle line", "nothing was heard in 2s"}));
   EXPECT_FALSE(is_of_another_client(idle_with({})));
+  EXPECT_FALSE(may_be_of_another_client(idle_with({})));
 }
 
 TEST(IdleLine, HasAnotherClientWhereARequestIsHeard) {
@@ -54,6 +52,13 @@ TEST(IdleLine, MayHaveALateAnswerOnIt) {
                      "that has ended, or another client",
                      "run this again"}));
   EXPECT_FALSE(is_of_another_client(idle_with(heard)));
+  EXPECT_TRUE(may_be_of_another_client(idle_with(heard)));
+}
+
+TEST(IdleLine, MayHaveAnotherClientWhereMoreThanAFewBytesAreHeard) {
+  EXPECT_FALSE(may_be_of_another_client(idle_with({0x00, 0x00})));
+  EXPECT_TRUE(may_be_of_another_client(idle_with({0x00, 0x00, 0x00})));
+  EXPECT_FALSE(is_of_another_client(idle_with({0x00, 0x00, 0x00})));
 }
 
 TEST(IdleLine, NamesAllCausesOfBytesThatAreNoFrame) {
@@ -66,8 +71,9 @@ TEST(IdleLine, NamesAllCausesOfBytesThatAreNoFrame) {
   EXPECT_EQ(found_in({0x00, 0x00, 0x00}),
             (Finding{Judgement::fault, "idle line",
                      "3 bytes heard in 2s that are no frame at 9600 8E1: 00 00 00",
-                     "as of a line that nothing holds at rest: are A and B exchanged, is there a "
-                     "bias and a termination, is a wire loose?"}));
+                     "as of a line that nothing holds at rest (are A and B exchanged, is there a "
+                     "bias and a termination, is a wire loose?), or of another client at another "
+                     "rate or parity"}));
 }
 
 TEST(IdleLine, IsNotCondemnedForAByteOfTheAdapter) {

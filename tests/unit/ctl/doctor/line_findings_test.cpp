@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "ctl/doctor/idle_line.hpp"
 #include "line_bytes.hpp"
 
 namespace mbgate::ctl {
@@ -77,13 +78,14 @@ TEST(AddressesFinding, NeedsTwoAnswersTwice) {
             (Finding{Judgement::fault, "addresses",
                      "20 of 20 requests to unit 3 had two whole answers, and no request but ours "
                      "was heard",
-                     "two devices have address 3: switch one of them off, and give the other "
-                     "another address"}));
+                     "two devices at address 3, or another client whose requests are not heard "
+                     "here, or a line that hears what it sends: switch the device off, and see "
+                     "whether something still answers"}));
 }
 
 TEST(AddressesFinding, ClaimsNothingWhereAnotherClientAsks) {
   auto foreign = without_echo();
-  foreign.other_client = true;
+  foreign.other_client = "unit 9: read holding registers 0";
   EXPECT_EQ(addresses_finding({trials_of(3, followed(trials(2, doubled()), foreign))}),
             (Finding{Judgement::unknown, "addresses",
                      "2 of 3 requests to unit 3 had two whole answers, but another client asks on "
@@ -91,8 +93,51 @@ TEST(AddressesFinding, ClaimsNothingWhereAnotherClientAsks) {
                      "take the other client off, and run this again"}));
 }
 
+TEST(AddressesFinding, ClaimsNothingWhereSomethingElseIsOnTheLine) {
+  auto last = without_echo();
+  last.after.bytes = 9;
+  EXPECT_EQ(addresses_finding({trials_of(3, followed(trials(2, doubled()), last))}),
+            (Finding{Judgement::unknown, "addresses",
+                     "2 of 3 requests to unit 3 had two whole answers, but there is something on "
+                     "this line that nobody had asked for",
+                     "cure that, and run this again"}));
+}
+
+TEST(AddressesFinding, CountsASecondAnswerThatCameLater) {
+  auto later = without_echo();
+  later.after.late_answers = 1;
+  EXPECT_EQ(addresses_finding({trials_of(3, trials(2, later))}).verdict, Judgement::fault);
+}
+
+TEST(ForeignFinding, NamesTheOtherClientByItsRequest) {
+  const Finding expected{Judgement::fault, "other client",
+                         "a request was heard that is not ours: unit 9: read holding registers 0; "
+                         "nobody was asked any more",
+                         kOneClient};
+  const std::string request = "unit 9: read holding registers 0";
+  auto within = without_echo();
+  within.other_client = request;
+  EXPECT_EQ(foreign_finding({}, {trials_of(3, {without_echo(), within})}), expected);
+  auto behind = without_echo();
+  behind.after.other_client = request;
+  EXPECT_EQ(foreign_finding({}, {trials_of(3, {behind})}), expected);
+  EXPECT_EQ(foreign_finding({.other_client = request}, {}), expected);
+}
+
+TEST(ForeignFinding, NamesAllCausesOfBytesBetweenRequests) {
+  auto disturbed = without_echo();
+  disturbed.after.bytes = 9;
+  EXPECT_EQ(foreign_finding({}, {trials_of(3, {disturbed})}),
+            (Finding{Judgement::fault, "between requests",
+                     "9 bytes came that nobody had asked for; nobody was asked any more",
+                     "as of noise (termination, bias, shield, motor cables beside it), or of "
+                     "another client, maybe at another rate or parity"}));
+  EXPECT_EQ(foreign_finding({}, {trials_of(3, {without_echo()})}), std::nullopt);
+  EXPECT_EQ(foreign_finding({}, {}), std::nullopt);
+}
+
 TEST(AddressesFinding, DoesNotCountAnAnswerThatMayBeToTheRequestBefore) {
-  EXPECT_EQ(addresses_finding({trials_of(3, {{}, doubled(), {}, doubled()})}),
+  EXPECT_EQ(addresses_finding({trials_of(3, {{}, doubled(), {}, {}, doubled()})}),
             (Finding{Judgement::ok, "addresses", "no request had a second answer"}));
 }
 

@@ -73,6 +73,7 @@ TEST(LinePlan, TakesLineAndDevicesOfABus) {
   ASSERT_EQ(plan->units.size(), 1U);
   EXPECT_EQ(unit_text(plan->units[0]), "unit 3 (axis-x)");
   EXPECT_EQ(plan->units[0].timeout, milliseconds(250));
+  EXPECT_EQ(plan->units[0].response_wait, milliseconds(50));
   EXPECT_EQ(plan->units[0].pause, milliseconds(5));
 }
 

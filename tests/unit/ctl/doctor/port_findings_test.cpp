@@ -101,11 +101,12 @@ TEST(HolderFinding, NamesWhoHasThePort) {
 TEST(HolderFinding, SaysWhoReadsAlongWithoutALock) {
   EXPECT_EQ(free_finding(kPort, {}),
             (Finding{Judgement::ok, "holder", "no other program is seen to have it open"}));
-  EXPECT_EQ(free_finding(kPort, {{12, "mbpoll"}}),
-            (Finding{Judgement::fault, "holder",
-                     "mbpoll (process 12) has /dev/ttyUSB0 open too, and takes bytes that are not "
-                     "meant for it",
-                     "end it first"}));
+  EXPECT_EQ(
+      free_finding(kPort, {{12, "mbpoll"}}),
+      (Finding{Judgement::fault, "holder",
+               "mbpoll (process 12) has /dev/ttyUSB0 open too; nothing was sent, because each "
+               "takes bytes that are not meant for it",
+               "end it first"}));
 }
 
 constexpr const char* kHowTo =
@@ -133,6 +134,15 @@ TEST(LatencyFinding, KnowsNothingOfOtherAdapters) {
   EXPECT_EQ(latency_finding({"/dev/ttyS0"}),
             (Finding{Judgement::unknown, "latency",
                      "/dev/ttyS0 is no FTDI adapter, or does not show its timer"}));
+}
+
+TEST(AvoidableDelay, IsTheTimerThatAGatewayShortens) {
+  using std::chrono::milliseconds;
+  EXPECT_EQ(avoidable_delay({"/dev/ttyUSB0", 16U, true}), milliseconds(16));
+  EXPECT_EQ(avoidable_delay({"/dev/ttyUSB0", 16U, std::nullopt}), milliseconds(16));
+  EXPECT_EQ(avoidable_delay({"/dev/ttyUSB0", 16U, false}), milliseconds(0));
+  EXPECT_EQ(avoidable_delay({"/dev/ttyUSB0", 1U, true}), milliseconds(0));
+  EXPECT_EQ(avoidable_delay({"/dev/ttyS0"}), milliseconds(0));
 }
 
 TEST(SettingsFinding, SaysWhyThePortCannotHaveTheMode) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <thread>
 
 #include "terminal.hpp"
@@ -16,6 +17,7 @@ using std::chrono::steady_clock;
 constexpr modbus::TableRange kRead{modbus::Table::holding_registers, 0, 1};
 constexpr std::chrono::seconds kLong(30);
 constexpr std::chrono::milliseconds kShort(1);
+constexpr auto kGoOn = [] { return false; };
 constexpr LineMode kMode{modbus::Baud{9600}, {8, modbus::Parity::even, 1}};
 
 /// Takes one request of 8 bytes and gives these bytes back.
@@ -23,11 +25,11 @@ void reply_once(int end, const std::vector<std::uint8_t>& bytes) {
   std::array<std::uint8_t, 8> request{};
   std::size_t taken = 0;
   while (taken < request.size()) {
-    const auto size = read(end, request.data() + taken, request.size() - taken);
+    const auto size = ::read(end, request.data() + taken, request.size() - taken);
     ASSERT_GT(size, 0);
     taken += static_cast<std::size_t>(size);
   }
-  ASSERT_EQ(write(end, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  ASSERT_EQ(::write(end, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
 }
 
 std::vector<std::uint8_t> data_of(std::uint8_t unit) {
@@ -95,27 +97,79 @@ TEST(SerialClient, TakesWhatComesAfterTheAnswerToo) {
   both.insert(both.end(), both.begin(), both.end());
   std::thread other(reply_once, terminal.other_end(), both);
   const auto pieces =
-      client->ask_all(SentRead(1, kRead), {kLong, std::chrono::milliseconds(50), kLong});
+      client->ask_all(SentRead(1, kRead), {kLong, std::chrono::milliseconds(50), kLong}, kGoOn);
   other.join();
   ASSERT_TRUE(pieces) << pieces.error();
   EXPECT_EQ(bytes_of(*pieces), both);
 }
 
-TEST(SerialClient, EndsWhatMayBeAnAnswerAndGoesOnAfterLess) {
-  const auto ask_all = [](const std::vector<std::uint8_t>& bytes, std::chrono::nanoseconds wait) {
-    const Terminal terminal;
-    auto client = SerialClient::open(terminal.path);
-    EXPECT_TRUE(client);
-    EXPECT_EQ(client->set_mode(kMode), std::nullopt);
-    std::thread other(reply_once, terminal.other_end(), bytes);
-    const auto begin = steady_clock::now();
-    const auto pieces = client->ask_all(SentRead(1, kRead), {wait, kLong, kShort});
-    other.join();
-    EXPECT_EQ(bytes_of(*pieces), bytes);
-    return steady_clock::now() - begin;
-  };
-  EXPECT_LT(ask_all({0xFF, 0xFE, 0xFD, 0xFC}, kLong), kLong);
-  EXPECT_GE(ask_all({0xFF}, std::chrono::milliseconds(100)), std::chrono::milliseconds(100));
+/// Asks unit 1 of a line where `bytes` come back, and says how long it took.
+steady_clock::duration time_to_ask_all(const std::vector<std::uint8_t>& bytes,
+                                       const ListenTimes& times) {
+  const Terminal terminal;
+  auto client = SerialClient::open(terminal.path);
+  EXPECT_TRUE(client);
+  EXPECT_EQ(client->set_mode(kMode), std::nullopt);
+  std::thread other(reply_once, terminal.other_end(), bytes);
+  const auto begin = steady_clock::now();
+  const auto pieces = client->ask_all(SentRead(1, kRead), times, kGoOn);
+  other.join();
+  EXPECT_EQ(bytes_of(*pieces), bytes);
+  return steady_clock::now() - begin;
+}
+
+TEST(SerialClient, WaitsNoLessForTheAnswerWhereOtherBytesCome) {
+  constexpr std::chrono::milliseconds kWait(100);
+  EXPECT_GE(time_to_ask_all({0xFF}, {kWait, kShort, kShort}), kWait);
+  EXPECT_GE(time_to_ask_all({0xFF, 0xFE, 0xFD, 0xFC, 0xFB}, {kWait, kShort, kShort}), kWait);
+}
+
+TEST(SerialClient, EndsWhereAWholeFrameHadItsTimeThoughBytesGoOnComing) {
+  const Terminal terminal;
+  auto client = SerialClient::open(terminal.path);
+  ASSERT_TRUE(client);
+  ASSERT_EQ(client->set_mode({modbus::Baud{115200}, {8, modbus::Parity::none, 1}}), std::nullopt);
+  std::atomic<bool> over{false};
+  std::thread other([&] {
+    while (!over) {
+      EXPECT_EQ(::write(terminal.other_end(), "\xFE", 1), 1);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  });
+  const auto pieces =
+      client->ask_all(SentRead(1, kRead), {kShort, kShort, std::chrono::milliseconds(300)}, kGoOn);
+  over = true;
+  other.join();
+  ASSERT_TRUE(pieces) << pieces.error();
+  // Without an end it goes on until there are as many bytes as two frames have, for 26 s.
+  EXPECT_LT(bytes_of(*pieces).size(), 2 * modbus::kMaxRtuSize);
+}
+
+TEST(SerialClient, EndsBeforeTheAnswerWhereWhoeverAsksWantsIt) {
+  const Terminal terminal;
+  auto client = SerialClient::open(terminal.path);
+  ASSERT_TRUE(client);
+  ASSERT_EQ(client->set_mode(kMode), std::nullopt);
+  int asked = 0;
+  const auto pieces =
+      client->ask_all(SentRead(1, kRead), {kLong, kShort, kShort}, [&] { return ++asked == 2; });
+  ASSERT_TRUE(pieces) << pieces.error();
+  EXPECT_TRUE(pieces->empty());
+  EXPECT_EQ(asked, 2);
+}
+
+TEST(SerialClient, TakesWhatLayThereBeforeItAsked) {
+  const Terminal terminal;
+  auto client = SerialClient::open(terminal.path);
+  ASSERT_TRUE(client);
+  ASSERT_EQ(client->set_mode(kMode), std::nullopt);
+  const auto frame = data_of(2);
+  ASSERT_EQ(::write(terminal.other_end(), frame.data(), frame.size()),
+            static_cast<ssize_t>(frame.size()));
+  const auto pieces =
+      client->ask_all(SentRead(1, kRead), {std::chrono::milliseconds(100), kShort, kShort}, kGoOn);
+  ASSERT_TRUE(pieces) << pieces.error();
+  EXPECT_EQ(bytes_of(*pieces), frame);
 }
 
 TEST(SerialClient, OverhearsWithoutSending) {
@@ -127,7 +181,7 @@ TEST(SerialClient, OverhearsWithoutSending) {
   ASSERT_TRUE(silence);
   EXPECT_TRUE(silence->empty());
   const auto frame = data_of(1);
-  ASSERT_EQ(write(terminal.other_end(), frame.data(), frame.size()),
+  ASSERT_EQ(::write(terminal.other_end(), frame.data(), frame.size()),
             static_cast<ssize_t>(frame.size()));
   const auto pieces = client->overhear(std::chrono::milliseconds(100));
   ASSERT_TRUE(pieces);

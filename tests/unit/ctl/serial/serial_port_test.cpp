@@ -31,10 +31,10 @@ TEST(SerialPort, IsOursAloneUntilItIsClosed) {
 
 TEST(SerialPort, IsNotTakenFromWhoHasLockedIt) {
   const Terminal terminal;
-  const int other = open(terminal.path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  const int other = ::open(terminal.path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
   ASSERT_EQ(flock(other, LOCK_EX | LOCK_NB), 0);
   const auto port = SerialPort::open(terminal.path);
-  close(other);
+  ::close(other);
   ASSERT_FALSE(port);
   EXPECT_EQ(port.error(), held_port(terminal.path));
   EXPECT_TRUE(is_held(terminal.path, port.error()));
@@ -51,9 +51,9 @@ TEST(SerialPort, TakesAnyRate) {
 }
 
 std::vector<std::uint8_t> present_settings(const Terminal& terminal) {
-  const int port = open(terminal.path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  const int port = ::open(terminal.path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
   auto settings = read_serial_settings(port);
-  close(port);
+  ::close(port);
   EXPECT_FALSE(settings.empty());
   return settings;
 }
@@ -75,12 +75,12 @@ TEST(SerialPort, HasItsSettingsOfBeforeWhenItIsClosed) {
 
 TEST(SerialPort, LeavesBytesAloneUntilItsModeIsSet) {
   const Terminal terminal;
-  ASSERT_EQ(write(terminal.other_end(), "\n", 1), 1);
+  ASSERT_EQ(::write(terminal.other_end(), "\n", 1), 1);
   EXPECT_TRUE(SerialPort::open(terminal.path));
-  const int port = open(terminal.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  const int port = ::open(terminal.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   char byte = 0;
-  EXPECT_EQ(read(port, &byte, 1), 1);
-  close(port);
+  EXPECT_EQ(::read(port, &byte, 1), 1);
+  ::close(port);
 }
 
 TEST(SerialPort, IsNoOtherDevice) {
