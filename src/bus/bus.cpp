@@ -154,6 +154,17 @@ std::optional<Wake> Bus::next_wake() const {
                  dispatch_.next_start());
 }
 
+std::optional<BusQueue::Most> Bus::most_waiting(Instant now) const {
+  std::bitset<kAddresses> held;
+  for (std::size_t address = 0; address < kAddresses; ++address) {
+    const auto number = static_cast<std::uint8_t>(address);
+    const DeviceEntry& entry = parts_.devices[number];
+    held[address] =
+        entry.health.is_offline() || entry.free_at > now || held_back(number, now) > Duration{0};
+  }
+  return parts_.queue.most_waiting(held);
+}
+
 void Bus::clear_counters() {
   parts_.counters = {};
   parts_.devices.clear_counters();

@@ -60,8 +60,8 @@ class Bus {
   [[nodiscard]] const LinkState& link() const { return parts_.link; }
   [[nodiscard]] LineState line_state(Instant now) const { return parts_.line.state(now); }
   [[nodiscard]] std::size_t waiting() const { return parts_.queue.size() + parts_.stops.size(); }
-  /// The client address of which the most requests wait.
-  [[nodiscard]] auto most_waiting() const { return parts_.queue.most_waiting(); }
+  /// The client address of which the most requests wait for the line, and not for their device.
+  [[nodiscard]] std::optional<BusQueue::Most> most_waiting(Instant now) const;
   [[nodiscard]] const BusCounters& counters() const { return parts_.counters; }
   /// What is known of each address.
   [[nodiscard]] const DeviceTable& devices() const { return parts_.devices; }

@@ -25,7 +25,10 @@ TEST_P(PortInAnotherMode, HasAllThatLooksAlikeNamed) {
   EXPECT_EQ(all[0].subject, "bus line");
   EXPECT_EQ(all[0].finding, "nothing answers");
   EXPECT_EQ(all[0].look_at,
-            "power; A and B; unit addresses; the drives' setting, here 19200 baud 8E1");
+            "power; the cable and its plug; A and B; whether `device` is the port of this line; "
+            "unit addresses; the drives' setting, here 19200 baud 8E1; RTU or ASCII (`mode`); what "
+            "switches "
+            "the direction (`rs485`)");
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -20,7 +20,7 @@ std::array<std::string, kAddresses> names_of(std::span<const drive::Device> devi
 
 void DeviceEntry::forget_shown() {
   health.forget_shown();
-  asked_at = second_at = Instant::min();
+  asked_at = second_at = second_read_at = Instant::min();
   silence = {};
   times = {};
 }

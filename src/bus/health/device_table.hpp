@@ -49,9 +49,11 @@ struct DeviceEntry {
   Instant asked_at = Instant::min();
   Silence silence;
   AnswerTimes times;
-  /// Shown only, too: when a second answer to one request came, and what the device's own setting
+  /// Shown only, too: when a second answer to one request came, when the last one came that is no
+  /// echo, of a read on a line whose echo was found before, and what the device's own setting
   /// (Transaction::must_hold) was when it was last read.
   Instant second_at = Instant::min();
+  Instant second_read_at = Instant::min();
   std::optional<std::uint16_t> setting;
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "modbus/function_code.hpp"
+
 namespace mbgate::bus {
 namespace {
 
@@ -193,6 +195,8 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
                                  unsolicited.pdu.function() == entry.answered_function;
   if (answered_just_now && !foreign_reported_) {
     entry.second_at = now;
+    const bool is_read = modbus::is_read(unsolicited.pdu.bytes());
+    entry.second_read_at = parts_.line.hears_itself() && is_read ? now : entry.second_read_at;
     if (!std::exchange(entry.second_reported, true)) {
       notify(DeviceNotice::Kind::second_answer, address);
     }

@@ -31,6 +31,13 @@ void LineLoad::note(bool is_busy, Instant now, Instant free_at) {
   }
 }
 
+void LineLoad::note_wait(Duration waited, Instant now) {
+  window_began_ = window_began_.value_or(now);
+  go_on(now);
+  ++waits_.all;
+  waits_.are_long += waited >= kLongWait ? 1U : 0U;
+}
+
 // Windows that are over by now are closed.
 void LineLoad::go_on(Instant now) {
   while (now - *window_began_ >= kLoadWindow) {
@@ -43,6 +50,8 @@ void LineLoad::go_on(Instant now) {
     const bool was_long = now - end >= 2 * kLoadWindow && !busy_since_;
     before_ = was_long ? Duration{0} : busy_;
     busy_ = Duration{0};
+    waits_before_ = was_long ? LineWaits{} : waits_;
+    waits_ = {};
     window_began_ = was_long ? now : end;
   }
 }
@@ -58,6 +67,15 @@ unsigned LineLoad::percent(Instant now) const {
   }
   const Duration running = at_now.busy_since_ ? now - *at_now.busy_since_ : Duration{0};
   return share(at_now.busy_ + running, now - *at_now.window_began_);
+}
+
+LineWaits LineLoad::waits(Instant now) const {
+  if (!window_began_) {
+    return {};
+  }
+  LineLoad at_now = *this;
+  at_now.go_on(now);
+  return at_now.before_ ? at_now.waits_before_ : at_now.waits_;
 }
 
 }  // namespace mbgate::bus

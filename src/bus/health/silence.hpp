@@ -22,6 +22,7 @@ class Silence {
   /// A transmission of `sent` was left unanswered; `is_first`: it was no repetition.
   void note_unanswered(Instant sent, bool is_first) {
     if (sent >= heard_) {
+      began_ = transmissions_ == 0 ? sent : began_;
       ++transmissions_;
       requests_ += is_first ? 1U : 0U;
     }
@@ -31,12 +32,15 @@ class Silence {
   [[nodiscard]] unsigned transmissions() const { return transmissions_; }
   /// Of how many requests these are; one whose first transmission was damaged does not count.
   [[nodiscard]] unsigned requests() const { return requests_; }
+  /// When the first of these was sent; without meaning if there is none.
+  [[nodiscard]] Instant began() const { return began_; }
   /// Instant::min(): none came.
   [[nodiscard]] Instant last_answer() const { return last_answer_; }
 
  private:
   unsigned transmissions_ = 0;
   unsigned requests_ = 0;
+  Instant began_ = Instant::min();
   Instant heard_ = Instant::min();
   Instant last_answer_ = Instant::min();
 };

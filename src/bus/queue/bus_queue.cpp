@@ -87,14 +87,22 @@ void BusQueue::remove(Job& job) {
 
 Job* BusQueue::first_to_expire() { return by_deadline_.empty() ? nullptr : &*by_deadline_.begin(); }
 
-std::optional<BusQueue::Most> BusQueue::most_waiting() const {
-  const auto most = std::ranges::max_element(
-      round_, {}, [](const Source& source) { return source.waiting.size(); });
-  if (most == round_.end()) {
-    return std::nullopt;
+std::optional<BusQueue::Most> BusQueue::most_waiting(
+    const std::bitset<kAddresses>& held_back) const {
+  Most most;
+  std::size_t all = 0;
+  for (const Source& source : round_) {
+    const auto counts = [&](const Job& job) { return !held_back[job.address()]; };
+    const auto first = std::ranges::find_if(source.waiting, counts);
+    const auto requests =
+        static_cast<std::size_t>(std::count_if(first, source.waiting.end(), counts));
+    if (requests > most.requests) {
+      most = {first->source, requests, 0, first->accepted_at};
+    }
+    all += requests;
   }
-  const Job& first = most->waiting.front();
-  return Most{first.source, most->waiting.size(), first.accepted_at};
+  most.of = all;
+  return all == 0 ? std::nullopt : std::optional(most);
 }
 
 std::optional<Instant> BusQueue::first_deadline() const {

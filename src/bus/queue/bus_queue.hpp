@@ -61,11 +61,14 @@ class BusQueue {
   [[nodiscard]] std::size_t size() const { return by_deadline_.size(); }
   /// The client address with the most waiting requests.
   struct Most {
-    FairnessKey source;
-    std::size_t requests;
-    Instant since;  ///< its first one was accepted
+    FairnessKey source{};
+    std::size_t requests = 0;
+    std::size_t of = 0;  ///< waiting requests of all client addresses
+    Instant since;       ///< its first one was accepted
   };
-  [[nodiscard]] std::optional<Most> most_waiting() const;
+  /// Requests for the addresses that are held back do not count: the line is not what they wait
+  /// for.
+  [[nodiscard]] std::optional<Most> most_waiting(const std::bitset<kAddresses>& held_back) const;
 
  private:
   friend struct mbgate::StateReader;

@@ -5,6 +5,15 @@
 #include <functional>
 
 namespace mbgate::bus {
+namespace {
+
+// For how long the line was what the job waited for, and not its device, which boots or may still
+// send a late answer.
+Duration waited_for_line(const Parts& parts, const Job& job, Instant now) {
+  return now - std::clamp(held_until(parts, job), job.accepted_at, now);
+}
+
+}  // namespace
 
 void Dispatch::pump_looked(Instant now) {
   looking_ = Looking::done;
@@ -68,6 +77,9 @@ Transmission& Dispatch::begin(const Choice& choice, Instant now) {
     choice.passed_over->passed_over = true;
   }
   if (job.is_waiting()) {
+    if (!parts_.devices[job.address()].health.is_offline()) {
+      diagnosis_.load().note_wait(waited_for_line(parts_, job, now), now);
+    }
     parts_.queue.take(job);
     parts_.transmissions.start(parts_.transmissions.lead(job));
   }

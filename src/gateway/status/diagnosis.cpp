@@ -1,40 +1,114 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/status/diagnosis.hpp"
 
+#include <algorithm>
+
 #include "gateway/status/findings.hpp"
 #include "gateway/status/quality_text.hpp"
 
 namespace mbgate::gateway {
 namespace {
 
-Diagnosis of_silent_device(const StatusReport& report, const DeviceStatus& device,
-                           const Together& all) {
+constexpr std::size_t kMostRanges = 8;  // of addresses that are named one by one
+
+using Devices = std::vector<const DeviceStatus*>;
+
+std::string others_answer(const StatusReport& report, const DeviceStatus& device) {
+  return do_others_answer(report, device)
+             ? "; others on " + report.buses[device.bus].name + " answer"
+             : "";
+}
+
+// The settings that a drive must have in common with its line.
+std::string mode_of_drives(const BusStatus& bus) {
+  if (bus.is_serial) {
+    return "; its baud rate and parity, here " + mode_text(bus) + "; its wires";
+  }
+  return is_behind_a_server(bus)
+             ? "; its baud rate and parity, and those of the serial server; its wires"
+             : "";
+}
+
+Diagnosis of_silent_device(const StatusReport& report, const DeviceStatus& device) {
   const BusStatus& bus = report.buses[device.bus];
+  const std::string address = std::to_string(device.address);
   std::string evidence =
       counted(device.silence.transmissions(), "transmission") + " in a row unanswered";
   if (!device.has_answered) {
-    if (all.asked > all.silent) {
-      evidence += "; others on " + bus.name + " answer";
-    }
-    return {
-        subject_of(report, device), "it has never answered", std::move(evidence),
-        "its power; its address " + std::to_string(device.address) +
-            (bus.is_serial ? "; its baud rate and parity, here " + mode_text(bus) + "; its wires"
-                           : "")};
+    return {Rank::drive_lost, subject_of(report, device), "it has never answered",
+            evidence + others_answer(report, device),
+            "its power; its address " + address + mode_of_drives(bus)};
   }
   if (device.last_answer) {
-    evidence += "; the last answer came " + seconds_text(*device.last_answer) + " ago";
+    evidence += "; the last answer came " + passed_text(*device.last_answer) + " ago";
   }
-  return {subject_of(report, device), "it does not answer any more", std::move(evidence),
-          "its power, its cable; whether it answers later than response_timeout, " +
+  const bool is_on_a_line = bus.framing != bus::Framing::tcp;
+  return {Rank::drive_lost, subject_of(report, device), "it does not answer any more",
+          std::move(evidence),
+          std::string("its power, its cable; ") +
+              (is_on_a_line ? "its address, baud rate and parity, if it was replaced or reset; a "
+                              "second device at address " +
+                                  address
+                            : "its address, if it was replaced or reset") +
+              "; whether it answers later than response_timeout, " +
               milliseconds_text(device.response_timeout)};
 }
 
-// On a line that hears what it sends, the answer to a write comes behind its echo, which looks the
-// same.
+Diagnosis of_device_nobody_asks(const StatusReport& report, const DeviceStatus& device) {
+  return {Rank::warning, subject_of(report, device), "it did not answer when it was last asked",
+          "that was " + passed_text(*device.last_request) + " ago",
+          "whether it should be asked; its power, its cable"};
+}
+
+// "3, 7 to 12"
+std::string ranges_of(const Devices& devices) {
+  std::string text;
+  std::size_t ranges = 0;
+  for (std::size_t first = 0; first < devices.size(); ++ranges) {
+    std::size_t end = first + 1;
+    while (end < devices.size() && devices[end]->address == devices[end - 1]->address + 1) {
+      ++end;
+    }
+    if (ranges == kMostRanges) {
+      return text + " and " + std::to_string(devices.size() - first) + " more";
+    }
+    text += (text.empty() ? "" : ", ") + std::to_string(devices[first]->address);
+    if (end - first > 1) {
+      text += " to " + std::to_string(devices[end - 1]->address);
+    }
+    first = end;
+  }
+  return text;
+}
+
+// Addresses that nobody names and that have never answered: a client asks for what is not there, or
+// tries all of them.
+void diagnose_tried(const StatusReport& report, const Devices& tried, const Together& all,
+                    std::vector<Diagnosis>& found) {
+  if (tried.empty()) {
+    return;
+  }
+  Diagnosis one = of_silent_device(report, *tried.front());
+  one.rank = all.has_names ? Rank::warning : Rank::drive_lost;
+  one.look_at = "the unit identifier that the client asks for; " + one.look_at;
+  if (tried.size() > 1) {
+    const auto* longest = *std::ranges::max_element(tried, {}, &DeviceStatus::silent_for);
+    const BusStatus& bus = report.buses[tried.front()->bus];
+    one.subject = subject_of(bus);
+    one.finding = std::to_string(tried.size()) + " addresses have never answered";
+    one.evidence = ranges_of(tried) + others_answer(report, *longest);
+    one.look_at =
+        "the unit identifiers that a client asks for; if drives should be there: their "
+        "power, addresses, wires and settings";
+  }
+  found.push_back(std::move(one));
+}
+
+// On a line of which it is not known that it hears what it sends, the answer to a write comes
+// behind its echo, which looks the same.
 Diagnosis of_second_answer(const StatusReport& report, const DeviceStatus& device) {
-  return {subject_of(report, device), "two answers came to one request",
-          "the last time " + seconds_text(*device.last_second_answer) + " ago",
+  return {Rank::bad_answers, subject_of(report, device), "two answers came to one request",
+          "the last time " + passed_text(*device.last_second_answer) + " ago",
           "two devices at address " + std::to_string(device.address) +
               "; another client on this line that asks it; whether the line hears what it sends "
               "(`echo`)"};
@@ -46,25 +120,35 @@ Diagnosis of_other_order(const StatusReport& report, const DeviceStatus& device)
   for (const std::uint16_t value : other.expected) {
     expected += (expected.empty() ? "" : " or ") + std::to_string(value);
   }
-  return {subject_of(report, device), "its word order is not the configured one",
+  return {Rank::bad_answers, subject_of(report, device), "its word order is not the configured one",
           "its holding register " + std::to_string(other.address) + " held " +
               std::to_string(other.holds) + " when it was last read; " + expected +
               " is what was configured",
           "`word_order`, or the setting of the drive; until then no values are written to it"};
 }
 
+// Is it that of the device, and not of its line?
+bool is_silence_its_own(const BusStatus& bus, const Together& all) {
+  return (bus.is_open || bus.is_reopening) && !all.is_dead() &&
+         bus.echo != bus::NoticedEcho::denied;
+}
+
+bool is_tried(const DeviceStatus& device) {
+  return !is_drive(device) && !speaks(device) && is_asked(device);
+}
+
 void diagnose_device(const StatusReport& report, const DeviceStatus& device, const Together& all,
                      std::vector<Diagnosis>& found) {
-  const BusStatus& bus = report.buses[device.bus];
-  if (!is_asked(device)) {
+  if (!device.last_request || (device.name.empty() && !is_asked(device)) || is_tried(device)) {
     return;
   }
-  if (is_lately(device.last_second_answer) && bus.echo == bus::NoticedEcho::none) {
+  if (is_lately(device.last_second_answer)) {
     found.push_back(of_second_answer(report, device));
   }
   if (!speaks(device)) {
-    if (bus.is_open && !all.is_dead() && bus.echo != bus::NoticedEcho::denied) {
-      found.push_back(of_silent_device(report, device, all));
+    if (is_silence_its_own(report.buses[device.bus], all)) {
+      found.push_back(is_asked(device) ? of_silent_device(report, device)
+                                       : of_device_nobody_asks(report, device));
     }
   } else if (is_bad(device.quality)) {
     found.push_back(diagnosis_of_quality(subject_of(report, device), device.quality, false));
@@ -72,6 +156,16 @@ void diagnose_device(const StatusReport& report, const DeviceStatus& device, con
   if (device.other_order) {
     found.push_back(of_other_order(report, device));
   }
+}
+
+Devices tried_on(const StatusReport& report, std::size_t bus) {
+  Devices tried;
+  for (const DeviceStatus& device : report.devices) {
+    if (device.bus == bus && is_tried(device)) {
+      tried.push_back(&device);
+    }
+  }
+  return tried;
 }
 
 }  // namespace
@@ -86,6 +180,12 @@ std::vector<Diagnosis> diagnose(const StatusReport& report) {
   for (const DeviceStatus& device : report.devices) {
     diagnose_device(report, device, all[device.bus], found);
   }
+  for (std::size_t place = 0; place < report.buses.size(); ++place) {
+    if (is_silence_its_own(report.buses[place], all[place])) {
+      diagnose_tried(report, tried_on(report, place), all[place], found);
+    }
+  }
+  std::ranges::stable_sort(found, {}, &Diagnosis::rank);
   return found;
 }
 

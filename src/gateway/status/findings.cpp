@@ -13,13 +13,28 @@ namespace {
 constexpr unsigned kUnansweredInRow = 3;
 constexpr unsigned kRequestsInRow = 2;
 constexpr Duration kLately = std::chrono::minutes(10);
+// A client that tries all addresses is forgotten sooner.
+constexpr Duration kTriedLately = std::chrono::minutes(3);
+
+// It answers, if not so that it is understood in time.
+bool is_misheard(const DeviceStatus& device) {
+  const bus::Quality quality = device.quality.quality;
+  return quality == bus::Quality::late || quality == bus::Quality::no_frame;
+}
 
 // Requests to an offline device are answered at once; its probes take hardly any time.
 bool is_waited_for(const DeviceStatus& device) {
-  const bus::Quality quality = device.quality.quality;
-  return quality == bus::Quality::late || quality == bus::Quality::no_frame ||
-         (device.unanswered_in_row >= kUnansweredInRow &&
-          device.state != DeviceStatus::State::offline);
+  return is_asked(device) &&
+         (is_misheard(device) || (device.unanswered_in_row >= kUnansweredInRow &&
+                                  device.state != DeviceStatus::State::offline));
+}
+
+// A drive that was asked before the others fell silent says nothing of the line now. A request that
+// has just been sent is taken for answered.
+bool was_heard_within(const DeviceStatus& device, Duration ago) {
+  const bool any_answer = device.silence.transmissions() == 0 || is_misheard(device);
+  const std::optional<Duration>& last = any_answer ? device.last_request : device.last_answer;
+  return last && *last <= ago;
 }
 
 }  // namespace
@@ -28,12 +43,24 @@ std::string counted(std::uint64_t count, const char* one) {
   return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
 }
 
-std::string seconds_text(Duration duration) {
-  return std::to_string(std::chrono::floor<std::chrono::seconds>(duration).count()) + " s";
+std::string passed_text(Duration duration) {
+  using namespace std::chrono;
+  if (duration < minutes(2)) {
+    return std::to_string(floor<seconds>(duration).count()) + " s";
+  }
+  if (duration < hours(2)) {
+    return std::to_string(floor<minutes>(duration).count()) + " min";
+  }
+  return duration < days(2) ? std::to_string(floor<hours>(duration).count()) + " h"
+                            : std::to_string(floor<days>(duration).count()) + " days";
 }
 
 std::string mode_text(const BusStatus& bus) {
   return std::to_string(static_cast<std::uint32_t>(bus.baud)) + " baud " + format_text(bus.format);
+}
+
+bool is_behind_a_server(const BusStatus& bus) {
+  return !bus.is_serial && bus.framing != bus::Framing::tcp;
 }
 
 std::string subject_of(const BusStatus& bus) { return "bus " + bus.name; }
@@ -54,32 +81,56 @@ bool speaks(const DeviceStatus& device) {
 }
 
 bool is_asked(const DeviceStatus& device) {
-  return !device.name.empty() ? device.last_request.has_value() : is_lately(device.last_request);
+  return device.last_request &&
+         *device.last_request < (device.name.empty() ? kTriedLately : kLately);
+}
+
+bool is_drive(const DeviceStatus& device) { return !device.name.empty() || device.has_answered; }
+
+bool do_others_answer(const StatusReport& report, const DeviceStatus& device) {
+  return std::ranges::any_of(report.devices, [&](const DeviceStatus& other) {
+    return &other != &device && other.bus == device.bus && other.last_answer &&
+           *other.last_answer <= device.silent_for;
+  });
 }
 
 Diagnosis diagnosis_of_quality(std::string subject, const bus::QualityVerdict& verdict,
                                bool is_of_line) {
   QualityFinding found = quality_finding(verdict, is_of_line);
-  return {std::move(subject), std::move(found.finding), std::move(found.evidence),
+  const Rank rank =
+      verdict.quality == bus::Quality::no_frame ? Rank::drive_lost : Rank::bad_answers;
+  return {rank, std::move(subject), std::move(found.finding), std::move(found.evidence),
           std::move(found.look_at)};
 }
 
 Together together(const StatusReport& report, std::size_t bus) {
   Together all;
+  std::vector<const DeviceStatus*> asked;
   for (const DeviceStatus& device : report.devices) {
-    if (device.bus != bus || !is_asked(device)) {
+    if (device.bus != bus) {
       continue;
     }
-    ++all.asked;
     all.had_answers = all.had_answers || device.has_answered;
+    all.has_names = all.has_names || !device.name.empty();
     all.are_waited_for = all.are_waited_for || is_waited_for(device);
-    if (!speaks(device)) {
-      ++all.silent;
-      all.unanswered += device.silence.transmissions();
-    } else if (device.queue.p50 && !is_bad(device.quality)) {
-      all.shortest_wait = std::min(all.shortest_wait.value_or(Duration::max()), *device.queue.p50);
+    if (is_asked(device)) {
+      asked.push_back(&device);
     }
   }
+  const bool has_drive =
+      std::ranges::any_of(asked, [](const DeviceStatus* device) { return is_drive(*device); });
+  Duration last_fell = Duration::max();
+  for (const DeviceStatus* device : asked) {
+    if (!speaks(*device) && (is_drive(*device) || !has_drive)) {
+      ++all.silent;
+      all.unanswered += device->silence.transmissions();
+      all.silent_for = std::max(all.silent_for, device->silent_for);
+      last_fell = std::min(last_fell, device->silent_for);
+    }
+  }
+  all.does_one_speak = std::ranges::any_of(report.devices, [&](const DeviceStatus& device) {
+    return device.bus == bus && speaks(device) && was_heard_within(device, last_fell);
+  });
   return all;
 }
 

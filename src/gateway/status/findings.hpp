@@ -13,10 +13,14 @@ namespace mbgate::gateway {
 
 /// "1 request", "2 requests".
 std::string counted(std::uint64_t count, const char* one);
-/// Whole seconds that are over: "5 s".
-std::string seconds_text(Duration duration);
+/// Whole units that are over: "5 s", "12 min", "3 h", "9 days".
+std::string passed_text(Duration duration);
 /// "19200 baud 8E1"
 std::string mode_text(const BusStatus& bus);
+
+/// An RTU or ASCII line behind a serial device server: what the gateway connects to is no Modbus
+/// TCP server, and has the rate and the parity.
+[[nodiscard]] bool is_behind_a_server(const BusStatus& bus);
 
 std::string subject_of(const BusStatus& bus);
 std::string subject_of(const StatusReport& report, const DeviceStatus& device);
@@ -27,8 +31,13 @@ std::string subject_of(const StatusReport& report, const DeviceStatus& device);
 /// Do bytes come from it, whatever they are? Bad CRCs of earlier say nothing of a device that is
 /// silent now.
 [[nodiscard]] bool speaks(const DeviceStatus& device);
-/// Addresses without a device count only as long as somebody asks them.
+/// Does somebody ask it still? Of an address without a device that is forgotten sooner.
 [[nodiscard]] bool is_asked(const DeviceStatus& device);
+/// Is there one, or should there be? An address that nobody names and that has never answered may
+/// be a client's mistake.
+[[nodiscard]] bool is_drive(const DeviceStatus& device);
+/// Has another device of its bus answered since the first request that this one left unanswered?
+[[nodiscard]] bool do_others_answer(const StatusReport& report, const DeviceStatus& device);
 
 /// Of a verdict that is_bad().
 Diagnosis diagnosis_of_quality(std::string subject, const bus::QualityVerdict& verdict,
@@ -36,16 +45,17 @@ Diagnosis diagnosis_of_quality(std::string subject, const bus::QualityVerdict& v
 
 /// What the devices of a bus have in common.
 struct Together {
-  std::uint64_t asked = 0;  ///< devices
-  std::uint64_t silent = 0;
+  std::uint64_t silent = 0;  ///< devices; addresses that are no drives only where no drive is asked
   std::uint64_t unanswered = 0;  ///< transmissions in a row, of all of them
-  bool had_answers = false;
-  bool are_waited_for = false;            ///< response timeouts of some take the time of the line
-  std::optional<Duration> shortest_wait;  ///< the median of each answering device, the least of it
+  Duration silent_for{0};        ///< how long ago the first of these was sent
+  bool does_one_speak = false;   ///< since the last of the silent ones fell silent
+  bool had_answers = false;      ///< from any device, ever
+  bool has_names = false;        ///< the configuration has devices on it
+  bool are_waited_for = false;   ///< response timeouts of some take the time of the line
 
   /// Not one alone that has answered before: that is told of the device.
   [[nodiscard]] bool is_dead() const {
-    return silent > 0 && silent == asked && (asked > 1 || !had_answers);
+    return silent > 0 && !does_one_speak && (silent > 1 || !had_answers);
   }
 };
 /// `bus`: its place in the report.

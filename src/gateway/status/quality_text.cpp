@@ -16,10 +16,12 @@ QualityFinding quality_finding(const bus::QualityVerdict& verdict, bool is_of_li
     case bus::Quality::unknown:
     case bus::Quality::good: break;
     case bus::Quality::bad_crc:
-      return {"bad CRC in " + std::to_string(verdict.percent()) + " % of its answers",
-              std::to_string(verdict.count) + " of " + std::to_string(verdict.of),
-              std::string("termination, bias, cable") +
-                  (is_of_line ? "; several devices have it" : ", or two devices at one address")};
+      return {
+          "bad CRC in " + std::to_string(verdict.percent()) + " % of its answers",
+          std::to_string(verdict.count) + " of " + std::to_string(verdict.of),
+          std::string("termination, bias, cable") +
+              (is_of_line ? "; several devices have it; another client that sends at the same time"
+                          : ", or two devices at one address")};
     case bus::Quality::no_frame:
       return {"something answers, but no valid frame",
               "bytes came after each of " + std::to_string(verdict.of) + " requests",

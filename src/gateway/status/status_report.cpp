@@ -17,11 +17,11 @@ std::optional<Duration> since(Instant instant, Instant now) {
 
 std::optional<WaitingClient> most_waiting(const bus::Bus& bus, const Sessions& sessions,
                                           Instant now) {
-  const auto most = bus.most_waiting();
+  const auto most = bus.most_waiting(now);
   std::optional<WaitingClient> found;  // not if it has gone: stops are sent all the same
   sessions.for_each([&](const ClientSession& client) {
     if (most && !found && client.turns != nullptr && client.turns->key == most->source) {
-      found = {client.info().address.to_text(), most->requests, now - most->since};
+      found = {client.info().address.to_text(), most->requests, most->of, now - most->since};
     }
   });
   return found;
@@ -39,8 +39,11 @@ BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Insta
   status.is_open = bus.link().serves();
   status.is_starting = bus.link().is_starting();
   status.state = bus.line_state(now);
+  status.is_reopening = bus.link().is_reopening();
   status.load = bus.diagnosis().load().percent(now);
+  status.waits = bus.diagnosis().load().waits(now);
   status.waiting = bus.waiting();
+  status.silence = bus.diagnosis().silence(now);
   status.counters = bus.counters();
   status.last_foreign = since(bus.diagnosis().last_foreign(), now);
   status.last_foreign_request = since(bus.diagnosis().last_foreign_request(), now);
@@ -78,13 +81,18 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   status.last_answer = since(entry.silence.last_answer(), now);
   status.unanswered_in_row = entry.health.unanswered_in_row();
   status.silence = entry.silence;
+  if (status.silence.transmissions() > 0) {
+    status.silent_for = std::max(now - entry.silence.began(), Duration{0});
+  }
   status.held_back = bus.held_back(address, now);
   status.quarantine = entry.health.quarantine(now, entry.timing());
   if (entry.health.is_offline()) {
     status.next_probe = std::max(entry.health.probe_at() - now, Duration{0});
   }
   status.response_timeout = entry.timing().response_timeout;
-  status.last_second_answer = since(entry.second_at, now);
+  status.last_second_answer = since(
+      bus.diagnosis().echo() == bus::NoticedEcho::none ? entry.second_at : entry.second_read_at,
+      now);
   status.other_order = other_order(entry);
   status.counters = entry.counters;
   status.quality = bus.diagnosis().quality()[address].verdict();

@@ -23,10 +23,12 @@ struct Percentiles {
   std::optional<Duration> p99;
 };
 
-/// A client address with requests that wait for a line.
+/// A client address with requests that wait for a line. Those that wait for their device, because
+/// it owes an answer, boots or is offline, do not count.
 struct WaitingClient {
   std::string address;
   std::size_t requests = 0;
+  std::size_t of = 0;   ///< of all client addresses
   Duration longest{0};  ///< how long its first one has waited
 };
 
@@ -38,10 +40,13 @@ struct BusStatus {
   modbus::Baud baud{0};
   modbus::CharacterFormat format;
   bool is_open = false;
-  bool is_starting = false;  ///< the first attempt to open it runs
+  bool is_starting = false;   ///< the first attempt to open it runs
+  bool is_reopening = false;  ///< the gateway has closed it itself, because its adapter hung
   bus::LineState state = bus::LineState::initial;
-  unsigned load = 0;  ///< percent of the time of the line
+  unsigned load = 0;     ///< percent of the time of the line
+  bus::LineWaits waits;  ///< how many requests waited for it, in the time of the load
   std::size_t waiting = 0;
+  Duration silence{0};  ///< how long nothing at all was received
   bus::BusCounters counters;
   std::optional<WaitingClient> most_waiting;     ///< the one with the most of them
   std::optional<Duration> last_foreign;          ///< how long ago the last foreign frame came
@@ -71,11 +76,14 @@ struct DeviceStatus {
   std::optional<Duration> last_answer;   ///< how long ago that was
   unsigned unanswered_in_row = 0;        ///< transmissions: so many take it offline
   bus::Silence silence;                  ///< what it has left unanswered since it was heard
+  Duration silent_for{0};                ///< how long ago the first of this was sent
   Duration held_back{0};                 ///< it still gets nothing but stops for so long
   Duration quarantine{0};                ///< how long it is held back after an unanswered request
   std::optional<Duration> next_probe;    ///< offline: in how long it is asked again at the earliest
   Duration response_timeout{0};
-  std::optional<Duration> last_second_answer;  ///< how long ago two answers came to one request
+  /// How long ago two answers came to one request. Where the line hears what it sends, those do not
+  /// count that may be an echo.
+  std::optional<Duration> last_second_answer;
   std::optional<OtherWordOrder> other_order;
   bus::DeviceCounters counters;
   bus::QualityVerdict quality;

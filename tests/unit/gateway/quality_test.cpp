@@ -74,7 +74,8 @@ TEST_F(JournalOfALine, TellsBadCrcsOfSeveralDevicesOfTheLine) {
   EXPECT_THAT(rig_.events,
               ElementsAre(testing::StartsWith("device lift: bad CRC in 100 % of its answers"),
                           "bus line-a: bad CRC in 100 % of its answers (10 of 10): termination, "
-                          "bias, cable; several devices have it"));
+                          "bias, cable; several devices have it; another client that "
+                          "sends at the same time"));
   EXPECT_EQ(registers(kLineQuality, 2), "00 02 00 64");
 }
 

@@ -53,5 +53,28 @@ TEST_F(LoadOfALine, FadesWhenNobodyAsksAnyMore) {
   EXPECT_EQ(load_.percent(now_), 0U);
 }
 
+TEST_F(LoadOfALine, HasNoWaitsBeforeTheFirstTransmission) { EXPECT_EQ(load_.waits(now_).all, 0U); }
+
+TEST_F(LoadOfALine, CountsTheRequestsThatWaitedForLong) {
+  for (const Duration waited : {0ms, 499ms, 500ms, 3000ms}) {
+    load_.note_wait(waited, now_);
+    transmit(50ms, 50ms);
+  }
+  EXPECT_EQ(load_.waits(now_).all, 4U);
+  EXPECT_EQ(load_.waits(now_).are_long, 2U);
+}
+
+TEST_F(LoadOfALine, HasTheWaitsOfTheLastTenSecondsThatAreOver) {
+  for (int at = 0; at < 200; ++at) {
+    load_.note_wait(at < 100 ? 600ms : 10ms, now_);
+    transmit(50ms, 50ms);
+  }
+  EXPECT_EQ(load_.waits(now_ - 100ms).are_long, 100U);
+  EXPECT_EQ(load_.waits(now_).all, 100U);
+  EXPECT_EQ(load_.waits(now_).are_long, 0U);
+  EXPECT_EQ(load_.waits(now_ + 10s).all, 0U);
+  EXPECT_EQ(load_.waits(now_ + 1000h).all, 0U);
+}
+
 }  // namespace
 }  // namespace mbgate::bus

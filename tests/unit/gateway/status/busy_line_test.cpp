@@ -14,15 +14,23 @@ using testing::StartsWith;
 /// Clients whose requests are answered 90 ms later, and who ask again at once.
 class Crowd : public Trouble {
  public:
-  using Trouble::Trouble;
+  explicit Crowd(const Settings& settings = troubled_plant()) : Trouble(settings) {
+    clients_ = {{1, "192.0.2.7"}};
+  }
   void add(std::uint64_t client, std::string_view address, unsigned unit, int requests) {
-    if (client != 1) {
+    if (clients_.emplace(client, address).second) {
       rig.connect(client, address);
     }
     client_of_[unit] = client;
     for (int at = 0; at < requests; ++at) {
       rig.receive(client, read_request(1, unit));
     }
+  }
+  /// What is answered is not asked for again.
+  void calm_down(int transactions) {
+    asks_again_ = false;
+    go_on(transactions);
+    asks_again_ = true;
   }
   /// The device at this address says nothing.
   void silence(unsigned unit) { silent_ = unit; }
@@ -33,18 +41,22 @@ class Crowd : public Trouble {
       if (sent.empty()) {
         continue;
       }
-      const unsigned unit = sent.back().starts_with("01") ? 1 : 2;
+      const auto unit = static_cast<unsigned>(std::stoul(sent.back().substr(0, 2), nullptr, 16));
       if (unit == silent_) {
         rig.advance(20ms);
       } else {
-        rig.respond(unit == 1 ? kAnswerOfAxis : "02 03 02 12 34");
+        rig.respond("0" + std::to_string(unit) + " 03 02 12 34");
       }
-      rig.receive(client_of_[unit], read_request(1, unit));
+      if (asks_again_) {
+        rig.receive(client_of_[unit], read_request(1, unit));
+      }
     }
   }
 
  private:
+  std::map<std::uint64_t, std::string> clients_;
   std::map<unsigned, std::uint64_t> client_of_;
+  bool asks_again_ = true;
   unsigned silent_ = 0;
 };
 
@@ -80,6 +92,55 @@ TEST(BusyLine, NamesNoClientThatIsAlone) {
   crowd.go_on(kLongTime);
   EXPECT_THAT(crowd.diagnoses(),
               ElementsAre(StartsWith("bus line-a: it is asked for more than it can carry | ")));
+}
+
+TEST(BusyLine, IsTooBusyWhereTwoOfThreeAskForTooMuch) {
+  Crowd crowd;
+  crowd.add(1, "192.0.2.7", 1, 15);
+  crowd.add(2, "192.0.2.8", 2, 15);
+  crowd.add(3, "192.0.2.9", 3, 1);
+  crowd.go_on(kLongTime);
+  EXPECT_THAT(
+      crowd.diagnoses(),
+      ElementsAre(
+          AllOf(StartsWith("bus line-a: it is asked for more than it can carry | busy "),
+                HasSubstr(" requests waited 500 ms or longer | poll less often; longer reads "))));
+}
+
+TEST(BusyLine, IsTooBusyThoughADriveWasReadWithoutWaiting) {
+  Crowd crowd;
+  crowd.ask_and_answer(3);
+  crowd.add(1, "192.0.2.7", 1, 20);
+  crowd.add(2, "192.0.2.8", 2, 20);
+  crowd.go_on(kLongTime);
+  EXPECT_THAT(crowd.diagnoses(),
+              ElementsAre(StartsWith("bus line-a: it is asked for more than it can carry | ")));
+}
+
+TEST(BusyLine, IsWellSoonAfterItWasTooBusy) {
+  Crowd crowd;
+  crowd.add(1, "192.0.2.7", 1, 20);
+  crowd.add(2, "192.0.2.8", 2, 20);
+  crowd.go_on(kLongTime);
+  EXPECT_THAT(crowd.diagnoses(), testing::SizeIs(1));
+  crowd.calm_down(36);
+  crowd.go_on(kLongTime);
+  EXPECT_THAT(crowd.diagnoses(), IsEmpty());
+}
+
+// The line is not what these wait for.
+TEST(BusyLine, IsNotFloodedByRequestsThatWaitForTheirDevice) {
+  Settings settings = troubled_plant();
+  settings.devices[0].timing.quarantine = 1h;
+  settings.devices[0].timing.quarantine_max = 1h;
+  settings.routes[0].deadline = 1h;
+  Crowd crowd(settings);
+  crowd.silence(1);
+  crowd.add(1, "192.0.2.7", 1, 20);
+  crowd.go_on(2);
+  crowd.add(2, "192.0.2.8", 2, 1);
+  crowd.go_on(kLongTime);
+  EXPECT_THAT(crowd.diagnoses(), IsEmpty());
 }
 
 TEST(BusyLine, IsWellWhereNobodyWaitsLong) {

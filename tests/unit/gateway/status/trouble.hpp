@@ -20,6 +20,12 @@ inline Settings troubled_plant() {
   return settings;
 }
 
+/// What a serial line on which nothing has ever answered is to be examined for.
+inline constexpr auto kCausesOfNoAnswer =
+    "power; the cable and its plug; A and B; whether `device` is the port of this line; unit "
+    "addresses; the drives' setting, here 19200 baud 8E1; RTU or ASCII (`mode`); what switches the "
+    "direction (`rs485`)";
+
 class Trouble {
  public:
   explicit Trouble(const Settings& settings = troubled_plant()) : rig(settings) {
@@ -42,6 +48,18 @@ class Trouble {
     }
     rig.respond(answer);
     rig.advance(20ms);
+  }
+  void ask_and_answer(unsigned unit) {
+    rig.receive(1, read_request(1, unit));
+    rig.advance(10ms);
+    rig.respond("0" + std::to_string(unit) + " 03 02 12 34");
+    rig.advance(20ms);
+  }
+  void ask_in_vain(int times, unsigned unit) {
+    for (int at = 0; at < times; ++at) {
+      rig.receive(1, read_request(1, unit));
+      rig.advance(430ms);
+    }
   }
   void read_in_vain(int times, std::string_view heard = "") {
     for (int at = 0; at < times; ++at) {
