@@ -13,6 +13,30 @@ TEST_P(BusyPlants, HaveNoDiagnosis) {
   EXPECT_GE(most_load_ + 10, GetParam().load) << "it was not busy";
 }
 
+class FullPlants : public HealthyPlants {};
+
+// Somebody asks all the time, and nobody waits for long.
+TEST_P(FullPlants, HaveNoDiagnosis) {
+  run();
+  EXPECT_EQ(exceptions_, 0U);
+  EXPECT_GE(most_load_, 97U) << "it was not busy";
+}
+
+INSTANTIATE_TEST_SUITE_P(Simulated, FullPlants,
+                         testing::Values(HealthyPlant{.name = "OneClientInAHurry",
+                                                      .clients = 4,
+                                                      .thinks = 2s,
+                                                      .hurries = true,
+                                                      .lasts = 5min},
+                                         HealthyPlant{.name = "OneClientInAHurryAndDisturbances",
+                                                      .baud = 9600,
+                                                      .clients = 4,
+                                                      .thinks = 2s,
+                                                      .hurries = true,
+                                                      .is_disturbed = true,
+                                                      .lasts = 10min}),
+                         [](const auto& tested) { return tested.param.name; });
+
 INSTANTIATE_TEST_SUITE_P(
     Simulated, BusyPlants,
     testing::Values(

@@ -24,6 +24,10 @@ struct HealthyPlant {
   /// The clients think shorter and shorter until the line is busy for about so many percent of the
   /// time.
   unsigned load = 0;
+  /// The first client asks again at once, and the line is busy all the time.
+  bool hurries = false;
+  /// Now and then one answer is lost or damaged, counters are cleared, settings reloaded.
+  bool is_disturbed = false;
   Duration drives_take{0};  ///< other than 0: until each answer
   bool echo = false;        ///< known to the settings
   Duration lasts = 30min;
@@ -63,7 +67,9 @@ inline OneBus bus_of(const HealthyPlant& plant) {
       drive.faults.answer_after = plant.drives_take;
     }
   }
-  return one_bus(plan);
+  OneBus bus = one_bus(plan);
+  bus.settings.devices.push_back({"spare", BusId{0}, 200, plan.bus.timing});  // nobody asks it
+  return bus;
 }
 
 class HealthyPlants : public testing::TestWithParam<HealthyPlant> {
@@ -81,7 +87,10 @@ class HealthyPlants : public testing::TestWithParam<HealthyPlant> {
                           const auto& drives = bus_.devices[0];
                           return registers_of(drives[turn++ % drives.size()]);
                         },
-                    .thinks = [this] { return thinks_ * percent_(random_) / 100; }});
+                    .thinks =
+                        [this, hurries = GetParam().hurries && number == 0] {
+                          return hurries ? kThinkingTime : thinks_ * percent_(random_) / 100;
+                        }});
     }
   }
 
@@ -90,6 +99,9 @@ class HealthyPlants : public testing::TestWithParam<HealthyPlant> {
     const Duration lasts = GetParam().lasts;
     for (Duration passed{0}; passed < lasts && !HasFailure(); passed += 1s) {
       polling_.run_for(1s);
+      if (GetParam().is_disturbed) {
+        disturb(static_cast<unsigned>(passed / 1s % 40));
+      }
       const gateway::StatusReport report =
           polling_.world().gateway().report_status(passed, polling_.world().now());
       for (const gateway::Diagnosis& it : gateway::diagnose(report)) {
@@ -109,6 +121,33 @@ class HealthyPlants : public testing::TestWithParam<HealthyPlant> {
   unsigned most_load_ = 0;
 
  private:
+  void disturb(unsigned second) {
+    switch (second) {
+      case 9: spoil_one_answer(&sim::Faults::silent); break;
+      case 19: spoil_one_answer(&sim::Faults::bad_crc); break;
+      case 29: polling_.world().clear_counters(); break;
+      case 39:
+        bus_.settings.buses[0].timing.response_timeout += 1ms;
+        polling_.world().reload(bus_.settings);
+        break;
+      default: break;
+    }
+  }
+
+  // At 9600 baud no two requests end in so short a time.
+  void spoil_one_answer(bool sim::Faults::*fault) {
+    const auto set_all = [&](bool is_spoilt) {
+      for (sim::Device& device : polling_.world().wire(0).devices()) {
+        sim::Faults faults = device.settings().faults;
+        faults.*fault = is_spoilt;
+        device.set_faults(faults);
+      }
+    };
+    set_all(true);
+    polling_.run_for(10ms);
+    set_all(false);
+  }
+
   // In small steps, because the load that is shown is that of the last ten seconds.
   void keep_busy(unsigned load) {
     const unsigned wanted = GetParam().load;

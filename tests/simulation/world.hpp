@@ -43,6 +43,8 @@ class World {
   void half_close(ClientId client);
   void disconnect(ClientId client);
   void unplug(std::size_t bus);
+  void reload(const gateway::Settings& settings) { feed(gateway::SettingsChanged{&settings}); }
+  void clear_counters() { feed(gateway::ClearCountersAsked{}); }
 
   /// Runs until nothing is left to happen before `limit`, or `done` says so.
   void run(Instant limit, const std::function<bool()>& done);
