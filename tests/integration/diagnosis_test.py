@@ -23,6 +23,10 @@ NO_ANSWER_YET = {("device axis", "it has never answered"), ("device lift", "it h
 NONE_ANY_MORE = ("device axis", "it does not answer any more")
 DEAD_LINE = ("bus line-a", "nothing answers")
 FULL_LINE = ("bus line-a", "it is asked for more than it can carry")
+# Where a busy machine must not be taken for a drive that is too slow.
+PATIENT = 'response_timeout = "2s"'
+# The same where each damaged answer costs that time.
+LESS_PATIENT = 'response_timeout = "1s"'
 FOREIGN_FRAMES = ("bus line-a", "frames are heard that nobody here sent or asked for")
 BAD_CRC = r"bad CRC in \d+ % of its answers"
 
@@ -194,12 +198,13 @@ class Diagnosis(ControlCase):
         self.wait_for("device axis", "something answers, but no valid frame", all_alike, {DEAD_LINE})
 
     def test_bad_crcs_of_a_drive(self):
-        self.gateway(simulated(axis="faults = { bad_crc = true }", lift=""), units=2).poll(1, 2)
+        faults = "faults = { bad_crc = true }"
+        self.gateway(simulated(axis=faults, lift=""), bus=LESS_PATIENT, units=2).poll(1, 2)
         self.wait_for("device axis", BAD_CRC, "termination, bias, cable, or two devices at one address")
 
     def test_bad_crcs_of_a_line(self):
         faults = "faults = { bad_crc = true }"
-        self.gateway(simulated(axis=faults, lift=faults), units=2).poll(1, 2)
+        self.gateway(simulated(axis=faults, lift=faults), bus=LESS_PATIENT, units=2).poll(1, 2)
         either = {(f"device {name}", "bad CRC in 100 % of its answers") for name in ("axis", "lift")}
         self.wait_for("bus line-a", BAD_CRC, "termination, bias, cable; several devices", either)
 
@@ -208,7 +213,7 @@ class Diagnosis(ControlCase):
             one, other = answer_to(asked, 0x1234), answer_to(asked, 0x4321)
             line.say(bytes(a & b for a, b in zip(one, other)))
 
-        gateway, _ = self.on_line(answer)
+        gateway, _ = self.on_line(answer, bus=LESS_PATIENT)
         gateway.poll(1)
         self.wait_for("device axis", BAD_CRC, "two devices at one address")
 
@@ -218,9 +223,10 @@ class Diagnosis(ControlCase):
             line.ended.wait(0.05)
             line.say(answer_to(asked, 0x4321))
 
-        gateway, _ = self.on_line(answer, bus='quarantine_max = "500ms"')
+        gateway, _ = self.on_line(answer, bus=f'{PATIENT}\nquarantine_max = "2s"')
         gateway.poll(1, pause=0.5)
-        self.wait_for("device axis", "two answers came to one request", "two devices at address 1")
+        two_answers = "two answers came to one request"
+        self.wait_for("device axis", two_answers, "two devices at address 1", {FOREIGN_FRAMES})
 
     def test_a_wrong_word_order(self):
         device = 'profile = "moons-m2"\nword_order = "little"\nverify_word_order = true'
@@ -304,7 +310,7 @@ class Diagnosis(ControlCase):
         self.wait_for("bus line-a", "it is not open: nothing can be sent", "the adapter and its plug")
 
     def test_nothing_where_all_is_well(self):
-        gateway = self.gateway(simulated(axis="", lift=""), units=2)
+        gateway = self.gateway(simulated(axis="", lift=""), bus=PATIENT, units=2)
         gateway.poll(1, 2)
         self.wait_until_answered()
         end = time.monotonic() + 3
