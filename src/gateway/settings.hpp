@@ -53,12 +53,16 @@ struct ListenerSettings {
   TcpSettings tcp;
 };
 
+/// Connections to the HTTP interface that follow nothing: so many at a time over the Unix socket,
+/// and as many over TCP.
+inline constexpr std::size_t kHttpConnections = 64;
+
 /// Who reads the HTTP interface over TCP, beside the Unix socket. The machine does not look at it.
 struct HttpSettings {
   std::vector<routing::ListenAddress> listen{};
   routing::NetworkList allow = routing::loopback_networks();
   std::vector<std::string> hosts{};  ///< names of this machine in URLs, in small letters
-  std::size_t max_streams = 64;      ///< that are read at a time, over all sockets
+  std::size_t max_streams = 64;      ///< that are read at a time, over all sockets; 1 at least
   friend bool operator==(const HttpSettings&, const HttpSettings&) = default;
 };
 

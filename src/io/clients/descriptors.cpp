@@ -26,6 +26,15 @@ std::size_t reserved(const gateway::Settings& settings) {
   return kForEachLine * gateway::count_there(settings.buses) + kForFiles;
 }
 
+/// What the HTTP interface may have at most: the sockets that listen, connections, and those that
+/// follow something.
+std::size_t of_http(const gateway::Settings& settings) {
+  const std::size_t tcp = settings.http.listen.size();
+  const std::size_t sockets = tcp + (settings.control_socket.empty() ? 0 : 1);
+  const std::size_t kinds = (tcp > 0 ? 1 : 0) + (settings.control_socket.empty() ? 0 : 1);
+  return kinds == 0 ? 0 : sockets + kinds * gateway::kHttpConnections + settings.http.max_streams;
+}
+
 std::size_t descriptors_of(rlim_t limit) {
   // RLIM_INFINITY among them: no descriptor is larger than an int.
   return static_cast<std::size_t>(
@@ -58,15 +67,18 @@ DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t l
   }
   DescriptorRoom room;
   room.clients = limit > others ? limit - others : 0;
-  if (room.clients >= wanted) {
+  const std::size_t http = of_http(settings);
+  if (room.clients >= wanted + http) {
     return room;
   }
-  const std::string count = std::to_string(wanted);
-  room.shortage = "max_connections of all listeners together is " + count + ", but the limit of " +
-                  std::to_string(limit) + " open files leaves room for " +
-                  std::to_string(room.clients) +
-                  " clients: lower it, or raise the limit (LimitNOFILE= of the unit) to " +
-                  std::to_string(wanted + others);
+  room.shortage =
+      "max_connections of all listeners together is " + std::to_string(wanted) +
+      (http > 0 ? ", the HTTP interface may need " + std::to_string(http) + " more" : "") +
+      ", but the limit of " + std::to_string(limit) + " open files leaves room for " +
+      std::to_string(room.clients) + " clients: lower " +
+      (http > 0 ? "max_connections or [http] max_streams" : "it") +
+      ", or raise the limit (LimitNOFILE= of the unit) to " +
+      std::to_string(wanted + http + others);
   return room;
 }
 

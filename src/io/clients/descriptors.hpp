@@ -21,7 +21,8 @@ std::size_t hard_descriptor_limit();
 
 struct DescriptorRoom {
   std::size_t clients = 0;  ///< connections that are possible; 0: too few descriptors to start
-  /// One line, if these are fewer than the `max_connections` of all listeners together.
+  /// One line, if these are fewer than the `max_connections` of all listeners together and what the
+  /// HTTP interface may have.
   std::optional<std::string> shortage;
 };
 

@@ -9,6 +9,7 @@ namespace {
 
 gateway::Settings plant_of(std::size_t buses, std::vector<std::size_t> max_connections) {
   gateway::Settings settings;
+  settings.control_socket.clear();
   settings.buses.resize(buses);
   for (const std::size_t connections : max_connections) {
     settings.listeners.emplace_back().max_connections = connections;
@@ -30,6 +31,25 @@ TEST(DescriptorRoom, SaysWhatIsMissing) {
             "max_connections of all listeners together is 501, but the limit of 556 open files "
             "leaves room for 500 clients: lower it, or raise the limit (LimitNOFILE= of the unit) "
             "to 557");
+}
+
+TEST(DescriptorRoom, IsForTheHttpInterfaceToo) {
+  auto settings = plant_of(1, {300, 200});
+  settings.control_socket = "/run/mbgate/control";
+  settings.http.max_streams = 10;
+  // 1 socket, 64 connections and 10 that follow something.
+  EXPECT_EQ(room_for_clients(settings, 631).shortage, std::nullopt);
+  settings.http.listen = {*routing::ListenAddress::parse("127.0.0.1:8080"),
+                          *routing::ListenAddress::parse("[::1]:8080")};
+  const auto room = room_for_clients(settings, 631);
+  EXPECT_EQ(room.clients, 575U);
+  EXPECT_EQ(room.shortage,
+            "max_connections of all listeners together is 500, the HTTP interface may need 141 "
+            "more, but the limit of 631 open files leaves room for 575 clients: lower "
+            "max_connections or [http] max_streams, or raise the limit (LimitNOFILE= of the unit) "
+            "to 697");
+  settings.control_socket.clear();
+  EXPECT_EQ(room_for_clients(settings, 632).shortage, std::nullopt);  // 2 + 64 + 10
 }
 
 TEST(DescriptorRoom, MayBeNoneAtAll) {
