@@ -75,6 +75,14 @@ class EventStream:
                 fields[name] = value
         return None
 
+    def has_ended(self):
+        """Does it end, when what was sent before has been read?"""
+        limit = time.monotonic() + PATIENCE
+        while self._answer.readline():  # a comment comes from time to time
+            if time.monotonic() >= limit:
+                return False
+        return True
+
     def find(self, pattern):
         """The events from the next one up to the first whose text matches."""
         found = []

@@ -10,7 +10,7 @@ import sys
 import time
 import unittest
 
-from control_case import EVENTS, MOONS, ControlCase, UnixConnection
+from control_case import EVENTS, MOONS, TRACE, ControlCase, UnixConnection
 from demo_plant import PATIENCE
 from events_test import EventStream
 
@@ -119,12 +119,36 @@ class Http(ControlCase):
         self.assertEqual([stream.status for stream in streams], [200, 200])
         self.assertEqual(self.ask("GET", EVENTS)[0], 503)
         code, body = self.ask("GET", EVENTS, self.tcp())
-        self.assertEqual((code, body["error"]), (503, "2 clients follow events already, [http] max_streams allows 2"))
+        why = "2 clients follow events or the trace already, [http] max_streams allows 2"
+        self.assertEqual((code, body["error"]), (503, why))
         self.assertEqual(self.ask("GET", STATUS, self.tcp())[0], 200)
         streams.pop().close()
         limit = time.monotonic() + PATIENCE
         while self.events(self.tcp()).status != 200:
             self.assertLess(time.monotonic(), limit, "the place of a stream that has ended is not free")
+
+    def test_streams_over_tcp_leave_places_to_the_socket(self):
+        self.listen("max_streams = 4")
+        self.assertEqual([self.events(self.tcp()).status for _ in range(3)], [200] * 3)
+        code, body = self.ask("GET", TRACE, self.tcp())
+        why = "3 clients follow events or the trace over TCP already, [http] max_streams = 4 allows 3 there"
+        self.assertEqual((code, body["error"]), (503, why))
+        self.assertEqual(self.events(UnixConnection(self.plant.control)).status, 200)
+
+    def test_a_reload_ends_streams_of_those_who_may_not_read_any_more(self):
+        self.listen('allow = ["127.0.0.1", "127.0.0.2"]')
+        ended, stays = self.events(self.tcp()), self.events(self.tcp("127.0.0.2"))
+        waiting = self.tcp()
+        self.assertEqual(self.ask("GET", "/healthz", waiting)[0], 200)
+        self.configure('listen = ["127.0.0.1:0"]', 'allow = ["127.0.0.2"]')
+        self.assertTrue(ended.has_ended())
+        self.assertEqual(waiting.sock.recv(1), b"")
+        self.assertEqual(self.ask("POST", RELOAD)[0], 200)
+        stays.find("nothing has changed")
+
+    def test_an_error_that_names_no_text_is_text(self):
+        code, body = self.ask("GET", f"{TRACE}?client=%FF")
+        self.assertEqual((code, body["error"]), (400, "client=\ufffd: expected an IP address"))
 
     def test_clients_over_tcp_keep_nobody_from_the_socket(self):
         self.listen()

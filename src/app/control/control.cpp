@@ -66,6 +66,7 @@ void Control::begin() {
   };
   server_ = std::make_unique<ControlServer>(home_, gateway_, target_, told_, set_traced);
   server_->apply(settings_);
+  server_->doors().set_end(end_);
   work_.emplace(home_->get_executor());
   try {
     thread_ = std::thread([this] { run(); });
@@ -80,6 +81,13 @@ void Control::apply(const gateway::HttpSettings& settings) {
   settings_ = settings;
   if (server_ != nullptr) {
     boost::asio::post(*home_, [this, settings] { server_->apply(settings); });
+  }
+}
+
+void Control::set_end(int end) {
+  end_ = end;
+  if (server_ != nullptr) {
+    boost::asio::post(*home_, [this, end] { server_->doors().set_end(end); });
   }
 }
 
@@ -125,6 +133,12 @@ std::string Control::listen_on(gateway::ListenerId id, tcp::acceptor acceptor) {
 void Control::leave(gateway::ListenerId id) {
   if (server_ != nullptr) {
     boost::asio::post(*home_, [this, id] { server_->doors().close(id); });
+  }
+}
+
+void Control::see_out(gateway::ListenerId id) {
+  if (server_ != nullptr) {
+    boost::asio::post(*home_, [this, id] { server_->doors().see_out(id); });
   }
 }
 

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,13 +39,16 @@ class Control {
 
   /// Who may read over TCP, and how many may follow: now or once it has begun.
   void apply(const gateway::HttpSettings& settings);
+  /// The first descriptor that no client over TCP may have, now or once it has begun.
+  void set_end(int end);
   /// Listens at this path. It begins to answer with the first socket of either kind. Returns why
   /// not, or nothing.
   std::string listen_at(const std::string& path);
   /// Takes this listening socket over. Returns why not, or nothing.
   std::string listen_on(gateway::ListenerId id, boost::asio::ip::tcp::acceptor acceptor);
-  /// Closes the sockets of this number, soon.
+  /// Closes the sockets of this number, soon. Who has connected there stays, until see_out().
   void leave(gateway::ListenerId id);
+  void see_out(gateway::ListenerId id);
   /// Calls this on the gateway's thread when all that was left is closed.
   void when_left(const std::function<void()>& then);
   /// A line that the journal gets, for those who read along. To be called on the gateway's thread,
@@ -65,6 +69,7 @@ class Control {
   std::optional<boost::asio::executor_work_guard<boost::asio::io_context::executor_type>> work_;
   std::unique_ptr<ControlServer> server_;
   gateway::HttpSettings settings_;
+  int end_ = std::numeric_limits<int>::max();
   std::string path_;
   dev_t device_ = 0;  ///< of the socket in the file system
   ino_t inode_ = 0;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "gateway/settings.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -14,11 +15,15 @@ namespace {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
+using UnixSocket = asio::local::stream_protocol::socket;
 using routing::ClientAddress;
+using routing::ListenerId;
 
-constexpr std::size_t kMostConnections = 64;  ///< of each kind
 /// When there are too few descriptors: not again and again without a pause.
 constexpr std::chrono::seconds kAcceptPause{1};
+/// Of the descriptors kept for lines and files, the Unix socket may have these: an operator asks
+/// just when there are too few.
+constexpr int kForOperators = 16;
 /// Whoever comes from more addresses than these is told of again.
 constexpr std::size_t kMostTold = 1000;
 
@@ -44,12 +49,18 @@ ClientAddress address_of(const tcp::endpoint& peer) {
 }  // namespace
 
 void ControlDoors::open(UnixAcceptor acceptor) {
-  io::supervise(*home_, accept(std::move(acceptor)), "control");
+  std::function<void(UnixSocket)> let_in = [this](UnixSocket socket) {
+    enter(ControlStream(std::move(socket)), false, of_unix_);
+  };
+  io::supervise(*home_, accept(std::move(acceptor), std::move(let_in), kForOperators), "control");
 }
 
 void ControlDoors::open(routing::ListenerId id, TcpAcceptor acceptor) {
   tcp_.emplace(id, acceptor);
-  io::supervise(*home_, accept(std::move(acceptor)), "http");
+  std::function<void(tcp::socket)> let_in = [this, id](tcp::socket socket) {
+    this->let_in(id, std::move(socket));
+  };
+  io::supervise(*home_, accept(std::move(acceptor), std::move(let_in), 0), "http");
 }
 
 void ControlDoors::close(routing::ListenerId id) {
@@ -61,29 +72,52 @@ void ControlDoors::close(routing::ListenerId id) {
   tcp_.erase(first, last);
 }
 
-void ControlDoors::allow(routing::NetworkList networks) {
-  allowed_ = std::move(networks);
-  told_.clear();
+void ControlDoors::see_out(routing::ListenerId id) {
+  close_if([id](const Guest& guest) { return guest.door == id; });
 }
 
-template <typename Acceptor>
-asio::awaitable<void> ControlDoors::accept(Acceptor acceptor) {
+void ControlDoors::allow(routing::NetworkList networks) {
+  if (networks == allowed_) {
+    return;
+  }
+  allowed_ = std::move(networks);
+  told_.clear();
+  close_if([this](const Guest& guest) { return !contains(allowed_, guest.address); });
+}
+
+// What a connection waits for ends then, and it with that.
+void ControlDoors::close_if(const std::function<bool(const Guest&)>& unwanted) {
+  for (const Guest& guest : guests_) {
+    const auto stream = guest.stream.lock();
+    if (stream && unwanted(guest)) {
+      stream->close();
+    }
+  }
+}
+
+// `kept_back`: so many descriptors from end_ on it may have all the same.
+template <typename Socket, typename Acceptor>
+asio::awaitable<void> ControlDoors::accept(Acceptor acceptor, std::function<void(Socket)> let_in,
+                                           int kept_back) {
   while (acceptor->is_open()) {
     auto [error, socket] = co_await acceptor->async_accept(kNoThrow);
-    if (!error) {
+    if (!acceptor->is_open()) {
+      break;  // whoever came at the last moment, too
+    }
+    // Subtracted, because there may be no end.
+    const bool is_too_many = !error && socket.native_handle() - kept_back >= end_;
+    if (!error && !is_too_many) {
       let_in(std::move(socket));
     } else if (error != asio::error::operation_aborted) {
+      boost::system::error_code ignored;
+      socket.close(ignored);
       asio::steady_timer pause(*home_, kAcceptPause);
       co_await pause.async_wait(kNoThrow);
     }
   }
 }
 
-void ControlDoors::let_in(asio::local::stream_protocol::socket socket) {
-  enter(ControlStream(std::move(socket)), false, of_unix_);
-}
-
-void ControlDoors::let_in(tcp::socket socket) {
+void ControlDoors::let_in(ListenerId door, tcp::socket socket) {
   boost::system::error_code error;
   const tcp::endpoint peer = socket.remote_endpoint(error);
   if (error) {
@@ -91,17 +125,21 @@ void ControlDoors::let_in(tcp::socket socket) {
   }
   const ClientAddress address = address_of(peer);
   if (contains(allowed_, address)) {
-    enter(ControlStream(std::move(socket)), true, of_tcp_);
+    std::erase_if(guests_, [](const Guest& guest) { return guest.stream.expired(); });
+    guests_.push_back({door, address, enter(ControlStream(std::move(socket)), true, of_tcp_)});
   } else {
     refuse(std::move(socket), address);
   }
 }
 
-void ControlDoors::enter(ControlStream stream, bool over_tcp,
-                         const std::shared_ptr<std::size_t>& count) {
-  if (*count < kMostConnections) {
-    enter_({std::move(stream), over_tcp, count});
+std::weak_ptr<ControlStream> ControlDoors::enter(ControlStream stream, bool over_tcp,
+                                                 const std::shared_ptr<std::size_t>& count) {
+  if (*count >= gateway::kHttpConnections) {
+    return {};
   }
+  auto entered = std::make_shared<ControlStream>(std::move(stream));
+  enter_({entered, over_tcp, count});
+  return entered;
 }
 
 // Without a look at what it asks, so that it holds nothing here.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where clients of the HTTP interface come in: the Unix socket, and TCP addresses for those whom
 // [http] allow names. The ones are counted apart from the others, so that a network keeps nobody
-// from the Unix socket. Used on the thread of the interface alone, but for its construction.
+// from the Unix socket. A reload closes the connections over TCP that it would not let in. Used on
+// the thread of the interface alone, but for its construction.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -10,10 +11,12 @@
 #include <boost/asio/local/stream_protocol.hpp>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "app/control/connection.hpp"
 #include "routing/client_address.hpp"
@@ -25,7 +28,7 @@ class ControlDoors {
  public:
   /// `count` is to be held (Counted) as long as it is a connection.
   struct Entered {
-    ControlStream stream;
+    std::shared_ptr<ControlStream> stream;
     bool over_tcp = false;
     std::shared_ptr<std::size_t> count;
   };
@@ -41,22 +44,38 @@ class ControlDoors {
   void open(UnixAcceptor acceptor);
   /// One of several of that number.
   void open(routing::ListenerId id, TcpAcceptor acceptor);
-  /// Those of that number; who has entered stays.
+  /// Those of that number; who has entered there stays.
   void close(routing::ListenerId id);
+  /// Closes the connections of that number.
+  void see_out(routing::ListenerId id);
+  /// Closes the connections of all others.
   void allow(routing::NetworkList networks);
+  /// The first descriptor that no client over TCP may have.
+  void set_end(int end) { end_ = end; }
 
  private:
-  template <typename Acceptor>
-  boost::asio::awaitable<void> accept(Acceptor acceptor);
-  void let_in(boost::asio::local::stream_protocol::socket socket);
-  void let_in(boost::asio::ip::tcp::socket socket);
-  void enter(ControlStream stream, bool over_tcp, const std::shared_ptr<std::size_t>& count);
+  /// A connection over TCP, as long as it is one.
+  struct Guest {
+    routing::ListenerId door;
+    routing::ClientAddress address;
+    std::weak_ptr<ControlStream> stream;
+  };
+
+  template <typename Socket, typename Acceptor>
+  boost::asio::awaitable<void> accept(Acceptor acceptor, std::function<void(Socket)> let_in,
+                                      int kept_back);
+  void let_in(routing::ListenerId door, boost::asio::ip::tcp::socket socket);
+  std::weak_ptr<ControlStream> enter(ControlStream stream, bool over_tcp,
+                                     const std::shared_ptr<std::size_t>& count);
+  void close_if(const std::function<bool(const Guest&)>& unwanted);
   void refuse(boost::asio::ip::tcp::socket socket, const routing::ClientAddress& address);
 
   std::shared_ptr<boost::asio::io_context> home_;
   Enter enter_;
   Refused refused_;
+  int end_ = std::numeric_limits<int>::max();
   routing::NetworkList allowed_;
+  std::vector<Guest> guests_;
   std::multimap<routing::ListenerId, TcpAcceptor> tcp_;
   std::shared_ptr<std::size_t> of_unix_ = std::make_shared<std::size_t>(0);
   std::shared_ptr<std::size_t> of_tcp_ = std::make_shared<std::size_t>(0);

@@ -33,7 +33,8 @@ constexpr std::string_view kTracePath = "/api/v1/trace";
 constexpr std::uint32_t kLongestHeader = 8192;
 constexpr std::uint64_t kLongestBody = 65536;
 
-boost::json::object error_json(std::string_view text) { return {{"error", text}}; }
+/// `text` may name what a client has sent.
+boost::json::object error_json(std::string_view text) { return {{"error", valid_utf8(text)}}; }
 
 Response answer(const Request& request, http::status status, const boost::json::object& json) {
   Response response(status, request.version());
@@ -87,8 +88,8 @@ ControlServer::ControlServer(const std::shared_ptr<asio::io_context>& home,
           [this](const std::string& address) {
             asio::post(gateway_, [&target = target_, address] { target.http_refused(address); });
           }),
-      events_(streams_, numbered_from),
-      traces_(streams_, std::move(set_traced)) {}
+      events_(numbered_from),
+      traces_(std::move(set_traced)) {}
 
 void ControlServer::apply(const gateway::HttpSettings& settings) {
   doors_.allow(settings.allow);
@@ -105,34 +106,34 @@ asio::awaitable<void> ControlServer::serve_one(ControlDoors::Entered client) {
   if (!stream) {
     co_return;
   }
+  const Counted place = streams_.take(client.over_tcp);
   if (const auto* after = std::get_if<std::uint64_t>(&*stream)) {
-    co_await events_.feed(client.stream, *after);
+    co_await events_.feed(*client.stream, *after);
   } else {
-    co_await traces_.feed(client.stream, std::get<TraceFilter>(*stream));
+    co_await traces_.feed(*client.stream, std::get<TraceFilter>(*stream));
   }
 }
 
 std::optional<Result<ControlServer::Stream, Refusal>> ControlServer::begin_stream(
-    const Request& request) {
+    const Request& request, bool over_tcp) {
   const auto as_stream = [](const auto& begin) {
     return begin ? Result<Stream, Refusal>(Stream(*begin))
                  : Result<Stream, Refusal>(boost::system::in_place_error, begin.error());
   };
-  if (request.method() != http::verb::get) {
+  const bool is_of_events = path_of(request) == kEventsPath;
+  if (request.method() != http::verb::get || (!is_of_events && path_of(request) != kTracePath)) {
     return std::nullopt;
   }
-  if (path_of(request) == kEventsPath) {
-    return as_stream(events_.begin(last_event_id(request)));
+  if (auto full = streams_.refusal(over_tcp)) {
+    return Refusal{http::status::service_unavailable, *std::move(full)};
   }
-  if (path_of(request) == kTracePath) {
-    return as_stream(traces_.begin(query_of(request)));
-  }
-  return std::nullopt;
+  return is_of_events ? as_stream(events_.begin(last_event_id(request)))
+                      : as_stream(TraceStreams::begin(query_of(request)));
 }
 
 asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
     ControlDoors::Entered& client) {
-  ControlStream& stream = client.stream;
+  ControlStream& stream = *client.stream;
   boost::beast::flat_buffer buffer;
   bool goes_on = true;
   while (goes_on) {
@@ -149,7 +150,7 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
     const auto refusal = client.over_tcp ? refused_over_tcp(request, hosts_) : std::nullopt;
     if (refusal) {
       response = answer(request, refusal->status, error_json(refusal->why));
-    } else if (const auto stream_asked = begin_stream(request)) {
+    } else if (const auto stream_asked = begin_stream(request, client.over_tcp)) {
       if (*stream_asked) {
         co_return **stream_asked;
       }

@@ -53,7 +53,7 @@ class ControlServer {
   /// Until the connection ends, or is to be a stream.
   boost::asio::awaitable<std::optional<Stream>> serve(ControlDoors::Entered& client);
   /// Nothing: it is no request for a stream.
-  std::optional<Result<Stream, Refusal>> begin_stream(const Request& request);
+  std::optional<Result<Stream, Refusal>> begin_stream(const Request& request, bool over_tcp);
   boost::asio::awaitable<Response> respond(const Request& request);
   /// Nothing: the gateway's thread has not answered in time.
   boost::asio::awaitable<std::optional<Status>> ask_status();

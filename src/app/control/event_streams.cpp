@@ -18,10 +18,6 @@ void EventStreams::add(JournalEvent event) {
 }
 
 Result<std::uint64_t, Refusal> EventStreams::begin(std::optional<std::string_view> last_event_id) {
-  using boost::beast::http::status;
-  if (readers_.places().are_taken()) {
-    return Refusal{status::service_unavailable, readers_.places().refusal()};
-  }
   if (!last_event_id) {
     return std::max(ring_.newest(), numbered_from_);
   }
@@ -29,7 +25,8 @@ Result<std::uint64_t, Refusal> EventStreams::begin(std::optional<std::string_vie
   const char* const end = last_event_id->data() + last_event_id->size();
   const auto [rest, error] = std::from_chars(last_event_id->data(), end, id);
   if (error != std::errc() || rest != end) {
-    return Refusal{status::bad_request, "Last-Event-ID: expected the id of an event, a number"};
+    return Refusal{boost::beast::http::status::bad_request,
+                   "Last-Event-ID: expected the id of an event, a number"};
   }
   return id >= numbered_from_ && id <= ring_.newest() ? id : numbered_from_;
 }

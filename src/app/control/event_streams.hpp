@@ -20,8 +20,7 @@ namespace mbgate::app {
 class EventStreams {
  public:
   /// `numbered_from`: the first event of this process has the number after it.
-  EventStreams(StreamPlaces& places, std::uint64_t numbered_from)
-      : readers_(places), numbered_from_(numbered_from) {}
+  explicit EventStreams(std::uint64_t numbered_from) : numbered_from_(numbered_from) {}
 
   /// Goes out to all of them.
   void add(JournalEvent event);

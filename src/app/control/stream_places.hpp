@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Places for clients that follow something without an end, whatever it is: each costs a descriptor
-// as long as it reads.
+// as long as it reads. A quarter of them, and one at least, is for the Unix socket alone, so that
+// readers over a network keep no operator out.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "app/control/counted.hpp"
@@ -17,18 +20,35 @@ class StreamPlaces {
 
   /// Whoever has a place keeps it.
   void set_most(std::size_t most) { most_ = most; }
-  [[nodiscard]] bool are_taken() const { return *taken_ >= most_; }
-  /// What is said to whoever gets none.
-  [[nodiscard]] std::string refusal() const {
-    return std::to_string(*taken_) + " clients follow events already, [http] max_streams allows " +
-           std::to_string(most_);
+  /// What is said to whoever gets no place; nothing if there is one.
+  [[nodiscard]] std::optional<std::string> refusal(bool over_tcp) const {
+    const std::size_t taken = *of_socket_ + *of_tcp_;
+    if (taken >= most_) {
+      return std::to_string(taken) +
+             " clients follow events or the trace already, [http] max_streams allows " +
+             std::to_string(most_);
+    }
+    if (over_tcp && *of_tcp_ >= most_over_tcp()) {
+      return std::to_string(*of_tcp_) +
+             " clients follow events or the trace over TCP already, [http] max_streams = " +
+             std::to_string(most_) + " allows " + std::to_string(most_over_tcp()) + " there";
+    }
+    return std::nullopt;
   }
-  /// A place, until it is destroyed. To be taken only while there are some.
-  [[nodiscard]] Counted take() const { return Counted(taken_); }
+  /// A place, until it is destroyed. To be taken only while there is one.
+  [[nodiscard]] Counted take(bool over_tcp) const {
+    return Counted(over_tcp ? of_tcp_ : of_socket_);
+  }
 
  private:
-  std::size_t most_;
-  std::shared_ptr<std::size_t> taken_ = std::make_shared<std::size_t>(0);
+  [[nodiscard]] std::size_t most_over_tcp() const {
+    constexpr std::size_t kShare = 4;
+    return most_ - std::max<std::size_t>(most_ / kShare, 1);
+  }
+
+  std::size_t most_;  ///< one at least
+  std::shared_ptr<std::size_t> of_socket_ = std::make_shared<std::size_t>(0);
+  std::shared_ptr<std::size_t> of_tcp_ = std::make_shared<std::size_t>(0);
 };
 
 }  // namespace mbgate::app

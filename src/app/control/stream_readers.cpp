@@ -50,20 +50,32 @@ void StreamReaders::wake() {
 void StreamReaders::watch(ControlStream& stream, const std::shared_ptr<Reader>& reader) {
   stream.socket().async_wait(
       boost::asio::socket_base::wait_read,
-      [held = std::weak_ptr(reader),
-       descriptor = stream.socket().native_handle()](const boost::system::error_code& error) {
-        // As long as the reader is there, so is its connection.
+      [held = std::weak_ptr(reader), &stream](const boost::system::error_code& error) {
+        // As long as the reader is there, so is its connection, though perhaps closed by us.
         const auto reading = held.lock();
-        if (!error && reading && is_closed(descriptor)) {
+        if (reading &&
+            (error || !stream.socket().is_open() || is_closed(stream.socket().native_handle()))) {
           reading->has_gone = true;
           reading->news.cancel();
         }
       });
 }
 
+// What is new may be nothing for this reader: then it waits on.
+boost::asio::awaitable<std::string> StreamReaders::wait_for_news(
+    Reader& reader, const std::function<std::string()>& next) {
+  const auto until = std::chrono::steady_clock::now() + kCommentInterval;
+  std::string text;
+  while (text.empty() && !reader.has_gone && std::chrono::steady_clock::now() < until) {
+    reader.news.expires_at(until);
+    co_await reader.news.async_wait(kNoThrow);
+    text = next();
+  }
+  co_return text;
+}
+
 boost::asio::awaitable<void> StreamReaders::feed(ControlStream& stream,
                                                  std::function<std::string()> next) {
-  const Counted place = places_.take();
   const auto reader = std::make_shared<Reader>(stream.get_executor());
   readers_.emplace_back(reader);
   watch(stream, reader);
@@ -76,10 +88,8 @@ boost::asio::awaitable<void> StreamReaders::feed(ControlStream& stream,
       break;
     }
     text = next();
-    if (text.empty() && !reader->has_gone) {
-      reader->news.expires_after(kCommentInterval);
-      co_await reader->news.async_wait(kNoThrow);
-      text = next();
+    if (text.empty()) {
+      text = co_await wait_for_news(*reader, next);
     }
     if (text.empty()) {
       text = kComment;

@@ -11,15 +11,11 @@
 #include <vector>
 
 #include "app/control/connection.hpp"
-#include "app/control/stream_places.hpp"
 
 namespace mbgate::app {
 
 class StreamReaders {
  public:
-  explicit StreamReaders(StreamPlaces& places) : places_(places) {}
-
-  [[nodiscard]] const StreamPlaces& places() const { return places_; }
   /// There is something new for them.
   void wake();
   /// Sends what `next` gives, which is nothing if it is still to come, until the client goes or
@@ -34,8 +30,11 @@ class StreamReaders {
   };
 
   static void watch(ControlStream& stream, const std::shared_ptr<Reader>& reader);
+  /// What `next` gives, once it gives something; nothing if the reader has gone, or something is to
+  /// be sent nevertheless.
+  static boost::asio::awaitable<std::string> wait_for_news(
+      Reader& reader, const std::function<std::string()>& next);
 
-  StreamPlaces& places_;
   std::vector<std::weak_ptr<Reader>> readers_;  ///< feed() has them
 };
 

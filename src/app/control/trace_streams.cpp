@@ -16,9 +16,7 @@ constexpr std::size_t kPiece = 65536;
 
 }  // namespace
 
-TraceStreams::TraceStreams(StreamPlaces& places, Switch set_traced) : readers_(places) {
-  audience_->set_traced = std::move(set_traced);
-}
+TraceStreams::TraceStreams(Switch set_traced) { audience_->set_traced = std::move(set_traced); }
 
 TraceStreams::Seat::Seat(std::shared_ptr<Audience> audience) : audience_(std::move(audience)) {
   if (audience_->size++ == 0) {
@@ -46,14 +44,10 @@ void TraceStreams::add(TraceBatch batch) {
   readers_.wake();
 }
 
-Result<TraceFilter, Refusal> TraceStreams::begin(std::string_view query) const {
-  using boost::beast::http::status;
+Result<TraceFilter, Refusal> TraceStreams::begin(std::string_view query) {
   auto filter = TraceFilter::parse(query);
   if (!filter) {
-    return Refusal{status::bad_request, filter.error()};
-  }
-  if (readers_.places().are_taken()) {
-    return Refusal{status::service_unavailable, readers_.places().refusal()};
+    return Refusal{boost::beast::http::status::bad_request, filter.error()};
   }
   return *std::move(filter);
 }

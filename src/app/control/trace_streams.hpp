@@ -25,12 +25,12 @@ class TraceStreams {
   /// Told when the first one comes and when the last one has gone; perhaps after this object has.
   using Switch = std::function<void(bool)>;
 
-  TraceStreams(StreamPlaces& places, Switch set_traced);
+  explicit TraceStreams(Switch set_traced);
 
   /// Goes out to all of them.
   void add(TraceBatch batch);
   /// `query`: what stands behind the '?' of the request.
-  [[nodiscard]] Result<TraceFilter, Refusal> begin(std::string_view query) const;
+  [[nodiscard]] static Result<TraceFilter, Refusal> begin(std::string_view query);
   /// Sends what matches from now on, until the client goes or takes nothing for kClientLimit.
   boost::asio::awaitable<void> feed(ControlStream& stream, TraceFilter filter);
 
