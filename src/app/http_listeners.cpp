@@ -103,24 +103,39 @@ void HttpListeners::begin(const gateway::HttpSettings& settings) {
   static_cast<void>(listeners_.begin(now_, std::exchange(inherited_, {})));
 }
 
-// An address can be had once at a time: what goes is closed, on the other thread, before anything
-// is bound.
-void HttpListeners::reload(const gateway::HttpSettings& settings) {
-  control_.apply(settings);
+// An address can be had once at a time, and they are closed on the other thread.
+void HttpListeners::make_room(const gateway::HttpSettings& settings,
+                              const std::function<void()>& then) {
   if (is_inherited_) {
+    then();
     return;
   }
   const auto after = http_listeners(now_, settings);
   auto fewer = now_;
   for (std::size_t i = 0; i < fewer.size(); ++i) {
-    fewer[i].is_gone = fewer[i].is_gone || after[i].is_gone;
+    fewer[i].is_gone = fewer[i].is_gone || (after[i].is_gone && fewer[i].port != 0);
+  }
+  const bool has_room =
+      std::ranges::equal(now_, fewer, {}, &ListenerSettings::is_gone, &ListenerSettings::is_gone);
+  if (has_room) {
+    then();
+    return;
   }
   change(fewer);
-  control_.when_left([this, settings] {
-    if (!has_stopped_) {
-      change(http_listeners(now_, settings));
+  control_.when_left(then);
+}
+
+void HttpListeners::reload(const gateway::HttpSettings& settings) {
+  control_.apply(settings);
+  if (is_inherited_ || has_stopped_) {
+    return;
+  }
+  change(http_listeners(now_, settings));
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    if (now_[i].is_gone) {
+      control_.see_out(static_cast<ListenerId>(i));
     }
-  });
+  }
 }
 
 void HttpListeners::change(const std::vector<ListenerSettings>& next) {

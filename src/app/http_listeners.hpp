@@ -5,6 +5,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <functional>
 #include <vector>
 
 #include "app/control/control.hpp"
@@ -27,7 +28,14 @@ class HttpListeners {
   void begin(const gateway::HttpSettings& settings);
   /// As Listeners: prints "listening http ADDRESS:PORT", and tries again.
   void start() { listeners_.start(); }
-  /// Puts these settings into force, soon. Sockets from systemd stay as they are.
+  /// Before a reload: closes the sockets that these settings do not have, and calls `then` when a
+  /// listener of another kind can have their addresses, perhaps at once. Their connections stay,
+  /// and reload() with the settings in force takes all of it back. Where the kernel chose the port,
+  /// it could not be taken back, and nobody else asks for it: such a socket stays until reload().
+  void make_room(const gateway::HttpSettings& settings, const std::function<void()>& then);
+  /// After make_room(), if these are other settings: puts them into force. Connections at addresses
+  /// that they do not have, or of clients that may not read any more, are closed. Sockets from
+  /// systemd stay as they are.
   void reload(const gateway::HttpSettings& settings);
   void stop();
 

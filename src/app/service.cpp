@@ -94,6 +94,7 @@ int Service::run() {
     return EXIT_FAILURE;
   }
   driver_.start();
+  control_.set_end(io::end_of_client_descriptors(driver_.settings()));
   start_control();
   log_.observe([this](Level level, const std::string& text) { control_.tell(level, text); });
   http_.begin(driver_.settings().http);

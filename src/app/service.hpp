@@ -71,12 +71,14 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void stop();
   void begin_reload();
   void finish_reload(const Configuration& read);
+  /// False if it has errors. Says what it has to say.
+  bool is_sound(const Configuration& read);
   void forget_failures(const gateway::Settings& before, const gateway::Settings& next);
   /// Puts these settings into force. False if they cannot be: the journal says why.
   bool change(const Configuration& read);
   /// For the journal, and for those who asked for the reload.
   void say_of_reload(Level level, const std::string& text);
-  void end_reload();
+  void end_reload(bool done);
   void start_control();
   void send_status();
   [[nodiscard]] std::string status() const;
@@ -90,7 +92,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   boost::asio::io_context context_{BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO};
   boost::asio::signal_set signals_;
   io::BlockingCalls blocking_;
-  bool reading_ = false;     ///< the configuration
+  bool reloading_ = false;   ///< from the reading on
   bool read_again_ = false;  ///< a reload was requested meanwhile
   bool is_refused_ = false;  ///< the last reload
   std::vector<std::string> reload_messages_;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A reload: the configuration is read on a thread that may wait, and put into force if it is good.
+#include <memory>
 #include <utility>
 
 #include "app/changes.hpp"
 #include "app/service.hpp"
 #include "app/systemd.hpp"
 #include "gateway/settings/numbering.hpp"
+#include "io/clients/descriptors.hpp"
 
 namespace mbgate::app {
 
@@ -13,26 +15,33 @@ using gateway::BusId;
 using gateway::ListenerId;
 
 void Service::begin_reload() {
-  if (reading_) {
+  if (reloading_) {
     read_again_ = true;
     return;
   }
   notify_reloading();
   reload_messages_.clear();
   reload_waiting_ = std::exchange(reload_asked_, {});
-  reading_ = blocking_.run(read_, [this](const Configuration& read) { finish_reload(read); });
-  if (!reading_) {
+  reloading_ = blocking_.run(read_, [this](const Configuration& read) { finish_reload(read); });
+  if (!reloading_) {
     say_of_reload(Level::error, "the configuration stays as it is: no thread to read it on");
-    is_refused_ = true;
-    end_reload();
+    end_reload(false);
   }
 }
 
-void Service::end_reload() {
+void Service::end_reload(bool done) {
+  reloading_ = false;
+  is_refused_ = !done;
+  if (done) {
+    read_at_ = std::chrono::system_clock::now();
+  }
   last_status_ = status();
   notify_ready(last_status_);
   for (const ReloadEnded& ended : std::exchange(reload_waiting_, {})) {
-    ended({!is_refused_, reload_messages_});
+    ended({done, reload_messages_});
+  }
+  if (std::exchange(read_again_, false)) {
+    begin_reload();
   }
 }
 
@@ -51,23 +60,34 @@ void Service::reload(ReloadEnded ended) {
 }
 
 void Service::finish_reload(const Configuration& read) {
-  reading_ = false;
   if (!ready_) {
     return;  // the process ends
   }
-  is_refused_ = !change(read);
-  if (is_refused_) {
-    say_of_reload(Level::error, "the configuration stays as it is");
-  } else {
-    read_at_ = std::chrono::system_clock::now();
+  const auto end = [this](bool done) {
+    if (!done) {
+      say_of_reload(Level::error, "the configuration stays as it is");
+    }
+    end_reload(done);
+  };
+  if (!is_sound(read)) {
+    end(false);
+    return;
   }
-  end_reload();
-  if (std::exchange(read_again_, false)) {
-    begin_reload();
-  }
+  // A listener may have an address that the HTTP interface leaves.
+  http_.make_room(read.loaded.settings->http,
+                  [this, end, kept = std::make_shared<const Configuration>(read)] {
+                    if (!ready_) {
+                      return;
+                    }
+                    const bool done = change(*kept);
+                    if (!done) {
+                      http_.reload(driver_.settings().http);
+                    }
+                    end(done);
+                  });
 }
 
-bool Service::change(const Configuration& read) {
+bool Service::is_sound(const Configuration& read) {
   if (!read.failure.empty()) {
     say_of_reload(Level::error, read.failure);
     return false;
@@ -76,9 +96,10 @@ bool Service::change(const Configuration& read) {
     say_of_reload(diagnostic.severity == config::Severity::error ? Level::error : Level::warning,
                   config::headline(diagnostic));
   }
-  if (!read.loaded.settings) {
-    return false;
-  }
+  return read.loaded.settings.has_value();
+}
+
+bool Service::change(const Configuration& read) {
   const gateway::Settings before = driver_.settings();
   const gateway::Settings next = gateway::numbered_after(before, *read.loaded.settings);
   if (!listeners_.reload(before.listeners, next.listeners,
@@ -87,6 +108,7 @@ bool Service::change(const Configuration& read) {
   }
   forget_failures(before, next);
   driver_.reload(*read.loaded.settings, gateway::config_lines(read.files));
+  control_.set_end(io::end_of_client_descriptors(next));
   if (!(before.http == next.http)) {
     http_.reload(next.http);
   }

@@ -129,7 +129,7 @@ class Http(ControlCase):
 
     def test_streams_over_tcp_leave_places_to_the_socket(self):
         self.listen("max_streams = 4")
-        self.assertEqual([self.events(self.tcp()).status for _ in range(3)], [200] * 3)
+        self.assertEqual([self.events(self.tcp()).status for _ in range(4)], [200, 200, 200, 503])
         code, body = self.ask("GET", TRACE, self.tcp())
         why = "3 clients follow events or the trace over TCP already, [http] max_streams = 4 allows 3 there"
         self.assertEqual((code, body["error"]), (503, why))
@@ -145,6 +145,45 @@ class Http(ControlCase):
         self.assertEqual(waiting.sock.recv(1), b"")
         self.assertEqual(self.ask("POST", RELOAD)[0], 200)
         stays.find("nothing has changed")
+
+    def test_a_reload_ends_streams_of_an_address_that_goes(self):
+        self.listen()
+        ended, stays = self.events(self.tcp()), self.events(UnixConnection(self.plant.control))
+        self.configure()
+        self.assertTrue(ended.has_ended())
+        stays.find("reload: done")
+
+    def add_listener(self, port):
+        """A second one for Modbus clients, at this port, when the configuration is read again."""
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        listener = f'[[listen]]\nname = "second"\naddress = "127.0.0.1"\nport = {port}\n\n'
+        self.plant.configuration.write_text(text.replace("[[listen]]", f"{listener}[[listen]]", 1), encoding="utf-8")
+
+    def listen_at_a_port_of_ours(self):
+        with socket.create_server(("127.0.0.1", 0)) as chosen:
+            self.address = chosen.getsockname()
+        self.configure(f'listen = ["127.0.0.1:{self.address[1]}"]')
+        self.plant.wait_for(rf"^listening http 127\.0\.0\.1:{self.address[1]}$")
+
+    def test_an_address_that_it_leaves_can_be_a_listeners_at_once(self):
+        self.listen_at_a_port_of_ours()
+        ended = self.events(self.tcp())
+        self.add_listener(self.address[1])
+        self.configure('listen = ["127.0.0.1:0"]')
+        self.plant.wait_for(rf"^listening second 127\.0\.0\.1:{self.address[1]}$")
+        shown = self.mbgatectl("read", "holding", 0, "--unit", MOONS, "--port", self.address[1])
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        self.assertTrue(ended.has_ended())
+
+    def test_a_reload_that_is_refused_leaves_it_as_it_was(self):
+        self.listen_at_a_port_of_ours()
+        stays = self.events(self.tcp())
+        with socket.create_server(("127.0.0.1", 0)) as other:
+            self.add_listener(other.getsockname()[1])
+            self.edit(f"127.0.0.1:{self.address[1]}", "127.0.0.1:0")
+            self.assertEqual(self.ask("POST", RELOAD)[0], 422)
+        stays.find("the configuration stays as it is")
+        self.assertEqual(self.ask("GET", "/healthz", self.tcp())[0], 200)
 
     def test_an_error_that_names_no_text_is_text(self):
         code, body = self.ask("GET", f"{TRACE}?client=%FF")
