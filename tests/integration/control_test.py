@@ -12,7 +12,7 @@ import unittest
 from control_case import EVENTS, MOONS, ControlCase
 from demo_plant import PATIENCE
 
-MOONS_LITTLE = 3
+FEEDER = 2  # the unit of another drive on the same line
 
 
 class ControlSocket(ControlCase):
@@ -38,9 +38,9 @@ class ControlSocket(ControlCase):
     def test_a_drive_that_is_not_there_is_named(self):
         self.edit('name = "axis-x"\nbus = "line-a"\naddress = 1\n', 'name = "axis-x"\nbus = "line-a"\naddress = 99\n')
         self.assertEqual(self.mbgatectl("reload", "--control", self.plant.control).returncode, 0)
-        self.read(MOONS_LITTLE)
         for _ in range(3):
             self.read(MOONS)
+        self.read(FEEDER)
         diagnoses = self.status()["diagnoses"]
         self.assertEqual([(it["subject"], it["finding"]) for it in diagnoses], [("device axis-x", "it has never answered")])
         shown = self.mbgatectl("status", "--control", self.plant.control)

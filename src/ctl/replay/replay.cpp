@@ -20,13 +20,13 @@ constexpr gateway::Instant kLastInstant{
 
 /// Why the instant of an input cannot be this one, or nothing. `first`: that of the input before.
 std::string wrong_instant(gateway::Instant at, gateway::Instant first) {
-  const auto nanoseconds = [](gateway::Instant instant) {
+  const auto count_of = [](gateway::Instant instant) {
     return std::to_string(instant.time_since_epoch().count());
   };
   return at >= first && at <= kLastInstant
              ? std::string()
-             : "expected an instant from " + nanoseconds(first) + " to " +
-                   nanoseconds(kLastInstant) + ", found " + nanoseconds(at);
+             : "expected an instant from " + count_of(first) + " to " + count_of(kLastInstant) +
+                   ", found " + count_of(at);
 }
 
 /// The lines of the recording, counted.
