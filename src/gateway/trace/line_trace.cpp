@@ -81,7 +81,7 @@ void LineTrace::opened(const WireTrace& blank, Instant now) {
   if (!partial_.empty()) {
     hear_adu(std::exchange(partial_, {}), blank, now);
   }
-  for (InFlight& cut : std::exchange(in_flight_, {})) {
+  for (Flight& cut : std::exchange(in_flight_, {})) {
     end_cut(std::move(cut), now);
   }
   end_unasked();
@@ -148,7 +148,7 @@ void LineTrace::hear_adus(modbus::Bytes bytes, const WireTrace& blank, Instant n
 
 void LineTrace::hear_adu(modbus::Bytes adu, const WireTrace& blank, Instant now) {
   const auto asked = std::ranges::find_if(
-      in_flight_, [&](const InFlight& it) { return is_transaction_of(adu, it.wire); });
+      in_flight_, [&](const Flight& it) { return is_transaction_of(adu, it.wire); });
   if (asked != in_flight_.end()) {
     keep(asked->wire, adu, now);
   } else {
@@ -175,7 +175,7 @@ void LineTrace::hear_unasked(modbus::Bytes bytes, const WireTrace& blank, Instan
 
 void LineTrace::over(const bus::TransmissionOver& over, Instant now) {
   const auto it = std::ranges::find_if(
-      in_flight_, [&](const InFlight& flight) { return flight.title.job == over.title.job; });
+      in_flight_, [&](const Flight& flight) { return flight.title.job == over.title.job; });
   if (it == in_flight_.end()) {
     from_before_ -= from_before_ > 0 ? 1 : 0;  // it began before anybody read along
     return;
@@ -220,7 +220,7 @@ void LineTrace::end_unasked() {
   }
 }
 
-void LineTrace::end_cut(InFlight cut, Instant now) {
+void LineTrace::end_cut(Flight cut, Instant now) {
   cut.wire.outcome = WireTrace::Outcome::cut;
   cut.wire.ended_at = now;
   told_.push_back({std::move(cut.title), std::move(cut.wire)});

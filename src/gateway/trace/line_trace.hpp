@@ -44,7 +44,7 @@ class LineTrace {
   std::vector<Told> take() { return std::exchange(told_, {}); }
 
  private:
-  struct InFlight {
+  struct Flight {
     bus::TransmissionTitle title;
     WireTrace wire;
   };
@@ -54,9 +54,9 @@ class LineTrace {
   void hear_adu(modbus::Bytes adu, const WireTrace& blank, Instant now);
   void hear_unasked(modbus::Bytes bytes, const WireTrace& blank, Instant now);
   void end_unasked();
-  void end_cut(InFlight cut, Instant now);
+  void end_cut(Flight cut, Instant now);
 
-  std::vector<InFlight> in_flight_;
+  std::vector<Flight> in_flight_;
   std::optional<WireTrace> unasked_;
   ByteString partial_;  // of a connection: the beginning of an ADU
   std::size_t from_before_ = 0;
