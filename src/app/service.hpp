@@ -62,6 +62,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   [[nodiscard]] ProcessStatus process_status() const override;
   void reload(ReloadEnded ended) override;
   void clear_counters() override;
+  [[nodiscard]] bool meets_deadlines() const override { return driver_.meets_deadlines(); }
   void set_traced(bool traced) override { driver_.set_traced(traced); }
   gateway::TraceBook::Taken take_trace() override { return driver_.take_trace(); }
   void control_failed(const std::string& why) override;

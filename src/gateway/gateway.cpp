@@ -162,6 +162,11 @@ void Gateway::set_traced(bool traced) {
 
 Status Gateway::status() const { return {clients_.size(), buses_.open_count()}; }
 
+bool Gateway::meets_deadlines(Instant now) const {
+  const auto wake = next_wake();
+  return !wake || now - wake->at <= kOverdue;
+}
+
 StatusReport Gateway::report_status(Duration uptime, Instant now) const {
   return make_status_report({settings(), buses_, clients_.sessions(), clients_.counters()}, uptime,
                             now);

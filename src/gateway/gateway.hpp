@@ -36,6 +36,9 @@ class Gateway {
 
   [[nodiscard]] const Settings& settings() const { return settings_.settings(); }
   [[nodiscard]] Status status() const;
+  /// False if what was to be decided at an instant has not been for kOverdue: the driver hangs, or
+  /// has forgotten it.
+  [[nodiscard]] bool meets_deadlines(Instant now) const;
   /// Everything that is known of buses, devices and clients.
   [[nodiscard]] StatusReport report_status(Duration uptime, Instant now) const;
   /// While it is on, take_trace() has what became of each request. It changes no decision, and is

@@ -51,6 +51,9 @@ inline constexpr bus::Duration kFailsafeRetry = std::chrono::seconds(1);
 /// more than a plant has, few enough to be kept.
 inline constexpr std::size_t kUnroutedTold = 256;
 
+/// A deadline that is so late is missed: longer than a loaded machine keeps a process waiting.
+inline constexpr bus::Duration kOverdue = std::chrono::seconds(1);
+
 /// After a shutdown was asked for, what is on the wire has this long: the process ends within 2 s.
 inline constexpr bus::Duration kShutdownGrace = std::chrono::milliseconds(1500);
 

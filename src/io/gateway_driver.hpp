@@ -65,6 +65,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
 
   [[nodiscard]] gateway::Status status() const { return gateway_.status(); }
   [[nodiscard]] gateway::StatusReport report_status() const;
+  [[nodiscard]] bool meets_deadlines() const { return gateway_.meets_deadlines(now()); }
   void set_traced(bool traced) { gateway_.set_traced(traced); }
   gateway::TraceBook::Taken take_trace() { return gateway_.take_trace(now()); }
   [[nodiscard]] const gateway::Settings& settings() const { return gateway_.settings(); }

@@ -28,6 +28,7 @@ constexpr std::chrono::seconds kAnswerLimit{1};
 /// Reading a configuration may wait for a slow disk.
 constexpr std::chrono::seconds kReloadLimit{30};
 constexpr std::string_view kNoAnswer = "the gateway has not answered within 1 s";
+constexpr std::string_view kOverdueText = "a bus is not looked at when it is time";
 constexpr std::string_view kEventsPath = "/api/v1/events";
 constexpr std::string_view kTracePath = "/api/v1/trace";
 constexpr std::uint32_t kLongestHeader = 8192;
@@ -220,10 +221,14 @@ asio::awaitable<ControlServer::Response> ControlServer::status(const Request& re
 
 asio::awaitable<ControlServer::Response> ControlServer::health(const Request& request) {
   Question<bool> question(home_);
-  asio::post(gateway_, [take = question.taker()] { take(true); });
-  const auto now = co_await question.wait(kAnswerLimit);
-  co_return now ? answer(request, http::status::ok, {{"status", "ok"}})
-                : answer(request, http::status::service_unavailable, error_json(kNoAnswer));
+  asio::post(gateway_,
+             [&target = target_, take = question.taker()] { take(target.meets_deadlines()); });
+  const auto is_well = co_await question.wait(kAnswerLimit);
+  if (is_well && *is_well) {
+    co_return answer(request, http::status::ok, {{"status", "ok"}});
+  }
+  co_return answer(request, http::status::service_unavailable,
+                   error_json(is_well ? kOverdueText : kNoAnswer));
 }
 
 asio::awaitable<ControlServer::Response> ControlServer::clear_counters(const Request& request) {

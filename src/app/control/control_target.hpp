@@ -25,6 +25,8 @@ class ControlTarget {
   virtual ~ControlTarget() = default;
   [[nodiscard]] virtual gateway::StatusReport report_status() const = 0;
   [[nodiscard]] virtual ProcessStatus process_status() const = 0;
+  /// Is every bus looked at when it is time?
+  [[nodiscard]] virtual bool meets_deadlines() const = 0;
   /// `ended` is called once, on the same thread, perhaps at once.
   virtual void reload(ReloadEnded ended) = 0;
   virtual void clear_counters() = 0;

@@ -75,9 +75,10 @@ bool is_lately(const std::optional<Duration>& ago) { return ago && *ago < kLatel
 
 bool speaks(const DeviceStatus& device) {
   const bus::Quality quality = device.quality.quality;
-  return device.silence.transmissions() < kUnansweredInRow ||
-         device.silence.requests() < kRequestsInRow || quality == bus::Quality::no_frame ||
-         quality == bus::Quality::late;
+  const bool is_silent = device.state == DeviceStatus::State::offline ||
+                         (device.silence.transmissions() >= kUnansweredInRow &&
+                          device.silence.requests() >= kRequestsInRow);
+  return !is_silent || quality == bus::Quality::no_frame || quality == bus::Quality::late;
 }
 
 bool is_asked(const DeviceStatus& device) {
@@ -106,6 +107,7 @@ Diagnosis diagnosis_of_quality(std::string subject, const bus::QualityVerdict& v
 Together together(const StatusReport& report, std::size_t bus) {
   Together all;
   std::vector<const DeviceStatus*> asked;
+  bool has_drive = false;  // one that is asked, or that answered when it was asked last
   for (const DeviceStatus& device : report.devices) {
     if (device.bus != bus) {
       continue;
@@ -113,12 +115,12 @@ Together together(const StatusReport& report, std::size_t bus) {
     all.had_answers = all.had_answers || device.has_answered;
     all.has_names = all.has_names || !device.name.empty();
     all.are_waited_for = all.are_waited_for || is_waited_for(device);
+    has_drive = has_drive ||
+                (is_drive(device) && (is_asked(device) || (device.has_answered && speaks(device))));
     if (is_asked(device)) {
       asked.push_back(&device);
     }
   }
-  const bool has_drive =
-      std::ranges::any_of(asked, [](const DeviceStatus* device) { return is_drive(*device); });
   Duration last_fell = Duration::max();
   for (const DeviceStatus* device : asked) {
     if (!speaks(*device) && (is_drive(*device) || !has_drive)) {

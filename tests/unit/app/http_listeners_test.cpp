@@ -60,6 +60,7 @@ TEST(HttpListeners, OfWhichTheKernelChoosesThePortsAreSeveral) {
 class UnaskedTarget final : public ControlTarget {
   gateway::StatusReport report_status() const override { return {}; }
   ProcessStatus process_status() const override { return {}; }
+  [[nodiscard]] bool meets_deadlines() const override { return true; }
   void reload(ReloadEnded /*ended*/) override {}
   void clear_counters() override {}
   void set_traced(bool /*traced*/) override {}

@@ -96,6 +96,17 @@ TEST(Gateway, OpensAnAdapterAgainThatHearsNothingAndSaysSoOnce) {
                           "and ever less often until something is heard"));
 }
 
+TEST(Gateway, KnowsWhetherItIsWokenInTime) {
+  MachineRig rig;
+  gateway::Gateway& gateway = rig.harness.gateway();
+  EXPECT_TRUE(gateway.meets_deadlines(rig.now() + 1h));  // there is none
+  rig.connect(1);
+  rig.receive(1, read_request(1));
+  EXPECT_TRUE(gateway.meets_deadlines(rig.now()));
+  EXPECT_TRUE(gateway.meets_deadlines(rig.now() + 1s));
+  EXPECT_FALSE(gateway.meets_deadlines(rig.now() + 2s));
+}
+
 TEST(Gateway, ListensBeforeItTransmitsAfterOpening) {
   Settings settings = one_bus();
   settings.buses[0].listen_first.reset();  // the longest response timeout: 100 ms

@@ -62,6 +62,15 @@ TEST(OneRequest, IsADisturbanceHoweverOftenItIsRepeated) {
                           kCausesOfNoAnswer));
 }
 
+TEST(OneRequest, ThatMadeADriveOfflineIsTold) {
+  Settings settings = troubled_plant();
+  settings.devices[0].timing.retries = 2;
+  settings.devices[0].timing.offline_after = 3;
+  Trouble trouble(settings);
+  ask_silent(trouble, 1);
+  EXPECT_EQ(trouble.diagnoses().size(), 1U);
+}
+
 TEST(LateAnswer, IsTheLastOneThatCame) {
   Trouble trouble;
   ask_silent(trouble, 1);

@@ -111,6 +111,7 @@ TEST(DeadLine, IsNotHiddenByADriveThatIsSeldomAsked) {
 TEST(DeadLine, IsNoneWhereAClientTriesAddressesBesideADriveThatIsSeldomAsked) {
   Trouble trouble;
   trouble.ask_and_answer(1);
+  trouble.rig.advance(11min);
   trouble.ask_in_vain(3, 8);
   trouble.ask_in_vain(3, 9);
   EXPECT_THAT(trouble.diagnoses(),
