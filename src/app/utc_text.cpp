@@ -16,13 +16,26 @@ std::string utc_second(std::chrono::system_clock::time_point instant) {
   return text;
 }
 
-std::string utc_microsecond(std::chrono::system_clock::time_point instant) {
+namespace {
+
+/// With what follows the second, in so many `digits`.
+template <typename Fraction>
+std::string utc_text(std::chrono::system_clock::time_point instant, int digits) {
   using std::chrono::floor;
-  const auto rest =
-      floor<std::chrono::microseconds>(instant - floor<std::chrono::seconds>(instant));
+  const auto rest = floor<Fraction>(instant - floor<std::chrono::seconds>(instant));
   char text[sizeof ".123456Z"];
-  std::snprintf(text, sizeof text, ".%06dZ", static_cast<int>(rest.count()));
+  std::snprintf(text, sizeof text, ".%0*dZ", digits, static_cast<int>(rest.count()));
   return utc_second(instant) + text;
+}
+
+}  // namespace
+
+std::string utc_millisecond(std::chrono::system_clock::time_point instant) {
+  return utc_text<std::chrono::milliseconds>(instant, 3);
+}
+
+std::string utc_microsecond(std::chrono::system_clock::time_point instant) {
+  return utc_text<std::chrono::microseconds>(instant, 6);
 }
 
 }  // namespace mbgate::app

@@ -3,28 +3,14 @@
 
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
-#include <cstdio>
 
 #include "app/utc_text.hpp"
 #include "app/utf8.hpp"
 
 namespace mbgate::app {
-namespace {
-
-/// "2026-11-24T22:10:00.123Z"
-std::string instant_text(std::chrono::system_clock::time_point instant) {
-  using std::chrono::floor;
-  const auto rest =
-      floor<std::chrono::milliseconds>(instant - floor<std::chrono::seconds>(instant));
-  char milliseconds[sizeof ".123Z"];
-  std::snprintf(milliseconds, sizeof milliseconds, ".%03dZ", static_cast<int>(rest.count()));
-  return utc_second(instant) + milliseconds;
-}
-
-}  // namespace
 
 std::string event_text(const JournalEvent& event) {
-  const boost::json::object data{{"at", instant_text(event.at)},
+  const boost::json::object data{{"at", utc_millisecond(event.at)},
                                  {"level", level_word(event.level)},
                                  {"text", valid_utf8(event.text)}};
   return server_event(event.id, "journal", boost::json::serialize(data));

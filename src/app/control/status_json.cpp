@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "app/framing_word.hpp"
 #include "app/utc_text.hpp"
 #include "app/utf8.hpp"
 #include "gateway/status/diagnosis.hpp"
@@ -30,15 +31,6 @@ value milliseconds(const std::optional<gateway::Duration>& duration) {
 
 value seconds(const std::optional<gateway::Duration>& duration) {
   return duration ? value(std::chrono::duration<double>(*duration).count()) : value(nullptr);
-}
-
-const char* text_of(bus::Framing framing) {
-  switch (framing) {
-    case bus::Framing::rtu: return "rtu";
-    case bus::Framing::ascii: return "ascii";
-    case bus::Framing::tcp: return "tcp";
-  }
-  return "";
 }
 
 const char* text_of(DeviceStatus::State state) {
@@ -99,7 +91,7 @@ object counters_json(const bus::BusCounters& counters) {
 object bus_json(const BusStatus& bus) {
   object json{{"name", bus.name},
               {"line", bus.line},
-              {"discipline", text_of(bus.framing)},
+              {"discipline", framing_word(bus.framing)},
               {"baud", nullptr},
               {"format", nullptr},
               {"open", bus.is_open},

@@ -4,6 +4,7 @@
 #include <boost/json/array.hpp>
 #include <boost/json/value.hpp>
 
+#include "app/framing_word.hpp"
 #include "app/utc_text.hpp"
 #include "app/utf8.hpp"
 #include "gateway/trace/trace_text.hpp"
@@ -19,15 +20,6 @@ using gateway::ByteString;
 using gateway::WireTrace;
 using modbus::Direction;
 using std::chrono::system_clock;
-
-const char* framing_word(bus::Framing framing) {
-  switch (framing) {
-    case bus::Framing::rtu: return "rtu";
-    case bus::Framing::ascii: return "ascii";
-    case bus::Framing::tcp: return "tcp";
-  }
-  return "";
-}
 
 /// Instants of the machine as the time of day.
 class Clock {
