@@ -71,6 +71,7 @@ struct Lane {
   Instant last_stop = Instant::min();
   std::map<PduBytes, Instant> stops_done;  ///< when the device carried each out last
   Instant uncertain_at = Instant::min();   ///< nobody can tell what a frame of then answered
+  Instant changed_at = Instant::min();     ///< other settings gave its requests another meaning
   std::uint64_t stop_sent = 0;             ///< the last one sent to it
 
   /// Something of it was heard, or is not known any more.

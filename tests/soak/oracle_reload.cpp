@@ -89,6 +89,7 @@ void Oracle::take_back(Asked& asked, std::size_t bus) {
 }
 
 void Oracle::take_back(std::size_t bus, std::uint8_t address) {
+  books_[bus].lanes[address].changed_at = schedule_.now();
   for (Asked* asked : books_[bus].lanes[address].open) {
     take_back(*asked, bus);
   }
