@@ -17,16 +17,13 @@ std::optional<std::uint16_t> register_of(const modbus::Pdu& response) {
                                  : std::optional(modbus::load_be16(response.bytes(), kRegister));
 }
 
-bool is_still_asked_for(const drive::Device& device, const std::vector<std::uint16_t>& wanted) {
+// Would the device be asked this today, and for the same setting?
+bool is_still_asked(const drive::Device& device, const Transaction& question) {
   const auto* stated = device.stated_order();
-  return stated != nullptr && *stated == wanted;
-}
-
-// Does the device still tell its setting in the register that was read?
-bool is_still_there(const drive::Device& device, const modbus::Request& question) {
   const auto& told = device.profile.word_order_register;
-  const auto& read = question.reads();
-  return told && read && read->range.first == told->address;
+  const auto& read = question.request.reads();
+  return stated != nullptr && *stated == *question.must_hold && told && read &&
+         read->range.first == told->address;
 }
 
 }  // namespace
@@ -126,9 +123,9 @@ bool Outcomes::holds_what_it_must(const Transaction& question) {
   DeviceEntry& entry = parts_.devices[question.address];
   const auto setting = register_of(*question.response);
   const bool holds = setting && std::ranges::count(*question.must_hold, *setting) > 0;
-  const bool is_wanted = is_still_asked_for(*entry.device, *question.must_hold);
-  entry.setting_known = holds && is_wanted;
-  if (is_wanted && is_still_there(*entry.device, question.request)) {
+  const bool is_asked = is_still_asked(*entry.device, question);
+  entry.setting_known = holds && is_asked;
+  if (is_asked) {
     entry.setting = setting;
   }
   return holds;

@@ -57,5 +57,21 @@ TEST(ReloadOfDrives, AsksAgainThoughAQuestionOfBeforeIsAnswered) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 01 90 04"));
 }
 
+// The drive tells its order in another register now, which may hold something else.
+TEST(ReloadOfDrives, AsksAgainThoughTheRegisterOfBeforeHeldTheOrder) {
+  Settings settings = asking_plant();
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 000B 01 10 001E 0002 04 0001 0002");
+  take_requests(rig);
+  settings.devices[0].profile.word_order_register->address = 10;
+  rig.reload(settings);
+  rig.respond("01 03 02 00 85");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 90 06"));
+  rig.receive(1, "0002 0000 000B 01 10 001E 0002 04 0001 0002");
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 0A 00 01"));
+}
+
 }  // namespace
 }  // namespace mbgate::test
