@@ -163,8 +163,8 @@ void Wire::collide(Transmission& one, Transmission& other) {
 // Two drivers against each other give neither's bits. What has been delivered before cannot change.
 void Wire::garble(Transmission& transmission, Instant from, Instant to) const {
   for (std::size_t i = transmission.delivered; i < transmission.bytes.size(); ++i) {
-    const bool hit = transmission.begin + time_of(i, transmission) < to &&
-                     transmission.begin + time_of(i + 1, transmission) > from;
+    const bool hit = transmission.begin + time_of(i, transmission.from_gateway) < to &&
+                     transmission.begin + time_of(i + 1, transmission.from_gateway) > from;
     if (hit) {
       transmission.bytes[i] = static_cast<std::uint8_t>(~transmission.bytes[i]);
     }
@@ -208,11 +208,12 @@ void Wire::plan_delivery(Transmission& transmission) {
   }
   std::size_t count = done + 1;
   while (done > 0 && count < size &&
-         time_of(count, transmission) < time_of(done, transmission) + settings_.chunk) {
+         time_of(count, transmission.from_gateway) <
+             time_of(done, transmission.from_gateway) + settings_.chunk) {
     ++count;
   }
   transmission.next_count = count;
-  transmission.next_delivery = transmission.begin + time_of(count, transmission);
+  transmission.next_delivery = transmission.begin + time_of(count, transmission.from_gateway);
   if (transmission.from_gateway && settings_.echo) {
     transmission.next_delivery += settings_.echo_delay;
     echo_until_ = transmission.end + settings_.echo_delay;

@@ -82,6 +82,20 @@ struct FrameOnWire {
   std::vector<std::uint8_t> heard_by{};  ///< addresses of the devices that took it
 };
 
+/// What the gateway or a device transmits, as long as anybody has yet to hear of it.
+struct TransmissionOnWire {
+  Instant begin;
+  Instant end;
+  std::vector<std::uint8_t> bytes;
+  bool from_gateway;
+  bool understood = true;  ///< sent in the mode of its receivers
+  bool framed = false;     ///< it was handed to the devices
+  bool continued = false;  ///< the gateway's next transmission belongs to the same frame
+  std::size_t delivered = 0;
+  std::size_t next_count = 1;  ///< how many bytes will have been delivered at next_delivery
+  Instant next_delivery{};
+};
+
 class Wire {
  public:
   Wire(const WireSettings& settings, const std::vector<DeviceSettings>& devices);
@@ -106,23 +120,9 @@ class Wire {
   [[nodiscard]] std::vector<Device>& devices() { return devices_; }
 
  private:
-  struct Transmission {
-    Instant begin;
-    Instant end;
-    std::vector<std::uint8_t> bytes;
-    bool from_gateway;
-    bool understood = true;  ///< sent in the mode of its receivers
-    bool framed = false;     ///< it was handed to the devices
-    bool continued = false;  ///< the gateway's next transmission belongs to the same frame
-    std::size_t delivered = 0;
-    std::size_t next_count = 1;  ///< how many bytes will have been delivered at next_delivery
-    Instant next_delivery{};
-  };
+  using Transmission = TransmissionOnWire;
 
   [[nodiscard]] Duration time_of(std::size_t characters, bool from_gateway) const;
-  [[nodiscard]] Duration time_of(std::size_t characters, const Transmission& transmission) const {
-    return time_of(characters, transmission.from_gateway);
-  }
   [[nodiscard]] bool is_heard(const Transmission& transmission) const;
   [[nodiscard]] std::optional<Instant> event_of(const Transmission& transmission) const;
   void check_silence(Instant begin);
@@ -134,7 +134,6 @@ class Wire {
   void plan_delivery(Transmission& transmission);
   void close_frames(Instant at);
   void close_ascii_frames(Instant at);
-  static FrameOnWire join(const std::vector<Transmission*>& parts);
   void hand_to_devices(FrameOnWire frame);
   void let_answer(FrameOnWire& frame);
   void forget_what_is_over();

@@ -6,6 +6,19 @@
 #include "sim/wire/wire.hpp"
 
 namespace mbgate::sim {
+namespace {
+
+FrameOnWire join_to_frame(const std::vector<TransmissionOnWire*>& parts) {
+  FrameOnWire frame{.begin = parts.front()->begin, .end = parts.back()->end, .intact = true};
+  for (TransmissionOnWire* part : parts) {
+    frame.bytes.insert(frame.bytes.end(), part->bytes.begin(), part->bytes.end());
+    frame.intact = frame.intact && part->understood;
+    part->framed = true;
+  }
+  return frame;
+}
+
+}  // namespace
 
 void Wire::close_frames(Instant at) {
   std::vector<FrameOnWire> closed;
@@ -19,7 +32,7 @@ void Wire::close_frames(Instant at) {
       continue;
     }
     if (transmission.end + silence_ <= at) {
-      closed.push_back(join(parts));
+      closed.push_back(join_to_frame(parts));
     }
     parts.clear();
   }
@@ -49,16 +62,6 @@ void Wire::close_ascii_frames(Instant at) {
   for (FrameOnWire& frame : closed) {
     hand_to_devices(std::move(frame));
   }
-}
-
-FrameOnWire Wire::join(const std::vector<Transmission*>& parts) {
-  FrameOnWire frame{.begin = parts.front()->begin, .end = parts.back()->end, .intact = true};
-  for (Transmission* part : parts) {
-    frame.bytes.insert(frame.bytes.end(), part->bytes.begin(), part->bytes.end());
-    frame.intact = frame.intact && part->understood;
-    part->framed = true;
-  }
-  return frame;
 }
 
 void Wire::hand_to_devices(FrameOnWire frame) {
