@@ -73,7 +73,8 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--pairs", options.pairs, "so often each contestant runs, in turn")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--mbgated", options.mbgated, "the program; default: beside this one");
+  app.add_option("--mbgated", options.mbgated,
+                 "the program; default: beside this one, or as installed");
   app.add_flag("--allocations", options.allocations, "counts how often mbgated asks for memory");
   app.add_option("--json", options.json, "a file for all figures");
 }
@@ -108,13 +109,20 @@ void want_many_files() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
+/// What belongs to this program: beside it in a build, in its folder of the system when installed.
+fs::path companion(const fs::path& name, const fs::path& installed) {
+  const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
+  const fs::path beside = programs / name;
+  return fs::exists(beside) ? beside : (programs / installed / name).lexically_normal();
+}
+
 void measure(const Options& options, const std::vector<std::string>& command) {
   const WorkFolder folder;
-  const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
-  Means means{options.mbgated.empty() ? programs / "mbgated" : fs::absolute(options.mbgated),
+  Means means{options.mbgated.empty() ? companion("mbgated", MBGATE_DAEMONS_FROM_PROGRAMS)
+                                      : fs::absolute(options.mbgated),
               folder.path(), parse_commands(options.commands), std::nullopt};
   if (options.allocations) {
-    means.allocations = programs / "libmbgate-count-allocations.so";
+    means.allocations = companion("libmbgate-count-allocations.so", MBGATE_LIBRARIES_FROM_PROGRAMS);
   }
   std::vector<Contest> contests;
   contests.reserve(options.contestants.size());
