@@ -40,6 +40,7 @@ More of it; see
 .I /etc/mbgate/profiles
 Profiles of your own.
 .SH SEE ALSO
+.BR mbgate\-profile (5),
 .BR mbgated (8),
 .BR mbgatectl (1)
 """

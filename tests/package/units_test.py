@@ -1,0 +1,130 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""The units as systemd-analyze sees them: nothing to complain of, and how exposed mbgated is, as shipped and with each
+of the drop-ins for users."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+import unittest
+
+ROOT = pathlib.Path(__file__).parents[2]
+SKIPPED = 77
+UNITS = ("mbgated.service", "mbgated.socket", "mbgated-http.socket")
+
+
+def lay_out(folder, *drop_ins):
+    """The units in a folder, with programs that exist where nothing is installed; returns the service's path."""
+    folder = pathlib.Path(folder)
+    for name in UNITS:
+        text = (ROOT / "systemd" / name).read_text(encoding="utf-8")
+        text = re.sub(r"^(Exec\w+=)/usr/s?bin/mbgate\w+", r"\1/bin/true", text, flags=re.MULTILINE)
+        (folder / name).write_text(text, encoding="utf-8")
+    added = folder / "mbgated.service.d"
+    added.mkdir()
+    for name in drop_ins:
+        shutil.copy(ROOT / "systemd" / name, added)
+    return folder / "mbgated.service"
+
+
+def analyze(*arguments):
+    return subprocess.run(["systemd-analyze", *arguments], check=False, text=True, capture_output=True, timeout=60,
+                          env=os.environ | {"LC_ALL": "C.UTF-8"})
+
+
+def section(name, title):
+    """The keys of a unit's section; each with all of its values, since some are given again and again."""
+    values = {}
+    current = None
+    for line in (ROOT / "systemd" / name).read_text(encoding="utf-8").splitlines():
+        if line.startswith("["):
+            current = line.strip("[]")
+        elif current == title and "=" in line and not line.startswith("#"):
+            key, _, value = line.partition("=")
+            values.setdefault(key, []).append(value)
+    return values
+
+
+class Verify(unittest.TestCase):
+    def check(self, *drop_ins):
+        with tempfile.TemporaryDirectory() as folder:
+            lay_out(folder, *drop_ins)
+            # It exits 0 where it does not know a key: only its words say so.
+            seen = analyze("verify", "--man=no", *(str(pathlib.Path(folder) / name) for name in UNITS))
+            self.assertEqual((0, ""), (seen.returncode, seen.stderr))
+
+    def test_has_nothing_to_say_of_the_units(self):
+        self.check()
+
+    def test_has_nothing_to_say_of_the_drop_ins(self):
+        for name in ("socket-only.conf", "port-502.conf", "realtime.conf"):
+            self.check(name)
+
+    def test_names_a_key_that_is_not_known(self):
+        with tempfile.TemporaryDirectory() as folder:
+            service = lay_out(folder)
+            service.write_text(service.read_text(encoding="utf-8") + "[Service]\nPrivateUser=yes\n", encoding="utf-8")
+            self.assertIn("'PrivateUser'", analyze("verify", "--man=no", str(service)).stderr)
+
+
+class Exposure(unittest.TestCase):
+    """In tenths, as systemd-analyze takes a threshold; it is that of the unit in its file, without starting it."""
+
+    def check(self, most, *drop_ins):
+        with tempfile.TemporaryDirectory() as folder:
+            service = lay_out(folder, *drop_ins)
+            seen = analyze("security", "--offline=yes", "--no-pager", f"--threshold={most}", str(service))
+            self.assertRegex(seen.stdout, "Overall exposure level for mbgated.service: ")
+            last = seen.stdout.strip().splitlines()[-1]
+            self.assertEqual((0, ""), (seen.returncode, seen.stderr), last)
+
+    def test_as_shipped(self):
+        self.check(12)
+
+    def test_with_sockets_of_systemd_only(self):
+        self.check(5, "socket-only.conf")
+
+    def test_where_it_binds_port_502_itself(self):
+        self.check(16, "port-502.conf")
+
+    def test_with_realtime(self):
+        self.check(12, "realtime.conf")
+
+    def test_can_fail(self):
+        with self.assertRaises(AssertionError):
+            self.check(5)
+
+
+class Sockets(unittest.TestCase):
+    def test_have_the_names_that_the_shipped_configuration_has(self):
+        configuration = tomllib.loads((ROOT / "conf/mbgate.toml").read_text(encoding="utf-8"))
+        plant = {listener["name"]: listener["port"] for listener in configuration["listen"]}
+        name = section("mbgated.socket", "Socket")["FileDescriptorName"][0]
+        self.assertEqual([str(plant[name])], section("mbgated.socket", "Socket")["ListenStream"])
+        self.assertEqual(["http"], section("mbgated-http.socket", "Socket")["FileDescriptorName"])
+
+    def test_go_with_the_service_that_is_stopped(self):
+        for name in ("mbgated.socket", "mbgated-http.socket"):
+            self.assertEqual(["mbgated.service"], section(name, "Unit")["StopPropagatedFrom"])
+            self.assertEqual(["sockets.target mbgated.service"], section(name, "Install")["WantedBy"])
+
+    def test_queue_and_watch_connections_as_the_listener_does(self):
+        configuration = tomllib.loads((ROOT / "conf/mbgate.toml").read_text(encoding="utf-8"))
+        listener, socket = configuration["listen"][0], section("mbgated.socket", "Socket")
+        self.assertEqual(listener["name"], socket["FileDescriptorName"][0])
+        self.assertEqual(str(listener["backlog"]), socket["Backlog"][0])
+        self.assertEqual(listener["keepalive_idle"], socket["KeepAliveTimeSec"][0])
+        self.assertEqual(listener["keepalive_interval"], socket["KeepAliveIntervalSec"][0])
+        self.assertEqual(str(listener["keepalive_probes"]), socket["KeepAliveProbes"][0])
+
+
+if __name__ == "__main__":
+    if shutil.which("systemd-analyze") is None:
+        print("skipped: systemd-analyze is not installed")
+        sys.exit(SKIPPED)
+    unittest.main()
