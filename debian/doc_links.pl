@@ -23,6 +23,7 @@ my %place = (
   'conf/demo-sim.toml' => "$doc/examples/demo-sim.toml",
   'conf/mbgate.toml' => '/etc/mbgate/mbgate.toml',
   'conf/profiles' => '/usr/share/mbgate/profiles',
+  'conf/profiles/README.md' => "$doc/profiles/README.md",
   'docs' => "$doc/docs",
   'examples' => "$doc/examples",
   'systemd' => "$doc/examples",
