@@ -17,11 +17,11 @@ constexpr unsigned kMostCounted = 2000;
 std::size_t step_of(Duration duration) {
   const auto units = static_cast<std::uint64_t>(std::max(duration, Duration{0}) / kUnit);
   if (units < kStepsPerDoubling) {
-    return units;
+    return static_cast<std::size_t>(units);
   }
   const auto exponent = static_cast<unsigned>(std::bit_width(units)) - 1U;
-  return std::size_t{kStepsPerDoubling} * (exponent - 1U) +
-         ((units >> (exponent - 2U)) & (kStepsPerDoubling - 1U));
+  const auto place = static_cast<unsigned>(units >> (exponent - 2U)) & (kStepsPerDoubling - 1U);
+  return std::size_t{kStepsPerDoubling} * (exponent - 1U) + place;
 }
 
 Duration end_of_step(std::size_t step) {

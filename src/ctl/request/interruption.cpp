@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <ctime>
 
 namespace mbgate::ctl {
 namespace {
@@ -42,7 +43,8 @@ bool Interruption::wait_until(std::chrono::steady_clock::time_point when) const 
   while (true) {
     const nanoseconds left = std::max<nanoseconds>(when - steady_clock::now(), nanoseconds(0));
     const auto whole = floor<seconds>(left);
-    const timespec time{whole.count(), (left - whole).count()};
+    const timespec time{static_cast<std::time_t>(whole.count()),
+                        static_cast<decltype(timespec::tv_nsec)>((left - whole).count())};
     if (sigtimedwait(&signals_, nullptr, &time) > 0) {
       return true;
     }

@@ -31,7 +31,8 @@ bool wait_readable(int fd, steady_clock::time_point until) {
   while (true) {
     const auto left = std::max<nanoseconds>(until - steady_clock::now(), nanoseconds(0));
     const auto whole = std::chrono::floor<std::chrono::seconds>(left);
-    const timespec time{whole.count(), (left - whole).count()};
+    const timespec time{static_cast<std::time_t>(whole.count()),
+                        static_cast<decltype(timespec::tv_nsec)>((left - whole).count())};
     pollfd watched{fd, POLLIN, 0};
     const int ready = ::ppoll(&watched, 1, &time, nullptr);
     if (ready >= 0 || errno != EINTR) {

@@ -39,7 +39,7 @@ ClientSession::Ready ClientSession::close_answer(AnswerId id,
       ready.push_back(*adu);
     }
   } else {
-    const std::uint64_t place = static_cast<std::uint64_t>(id) - first_held_;
+    const auto place = static_cast<std::size_t>(static_cast<std::uint64_t>(id) - first_held_);
     MBGATE_ASSERT(place < held_.size() && !held_[place].done, "one answer for each request");
     Held& held = held_[place];
     held.done = true;

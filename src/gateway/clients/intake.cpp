@@ -160,7 +160,7 @@ void Intake::begin_early(ClientSession& session) const {
 Request* Intake::next_early(ClientSession& session, Instant now) {
   while (session.is_leaving || session.ahead.has_room()) {
     const std::uint64_t position = session.ahead.looking_at();
-    const std::size_t offset = position - session.position();
+    const auto offset = static_cast<std::size_t>(position - session.position());
     const modbus::MbapScan scan = modbus::scan_mbap(session.input.bytes().subspan(offset));
     if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
       session.ahead.look_past(foreign->size);

@@ -59,7 +59,9 @@ std::uint32_t milliseconds_of(bus::Duration delay) {
 /// otherwise. How the transceiver is wired is known there and not here: a wrong polarity would keep
 /// it silent, or sending for ever.
 serial_rs485 wanted_direction(serial_rs485 present, const bus::LineSettings& line) {
-  constexpr std::uint32_t kPolarity = SER_RS485_RTS_ON_SEND | SER_RS485_RTS_AFTER_SEND;
+  constexpr std::uint32_t kOnSend = SER_RS485_RTS_ON_SEND;
+  constexpr std::uint32_t kAfterSend = SER_RS485_RTS_AFTER_SEND;
+  constexpr std::uint32_t kPolarity = kOnSend | kAfterSend;
   present.flags |= SER_RS485_ENABLED;
   present.flags &= ~std::uint32_t{SER_RS485_RX_DURING_TX};
   if (line.echo.value_or(false)) {
@@ -70,8 +72,7 @@ serial_rs485 wanted_direction(serial_rs485 present, const bus::LineSettings& lin
   const bool known = polarity != 0 && polarity != kPolarity;
   if (line.rs485_rts_on_send || !known) {
     present.flags &= ~kPolarity;
-    present.flags |=
-        line.rs485_rts_on_send.value_or(true) ? SER_RS485_RTS_ON_SEND : SER_RS485_RTS_AFTER_SEND;
+    present.flags |= line.rs485_rts_on_send.value_or(true) ? kOnSend : kAfterSend;
   }
   if (line.rs485_delay_before) {
     present.delay_rts_before_send = milliseconds_of(*line.rs485_delay_before);

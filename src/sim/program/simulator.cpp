@@ -121,7 +121,7 @@ void Simulator::arm_timer() {
   if (next) {
     const auto nanoseconds = std::max(next->time_since_epoch(), Duration{1}).count();
     when.it_value.tv_sec = nanoseconds / 1'000'000'000;
-    when.it_value.tv_nsec = nanoseconds % 1'000'000'000;
+    when.it_value.tv_nsec = static_cast<decltype(timespec::tv_nsec)>(nanoseconds % 1'000'000'000);
   }
   ::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &when, nullptr);
 }
