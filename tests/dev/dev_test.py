@@ -168,12 +168,67 @@ class DevInstalls(unittest.TestCase):
     def test_nothing_for_a_wrong_command_line(self):
         machine = Machine(self)
         for arguments in ((), ("build",), ("demo", "--twice"), ("test", "--all", "--all"), ("format", "dev"),
-                          ("fuzz", "mbap", "1", "2"), ("coverage", "1", "2")):
+                          ("fuzz", "mbap", "1", "2"), ("coverage", "1", "2"), ("demo", "--tcp", "--tcp"),
+                          ("package", "arm64"), ("package", "--arch"), ("test", "--arch", "arm64", "--all")):
             status, output = machine.run(*arguments, MISSING="cmake")
             self.assertEqual(status, 2, arguments)
             self.assertIn("\n  ./dev demo [--once] ", output)
         self.assertEqual(machine.run("--help")[0], 0)
         self.assertEqual(machine.noted(), [])
+
+
+class DevGoesElsewhere(unittest.TestCase):
+    """For another processor or suite a Debian of its own is made, and nothing of it comes to this machine."""
+
+    def run_with(self, *arguments, **variables):
+        machine = Machine(self)
+        for tool in ("ls", "tar", "touch", "cp"):
+            (machine.tools / tool).symlink_to(shutil.which(tool))
+        machine.add("dpkg", "#!/bin/bash\necho amd64\n")
+        machine.add("git", "#!/bin/bash\nprintf 'dev\\0debian/control\\0'\n")
+        machine.add("mmdebstrap", NOTE + 'mkdir -p "${@: -1}"\n')
+        machine.add("unshare", NOTE + 'exit "${UNSHARE_STATUS:-0}"\n')
+        status, output = machine.run(*arguments, root=True, **variables)
+        return machine, status, output
+
+    def test_with_the_cross_compiler_of_the_processor(self):
+        machine, _, _ = self.run_with("package", "--arch", "arm64", "--suite", "bookworm")
+        root = machine.folder / "build/chroots/bookworm-arm64"
+        notes = machine.noted()
+        self.assertIn("mmdebstrap --variant=buildd --architectures=amd64,arm64 --include=ca-certificates,ccache,mold,"
+                      f"crossbuild-essential-arm64,qemu-user bookworm {root}", notes)
+        self.assertTrue((root / "mbgate/dev").exists())
+        asked = "\n".join(notes)
+        self.assertIn("apt-get --no-install-recommends -y build-dep -a arm64 -P cross,nocheck ./", asked)
+        self.assertIn("dpkg-buildpackage -us -uc -b -a arm64 -Pcross,nocheck", asked)
+
+    def test_without_one_to_another_suite(self):
+        machine, _, _ = self.run_with("test", "--suite", "trixie")
+        root = machine.folder / "build/chroots/trixie-amd64"
+        self.assertIn("mmdebstrap --variant=buildd --architectures=amd64 --include=ca-certificates,ccache,mold "
+                      f"trixie {root}", machine.noted())
+        self.assertIn(" --preset asan -B /build ", "\n".join(machine.noted()))
+
+    def test_with_the_emulator_to_the_tests(self):
+        machine, _, _ = self.run_with("test", "--arch", "armhf")
+        asked = "\n".join(machine.noted())
+        self.assertIn(" --preset armhf -B /build ", asked)
+        self.assertIn("MBGATE_EMULATOR=qemu-arm ./dev demo --once --tcp", asked)
+
+    def test_again_to_the_same_one(self):
+        machine, _, _ = self.run_with("test", "--suite", "trixie")
+        machine.run("package", "--suite", "trixie", root=True)
+        self.assertEqual(1, sum(note.startswith("mmdebstrap") for note in machine.noted()))
+
+    def test_nowhere_if_there_is_no_such_processor_or_suite(self):
+        for arguments, said in (
+            (("--arch", "mips"), 'no package is built for "mips" on amd64: only for amd64, arm64 and armhf'),
+            (("--suite", "13"), '"13" is no suite of Debian, such as bookworm or trixie'),
+        ):
+            machine, status, output = self.run_with("package", *arguments)
+            self.assertEqual(status, 1)
+            self.assertEqual(output, f"dev: {said}\n")
+            self.assertEqual(machine.noted(), [])
 
 
 class DevLooksAtFiles(unittest.TestCase):
