@@ -153,9 +153,10 @@ class DevInstalls(unittest.TestCase):
 
     def test_the_tools_that_only_a_command_needs(self):
         for command, tool in (("test", "codespell"), ("format", "clang-format-14"), ("coverage", "gcovr"),
-                              ("fuzz", "clang-19"), ("bench", "gnuplot-nox"), ("soak", "dpkg-dev")):
+                              ("fuzz", "clang-19"), ("bench", "gnuplot-nox"), ("soak", "dpkg-dev"),
+                              ("system --deb x", "mmdebstrap")):
             machine = Machine(self)
-            machine.run(command, MISSING=tool)
+            machine.run(*command.split(), MISSING=tool)
             self.assertIn(f"apt-get install --no-remove --no-install-recommends -y {tool}", machine.noted())
 
     def test_nothing_more_once_that_failed(self):
@@ -169,7 +170,8 @@ class DevInstalls(unittest.TestCase):
         machine = Machine(self)
         for arguments in ((), ("build",), ("demo", "--twice"), ("test", "--all", "--all"), ("format", "dev"),
                           ("fuzz", "mbap", "1", "2"), ("coverage", "1", "2"), ("demo", "--tcp", "--tcp"),
-                          ("package", "arm64"), ("package", "--arch"), ("test", "--arch", "arm64", "--all")):
+                          ("package", "arm64"), ("package", "--arch"), ("test", "--arch", "arm64", "--all"),
+                          ("system", "both")):
             status, output = machine.run(*arguments, MISSING="cmake")
             self.assertEqual(status, 2, arguments)
             self.assertIn("\n  ./dev demo [--once] ", output)
