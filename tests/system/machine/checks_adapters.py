@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of what an adapter does. Each returns what was seen, and raises AssertionError if that is wrong."""
 
-import threading
-
 from client import read, told, write
 
 # Of TIOCGICOUNT: what the driver counted. Root may open a port that another process has for itself.
@@ -26,8 +24,8 @@ def hot_plug(plant):
         plant.wait_until_served(unit)
     driver = guest.run("basename $(readlink /sys/class/tty/ttyUSB0/device/driver)")
     assert driver == "ftdi_sio", driver
-    return (f"usbserial not loaded at boot; 0A before; {nodes[0]} and {nodes[1]} of {driver} opened by their by-id paths "
-            "and answered")
+    return (f"usbserial not loaded at boot; 0A before; {nodes[0]} and {nodes[1]} of {driver} opened by their by-id "
+            "paths and answered")
 
 
 def settings(plant):
@@ -141,7 +139,8 @@ def unplug(plant):
     assert plant.read(1) == "0A" and plant.read(11).startswith("0302")
     assert len(plant.a.line.heard) == before, "something was sent on"
     plant.adapters.wait_until_gone(plant.a)
-    return f"the write on the wire {answers[0]}, what waited {', '.join(answers[1:])}, within a timeout of {HELD_UP}; the other line went on"
+    return (f"the write on the wire {answers[0]}, what waited {', '.join(answers[1:])}, with a timeout of {HELD_UP}; "
+            "the other line went on")
 
 
 def other_node(plant):
@@ -158,4 +157,5 @@ def other_node(plant):
         assert adapter.chip.fits(adapter.line.settings) and adapter.chip.latency == 1, adapter.chip.settings
     back = plant.journal(mark, "line-a is open|line-b is open")
     assert len(back) == 2, back
-    return f"line-a was ttyUSB0 and is {node_a}, line-b was ttyUSB1 and is {node_b}; settings and latency as before; journal: {', '.join(back)}"
+    return (f"line-a was ttyUSB0 and is {node_a}, line-b was ttyUSB1 and is {node_b}; settings and latency as before; "
+            f"journal: {', '.join(back)}")

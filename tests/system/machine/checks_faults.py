@@ -77,7 +77,7 @@ def out_of_memory(plant):
     _wait_for_restart(plant, 0)
     lines = plant.journal(mark, "oom-kill|OOM killer|status=9/KILL")
     assert lines, plant.journal(mark)
-    return f"oom_score_adj is {shipped}; made the first choice and killed by the kernel: {lines[0]}; started again, served"
+    return f"oom_score_adj was {shipped}; made the kernel's first choice: {lines[0]}; started again, served"
 
 
 def full_disk(plant):
@@ -113,8 +113,8 @@ def read_only_root(plant):
     with Poller(plant.port, POLLED, 0, VALUE) as poller:
         printed, status = plant.guest.ask("mount -o remount,ro /")
         how = "mount -o remount,ro /"
-        if status != 0:  # somebody has a file open for writing: what the kernel does after errors of the disk
-            how = "by the kernel (sysrq u)"
+        if status != 0:  # somebody has a file open for writing
+            how = f"as the kernel does it after errors of the disk ({printed.strip()})"
             plant.guest.run("echo u >/proc/sysrq-trigger")
         try:
             plant.guest.wait_for("! touch /probe 2>/dev/null", printed)

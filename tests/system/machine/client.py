@@ -19,7 +19,8 @@ class Client:
 
     def send(self, unit, pdu):
         number = next(self._numbers) & 0xFFFF
-        self._socket.sendall(number.to_bytes(2, "big") + b"\0\0" + (len(pdu) + 1).to_bytes(2, "big") + bytes([unit]) + pdu)
+        size = (len(pdu) + 1).to_bytes(2, "big")
+        self._socket.sendall(number.to_bytes(2, "big") + b"\0\0" + size + bytes([unit]) + pdu)
         return number
 
     def answer(self, number, patience=PATIENCE):

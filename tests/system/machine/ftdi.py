@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An FT232R as far as the driver can tell: rate, frame format, latency timer, errors of received characters; bytes leave
-and come at the pace of the wire."""
+"""An FT232R as far as the driver can tell: rate, frame format, latency timer, errors of received characters; bytes
+leave and come at the pace of the wire."""
 
 import asyncio
 
@@ -26,8 +26,8 @@ def rate_of(value, index):
 
 
 class Chip:
-    """One adapter. `line` hears what it sends: line.hear(chip, data). With `echo` it hears itself, as a transceiver does
-    whose receiver stays on."""
+    """One adapter. `line` hears what it sends: line.hear(chip, data). With `echo` it hears itself, as a transceiver
+    does whose receiver stays on."""
 
     def __init__(self, serial, line):
         self.serial, self._line = serial, line

@@ -44,7 +44,7 @@ class Guest:
         words = [
             "-accel tcg,thread=multi -cpu max -smp 2 -m 512 -nodefaults -no-reboot -display none",
             f"-kernel {image.kernel} -initrd {image.initrd}",
-            "-append 'console=ttyS0 quiet mitigations=off systemd.show_status=0 systemd.journald.max_level_console=emerg'",
+            "-append 'console=ttyS0 quiet mitigations=off systemd.show_status=0'",
             f"-drive file={image.disk},format=raw,if=virtio,snapshot=on",
             f"-drive file={self._payload},format=raw,if=virtio,readonly=on",
             f"-chardev file,id=console,path={self.console} -device isa-serial,chardev=console",

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The disk of the virtual machine, its kernel and what starts it: Debian's packages, and nothing of this project but the
-agent that runs what it is told."""
+"""The disk of the virtual machine, its kernel and what starts it: Debian's packages, and nothing of this project but
+the agent that runs what it is told."""
 
 import os
 import pathlib
@@ -60,8 +60,8 @@ class Image:
     def make(self):
         """True if there was something to make."""
         mark = self.folder / "made-of"
-        key = "\n".join([*self._dependencies, pathlib.Path(__file__).read_text(encoding="utf-8"),
-                         (HERE / "agent.sh").read_text(encoding="utf-8")])
+        sources = (HERE / name for name in ("image.py", "init.sh", "agent.sh", "agent.service"))
+        key = "\n".join([*self._dependencies, *(source.read_text(encoding="utf-8") for source in sources)])
         if mark.exists() and mark.read_text(encoding="utf-8") == key:
             return False
         shutil.rmtree(self.folder, ignore_errors=True)
@@ -91,9 +91,9 @@ class Image:
         modules = kernel.modules(BOOT_MODULES)
         for module in modules:
             shutil.copy(module, root / "modules")
-        init = (HERE / "init.sh").read_text(encoding="utf-8")
-        (root / "init").write_text(init.replace("@MODULES@", " ".join(module.name for module in modules)),
-                                   encoding="utf-8")
+        order = "".join(f"{module.name}\n" for module in modules)
+        (root / "modules/order").write_text(order, encoding="utf-8")
+        shutil.copy(HERE / "init.sh", root / "init")
         (root / "init").chmod(0o755)
         names = "\n".join(str(path.relative_to(root)) for path in root.rglob("*"))
         run("sh", "-c", f"cpio --quiet -o -H newc | gzip -1 >'{self.initrd.absolute()}'", cwd=root, input=names)

@@ -1,12 +1,13 @@
 #!/busybox sh
 # SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=dash
 # The first process: loads what the disk needs, and hands over to systemd on it.
 b=/busybox
 $b mkdir -p /proc /sys /dev /root
 $b mount -t proc proc /proc
 $b mount -t sysfs sysfs /sys
 $b mount -t devtmpfs dev /dev
-for module in @MODULES@; do $b insmod "/modules/$module"; done
+while read -r module; do $b insmod "/modules/$module"; done </modules/order
 i=0
 while [ ! -b /dev/vda ] && [ $i -lt 200 ]; do
   $b usleep 50000

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What every check begins with: a machine with the package, two adapters outside, and mbgated between them and us."""
 
+import json
 import re
 from time import monotonic, sleep
 
@@ -77,7 +78,9 @@ class Plant:
 
     def configure(self, line_a="", line_b=LINE_B, silent="10s"):
         """Writes the configuration; it takes effect at the next start or reload."""
-        text = CONFIGURATION.format(port=PORT, a=self.a.path, b=self.b.path, line_a=line_a, line_b=line_b, silent=silent)
+        text = CONFIGURATION.format(
+            port=PORT, a=self.a.path, b=self.b.path, line_a=line_a, line_b=line_b, silent=silent
+        )
         self.guest.write("/etc/mbgate/mbgate.toml", text)
 
     def restart(self):
@@ -120,17 +123,24 @@ class Plant:
 
     def wait_for_waiting(self, bus, count):
         """Until so many requests wait for this bus."""
-        shape = f"mbgatectl status --json | tr -d ' \\n' | grep -Eo '\"name\":\"{bus}\".*' | grep -Eo '\"waiting\":[0-9]+' | head -1"
-        self.guest.wait_for(f"test $({shape} | cut -d: -f2) -ge {count}", f"{count} requests wait for {bus}")
+        end = monotonic() + 60
+        while True:
+            status = json.loads(self.guest.run("mbgatectl status --json"))
+            waiting = next(each["waiting"] for each in status["buses"] if each["name"] == bus)
+            if waiting >= count:
+                return
+            assert monotonic() < end, f"{waiting} requests wait for {bus}, not {count}"
+            sleep(0.1)
 
     def mark(self):
-        """A place in the journal."""
-        return self.guest.run("journalctl -n 0 --show-cursor | sed -n 's/^-- cursor: //p'")
+        """A place in the journal, which setting the clock does not move."""
+        return float(self.guest.run("cut -d' ' -f1 /proc/uptime"))
 
-    def journal(self, mark, pattern=".*"):
+    def journal(self, mark, pattern=""):
         """What mbgated and systemd said of it since then, where it matches."""
-        printed = self.guest.run(f"journalctl -u mbgated -o cat --after-cursor='{mark}' --no-pager")
-        return [line for line in printed.splitlines() if re.search(pattern, line)]
+        printed = self.guest.run("journalctl -u mbgated -o short-monotonic --no-hostname --no-pager -q")
+        lines = [re.match(r"\[ *([0-9.]+)\] \S+: (.*)", line) for line in printed.splitlines()]
+        return [line[2] for line in lines if line and float(line[1]) >= mark and re.search(pattern, line[2])]
 
     def status(self):
         return self.guest.run("mbgatectl status")
