@@ -78,7 +78,7 @@ HttpListeners::HttpListeners(boost::asio::io_context& context, Log& log, Control
                  [this](ListenerId id, tcp::acceptor acceptor) {
                    const std::string failure = control_.listen_on(id, std::move(acceptor));
                    if (!failure.empty()) {
-                     log_.write(Level::error, failure);
+                     log_.write(Level::error, failure, {.id = message_id::kControlFailed});
                    }
                  },
                  bind_http, {.promise = "it is tried again"}) {}

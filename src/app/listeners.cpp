@@ -31,7 +31,8 @@ bool Listeners::begin(const std::vector<ListenerSettings>& listeners,
   for (const auto& socket : inherited) {
     if (socket.fd.is_open()) {
       log_.write(Level::warning,
-                 "the socket \"" + socket.name + "\" from systemd has the name of no listener");
+                 "the socket \"" + socket.name + "\" from systemd has the name of no listener",
+                 {.id = message_id::kSocketUnknown});
     }
   }
   return all;
@@ -59,19 +60,22 @@ bool Listeners::keep(ListenerId id, const ListenerSettings& listener,
   }
   const auto& failure = acceptor.error();
   if (!failure.absent) {
-    log_.write(Level::error, failure.why);
+    log_.write(Level::error, failure.why,
+               {.id = message_id::kListenerRefused, .listener = listener.name});
     return false;
   }
-  log_.write(Level::warning, failure.why + "; " + waits_.promise);
+  log_.write(Level::warning, failure.why + "; " + waits_.promise,
+             {.id = message_id::kListenerWaits, .listener = listener.name});
   waiting_.push_back({id, listener, failure.why});
   return true;
 }
 
 void Listeners::add(ListenerId id, const ListenerSettings& listener, Acceptor acceptor) {
-  std::string line = "listening " + listener.name + " " + io::to_text(acceptor.local_endpoint());
+  Line line{"listening " + listener.name + " " + io::to_text(acceptor.local_endpoint()),
+            {.id = message_id::kListening, .listener = listener.name}};
   take_(id, std::move(acceptor));
   if (started_) {
-    log_.print(std::move(line));
+    log_.print(std::move(line.text), line.topic);
   } else {
     lines_.push_back(std::move(line));
   }
@@ -80,7 +84,7 @@ void Listeners::add(ListenerId id, const ListenerSettings& listener, Acceptor ac
 void Listeners::start() {
   started_ = true;
   for (auto& line : std::exchange(lines_, {})) {
-    log_.print(std::move(line));
+    log_.print(std::move(line.text), line.topic);
   }
   keep_trying();
 }
@@ -149,7 +153,8 @@ bool Listeners::open_all(const std::vector<std::size_t>& wanted,
   for (const std::size_t i : wanted) {
     bound.push_back(bind_(context_, settings[i]));
     if (!bound.back() && !bound.back().error().absent) {
-      log_.write(Level::error, bound.back().error().why);
+      log_.write(Level::error, bound.back().error().why,
+                 {.id = message_id::kListenerRefused, .listener = settings[i].name});
       all = false;
     }
   }
@@ -172,7 +177,8 @@ bool Listeners::try_again(Waiting& waiting) {
   }
   // The address may have come with somebody else on its port. That ends nobody who is served.
   if (std::exchange(waiting.said, acceptor.error().why) != acceptor.error().why) {
-    log_.write(Level::warning, acceptor.error().why + "; it is tried again");
+    log_.write(Level::warning, acceptor.error().why + "; it is tried again",
+               {.id = message_id::kListenerWaits, .listener = waiting.listener.name});
   }
   return false;
 }

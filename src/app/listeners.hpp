@@ -71,6 +71,10 @@ class Listeners {
     gateway::ListenerSettings listener;
     std::string said;  ///< in the journal already
   };
+  struct Line {
+    std::string text;
+    Topic topic;
+  };
 
   bool listen(gateway::ListenerId id, const gateway::ListenerSettings& listener,
               std::vector<InheritedSocket>& inherited);
@@ -93,7 +97,7 @@ class Listeners {
   ListenerWaits waits_;
   boost::asio::steady_timer timer_;
   bool started_ = false;
-  std::vector<std::string> lines_;  ///< to be printed by start()
+  std::vector<Line> lines_;  ///< to be printed by start()
   std::vector<Waiting> waiting_;
   bool trying_ = false;
   std::set<gateway::ListenerId> inherited_;  ///< their sockets are systemd's

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/log.hpp"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cerrno>
-#include <cstdlib>
 #include <future>
 #include <memory>
 #include <string_view>
@@ -42,27 +41,20 @@ const char* level_word(Level level) {
   return "";
 }
 
-bool is_standard_error_the_journal() {
-  const char* const stream = std::getenv("JOURNAL_STREAM");
-  struct stat status {};
-  if (stream == nullptr || ::fstat(STDERR_FILENO, &status) != 0) {
-    return false;
-  }
-  return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
-}
-
 std::string log_line(Level level, const std::string& text, bool for_journal) {
   return for_journal ? "<" + std::to_string(static_cast<int>(level)) + ">" + text
                      : std::string(level_word(level)) + ": " + text;
 }
 
-Log::Log(bool for_journal, int descriptor) : for_journal_(for_journal), descriptor_(descriptor) {}
+Log::Log(bool for_journal, int descriptor, Send send)
+    : for_journal_(for_journal), descriptor_(descriptor), send_(std::move(send)) {}
 
-void Log::write(Level level, const std::string& text) {
-  give(level, text, log_line(level, text, for_journal_));
+void Log::write(Level level, const std::string& text, const Topic& topic) {
+  give(level, text, log_line(level, text, for_journal_), topic);
 }
 
-void Log::write_limited(Level level, const std::string& kind, const std::string& text) {
+void Log::write_limited(Level level, const std::string& kind, const std::string& text,
+                        const Topic& topic) {
   const auto verdict = limit_.count(kind, io::now());
   if (!verdict.write) {
     return;
@@ -74,29 +66,32 @@ void Log::write_limited(Level level, const std::string& kind, const std::string&
   if (verdict.last) {
     line += " (more of this kind within a minute are only counted)";
   }
-  write(level, line);
+  write(level, line, topic);
 }
 
-void Log::print(std::string line) {
+void Log::print(std::string line, const Topic& topic) {
   const std::string text = line;
-  give(Level::info, text, std::move(line));
+  give(Level::info, text, std::move(line), topic);
 }
 
-void Log::give(Level level, const std::string& text, std::string line) {
+void Log::give(Level level, const std::string& text, std::string line, const Topic& topic) {
   if (waiting_ >= kMostWaiting) {
     ++lost_;
     return;
   }
-  line += '\n';
+  std::vector<Entry> entries{entry_of(level, text, std::move(line), topic)};
   std::string missing;
   if (lost_ > 0) {
     missing = std::to_string(std::exchange(lost_, 0)) +
-              " lines are missing here: standard error did not take them";
-    line += log_line(Level::warning, missing, for_journal_) + '\n';
+              " lines are missing here: " + (for_journal_ ? "the journal" : "standard error") +
+              " did not take them";
+    entries.push_back(entry_of(Level::warning, missing,
+                               log_line(Level::warning, missing, for_journal_),
+                               {.id = message_id::kLinesMissing}));
   }
   ++waiting_;
-  boost::asio::post(writer_, [this, line = std::move(line)] {
-    write_all(descriptor_, line);
+  boost::asio::post(writer_, [this, entries = std::move(entries)] {
+    std::ranges::for_each(entries, [this](const Entry& entry) { deliver(entry); });
     --waiting_;
   });
   if (observer_) {
@@ -104,6 +99,19 @@ void Log::give(Level level, const std::string& text, std::string line) {
     if (!missing.empty()) {
       observer_(Level::warning, missing);
     }
+  }
+}
+
+Log::Entry Log::entry_of(Level level, const std::string& text, std::string line,
+                         const Topic& topic) const {
+  line += '\n';
+  return {for_journal_ ? journal_fields(level, text, topic) : std::vector<std::string>(),
+          std::move(line)};
+}
+
+void Log::deliver(const Entry& entry) const {
+  if (!for_journal_ || !send_(entry.fields)) {
+    write_all(descriptor_, entry.line);
   }
 }
 

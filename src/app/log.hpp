@@ -1,33 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lines for the operator, on standard error: with a priority prefix if the journal reads it,
-// otherwise with a word. A thread of its own writes them, because a blocked journal must not stop a
-// bus.
+// Lines for the operator: entries with fields if the journal reads standard error, otherwise lines
+// there with a word before them. A thread of its own writes them, because a blocked journal must
+// not stop a bus.
 #pragma once
 
 #include <atomic>
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "app/journal/entry.hpp"
+#include "app/journal/journal.hpp"
 #include "app/rate_limit.hpp"
 
 namespace mbgate::app {
 
-/// The numbers are those of syslog(3).
-enum class Level : std::uint8_t { error = 3, warning = 4, notice = 5, info = 6 };
-
 /// "error", "warning", "notice" or "info".
 const char* level_word(Level level);
 
-/// Is standard error the stream that systemd connected to the journal (JOURNAL_STREAM in
-/// systemd.exec)?
-bool is_standard_error_the_journal();
-
-/// One line without its end: "<4>text" for the journal, "warning: text" for people.
+/// One line without its end: "<4>text" for what reads standard error in place of the journal (see
+/// sd-daemon(3)), "warning: text" for people.
 std::string log_line(Level level, const std::string& text, bool for_journal);
 
 class Log {
@@ -36,28 +32,43 @@ class Log {
   /// takes is info: so the journal has it.
   using Observer = std::function<void(Level, const std::string& text)>;
 
-  explicit Log(bool for_journal, int descriptor = 2);
+  /// send_to_journal(), or a test's replacement for it.
+  using Send = std::function<bool(const std::vector<std::string>& fields)>;
+
+  /// What the journal cannot be sent is written to the descriptor.
+  explicit Log(bool for_journal, int descriptor = 2, Send send = send_to_journal);
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
   ~Log() = default;
 
-  void write(Level level, const std::string& text);
+  void write(Level level, const std::string& text, const Topic& topic = {});
   /// The same, at most ten times a minute for one `kind`. Further lines are counted, and the count
   /// is written.
-  void write_limited(Level level, const std::string& kind, const std::string& text);
+  void write_limited(Level level, const std::string& kind, const std::string& text,
+                     const Topic& topic = {});
   /// One at a time; an empty one ends it.
   void observe(Observer observer) { observer_ = std::move(observer); }
-  /// The line exactly as it is.
-  void print(std::string line);
-  /// Waits until all lines are written. False if that takes longer than `limit`.
+  /// The line exactly as it is; for the journal it is info.
+  void print(std::string line, const Topic& topic = {});
+  /// Waits until all lines are written. False if that takes longer than `limit`: then only
+  /// std::_Exit() ends the process, because the writer waits for the journal.
   bool flush(std::chrono::milliseconds limit);
 
  private:
-  /// `line` is `text` as it is written.
-  void give(Level level, const std::string& text, std::string line);
+  /// `line` is `text` as it is written on standard error.
+  void give(Level level, const std::string& text, std::string line, const Topic& topic);
+  /// Made on the thread that hands it in, so that the writer needs no memory.
+  struct Entry {
+    std::vector<std::string> fields;  ///< empty if it is not for the journal
+    std::string line;
+  };
+  [[nodiscard]] Entry entry_of(Level level, const std::string& text, std::string line,
+                               const Topic& topic) const;
+  void deliver(const Entry& entry) const;
 
   bool for_journal_;
   int descriptor_;
+  Send send_;
   RateLimit limit_;
   Observer observer_;
   std::atomic<std::size_t> waiting_ = 0;  ///< lines that the writer has not written yet

@@ -48,10 +48,12 @@ struct RecordingBegun {
 void lock_memory(Log& log) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY) {
-    log.write(Level::warning, "lock_memory: not done: the unit needs LimitMEMLOCK=infinity");
+    log.write(Level::warning, "lock_memory: not done: the unit needs LimitMEMLOCK=infinity",
+              {.id = message_id::kMemoryNotLocked});
   } else if (::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
     log.write(Level::warning,
-              "lock_memory: not possible: " + std::generic_category().message(errno));
+              "lock_memory: not possible: " + std::generic_category().message(errno),
+              {.id = message_id::kMemoryNotLocked});
   }
 }
 
@@ -85,7 +87,8 @@ int serve(gateway::Settings settings, const Options& options, const std::string&
     std::optional<io::Recorder> recorder;
     if (recording) {
       recorder.emplace(std::move(recording->file), recording->head, [&](const std::string& why) {
-        log.write(Level::warning, "the recording has ended: " + why);
+        log.write(Level::warning, "the recording has ended: " + why,
+                  {.id = message_id::kRecordingEnded});
       });
     }
     const auto read = [options] {
@@ -101,15 +104,27 @@ int serve(gateway::Settings settings, const Options& options, const std::string&
     Service service(std::move(settings), about, read, log, recorder ? &*recorder : nullptr);
     status = service.run();
     if (recorder && !recorder->close(kRecordingFlush)) {
-      log.write(Level::warning, "the recording is not complete");
+      log.write(Level::warning, "the recording is not complete",
+                {.id = message_id::kRecordingEnded});
     }
   } catch (const std::exception& exception) {
-    log.write(Level::error, std::string("fatal: ") + exception.what());
+    log.write(Level::error, std::string("fatal: ") + exception.what(), {.id = message_id::kFatal});
   }
   if (!log.flush(kLogFlush)) {
     std::_Exit(status);
   }
   return status;
+}
+
+/// What is wrong was written to standard error line by line. An entry of its own can be searched
+/// for, and says what to do.
+void tell_journal_of_wrong_configuration() {
+  Log log(true);
+  log.write(Level::error, "the configuration is wrong: mbgated does not start",
+            {.id = message_id::kStartRefused});
+  if (!log.flush(kLogFlush)) {
+    std::_Exit(EX_CONFIG);
+  }
 }
 
 Result<RecordingBegun, std::string> begin_recording(const Options& options,
@@ -138,6 +153,9 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
   config::Loaded& loaded = configuration.loaded;
   std::cerr << config::render(loaded.diagnostics) << std::flush;
   if (!loaded.settings) {
+    if (!options.check && !options.print && is_standard_error_the_journal()) {
+      tell_journal_of_wrong_configuration();
+    }
     return options.text ? EX_USAGE : EX_CONFIG;
   }
   if (options.print) {

@@ -11,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "app/journal/event_topic.hpp"
 #include "app/systemd.hpp"
 #include "app/text.hpp"
 #include "io/clients/descriptors.hpp"
@@ -85,7 +86,8 @@ Service::~Service() { log_.observe({}); }
 int Service::run() {
   const auto descriptors = io::room_for_clients(driver_.settings(), io::raise_descriptor_limit());
   if (descriptors.shortage) {
-    log_.write(descriptors.clients == 0 ? Level::error : Level::warning, *descriptors.shortage);
+    log_.write(descriptors.clients == 0 ? Level::error : Level::warning, *descriptors.shortage,
+               {.id = message_id::kTooFewDescriptors});
   }
   auto inherited = take_inherited_sockets();
   http_.take(driver_.settings(), inherited);
@@ -123,7 +125,7 @@ boost::asio::awaitable<void> Service::wait_for_signal() {
 }
 
 void Service::stop() {
-  log_.write(Level::info, "stopping");
+  log_.write(Level::info, "stopping", {.id = message_id::kStopping});
   status_timer_.cancel();
   ready_ = false;
   notify_stopping();
@@ -136,13 +138,15 @@ void Service::on_event(const gateway::Event& event) {
   if (const auto* const opened = std::get_if<gateway::BusOpened>(&event)) {
     failures_[static_cast<std::size_t>(opened->bus)].clear();
   }
-  log_.write_limited(level_of(event), kind_of(event), to_text(event, driver_.settings()));
+  log_.write_limited(level_of(event), kind_of(event), to_text(event, driver_.settings()),
+                     topic_of(event, driver_.settings()));
 }
 
 void Service::on_line_warning(BusId bus, const std::string& warning) {
   const std::string text = bus_text(bus, warning);
   if (warnings_.insert(text).second) {
-    log_.write(Level::warning, text);
+    log_.write(Level::warning, text,
+               {.id = message_id::kLineWarning, .bus = driver_.settings().bus(bus).name});
   }
 }
 
@@ -150,14 +154,17 @@ void Service::on_line_failure(BusId bus, const std::string& why) {
   if (failures_[static_cast<std::size_t>(bus)].insert(why).second) {
     log_.write_limited(Level::warning,
                        "line failure " + std::to_string(static_cast<std::uint32_t>(bus)),
-                       bus_text(bus, why));
+                       bus_text(bus, why),
+                       {.id = message_id::kLineFailure, .bus = driver_.settings().bus(bus).name});
   }
 }
 
 void Service::on_accept_failure(ListenerId listener, const std::string& why) {
-  log_.write_limited(
-      Level::error, "accept failure " + std::to_string(static_cast<std::uint32_t>(listener)),
-      "listener " + driver_.settings().listener(listener).name + ": cannot accept clients: " + why);
+  const std::string& name = driver_.settings().listener(listener).name;
+  log_.write_limited(Level::error,
+                     "accept failure " + std::to_string(static_cast<std::uint32_t>(listener)),
+                     "listener " + name + ": cannot accept clients: " + why,
+                     {.id = message_id::kAcceptFailed, .listener = name});
 }
 
 void Service::on_status_changed() {
@@ -199,16 +206,19 @@ ProcessStatus Service::process_status() const {
 
 void Service::clear_counters() {
   driver_.clear_counters();
-  log_.write(Level::notice, "counters cleared by the control socket");
+  log_.write(Level::notice, "counters cleared by the control socket",
+             {.id = message_id::kCountersCleared});
 }
 
 void Service::control_failed(const std::string& why) {
-  log_.write(Level::error, "a connection to the control socket has failed: " + why);
+  log_.write(Level::error, "a connection to the control socket has failed: " + why,
+             {.id = message_id::kControlFailed});
 }
 
 void Service::http_refused(const std::string& address) {
   log_.write_limited(Level::warning, "http refused",
-                     "http: " + address + " may not read, it is not in [http] allow");
+                     "http: " + address + " may not read, it is not in [http] allow",
+                     {.id = message_id::kHttpRefused, .client = address});
 }
 
 // Drives are served without it too. Where the folder of the default path is not there, nobody asked
@@ -231,7 +241,7 @@ void Service::start_control() {
   }
   const std::string failure = control_.listen_at(path);
   if (!failure.empty()) {
-    log_.write(Level::warning, failure);
+    log_.write(Level::warning, failure, {.id = message_id::kControlFailed});
   }
 }
 

@@ -78,7 +78,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   /// Puts these settings into force. False if they cannot be: the journal says why.
   bool change(const Configuration& read);
   /// For the journal, and for those who asked for the reload.
-  void say_of_reload(Level level, const std::string& text);
+  void say_of_reload(Level level, const std::string& text, MessageId id);
   void end_reload(bool done);
   void start_control();
   void send_status();

@@ -24,7 +24,8 @@ void Service::begin_reload() {
   reload_waiting_ = std::exchange(reload_asked_, {});
   reloading_ = blocking_.run(read_, [this](const Configuration& read) { finish_reload(read); });
   if (!reloading_) {
-    say_of_reload(Level::error, "the configuration stays as it is: no thread to read it on");
+    say_of_reload(Level::error, "the configuration stays as it is: no thread to read it on",
+                  message_id::kConfigurationKept);
     end_reload(false);
   }
 }
@@ -45,8 +46,8 @@ void Service::end_reload(bool done) {
   }
 }
 
-void Service::say_of_reload(Level level, const std::string& text) {
-  log_.write(level, text);
+void Service::say_of_reload(Level level, const std::string& text, MessageId id) {
+  log_.write(level, text, {.id = id});
   reload_messages_.push_back(text);
 }
 
@@ -65,7 +66,8 @@ void Service::finish_reload(const Configuration& read) {
   }
   const auto end = [this](bool done) {
     if (!done) {
-      say_of_reload(Level::error, "the configuration stays as it is");
+      say_of_reload(Level::error, "the configuration stays as it is",
+                    message_id::kConfigurationKept);
     }
     end_reload(done);
   };
@@ -89,12 +91,12 @@ void Service::finish_reload(const Configuration& read) {
 
 bool Service::is_sound(const Configuration& read) {
   if (!read.failure.empty()) {
-    say_of_reload(Level::error, read.failure);
+    say_of_reload(Level::error, read.failure, message_id::kConfigurationWrong);
     return false;
   }
   for (const auto& diagnostic : read.loaded.diagnostics) {
     say_of_reload(diagnostic.severity == config::Severity::error ? Level::error : Level::warning,
-                  config::headline(diagnostic));
+                  config::headline(diagnostic), message_id::kConfigurationWrong);
   }
   return read.loaded.settings.has_value();
 }
@@ -114,14 +116,17 @@ bool Service::change(const Configuration& read) {
   }
   const auto changes = changes_between(before, next);
   for (const auto& change : changes) {
-    say_of_reload(Level::notice, "reload: " + change);
+    say_of_reload(Level::notice, "reload: " + change, message_id::kConfigurationChanged);
   }
-  say_of_reload(Level::info, changes.empty() ? "reload: nothing has changed" : "reload: done");
+  say_of_reload(Level::info, changes.empty() ? "reload: nothing has changed" : "reload: done",
+                message_id::kConfigurationInForce);
   if (before.lock_memory != next.lock_memory) {
-    say_of_reload(Level::warning, "reload: lock_memory takes effect at the next start");
+    say_of_reload(Level::warning, "reload: lock_memory takes effect at the next start",
+                  message_id::kConfigurationNextStart);
   }
   if (before.control_socket != next.control_socket) {
-    say_of_reload(Level::warning, "reload: [http] socket takes effect at the next start");
+    say_of_reload(Level::warning, "reload: [http] socket takes effect at the next start",
+                  message_id::kConfigurationNextStart);
   }
   return true;
 }

@@ -77,7 +77,7 @@ IMPURE_WORDS = re.compile(r"_clock::now\b|\bclock_gettime\b|\bgetenv\b|\bstd::ra
 LIBRARIES = (
     (r"boost/asio", r"src/(io|app)/|src/(sim|ctl)/(main|shell|.*_shell|pty.*)\.|tests/unit/(io|app)/"),
     (r"toml\+\+", r"src/config/toml/toml_reader\."),
-    (r"systemd/", r"src/app/(systemd|log)\."),
+    (r"systemd/", r"src/app/(systemd|journal/journal)\."),
     (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),
     (r"n?curses|term\.h", r"src/ctl/control/screen_shell\."),
     (r"CLI/", r"src/(app|ctl|sim)/(command_line|main)\.|src/ctl/options/|bench/main\."),

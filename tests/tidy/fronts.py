@@ -7,6 +7,7 @@ HERE = "tests/tidy/fronts.py"
 # the folders in it, are its own; its tests see them, and those that stand beside the folders of tests/unit/MODULE.
 FRONTS = {
     "app/control": {"control"},
+    "app/journal": {"entry", "event_topic", "journal"},
     "app/trace": {"trace_filter", "trace_json", "trace_ring"},
     "bus/health": {"adapter_watch", "device_table", "line_diagnosis", "line_quality", "probes"},
     "bus/queue": {"admission", "bus_queue", "stop_lane", "stop_order", "turn_book"},

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <csignal>
+#include <future>
 
 #include "io/unique_fd.hpp"
 
@@ -102,6 +103,60 @@ TEST_F(LogTest, TellsItsObserverNothingOfLinesThatAreNotWritten) {
   EXPECT_GE(told, 1000);
   EXPECT_LT(told, 3000);
   read_end_.reset();  // the writer gets an error instead of waiting
+}
+
+TEST_F(LogTest, SendsEntriesToTheJournal) {
+  std::vector<std::vector<std::string>> sent;
+  Log log(true, write_end_.get(), [&](const std::vector<std::string>& fields) {
+    sent.push_back(fields);
+    return true;
+  });
+  log.print("listening plant 127.0.0.1:502", {.id = {"0011"}, .listener = "plant"});
+  log.write(Level::notice, "bus line-a is open", {.bus = "line-a"});
+  log.write_limited(Level::warning, "refused", "client refused", {.client = "192.168.10.5"});
+  ASSERT_TRUE(log.flush(kLimit));
+  const std::string identifier = "SYSLOG_IDENTIFIER=mbgated";
+  EXPECT_EQ(
+      sent,
+      (std::vector<std::vector<std::string>>{
+          {"MESSAGE=listening plant 127.0.0.1:502", "PRIORITY=6", identifier, "MESSAGE_ID=0011",
+           "MBGATE_LISTENER=plant"},
+          {"MESSAGE=bus line-a is open", "PRIORITY=5", identifier, "MBGATE_BUS=line-a"},
+          {"MESSAGE=client refused", "PRIORITY=4", identifier, "MBGATE_CLIENT=192.168.10.5"}}));
+  write_end_.reset();
+  EXPECT_EQ(written(), "");
+}
+
+TEST_F(LogTest, WritesToStandardErrorWhatTheJournalDoesNotTake) {
+  Log log(true, write_end_.get(), [](const std::vector<std::string>&) { return false; });
+  log.write(Level::warning, "bus line-a is lost", {.bus = "line-a"});
+  log.print("listening plant 127.0.0.1:502");
+  ASSERT_TRUE(log.flush(kLimit));
+  EXPECT_EQ(written(), "<4>bus line-a is lost\nlistening plant 127.0.0.1:502\n");
+}
+
+TEST_F(LogTest, CountsWhatAJournalThatBlocksDoesNotTake) {
+  std::promise<void> opened;
+  const auto open = opened.get_future().share();
+  std::vector<std::string> sent;
+  Log log(true, write_end_.get(), [&, open](const std::vector<std::string>& fields) {
+    open.wait();
+    sent.push_back(fields.front());
+    return true;
+  });
+  for (int i = 0; i < 1500; ++i) {
+    log.write(Level::notice, "line");
+  }
+  EXPECT_FALSE(log.flush(std::chrono::milliseconds(1)));
+  opened.set_value();
+  ASSERT_TRUE(log.flush(kLimit));
+  EXPECT_EQ(sent.size(), 1000U);
+  log.write(Level::notice, "last");
+  ASSERT_TRUE(log.flush(kLimit));
+  EXPECT_EQ(
+      std::vector(sent.begin() + 1000, sent.end()),
+      (std::vector<std::string>{
+          "MESSAGE=last", "MESSAGE=500 lines are missing here: the journal did not take them"}));
 }
 
 TEST_F(LogTest, DoesNotBlockWhenNobodyReads) {

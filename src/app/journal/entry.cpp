@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/journal/entry.hpp"
+
+namespace mbgate::app {
+
+std::vector<std::string> journal_fields(Level level, const std::string& text, const Topic& topic) {
+  std::vector<std::string> fields{
+      "MESSAGE=" + text,
+      "PRIORITY=" + std::to_string(static_cast<int>(level)),
+      "SYSLOG_IDENTIFIER=mbgated",
+  };
+  const auto add = [&](const char* name, std::string_view value) {
+    if (!value.empty()) {
+      fields.push_back(std::string(name) + '=' + std::string(value));
+    }
+  };
+  add("MESSAGE_ID", topic.id.hex);
+  add("MBGATE_BUS", topic.bus);
+  add("MBGATE_DEVICE", topic.device);
+  add("MBGATE_ADDRESS", topic.address);
+  add("MBGATE_CLIENT", topic.client);
+  add("MBGATE_LISTENER", topic.listener);
+  return fields;
+}
+
+}  // namespace mbgate::app

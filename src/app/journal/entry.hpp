@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// An entry of the journal as its fields: what `journalctl MBGATE_BUS=axes` and `journalctl -x` go
+// by.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "app/journal/message_id.hpp"
+
+namespace mbgate::app {
+
+/// The numbers are those of syslog(3).
+enum class Level : std::uint8_t { error = 3, warning = 4, notice = 5, info = 6 };
+
+/// What an entry is about, as far as there is such a thing.
+struct Topic {
+  MessageId id{};
+  std::string bus{};
+  std::string device{};   ///< of the configuration
+  std::string address{};  ///< of the device on its bus
+  std::string client{};   ///< its address
+  std::string listener{};
+};
+
+/// "MESSAGE=text" and the others; those of the topic that are empty are left out.
+std::vector<std::string> journal_fields(Level level, const std::string& text, const Topic& topic);
+
+}  // namespace mbgate::app

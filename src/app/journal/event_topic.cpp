@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/journal/event_topic.hpp"
+
+#include <algorithm>
+
+namespace mbgate::app {
+namespace {
+
+MessageId id_of_fault(bus::LineFault fault) {
+  switch (fault) {
+    case bus::LineFault::echo_differed: return message_id::kEchoDiffered;
+    case bus::LineFault::framing_lost: return message_id::kFramingLost;
+    case bus::LineFault::echo_found: return message_id::kEchoFound;
+    case bus::LineFault::echo_gone: return message_id::kEchoGone;
+    case bus::LineFault::echo_denied: return message_id::kEchoDenied;
+    case bus::LineFault::echo_unproven: return message_id::kEchoUnproven;
+    case bus::LineFault::answered_while_sending: return message_id::kAnsweredWhileSending;
+    case bus::LineFault::unanswered: return message_id::kLineUnanswered;
+  }
+  return {};
+}
+
+MessageId id_of_notice(const bus::DeviceNotice& notice) {
+  using Kind = bus::DeviceNotice::Kind;
+  switch (notice.kind) {
+    case Kind::lost:
+      return notice.answered_before ? message_id::kDeviceLost : message_id::kDeviceNeverAnswered;
+    case Kind::back: return message_id::kDeviceBack;
+    case Kind::late: return message_id::kDeviceLate;
+    case Kind::early: return message_id::kDeviceEarly;
+    case Kind::foreign:
+      return notice.is_request ? message_id::kForeignRequest : message_id::kForeignFrame;
+    case Kind::second_answer: return message_id::kSecondAnswer;
+    case Kind::stop_unanswered: return message_id::kStopUnanswered;
+    case Kind::stop_forced: return message_id::kStopForced;
+  }
+  return {};
+}
+
+MessageId id_of_quality(const bus::QualityNotice& notice) {
+  switch (notice.verdict.quality) {
+    case bus::Quality::unknown:
+    case bus::Quality::good: return message_id::kQualityGood;
+    case bus::Quality::bad_crc:
+      return notice.address ? message_id::kDeviceBadCrc : message_id::kLineBadCrc;
+    case bus::Quality::no_frame: return message_id::kNoFrame;
+    case bus::Quality::late: return message_id::kLateAnswers;
+  }
+  return {};
+}
+
+MessageId id_of_outcome(gateway::FailsafeOutcome outcome) {
+  switch (outcome) {
+    case gateway::FailsafeOutcome::sent: return message_id::kFailsafeSent;
+    case gateway::FailsafeOutcome::waits: return message_id::kFailsafeWaits;
+    case gateway::FailsafeOutcome::client_back: return message_id::kFailsafeClientBack;
+    case gateway::FailsafeOutcome::given_up: return message_id::kFailsafeGivenUp;
+    case gateway::FailsafeOutcome::device_gone: return message_id::kFailsafeDeviceGone;
+  }
+  return {};
+}
+
+MessageId id_of_refusal(gateway::RefusalReason reason) {
+  switch (reason) {
+    case gateway::RefusalReason::not_allowed: return message_id::kClientNotAllowed;
+    case gateway::RefusalReason::full: return message_id::kClientNoRoom;
+    case gateway::RefusalReason::stopping: return message_id::kClientWhileStopping;
+  }
+  return {};
+}
+
+struct EventTopic {
+  const gateway::Settings& settings;
+
+  Topic operator()(const gateway::BusOpened& e) const { return on_bus(message_id::kBusOpened, e); }
+  Topic operator()(const gateway::BusLost& e) const { return on_bus(message_id::kBusLost, e); }
+  Topic operator()(const gateway::AdapterSilent& e) const {
+    return on_bus(message_id::kAdapterSilent, e);
+  }
+  Topic operator()(const gateway::ConnectionReplaced& e) const {
+    return on_bus(message_id::kConnectionReplaced, e);
+  }
+  Topic operator()(const gateway::ClientRefused& e) const {
+    return of_client(id_of_refusal(e.reason), e);
+  }
+  Topic operator()(const gateway::ClientDisplaced& e) const {
+    return of_client(message_id::kClientDisplaced, e);
+  }
+  Topic operator()(const gateway::ClientFramingLost& e) const {
+    return of_client(message_id::kClientFramingLost, e);
+  }
+  Topic operator()(const gateway::ClientSpeaksRtu& e) const {
+    return of_client(message_id::kClientSpeaksRtu, e);
+  }
+  Topic operator()(const gateway::ClientFrameTimedOut& e) const {
+    return of_client(message_id::kClientFrameTimedOut, e);
+  }
+  Topic operator()(const gateway::LineNews& e) const { return on_bus(id_of_fault(e.fault), e); }
+  Topic operator()(const gateway::LineNeverSilent& e) const {
+    return on_bus(message_id::kLineNeverSilent, e);
+  }
+  Topic operator()(const gateway::Reconfigured& e) const {
+    Topic topic = of_device(message_id::kReconfigured, e.bus, e.address);
+    topic.client = e.client.to_text();
+    return topic;
+  }
+  Topic operator()(const gateway::WriteEndedEarly& e) const {
+    return of_device(message_id::kWriteEndedEarly, e.bus, e.address);
+  }
+  Topic operator()(const gateway::WordOrderDiffers& e) const {
+    return of_device(message_id::kWordOrderDiffers, e.bus, e.address);
+  }
+  Topic operator()(const gateway::DeviceNews& e) const {
+    return of_device(id_of_notice(e.notice), e.bus, e.notice.address);
+  }
+  Topic operator()(const gateway::QualityNews& e) const {
+    const MessageId id = id_of_quality(e.notice);
+    return e.notice.address ? of_device(id, e.bus, *e.notice.address) : on_bus(id, e);
+  }
+  Topic operator()(const gateway::FailsafeNews& e) const {
+    return of_device(id_of_outcome(e.outcome), e.bus, e.address);
+  }
+  Topic operator()(const gateway::UnitNotRouted& e) const {
+    return of_client(message_id::kUnitNotRouted, e);
+  }
+
+ private:
+  [[nodiscard]] Topic on_bus(MessageId id, const auto& event) const {
+    return {.id = id, .bus = settings.bus(event.bus).name};
+  }
+  [[nodiscard]] Topic of_client(MessageId id, const auto& event) const {
+    return {.id = id,
+            .client = event.address.to_text(),
+            .listener = settings.listener(event.listener).name};
+  }
+  [[nodiscard]] Topic of_device(MessageId id, gateway::BusId bus, std::uint8_t address) const {
+    const auto device = std::ranges::find_if(settings.devices, [&](const drive::Device& candidate) {
+      return candidate.bus == bus && candidate.address == address;
+    });
+    return {.id = id,
+            .bus = settings.bus(bus).name,
+            .device = device == settings.devices.end() ? std::string() : device->name,
+            .address = std::to_string(address)};
+  }
+};
+
+}  // namespace
+
+Topic topic_of(const gateway::Event& event, const gateway::Settings& settings) {
+  return std::visit(EventTopic{settings}, event);
+}
+
+}  // namespace mbgate::app
