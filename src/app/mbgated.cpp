@@ -26,6 +26,7 @@
 #include "config/load.hpp"
 #include "config/text_file.hpp"
 #include "io/clients/descriptors.hpp"
+#include "io/denials/advice.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -48,7 +49,7 @@ struct RecordingBegun {
 void lock_memory(Log& log) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY) {
-    log.write(Level::warning, "lock_memory: not done: the unit needs LimitMEMLOCK=infinity",
+    log.write(Level::warning, "lock_memory: not done" + io::lock_advice(io::starter()),
               {.id = message_id::kMemoryNotLocked});
   } else if (::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
     log.write(Level::warning,

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "io/denials/advice.hpp"
+
 namespace mbgate::app {
 
 namespace fs = std::filesystem;
@@ -25,10 +27,18 @@ Result<io::UniqueFd, std::string> create_recording(const fs::path& file) {
   io::UniqueFd created(
       ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOCTTY, kOwnerOnly));
   if (!created.is_open()) {
-    return "cannot create the recording " + file.string() + ": " +
-           std::generic_category().message(errno);
+    return recording_failure(file, errno);
   }
   return created;
+}
+
+std::string recording_failure(const fs::path& file, int error, io::Starter starter) {
+  const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
+  return "cannot create the recording " + file.string() + ": " +
+         std::generic_category().message(error) +
+         io::folder_advice(folder, error,
+                           "a FILE without a folder goes to its state directory, /var/lib/mbgate",
+                           starter);
 }
 
 std::vector<gateway::ConfigFile> recorded_files(const std::vector<config::TextFile>& files) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/service.hpp"
 
+#include <sysexits.h>
+
 #include <algorithm>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -15,6 +17,7 @@
 #include "app/systemd.hpp"
 #include "app/text.hpp"
 #include "io/clients/descriptors.hpp"
+#include "io/denials/denials.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -90,6 +93,16 @@ int Service::run() {
                {.id = message_id::kTooFewDescriptors});
   }
   auto inherited = take_inherited_sockets();
+  for (const auto& socket : inherited) {
+    from_systemd_.insert(socket.name);
+  }
+  const auto denials = io::denials(driver_.settings(), from_systemd_);
+  for (const auto& denial : denials) {
+    log_.write(Level::error, denial);
+  }
+  if (!denials.empty()) {
+    return EX_CONFIG;
+  }
   http_.take(driver_.settings(), inherited);
   if (descriptors.clients == 0 ||
       !listeners_.begin(driver_.settings().listeners, std::move(inherited))) {

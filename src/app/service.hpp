@@ -46,9 +46,10 @@ class Service final : public io::DriverObserver, public ControlTarget {
   Service& operator=(const Service&) = delete;
   ~Service() override;
 
-  /// Serves until a signal ends it. Returns the exit status: 0, or 1 if there are too few
-  /// descriptors or a listener could not be bound (other than because its address does not exist
-  /// yet). An exception means a fault of the program.
+  /// Serves until a signal ends it. Returns the exit status: 0; 78 if the settings need what this
+  /// process may not do; or 1 if there are too few descriptors or a listener could not be bound
+  /// (other than because its address does not exist yet). An exception means a fault of the
+  /// program.
   int run();
 
  private:
@@ -72,7 +73,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void stop();
   void begin_reload();
   void finish_reload(const Configuration& read);
-  /// False if it has errors. Says what it has to say.
+  /// False if it has errors, or needs what this process may not do. Says what it has to say.
   bool is_sound(const Configuration& read);
   void forget_failures(const gateway::Settings& before, const gateway::Settings& next);
   /// Puts these settings into force. False if they cannot be: the journal says why.
@@ -93,9 +94,10 @@ class Service final : public io::DriverObserver, public ControlTarget {
   boost::asio::io_context context_{BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO};
   boost::asio::signal_set signals_;
   io::BlockingCalls blocking_;
-  bool reloading_ = false;   ///< from the reading on
-  bool read_again_ = false;  ///< a reload was requested meanwhile
-  bool is_refused_ = false;  ///< the last reload
+  std::set<std::string> from_systemd_;  ///< the names of its sockets
+  bool reloading_ = false;              ///< from the reading on
+  bool read_again_ = false;             ///< a reload was requested meanwhile
+  bool is_refused_ = false;             ///< the last reload
   std::vector<std::string> reload_messages_;
   std::vector<ReloadEnded> reload_asked_;    ///< to be told of the next reading
   std::vector<ReloadEnded> reload_waiting_;  ///< of the one that runs

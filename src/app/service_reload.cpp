@@ -8,6 +8,7 @@
 #include "app/systemd.hpp"
 #include "gateway/settings/numbering.hpp"
 #include "io/clients/descriptors.hpp"
+#include "io/denials/denials.hpp"
 
 namespace mbgate::app {
 
@@ -98,7 +99,14 @@ bool Service::is_sound(const Configuration& read) {
     say_of_reload(diagnostic.severity == config::Severity::error ? Level::error : Level::warning,
                   config::headline(diagnostic), message_id::kConfigurationWrong);
   }
-  return read.loaded.settings.has_value();
+  if (!read.loaded.settings) {
+    return false;
+  }
+  const auto denials = io::denials(*read.loaded.settings, from_systemd_);
+  for (const auto& denial : denials) {
+    say_of_reload(Level::error, denial);
+  }
+  return denials.empty();
 }
 
 bool Service::change(const Configuration& read) {

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 
+#include "config/needs.hpp"
+
 namespace mbgate::config {
 namespace {
 
@@ -13,10 +15,15 @@ std::string number_of(std::size_t count, const char* one, const char* many) {
 }  // namespace
 
 std::string check_summary(const gateway::Settings& settings) {
-  return "configuration ok: " + number_of(settings.listeners.size(), "listener", "listeners") +
-         ", " + number_of(settings.buses.size(), "bus", "buses") + ", " +
-         number_of(settings.devices.size(), "device", "devices") + ", " +
-         number_of(settings.routes.size(), "route", "routes");
+  std::string text =
+      "configuration ok: " + number_of(settings.listeners.size(), "listener", "listeners") + ", " +
+      number_of(settings.buses.size(), "bus", "buses") + ", " +
+      number_of(settings.devices.size(), "device", "devices") + ", " +
+      number_of(settings.routes.size(), "route", "routes");
+  for (const auto& need : needs(settings)) {
+    text.append("\n").append(need);
+  }
+  return text;
 }
 
 }  // namespace mbgate::config

@@ -8,7 +8,8 @@
 
 namespace mbgate::config {
 
-/// "configuration ok: 2 listeners, 1 bus, 3 devices, 2 routes". `settings`: as they were read.
+/// "configuration ok: 2 listeners, 1 bus, 3 devices, 2 routes", and a line for each of its needs.
+/// `settings`: as they were read.
 std::string check_summary(const gateway::Settings& settings);
 
 }  // namespace mbgate::config

@@ -42,6 +42,7 @@ FRONTS = {
     "gateway/settings": {"device_index", "numbering", "settings_snapshot", "unit_meaning"},
     "gateway/writes": {"failsafe", "failsafe_writes", "write_rules"},
     "io/clients": {"client_connections", "descriptors", "listening_socket", "server_set"},
+    "io/denials": {"advice", "denials", "starter"},
     "io/lines": {"line_set"},
     "sim/drives": {"device"},
     "sim/program": {"simulator"},

@@ -13,6 +13,8 @@
 #include <sstream>
 #include <utility>
 
+#include "io/denials/advice.hpp"
+
 namespace mbgate::io {
 namespace {
 
@@ -54,13 +56,6 @@ void set_connection_options(tcp::acceptor& acceptor, const gateway::TcpSettings&
   }
   set_option(acceptor, IPPROTO_TCP, TCP_USER_TIMEOUT, count_of<milliseconds>(tcp.user_timeout),
              error);
-}
-
-std::string hint(const error_code& error, std::uint16_t port) {
-  if (error.value() == EACCES && port < 1024) {
-    return "; a port below 1024 needs the capability CAP_NET_BIND_SERVICE";
-  }
-  return "";
 }
 
 ListenFailure refusal(const gateway::ListenerSettings& listener, const std::string& where,
@@ -123,8 +118,10 @@ Result<tcp::acceptor, ListenFailure> bind_listener(boost::asio::io_context& cont
     acceptor.non_blocking(true, error);
   }
   if (error) {
+    const bool may_not = acceptor.is_open() && error.value() == EACCES;
     auto failure =
-        refusal(listener, to_text(endpoint), error.message() + hint(error, listener.port));
+        refusal(listener, to_text(endpoint),
+                error.message() + (may_not ? port_advice(listener, error.value(), starter()) : ""));
     failure.absent = error.value() == EADDRNOTAVAIL;
     return failure;
   }

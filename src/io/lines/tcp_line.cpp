@@ -17,6 +17,7 @@
 #include <utility>
 #include <variant>
 
+#include "io/denials/advice.hpp"
 #include "io/lines/read_waiting.hpp"
 #include "io/lines/tcp_options.hpp"
 #include "io/supervise.hpp"
@@ -149,7 +150,8 @@ boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned 
     close_socket();
     const bool by_name = addresses.size() > 1 || !numeric_endpoint(remote_);
     failures += (failures.empty() ? "" : "; ") +
-                (by_name ? address.address().to_string() + ": " : "") + error.message();
+                (by_name ? address.address().to_string() + ": " : "") + error.message() +
+                (error.value() == ENETUNREACH ? network_advice(starter()) : "");
   }
   fail_to_open(failures);
 }

@@ -2,12 +2,14 @@
 #include "io/lines/tty.hpp"
 
 #include <fcntl.h>
+#include <grp.h>
 #include <linux/serial.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 #include <termios.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -18,6 +20,7 @@
 #include <system_error>
 #include <utility>
 
+#include "io/denials/advice.hpp"
 #include "io/lines/tty_direction.hpp"
 #include "io/lines/tty_mode.hpp"
 
@@ -38,6 +41,25 @@ std::string driver_name(const std::string& device) {
   std::string name = (ignored ? std::filesystem::path(device) : real).filename().string();
   name.erase(name.find_last_not_of("0123456789") + 1);
   return name;
+}
+
+/// Nothing if the file cannot be looked at.
+std::optional<TtyAccess> access_of(const std::string& device) {
+  struct stat status {};
+  if (::stat(device.c_str(), &status) != 0) {
+    return std::nullopt;
+  }
+  TtyAccess access{status.st_mode, std::to_string(status.st_gid),
+                   ::group_member(status.st_gid) != 0};
+  constexpr std::size_t kLongestEntry = 16384;  // with all members of the group
+  std::vector<char> text(kLongestEntry);
+  group entry{};
+  group* found = nullptr;
+  if (::getgrgid_r(status.st_gid, &entry, text.data(), text.size(), &found) == 0 &&
+      found != nullptr) {
+    access.group = entry.gr_name;
+  }
+  return access;
 }
 
 bool is_pseudo_terminal(int fd) {
@@ -113,11 +135,14 @@ bus::LineKind kind_of(int fd) {
 
 }  // namespace
 
-std::string open_failure(const std::string& device, int error) {
+std::string open_failure(const std::string& device, int error, Starter starter) {
   std::string text = "cannot open " + device + ": " + std::generic_category().message(error);
   switch (error) {
     case EBUSY: return in_use(device);
-    case EACCES: return text + "; the user that mbgated runs as must be in the group dialout";
+    case EACCES: {
+      const auto access = access_of(device);
+      return text + tty_advice(access ? &*access : nullptr, starter);
+    }
     case EPERM:
       // The device cgroup refuses with EPERM where file modes refuse with EACCES. A DeviceAllow= of
       // a driver that was not loaded when the unit started allows nothing.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bus/settings.hpp"
+#include "io/denials/starter.hpp"
 #include "io/unique_fd.hpp"
 #include "modbus/result.hpp"
 
@@ -24,7 +25,7 @@ struct OpenTty {
 Result<OpenTty, std::string> open_tty(const bus::LineSettings& line);
 
 /// The text when open() of `device` has failed with `error`: what the system said, and what helps.
-std::string open_failure(const std::string& device, int error);
+std::string open_failure(const std::string& device, int error, Starter starter = io::starter());
 
 /// Closes the line. What was not transmitted yet is discarded, because waiting for it can take 30
 /// s. A transceiver that we switch by RTS is left receiving: a raised RTS would stay after us and

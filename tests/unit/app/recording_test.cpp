@@ -53,6 +53,15 @@ TEST(RecordedFiles, HavePathsThatHoldInEveryFolder) {
   EXPECT_EQ(files[1].path, "/srv/conf.d/x.toml");
 }
 
+TEST_F(RecordingTest, OfTheServiceHasAPlaceOfItsOwn) {
+  EXPECT_EQ(recording_failure("/srv/plant/a.rec", EROFS, io::Starter::systemd),
+            "cannot create the recording /srv/plant/a.rec: Read-only file system; the service may "
+            "not write there: a FILE without a folder goes to its state directory, "
+            "/var/lib/mbgate; or run \"systemctl edit mbgated\", paste the two lines "
+            "\"[Service]\" and \"ReadWritePaths=/srv/plant\", then run \"systemctl restart "
+            "mbgated\"");
+}
+
 TEST_F(RecordingTest, NamesTheFileThatCannotBeMade) {
   const auto created = create_recording(folder_ / "missing" / "a.rec");
   ASSERT_FALSE(created);

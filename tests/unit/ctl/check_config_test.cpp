@@ -31,7 +31,9 @@ CheckPrinted check_file(const std::string& file) {
 TEST(CheckConfig, CountsWhatIsConfigured) {
   const auto checked = check_file(kConfigurations + "/valid/minimal.toml");
   EXPECT_EQ(checked.status, 0);
-  EXPECT_EQ(checked.output, "configuration ok: 1 listener, 1 bus, 0 devices, 0 routes\n");
+  EXPECT_EQ(checked.output,
+            "configuration ok: 1 listener, 1 bus, 0 devices, 0 routes\n"
+            "needs the group dialout: /dev/ttyS0\n");
   EXPECT_EQ(checked.errors, "");
 }
 
@@ -39,7 +41,9 @@ TEST(CheckConfig, ShowsAWarningAndIsContent) {
   const std::string file = kConfigurations + "/valid/warning-unused-bus.toml";
   const auto checked = check_file(file);
   EXPECT_EQ(checked.status, 0);
-  EXPECT_EQ(checked.output, "configuration ok: 1 listener, 2 buses, 0 devices, 0 routes\n");
+  EXPECT_EQ(checked.output,
+            "configuration ok: 1 listener, 2 buses, 0 devices, 0 routes\n"
+            "needs the group dialout: /dev/ttyS0, /dev/ttyS1\n");
   EXPECT_EQ(checked.errors, file +
                                 ":13:8: warning: no listener and no route leads to this bus\n"
                                 "name = \"line-b\"\n"

@@ -79,7 +79,7 @@ TEST(Tty, SaysThatThePathIsNoSerialLine) {
   EXPECT_EQ(tty.error(), "/dev/null: this is no serial line");
 }
 
-TEST(Tty, SaysWhichGroupIsMissingWhenAccessIsDenied) {
+TEST(Tty, SaysWhatIsMissingWhenAccessIsDenied) {
   const auto path =
       std::filesystem::temp_directory_path() / ("mbgate-denied-" + std::to_string(::getpid()));
   std::ofstream(path).put('x');
@@ -95,8 +95,8 @@ TEST(Tty, SaysWhichGroupIsMissingWhenAccessIsDenied) {
   std::filesystem::remove(path);
   ASSERT_FALSE(tty.has_value());
   EXPECT_EQ(tty.error(), "cannot open " + path.string() +
-                             ": Permission denied; the user that mbgated runs as must be in the "
-                             "group dialout");
+                             ": Permission denied; its mode 0000 lets no group use it: a udev rule "
+                             "must give it to the group dialout with mode 0660");
 }
 
 // systemd's device control, unlike the modes of a file, refuses with EPERM.
