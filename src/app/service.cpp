@@ -98,7 +98,7 @@ int Service::run() {
   }
   const auto denials = io::denials(driver_.settings(), from_systemd_);
   for (const auto& denial : denials) {
-    log_.write(Level::error, denial);
+    log_.write(Level::error, denial, {.id = message_id::kDenied});
   }
   if (!denials.empty()) {
     return EX_CONFIG;

@@ -104,7 +104,7 @@ bool Service::is_sound(const Configuration& read) {
   }
   const auto denials = io::denials(*read.loaded.settings, from_systemd_);
   for (const auto& denial : denials) {
-    say_of_reload(Level::error, denial);
+    say_of_reload(Level::error, denial, message_id::kDenied);
   }
   return denials.empty();
 }

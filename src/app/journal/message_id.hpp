@@ -76,6 +76,7 @@ inline constexpr MessageId kAcceptFailed{"0831bb01b3e74591881e83e54dd44adf"};
 inline constexpr MessageId kSocketUnknown{"a3762e8f7e504f62af08e0eef333c148"};
 inline constexpr MessageId kTooFewDescriptors{"29a92fc1bea44e4688d115220d4eead6"};
 inline constexpr MessageId kConfigurationWrong{"e0b34442ff8948b1b95cd5120e31c45e"};
+inline constexpr MessageId kDenied{"deb6be488d9745fe8c0dcb9fe2efb691"};
 inline constexpr MessageId kStartRefused{"f84cef9840a24f8e8ffccb45a536b8c8"};
 inline constexpr MessageId kConfigurationKept{"682a9774e7134eaab32c70cb334467b2"};
 inline constexpr MessageId kConfigurationChanged{"d215b9b94ba94413b0322aa45a6a9e62"};
