@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only file that knows where this build was made and where it will be installed.
+// The only file that knows where the sources are, seen from a build, and where a build will be
+// installed. No path of the build itself is in it: programs built in different folders are the
+// same.
 #include <system_error>
+#include <utility>
 
 #include "config/profiles/profile_library.hpp"
 
@@ -16,10 +19,14 @@ fs::path folder_of_program() {
   return error ? fs::path() : program.parent_path();
 }
 
-bool is_build_folder(const fs::path& folder) {
-  std::error_code error;
-  const auto built = fs::canonical(MBGATE_BUILT_PROGRAMS, error);
-  return !error && folder == built;
+/// The profiles of the sources, for programs in the folder of a build; empty if they are installed.
+fs::path source_profiles(const fs::path& programs) {
+  std::error_code ignored;
+  auto profiles = (programs / MBGATE_SOURCE_PROFILES_FROM_PROGRAMS).lexically_normal();
+  const bool is_build = !programs.empty() &&
+                        fs::is_regular_file(programs.parent_path() / "CMakeCache.txt", ignored) &&
+                        fs::is_directory(profiles, ignored);
+  return is_build ? profiles : fs::path();
 }
 
 /// Beside the program, so that an installation works wherever it was put.
@@ -35,8 +42,8 @@ fs::path installed_profiles(const fs::path& programs) {
 
 ProfileFolders default_profile_folders() {
   const auto programs = folder_of_program();
-  if (is_build_folder(programs)) {
-    return {MBGATE_SOURCE_PROFILES};
+  if (auto profiles = source_profiles(programs); !profiles.empty()) {
+    return {std::move(profiles)};
   }
   return {"/etc/mbgate/profiles", installed_profiles(programs)};
 }

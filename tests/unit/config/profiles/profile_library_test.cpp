@@ -81,7 +81,8 @@ TEST(ProfileLibrary, HasTheGenericProfileWithoutAnyFolder) {
 
 /// This test runs from its build folder; an installed program does not (see the package's tests).
 TEST(DefaultProfileFolders, AreTheSourceTreesInABuildFolder) {
-  EXPECT_THAT(default_profile_folders(), ElementsAre(kSource / "conf/profiles"));
+  EXPECT_THAT(default_profile_folders(),
+              ElementsAre(std::filesystem::canonical(kSource / "conf/profiles")));
 }
 
 constexpr std::string_view kConfiguration = R"(
