@@ -132,8 +132,8 @@ class JournalTest(unittest.TestCase):
 
     def entry(self, kind, priority, message, **fields):
         described = {f"MBGATE_{name.upper()}": value for name, value in fields.items()}
-        head = {"MESSAGE": message, "PRIORITY": priority, "SYSLOG_IDENTIFIER": "mbgated", "MESSAGE_ID": IDS[kind]}
-        return {**head, **described}
+        syslog = {"PRIORITY": priority, "SYSLOG_IDENTIFIER": "mbgated", "SYSLOG_FACILITY": "3"}
+        return {"MESSAGE": message, **syslog, "MESSAGE_ID": IDS[kind], **described}
 
     def test_an_entry_says_what_it_is_about(self):
         journal = self.bind()

@@ -5,9 +5,9 @@ namespace mbgate::app {
 
 std::vector<std::string> journal_fields(Level level, const std::string& text, const Topic& topic) {
   std::vector<std::string> fields{
-      "MESSAGE=" + text,
-      "PRIORITY=" + std::to_string(static_cast<int>(level)),
+      "MESSAGE=" + text, "PRIORITY=" + std::to_string(static_cast<int>(level)),
       "SYSLOG_IDENTIFIER=mbgated",
+      "SYSLOG_FACILITY=3",  // daemon, as systemd says of what is written to standard error
   };
   const auto add = [&](const char* name, std::string_view value) {
     if (!value.empty()) {

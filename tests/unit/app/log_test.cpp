@@ -116,13 +116,15 @@ TEST_F(LogTest, SendsEntriesToTheJournal) {
   log.write_limited(Level::warning, "refused", "client refused", {.client = "192.168.10.5"});
   ASSERT_TRUE(log.flush(kLimit));
   const std::string identifier = "SYSLOG_IDENTIFIER=mbgated";
+  const std::string facility = "SYSLOG_FACILITY=3";
   EXPECT_EQ(
       sent,
       (std::vector<std::vector<std::string>>{
-          {"MESSAGE=listening plant 127.0.0.1:502", "PRIORITY=6", identifier, "MESSAGE_ID=0011",
-           "MBGATE_LISTENER=plant"},
-          {"MESSAGE=bus line-a is open", "PRIORITY=5", identifier, "MBGATE_BUS=line-a"},
-          {"MESSAGE=client refused", "PRIORITY=4", identifier, "MBGATE_CLIENT=192.168.10.5"}}));
+          {"MESSAGE=listening plant 127.0.0.1:502", "PRIORITY=6", identifier, facility,
+           "MESSAGE_ID=0011", "MBGATE_LISTENER=plant"},
+          {"MESSAGE=bus line-a is open", "PRIORITY=5", identifier, facility, "MBGATE_BUS=line-a"},
+          {"MESSAGE=client refused", "PRIORITY=4", identifier, facility,
+           "MBGATE_CLIENT=192.168.10.5"}}));
   write_end_.reset();
   EXPECT_EQ(written(), "");
 }
