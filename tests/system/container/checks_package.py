@@ -35,7 +35,7 @@ def upgrade(plant, old, new):
     if not done:
         raise RuntimeError(f"the old package's gateway does not start: {done} {plant.journal()}")
     pid = plant.main_pid()
-    user = container.run("stat", "-c", "%U", f"/proc/{pid}").output
+    user = container.run("stat", "-c", "%u", f"/proc/{pid}").output
     pollers = [modbus.Poller(SERVICE_PORT, AXIS, REGISTER, 0) for _ in range(4)]
     for poller in pollers:
         poller.start()
@@ -68,7 +68,8 @@ def recordings(plant):
     """What the dynamic user had recorded is there, and the new user may read it."""
     container = plant.container
     folder = container.run("stat", "-c", "%F %U:%G %a", "/var/lib/mbgate").output
-    listed = container.run("runuser", "-u", "mbgate", "--", "sh", "-c", "cd /var/lib/mbgate && wc -c plant.rec plant.rec.1")
+    count = "cd /var/lib/mbgate && wc -c plant.rec plant.rec.1"
+    listed = container.run("runuser", "-u", "mbgate", "--", "sh", "-c", count)
     plant.report.check("the recording of before the upgrade is kept, and read by the new user",
                        bool(listed) and folder.startswith("directory mbgate:mbgate"), f"{folder}; {listed}")
     done = container.run("runuser", "-u", "mbgate", "--", "mbgatectl", "replay", "/var/lib/mbgate/plant.rec.1")

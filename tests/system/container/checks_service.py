@@ -42,6 +42,8 @@ def install(plant, package):
         set(states.values()) == {("inactive", "disabled")},
         ", ".join(f"{unit} {' '.join(state)}" for unit, state in states.items()),
     )
+    done = container.run("systemd-analyze", "--man=no", "verify", *UNITS)
+    report.check("systemd-analyze verify has nothing to say of the units", done and not done.output, done)
     plant.start_drives()
     shipped = container.read(CONFIGURATION)
     container.write(CONFIGURATION, edited(shipped))
@@ -99,7 +101,9 @@ def reload(plant):
     state = plant.property("ActiveState"), plant.property("SubState")
     report.check("and the service goes on, ready", state == ("active", "running"), " ".join(state))
     values = modbus.read_once(PORT, AXIS, REGISTER)
-    report.check("with the process and settings of before", values and plant.main_pid() == pid, f"read {values}, pid {pid}")
+    report.check(
+        "with the process and settings of before", values and plant.main_pid() == pid, f"read {values}, pid {pid}"
+    )
     plant.configure()
     done = plant.systemctl("reload", "mbgated")
     report.check("reload of the mended file", bool(done), done)
@@ -143,7 +147,8 @@ def restart(plant):
     """The sockets stay open through a restart: who connects meanwhile waits and is served."""
     plant.fresh()
     plant.start()
-    for port, how in ((PORT, "the socket unit's"), (SERVICE_PORT, "a listener of its own, kept in the descriptor store")):
+    listeners = ((PORT, "the socket unit's"), (SERVICE_PORT, "a listener of its own, kept in the descriptor store"))
+    for port, how in listeners:
         poller = modbus.Poller(port, AXIS, REGISTER)
         poller.start()
         eventually(lambda poller=poller: len(poller.served) > 5)

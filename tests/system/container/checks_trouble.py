@@ -74,17 +74,27 @@ def kill(plant):
     report = plant.report
     plant.fresh()
     plant.start()
-    for port, how in ((PORT, "socket unit"), (SERVICE_PORT, "descriptor store")):
-        before = restarts(plant)
-        pid = plant.signal("KILL")
-        eventually(lambda pid=pid: plant.main_pid() != pid, 5)
-        visitor = Visitor(port)  # in the second in which nobody is there
-        visitor.join(20)
-        report.check(
-            f"kill -9: a client that connects to port {port} meanwhile is served ({how})", visitor.served, visitor.seen
-        )
-        eventually(lambda: plant.property("SubState") == "running", 15)
-        report.check(
-            "and the service is back by itself", plant.is_active() == "active" and plant.main_pid() != pid,
-            f"NRestarts {before} -> {restarts(plant)}",
-        )
+    poller = modbus.Poller(PORT, AXIS, REGISTER)
+    poller.start()
+    eventually(lambda: len(poller.served) > 5)
+    before = restarts(plant)
+    killed = time.monotonic()
+    pid = plant.signal("KILL")
+    eventually(lambda: plant.main_pid() != pid, 5)
+    visitor = Visitor(SERVICE_PORT)  # in the second in which nobody is there
+    visitor.join(20)
+    report.check(
+        f"kill -9: a client that connects to port {SERVICE_PORT} meanwhile is served (descriptor store)",
+        visitor.served, visitor.seen,
+    )
+    back = eventually(lambda: poller.served_since(killed + 0.1), 15)
+    poller.end()
+    refused = [it - killed for it in poller.refused]
+    report.check(
+        f"and a client that polls port {PORT} (socket unit) is served again", back,
+        f"refused from {refused[0]:.2f} to {refused[-1]:.2f} s after" if refused else "never refused",
+    )
+    report.check(
+        "and the service is back by itself", plant.is_active() == "active" and plant.main_pid() != pid,
+        f"NRestarts {before} -> {restarts(plant)}",
+    )

@@ -35,8 +35,8 @@ class Watch:
 def in_root(root, command, log):
     """Runs a line of shell in the root, with the host's network; raises with the end of what it printed."""
     done = subprocess.run(
-        ["systemd-nspawn", "--quiet", "--register=no", "--keep-unit", "--as-pid2", "--resolv-conf=copy-host", "-D", root,
-         "--setenv=DEBIAN_FRONTEND=noninteractive", "--setenv=DEB_BUILD_PROFILES=nocheck",
+        ["systemd-nspawn", "--quiet", "--register=no", "--keep-unit", "--as-pid2", "--resolv-conf=copy-host",
+         "-D", root, "--setenv=DEBIAN_FRONTEND=noninteractive", "--setenv=DEB_BUILD_PROFILES=nocheck",
          f"--setenv=DEB_BUILD_OPTIONS=nocheck parallel={os.cpu_count()}", "sh", "-ec", command],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
@@ -62,8 +62,8 @@ def from_source(report, work, suite):
     subprocess.run(["cp", "-a", tree, root], check=True)
     (root / "src/mbgate").mkdir(parents=True)
     # The checkout may belong to another user.
-    archive = subprocess.run(["git", "-c", f"safe.directory={CHECKOUT}", "-C", CHECKOUT, "archive", "HEAD"], check=True,
-                             stdout=subprocess.PIPE).stdout
+    git = ["git", "-c", f"safe.directory={CHECKOUT}", "-C", CHECKOUT]
+    archive = subprocess.run([*git, "archive", "HEAD"], check=True, stdout=subprocess.PIPE).stdout
     subprocess.run(["tar", "-x", "-C", root / "src/mbgate"], input=archive, check=True)
     watch.step("the sources", True, f"{len(archive) / 1e6:.1f} MB by git archive")
     in_root(root, "apt-get update && apt-get install -y --no-install-recommends dpkg-dev"

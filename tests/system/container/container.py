@@ -39,8 +39,8 @@ class Container:
     def __init__(self, root, work, name, volatile=True):
         self.console = pathlib.Path(work) / f"{name}.console"
         # Version 2 of control groups and the right to load BPF programs: without them DeviceAllow= is not enforced.
-        command = ["systemd-nspawn", "--quiet", "--register=no", "--keep-unit", "--private-network", f"--machine={name}"]
-        command += ["-D", str(root), "--system-call-filter=bpf", "--boot"]
+        command = ["systemd-nspawn", "--quiet", "--register=no", "--keep-unit", "--private-network", "--boot"]
+        command += ["-D", str(root), f"--machine={name}", "--system-call-filter=bpf"]
         command += ["--capability=CAP_BPF,CAP_PERFMON,CAP_NET_ADMIN,CAP_SYS_NICE"]
         command += ["--volatile=overlay"] if volatile else []
         with open(self.console, "wb") as console:

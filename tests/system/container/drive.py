@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drives on a pseudo-terminal of the container that share no code with the product: they remember each write in its order."""
+"""Drives on pseudo-terminals of the container. They share no code with the product, and remember each write."""
 
 import fcntl
 import os

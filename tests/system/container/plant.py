@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a plant has in the container: simulated drives on a pseudo-terminal, mbgated as its service, its configuration."""
+"""What a plant has in the container: simulated drives on a pseudo-terminal, the service, its configuration."""
 
 import pathlib
 import re
@@ -40,7 +40,7 @@ address = 17
 model = "aic"
 """
 
-# Besides the line with the drives one whose adapter is absent, and a drive that is silent: neither is a reason for anything.
+# Besides the line with the drives one whose adapter is absent, and a drive that is silent.
 BASE = f"""
 [[listen]]
 name = "plant"
@@ -83,6 +83,11 @@ device = "axis-x"
 [[route]]
 unit = 99
 device = "silent"
+
+[[route]]
+unit = 2
+bus = "line-b"
+address = 2
 """
 
 

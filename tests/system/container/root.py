@@ -8,7 +8,7 @@ import shutil
 import subprocess
 
 # systemd as the first process, and what the checks themselves use.
-ALWAYS = ["systemd-sysv", "udev", "dbus", "libpam-systemd", "iproute2", "netbase", "procps", "kmod"]
+ALWAYS = ["systemd-sysv", "udev", "dbus", "libpam-systemd", "libnss-systemd", "iproute2", "netbase", "procps", "kmod"]
 
 
 def missing_tool(*tools):

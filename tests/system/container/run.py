@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Debian package under a real systemd, in a container: each check is a line with what was seen.
 
-Exit status: 0 all checks passed, 1 some failed, 77 it cannot run here. It has to be run by root, and changes nothing outside
-its work folder."""
+Exit status: 0 all checks passed, 1 some failed, 77 it cannot run here. It has to be run by root, and changes nothing
+outside its folder."""
 
 import argparse
 import os
@@ -46,10 +46,14 @@ def arguments():
     parser.add_argument("--deb", metavar="FILE", help="the package")
     parser.add_argument("--old-deb", metavar="FILE", help="an earlier package, for the upgrade")
     parser.add_argument("--suite", default="bookworm", choices=["bookworm", "trixie"])
-    parser.add_argument("folder", nargs="?", help="where the root is made, and kept for the next time; default: one that is removed")
+    parser.add_argument(
+        "folder", nargs="?", help="where the root is made, and kept for the next time; default: one that is removed"
+    )
     parser.add_argument("--only", metavar="TOPIC,...", help="of " + ", ".join([*TOPICS, "upgrade", "purge"]))
-    parser.add_argument("--clean-root", action="store_true",
-                        help="instead: builds the package from this checkout in a new root, installs it there and reads a drive")
+    parser.add_argument(
+        "--clean-root", action="store_true",
+        help="instead: builds the package of HEAD in a new root, installs it there and reads a drive",
+    )
     return parser.parse_args()
 
 
