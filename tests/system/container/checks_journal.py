@@ -2,6 +2,7 @@
 """Entries with fields, and the catalog that explains them."""
 
 import json
+import re
 
 import modbus
 from plant import PORT
@@ -30,13 +31,17 @@ def fields(plant):
     report.check("journalctl MBGATE_BUS=line-b finds what is said of it", "line-b" in shown, shown.splitlines()[:1])
     unexplained = []
     explained = 0
+    unfilled = set()
     for identifier in sorted({entry["MESSAGE_ID"] for entry in own if "MESSAGE_ID" in entry}):
         text = plant.container.run("journalctl", "-q", "-x", "-n", "1", f"MESSAGE_ID={identifier}").output
         explanation = [line for line in text.splitlines() if line.startswith("░░")]
         explained += len(explanation) > 3
+        unfilled.update(re.findall("@MBGATE_[A-Z]+@", text))
         if len(explanation) <= 3:
             unexplained.append(identifier)
     report.check("journalctl -x explains every MESSAGE_ID that was seen", explained > 0 and not unexplained,
                  f"{explained} explained, without text: {unexplained or 'none'}")
+    report.check("and names the bus, device or client that it is about", explained > 0 and not unfilled,
+                 f"not filled in: {', '.join(sorted(unfilled)) or 'none'}")
     listed = plant.container.run("journalctl", "--list-catalog").output
     report.told("entries of the catalog by mbgate", sum("mbgate" in line.lower() for line in listed.splitlines()))
