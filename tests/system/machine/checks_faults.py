@@ -40,7 +40,7 @@ def watchdog(plant):
     if plant.show("WatchdogUSec") == "0":
         raise AssertionError("the unit has no watchdog")
     _begin(plant)
-    plant.drop_in("watchdog", "[Service]\nWatchdogSec=4s\nTimeoutAbortSec=4s")
+    plant.drop_in("watchdog", "[Service]\nWatchdogSec=10s")
     plant.restart()
     plant.wait_until_served(1)
     mark = plant.mark()
@@ -114,7 +114,7 @@ def read_only_root(plant):
         printed, status = plant.guest.ask("mount -o remount,ro /")
         how = "mount -o remount,ro /"
         if status != 0:  # somebody has a file open for writing
-            how = f"as the kernel does it after errors of the disk ({printed.strip()})"
+            how = f"as the kernel does it after errors of the disk ({printed.splitlines()[0]})"
             plant.guest.run("echo u >/proc/sysrq-trigger")
         try:
             plant.guest.wait_for("! touch /probe 2>/dev/null", printed)
@@ -147,10 +147,12 @@ def realtime(plant):
         fifo = re.findall(r"policy: SCHED_FIFO", policies)
         assert fifo, policies
         priority = re.search(r"priority: (\d+)", policies).group(1)
-        locked = int(plant.guest.run(f"sed -n 's/^VmLck:\\s*\\([0-9]*\\).*/\\1/p' /proc/{pid}/status"))
-        assert locked > 0, "no memory is locked"
-        score = plant.guest.run("systemd-analyze security mbgated --no-pager | tail -1 | grep -o '[0-9.]* [A-Z]*'")
+        memory = dict(re.findall(r"(VmLck|VmRSS):\s+(\d+)", plant.guest.run(f"cat /proc/{pid}/status")))
+        assert int(memory["VmLck"]) > 0, "no memory is locked"
+        security = plant.guest.run("systemd-analyze security mbgated --no-pager")
+        score = re.search(r"exposure level for mbgated.service: ([0-9.]+)", security).group(1)
         tasks = policies.count("current scheduling policy")
-        return f"{len(fifo)} of {tasks} threads SCHED_FIFO {priority}, VmLck {locked} kB, exposure {score}"
+        return (f"{len(fifo)} of {tasks} threads SCHED_FIFO {priority}, VmLck {memory['VmLck']} kB "
+                f"(VmRSS {memory['VmRSS']} kB), exposure {score}")
     finally:
         plant.remove_drop_ins()
