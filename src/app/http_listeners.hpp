@@ -23,8 +23,12 @@ class HttpListeners {
  public:
   HttpListeners(boost::asio::io_context& context, Log& log, Control& control);
 
+  /// As Listeners.
+  void use(StoredSockets& stored) { listeners_.use(stored); }
   /// Takes its sockets out of those from systemd, if no listener has that name.
   void take(const gateway::Settings& settings, std::vector<InheritedSocket>& inherited);
+  /// How many that took.
+  [[nodiscard]] std::size_t inherited() const { return inherited_.size(); }
   void begin(const gateway::HttpSettings& settings);
   /// As Listeners: prints "listening http ADDRESS:PORT", and tries again.
   void start() { listeners_.start(); }

@@ -49,7 +49,13 @@ bool Listeners::listen(ListenerId id, const ListenerSettings& listener,
       all = keep(id, listener, io::adopt_listener(context_, listener, std::move(socket.fd))) && all;
     }
   }
-  return adopted ? all : keep(id, listener, bind_(context_, listener));
+  if (adopted) {
+    return all;
+  }
+  auto stored = stored_ != nullptr ? stored_->claim(listener) : io::UniqueFd();
+  return keep(id, listener,
+              stored.is_open() ? io::resume_listener(context_, listener, std::move(stored))
+                               : bind_(context_, listener));
 }
 
 bool Listeners::keep(ListenerId id, const ListenerSettings& listener,
@@ -73,6 +79,9 @@ bool Listeners::keep(ListenerId id, const ListenerSettings& listener,
 void Listeners::add(ListenerId id, const ListenerSettings& listener, Acceptor acceptor) {
   Line line{"listening " + listener.name + " " + io::to_text(acceptor.local_endpoint()),
             {.id = message_id::kListening, .listener = listener.name}};
+  if (stored_ != nullptr && !inherited_.contains(id)) {
+    stored_->keep(listener, acceptor);
+  }
   take_(id, std::move(acceptor));
   if (started_) {
     log_.print(std::move(line.text), line.topic);
@@ -120,6 +129,9 @@ bool Listeners::reload(const std::vector<ListenerSettings>& old,
     } else if (was) {
       dropped.push_back(i);
       drop(id);
+      if (stored_ != nullptr) {
+        stored_->end(old[i]);
+      }
       std::erase_if(waiting_, [id](const Waiting& waiting) { return waiting.id == id; });
     }
     if (!next[i].is_gone) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "app/log.hpp"
+#include "app/stored_sockets.hpp"
 #include "app/systemd.hpp"
 #include "gateway/settings.hpp"
 #include "io/clients/listening_socket.hpp"
@@ -47,6 +48,8 @@ class Listeners {
   Listeners& operator=(const Listeners&) = delete;
   ~Listeners() = default;
 
+  /// Before begin(): the sockets that we bind are kept there, and are taken from there again.
+  void use(StoredSockets& stored) { stored_ = &stored; }
   /// Makes every listener listen, or wait for its address. False: a listener can do neither (its
   /// port is in use or not permitted), and the journal says why.
   bool begin(const std::vector<gateway::ListenerSettings>& listeners,
@@ -96,6 +99,7 @@ class Listeners {
   Bind bind_;
   ListenerWaits waits_;
   boost::asio::steady_timer timer_;
+  StoredSockets* stored_ = nullptr;
   bool started_ = false;
   std::vector<Line> lines_;  ///< to be printed by start()
   std::vector<Waiting> waiting_;

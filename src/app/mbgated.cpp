@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "app/command_line.hpp"
+#include "app/held_signals.hpp"
 #include "app/log.hpp"
 #include "app/recording.hpp"
 #include "app/service.hpp"
@@ -145,6 +146,7 @@ Result<RecordingBegun, std::string> begin_recording(const Options& options,
 }  // namespace
 
 int run_mbgated(int argc, const char* const* argv, const std::string& version) {
+  hold_signals();
   const auto parsed = parse_command_line(argc, argv, version);
   if (const int* const status = std::get_if<int>(&parsed)) {
     return *status;

@@ -9,10 +9,12 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <type_traits>
 #include <utility>
 #include <variant>
 
+#include "app/held_signals.hpp"
 #include "app/journal/event_topic.hpp"
 #include "app/systemd.hpp"
 #include "app/text.hpp"
@@ -77,42 +79,55 @@ Service::Service(gateway::Settings settings, About about, Read read, Log& log,
                    on_status_changed();
                  }),
       control_(context_, *this),
-      http_(context_, log, control_) {
-  // What other daemons take for "tell" or "reopen your log" must not end a gateway of drives.
-  for (const int ignored : {SIGPIPE, SIGUSR1, SIGUSR2}) {
-    std::signal(ignored, SIG_IGN);
-  }
+      http_(context_, log, control_),
+      watchdog_(
+          context_, [this] { return driver_.meets_deadlines(); }, notify_alive) {
+  std::signal(SIGPIPE, SIG_IGN);
+  release_held_signals();
+  listeners_.use(stored_);
+  http_.use(stored_);
 }
 
 Service::~Service() { log_.observe({}); }
 
-int Service::run() {
-  const auto descriptors = io::room_for_clients(driver_.settings(), io::raise_descriptor_limit());
-  if (descriptors.shortage) {
-    log_.write(descriptors.clients == 0 ? Level::error : Level::warning, *descriptors.shortage,
-               {.id = message_id::kTooFewDescriptors});
-  }
+int Service::begin_listening() {
+  const gateway::Settings& settings = driver_.settings();
   auto inherited = take_inherited_sockets();
+  auto all = settings.listeners;
+  std::ranges::copy(http_listeners({}, settings.http), std::back_inserter(all));
+  stored_.take(inherited, all);
   for (const auto& socket : inherited) {
     from_systemd_.insert(socket.name);
   }
-  const auto denials = io::denials(driver_.settings(), from_systemd_);
+  const auto denials = io::denials(settings, from_systemd_);
   for (const auto& denial : denials) {
     log_.write(Level::error, denial, {.id = message_id::kDenied});
   }
   if (!denials.empty()) {
     return EX_CONFIG;
   }
-  http_.take(driver_.settings(), inherited);
-  if (descriptors.clients == 0 ||
-      !listeners_.begin(driver_.settings().listeners, std::move(inherited))) {
-    return EXIT_FAILURE;
+  http_.take(settings, inherited);
+  const auto descriptors =
+      io::room_for_clients(settings, io::raise_descriptor_limit(), http_.inherited());
+  if (descriptors.shortage) {
+    log_.write(descriptors.clients == 0 ? Level::error : Level::warning, *descriptors.shortage,
+               {.id = message_id::kTooFewDescriptors});
+  }
+  const bool serves =
+      descriptors.clients > 0 && listeners_.begin(settings.listeners, std::move(inherited));
+  return serves ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+int Service::run() {
+  if (const int status = begin_listening(); status != EXIT_SUCCESS) {
+    return status;
   }
   driver_.start();
   control_.set_end(io::end_of_client_descriptors(driver_.settings()));
   start_control();
   log_.observe([this](Level level, const std::string& text) { control_.tell(level, text); });
   http_.begin(driver_.settings().http);
+  stored_.end_unclaimed();
   // Only now: whoever waits for its lines connects to a process that has started.
   listeners_.start();
   http_.start();
@@ -121,6 +136,9 @@ int Service::run() {
   last_status_ = status();
   last_status_time_ = std::chrono::steady_clock::now();
   notify_ready(last_status_);
+  if (const auto limit = watchdog_limit()) {
+    watchdog_.start(*limit);
+  }
   context_.run();
   return EXIT_SUCCESS;
 }
@@ -144,6 +162,7 @@ void Service::stop() {
   notify_stopping();
   listeners_.stop();
   http_.stop();
+  stored_.let_go();
   driver_.shutdown();
 }
 

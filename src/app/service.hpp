@@ -17,6 +17,8 @@
 #include "app/http_listeners.hpp"
 #include "app/listeners.hpp"
 #include "app/log.hpp"
+#include "app/stored_sockets.hpp"
+#include "app/watchdog.hpp"
 #include "config/load.hpp"
 #include "io/blocking_calls.hpp"
 #include "io/gateway_driver.hpp"
@@ -69,6 +71,8 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void control_failed(const std::string& why) override;
   void http_refused(const std::string& address) override;
 
+  /// All listeners listen, or wait for their address. Else the exit status of the process.
+  int begin_listening();
   boost::asio::awaitable<void> wait_for_signal();
   void stop();
   void begin_reload();
@@ -111,9 +115,11 @@ class Service final : public io::DriverObserver, public ControlTarget {
   std::vector<std::set<std::string>> failures_;
   std::set<std::string> warnings_;
   io::GatewayDriver driver_;
+  StoredSockets stored_;
   Listeners listeners_;
   Control control_;
   HttpListeners http_;
+  Watchdog watchdog_;
 };
 
 }  // namespace mbgate::app

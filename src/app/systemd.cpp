@@ -3,6 +3,7 @@
 
 #include <systemd/sd-daemon.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <ctime>
 #include <memory>
@@ -44,5 +45,26 @@ void notify_reloading() {
 }
 
 void notify_stopping() { ::sd_notify(0, "STOPPING=1\nSTATUS=stopping"); }
+
+std::optional<std::chrono::microseconds> watchdog_limit() {
+  std::uint64_t microseconds = 0;
+  if (::sd_watchdog_enabled(0, &microseconds) <= 0) {
+    return std::nullopt;
+  }
+  return std::chrono::microseconds(microseconds);
+}
+
+void notify_alive() { ::sd_notify(0, "WATCHDOG=1"); }
+
+// Without FDPOLL=0: systemd then lets go by itself of a socket that was shut down, and one that
+// listens never hangs up.
+bool store_socket(const std::string& name, int socket) {
+  const std::string text = "FDSTORE=1\nFDNAME=" + name;
+  return ::sd_pid_notify_with_fds(0, 0, text.c_str(), &socket, 1) > 0;
+}
+
+void remove_stored_socket(const std::string& name) {
+  ::sd_notify(0, ("FDSTOREREMOVE=1\nFDNAME=" + name).c_str());
+}
 
 }  // namespace mbgate::app

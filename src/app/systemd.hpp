@@ -3,6 +3,8 @@
 // does nothing.
 #pragma once
 
+#include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +12,8 @@
 
 namespace mbgate::app {
 
-/// A socket of a .socket unit; `name` is its FileDescriptorName=.
+/// A socket of a .socket unit, or one that store_socket() was given; `name` is its
+/// FileDescriptorName=, or the name it was stored with.
 struct InheritedSocket {
   std::string name;
   io::UniqueFd fd;
@@ -24,5 +27,17 @@ void notify_status(const std::string& status);
 void notify_stopping();
 /// A reload has begun; notify_ready() reports its end.
 void notify_reloading();
+
+/// WatchdogSec= of the unit: systemd takes the process for hung when notify_alive() was not called
+/// for so long. Nothing: nobody watches.
+std::optional<std::chrono::microseconds> watchdog_limit();
+void notify_alive();
+
+/// systemd keeps this socket too, and hands it to the next process of the unit
+/// (FileDescriptorStoreMax=). `name`: at most 255 letters of ASCII without ':'. A socket that it
+/// has already is not kept twice. False: there is no systemd.
+bool store_socket(const std::string& name, int socket);
+/// systemd closes its copies of the sockets of this name.
+void remove_stored_socket(const std::string& name);
 
 }  // namespace mbgate::app

@@ -19,8 +19,9 @@ enum class ClientId : std::uint64_t {};
 struct ClientInfo {
   ListenerId listener{};
   routing::ClientAddress address;
-  /// Bytes that were readable at accept, for connections accepted before the first READY=1; else 0.
-  /// Writes among them are older than this process and must not be carried out.
+  /// Bytes that were readable at accept, for connections accepted before the first READY=1, and for
+  /// those that had waited for long to be accepted; else 0. Writes among them are old, perhaps
+  /// older than this process, and must not be carried out.
   std::size_t bytes_before_ready = 0;
 };
 

@@ -34,17 +34,20 @@ def program(name):
 
 
 class Process:
-    """A program that we started: its lines as they come, and its end. `given`: a socket that systemd would give it."""
+    """A program that we started: its lines as they come, and its end. `given`: a socket that systemd would give it.
+    `wrapped`: the command that becomes it, with the descriptors of `keep` open."""
 
-    def __init__(self, folder, name, *arguments, given=None):
+    def __init__(self, folder, name, *arguments, given=None, wrapped=(), environment=None, keep=()):
         self.name = name
         self.printed = []
         self._lines = queue.Queue()
-        wrapped = [] if given is None else [sys.executable, "-c", HAND_OVER, str(given.fileno())]
+        if given is not None:
+            wrapped, keep = [sys.executable, "-c", HAND_OVER, str(given.fileno())], [given.fileno()]
         self._process = subprocess.Popen(
             [*wrapped, program(name), *map(str, arguments)],
             cwd=folder,
-            pass_fds=[] if given is None else [given.fileno()],
+            env=environment,
+            pass_fds=keep,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -73,6 +76,14 @@ class Process:
 
     def signal(self, number):
         self._process.send_signal(number)
+
+    def process_file(self, name):
+        """What stands in this file of the program's in /proc."""
+        return pathlib.Path(f"/proc/{self._process.pid}/{name}").read_text(encoding="utf-8")
+
+    def state(self):
+        """The letter of ps: T is a program that was stopped."""
+        return re.search(r"State:\s+(\w)", self.process_file("status")).group(1)
 
     def end(self):
         """Asks the program to end; its exit status."""

@@ -92,8 +92,8 @@ TEST(Start, SaysThatTheDescriptorsDoNotSuffice) {
       "mbgate.toml", listener_text("plant", "port = 0\nmax_connections = 400") + kLineA);
   const std::string shortage =
       "warning: max_connections of all listeners together is 400, the HTTP interface may need 129 "
-      "more, but the limit of 160 open files leaves room for 106 clients: lower max_connections or "
-      "[http] max_streams, or raise the limit (LimitNOFILE= of the unit) to 583";
+      "more, but the limit of 160 open files leaves room for 105 clients: lower max_connections or "
+      "[http] max_streams, or raise the limit (LimitNOFILE= of the unit) to 584";
   Process check("mbgated", {"--check", "--config", config.string()},
                 {folder.path(), limit_descriptors});
   EXPECT_EQ(check.wait_for_exit(), 0);

@@ -19,8 +19,10 @@ constexpr std::size_t kForFiles = 32;
 /// The process has these before the first client comes: its standard streams, timers, signals, the
 /// recording.
 constexpr std::size_t kOfTheProcess = 16;
-/// The socket that listens, and a spare one.
-constexpr std::size_t kForEachListener = 2;
+/// The socket that listens, a copy of it for when it has to end, and a spare one.
+constexpr std::size_t kForEachListener = 3;
+/// The socket that listens, and a copy of it.
+constexpr std::size_t kForEachHttpSocket = 2;
 
 std::size_t reserved(const gateway::Settings& settings) {
   return kForEachLine * gateway::count_there(settings.buses) + kForFiles;
@@ -28,8 +30,9 @@ std::size_t reserved(const gateway::Settings& settings) {
 
 /// What the HTTP interface may have at most: the sockets that listen, connections, and those that
 /// follow something.
-std::size_t of_http(const gateway::Settings& settings) {
-  const std::size_t tcp = settings.http.listen.size();
+std::size_t of_http(const gateway::Settings& settings, std::size_t inherited) {
+  const std::size_t tcp =
+      inherited > 0 ? inherited : kForEachHttpSocket * settings.http.listen.size();
   const std::size_t sockets = tcp + (settings.control_socket.empty() ? 0 : 1);
   const std::size_t kinds = (tcp > 0 ? 1 : 0) + (settings.control_socket.empty() ? 0 : 1);
   return kinds == 0 ? 0 : sockets + kinds * gateway::kHttpConnections + settings.http.max_streams;
@@ -58,7 +61,8 @@ std::size_t hard_descriptor_limit() {
   return ::getrlimit(RLIMIT_NOFILE, &limit) == 0 ? descriptors_of(limit.rlim_max) : 0;
 }
 
-DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t limit) {
+DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t limit,
+                                std::size_t http_sockets) {
   const std::size_t others = reserved(settings) + kOfTheProcess +
                              kForEachListener * gateway::count_there(settings.listeners);
   std::size_t wanted = 0;
@@ -67,7 +71,7 @@ DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t l
   }
   DescriptorRoom room;
   room.clients = limit > others ? limit - others : 0;
-  const std::size_t http = of_http(settings);
+  const std::size_t http = of_http(settings, http_sockets);
   if (room.clients >= wanted + http) {
     return room;
   }

@@ -26,7 +26,9 @@ struct DescriptorRoom {
   std::optional<std::string> shortage;
 };
 
-DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t limit);
+/// `http_sockets`: those from systemd that the HTTP interface listens at, in place of its settings.
+DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t limit,
+                                std::size_t http_sockets = 0);
 
 /// The first descriptor that no client may have, with the limit in force.
 int end_of_client_descriptors(const gateway::Settings& settings);

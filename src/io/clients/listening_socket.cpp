@@ -47,8 +47,9 @@ void set_connection_options(tcp::acceptor& acceptor, const gateway::TcpSettings&
   set_option(acceptor, IPPROTO_TCP, TCP_NODELAY, 1, error);
   set_option(acceptor, SOL_SOCKET, SO_SNDBUF, kSocketBuffer, error);
   set_option(acceptor, SOL_SOCKET, SO_RCVBUF, kSocketBuffer, error);
-  if (tcp.keepalive_idle > bus::Duration::zero()) {
-    set_option(acceptor, SOL_SOCKET, SO_KEEPALIVE, 1, error);
+  const bool keepalive = tcp.keepalive_idle > bus::Duration::zero();
+  set_option(acceptor, SOL_SOCKET, SO_KEEPALIVE, keepalive ? 1 : 0, error);
+  if (keepalive) {
     set_option(acceptor, IPPROTO_TCP, TCP_KEEPIDLE, count_of<seconds>(tcp.keepalive_idle), error);
     set_option(acceptor, IPPROTO_TCP, TCP_KEEPINTVL, count_of<seconds>(tcp.keepalive_interval),
                error);
@@ -63,18 +64,22 @@ ListenFailure refusal(const gateway::ListenerSettings& listener, const std::stri
   return {"listener \"" + listener.name + "\": cannot listen on " + where + ": " + why};
 }
 
+/// Nothing if the descriptor has no such option.
+std::optional<int> option_of(int socket, int level, int name) {
+  int value = 0;
+  socklen_t size = sizeof value;
+  if (::getsockopt(socket, level, name, &value, &size) != 0) {
+    return std::nullopt;
+  }
+  return value;
+}
+
 /// The protocol of a listening TCP socket; nothing if the descriptor is something else.
 std::optional<tcp> protocol_of(int socket) {
-  int listening = 0;
-  socklen_t size = sizeof listening;
-  if (::getsockopt(socket, SOL_SOCKET, SO_ACCEPTCONN, &listening, &size) != 0 || listening == 0) {
+  if (option_of(socket, SOL_SOCKET, SO_ACCEPTCONN).value_or(0) == 0) {
     return std::nullopt;
   }
-  int family = 0;
-  size = sizeof family;
-  if (::getsockopt(socket, SOL_SOCKET, SO_DOMAIN, &family, &size) != 0) {
-    return std::nullopt;
-  }
+  const auto family = option_of(socket, SOL_SOCKET, SO_DOMAIN);
   if (family == AF_INET) {
     return tcp::v4();
   }
@@ -145,6 +150,33 @@ Result<tcp::acceptor, ListenFailure> adopt_listener(boost::asio::io_context& con
   set_connection_options(acceptor, listener.tcp, error);
   if (error) {
     return refusal(listener, "the socket from systemd", error.message());
+  }
+  return acceptor;
+}
+
+bool is_bound_for(const gateway::ListenerSettings& listener, int socket) {
+  error_code error;
+  const auto address = boost::asio::ip::make_address(listener.address, error);
+  tcp::endpoint at;
+  auto size = static_cast<socklen_t>(at.capacity());
+  if (error || !protocol_of(socket) || ::getsockname(socket, at.data(), &size) != 0) {
+    return false;
+  }
+  at.resize(size);
+  return at == tcp::endpoint(address, listener.port) &&
+         (address.is_v4() || option_of(socket, IPPROTO_IPV6, IPV6_V6ONLY) == 1);
+}
+
+Result<tcp::acceptor, ListenFailure> resume_listener(boost::asio::io_context& context,
+                                                     const gateway::ListenerSettings& listener,
+                                                     UniqueFd socket) {
+  auto acceptor = adopt_listener(context, listener, std::move(socket));
+  if (acceptor) {
+    error_code error;
+    acceptor->listen(static_cast<int>(listener.tcp.backlog), error);
+    if (error) {
+      return refusal(listener, "the socket from systemd", error.message());
+    }
   }
   return acceptor;
 }

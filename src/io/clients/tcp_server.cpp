@@ -2,6 +2,8 @@
 #include "io/clients/tcp_server.hpp"
 
 #include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 
 #include <boost/asio/as_tuple.hpp>
@@ -9,6 +11,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "gateway/limits.hpp"
 #include "io/clients/tcp_connection.hpp"
 #include "io/supervise.hpp"
 
@@ -31,6 +34,15 @@ constexpr int kMostShed = 64;
 constexpr int kMostWaiting = 65536;
 /// A failure that lasts must not keep the processor busy.
 constexpr std::chrono::milliseconds kPause{100};
+
+/// How long ago the client has connected, if nothing was sent to it yet. Linux counts from the last
+/// sending, and the end of the handshake is the first.
+std::chrono::milliseconds age_of(int socket) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  const bool known = ::getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) == 0;
+  return std::chrono::milliseconds(known ? info.tcpi_last_data_sent : 0);
+}
 
 UniqueFd open_spare() { return UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
 
@@ -61,6 +73,7 @@ TcpServer::TcpServer(boost::asio::io_context& context, gateway::ListenerId liste
       pause_(context),
       events_(events),
       end_(end),
+      old_(gateway::write_deadline(bus::Duration::zero())),
       spare_(open_spare()) {}
 
 void TcpServer::accept_waiting() {
@@ -117,7 +130,8 @@ TcpServer::Outcome TcpServer::accept_one(bool count_bytes) {
 }
 
 TcpServer::Outcome TcpServer::take(UniqueFd socket, const tcp::endpoint& peer, bool count_bytes) {
-  const std::size_t waiting = count_bytes ? unread_bytes(socket.get()) : 0;
+  const bool is_old = count_bytes || age_of(socket.get()) >= old_;
+  const std::size_t waiting = is_old ? unread_bytes(socket.get()) : 0;
   tcp::socket connection(context_);
   error_code error;
   connection.assign(peer.protocol(), socket.get(), error);

@@ -19,8 +19,8 @@ namespace mbgate::io {
 struct AcceptedClient {
   boost::asio::ip::tcp::socket socket;
   boost::asio::ip::tcp::endpoint peer;
-  /// Bytes that could be read when the connection was accepted; counted by accept_waiting() only,
-  /// else 0.
+  /// Bytes that could be read when the connection was accepted, if accept_waiting() did that or if
+  /// the connection had waited for long; else 0.
   std::size_t bytes_waiting = 0;
 
   /// The address of the peer.
@@ -50,6 +50,10 @@ class TcpServer {
   void accept_waiting();
   /// Accepts new connections from now on.
   void start();
+  /// A connection that has waited so long before it was accepted brings old requests: the process
+  /// was stopped for a while, or too many came at a time. The default is the shortest time that a
+  /// write may wait without a deadline of its own.
+  void set_old(bus::Duration age) { old_ = age; }
   /// Accepts no more.
   void stop();
   void set_end(int end) { end_ = end; }
@@ -70,6 +74,7 @@ class TcpServer {
   boost::asio::steady_timer pause_;
   AcceptEvents& events_;
   int end_;
+  bus::Duration old_;
   UniqueFd spare_;
 };
 

@@ -66,6 +66,33 @@ TEST_F(SystemdTest, HearsThatTheServiceStops) {
   EXPECT_EQ(notified(), "STOPPING=1\nSTATUS=stopping");
 }
 
+TEST_F(SystemdTest, HearsThatTheServiceIsAlive) {
+  notify_alive();
+  EXPECT_EQ(notified(), "WATCHDOG=1");
+}
+
+TEST_F(SystemdTest, HearsWhichSocketsItShallKeep) {
+  EXPECT_TRUE(store_socket("stored/plant/127.0.0.1%3A502", socket_.get()));
+  EXPECT_EQ(notified(), "FDSTORE=1\nFDNAME=stored/plant/127.0.0.1%3A502");
+  remove_stored_socket("stored/plant/127.0.0.1%3A502");
+  EXPECT_EQ(notified(), "FDSTOREREMOVE=1\nFDNAME=stored/plant/127.0.0.1%3A502");
+}
+
+TEST(StoringSockets, IsInVainWithoutSystemd) {
+  const io::UniqueFd socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  EXPECT_FALSE(store_socket("plant", socket.get()));
+}
+
+TEST(WatchdogLimit, IsThatOfTheUnitIfItIsForThisProcess) {
+  EXPECT_EQ(watchdog_limit(), std::nullopt);
+  ::setenv("WATCHDOG_USEC", "30000000", 1);
+  EXPECT_EQ(watchdog_limit(), std::chrono::seconds(30));
+  ::setenv("WATCHDOG_PID", "1", 1);
+  EXPECT_EQ(watchdog_limit(), std::nullopt);
+  ::unsetenv("WATCHDOG_PID");
+  ::unsetenv("WATCHDOG_USEC");
+}
+
 TEST(InheritedSockets, AreNoneWithoutSystemd) { EXPECT_TRUE(take_inherited_sockets().empty()); }
 
 }  // namespace

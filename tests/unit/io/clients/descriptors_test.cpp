@@ -18,19 +18,19 @@ gateway::Settings plant_of(std::size_t buses, std::vector<std::size_t> max_conne
 }
 
 TEST(DescriptorRoom, SufficesForWhatAllListenersTakeTogether) {
-  // 2 listeners, 1 bus: 4 + 32 + 16 + 2 * 2 are not for clients.
-  const auto room = room_for_clients(plant_of(1, {300, 200}), 556);
+  // 2 listeners, 1 bus: 4 + 32 + 16 + 2 * 3 are not for clients.
+  const auto room = room_for_clients(plant_of(1, {300, 200}), 558);
   EXPECT_EQ(room.clients, 500U);
   EXPECT_EQ(room.shortage, std::nullopt);
 }
 
 TEST(DescriptorRoom, SaysWhatIsMissing) {
-  const auto room = room_for_clients(plant_of(1, {300, 201}), 556);
+  const auto room = room_for_clients(plant_of(1, {300, 201}), 558);
   EXPECT_EQ(room.clients, 500U);
   EXPECT_EQ(room.shortage,
-            "max_connections of all listeners together is 501, but the limit of 556 open files "
+            "max_connections of all listeners together is 501, but the limit of 558 open files "
             "leaves room for 500 clients: lower it, or raise the limit (LimitNOFILE= of the unit) "
-            "to 557");
+            "to 559");
 }
 
 TEST(DescriptorRoom, IsForTheHttpInterfaceToo) {
@@ -38,18 +38,28 @@ TEST(DescriptorRoom, IsForTheHttpInterfaceToo) {
   settings.control_socket = "/run/mbgate/control";
   settings.http.max_streams = 10;
   // 1 socket, 64 connections and 10 that follow something.
-  EXPECT_EQ(room_for_clients(settings, 631).shortage, std::nullopt);
+  EXPECT_EQ(room_for_clients(settings, 633).shortage, std::nullopt);
   settings.http.listen = {*routing::ListenAddress::parse("127.0.0.1:8080"),
                           *routing::ListenAddress::parse("[::1]:8080")};
-  const auto room = room_for_clients(settings, 631);
+  const auto room = room_for_clients(settings, 633);
   EXPECT_EQ(room.clients, 575U);
   EXPECT_EQ(room.shortage,
-            "max_connections of all listeners together is 500, the HTTP interface may need 141 "
-            "more, but the limit of 631 open files leaves room for 575 clients: lower "
+            "max_connections of all listeners together is 500, the HTTP interface may need 143 "
+            "more, but the limit of 633 open files leaves room for 575 clients: lower "
             "max_connections or [http] max_streams, or raise the limit (LimitNOFILE= of the unit) "
-            "to 697");
+            "to 701");
   settings.control_socket.clear();
-  EXPECT_EQ(room_for_clients(settings, 632).shortage, std::nullopt);  // 2 + 64 + 10
+  EXPECT_EQ(room_for_clients(settings, 636).shortage, std::nullopt);  // 2 * 2 + 64 + 10
+}
+
+TEST(DescriptorRoom, IsForHttpAtSocketsOfSystemdToo) {
+  auto settings = plant_of(1, {300, 200});
+  settings.http.max_streams = 10;
+  EXPECT_EQ(room_for_clients(settings, 558).shortage, std::nullopt);     // there is no HTTP
+  EXPECT_EQ(room_for_clients(settings, 634, 2).shortage, std::nullopt);  // 2 + 64 + 10
+  EXPECT_TRUE(room_for_clients(settings, 633, 2).shortage);
+  settings.http.listen = {*routing::ListenAddress::parse("127.0.0.1:8080")};
+  EXPECT_EQ(room_for_clients(settings, 634, 2).shortage, std::nullopt);  // they take its place
 }
 
 TEST(DescriptorRoom, MayBeNoneAtAll) {

@@ -48,6 +48,60 @@ TEST(ListeningSocket, LeavesKeepaliveOffWhenItsTimeIsZero) {
   EXPECT_EQ(option_of(acceptor->native_handle(), SOL_SOCKET, SO_KEEPALIVE), 0);
 }
 
+TEST(ListeningSocket, OfAnEarlierProcessGetsTheOptionsOfNow) {
+  boost::asio::io_context context;
+  auto listener = loopback_listener();
+  auto before = bind_listener(context, listener);
+  ASSERT_TRUE(before.has_value()) << before.error().why;
+  listener.port = before->local_endpoint().port();
+  listener.tcp.keepalive_idle = bus::Duration::zero();
+  listener.tcp.backlog = 1;
+  TestClient waiting(context, *before);
+  auto after = resume_listener(context, listener, UniqueFd(before->release()));
+  ASSERT_TRUE(after.has_value()) << after.error().why;
+  EXPECT_EQ(option_of(after->native_handle(), SOL_SOCKET, SO_KEEPALIVE), 0);
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  ASSERT_EQ(::getsockopt(after->native_handle(), IPPROTO_TCP, TCP_INFO, &info, &size), 0);
+  EXPECT_EQ(info.tcpi_sacked, 1U);  // of a socket that listens: its backlog
+  EXPECT_EQ(after->accept().remote_endpoint(), waiting.socket().local_endpoint());
+}
+
+TEST(ListeningSocket, IsBoundForAListenerOfItsAddressAlone) {
+  boost::asio::io_context context;
+  auto listener = loopback_listener();
+  auto acceptor = bind_listener(context, listener);
+  ASSERT_TRUE(acceptor.has_value()) << acceptor.error().why;
+  const int socket = acceptor->native_handle();
+  EXPECT_FALSE(is_bound_for(listener, socket));  // at port 0
+  listener.port = acceptor->local_endpoint().port();
+  EXPECT_TRUE(is_bound_for(listener, socket));
+  for (const char* const other : {"127.0.0.2", "0.0.0.0", "::ffff:127.0.0.1", "plc.local"}) {
+    listener.address = other;
+    EXPECT_FALSE(is_bound_for(listener, socket)) << other;
+  }
+}
+
+// A socket for IPv4 too is none of ours.
+TEST(ListeningSocket, IsBoundForIpv6Alone) {
+  boost::asio::io_context context;
+  auto listener = loopback_listener();
+  listener.address = "::";
+  auto acceptor = bind_listener(context, listener);
+  if (!acceptor) {
+    GTEST_SKIP() << "skipped: no IPv6: " << acceptor.error().why;
+  }
+  listener.port = acceptor->local_endpoint().port();
+  EXPECT_TRUE(is_bound_for(listener, acceptor->native_handle()));
+  tcp::acceptor both(context, tcp::v6());
+  both.bind({tcp::v6(), 0});
+  both.listen();
+  listener.port = both.local_endpoint().port();
+  EXPECT_FALSE(is_bound_for(listener, both.native_handle()));
+  both.close();
+  EXPECT_FALSE(is_bound_for(listener, 0));
+}
+
 TEST(ListeningSocket, NamesListenerAndAddressWhenThePortIsTaken) {
   boost::asio::io_context context;
   const auto first = bind_listener(context, loopback_listener());

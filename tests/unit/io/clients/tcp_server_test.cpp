@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <chrono>
 #include <limits>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "socket_pair.hpp"
@@ -60,11 +62,23 @@ TEST_F(TcpServerTest, CountsTheBytesThatWaitedBeforeTheStart) {
 }
 
 TEST_F(TcpServerTest, CountsNoBytesOnceStarted) {
+  server_.set_old(std::chrono::hours(1));
   server_.start();
   const auto client = connect();
   ASSERT_TRUE(client->send("123456789012"));
   ASSERT_TRUE(run_until(context_, [&] { return !accepted_.empty(); }));
   EXPECT_EQ(accepted_[0].bytes_waiting, 0U);
+}
+
+// The time that passes here is what it is about: nobody accepts meanwhile.
+TEST_F(TcpServerTest, CountsBytesOfAConnectionThatWaitedForLong) {
+  server_.set_old(std::chrono::milliseconds(50));
+  server_.start();
+  const auto client = connect();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  ASSERT_TRUE(client->send("123456789012"));  // no younger for having come just now
+  ASSERT_TRUE(run_until(context_, [&] { return !accepted_.empty(); }));
+  EXPECT_EQ(accepted_[0].bytes_waiting, 12U);
 }
 
 TEST_F(TcpServerTest, AcceptsMoreClientsThanOneBatch) {

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Signals that come while the process starts. The configuration is read by then: who has changed it
+// meanwhile and sends SIGHUP must not end the gateway, and gets the reload.
+#pragma once
+
+namespace mbgate::app {
+
+/// To be called first, on the only thread: from now on a SIGHUP waits. What other daemons take for
+/// "tell" or "reopen your log", SIGUSR1 and SIGUSR2, is ignored.
+void hold_signals();
+/// Somebody waits for SIGHUP now: one that came since hold_signals() comes now.
+void release_held_signals();
+
+}  // namespace mbgate::app
