@@ -199,6 +199,13 @@ void Service::on_accept_failure(ListenerId listener, const std::string& why) {
                      {.id = message_id::kAcceptFailed, .listener = name});
 }
 
+void Service::on_stall(std::chrono::milliseconds lasted) {
+  log_.write_limited(Level::warning, "stall",
+                     "the gateway did not run for " + std::to_string(lasted.count()) +
+                         " ms: it was stopped, or got no processor time. What clients sent "
+                         "meanwhile counts as sent at its beginning");
+}
+
 void Service::on_status_changed() {
   if (!ready_ || status_pending_) {
     return;

@@ -59,6 +59,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void on_line_warning(gateway::BusId bus, const std::string& warning) override;
   void on_line_failure(gateway::BusId bus, const std::string& why) override;
   void on_accept_failure(gateway::ListenerId listener, const std::string& why) override;
+  void on_stall(std::chrono::milliseconds lasted) override;
   void on_status_changed() override;
   void on_finished() override;
   [[nodiscard]] gateway::StatusReport report_status() const override;

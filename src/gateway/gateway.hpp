@@ -61,6 +61,7 @@ class Gateway {
   void on(const LineLooked& input, Instant now);
   void on(const DeadlineReached& input, Instant now);
   void on(const SettingsChanged& input, Instant now);
+  void on(const Stalled& input, Instant now);
   void on(const ClearCountersAsked& input, Instant now);
   void on(const ShutdownAsked& input, Instant now);
   void settle(Instant now);

@@ -3,6 +3,7 @@
 // inputs at the same instants give the same actions.
 #pragma once
 
+#include <chrono>
 #include <string_view>
 #include <variant>
 
@@ -71,13 +72,21 @@ struct SettingsChanged {
   const Settings* settings = nullptr;  ///< owned by the caller, and copied
   std::string_view config{};           ///< config_lines() of what they were read from, or nothing
 };
+/// The driver has not run for so long, because the process was stopped or got no processor time.
+/// What lies in the sockets of the clients may have waited there since: it counts as arrived then,
+/// until a socket was seen empty. The driver hands it in before it looks into any of them, and then
+/// looks into each, as after Resume.
+struct Stalled {
+  std::chrono::milliseconds lasted{};
+};
 /// All counters begin anew, as by function 08/10 to the gateway's own unit. Nothing else changes.
 struct ClearCountersAsked {};
 /// Nothing new is started but stops; Finished follows at most 1.5 s later.
 struct ShutdownAsked {};
 
-using Input = std::variant<ClientConnected, ClientBytes, ClientSent, ClientHalfClosed,
-                           ClientDisconnected, LineOpened, LineBytes, LineLost, LineLooked,
-                           DeadlineReached, SettingsChanged, ClearCountersAsked, ShutdownAsked>;
+using Input =
+    std::variant<ClientConnected, ClientBytes, ClientSent, ClientHalfClosed, ClientDisconnected,
+                 LineOpened, LineBytes, LineLost, LineLooked, DeadlineReached, SettingsChanged,
+                 Stalled, ClearCountersAsked, ShutdownAsked>;
 
 }  // namespace mbgate::gateway

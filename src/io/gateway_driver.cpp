@@ -16,10 +16,9 @@ using gateway::BusId;
 using gateway::ClientId;
 using gateway::ListenerId;
 
-/// How long a connection that the machine has closed may take to send what was queued.
-constexpr std::chrono::seconds kCloseLimit{1};
-/// The same at the end of the process: with the machine's own 1.5 s it makes less than 2 s.
-constexpr std::chrono::milliseconds kFlushLimit{250};
+/// How long after it has not run it may still find connections that came meanwhile: it accepts some
+/// at a time.
+constexpr std::chrono::seconds kBehind{1};
 
 }  // namespace
 
@@ -35,7 +34,11 @@ GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings
       clients_(context, *this),
       lines_({context, blocking_, *this}),
       servers_(context, *this),
-      flush_timer_(context) {
+      flush_timer_(context),
+      heartbeat_(context, [this] {
+        notice_stall(now());
+        carry_out_actions();
+      }) {
   if (recorder_ != nullptr) {
     recorder_->begin(started_);
   }
@@ -48,12 +51,15 @@ void GatewayDriver::add_server(ListenerId listener, boost::asio::ip::tcp::accept
 void GatewayDriver::remove_servers(ListenerId listener) { servers_.remove(listener); }
 
 void GatewayDriver::start() {
+  heartbeat_.start();
   carry_out_actions();
   servers_.start();
   phase_ = Phase::serving;
 }
 
 void GatewayDriver::reload(const gateway::Settings& settings, std::string_view config) {
+  notice_stall(now());
+  carry_out_actions();
   feed(gateway::SettingsChanged{&settings, config});
   servers_.set_end(end_of_client_descriptors(gateway_.settings()));
   carry_out_actions();
@@ -77,8 +83,11 @@ void GatewayDriver::shutdown() {
 }
 
 void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) {
+  notice_stall(now());
+  const std::size_t waiting =
+      is_behind() ? unread_bytes(client.socket.native_handle()) : client.bytes_waiting;
   const ClientId id = clients_.add(std::move(client.socket));
-  feed(gateway::ClientConnected{id, {listener, client.address(), client.bytes_waiting}});
+  feed(gateway::ClientConnected{id, {listener, client.address(), waiting}});
   carry_out_actions();
   if (auto* const added = clients_.find(id)) {
     added->start();
@@ -152,11 +161,30 @@ void GatewayDriver::line_closed(BusId bus, const std::string& why) {
 
 void GatewayDriver::feed(const gateway::Input& input) {
   const gateway::Instant at = reading_at_.value_or(now());
+  notice_stall(at);
+  hand_in(input, at);
+}
+
+void GatewayDriver::hand_in(const gateway::Input& input, gateway::Instant at) {
   if (recorder_ != nullptr) {
     recorder_->note(input, at);
   }
   gateway_.handle(input, at);
 }
+
+// Before anything of a client is read.
+void GatewayDriver::notice_stall(gateway::Instant at) {
+  const auto missed = heartbeat_.missed(at);
+  if (!missed) {
+    return;
+  }
+  behind_until_ = at + kBehind;
+  hand_in(gateway::Stalled{*missed}, at);
+  observer_.on_stall(*missed);
+  boost::asio::post(context_, [this] { clients_.read_all(); });
+}
+
+bool GatewayDriver::is_behind() const { return behind_until_ && now() < *behind_until_; }
 
 void GatewayDriver::carry_out_actions() {
   if (carrying_out_ || reading_at_) {
@@ -220,68 +248,6 @@ void GatewayDriver::wait_for_end_of_silence(const gateway::Wake& wake) {
   }
 }
 
-void GatewayDriver::carry_out(const gateway::Send& action) {
-  auto* const client = clients_.find(action.client);
-  if (client == nullptr) {
-    return;
-  }
-  switch (client->send(action.adu)) {
-    case TcpConnection::SendOutcome::sent: feed(gateway::ClientSent{action.client}); return;
-    case TcpConnection::SendOutcome::queued: return;
-    case TcpConnection::SendOutcome::failed: drop(action.client); return;
-  }
-}
-
-void GatewayDriver::carry_out(const gateway::Pause& action) {
-  auto* const client = clients_.find(action.client);
-  if (client != nullptr && !client->pause()) {
-    drop(action.client);
-  }
-}
-
-void GatewayDriver::carry_out(const gateway::Resume& action) {
-  if (auto* const client = clients_.find(action.client)) {
-    client->resume();
-  }
-}
-
-void GatewayDriver::carry_out(const gateway::Close& action) {
-  clients_.close(action.client, kCloseLimit);
-  observer_.on_status_changed();
-}
-
-void GatewayDriver::carry_out(const gateway::Open& action) {
-  lines_.with_settings(action.bus, settings().bus(action.bus).line).open();
-}
-
-void GatewayDriver::carry_out(const gateway::Look& action) {
-  lines_[action.bus].read_now();
-  feed(gateway::LineLooked{action.bus});
-}
-
-void GatewayDriver::carry_out(const gateway::Transmit& action) {
-  if (const auto why = lines_[action.bus].transmit(action.frame)) {
-    observer_.on_line_failure(action.bus, *why);
-    feed(gateway::LineLost{action.bus});
-    observer_.on_status_changed();
-  }
-}
-
-void GatewayDriver::carry_out(const gateway::Shut& action) { lines_[action.bus].close(); }
-
-void GatewayDriver::carry_out(const gateway::Report& action) { observer_.on_event(action.event); }
-
-void GatewayDriver::carry_out(const gateway::Finished& /*action*/) {
-  clients_.close_all(kFlushLimit);
-  phase_ = Phase::flushing;
-  flush_timer_.expires_after(clients_.are_closing() ? kFlushLimit : std::chrono::milliseconds(0));
-  flush_timer_.async_wait([this](const boost::system::error_code& error) {
-    if (!error) {
-      finish();
-    }
-  });
-}
-
 void GatewayDriver::drop(ClientId client) {
   if (clients_.abort(client)) {
     feed(gateway::ClientDisconnected{client});
@@ -291,6 +257,7 @@ void GatewayDriver::drop(ClientId client) {
 
 void GatewayDriver::finish() {
   if (std::exchange(phase_, Phase::finished) != Phase::finished) {
+    heartbeat_.stop();
     observer_.on_finished();
   }
 }

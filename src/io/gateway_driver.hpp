@@ -19,6 +19,7 @@
 #include "io/clients/client_connections.hpp"
 #include "io/clients/server_set.hpp"
 #include "io/clock.hpp"
+#include "io/heartbeat.hpp"
 #include "io/lines/line_set.hpp"
 #include "io/recorder.hpp"
 
@@ -33,6 +34,8 @@ class DriverObserver {
   /// A line could not be opened, or was lost. Called for each attempt.
   virtual void on_line_failure(gateway::BusId bus, const std::string& why) = 0;
   virtual void on_accept_failure(gateway::ListenerId listener, const std::string& why) = 0;
+  /// The io thread has not run for so long.
+  virtual void on_stall(std::chrono::milliseconds lasted) = 0;
   /// The result of status() may have changed.
   virtual void on_status_changed() = 0;
   /// After shutdown(): everything is answered, and the answers are sent.
@@ -86,6 +89,11 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
 
   /// The only way into the machine. A recording has exactly the inputs that pass here.
   void feed(const gateway::Input& input);
+  void hand_in(const gateway::Input& input, gateway::Instant at);
+  /// What clients have sent while this did not run is old.
+  void notice_stall(gateway::Instant at);
+  /// May connections still come that have waited for it to run?
+  [[nodiscard]] bool is_behind() const;
   /// Carries out the actions of the machine until there are none left, then sets the timer. A
   /// nested call (an action that causes an input) leaves the work to the outer call.
   void carry_out_actions();
@@ -124,6 +132,8 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   enum class Phase : std::uint8_t { starting, serving, flushing, finished };
   Phase phase_ = Phase::starting;
   boost::asio::steady_timer flush_timer_;
+  Heartbeat heartbeat_;
+  std::optional<gateway::Instant> behind_until_;
 };
 
 }  // namespace mbgate::io

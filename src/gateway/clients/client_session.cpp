@@ -75,6 +75,13 @@ Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant
   return arrival;
 }
 
+void ClientSession::stall(Instant since) {
+  const bool is_read_to_the_end = half_closed_ && !paused_;
+  if (pauses_.empty() && !is_read_to_the_end) {
+    pauses_.push_back({read_position_, since});
+  }
+}
+
 void ClientSession::half_close() {
   half_closed_ = true;
   if (!paused_) {

@@ -102,6 +102,10 @@ void Clients::disconnected(ClientId client, Instant now) {
   }
 }
 
+void Clients::stalled(Instant since) {
+  sessions_.for_each([since](ClientSession& session) { session.stall(since); });
+}
+
 void Clients::handle_deadline(Instant now) {
   while (ClientSession* session = sessions_.take_due(now)) {
     switch (session->overdue(now)) {

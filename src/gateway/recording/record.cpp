@@ -82,6 +82,9 @@ struct InputWords {
   void operator()(const LineLooked& input) { words.word("looked").bus(input.bus); }
   void operator()(const DeadlineReached& /*input*/) { words.word("time"); }
   void operator()(const SettingsChanged& /*input*/) { words.word("settings"); }
+  void operator()(const Stalled& input) {
+    words.word("stalled").number(static_cast<std::uint64_t>(input.lasted.count()));
+  }
   void operator()(const ClearCountersAsked& /*input*/) { words.word("clear"); }
   void operator()(const ShutdownAsked& /*input*/) { words.word("shutdown"); }
 };

@@ -125,6 +125,10 @@ ClientBytes bytes_of(Words& words, std::vector<std::uint8_t>& storage) {
   return input;
 }
 
+Stalled stalled_of(Words& words) {
+  return {std::chrono::milliseconds(words.number<std::uint32_t>("a number of milliseconds"))};
+}
+
 Input input_of(Words& words, std::vector<std::uint8_t>& storage) {
   const std::string_view kind = words.next("an input");
   if (kind == "connected") {
@@ -161,6 +165,9 @@ Input input_of(Words& words, std::vector<std::uint8_t>& storage) {
   }
   if (kind == "settings") {
     return SettingsChanged{};
+  }
+  if (kind == "stalled") {
+    return stalled_of(words);
   }
   if (kind == "clear") {
     return ClearCountersAsked{};

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <iterator>
 #include <utility>
-#include <vector>
 
 namespace mbgate::io {
 
@@ -46,12 +45,25 @@ void ClientConnections::close(ClientId client, bus::Duration limit) {
 }
 
 void ClientConnections::close_all(bus::Duration limit) {
-  std::vector<ClientId> remaining;
-  std::ranges::transform(connections_, std::back_inserter(remaining),
-                         [](const auto& entry) { return entry.first; });
-  for (const ClientId client : remaining) {
+  for (const ClientId client : all()) {
     close(client, limit);
   }
+}
+
+void ClientConnections::read_all() {
+  for (const ClientId client : all()) {
+    if (auto* const connection = find(client)) {
+      connection->read_waiting();
+    }
+  }
+}
+
+// Whatever is done with one may end others.
+std::vector<ClientId> ClientConnections::all() const {
+  std::vector<ClientId> clients;
+  std::ranges::transform(connections_, std::back_inserter(clients),
+                         [](const auto& entry) { return entry.first; });
+  return clients;
 }
 
 }  // namespace mbgate::io

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
+#include <vector>
 
 #include "io/clients/hangup_watch.hpp"
 #include "io/clients/tcp_connection.hpp"
@@ -25,6 +26,9 @@ class ClientConnections {
   gateway::ClientId add(boost::asio::ip::tcp::socket socket);
   /// nullptr if it has ended or was closed.
   [[nodiscard]] TcpConnection* find(gateway::ClientId client) const;
+  /// Reads each once, as after a pause: what waited in them while nobody read is told before what
+  /// comes from now on.
+  void read_all();
   /// The connection has ended by itself.
   void note_disconnected(gateway::ClientId client) { connections_.erase(client); }
   /// Ends the connection at once. False if there is none.
@@ -40,6 +44,8 @@ class ClientConnections {
  private:
   HangupWatch hangups_;
   ConnectionContext context_;
+  [[nodiscard]] std::vector<gateway::ClientId> all() const;
+
   std::unordered_map<gateway::ClientId, std::shared_ptr<TcpConnection>> connections_;
   std::uint64_t next_client_ = 0;
   std::size_t closing_ = 0;

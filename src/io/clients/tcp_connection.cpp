@@ -64,7 +64,7 @@ void TcpConnection::resume() {
   if (!fin_seen_) {
     stop_watching();
     start();
-    boost::asio::post(context_.io, [self = shared_from_this()] { self->read_after_pause(); });
+    boost::asio::post(context_.io, [self = shared_from_this()] { self->read_waiting(); });
   }
 }
 
@@ -152,7 +152,7 @@ void TcpConnection::read_once() {
 
 // Bytes that come later must not be taken for ones that came during the pause, so an empty socket
 // is reported.
-void TcpConnection::read_after_pause() {
+void TcpConnection::read_waiting() {
   if (paused_ || fin_seen_ || closing_ || !socket_.is_open()) {
     return;
   }

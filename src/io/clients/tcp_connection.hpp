@@ -64,6 +64,8 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   /// connection must be given up.
   [[nodiscard]] bool pause();
   void resume();
+  /// Reports what can be read, or that nothing can; nothing while reading is paused.
+  void read_waiting();
   /// `failed`: the connection is broken, and nothing more is reported.
   SendOutcome send(const modbus::MbapBytes& adu);
   /// Sends what is queued, then FIN, and closes when the client has closed too, after `limit` at
@@ -81,7 +83,6 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   static boost::asio::awaitable<void> write_loop(std::shared_ptr<TcpConnection> self);
   static boost::asio::awaitable<void> discard_until_fin(std::shared_ptr<TcpConnection> self);
   void read_once();
-  void read_after_pause();
   bool write_queued();
   void start_writing();
   void handle_fin();

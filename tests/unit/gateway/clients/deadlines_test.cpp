@@ -36,5 +36,38 @@ TEST(Deadlines, WritesWaitThreeResponseTimeoutsAndALittleReadsNoLess) {
   }
 }
 
+// A process that was stopped: what is read then has come at any time since.
+TEST(Deadlines, CountFromTheBeginningOfAStallUntilASocketWasSeenEmpty) {
+  MachineRig rig;
+  for (const std::uint64_t client : {1, 2, 3}) {
+    rig.connect(client);
+  }
+  rig.advance(10s);
+  rig.harness.handle(gateway::Stalled{9s});
+  rig.receive(1, kDeadlineWrite, 12);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 08 00 00 00 03 01 86 06"));
+  rig.receive(1, kDeadlineWrite);  // the 12 bytes that lay behind it
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 08 00 00 00 03 01 86 06"));
+  rig.receive(2, "");  // nothing lay there
+  EXPECT_THAT(rig.take_transmitted(), IsEmpty());
+  rig.receive(2, kDeadlineWrite);
+  EXPECT_EQ(rig.take_transmitted().size(), 1U);
+  rig.half_close(3);  // it was read to its end
+  EXPECT_THAT(rig.closed, ElementsAre(3));
+}
+
+// It is not late then, only older.
+TEST(Deadlines, LeaveTheRestOfTheirTimeToWhatIsReadAfterAShortStall) {
+  MachineRig rig(one_bus(), false);
+  rig.connect(1);
+  rig.advance(10s);
+  rig.harness.handle(gateway::Stalled{600ms});
+  rig.receive(1, kDeadlineWrite);
+  rig.advance(199ms);  // of 800 ms
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+  rig.advance(1ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 08 00 00 00 03 01 86 06"));
+}
+
 }  // namespace
 }  // namespace mbgate::test

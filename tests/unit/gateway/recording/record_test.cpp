@@ -52,6 +52,7 @@ TEST(Record, EveryInputIsALineThatCanBeReadAgain) {
       {LineLost{BusId{1}}, "1234567890123 lost 1"},
       {LineLost{BusId{1}, bus::Loss::closed}, "1234567890123 closed 1"},
       {DeadlineReached{}, "1234567890123 time"},
+      {Stalled{std::chrono::seconds(10)}, "1234567890123 stalled 10000"},
       {ClearCountersAsked{}, "1234567890123 clear"},
       {ShutdownAsked{}, "1234567890123 shutdown"}};
   for (const auto& [input, line] : all) {

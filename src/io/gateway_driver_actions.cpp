@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the machine asks for, done.
+#include <chrono>
+
+#include "io/gateway_driver.hpp"
+
+namespace mbgate::io {
+namespace {
+
+/// How long a connection that the machine has closed may take to send what was queued.
+constexpr std::chrono::seconds kCloseLimit{1};
+/// The same at the end of the process: with the machine's own 1.5 s it makes less than 2 s.
+constexpr std::chrono::milliseconds kFlushLimit{250};
+
+}  // namespace
+
+void GatewayDriver::carry_out(const gateway::Send& action) {
+  auto* const client = clients_.find(action.client);
+  if (client == nullptr) {
+    return;
+  }
+  switch (client->send(action.adu)) {
+    case TcpConnection::SendOutcome::sent: feed(gateway::ClientSent{action.client}); return;
+    case TcpConnection::SendOutcome::queued: return;
+    case TcpConnection::SendOutcome::failed: drop(action.client); return;
+  }
+}
+
+void GatewayDriver::carry_out(const gateway::Pause& action) {
+  auto* const client = clients_.find(action.client);
+  if (client != nullptr && !client->pause()) {
+    drop(action.client);
+  }
+}
+
+void GatewayDriver::carry_out(const gateway::Resume& action) {
+  if (auto* const client = clients_.find(action.client)) {
+    client->resume();
+  }
+}
+
+void GatewayDriver::carry_out(const gateway::Close& action) {
+  clients_.close(action.client, kCloseLimit);
+  observer_.on_status_changed();
+}
+
+void GatewayDriver::carry_out(const gateway::Open& action) {
+  lines_.with_settings(action.bus, settings().bus(action.bus).line).open();
+}
+
+void GatewayDriver::carry_out(const gateway::Look& action) {
+  lines_[action.bus].read_now();
+  feed(gateway::LineLooked{action.bus});
+}
+
+void GatewayDriver::carry_out(const gateway::Transmit& action) {
+  if (const auto why = lines_[action.bus].transmit(action.frame)) {
+    observer_.on_line_failure(action.bus, *why);
+    feed(gateway::LineLost{action.bus});
+    observer_.on_status_changed();
+  }
+}
+
+void GatewayDriver::carry_out(const gateway::Shut& action) { lines_[action.bus].close(); }
+
+void GatewayDriver::carry_out(const gateway::Report& action) { observer_.on_event(action.event); }
+
+void GatewayDriver::carry_out(const gateway::Finished& /*action*/) {
+  clients_.close_all(kFlushLimit);
+  phase_ = Phase::flushing;
+  flush_timer_.expires_after(clients_.are_closing() ? kFlushLimit : std::chrono::milliseconds(0));
+  flush_timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) {
+      finish();
+    }
+  });
+}
+
+}  // namespace mbgate::io

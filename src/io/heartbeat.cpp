@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/heartbeat.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "io/clock.hpp"
+
+namespace mbgate::io {
+
+Heartbeat::Heartbeat(boost::asio::io_context& context, std::function<void()> on_beat)
+    : timer_(context), on_beat_(std::move(on_beat)) {}
+
+void Heartbeat::start() {
+  last_ = now();
+  beat();
+}
+
+void Heartbeat::stop() {
+  last_.reset();
+  timer_.cancel();
+}
+
+std::optional<std::chrono::milliseconds> Heartbeat::missed(bus::Instant now) {
+  if (!last_) {
+    return std::nullopt;
+  }
+  const bus::Duration gap = now - *last_;
+  last_ = std::max(*last_, now);
+  return gap > kLongest ? std::optional(std::chrono::ceil<std::chrono::milliseconds>(gap))
+                        : std::nullopt;
+}
+
+void Heartbeat::beat() {
+  timer_.expires_after(kBeat);
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error && last_) {
+      on_beat_();
+      beat();
+    }
+  });
+}
+
+}  // namespace mbgate::io
