@@ -20,6 +20,7 @@
 #include "app/text.hpp"
 #include "io/clients/descriptors.hpp"
 #include "io/denials/denials.hpp"
+#include "io/memory_reserve.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -119,6 +120,7 @@ int Service::begin_listening() {
 }
 
 int Service::run() {
+  io::keep_memory_reserve();
   if (const int status = begin_listening(); status != EXIT_SUCCESS) {
     return status;
   }
@@ -250,8 +252,9 @@ void Service::clear_counters() {
 }
 
 void Service::control_failed(const std::string& why) {
-  log_.write(Level::error, "a connection to the control socket has failed: " + why,
-             {.id = message_id::kControlFailed});
+  log_.write_limited(Level::error, "control failure",
+                     "a connection to the control socket has failed: " + why,
+                     {.id = message_id::kControlFailed});
 }
 
 void Service::http_refused(const std::string& address) {

@@ -7,6 +7,7 @@
 #include <boost/asio/post.hpp>
 #include <chrono>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "app/control/control_socket.hpp"
@@ -180,10 +181,18 @@ void Control::run() {
     try {
       home_->run();
     } catch (const std::exception& exception) {  // of one connection: the others go on
-      boost::asio::post(gateway_, [&target = target_, why = std::string(exception.what())] {
-        target.control_failed(why);
-      });
+      report_failure(exception);
     }
+  }
+}
+
+void Control::report_failure(const std::exception& exception) {
+  try {
+    boost::asio::post(gateway_, [&target = target_, why = std::string(exception.what())] {
+      target.control_failed(why);
+    });
+  } catch (const std::bad_alloc&) {
+    // Not even for that: it remains untold.
   }
 }
 

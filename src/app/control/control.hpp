@@ -60,6 +60,7 @@ class Control {
   /// Has its thread and what runs there, once. Throws what the standard library throws.
   void begin();
   void run();
+  void report_failure(const std::exception& exception);
   void remove_socket() const;
 
   boost::asio::io_context& gateway_;

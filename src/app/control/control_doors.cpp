@@ -4,10 +4,12 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <new>
 #include <string_view>
 #include <utility>
 
 #include "gateway/settings.hpp"
+#include "io/memory_reserve.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -26,6 +28,17 @@ constexpr std::chrono::seconds kAcceptPause{1};
 constexpr int kForOperators = 16;
 /// Whoever comes from more addresses than these is told of again.
 constexpr std::size_t kMostTold = 1000;
+
+/// False for want of memory: the next one may find some.
+template <typename Socket>
+bool is_let_in(const std::function<void(Socket)>& let_in, Socket& socket) {
+  try {
+    let_in(std::move(socket));
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+  return true;
+}
 
 std::string forbidden() {
   constexpr std::string_view kBody =
@@ -106,9 +119,10 @@ asio::awaitable<void> ControlDoors::accept(Acceptor acceptor, std::function<void
     }
     // Subtracted, because there may be no end.
     const bool is_too_many = !error && socket.native_handle() - kept_back >= end_;
-    if (!error && !is_too_many) {
-      let_in(std::move(socket));
-    } else if (error != asio::error::operation_aborted) {
+    if (!error && !is_too_many && is_let_in(let_in, socket)) {
+      continue;
+    }
+    if (error != asio::error::operation_aborted) {
       boost::system::error_code ignored;
       socket.close(ignored);
       asio::steady_timer pause(*home_, kAcceptPause);
@@ -134,7 +148,7 @@ void ControlDoors::let_in(ListenerId door, tcp::socket socket) {
 
 std::weak_ptr<ControlStream> ControlDoors::enter(ControlStream stream, bool over_tcp,
                                                  const std::shared_ptr<std::size_t>& count) {
-  if (*count >= gateway::kHttpConnections) {
+  if (*count >= gateway::kHttpConnections || !io::is_memory_left()) {
     return {};
   }
   auto entered = std::make_shared<ControlStream>(std::move(stream));

@@ -7,6 +7,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/json/array.hpp>
 #include <boost/json/serialize.hpp>
+#include <new>
 #include <string_view>
 #include <utility>
 
@@ -198,7 +199,11 @@ asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& r
 asio::awaitable<std::optional<ControlServer::Status>> ControlServer::ask_status() {
   Question<Status> question(home_);
   asio::post(gateway_, [&target = target_, take = question.taker()] {
-    take({target.report_status(), target.process_status()});
+    try {
+      take({target.report_status(), target.process_status()});
+    } catch (const std::bad_alloc&) {
+      // Who asks hears nothing: the gateway must not end for that.
+    }
   });
   co_return co_await question.wait(kAnswerLimit);
 }

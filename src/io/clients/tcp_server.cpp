@@ -13,6 +13,7 @@
 
 #include "gateway/limits.hpp"
 #include "io/clients/tcp_connection.hpp"
+#include "io/memory_reserve.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {
@@ -110,10 +111,11 @@ boost::asio::awaitable<void> TcpServer::run() {
 TcpServer::Outcome TcpServer::accept_one(bool count_bytes) {
   tcp::endpoint peer;
   UniqueFd socket(accept_socket(acceptor_.native_handle(), peer));
-  if (socket.is_open() && socket.get() < end_) {
+  const int failure = socket.is_open() ? 0 : errno;
+  const int reason = failure != 0 ? failure : objection(socket.get());
+  if (reason == 0) {
     return take(std::move(socket), peer, count_bytes);
   }
-  const int reason = socket.is_open() ? EMFILE : errno;
   socket.reset();
   switch (reason) {
     case EAGAIN: return Outcome::none_waiting;
@@ -122,11 +124,18 @@ TcpServer::Outcome TcpServer::accept_one(bool count_bytes) {
     default: break;
   }
   const error_code error(reason, boost::system::system_category());
-  if (error.value() == EMFILE || error.value() == ENFILE) {
+  if (reason == EMFILE || reason == ENFILE || reason == ENOMEM) {
     shed();
   }
   events_.accept_failed(listener_, error);
   return Outcome::failed;
+}
+
+int TcpServer::objection(int socket) const {
+  if (socket >= end_) {
+    return EMFILE;
+  }
+  return is_memory_left() ? 0 : ENOMEM;
 }
 
 TcpServer::Outcome TcpServer::take(UniqueFd socket, const tcp::endpoint& peer, bool count_bytes) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Accepts the connections of one listening socket. If there are no descriptors left for clients,
-// new connections are closed, so that their clients notice, and the server goes on. Some
-// descriptors are kept for other uses.
+// Accepts the connections of one listening socket. If there are no descriptors or no memory left
+// for clients, new connections are closed, so that their clients notice, and the server goes on.
+// Some descriptors are kept for other uses.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -64,6 +64,8 @@ class TcpServer {
 
   boost::asio::awaitable<void> run();
   Outcome accept_one(bool count_bytes);
+  /// 0, or the error number that says why a client with this descriptor is not let in.
+  [[nodiscard]] int objection(int socket) const;
   Outcome take(UniqueFd socket, const boost::asio::ip::tcp::endpoint& peer, bool count_bytes);
   /// With the spare descriptor, accepts and closes what is waiting.
   void shed();
