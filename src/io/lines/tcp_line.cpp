@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/experimental/awaitable_operators.hpp>
-#include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 #include <chrono>
@@ -90,44 +89,6 @@ TcpLine::TcpLine(LineContext context, drive::BusId bus, const bus::LineSettings&
       timer_(context.io) {}
 
 TcpLine::~TcpLine() { close_socket(); }
-
-void TcpLine::open() {
-  if (state_ != State::closed) {
-    return;
-  }
-  state_ = State::opening;
-  ++generation_;
-  if (const auto endpoint = numeric_endpoint(remote_)) {
-    start_connecting({*endpoint});
-  } else if (!resolving_) {
-    resolve_name();
-  }
-}
-
-void TcpLine::resolve_name() {
-  resolving_ = context_.blocking.run(
-      [remote = remote_] { return resolve(remote); },
-      [this](Result<HostAddresses, std::string> result) { finish_resolving(std::move(result)); });
-  if (!resolving_) {
-    boost::asio::post(context_.io, [this, generation = generation_] {
-      if (generation == generation_) {
-        fail_to_open("no thread to look the name up on");
-      }
-    });
-  }
-}
-
-void TcpLine::finish_resolving(Result<HostAddresses, std::string> result) {
-  resolving_ = false;
-  if (state_ != State::opening) {
-    return;  // closed in the meantime
-  }
-  if (result) {
-    start_connecting(std::move(*result));
-  } else {
-    fail_to_open(result.error());
-  }
-}
 
 void TcpLine::start_connecting(HostAddresses addresses) {
   supervise(context_.io, connect(std::move(addresses), generation_), "line connect");

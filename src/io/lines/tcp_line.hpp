@@ -37,6 +37,7 @@ class TcpLine final : public Line {
     remote_ = *settings.remote;
     times_ = settings.connection;
     name_ = to_text(remote_);
+    late_.reset();
     return true;
   }
 
@@ -44,6 +45,7 @@ class TcpLine final : public Line {
   enum class State : std::uint8_t { closed, opening, open };
 
   void resolve_name();
+  void limit_resolving();
   void finish_resolving(Result<HostAddresses, std::string> result);
   void start_connecting(HostAddresses addresses);
   boost::asio::awaitable<void> connect(HostAddresses addresses, unsigned generation);
@@ -61,9 +63,11 @@ class TcpLine final : public Line {
   bus::ConnectionTimes times_;
   std::string name_;  ///< of the server, in messages
   boost::asio::ip::tcp::socket socket_;
-  boost::asio::steady_timer timer_;  ///< limits connecting, then writing
+  boost::asio::steady_timer timer_;  ///< limits looking the name up, connecting, writing
   State state_ = State::closed;
   bool resolving_ = false;  ///< a thread waits for the name servers
+  /// They have answered after it was given up.
+  std::optional<HostAddresses> late_;
   /// Counts openings and closings, so that a coroutine of an earlier connection notices that its
   /// connection is closed.
   unsigned generation_ = 0;
