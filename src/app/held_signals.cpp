@@ -16,8 +16,9 @@ void change_mask(int how) {
 }  // namespace
 
 void hold_signals() {
-  std::signal(SIGUSR1, SIG_IGN);
-  std::signal(SIGUSR2, SIG_IGN);
+  for (const int ignored : {SIGPIPE, SIGUSR1, SIGUSR2, SIGXFSZ}) {
+    std::signal(ignored, SIG_IGN);
+  }
   change_mask(SIG_BLOCK);
 }
 

@@ -83,7 +83,6 @@ Service::Service(gateway::Settings settings, About about, Read read, Log& log,
       http_(context_, log, control_),
       watchdog_(
           context_, [this] { return driver_.meets_deadlines(); }, notify_alive) {
-  std::signal(SIGPIPE, SIG_IGN);
   release_held_signals();
   listeners_.use(stored_);
   http_.use(stored_);

@@ -35,9 +35,11 @@ def program(name):
 
 class Process:
     """A program that we started: its lines as they come, and its end. `given`: a socket that systemd would give it.
-    `wrapped`: the command that becomes it, with the descriptors of `keep` open."""
+    `wrapped`: the command that becomes it, with the descriptors of `keep` open. `prepare` runs in it before the program
+    does. `output`: a descriptor for what it prints, which is the caller's then."""
 
-    def __init__(self, folder, name, *arguments, given=None, wrapped=(), environment=None, keep=()):
+    def __init__(self, folder, name, *arguments, given=None, wrapped=(), environment=None, keep=(), prepare=None,
+                 output=subprocess.PIPE):
         self.name = name
         self.printed = []
         self._lines = queue.Queue()
@@ -48,15 +50,17 @@ class Process:
             cwd=folder,
             env=environment,
             pass_fds=keep,
-            stdout=subprocess.PIPE,
+            stdout=output,
             stderr=subprocess.STDOUT,
+            preexec_fn=prepare,
             text=True,
         )
+        self.pid = self._process.pid
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
 
     def _read(self):
-        for line in self._process.stdout:
+        for line in self._process.stdout or ():
             self._lines.put(line)
         self._lines.put(None)
 
@@ -73,6 +77,18 @@ class Process:
             match = re.search(pattern, line)
             if match:
                 return match
+
+    def unseen(self):
+        """Those of its lines that came since, and were not waited for. They are waited for then."""
+        while not self._lines.empty():
+            line = self._lines.get()
+            if line is not None:
+                self.printed.append(line)
+        return self.printed
+
+    def wait(self):
+        """Waits until the program has ended by itself; its exit status."""
+        return self._process.wait(PATIENCE)
 
     def signal(self, number):
         self._process.send_signal(number)
@@ -94,7 +110,8 @@ class Process:
             self._process.kill()
             status = self._process.wait()
         self._reader.join()
-        self._process.stdout.close()
+        if self._process.stdout:
+            self._process.stdout.close()
         return status
 
 
