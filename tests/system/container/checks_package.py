@@ -86,7 +86,10 @@ def purge(plant, before):
     processes = container.run("pgrep", "-x", "mbgated").output
     sockets = [line for line in container.run("ss", "-Hltn").output.splitlines() if ":502 " in line or ":1502 " in line]
     report.check("no process and no listening socket is left", not processes and not sockets, f"{processes} {sockets}")
-    units = container.run("systemctl", "list-units", "--all", "--plain", "--no-legend", "mbgate*").output
+    listed = ("systemctl", "list-units", "--all", "--plain", "--no-legend", "mbgate*")
+    # systemd forgets them when it has nothing else to do.
+    eventually(lambda: not container.run(*listed).output, 10)
+    units = container.run(*listed).output
     files_of_units = container.run("systemctl", "list-unit-files", "--no-legend", "mbgate*").output
     report.check("no unit is left", not units and not files_of_units, f"{units} {files_of_units}".strip() or "none")
     # What the administrator has made is not the package's: the drop-in.

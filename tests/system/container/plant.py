@@ -173,8 +173,9 @@ class Plant:
         return int(self.property("MainPID") or 0)
 
     def signal(self, word):
-        """To the main process; waits until there is one, because 0 would be ourselves."""
-        pid = eventually(self.main_pid)
+        """To the main process, once it is ready. Without one it is not sent, because 0 would be ourselves."""
+        eventually(lambda: self.property("SubState") == "running")
+        pid = self.main_pid()
         if not pid:
             raise RuntimeError(f"mbgated does not run: {self.journal()}")
         self.container.must("kill", f"-{word}", str(pid))

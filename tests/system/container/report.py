@@ -10,6 +10,7 @@ class Report:
         self.begin = time.monotonic()
         self.passed = 0
         self.failures = []
+        self.lines = []
 
     def check(self, name, holds, seen=""):
         """Prints whether it holds and what was seen; returns whether it holds."""
@@ -41,6 +42,12 @@ class Report:
             print(f"  failed: {name}")
         return 1 if self.failures else 0
 
+    def rows(self, where):
+        """As rows of a table."""
+        cells = ((name, where, seen if word != "FAIL" else f"FAILED: {seen}") for word, name, seen in self.lines)
+        return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |\n" for row in cells)
+
     def _line(self, word, name, seen):
-        seen = " | ".join(line.strip() for line in str(seen).splitlines() if line.strip())
+        seen = "; ".join(line.strip() for line in str(seen).splitlines() if line.strip())
+        self.lines.append((word, name, seen))
         print(f"[{time.monotonic() - self.begin:6.1f}] {word} {name}" + (f": {seen}" if seen else ""), flush=True)

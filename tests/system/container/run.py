@@ -49,6 +49,7 @@ def arguments():
     parser.add_argument(
         "folder", nargs="?", help="where the root is made, and kept for the next time; default: one that is removed"
     )
+    parser.add_argument("--rows", metavar="FILE", help="what was seen, as rows of a table of Markdown too")
     parser.add_argument("--only", metavar="TOPIC,...", help="of " + ", ".join([*TOPICS, "upgrade", "purge"]))
     parser.add_argument(
         "--clean-root", action="store_true",
@@ -126,6 +127,8 @@ def main():
             its_end(options, root, work, report)
         return report.finish()
     finally:
+        if options.rows:
+            pathlib.Path(options.rows).write_text(report.rows(f"nspawn, {options.suite}"), encoding="utf-8")
         if not options.folder:
             shutil.rmtree(work, ignore_errors=True)
 
