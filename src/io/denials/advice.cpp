@@ -116,13 +116,17 @@ std::string connect_advice(FamilyErrors errors, Starter starter) {
 
 std::string folder_advice(const std::string& folder, int error, const std::string& instead,
                           Starter starter) {
-  if (starter == Starter::systemd && error == EROFS) {
-    return "; the service may not write there: " + instead +
-           R"(; or run "systemctl edit mbgated", paste the two lines "[Service]" and )"
-           R"("ReadWritePaths=)" +
-           folder + R"(", then run "systemctl restart mbgated")";
+  if (error != EACCES && error != EROFS) {
+    return {};
   }
-  return error == EACCES ? "; the user that mbgated runs as may not write into " + folder : "";
+  if (starter == Starter::somebody) {
+    return error == EACCES ? "; the user that mbgated runs as may not write into " + folder : "";
+  }
+  return "; the service may not write there: " + instead + "; or " +
+         (error == EACCES ? "let the user mbgate write into " + folder
+                          : R"(run "systemctl edit mbgated", paste the two lines "[Service]" and )"
+                            R"("ReadWritePaths=)" +
+                                folder + R"(", then run "systemctl restart mbgated")");
 }
 
 std::string lock_advice(Starter starter) {
@@ -131,16 +135,19 @@ std::string lock_advice(Starter starter) {
              : "; the limit of locked memory must be unlimited (\"ulimit -l unlimited\")";
 }
 
-std::string tty_advice(const TtyAccess* access, Starter starter) {
-  if (access != nullptr && (access->mode & kGroupReadsAndWrites) != kGroupReadsAndWrites) {
-    return "; its mode " + octal(access->mode) +
+std::string tty_advice(const std::string& device, const TtyAccess& access, Starter starter) {
+  const bool is_known = !access.group.empty();
+  if (access.mode && (*access.mode & kGroupReadsAndWrites) != kGroupReadsAndWrites) {
+    return "; its mode " + octal(*access.mode) +
            " lets no group use it: a udev rule must give it to the group dialout with mode 0660";
   }
-  if (access != nullptr && access->is_member) {
+  if (is_known && access.is_member) {
     return "; its mode and group allow it: the mount option nodev or a security module forbids it";
   }
-  const std::string group = access == nullptr ? "dialout" : access->group;
-  const std::string who = "; the user that mbgated runs as must be in the group " + group;
+  const std::string group = is_known ? access.group : "GROUP";
+  const std::string who =
+      "; the user that mbgated runs as must be in the group " +
+      (is_known ? group : R"(of this port, mostly dialout ("ls -lL )" + device + R"(" names it))");
   return starter == Starter::systemd
              ? who +
                    R"(: run "systemctl edit mbgated", paste the two lines "[Service]" and )"

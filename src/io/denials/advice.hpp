@@ -7,6 +7,7 @@
 #include <sys/types.h>
 
 #include <istream>
+#include <optional>
 #include <string>
 
 #include "gateway/settings.hpp"
@@ -41,13 +42,13 @@ std::string lock_advice(Starter starter);
 
 /// What a tty's file lets its group do, and whether we are in it.
 struct TtyAccess {
-  mode_t mode = 0;
-  std::string group;
+  std::optional<mode_t> mode;  ///< nothing: its file cannot be looked at
+  std::string group;           ///< empty: it is not known here
   bool is_member = false;
 };
 
-/// open() of a tty has failed with EACCES. Null: its file cannot be looked at.
-std::string tty_advice(const TtyAccess* access, Starter starter);
+/// open() of a tty has failed with EACCES.
+std::string tty_advice(const std::string& device, const TtyAccess& access, Starter starter);
 
 /// Is the loopback interface the only one? `devices` is what /proc/self/net/dev contains.
 bool is_loopback_alone(std::istream& devices);

@@ -43,19 +43,21 @@ std::string driver_name(const std::string& device) {
   return name;
 }
 
-/// Nothing if the file cannot be looked at.
-std::optional<TtyAccess> access_of(const std::string& device) {
+/// In a user namespace (PrivateUsers= of a unit), each group that is not of it has this number.
+constexpr gid_t kForeignGroup = 65534;
+
+TtyAccess access_of(const std::string& device) {
   struct stat status {};
   if (::stat(device.c_str(), &status) != 0) {
-    return std::nullopt;
+    return {};
   }
-  TtyAccess access{status.st_mode, std::to_string(status.st_gid),
-                   ::group_member(status.st_gid) != 0};
+  TtyAccess access{status.st_mode, {}, ::group_member(status.st_gid) != 0};
   constexpr std::size_t kLongestEntry = 16384;  // with all members of the group
   std::vector<char> text(kLongestEntry);
   group entry{};
   group* found = nullptr;
-  if (::getgrgid_r(status.st_gid, &entry, text.data(), text.size(), &found) == 0 &&
+  if (status.st_gid != kForeignGroup &&
+      ::getgrgid_r(status.st_gid, &entry, text.data(), text.size(), &found) == 0 &&
       found != nullptr) {
     access.group = entry.gr_name;
   }
@@ -139,10 +141,7 @@ std::string open_failure(const std::string& device, int error, Starter starter) 
   std::string text = "cannot open " + device + ": " + std::generic_category().message(error);
   switch (error) {
     case EBUSY: return in_use(device);
-    case EACCES: {
-      const auto access = access_of(device);
-      return text + tty_advice(access ? &*access : nullptr, starter);
-    }
+    case EACCES: return text + tty_advice(device, access_of(device), starter);
     case EPERM:
       // The device cgroup refuses with EPERM where file modes refuse with EACCES. A DeviceAllow= of
       // a driver that was not loaded when the unit started allows nothing.

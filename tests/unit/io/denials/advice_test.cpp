@@ -100,7 +100,11 @@ TEST(FolderAdvice, SaysWhereTheServiceMayWrite) {
             "\"ReadWritePaths=/srv/plant\", then run \"systemctl restart mbgated\"");
   EXPECT_EQ(folder_advice("/srv/plant", EROFS, "unused", Starter::somebody), "");
   EXPECT_EQ(folder_advice("/srv/plant", EACCES, "unused", Starter::systemd),
+            "; the service may not write there: unused; or let the user mbgate write into "
+            "/srv/plant");
+  EXPECT_EQ(folder_advice("/srv/plant", EACCES, "unused", Starter::somebody),
             "; the user that mbgated runs as may not write into /srv/plant");
+  EXPECT_EQ(folder_advice("/srv/plant", ENOENT, "unused", Starter::systemd), "");
 }
 
 TEST(LockAdvice, NamesTheDropIn) {
@@ -115,25 +119,35 @@ TEST(LockAdvice, NamesTheDropIn) {
 
 TEST(TtyAdvice, NamesTheGroupThatTheFileHas) {
   const TtyAccess access{0660, "uucp", false};
-  EXPECT_EQ(tty_advice(&access, Starter::somebody),
+  EXPECT_EQ(tty_advice("/dev/ttyS0", access, Starter::somebody),
             "; the user that mbgated runs as must be in the group uucp: run \"sudo adduser NAME "
             "uucp\", then log in again");
-  EXPECT_EQ(tty_advice(&access, Starter::systemd),
+  EXPECT_EQ(tty_advice("/dev/ttyS0", access, Starter::systemd),
             "; the user that mbgated runs as must be in the group uucp: run \"systemctl edit "
             "mbgated\", paste the two lines \"[Service]\" and \"SupplementaryGroups=uucp\", then "
             "run \"systemctl restart mbgated\"");
-  EXPECT_EQ(tty_advice(nullptr, Starter::somebody),
-            "; the user that mbgated runs as must be in the group dialout: run \"sudo adduser NAME "
-            "dialout\", then log in again");
+}
+
+// As all groups but its own are to a service with PrivateUsers=yes, whether it is in them or not.
+TEST(TtyAdvice, SaysHowToFindAGroupThatIsNotKnownHere) {
+  const std::string who =
+      "; the user that mbgated runs as must be in the group of this port, mostly dialout (\"ls -lL "
+      "/dev/ttyS0\" names it): run ";
+  EXPECT_EQ(tty_advice("/dev/ttyS0", {0660, "", true}, Starter::systemd),
+            who +
+                "\"systemctl edit mbgated\", paste the two lines \"[Service]\" and "
+                "\"SupplementaryGroups=GROUP\", then run \"systemctl restart mbgated\"");
+  EXPECT_EQ(tty_advice("/dev/ttyS0", {}, Starter::somebody),
+            who + "\"sudo adduser NAME GROUP\", then log in again");
 }
 
 TEST(TtyAdvice, NamesNoGroupWhereThatWouldNotHelp) {
   const TtyAccess closed{0600, "root", false};
-  EXPECT_EQ(tty_advice(&closed, Starter::systemd),
+  EXPECT_EQ(tty_advice("/dev/ttyS0", closed, Starter::systemd),
             "; its mode 0600 lets no group use it: a udev rule must give it to the group dialout "
             "with mode 0660");
   const TtyAccess member{0660, "dialout", true};
-  EXPECT_EQ(tty_advice(&member, Starter::systemd),
+  EXPECT_EQ(tty_advice("/dev/ttyS0", member, Starter::systemd),
             "; its mode and group allow it: the mount option nodev or a security module forbids "
             "it");
 }
