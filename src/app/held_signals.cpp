@@ -2,6 +2,7 @@
 #include "app/held_signals.hpp"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace mbgate::app {
 namespace {
