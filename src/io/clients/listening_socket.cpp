@@ -124,9 +124,10 @@ Result<tcp::acceptor, ListenFailure> bind_listener(boost::asio::io_context& cont
   }
   if (error) {
     const bool may_not = acceptor.is_open() && error.value() == EACCES;
-    auto failure =
-        refusal(listener, to_text(endpoint),
-                error.message() + (may_not ? port_advice(listener, error.value(), starter()) : ""));
+    auto failure = refusal(
+        listener, to_text(endpoint),
+        error.message() +
+            (may_not ? port_advice(listener, error.value(), SocketUnit::free, starter()) : ""));
     failure.absent = error.value() == EADDRNOTAVAIL;
     return failure;
   }

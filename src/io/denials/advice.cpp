@@ -42,9 +42,22 @@ std::string lines_of(const gateway::ListenerSettings& listener, bool is_http) {
   return R"("[Socket]", "FileDescriptorName=)" + listener.name + R"(", )" + stream;
 }
 
+/// A socket unit has one FileDescriptorName=, so a second listener takes a unit of its own.
+std::string copied_unit_steps(const gateway::ListenerSettings& listener) {
+  const std::string unit = "mbgated-" + listener.name + ".socket";
+  return "copy /lib/systemd/system/mbgated.socket to /etc/systemd/system/" + unit +
+         R"(, with the lines "Service=mbgated.service", "FileDescriptorName=)" + listener.name +
+         R"(", "ListenStream=)" + stream_of(listener) +
+         R"(" in its section [Socket], and run "systemctl stop mbgated", "systemctl enable )" +
+         unit + R"(", "systemctl start mbgated")";
+}
+
 /// How systemd comes to open the port.
-std::string socket_steps(const gateway::ListenerSettings& listener) {
+std::string socket_steps(const gateway::ListenerSettings& listener, SocketUnit shipped) {
   const bool is_http = listener.name == "http";
+  if (!is_http && shipped == SocketUnit::taken) {
+    return "let systemd open it: " + copied_unit_steps(listener);
+  }
   const std::string unit = is_http ? "mbgated-http.socket" : "mbgated.socket";
   const std::string lines = lines_of(listener, is_http);
   return R"(let systemd open it: run "systemctl stop mbgated", )" +
@@ -87,25 +100,26 @@ std::string octal(mode_t mode) {
 
 bool is_denial(int error) { return error == EACCES || error == EPERM || error == EAFNOSUPPORT; }
 
-std::string port_advice(const gateway::ListenerSettings& listener, int error, Starter starter) {
+std::string port_advice(const gateway::ListenerSettings& listener, int error, SocketUnit shipped,
+                        Starter starter) {
   if (error != EACCES || listener.port >= kFirstFreePort) {
     return starter == Starter::systemd
                ? "; SocketBindDeny= of the unit or a security module forbids this port"
                : "; a security module forbids this port";
   }
   if (starter == Starter::systemd) {
-    return "; the service may open no port below 1024: " + socket_steps(listener) + "; or " +
-           copy_of("port-502.conf");
+    return "; the service may open no port below 1024: " + socket_steps(listener, shipped) +
+           "; or " + copy_of("port-502.conf");
   }
   return "; a port below 1024 needs the capability CAP_NET_BIND_SERVICE, one from 1024 on needs "
          "none";
 }
 
 std::string listen_advice(const gateway::ListenerSettings& listener, FamilyErrors errors,
-                          Starter starter) {
+                          SocketUnit shipped, Starter starter) {
   return forbidden_family(errors, starter) +
          (is_socket_only(errors, starter)
-              ? ": " + socket_steps(listener) + "; or " + without_socket_only()
+              ? ": " + socket_steps(listener, shipped) + "; or " + without_socket_only()
               : "");
 }
 

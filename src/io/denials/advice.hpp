@@ -6,6 +6,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <istream>
 #include <optional>
 #include <string>
@@ -18,8 +19,12 @@ namespace mbgate::io {
 /// Does it fail again until somebody allows it? EACCES, EPERM and EAFNOSUPPORT are no weather.
 bool is_denial(int error);
 
+/// mbgated.socket, as shipped: free, or another listener's already.
+enum class SocketUnit : std::uint8_t { free, taken };
+
 /// bind() has failed with `error`, a denial.
-std::string port_advice(const gateway::ListenerSettings& listener, int error, Starter starter);
+std::string port_advice(const gateway::ListenerSettings& listener, int error, SocketUnit shipped,
+                        Starter starter);
 
 /// What socket() said for the family that is wanted, and for IPv4.
 struct FamilyErrors {
@@ -30,7 +35,7 @@ struct FamilyErrors {
 /// socket() has failed with a denial: for a listener, whose socket may come from systemd, or for a
 /// connection that we make.
 std::string listen_advice(const gateway::ListenerSettings& listener, FamilyErrors errors,
-                          Starter starter);
+                          SocketUnit shipped, Starter starter);
 std::string connect_advice(FamilyErrors errors, Starter starter);
 
 /// A file or socket could not be made in this folder. `instead`: what the service may do.

@@ -28,19 +28,19 @@ class Examination {
         v6_(attempts.socket(AF_INET6)) {}
 
   /// Why this process cannot listen there; nothing if it can, or if it may become possible.
-  [[nodiscard]] std::optional<std::string> of_listening(
-      const gateway::ListenerSettings& listener) const {
+  [[nodiscard]] std::optional<std::string> of_listening(const gateway::ListenerSettings& listener,
+                                                        SocketUnit shipped) const {
     const bool v6 = is_v6(listener.address);
     const FamilyErrors errors{v6 ? v6_ : v4_, v4_};
     const std::string where = "cannot listen on " +
                               (v6 ? "[" + listener.address + "]" : listener.address) + ":" +
                               std::to_string(listener.port) + ": ";
     if (is_denial(errors.wanted)) {
-      return where + said(errors.wanted) + listen_advice(listener, errors, starter_);
+      return where + said(errors.wanted) + listen_advice(listener, errors, shipped, starter_);
     }
     const int error = listener.port == 0 ? 0 : attempts_.bind(listener);
     if (is_denial(error)) {
-      return where + said(error) + port_advice(listener, error, starter_);
+      return where + said(error) + port_advice(listener, error, shipped, starter_);
     }
     return std::nullopt;
   }
@@ -97,10 +97,13 @@ std::vector<std::string> denials(const gateway::Settings& settings,
       found.push_back(key + ": " + *why);
     }
   };
+  const auto is_inherited = [&](const auto& it) { return from_systemd.contains(it.name); };
+  bool is_taken = std::ranges::any_of(settings.listeners, is_inherited);
   for (const auto& listener : settings.listeners) {
-    if (!from_systemd.contains(listener.name)) {
+    if (!is_inherited(listener)) {
       note("listener \"" + listener.name + "\": port = " + std::to_string(listener.port),
-           examination.of_listening(listener));
+           examination.of_listening(listener, is_taken ? SocketUnit::taken : SocketUnit::free));
+      is_taken = is_taken || !found.empty();
     }
   }
   const bool is_http_inherited = from_systemd.contains("http") && !is_named(settings, "http");
@@ -110,7 +113,7 @@ std::vector<std::string> denials(const gateway::Settings& settings,
     listener.address = listen.address.to_text();
     listener.port = listen.port;
     if (!is_http_inherited) {
-      note("[http] listen", examination.of_listening(listener));
+      note("[http] listen", examination.of_listening(listener, SocketUnit::free));
     }
   }
   const std::string& control = settings.control_socket;

@@ -24,15 +24,17 @@ constexpr const char* kOrDropIn =
     "restart mbgated\"";
 
 TEST(PortAdvice, IsTheSocketUnitAsItIsForTheListenerThatItIsMadeFor) {
-  EXPECT_EQ(port_advice(listener_at("plant", "0.0.0.0", 502), EACCES, Starter::systemd),
-            std::string("; the service may open no port below 1024: let systemd open it: run "
-                        "\"systemctl stop mbgated\", \"systemctl enable mbgated.socket\", "
-                        "\"systemctl start mbgated\"") +
-                kOrDropIn);
+  EXPECT_EQ(
+      port_advice(listener_at("plant", "0.0.0.0", 502), EACCES, SocketUnit::free, Starter::systemd),
+      std::string("; the service may open no port below 1024: let systemd open it: run "
+                  "\"systemctl stop mbgated\", \"systemctl enable mbgated.socket\", "
+                  "\"systemctl start mbgated\"") +
+          kOrDropIn);
 }
 
 TEST(PortAdvice, HasTheLinesThatMakeTheSocketUnitOneForAnotherListener) {
-  EXPECT_EQ(port_advice(listener_at("plc", "2001:db8::5", 802), EACCES, Starter::systemd),
+  EXPECT_EQ(port_advice(listener_at("plc", "2001:db8::5", 802), EACCES, SocketUnit::free,
+                        Starter::systemd),
             std::string("; the service may open no port below 1024: let systemd open it: run "
                         "\"systemctl stop mbgated\", \"systemctl edit mbgated.socket\" with the "
                         "lines \"[Socket]\", \"FileDescriptorName=plc\", \"ListenStream=\", "
@@ -41,27 +43,42 @@ TEST(PortAdvice, HasTheLinesThatMakeTheSocketUnitOneForAnotherListener) {
                 kOrDropIn);
 }
 
+TEST(PortAdvice, IsACopyOfTheSocketUnitWhereAnotherListenerHasIt) {
+  EXPECT_EQ(
+      port_advice(listener_at("plc", "10.0.0.2", 503), EACCES, SocketUnit::taken, Starter::systemd),
+      std::string("; the service may open no port below 1024: let systemd open it: copy "
+                  "/lib/systemd/system/mbgated.socket to /etc/systemd/system/mbgated-plc.socket, "
+                  "with the lines \"Service=mbgated.service\", \"FileDescriptorName=plc\", "
+                  "\"ListenStream=10.0.0.2:503\" in its section [Socket], and run \"systemctl "
+                  "stop mbgated\", \"systemctl enable mbgated-plc.socket\", \"systemctl start "
+                  "mbgated\"") +
+          kOrDropIn);
+}
+
 TEST(PortAdvice, IsTheSocketUnitOfHttpForHttp) {
-  EXPECT_EQ(port_advice(listener_at("http", "127.0.0.1", 80), EACCES, Starter::systemd),
-            std::string("; the service may open no port below 1024: let systemd open it: run "
-                        "\"systemctl stop mbgated\", \"systemctl edit mbgated-http.socket\" with "
-                        "the lines \"[Socket]\", \"ListenStream=\", \"ListenStream=127.0.0.1:80\", "
-                        "\"systemctl enable mbgated-http.socket\", \"systemctl start mbgated\"") +
-                kOrDropIn);
+  EXPECT_EQ(
+      port_advice(listener_at("http", "127.0.0.1", 80), EACCES, SocketUnit::free, Starter::systemd),
+      std::string("; the service may open no port below 1024: let systemd open it: run "
+                  "\"systemctl stop mbgated\", \"systemctl edit mbgated-http.socket\" with "
+                  "the lines \"[Socket]\", \"ListenStream=\", \"ListenStream=127.0.0.1:80\", "
+                  "\"systemctl enable mbgated-http.socket\", \"systemctl start mbgated\"") +
+          kOrDropIn);
 }
 
 TEST(PortAdvice, IsTheCapabilityOrAnotherPortForOthers) {
-  EXPECT_EQ(port_advice(listener_at("plant", "0.0.0.0", 502), EACCES, Starter::somebody),
+  EXPECT_EQ(port_advice(listener_at("plant", "0.0.0.0", 502), EACCES, SocketUnit::free,
+                        Starter::somebody),
             "; a port below 1024 needs the capability CAP_NET_BIND_SERVICE, one from 1024 on needs "
             "none");
 }
 
 TEST(PortAdvice, NamesNoDropInWhereAnotherRuleForbidsThePort) {
   const auto listener = listener_at("plant", "0.0.0.0", 1502);
-  EXPECT_EQ(port_advice(listener, EACCES, Starter::systemd),
+  EXPECT_EQ(port_advice(listener, EACCES, SocketUnit::free, Starter::systemd),
             "; SocketBindDeny= of the unit or a security module forbids this port");
-  EXPECT_EQ(port_advice(listener_at("plant", "0.0.0.0", 502), EPERM, Starter::somebody),
-            "; a security module forbids this port");
+  EXPECT_EQ(
+      port_advice(listener_at("plant", "0.0.0.0", 502), EPERM, SocketUnit::free, Starter::somebody),
+      "; a security module forbids this port");
 }
 
 constexpr const char* kWithout =
@@ -74,11 +91,12 @@ TEST(FamilyAdvice, NamesTheDropInThatTakesTheNetworkAway) {
       "; the service may make no network sockets (RestrictAddressFamilies=, as in the drop-in "
       "socket-only.conf): ";
   EXPECT_EQ(connect_advice(errors, Starter::systemd), cause + kWithout);
-  EXPECT_EQ(listen_advice(listener_at("plant", "::", 502), errors, Starter::systemd),
-            cause +
-                "let systemd open it: run \"systemctl stop mbgated\", \"systemctl enable "
-                "mbgated.socket\", \"systemctl start mbgated\"; or " +
-                kWithout);
+  EXPECT_EQ(
+      listen_advice(listener_at("plant", "::", 502), errors, SocketUnit::free, Starter::systemd),
+      cause +
+          "let systemd open it: run \"systemctl stop mbgated\", \"systemctl enable "
+          "mbgated.socket\", \"systemctl start mbgated\"; or " +
+          kWithout);
 }
 
 TEST(FamilyAdvice, DoesNotSayWhichOfTwoCausesItIs) {

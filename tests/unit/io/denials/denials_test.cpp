@@ -11,6 +11,7 @@ namespace mbgate::io {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
@@ -51,6 +52,18 @@ TEST(Denials, NameTheListenerOfALowPort) {
               ElementsAre("listener \"plant\": port = 502: cannot listen on 0.0.0.0:502: "
                           "Permission denied; a port below 1024 needs the capability "
                           "CAP_NET_BIND_SERVICE, one from 1024 on needs none"));
+}
+
+TEST(Denials, GiveTheSocketUnitToOneListener) {
+  auto settings = settings_at(502);
+  settings.listeners.push_back(settings.listeners.front());
+  settings.listeners.back().name = "plc";
+  settings.listeners.back().port = 503;
+  const auto attempts = answering(0, 0, EACCES);
+  const auto copied = HasSubstr("copy /lib/systemd/system/mbgated.socket to ");
+  EXPECT_THAT(denials(settings, {}, attempts, Starter::systemd),
+              ElementsAre(HasSubstr("\"systemctl enable mbgated.socket\""), copied));
+  EXPECT_THAT(denials(settings, {"plant"}, attempts, Starter::systemd), ElementsAre(copied));
 }
 
 TEST(Denials, AreNoneForAPortThatSomebodyHasNow) {
