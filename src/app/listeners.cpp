@@ -128,11 +128,7 @@ bool Listeners::reload(const std::vector<ListenerSettings>& old,
       inherited.push_back(id);
     } else if (was) {
       dropped.push_back(i);
-      drop(id);
-      if (stored_ != nullptr) {
-        stored_->end(old[i]);
-      }
-      std::erase_if(waiting_, [id](const Waiting& waiting) { return waiting.id == id; });
+      leave(id, old[i], drop);
     }
     if (!next[i].is_gone) {
       wanted.push_back(i);
@@ -154,6 +150,14 @@ bool Listeners::reload(const std::vector<ListenerSettings>& old,
   }
   keep_trying();
   return all;
+}
+
+void Listeners::leave(ListenerId id, const ListenerSettings& listener, const Drop& drop) {
+  drop(id);
+  if (stored_ != nullptr) {
+    stored_->end(listener);
+  }
+  std::erase_if(waiting_, [id](const Waiting& waiting) { return waiting.id == id; });
 }
 
 // All of these, or none.

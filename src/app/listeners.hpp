@@ -84,6 +84,7 @@ class Listeners {
   bool keep(gateway::ListenerId id, const gateway::ListenerSettings& listener,
             Result<Acceptor, io::ListenFailure> acceptor);
   void add(gateway::ListenerId id, const gateway::ListenerSettings& listener, Acceptor acceptor);
+  void leave(gateway::ListenerId id, const gateway::ListenerSettings& listener, const Drop& drop);
   bool open_all(const std::vector<std::size_t>& wanted,
                 const std::vector<gateway::ListenerSettings>& settings);
   [[nodiscard]] bool stays(gateway::ListenerId id, const gateway::ListenerSettings& old,

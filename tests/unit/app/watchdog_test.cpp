@@ -10,7 +10,7 @@
 namespace mbgate::app {
 namespace {
 
-constexpr std::chrono::milliseconds kLimit{20};
+constexpr std::chrono::milliseconds kFedWithin{20};
 
 class WatchdogTest : public testing::Test {
  protected:
@@ -27,7 +27,7 @@ class WatchdogTest : public testing::Test {
 };
 
 TEST_F(WatchdogTest, IsFedAtOnceAndAgainAndAgain) {
-  watchdog_.start(kLimit);
+  watchdog_.start(kFedWithin);
   EXPECT_EQ(fed_, 1);
   EXPECT_TRUE(io::run_until(context_, [this] { return fed_ == 5; }));
   EXPECT_EQ(asked_, 5);
@@ -35,7 +35,7 @@ TEST_F(WatchdogTest, IsFedAtOnceAndAgainAndAgain) {
 
 TEST_F(WatchdogTest, IsNotFedWhileDeadlinesAreMissed) {
   is_well_ = false;
-  watchdog_.start(kLimit);
+  watchdog_.start(kFedWithin);
   ASSERT_TRUE(io::run_until(context_, [this] { return asked_ == 20; }));
   EXPECT_EQ(fed_, 0);
   is_well_ = true;
