@@ -13,12 +13,13 @@
 namespace mbgate::io {
 
 /// More than the full queues of several buses take, and what is asked and told meanwhile.
-inline constexpr std::size_t kMemoryReserve = 8'000'000;
+inline constexpr std::size_t kMemoryReserve = 8'388'608;
 
 /// From now on there is one. Of the whole process; may be called again.
 void keep_memory_reserve();
 
-/// False while the reserve is in use: too little memory for new clients. Any thread may ask.
+/// False while more of the reserve is in use than a little: too little memory for new clients. Any
+/// thread may ask.
 bool is_memory_left();
 
 }  // namespace mbgate::io

@@ -4,7 +4,6 @@
 sent late, other buses go on, and it goes on by itself. `--stopped 10`: it is stopped for so many seconds."""
 
 import contextlib
-import os
 import signal
 import socket
 import socketserver
@@ -15,7 +14,7 @@ import time
 import unittest
 
 from demo_plant import PATIENCE
-from fault_plant import BUSY, DEAF, NO_ANSWER, NO_PATH, WRITE, Client, FaultCase, answer_pdu, exception, read_of, write_of
+from fault_plant import BUSY, DEAF, NO_ANSWER, NO_PATH, WRITE, FaultCase, answer_pdu, exception, read_of, write_of
 
 ARGUMENTS = dict(zip(sys.argv[1::2], sys.argv[2::2], strict=False))
 STOPPED = float(ARGUMENTS.get("--stopped", 3))
