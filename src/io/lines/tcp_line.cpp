@@ -221,6 +221,8 @@ boost::asio::awaitable<void> TcpLine::write_rest(unsigned generation) {
 
 void TcpLine::close() {
   state_ = State::closed;
+  given_up_ = false;
+  late_.reset();
   ++generation_;
   timer_.cancel();
   close_socket();

@@ -66,7 +66,8 @@ class TcpLine final : public Line {
   boost::asio::steady_timer timer_;  ///< limits looking the name up, connecting, writing
   State state_ = State::closed;
   bool resolving_ = false;  ///< a thread waits for the name servers
-  /// They have answered after it was given up.
+  bool given_up_ = false;   ///< the attempt to open it: they have not answered in time
+  /// They have then, for the next attempt.
   std::optional<HostAddresses> late_;
   /// Counts openings and closings, so that a coroutine of an earlier connection notices that its
   /// connection is closed.

@@ -12,6 +12,7 @@ void TcpLine::open() {
     return;
   }
   state_ = State::opening;
+  given_up_ = false;
   ++generation_;
   if (const auto endpoint = numeric_endpoint(remote_)) {
     start_connecting({*endpoint});
@@ -30,6 +31,7 @@ void TcpLine::limit_resolving() {
   timer_.expires_after(times_.connect_timeout);
   timer_.async_wait([this, generation = generation_](const boost::system::error_code& error) {
     if (!error && generation == generation_ && state_ == State::opening && resolving_) {
+      given_up_ = true;
       fail_to_open("no name server has answered in time");
     }
   });
@@ -50,8 +52,8 @@ void TcpLine::resolve_name() {
 
 void TcpLine::finish_resolving(Result<HostAddresses, std::string> result) {
   resolving_ = false;
-  if (state_ != State::opening) {  // closed in the meantime, or given up
-    late_ = result ? std::optional(std::move(*result)) : std::nullopt;
+  if (state_ != State::opening) {  // given up, or closed in the meantime
+    late_ = result && given_up_ ? std::optional(std::move(*result)) : std::nullopt;
     return;
   }
   if (result) {
