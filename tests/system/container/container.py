@@ -111,6 +111,7 @@ class Container:
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
+        self.console.unlink()
         _set_network(HOST_NETWORK)
 
     def _first_process(self):
