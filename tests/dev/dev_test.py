@@ -188,7 +188,7 @@ class DevGoesElsewhere(unittest.TestCase):
             (machine.tools / tool).symlink_to(shutil.which(tool))
         machine.add("dpkg", "#!/bin/bash\necho amd64\n")
         machine.add("git", "#!/bin/bash\nprintf 'dev\\0debian/control\\0'\n")
-        machine.add("mmdebstrap", NOTE + 'mkdir -p "${@: -1}"\n')
+        machine.add("mmdebstrap", NOTE + 'mkdir -p "$5"\n')
         machine.add("unshare", NOTE + 'exit "${UNSHARE_STATUS:-0}"\n')
         status, output = machine.run(*arguments, root=True, **variables)
         return machine, status, output
@@ -212,8 +212,9 @@ class DevGoesElsewhere(unittest.TestCase):
         self.assertIn(" --preset asan -B /build ", "\n".join(machine.noted()))
 
     def test_with_the_emulator_to_the_tests(self):
-        machine, _, _ = self.run_with("test", "--arch", "armhf")
+        machine, _, _ = self.run_with("test", "--arch", "armhf", "--suite", "bookworm", "--mirror", "http://m/debian")
         asked = "\n".join(machine.noted())
+        self.assertIn(f" bookworm {machine.folder}/build/chroots/bookworm-armhf http://m/debian\n", asked)
         self.assertIn(" --preset armhf -B /build ", asked)
         self.assertIn("MBGATE_EMULATOR=qemu-arm ./dev demo --once --tcp", asked)
 

@@ -186,8 +186,9 @@ bool Oracle::is_unsure(const Door& door) const {
 bool Oracle::is_quarantined(std::size_t bus, std::uint8_t address) const {
   const auto& owed = books_[bus].lanes[address].owed;
   return std::ranges::any_of(owed, [&](std::uint64_t number) {
-    return number >= flights_.front().number &&
-           schedule_.now() < flights_[number - flights_.front().number].quarantine_until;
+    const std::uint64_t first = flights_.front().number;
+    return number >= first &&
+           schedule_.now() < flights_[static_cast<std::size_t>(number - first)].quarantine_until;
   });
 }
 

@@ -84,7 +84,7 @@ Flight* Oracle::flight(std::uint64_t number) {
   if (flights_.empty() || number < flights_.front().number) {
     return nullptr;
   }
-  return &flights_[number - flights_.front().number];
+  return &flights_[static_cast<std::size_t>(number - flights_.front().number)];
 }
 
 Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {

@@ -3,8 +3,10 @@
 // because the distributions of the standard library are not portable.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <random>
+#include <type_traits>
 #include <vector>
 
 #include "bus/instant.hpp"
@@ -18,8 +20,14 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
 
-  /// 0 .. limit - 1; 0 if the limit is 0.
-  std::uint64_t below(std::uint64_t limit) { return limit == 0 ? 0 : (engine_() >> 8U) % limit; }
+  /// 0 .. limit - 1; 0 if the limit is 0. As many bits as the limit has: size_t is not the same
+  /// everywhere.
+  template <std::integral Number>
+  std::make_unsigned_t<Number> below(Number limit) {
+    return limit == 0 ? 0
+                      : static_cast<std::make_unsigned_t<Number>>(
+                            (engine_() >> 8U) % static_cast<std::uint64_t>(limit));
+  }
   /// low .. high, both included.
   template <typename Number>
   Number between(Number low, Number high) {

@@ -153,8 +153,8 @@ void TurnRules::judge_reads(const Flight& flight, const Asked& read, const Turns
     const auto last = turns.last.find(other->host);
     const Instant since = std::max({other->accepted, lane.held_until,
                                     last == turns.last.end() ? Instant::min() : last->second});
-    const auto count =
-        1 + std::ranges::count_if(mine->second, [&](Instant at) { return at > since; });
+    const auto count = 1U + static_cast<unsigned>(std::ranges::count_if(
+                                mine->second, [&](Instant at) { return at > since; }));
     if (count > weight_of(read.host)) {
       oracle_.violation("unfair", oracle_.name(*other) + " while host " +
                                       std::to_string(read.host) + " had " + std::to_string(count) +
