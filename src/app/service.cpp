@@ -204,7 +204,8 @@ void Service::on_stall(std::chrono::milliseconds lasted) {
   log_.write_limited(Level::warning, "stall",
                      "the gateway did not run for " + std::to_string(lasted.count()) +
                          " ms: it was stopped, or got no processor time. What clients sent "
-                         "meanwhile counts as sent at its beginning");
+                         "meanwhile counts as sent at its beginning",
+                     {.id = message_id::kStalled});
 }
 
 void Service::on_status_changed() {

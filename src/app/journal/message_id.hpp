@@ -86,6 +86,7 @@ inline constexpr MessageId kStopping{"cac09ef44bfd49b2b3cd8c05e6b36d5c"};
 inline constexpr MessageId kFatal{"059e80f7e8e14b4fa736ae6249c3903c"};
 inline constexpr MessageId kRecordingEnded{"c7808491f5f943488c4508ffb2f05b6d"};
 inline constexpr MessageId kMemoryNotLocked{"15eca9f07f6f423d931efeb9cdb03dd3"};
+inline constexpr MessageId kStalled{"71cadb0d60d7402eb2eecf562be26662"};
 inline constexpr MessageId kControlFailed{"cc2aa463d22f47f2ba914f8e111892bb"};
 inline constexpr MessageId kHttpRefused{"b80a774d1c884a8395c2ae6e9d5f2d73"};
 inline constexpr MessageId kCountersCleared{"883eb32103ba4de6ba74e51b98190935"};
