@@ -4,6 +4,8 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
+#include <string_view>
 
 #include "config/profiles/profile_library.hpp"
 #include "modbus/rtu.hpp"
@@ -16,11 +18,12 @@ using drive::WordOrder;
 /// nullopt: a route that exchanges nothing.
 using Seen = std::optional<WordOrder>;
 
-inline const config::ProfileFile& shipped_profile(const std::string& name) {
+inline const config::ProfileFile& shipped_profile(std::string_view name) {
   static config::ProfileLibrary library({MBGATE_SOURCE_DIR "/conf/profiles"});
   const config::ProfileFile* file = library.find(name);
   if (file == nullptr) {
-    throw std::runtime_error("no profile is named " + name + '\n' + render(library.diagnostics()));
+    throw std::runtime_error("no profile is named " + std::string(name) + '\n' +
+                             render(library.diagnostics()));
   }
   return *file;
 }

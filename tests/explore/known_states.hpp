@@ -36,7 +36,8 @@ class KnownStates {
 
   // Its own place, or the empty one where it belongs. The digest of nothing is no state's.
   [[nodiscard]] std::size_t place_of(const Digest& state) const {
-    std::size_t at = (state.first ^ state.first >> 32U) & (places_.size() - 1);
+    std::size_t at =
+        static_cast<std::size_t>(state.first ^ state.first >> 32U) & (places_.size() - 1);
     while (places_[at] != Digest{} && places_[at] != state) {
       at = (at + 1) & (places_.size() - 1);
     }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client addresses share a bus equally, or by their weights, however much each of them asks.
+#include <cinttypes>
+
 #include "simulation/polling.hpp"
 
 namespace mbgate::test {
@@ -69,7 +71,8 @@ TEST_P(Fairness, AClientWithTwoHundredRequestsGetsNoMoreThanOneWithOne) {
   const double others = total - static_cast<double>(got[0]);
   const double fair = coalesce ? others / (kClients - 1) : total / kClients;
   const auto [least, most] = std::minmax_element(got.begin() + 1, got.end());
-  std::printf("fair %.1f reads; the 31 got %lu to %lu (%.2f to %.2f of that), the greedy one %lu\n",
+  std::printf("fair %.1f reads; the 31 got %" PRIu64 " to %" PRIu64
+              " (%.2f to %.2f of that), the greedy one %" PRIu64 "\n",
               fair, *least, *most, static_cast<double>(*least) / fair,
               static_cast<double>(*most) / fair, got[0]);
   EXPECT_GE(static_cast<double>(*least), 0.98 * fair);

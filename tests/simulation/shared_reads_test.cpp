@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Many clients that poll the same registers: together they get many times what the wire carries,
 // and nobody gets data older than the own request.
+#include <cinttypes>
+
 #include "simulation/polling.hpp"
 
 namespace mbgate::test {
@@ -74,7 +76,8 @@ class SharedReads : public testing::TestWithParam<std::uint32_t> {};
 TEST_P(SharedReads, GiveThirtyTwoClientsThirtyTimesTheWiresRate) {
   for (const Duration longest : {Duration{1us}, Duration{500us}, Duration{1500us}}) {
     const Figures figures = measure(bus_plan({1}, modbus::Baud{GetParam()}), longest);
-    std::printf("%u baud, clients think up to %.1f ms: %lu answers, %lu transactions: %.2f\n",
+    std::printf("%u baud, clients think up to %.1f ms: %" PRIu64 " answers, %" PRIu64
+                " transactions: %.2f\n",
                 GetParam(), std::chrono::duration<double, std::milli>(longest).count(),
                 figures.answers, figures.transactions, figures.ratio());
     EXPECT_GE(figures.ratio(), 30.0);
@@ -87,7 +90,8 @@ TEST_P(SharedReads, GiveThirtyTwoClientsThirtyTimesTheWiresRate) {
 TEST_P(SharedReads, OfSlowerClientsAreNeverOlderThanTheirRequests) {
   for (const Duration longest : {Duration{5ms}, Duration{20ms}, Duration{100ms}}) {
     const Figures figures = measure(bus_plan({1}, modbus::Baud{GetParam()}), longest);
-    std::printf("%u baud, clients think up to %.1f ms: %lu answers, %lu transactions: %.2f\n",
+    std::printf("%u baud, clients think up to %.1f ms: %" PRIu64 " answers, %" PRIu64
+                " transactions: %.2f\n",
                 GetParam(), std::chrono::duration<double, std::milli>(longest).count(),
                 figures.answers, figures.transactions, figures.ratio());
     EXPECT_GT(figures.answers, figures.transactions);

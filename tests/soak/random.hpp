@@ -24,9 +24,11 @@ class Random {
   /// everywhere.
   template <std::integral Number>
   std::make_unsigned_t<Number> below(Number limit) {
-    return limit == 0 ? 0
-                      : static_cast<std::make_unsigned_t<Number>>(
-                            (engine_() >> 8U) % static_cast<std::uint64_t>(limit));
+    if (limit == 0) {
+      return 0;
+    }
+    return static_cast<std::make_unsigned_t<Number>>((engine_() >> 8U) %
+                                                     static_cast<std::uint64_t>(limit));
   }
   /// low .. high, both included.
   template <typename Number>
