@@ -20,7 +20,6 @@
 #include "app/text.hpp"
 #include "io/clients/descriptors.hpp"
 #include "io/denials/denials.hpp"
-#include "io/memory_reserve.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -119,7 +118,6 @@ int Service::begin_listening() {
 }
 
 int Service::run() {
-  io::keep_memory_reserve();
   if (const int status = begin_listening(); status != EXIT_SUCCESS) {
     return status;
   }

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "gateway/settings.hpp"
-#include "io/memory_reserve.hpp"
+#include "io/memory_left.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {

@@ -13,7 +13,7 @@
 
 #include "gateway/limits.hpp"
 #include "io/clients/tcp_connection.hpp"
-#include "io/memory_reserve.hpp"
+#include "io/memory_left.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {
