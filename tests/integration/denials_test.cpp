@@ -29,7 +29,7 @@ namespace mbgate::test {
 namespace {
 
 constexpr const char* kListener = "[[listen]]\nname = \"plant\"\nbus = \"a\"\n";
-constexpr const char* kSerialBus = "[[bus]]\nname = \"a\"\ndevice = \"a\"\n";
+constexpr const char* kSerialBus = "[[bus]]\nname = \"a\"\ndevice = \"/dev/serial/by-id/none\"\n";
 constexpr const char* kServerBus = "[[bus]]\nname = \"a\"\nmode = \"tcp\"\nhost = \"192.0.2.77\"\n";
 constexpr const char* kNoControl = "[http]\nsocket = \"\"\n";
 

@@ -103,19 +103,22 @@ class MachineFaults(FaultCase):
         for _ in range(lines):
             self.assertEqual(self.ask("POST", CLEAR, connection)[0], 200)
 
-    def test_a_read_only_place_costs_the_control_socket_only(self):
+    def test_a_read_only_place_is_told_before_anybody_is_served(self):
         place = self.folder / "read-only"
         place.mkdir()
         within = with_read_only(place)
         if within is None:
             self.skipTest("no mount namespace of our own")
-        self.control = place / "control"
         self.line()
-        self.start(wrapped=within)
-        reader = self.reader()
-        self.assert_serves(reader, self.client())
-        self.assertEqual(len(self.lines(f"{self.control}: Read-only file system")), 1, self.gateway.printed)
-        self.assertEqual(self.gateway.end(), 0)
+        sound = self.configuration.read_text(encoding="utf-8")
+        elsewhere = sound.replace(str(self.control), f"{place}/control")
+        self.assertNotEqual(elsewhere, sound)
+        self.configuration.write_text(elsewhere, encoding="utf-8")
+        refused = Process(self.folder, "mbgated", "--config", self.configuration, wrapped=within)
+        self.addCleanup(refused.end)
+        refused.wait_for(rf'^error: \[http\] socket = "{place}/control": Read-only file system$')
+        self.assertEqual(refused.wait(), 78)
+        self.configuration.write_text(sound, encoding="utf-8")
         # A recording was asked for by whoever starts it: it is told at once.
         recording = ("--config", self.configuration, "--record", place / "plant.rec")
         refused = Process(self.folder, "mbgated", *recording, wrapped=within)
