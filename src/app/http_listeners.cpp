@@ -41,11 +41,11 @@ ListenerSettings http_listener(const routing::ListenAddress& listen) {
 /// Those of this name, which are no longer among the others then.
 std::vector<InheritedSocket> take_named(std::vector<InheritedSocket>& sockets,
                                         const std::string& name) {
-  const auto named = std::stable_partition(sockets.begin(), sockets.end(),
-                                           [&](const auto& it) { return it.name != name; });
-  std::vector<InheritedSocket> taken(std::make_move_iterator(named),
-                                     std::make_move_iterator(sockets.end()));
-  sockets.erase(named, sockets.end());
+  const auto named =
+      std::ranges::stable_partition(sockets, [&](const auto& it) { return it.name != name; });
+  std::vector<InheritedSocket> taken(std::make_move_iterator(named.begin()),
+                                     std::make_move_iterator(named.end()));
+  sockets.erase(named.begin(), named.end());
   return taken;
 }
 

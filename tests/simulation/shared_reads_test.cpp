@@ -29,7 +29,7 @@ std::uint64_t counter_in(const Answer& answer) {
 /// The clients think up to `longest` before they ask again. The drive's register holds the number
 /// of the simulation's step: what it held when a request was sent is the least that may be in the
 /// answer.
-Figures measure(BusPlan plan, Duration longest, Duration cache = Duration{0}) {
+Figures measure(const BusPlan& plan, Duration longest, Duration cache = Duration{0}) {
   OneBus bus = one_bus(plan);
   drive::Device device;
   device.name = "drive";

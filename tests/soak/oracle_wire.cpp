@@ -18,6 +18,18 @@ bool is_read_function(std::uint8_t function) {
   return (function >= 1 && function <= 4) || asks_identity(function);
 }
 
+void note_done(Asked& asked, const PduBytes& pdu, Instant now) {
+  for (Piece& piece : asked.pieces) {
+    if (piece.pdu == pdu) {
+      if (piece.asks_order && asked.other_order) {
+        asked.device_exceptions.set(kDeviceFailure);
+      }
+      piece.done = {piece.executed ? piece.done.first : now, now};
+      piece.executed = true;
+    }
+  }
+}
+
 }  // namespace
 
 std::string Oracle::hex(Bytes bytes) {
@@ -176,15 +188,7 @@ void Oracle::executed(const Flight& flight) {
   }
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
-      for (Piece& piece : entry->second->pieces) {
-        if (piece.pdu == flight.pdu) {
-          if (piece.asks_order && entry->second->other_order) {
-            entry->second->device_exceptions.set(kDeviceFailure);
-          }
-          piece.done = {piece.executed ? piece.done.first : schedule_.now(), schedule_.now()};
-          piece.executed = true;
-        }
-      }
+      note_done(*entry->second, flight.pdu, schedule_.now());
     }
   }
 }

@@ -212,15 +212,20 @@ void TurnRules::count(const Flight& flight, const Asked& asked, Turns& turns) co
   } else {
     turns.since_empty.erase(asked.host);
   }
+  note_reader(flight, asked, turns);
+}
+
+void TurnRules::note_reader(const Flight& flight, const Asked& asked, Turns& turns) const {
   turns.reader.reset();
   turns.came_after.clear();
-  if (asked.is_read()) {
-    turns.reader = asked.host;
-    turns.read_at = flight.begin;
-    for (const Asked* other : others_that_may_go(flight)) {
-      if (other->is_read() && other->host != asked.host) {
-        turns.came_after.push_back(other->id);
-      }
+  if (!asked.is_read()) {
+    return;
+  }
+  turns.reader = asked.host;
+  turns.read_at = flight.begin;
+  for (const Asked* other : others_that_may_go(flight)) {
+    if (other->is_read() && other->host != asked.host) {
+      turns.came_after.push_back(other->id);
     }
   }
 }

@@ -48,6 +48,7 @@ class TurnRules {
   void judge_weight(const Asked& read, const Turns& turns,
                     const std::vector<const Asked*>& others) const;
   void count(const Flight& flight, const Asked& asked, Turns& turns) const;
+  void note_reader(const Flight& flight, const Asked& asked, Turns& turns) const;
   void note_empty(const Flight& flight, Turns& turns) const;
   void judge_reads(const Flight& flight, const Asked& read, const Turns& turns,
                    const std::vector<const Asked*>& others) const;

@@ -192,7 +192,7 @@ void Control::report_failure(const std::exception& exception) {
       target.control_failed(why);
     });
   } catch (const std::bad_alloc&) {
-    // Not even for that: it remains untold.
+    return;  // Not even for that: it remains untold.
   }
 }
 

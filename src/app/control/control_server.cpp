@@ -202,7 +202,7 @@ asio::awaitable<std::optional<ControlServer::Status>> ControlServer::ask_status(
     try {
       take({target.report_status(), target.process_status()});
     } catch (const std::bad_alloc&) {
-      // Who asks hears nothing: the gateway must not end for that.
+      return;  // Who asks hears nothing: the gateway must not end for that.
     }
   });
   co_return co_await question.wait(kAnswerLimit);

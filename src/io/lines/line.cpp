@@ -6,7 +6,7 @@
 
 namespace mbgate::io {
 
-std::unique_ptr<Line> make_line(LineContext context, drive::BusId bus,
+std::unique_ptr<Line> make_line(const LineContext& context, drive::BusId bus,
                                 const bus::LineSettings& line) {
   if (line.remote) {
     return std::make_unique<TcpLine>(context, bus, line);

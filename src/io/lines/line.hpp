@@ -67,7 +67,7 @@ class Line {
 };
 
 /// The line for these settings: a TCP connection if they have `remote`, else a serial line.
-std::unique_ptr<Line> make_line(LineContext context, drive::BusId bus,
+std::unique_ptr<Line> make_line(const LineContext& context, drive::BusId bus,
                                 const bus::LineSettings& line);
 
 }  // namespace mbgate::io

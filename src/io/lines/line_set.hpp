@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "io/lines/line.hpp"
@@ -11,7 +12,7 @@ namespace mbgate::io {
 
 class LineSet {
  public:
-  explicit LineSet(LineContext context) : context_(context) {}
+  explicit LineSet(LineContext context) : context_(std::move(context)) {}
 
   /// The line of the bus, which must have been opened before.
   Line& operator[](drive::BusId bus) { return *lines_[static_cast<std::size_t>(bus)].line; }

@@ -28,6 +28,7 @@ gateway::HttpSettings listen_at(const std::vector<std::string>& addresses) {
 
 std::vector<std::string> texts(const std::vector<gateway::ListenerSettings>& listeners) {
   std::vector<std::string> found;
+  found.reserve(listeners.size());
   for (const auto& it : listeners) {
     found.push_back(it.name + ' ' + it.address + ' ' + std::to_string(it.port) +
                     (it.is_gone ? " gone" : ""));

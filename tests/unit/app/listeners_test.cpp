@@ -150,10 +150,11 @@ class ListenersReload : public ListenersTest {
   using All = std::vector<gateway::ListenerSettings>;
   void SetUp() override {
     ListenersTest::SetUp();
-    ASSERT_TRUE(listeners().begin(before_, {}));
+    ASSERT_TRUE(listeners().begin(before_, inherited()));
     listeners().start();
     said_ = "listening plant " + address_of(0) + "\nlistening office " + address_of(1) + "\n";
   }
+  virtual std::vector<InheritedSocket> inherited() { return {}; }
   Listeners& listeners() {
     if (!listeners_) {
       listeners_.emplace(context_, *log_, take(), script(), kFast);
@@ -221,13 +222,14 @@ TEST_F(ListenersReload, TriesAnAddressThatIsNotThereAgain) {
 class ListenersReloadInherited : public ListenersReload {
  protected:
   void SetUp() override {
-    ListenersTest::SetUp();
-    std::vector<InheritedSocket> inherited;
-    inherited.push_back({"plant", io::UniqueFd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))});
-    ASSERT_EQ(::listen(inherited[0].fd.get(), 1), 0);
-    ASSERT_TRUE(listeners().begin(before_, std::move(inherited)));
-    listeners().start();
+    ListenersReload::SetUp();
     written();
+  }
+  std::vector<InheritedSocket> inherited() override {
+    std::vector<InheritedSocket> sockets;
+    sockets.push_back({"plant", io::UniqueFd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))});
+    EXPECT_EQ(::listen(sockets[0].fd.get(), 1), 0);
+    return sockets;
   }
 };
 

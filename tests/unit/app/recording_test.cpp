@@ -20,7 +20,7 @@ std::string content_of(const fs::path& file) {
 class RecordingTest : public testing::Test {
  protected:
   RecordingTest() { fs::create_directory(folder_); }
-  ~RecordingTest() override { fs::remove_all(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
 
   fs::path folder_ = fs::temp_directory_path() / ("mbgate-recording-" + std::to_string(::getpid()));
 };

@@ -47,6 +47,7 @@ class StoredSocketsTest : public testing::Test {
   /// What systemd hands to the next process.
   std::vector<InheritedSocket> handed_over() {
     std::vector<InheritedSocket> sockets;
+    sockets.reserve(kept_.size());
     for (const auto& [name, fd] : kept_) {
       sockets.push_back({name, copy_of(fd.get())});
     }

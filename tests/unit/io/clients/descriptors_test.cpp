@@ -7,7 +7,7 @@
 namespace mbgate::io {
 namespace {
 
-gateway::Settings plant_of(std::size_t buses, std::vector<std::size_t> max_connections) {
+gateway::Settings plant_of(std::size_t buses, const std::vector<std::size_t>& max_connections) {
   gateway::Settings settings;
   settings.control_socket.clear();
   settings.buses.resize(buses);

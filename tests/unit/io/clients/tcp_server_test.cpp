@@ -84,6 +84,7 @@ TEST_F(TcpServerTest, CountsBytesOfAConnectionThatWaitedForLong) {
 TEST_F(TcpServerTest, AcceptsMoreClientsThanOneBatch) {
   server_.start();
   std::vector<std::unique_ptr<TestClient>> clients;
+  clients.reserve(100);
   for (int i = 0; i < 100; ++i) {
     clients.push_back(connect());
   }
@@ -128,6 +129,7 @@ TEST_F(TcpServerTest, LeavesDescriptorsToOthers) {
   tcp::acceptor acceptor = *bind_listener(context_, loopback_listener());
   const auto address = acceptor.local_endpoint();
   std::vector<std::unique_ptr<TestClient>> clients;
+  clients.reserve(5);
   for (int i = 0; i < 5; ++i) {
     clients.push_back(std::make_unique<TestClient>(context_, address));
   }

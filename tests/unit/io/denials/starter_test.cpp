@@ -13,7 +13,7 @@ namespace {
 class StarterTest : public testing::Test {
  protected:
   StarterTest() { ::unsetenv("MANAGERPID"); }
-  ~StarterTest() override {
+  void TearDown() override {
     ::unsetenv("SYSTEMD_EXEC_PID");
     ::unsetenv("MANAGERPID");
   }
