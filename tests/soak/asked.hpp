@@ -110,8 +110,6 @@ struct Asked {
   /// One device is stopped, or all on its buses.
   [[nodiscard]] bool is_stop() const { return kind == Kind::stop || stops_all; }
   [[nodiscard]] bool is_read() const { return kind == Kind::read; }
-  /// The timing and the cache of its device are in force while it is open.
-  void note_allowed(const drive::Device& device);
   [[nodiscard]] bool changes() const { return kind != Kind::read && kind != Kind::own; }
 };
 

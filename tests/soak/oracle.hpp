@@ -164,11 +164,11 @@ class Oracle {
   [[nodiscard]] bool is_surely_open(const Asked& asked) const;
 
   // oracle_reload.cpp
+  void note_allowed(Asked& asked) const;
+  [[nodiscard]] std::optional<drive::WordOrder> order_of(const Door& door) const;
   [[nodiscard]] bool is_past_offline(std::size_t bus, const Lane& lane) const;
   void map_lanes();
   void take_back(Asked& asked, std::size_t bus);
-  void after_reload(Asked& asked, const Door& door);
-  void after_reload(Book& book, const gateway::BusSettings& settings);
   void cancel_for_waiting_stop(const Asked& stop);
 
   // oracle_answers.cpp

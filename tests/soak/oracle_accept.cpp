@@ -8,40 +8,6 @@
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
-namespace {
-
-Instant deadline_of(const Asked& asked, const Door& door) {
-  if (asked.is_stop()) {
-    return Instant::max();
-  }
-  return asked.written + (asked.is_read() ? door.read_deadline : door.write_deadline);
-}
-
-// In the queue. One part of a broadcast may be refused while others wait.
-void take_place(Book& book, const Asked& asked, Piece& piece) {
-  ++book.present;
-  const bool is_whole = asked.kind != Kind::broadcast || asked.pieces.size() == 1;
-  if (is_whole && !asked.dropped && !asked.ordered && !asked.ahead) {
-    piece.counted = true;
-    ++book.waiting;
-  }
-}
-
-void take_stop(Book& book, Asked& stop, bool has_room, Instant now) {
-  if (book.starting) {
-    book.early_stops.push_back(&stop);
-    book.open_stops.push_back(&stop);
-  }
-  if (book.open) {
-    stop.waits_from = now;
-    if (has_room) {
-      book.stops.push_back(&stop);
-    }
-    book.open_stops.push_back(&stop);
-  }
-}
-
-}  // namespace
 
 void Oracle::accept_backlog(Session& session) {
   const std::size_t pipeline = plan_.settings.listeners[session.listener].pipeline;
@@ -115,11 +81,12 @@ void Oracle::accept(Asked& asked) {
   if (asked.door == nullptr) {
     return;
   }
-  if (asked.door->device) {
-    asked.note_allowed(devices_[*asked.door->device].settings());
+  note_allowed(asked);
+  asked.word_order = order_of(*asked.door);
+  if (!asked.is_stop()) {
+    asked.deadline =
+        asked.written + (asked.is_read() ? asked.door->read_deadline : asked.door->write_deadline);
   }
-  asked.word_order = word_order_of(plan_, *asked.door);
-  asked.deadline = deadline_of(asked, *asked.door);
   if (asked.refused) {
     return;
   }
@@ -129,21 +96,34 @@ void Oracle::accept(Asked& asked) {
   }
   for (Piece& piece : asked.pieces) {
     Book& book = books_[piece.bus];
-    const bool has_room = book.open_stops.size() < bus::kRoomForStops;
+    const bool is_one_too_many = asked.is_stop() && book.open_stops.size() >= bus::kRoomForStops;
     if (is_first_on_its_bus(asked, piece)) {
-      if (asked.is_stop()) {
-        asked.found_no_room = asked.found_no_room || !has_room;
-      } else {
+      asked.found_no_room = asked.found_no_room || is_one_too_many;
+      if (!asked.is_stop()) {
         book.note_size(bus_settings(piece.bus).queue, schedule_.now());
-        take_place(book, asked, piece);
+        ++book.present;
+      }
+      // One part of a broadcast may be refused while others wait.
+      const bool whole = asked.kind != Kind::broadcast || asked.pieces.size() == 1;
+      if (!asked.is_stop() && whole && !asked.dropped && !asked.ordered && !asked.ahead) {
+        piece.counted = true;
+        ++book.waiting;
       }
     }
     auto& lane = book.lanes[piece.address].open;
     if (lane.empty() || lane.back() != &asked) {
       lane.push_back(&asked);
     }
-    if (asked.is_stop()) {
-      take_stop(book, asked, has_room, schedule_.now());
+    if (asked.is_stop() && book.starting) {
+      book.early_stops.push_back(&asked);
+      book.open_stops.push_back(&asked);
+    }
+    if (asked.is_stop() && book.open) {
+      asked.waits_from = schedule_.now();
+      if (!is_one_too_many) {
+        book.stops.push_back(&asked);
+      }
+      book.open_stops.push_back(&asked);
     }
   }
 }

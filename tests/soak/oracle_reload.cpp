@@ -6,13 +6,24 @@
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
+namespace {
 
-void Asked::note_allowed(const drive::Device& device) {
-  retries = std::max(retries, device.timing.retries);
-  stop_retries = std::max(stop_retries, device.timing.stop_retries);
-  retry_writes = retry_writes || device.timing.retry_writes;
-  cache = std::max(cache, device.cache);
+void take_settings(Book& book, const gateway::BusSettings& settings, Instant now) {
+  book.room = std::max(book.room, book.waiting);
+  if (book.present > settings.queue) {
+    book.last_full = now;  // it has become smaller than what waits
+  }
+  if (book.own_end > now && book.turnaround_end > book.own_end) {
+    const Instant by_others = book.own_end + settings.turnaround;
+    book.held_until = std::max(book.turnaround_end, by_others);
+    book.turnaround_end = std::min(book.turnaround_end, by_others);
+  }
+  if (settings.stop_wait != book.stop_wait_before) {
+    book.stop_wait_from = now;
+  }
 }
+
+}  // namespace
 
 void Oracle::map_lanes() {
   for (Book& book : books_) {
@@ -32,6 +43,21 @@ bool Oracle::is_past_offline(std::size_t bus, const Lane& lane) const {
   const unsigned after = lane.device ? devices_[*lane.device].settings().timing.offline_after
                                      : bus_settings(bus).timing.offline_after;
   return lane.stays_offline || (after > 0 && lane.unanswered >= after);
+}
+
+void Oracle::note_allowed(Asked& asked) const {
+  if (!asked.door->device) {
+    return;
+  }
+  const drive::Device& device = devices_[*asked.door->device].settings();
+  asked.retries = std::max(asked.retries, device.timing.retries);
+  asked.stop_retries = std::max(asked.stop_retries, device.timing.stop_retries);
+  asked.retry_writes = asked.retry_writes || device.timing.retry_writes;
+  asked.cache = std::max(asked.cache, device.cache);
+}
+
+std::optional<drive::WordOrder> Oracle::order_of(const Door& door) const {
+  return door.route ? plan_.settings.routes[*door.route].word_order : std::nullopt;
 }
 
 void Oracle::before_reload() {
@@ -99,49 +125,28 @@ void Oracle::after_reload() {
       lane.forget_silence();
     }
   }
-  for (const auto& [id, asked] : open_) {
-    if (asked->is_accepted && asked->door != nullptr) {
-      after_reload(*asked, *asked->door);
+  for (const auto& entry : open_) {
+    Asked& asked = *entry.second;
+    if (asked.is_accepted && asked.door != nullptr) {
+      note_allowed(asked);
+      // Its client sees other word orders by now, or its unit leads elsewhere.
+      // Where it leads to no bus, that one's line is given up.
+      if (asked.door->absent || asked.word_order != order_of(*asked.door)) {
+        std::ranges::for_each(asked.door->buses, [&](std::size_t bus) { take_back(asked, bus); });
+      }
     }
   }
   for (std::size_t bus = 0; bus < books_.size(); ++bus) {
-    after_reload(books_[bus], bus_settings(bus));
+    Book& book = books_[bus];
+    take_settings(book, bus_settings(bus), schedule_.now());
+    for (Asked* stop : book.stops) {
+      cancel_for_waiting_stop(*stop);
+    }
+    cut_flying(book);
   }
   for (auto& [client, session] : sessions_) {
     accept_backlog(session);
   }
-}
-
-// Its client may see other word orders by now, or its unit may lead elsewhere. Where it leads to no
-// bus, that one's line is given up.
-void Oracle::after_reload(Asked& asked, const Door& door) {
-  if (door.device) {
-    asked.note_allowed(devices_[*door.device].settings());
-  }
-  if (door.absent || asked.word_order != word_order_of(plan_, door)) {
-    for (const std::size_t bus : door.buses) {
-      take_back(asked, bus);
-    }
-  }
-}
-
-void Oracle::after_reload(Book& book, const gateway::BusSettings& settings) {
-  book.room = std::max(book.room, book.waiting);
-  if (book.present > settings.queue) {
-    book.last_full = schedule_.now();  // it has become smaller than what waits
-  }
-  if (book.own_end > schedule_.now() && book.turnaround_end > book.own_end) {
-    const Instant by_others = book.own_end + settings.turnaround;
-    book.held_until = std::max(book.turnaround_end, by_others);
-    book.turnaround_end = std::min(book.turnaround_end, by_others);
-  }
-  if (settings.stop_wait != book.stop_wait_before) {
-    book.stop_wait_from = schedule_.now();
-  }
-  for (Asked* stop : book.stops) {
-    cancel_for_waiting_stop(*stop);
-  }
-  cut_flying(book);
 }
 
 // It let the writes before it go, and does so no longer.

@@ -149,11 +149,6 @@ struct SoakPlan {
   bool beyond = false;  ///< devices are later than the quarantine: misdeliveries are counted apart
 };
 
-/// That its route asks for.
-inline std::optional<drive::WordOrder> word_order_of(const SoakPlan& plan, const Door& door) {
-  return door.route ? plan.settings.routes[*door.route].word_order : std::nullopt;
-}
-
 SoakPlan draw_plan(Random& random, std::uint64_t seed);
 /// What is behind the serial lines, and what the settings say of it.
 void draw_lines(SoakPlan& plan, std::uint64_t seed);
