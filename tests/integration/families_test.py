@@ -142,7 +142,7 @@ class FamiliesShowBigEndianValues(unittest.TestCase):
         assert cls.client.connect()
         cls.addClassCleanup(cls.client.close)
         for unit, *_ in DRIVES:  # a line listens before it first transmits, which a read may wait for
-            answer = cls.client.read_holding_registers(0x0065, 1, slave=unit)
+            answer = cls.client.read_holding_registers(0x0065, count=1, slave=unit)
             assert getattr(answer, "exception_code", 0) != 0x0B, (unit, answer)
 
     def test_values_are_big_endian_everywhere(self):
@@ -152,17 +152,17 @@ class FamiliesShowBigEndianValues(unittest.TestCase):
             with self.subTest(unit=unit):
                 answer = self.client.write_registers(value, [0x0003, 0x0D40], slave=unit)
                 self.assertFalse(answer.isError(), answer)
-                self.assertEqual(self.client.read_holding_registers(value, 2, slave=unit).registers, [0x0003, 0x0D40])
-                self.assertEqual(self.client.read_holding_registers(value + 1, 1, slave=unit).registers, [0x0D40])
+                self.assertEqual(self.client.read_holding_registers(value, count=2, slave=unit).registers, [0x0003, 0x0D40])
+                self.assertEqual(self.client.read_holding_registers(value + 1, count=1, slave=unit).registers, [0x0D40])
 
     def test_the_ascii_drive_has_plain_registers(self):
         self.assertFalse(self.client.write_register(0xC8, 123, slave=14).isError())
-        self.assertEqual(self.client.read_holding_registers(0xC8, 1, slave=14).registers, [123])
+        self.assertEqual(self.client.read_holding_registers(0xC8, count=1, slave=14).registers, [123])
 
     def test_long_reads_are_one_answer(self):
         for unit in (11, 15, 16):
             with self.subTest(unit=unit):
-                answer = self.client.read_holding_registers(0, 125, slave=unit)
+                answer = self.client.read_holding_registers(0, count=125, slave=unit)
                 self.assertFalse(answer.isError(), answer)
                 self.assertEqual(len(answer.registers), 125)
 

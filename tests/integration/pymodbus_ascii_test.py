@@ -13,10 +13,9 @@ import unittest
 
 from pymodbus.client import ModbusTcpClient
 from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext, ModbusSlaveContext
-from pymodbus.factory import ServerDecoder
-from pymodbus.transaction import ModbusAsciiFramer
 
 from demo_plant import Process
+from either_pymodbus import AsciiServer
 
 DEVICE = 7
 VALUES = 40  # the first of the registers that the device has as 32-bit values, low word first
@@ -60,8 +59,8 @@ class AsciiDevice:
         self._near = near
         block = ModbusSequentialDataBlock(0, [0] * 200)
         self.registers = ModbusSlaveContext(hr=block, zero_mode=True)
-        self._context = ModbusServerContext(slaves={DEVICE: self.registers}, single=False)
-        self._framer = ModbusAsciiFramer(ServerDecoder())
+        context = ModbusServerContext(slaves={DEVICE: self.registers}, single=False)
+        self._server = AsciiServer(context, DEVICE)
         self.heard = b""
         self._thread = threading.Thread(target=self._serve)
         self._thread.start()
@@ -71,13 +70,8 @@ class AsciiDevice:
             if b"!" in data:
                 return
             self.heard += data
-            self._framer.processIncomingPacket(data, self._answer, [DEVICE])
-
-    def _answer(self, request):
-        response = request.execute(self._context[request.unit_id])
-        response.unit_id = request.unit_id
-        response.transaction_id = request.transaction_id
-        os.write(self._line, self._framer.buildPacket(response))
+            for answer in self._server.answers(data):
+                os.write(self._line, answer)
 
     def end(self):
         os.write(self._near, b"!")  # no character of a frame
@@ -100,20 +94,20 @@ class PymodbusAnswersInAscii(unittest.TestCase):
         self.assertTrue(client.connect())
         self.addCleanup(client.close)
         # A line listens before it first transmits, and a write may not wait for long; a read may.
-        self.assertFalse(client.read_holding_registers(0, 1, slave=DEVICE).isError())
+        self.assertFalse(client.read_holding_registers(0, count=1, slave=DEVICE).isError())
         return device, client
 
     def exchange(self, data_bits):
         device, client = self.plant(data_bits)
         self.assertFalse(client.write_register(3, 0xBEEF, slave=DEVICE).isError())
         self.assertIn(b":07060003BEEF43\r\n", device.heard)
-        self.assertEqual(client.read_holding_registers(2, 2, slave=DEVICE).registers, [0, 0xBEEF])
+        self.assertEqual(client.read_holding_registers(2, count=2, slave=DEVICE).registers, [0, 0xBEEF])
         self.assertFalse(client.write_registers(VALUES, [0x0003, 0x0D40], slave=DEVICE).isError())
         self.assertEqual(device.registers.getValues(3, VALUES, 2), [0x0D40, 0x0003])
-        self.assertEqual(client.read_holding_registers(VALUES, 2, slave=DEVICE).registers, [0x0003, 0x0D40])
-        long = client.read_holding_registers(0, 125, slave=DEVICE)
+        self.assertEqual(client.read_holding_registers(VALUES, count=2, slave=DEVICE).registers, [0x0003, 0x0D40])
+        long = client.read_holding_registers(0, count=125, slave=DEVICE)
         self.assertEqual(len(long.registers), 125)
-        self.assertEqual(client.read_holding_registers(1000, 1, slave=DEVICE).exception_code, 2)
+        self.assertEqual(client.read_holding_registers(1000, count=1, slave=DEVICE).exception_code, 2)
 
     def test_with_seven_data_bits(self):
         self.exchange(7)

@@ -6,9 +6,9 @@ import sys
 import unittest
 
 from pymodbus.client import ModbusTcpClient
-from pymodbus.mei_message import ReadDeviceInformationRequest
 
 from demo_plant import DemoPlant
+from either_pymodbus import device_information
 
 MOONS_BIG, STEPPER, MOONS_LITTLE, AIC = 1, 2, 3, 17
 STEPPER_AS_IT_IS = 102  # through the bus, without exchange
@@ -29,7 +29,7 @@ class PymodbusReadsAndWrites(unittest.TestCase):
         self.addCleanup(self.client.close)
 
     def holding(self, unit, address, count):
-        return self.client.read_holding_registers(address, count, slave=unit).registers
+        return self.client.read_holding_registers(address, count=count, slave=unit).registers
 
     def test_a_moons_drive_has_the_high_word_first(self):
         answer = self.client.write_registers(DISTANCE, [0x0003, 0x0D40], slave=MOONS_BIG)
@@ -55,11 +55,11 @@ class PymodbusReadsAndWrites(unittest.TestCase):
     def test_the_aic_takes_coils_and_shows_inputs(self):
         answer = self.client.write_coil(4, True, slave=AIC)
         self.assertFalse(answer.isError(), answer)
-        self.assertEqual(self.client.read_coils(4, 2, slave=AIC).bits[:2], [True, False])
+        self.assertEqual(self.client.read_coils(4, count=2, slave=AIC).bits[:2], [True, False])
         self.client.write_coil(4, False, slave=AIC)
-        self.assertEqual(self.client.read_coils(4, 1, slave=AIC).bits[0], False)
-        self.assertFalse(self.client.read_discrete_inputs(0, 8, slave=AIC).isError())
-        name = self.client.read_input_registers(0x68, 5, slave=AIC).registers
+        self.assertEqual(self.client.read_coils(4, count=1, slave=AIC).bits[0], False)
+        self.assertFalse(self.client.read_discrete_inputs(0, count=8, slave=AIC).isError())
+        name = self.client.read_input_registers(0x68, count=5, slave=AIC).registers
         self.assertEqual(b"".join(word.to_bytes(2, "big") for word in name), b"AiC-D-56LA")
 
     def test_a_broadcast_reaches_every_drive_of_its_line(self):
@@ -71,17 +71,17 @@ class PymodbusReadsAndWrites(unittest.TestCase):
     def test_exceptions_of_drives_arrive_unchanged(self):
         answer = self.client.write_register(0x04, 1, slave=MOONS_BIG)  # can only be read
         self.assertEqual(answer.exception_code, 0x12)
-        answer = self.client.read_input_registers(0x7000, 1, slave=AIC)
+        answer = self.client.read_input_registers(0x7000, count=1, slave=AIC)
         self.assertEqual(answer.exception_code, 0x02)
 
     def test_the_gateway_says_that_nobody_is_there(self):
-        self.assertEqual(self.client.read_holding_registers(0, 1, slave=NOBODY).exception_code, 0x0A)
+        self.assertEqual(self.client.read_holding_registers(0, count=1, slave=NOBODY).exception_code, 0x0A)
 
     def test_the_gateway_says_what_it_is(self):
-        answer = self.client.execute(ReadDeviceInformationRequest(0x01, 0x00, unit=GATEWAY))
+        answer = device_information(self.client, GATEWAY)
         self.assertFalse(answer.isError(), answer)
         self.assertEqual(sorted(answer.information), [0, 1, 2])
-        self.assertEqual(self.client.read_input_registers(1, 2, slave=GATEWAY).registers, [2, 4])
+        self.assertEqual(self.client.read_input_registers(1, count=2, slave=GATEWAY).registers, [2, 4])
 
 
 if __name__ == "__main__":

@@ -7,20 +7,26 @@
 #undef TOML_HEADER_ONLY
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 0
-// Version 3.3 takes two things for impossible that stand in wrong texts: a key that begins with no
-// letter of keys is asserted away two lines before it is reported as an error, and a letter such as
-// U+00E4 outside of strings reaches an "unreachable" in the question whether it is white space.
-// Wrong text must not end the process.
+// It takes two things for impossible that stand in wrong texts: a key that begins with no letter of
+// keys is asserted away two lines before it is reported as an error (3.3), and a letter such as
+// U+00E4 outside of strings reaches an "unreachable" in the question whether it is white space (3.3
+// and 3.4, which names its parts otherwise). Wrong text must not end the process.
 #undef NDEBUG
 #define TOML_ASSERT(expr) static_assert(true)
-#if __has_include(<toml++/impl/unicode.h>)  // later versions name their parts otherwise
+#if __has_include(<toml++/impl/unicode.h>)
 #include <toml++/impl/forward_declarations.h>
+#else
+#include <toml++/impl/forward_declarations.hpp>
+#endif
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false
+#if __has_include(<toml++/impl/unicode.h>)
 #include <toml++/impl/unicode.h>
-#pragma pop_macro("TOML_UNREACHABLE")
+#else
+#include <toml++/impl/unicode.hpp>
 #endif
+#pragma pop_macro("TOML_UNREACHABLE")
 #include <toml++/toml.h>
 
 #include <algorithm>

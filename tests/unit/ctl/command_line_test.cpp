@@ -56,8 +56,10 @@ TEST(CommandLine, ReadIsRepeatedOnRequest) {
   EXPECT_EQ(complaint("read holding 0 --every 1"),
             "mbgatectl: \"1\" is not a time of at least 10ms, like 500ms or 5s");
   EXPECT_EQ(complaint("read holding 0 --times 3"), "mbgatectl: --times requires --every");
-  EXPECT_EQ(complaint("read holding 0 --every 1s --times 0"),
-            "mbgatectl: --times: Value 0 not in range 1 to 1000000000");
+  // CLI11 has other words for the range from version to version.
+  EXPECT_THAT(complaint("read holding 0 --every 1s --times 0"),
+              AllOf(StartsWith("mbgatectl: --times: Value 0 not in range "),
+                    HasSubstr("1000000000")));
 }
 
 TEST(CommandLine, ReplayWantsAFile) {
