@@ -165,9 +165,15 @@ std::optional<BusQueue::Most> Bus::most_waiting(Instant now) const {
   return parts_.queue.most_waiting(held);
 }
 
+Duration Bus::longest_waiting(Instant now) const {
+  const auto oldest = parts_.queue.oldest();
+  return oldest ? std::max(now - *oldest, Duration{0}) : Duration{0};
+}
+
 void Bus::clear_counters() {
   parts_.counters = {};
   parts_.devices.clear_counters();
+  diagnosis_.clear_counters();
 }
 
 Duration Bus::held_back(std::uint8_t address, Instant now) const {

@@ -62,6 +62,8 @@ class Bus {
   [[nodiscard]] std::size_t waiting() const { return parts_.queue.size() + parts_.stops.size(); }
   /// The client address of which the most requests wait for the line, and not for their device.
   [[nodiscard]] std::optional<BusQueue::Most> most_waiting(Instant now) const;
+  /// How long the request has waited that waits longest, stops apart.
+  [[nodiscard]] Duration longest_waiting(Instant now) const;
   [[nodiscard]] const BusCounters& counters() const { return parts_.counters; }
   /// What is known of each address.
   [[nodiscard]] const DeviceTable& devices() const { return parts_.devices; }

@@ -2,8 +2,12 @@
 // What a bus counts: plain totals. A display that wants rates takes differences.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
+
+#include "bus/instant.hpp"
 
 namespace mbgate::bus {
 
@@ -44,6 +48,9 @@ class ExceptionCounts {
   static constexpr std::uint8_t kLastCode = 0x0B;
 
   void note(std::uint8_t code) { ++counts_[place_of(code)]; }
+  void add(const ExceptionCounts& others) {
+    std::ranges::transform(counts_, others.counts_, counts_.begin(), std::plus());
+  }
   /// Codes beyond the last, those of makers, are counted together: it is the same for all of them.
   [[nodiscard]] std::uint64_t of(std::uint8_t code) const { return counts_[place_of(code)]; }
   [[nodiscard]] std::uint64_t others() const { return counts_[0]; }
@@ -66,6 +73,7 @@ struct DeviceCounters {
   std::uint64_t early_responses = 0;
   std::uint64_t noise_bytes = 0;  ///< skipped before its answers
   ExceptionCounts exceptions_by_code;
+  Duration wire_time{0};  ///< its requests and their answers, or the wait for them, had the line
 };
 
 }  // namespace mbgate::bus

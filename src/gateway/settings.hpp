@@ -63,6 +63,7 @@ struct HttpSettings {
   routing::NetworkList allow = routing::loopback_networks();
   std::vector<std::string> hosts{};  ///< names of this machine in URLs, in small letters
   std::size_t max_streams = 64;      ///< that are read at a time, over all sockets; 1 at least
+  bool client_metrics = false;       ///< metrics name the addresses of clients
   friend bool operator==(const HttpSettings&, const HttpSettings&) = default;
 };
 

@@ -51,7 +51,6 @@ void GatewayDriver::add_server(ListenerId listener, boost::asio::ip::tcp::accept
 void GatewayDriver::remove_servers(ListenerId listener) { servers_.remove(listener); }
 
 void GatewayDriver::start() {
-  heartbeat_.start();
   carry_out_actions();
   servers_.start();
   phase_ = Phase::serving;
@@ -198,6 +197,7 @@ void GatewayDriver::carry_out_actions() {
     std::visit([this](const auto& wanted) { carry_out(wanted); }, *action);
   }
   carrying_out_ = false;
+  heartbeat_.beat_while(!clients_.empty() && phase_ != Phase::finished);
   if (recorder_ != nullptr) {
     recorder_->hand_over();
   }
@@ -257,7 +257,7 @@ void GatewayDriver::drop(ClientId client) {
 
 void GatewayDriver::finish() {
   if (std::exchange(phase_, Phase::finished) != Phase::finished) {
-    heartbeat_.stop();
+    heartbeat_.beat_while(false);
     observer_.on_finished();
   }
 }

@@ -11,6 +11,17 @@ namespace mbgate::io {
 Heartbeat::Heartbeat(boost::asio::io_context& context, std::function<void()> on_beat)
     : timer_(context), on_beat_(std::move(on_beat)) {}
 
+void Heartbeat::beat_while(bool wanted) {
+  if (wanted == last_.has_value()) {
+    return;
+  }
+  if (wanted) {
+    start();
+  } else {
+    stop();
+  }
+}
+
 void Heartbeat::start() {
   last_ = now();
   beat();
@@ -34,8 +45,11 @@ std::optional<std::chrono::milliseconds> Heartbeat::missed(bus::Instant now) {
 void Heartbeat::beat() {
   timer_.expires_after(kBeat);
   timer_.async_wait([this](const boost::system::error_code& error) {
-    if (!error && last_) {
-      on_beat_();
+    if (error || !last_) {
+      return;
+    }
+    on_beat_();
+    if (last_) {
       beat();
     }
   });

@@ -24,13 +24,15 @@ class Heartbeat {
   /// `on_beat` is to call missed().
   Heartbeat(boost::asio::io_context& context, std::function<void()> on_beat);
 
-  void start();
-  void stop();
+  /// Not while nobody could have sent anything: an idle process sleeps.
+  void beat_while(bool wanted);
   /// For how long the io thread has not been here, if it is too long. To be called before what has
   /// come is handed to the machine.
   std::optional<std::chrono::milliseconds> missed(bus::Instant now);
 
  private:
+  void start();
+  void stop();
   void beat();
 
   boost::asio::steady_timer timer_;

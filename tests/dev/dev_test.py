@@ -199,7 +199,7 @@ class DevGoesElsewhere(unittest.TestCase):
         notes = machine.noted()
         self.assertIn("mmdebstrap --variant=buildd --architectures=amd64,arm64 --include=ca-certificates,ccache,mold,"
                       f"crossbuild-essential-arm64,qemu-user bookworm {root}", notes)
-        self.assertTrue((root / "mbgate/dev").exists())
+        self.assertTrue((root / "source/mbgate/dev").exists())
         asked = "\n".join(notes)
         self.assertIn("apt-get --no-install-recommends -y build-dep -a arm64 -P cross,nocheck ./", asked)
         self.assertIn("dpkg-buildpackage -us -uc -b -a arm64 -Pcross,nocheck", asked)
@@ -209,7 +209,7 @@ class DevGoesElsewhere(unittest.TestCase):
         root = machine.folder / "build/chroots/trixie-amd64"
         self.assertIn("mmdebstrap --variant=buildd --architectures=amd64 --include=ca-certificates,ccache,mold "
                       f"trixie {root}", machine.noted())
-        self.assertIn(" --preset asan -B /build ", "\n".join(machine.noted()))
+        self.assertIn(" --preset asan -DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold -B /build ", "\n".join(machine.noted()))
 
     def test_with_the_emulator_to_the_tests(self):
         machine, _, _ = self.run_with("test", "--arch", "armhf", "--suite", "bookworm", "--mirror", "http://m/debian")

@@ -42,8 +42,9 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
                           unrouted_told, changed_at] = intake;
   explore::require(changed_at.empty(), "the settings stay the same");
   // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,
-  // addresses, free_keys.
-  auto& [in_force, by_number, closed, ready, timers, on_listener, addresses, free_keys] = sessions;
+  // addresses, free_keys. Counted only: of_listeners.
+  auto& [in_force, by_number, closed, ready, timers, on_listener, of_listeners, addresses,
+         free_keys] = sessions;
   explore::require(closed.empty() && ready.empty() && !timers.next(), "nothing is left to do");
   hash.add(by_number.size());
   for (std::uint64_t client = 1; client <= by_number.size(); ++client) {

@@ -18,6 +18,7 @@ from demo_plant import PATIENCE, DemoPlant, program
 
 API = yaml.safe_load((pathlib.Path(__file__).parents[2] / "docs" / "api.yaml").read_text(encoding="utf-8"))
 EVENTS = "/api/v1/events"
+RELOAD = "/api/v1/reload"
 TRACE = "/api/v1/trace"
 EVENT_DATA = {
     "journal": "JournalEvent", "lost": "LostEvents", "transaction": "Trace", "frame": "Trace", "heard": "Trace",
@@ -152,3 +153,24 @@ class ControlCase(unittest.TestCase):
         text = self.plant.configuration.read_text(encoding="utf-8")
         self.assertIn(before, text)
         self.plant.configuration.write_text(text.replace(before, after), encoding="utf-8")
+
+
+class HttpCase(ControlCase):
+    """What tests of the interface over TCP have in common."""
+
+    def configure(self, *lines):
+        """These lines in [http], and no other but for the socket, put into force by a reload."""
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        head, rest = text.split("[http]\n")
+        own = [line for line in rest.splitlines() if line.startswith("socket")]
+        self.plant.configuration.write_text("\n".join([f"{head}[http]", *own, *lines, ""]), encoding="utf-8")
+        code, body = self.ask("POST", RELOAD)
+        self.assertEqual(code, 200, body)
+
+    def listen(self, *lines, host="127.0.0.1", shown="127.0.0.1"):
+        """A reload adds an address, which self.address is then."""
+        self.configure(f'listen = ["{shown}:0"]', *lines)
+        self.address = (host, int(self.plant.wait_for(rf"^listening http {re.escape(shown)}:(\d+)$").group(1)))
+
+    def tcp(self, source=None):
+        return http.client.HTTPConnection(*self.address, timeout=PATIENCE, source_address=source and (source, 0))

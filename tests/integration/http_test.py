@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The HTTP interface of the demo's gateway over TCP: it reads, for those who may, and changes nothing."""
 
-import http.client
 import json
 import re
 import socket
@@ -10,32 +9,14 @@ import sys
 import time
 import unittest
 
-from control_case import EVENTS, MOONS, TRACE, ControlCase, UnixConnection
+from control_case import EVENTS, MOONS, RELOAD, TRACE, HttpCase, UnixConnection
 from demo_plant import PATIENCE
 from events_test import EventStream
 
 STATUS = "/api/v1/status"
-RELOAD = "/api/v1/reload"
 
 
-class Http(ControlCase):
-    def configure(self, *lines):
-        """These lines in [http], and no other but for the socket, put into force by a reload."""
-        text = self.plant.configuration.read_text(encoding="utf-8")
-        head, rest = text.split("[http]\n")
-        own = [line for line in rest.splitlines() if line.startswith("socket")]
-        self.plant.configuration.write_text("\n".join([f"{head}[http]", *own, *lines, ""]), encoding="utf-8")
-        code, body = self.ask("POST", RELOAD)
-        self.assertEqual(code, 200, body)
-
-    def listen(self, *lines, host="127.0.0.1", shown="127.0.0.1"):
-        """A reload adds an address, which self.address is then."""
-        self.configure(f'listen = ["{shown}:0"]', *lines)
-        self.address = (host, int(self.plant.wait_for(rf"^listening http {re.escape(shown)}:(\d+)$").group(1)))
-
-    def tcp(self, source=None):
-        return http.client.HTTPConnection(*self.address, timeout=PATIENCE, source_address=source and (source, 0))
-
+class Http(HttpCase):
     def server(self):
         """As mbgatectl names it."""
         return f"tcp://{self.address[0]}:{self.address[1]}"

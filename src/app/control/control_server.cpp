@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/control/control_server.hpp"
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/json/array.hpp>
 #include <boost/json/serialize.hpp>
+#include <iterator>
 #include <new>
 #include <string_view>
 #include <utility>
 
 #include "app/control/question.hpp"
 #include "app/control/tcp_rules.hpp"
+#include "app/metrics/metrics.hpp"
 #include "app/utf8.hpp"
 #include "io/supervise.hpp"
 
@@ -97,6 +100,7 @@ void ControlServer::apply(const gateway::HttpSettings& settings) {
   doors_.allow(settings.allow);
   hosts_ = settings.hosts;
   streams_.set_most(settings.max_streams);
+  client_metrics_ = settings.client_metrics;
 }
 
 asio::awaitable<void> ControlServer::serve_one(ControlDoors::Entered client) {
@@ -174,11 +178,12 @@ asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& r
   const bool is_reload = path == "/api/v1/reload";
   const bool is_command = is_reload || path == "/api/v1/clear-counters";
   const bool is_stream = path == kEventsPath || path == kTracePath;
-  if (!is_command && !is_stream && path != "/api/v1/status" && path != "/healthz") {
+  if (!is_command && !is_stream && path != "/api/v1/status" && path != "/healthz" &&
+      path != "/metrics") {
     co_return answer(
         request, http::status::not_found,
-        error_json("expected GET /api/v1/status, /api/v1/events, /api/v1/trace or /healthz, "
-                   "POST /api/v1/reload or POST /api/v1/clear-counters"));
+        error_json("expected GET /api/v1/status, /api/v1/events, /api/v1/trace, /metrics or "
+                   "/healthz, POST /api/v1/reload or POST /api/v1/clear-counters"));
   }
   const auto wanted = is_command ? http::verb::post : http::verb::get;
   if (request.method() != wanted) {
@@ -192,6 +197,9 @@ asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& r
   }
   if (path == "/healthz") {
     co_return co_await health(request);
+  }
+  if (path == "/metrics") {
+    co_return co_await metrics(request);
   }
   co_return co_await status(request);
 }
@@ -222,6 +230,23 @@ asio::awaitable<ControlServer::Response> ControlServer::status(const Request& re
     json["last_status_age_s"] = std::chrono::duration<double>(age).count();
   }
   co_return answer(request, http::status::service_unavailable, json);
+}
+
+asio::awaitable<ControlServer::Response> ControlServer::metrics(const Request& request) {
+  const auto now = co_await ask_status();
+  if (!now) {
+    co_return answer(request, http::status::service_unavailable, error_json(kNoAnswer));
+  }
+  auto families = process_families();
+  std::ranges::move(metric_families(now->report, now->process, client_metrics_),
+                    std::back_inserter(families));
+  Response response(http::status::ok, request.version());
+  response.set(http::field::content_type, "text/plain; version=0.0.4; charset=utf-8");
+  response.set(http::field::cache_control, "no-store");
+  response.keep_alive(request.keep_alive());
+  response.body() = metrics_text(families);
+  response.prepare_payload();
+  co_return response;
 }
 
 asio::awaitable<ControlServer::Response> ControlServer::health(const Request& request) {

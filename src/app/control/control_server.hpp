@@ -58,6 +58,7 @@ class ControlServer {
   /// Nothing: the gateway's thread has not answered in time.
   boost::asio::awaitable<std::optional<Status>> ask_status();
   boost::asio::awaitable<Response> status(const Request& request);
+  boost::asio::awaitable<Response> metrics(const Request& request);
   boost::asio::awaitable<Response> health(const Request& request);
   boost::asio::awaitable<Response> reload(const Request& request);
   boost::asio::awaitable<Response> clear_counters(const Request& request);
@@ -67,6 +68,7 @@ class ControlServer {
   ControlTarget& target_;
   ControlDoors doors_;
   std::vector<std::string> hosts_;  ///< names of this machine
+  bool client_metrics_ = false;
   StreamPlaces streams_{gateway::HttpSettings{}.max_streams};
   EventStreams events_;
   TraceStreams traces_;

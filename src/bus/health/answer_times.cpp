@@ -7,6 +7,8 @@
 namespace mbgate::bus {
 namespace {
 
+using namespace std::chrono_literals;
+
 // Four steps for each doubling of this.
 constexpr Duration kUnit = std::chrono::microseconds(16);
 constexpr unsigned kStepsPerDoubling = 4;
@@ -35,6 +37,9 @@ Duration end_of_step(std::size_t step) {
 }
 
 }  // namespace
+
+constinit const std::array<Duration, 14> kLatencyBounds = {
+    500us, 1ms, 2ms, 5ms, 10ms, 20ms, 50ms, 100ms, 200ms, 500ms, 1s, 2s, 5s, 10s};
 
 void Durations::note(Duration duration) {
   ++counts_[std::min(step_of(duration), kSteps - 1)];

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "bus/histogram.hpp"
 #include "bus/instant.hpp"
 
 namespace mbgate::bus {
@@ -27,11 +28,31 @@ class Durations {
   unsigned all_ = 0;
 };
 
+/// From the fastest drives to the longest timeouts.
+extern const std::array<Duration, 14> kLatencyBounds;
+
+/// Durations of late, and all of them in steps that metrics show.
+class Latency {
+ public:
+  void note(Duration duration) {
+    lately_.note(duration);
+    all_.note(duration);
+  }
+  /// All of the other's count here too, but not lately.
+  void add_all(const Latency& other) { all_.add(other.all_); }
+  [[nodiscard]] const Durations& lately() const { return lately_; }
+  [[nodiscard]] const Histogram& all() const { return all_; }
+
+ private:
+  Durations lately_;
+  Histogram all_{kLatencyBounds};
+};
+
 /// Of the answered transactions of a device.
 struct AnswerTimes {
-  Durations queue;   ///< from the acceptance of a request to its first transmission
-  Durations wire;    ///< the frames of request and answer, with the pauses in them
-  Durations device;  ///< from the end of the request to the first byte of the answer
+  Latency queue;   ///< from the acceptance of a request to its first transmission
+  Latency wire;    ///< the frames of request and answer, with the pauses in them
+  Latency device;  ///< from the end of the request to the first byte of the answer
 };
 
 }  // namespace mbgate::bus

@@ -9,6 +9,8 @@
 namespace mbgate::bus {
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr Duration kNeverSilent = std::chrono::seconds(1);
 
 // Another client may have asked for the same a moment before, and an adapter kept that; hardly for
@@ -20,6 +22,10 @@ constexpr Duration kEchoesWithin = std::chrono::minutes(1);
 constexpr std::size_t kLeastHeard = 3;
 
 }  // namespace
+
+constinit const std::array<Duration, 16> kSilenceBounds = {
+    500us, 1ms, 1500us, 1750us, 2ms,  2500us, 3ms,   4ms,
+    5ms,   7ms, 10ms,   20ms,   50ms, 100ms,  500ms, 1s};
 
 void LineDiagnosis::note_opened() {
   foreign_reported_ = false;
@@ -46,7 +52,15 @@ void LineDiagnosis::note_bytes(bool asked, Instant now) {
   }
 }
 
+void LineDiagnosis::note_begins(Instant now) {
+  if (const auto quiet_since = parts_.line.quiet_since()) {
+    silences_.note(std::max(now - *quiet_since, Duration{0}));
+  }
+}
+
 void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant now) {
+  const Instant free_at = std::max(now, parts_.line.ready_at(Duration{0}));
+  parts_.devices[asked.address].counters.wire_time += std::max(free_at - asked.sent, Duration{0});
   if (!std::exchange(own_heard_, false) && end.how == LineEnd::How::response && asked.is_read) {
     denied_echoes_ = 0;
   }
@@ -161,6 +175,24 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   }
 }
 
+// The device has answered just now. False: it has not.
+bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
+  const Instant now = unsolicited.came;
+  DeviceEntry& entry = parts_.devices[unsolicited.address];
+  if (!unsolicited.is_response || entry.answered_at == Instant::min() ||
+      now > entry.answered_at + entry.timing().response_timeout ||
+      unsolicited.pdu.function() != entry.answered_function) {
+    return false;
+  }
+  entry.second_at = now;
+  const bool is_read = modbus::is_read(unsolicited.pdu.bytes());
+  entry.second_read_at = parts_.line.hears_itself() && is_read ? now : entry.second_read_at;
+  if (!std::exchange(entry.second_reported, true)) {
+    notify(DeviceNotice::Kind::second_answer, unsolicited.address);
+  }
+  return true;
+}
+
 // A request that somebody else sent, or a frame of a device that has owed nothing for so long that
 // it can be no late answer: another client is on this line, or another device at this address. What
 // a line had in store when it was opened says nothing. On Modbus TCP the transaction identifier
@@ -190,16 +222,7 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   if (!unsolicited.is_request && (!unsolicited.is_response || is_asked || !is_old)) {
     return;
   }
-  const bool answered_just_now = unsolicited.is_response && entry.answered_at != Instant::min() &&
-                                 now <= entry.answered_at + entry.timing().response_timeout &&
-                                 unsolicited.pdu.function() == entry.answered_function;
-  if (answered_just_now && !foreign_reported_) {
-    entry.second_at = now;
-    const bool is_read = modbus::is_read(unsolicited.pdu.bytes());
-    entry.second_read_at = parts_.line.hears_itself() && is_read ? now : entry.second_read_at;
-    if (!std::exchange(entry.second_reported, true)) {
-      notify(DeviceNotice::Kind::second_answer, address);
-    }
+  if (!foreign_reported_ && note_second_answer(unsolicited)) {
     return;
   }
   ++parts_.counters.foreign_frames;

@@ -7,6 +7,7 @@
 #include "bus/bus_action.hpp"
 #include "bus/health/line_load.hpp"
 #include "bus/health/line_quality.hpp"
+#include "bus/histogram.hpp"
 #include "bus/parts.hpp"
 #include "bus/serial/serial_discipline.hpp"
 
@@ -21,6 +22,9 @@ struct Asked {
   Instant sent;
 };
 
+/// Around the silences that the specification asks for, and beyond.
+extern const std::array<Duration, 16> kSilenceBounds;
+
 enum class NoticedEcho : std::uint8_t {
   none,
   found,  ///< the settings say nothing of it
@@ -32,6 +36,8 @@ class LineDiagnosis {
   explicit LineDiagnosis(Parts& parts) : parts_(parts) {}
 
   void note_opened();
+  /// A transmission begins: how long the line was silent before it.
+  void note_begins(Instant now);
   /// Bytes were received; `asked`: while a request was pending.
   void note_bytes(bool asked, Instant now);
   /// A valid frame came that answers no pending request.
@@ -52,6 +58,9 @@ class LineDiagnosis {
   /// How busy the line is.
   [[nodiscard]] const LineLoad& load() const { return load_; }
   [[nodiscard]] LineLoad& load() { return load_; }
+  /// The silences before transmissions; empty for a connection.
+  [[nodiscard]] const Histogram& silences() const { return silences_; }
+  void clear_counters() { silences_ = Histogram(kSilenceBounds); }
   /// When the last frame came that counts as foreign; Instant::min(): none did.
   [[nodiscard]] Instant last_foreign() const { return last_foreign_; }
   /// The same for one that was a request: only another client sends these.
@@ -66,6 +75,7 @@ class LineDiagnosis {
  private:
   friend struct mbgate::StateReader;
   void note_foreign(const UnsolicitedFrame& unsolicited);
+  bool note_second_answer(const UnsolicitedFrame& unsolicited);
   void note_silence(const Asked& asked, LineEnd::How how, Instant now);
   void note_denied_echo(Instant now);
   void tell_quality(std::uint8_t address);
@@ -73,6 +83,7 @@ class LineDiagnosis {
   Parts& parts_;
   LineQuality quality_;
   LineLoad load_;
+  Histogram silences_{kSilenceBounds};
   bool never_silent_reported_ = false;
   bool foreign_reported_ = false;
   Instant last_foreign_ = Instant::min();

@@ -26,7 +26,7 @@ void LineLoad::note(bool is_busy, Instant now, Instant free_at) {
   if (is_busy) {
     busy_since_ = now;
   } else {
-    busy_ += std::max(now, free_at) - *busy_since_;
+    end_busy(std::max(now, free_at));
     busy_since_.reset();
   }
 }
@@ -38,12 +38,21 @@ void LineLoad::note_wait(Duration waited, Instant now) {
   waits_.are_long += waited >= kLongWait ? 1U : 0U;
 }
 
+void LineLoad::end_busy(Instant at) {
+  busy_ += at - *busy_since_;
+  total_ += at - *busy_since_;
+}
+
+Duration LineLoad::total(Instant now) const {
+  return total_ + (busy_since_ ? std::max(now - *busy_since_, Duration{0}) : Duration{0});
+}
+
 // Windows that are over by now are closed.
 void LineLoad::go_on(Instant now) {
   while (now - *window_began_ >= kLoadWindow) {
     const Instant end = *window_began_ + kLoadWindow;
     if (busy_since_) {
-      busy_ += end - *busy_since_;
+      end_busy(end);
       busy_since_ = end;
     }
     // Nothing happens in the windows of a long pause.

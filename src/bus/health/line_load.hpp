@@ -25,6 +25,8 @@ class LineLoad {
   /// A request is sent for the first time, and has waited for the line so long.
   void note_wait(Duration waited, Instant now);
   [[nodiscard]] bool is_busy() const { return busy_since_.has_value(); }
+  /// How long it was busy in all.
+  [[nodiscard]] Duration total(Instant now) const;
   /// Of the last ten seconds that are over, or of the time since the first transmission if that is
   /// less.
   [[nodiscard]] unsigned percent(Instant now) const;
@@ -33,9 +35,11 @@ class LineLoad {
 
  private:
   void go_on(Instant now);
+  void end_busy(Instant at);
 
   std::optional<Instant> window_began_;  // nothing was transmitted yet
   std::optional<Instant> busy_since_;
+  Duration total_{0};                 // without the time since busy_since_
   Duration busy_{0};                  // in this window
   std::optional<Duration> before_{};  // in the one before
   LineWaits waits_;                   // the same of these

@@ -105,6 +105,11 @@ std::optional<BusQueue::Most> BusQueue::most_waiting(
   return all == 0 ? std::nullopt : std::optional(most);
 }
 
+std::optional<Instant> BusQueue::oldest() const {
+  const auto first = std::ranges::min_element(by_deadline_, {}, &Job::accepted_at);
+  return first == by_deadline_.end() ? std::nullopt : std::optional(first->accepted_at);
+}
+
 std::optional<Instant> BusQueue::first_deadline() const {
   return by_deadline_.empty() ? std::nullopt : std::optional(by_deadline_.begin()->deadline);
 }

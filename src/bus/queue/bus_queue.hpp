@@ -59,6 +59,8 @@ class BusQueue {
   [[nodiscard]] Job* first_to_expire();
   [[nodiscard]] std::optional<Instant> first_deadline() const;
   [[nodiscard]] std::size_t size() const { return by_deadline_.size(); }
+  /// When the job was accepted that has waited longest.
+  [[nodiscard]] std::optional<Instant> oldest() const;
   /// The client address with the most waiting requests.
   struct Most {
     FairnessKey source{};

@@ -32,6 +32,8 @@ class SerialDiscipline {
   [[nodiscard]] Instant ready_for_stop_at() const;
   /// The same where nobody waits for silence: an own frame and a turnaround delay are over.
   [[nodiscard]] Instant possible_at() const { return std::max(emission_ends_, turnaround_until_); }
+  /// When the last byte was heard or sent.
+  [[nodiscard]] Instant quiet_since() const { return quiet_since_; }
   /// Since when bytes follow each other without the silence before a transmission. If they have
   /// ended, ready_for_stop_at() tells.
   [[nodiscard]] std::optional<Instant> busy_since() const { return busy_since_; }

@@ -60,6 +60,7 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
     parts_.actions.push(TransmissionBegan{title_of(transmission), sent.address, sent.is_broadcast(),
                                           transmission.tries});
   }
+  diagnosis_.note_begins(now);
   parts_.actions.push(TransmitFrame{parts_.line.begin(sent, timing, owed, now)});
   if (stop != nullptr && in_the_way_of(parts_, *stop->leader) == &transmission) {
     const Duration stop_wait = parts_.settings.stop_wait;

@@ -49,6 +49,7 @@ constexpr std::array kGatewayKeys = {
 
 constexpr std::array kHttpKeys = {
     plain<&HttpSettings::max_streams>("max_streams", IntegerRange{1, 100'000}),
+    plain<&HttpSettings::client_metrics>("client_metrics", Truth{}),
 };
 
 constexpr std::array kListenerKeys = {

@@ -50,12 +50,14 @@ bool Clients::admit(const ClientInfo& info) {
     return false;
   }
   actions_.push(Report{ClientDisplaced{info.listener, idlest->info().address}});
+  ++sessions_.counters(info.listener).displaced;
   close(*idlest);
   return true;
 }
 
 void Clients::refuse(const ClientInfo& info, RefusalReason reason) {
   actions_.push(Report{ClientRefused{info.listener, info.address, reason}});
+  sessions_.counters(info.listener).note_refused(reason);
 }
 
 void Clients::received(ClientId client, modbus::Bytes bytes, std::size_t unread, Instant now) {

@@ -14,6 +14,8 @@ ByteString bytes_of(const modbus::MbapAdu& adu) {
   return {bytes.begin(), bytes.end()};
 }
 
+std::uint8_t code_of(const modbus::Pdu& exception) { return exception.bytes()[1]; }
+
 AskedTrace trace_of(const ClientSession& session, const Request& request) {
   AskedTrace asked;
   asked.connection = session.id();
@@ -29,12 +31,15 @@ AskedTrace trace_of(const ClientSession& session, const Request& request) {
 void Requests::accept(ClientSession& session, Request& request, Instant now) {
   failsafe_.client_asked(session.id(), now);
   ++session.requests;
+  ListenerCounters& counters = sessions_.counters(session.info().listener);
+  ++counters.requests;
   std::optional<modbus::Pdu> answer;
   if (request.for_gateway) {
     answer = answer_of_gateway(session, request.adu.pdu, now);
   } else if (request.refused) {
     answer = modbus::Pdu::exception(request.adu.pdu.function(), *request.refused);
     ++session.refused;
+    counters.note_refused(modbus::is_read(request.adu.pdu.bytes()), code_of(*answer));
   }
   if (answer) {
     const modbus::MbapAdu adu{request.adu.header, *answer};
@@ -114,7 +119,7 @@ void Requests::clear_counters() {
   status_unit_.clear_counters();
   intake_.clear_counters();
   buses_.clear_counters();
-  sessions_.for_each([](ClientSession& session) { session.requests = session.refused = 0; });
+  sessions_.clear_counters();
 }
 
 // Reading has come to a stop that was taken early.
@@ -141,10 +146,14 @@ void Requests::complete(std::uint32_t index, Instant now) {
     ClientSession* session = sessions_.find(exchange.client);
     MBGATE_ASSERT(session != nullptr, "a request knows whether its client is there");
     session->exchanges.erase(std::ranges::find(session->exchanges, index));
-    session->refused += exchange.failed ? 1U : 0U;
     std::optional<modbus::MbapAdu> adu;
     if (const auto pdu = exchange.result()) {
       adu = modbus::MbapAdu{exchange.header, *pdu};
+    }
+    if (exchange.failed) {
+      ++session->refused;
+      sessions_.counters(exchange.listener)
+          .note_refused(exchange.plan->is_read(), code_of(adu->pdu));
     }
     if (!session->ahead.keep_answer(index, adu)) {
       send(*session, exchange.answer, adu);

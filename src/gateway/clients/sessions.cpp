@@ -30,6 +30,7 @@ ClientSession* Sessions::add(ClientId client, const ClientInfo& info, Instant no
     return nullptr;
   }
   ++on(info.listener);
+  ++counters(info.listener).connections;
   ClientSession& session = entry->second;
   session.turns = &add_connection(info.address);
   look_at(session, session.next_look(now));
@@ -112,9 +113,15 @@ unsigned Sessions::weight_of(const routing::ClientAddress& address) const {
   return fitting == weights.end() ? 1 : fitting->weight;
 }
 
+void Sessions::clear_counters() {
+  for_each([](ClientSession& session) { session.requests = session.refused = 0; });
+  std::ranges::fill(counters_, ListenerCounters{});
+}
+
 void Sessions::adopt(const Settings& next) {
   settings_ = &next;
   on_listener_.assign(next.listeners.size(), 0);
+  counters_.resize(next.listeners.size());
   for_each([&](ClientSession& session) {
     const ListenerId listener = session.info().listener;
     session.adopt(next.listener(listener));

@@ -13,13 +13,16 @@
 #include "gateway/client.hpp"
 #include "gateway/clients/client_session.hpp"
 #include "gateway/clients/client_timers.hpp"
+#include "gateway/clients/listener_counters.hpp"
 
 namespace mbgate::gateway {
 
 class Sessions {
  public:
   explicit Sessions(const Settings& settings)
-      : settings_(&settings), on_listener_(settings.listeners.size()) {}
+      : settings_(&settings),
+        on_listener_(settings.listeners.size()),
+        counters_(settings.listeners.size()) {}
 
   [[nodiscard]] bool is_full(ListenerId listener) const;
   /// Of the connections that may make room on the listener, the one that has been idle longest;
@@ -51,6 +54,19 @@ class Sessions {
   /// A client whose time has come; nullptr if there is none.
   ClientSession* take_due(Instant now);
 
+  /// Connections to the listener.
+  [[nodiscard]] std::size_t on(ListenerId listener) const {
+    return on_listener_[static_cast<std::size_t>(listener)];
+  }
+  [[nodiscard]] ListenerCounters& counters(ListenerId listener) {
+    return counters_[static_cast<std::size_t>(listener)];
+  }
+  [[nodiscard]] const ListenerCounters& counters(ListenerId listener) const {
+    return counters_[static_cast<std::size_t>(listener)];
+  }
+  /// Of clients, and of listeners.
+  void clear_counters();
+
   /// New settings, which still have the listeners of all clients.
   void adopt(const Settings& next);
 
@@ -72,6 +88,7 @@ class Sessions {
   std::vector<ClientId> ready_;
   ClientTimers timers_;
   std::vector<std::size_t> on_listener_;
+  std::vector<ListenerCounters> counters_;
   std::map<routing::ClientAddress, Address> addresses_;
   std::vector<bus::FairnessKey> free_keys_;
 };

@@ -42,7 +42,10 @@ BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Insta
   status.is_reopening = bus.link().is_reopening();
   status.load = bus.diagnosis().load().percent(now);
   status.waits = bus.diagnosis().load().waits(now);
+  status.busy = bus.diagnosis().load().total(now);
   status.waiting = bus.waiting();
+  status.longest_waiting = bus.longest_waiting(now);
+  status.silences = bus.diagnosis().silences();
   status.silence = bus.diagnosis().silence(now);
   status.counters = bus.counters();
   status.last_foreign = since(bus.diagnosis().last_foreign(), now);
@@ -53,8 +56,9 @@ BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Insta
   return status;
 }
 
-Percentiles percentiles_of(const bus::Durations& durations) {
-  return {durations.percentile(50), durations.percentile(90), durations.percentile(99)};
+Percentiles percentiles_of(const bus::Latency& latency) {
+  const bus::Durations& lately = latency.lately();
+  return {lately.percentile(50), lately.percentile(90), lately.percentile(99)};
 }
 
 // Other settings may have come since it was read.
@@ -101,6 +105,7 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
     status.wire = percentiles_of(entry.times.wire);
   }
   status.device = percentiles_of(entry.times.device);
+  status.times = entry.times;
   return status;
 }
 
@@ -152,6 +157,13 @@ StatusReport make_status_report(const StatusSources& sources, Duration uptime, I
   }
   for (std::size_t place = 0; place < buses.size(); ++place) {
     add_unnamed(sources.buses[buses[place]], place, is_serial(buses[place]), now, report.devices);
+  }
+  for (std::size_t number = 0; number < settings.listeners.size(); ++number) {
+    const auto listener = static_cast<ListenerId>(number);
+    if (!settings.listener(listener).is_gone) {
+      report.listeners.push_back({settings.listener(listener).name, sources.sessions.on(listener),
+                                  sources.sessions.counters(listener)});
+    }
   }
   sources.sessions.for_each([&](const ClientSession& client) {
     report.clients.push_back({client.info().address.to_text(),

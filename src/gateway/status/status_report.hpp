@@ -45,8 +45,11 @@ struct BusStatus {
   bus::LineState state = bus::LineState::initial;
   unsigned load = 0;     ///< percent of the time of the line
   bus::LineWaits waits;  ///< how many requests waited for it, in the time of the load
+  Duration busy{0};      ///< the time of the line in all
   std::size_t waiting = 0;
-  Duration silence{0};  ///< how long nothing at all was received
+  Duration longest_waiting{0};  ///< how long the request has waited that waits longest
+  bus::Histogram silences{bus::kSilenceBounds};  ///< before transmissions
+  Duration silence{0};                           ///< how long nothing at all was received
   bus::BusCounters counters;
   std::optional<WaitingClient> most_waiting;     ///< the one with the most of them
   std::optional<Duration> last_foreign;          ///< how long ago the last foreign frame came
@@ -90,6 +93,13 @@ struct DeviceStatus {
   Percentiles queue;
   Percentiles wire;
   Percentiles device;
+  bus::AnswerTimes times;  ///< of wire there are none on a connection
+};
+
+struct ListenerStatus {
+  std::string name;
+  std::size_t connections = 0;
+  ListenerCounters counters;
 };
 
 struct ClientStatus {
@@ -107,6 +117,7 @@ struct StatusReport {
   std::vector<DeviceStatus>
       devices;  ///< these too; then addresses that were asked without a device
   std::vector<ClientStatus> clients;
+  std::vector<ListenerStatus> listeners;
 };
 
 /// "8E1"

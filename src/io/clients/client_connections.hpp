@@ -38,6 +38,7 @@ class ClientConnections {
   void close_all(bus::Duration limit);
   /// A closed connection has reported its end.
   void note_closed() { --closing_; }
+  [[nodiscard]] bool empty() const { return connections_.empty(); }
   /// Are there closed connections that still send what was queued?
   [[nodiscard]] bool are_closing() const { return closing_ > 0; }
 

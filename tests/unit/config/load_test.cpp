@@ -108,7 +108,8 @@ TEST(LoadSettings, FillsListenersAndBuses) {
                                    .allow = {*routing::Network::parse("127.0.0.1"),
                                              *routing::Network::parse("fd00::/64")},
                                    .hosts = {"gateway.plant"},
-                                   .max_streams = 3}));
+                                   .max_streams = 3,
+                                   .client_metrics = true}));
   const auto& routed = settings.listeners.at(0);
   EXPECT_EQ(routed.name, "plant");
   EXPECT_EQ(routed.address, "::1");

@@ -57,9 +57,9 @@ TEST(CommandLine, ReadIsRepeatedOnRequest) {
             "mbgatectl: \"1\" is not a time of at least 10ms, like 500ms or 5s");
   EXPECT_EQ(complaint("read holding 0 --times 3"), "mbgatectl: --times requires --every");
   // CLI11 has other words for the range from version to version.
-  EXPECT_THAT(complaint("read holding 0 --every 1s --times 0"),
-              AllOf(StartsWith("mbgatectl: --times: Value 0 not in range "),
-                    HasSubstr("1000000000")));
+  EXPECT_THAT(
+      complaint("read holding 0 --every 1s --times 0"),
+      AllOf(StartsWith("mbgatectl: --times: Value 0 not in range "), HasSubstr("1000000000")));
 }
 
 TEST(CommandLine, ReplayWantsAFile) {

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/metrics/device_metrics.hpp"
+
+#include <array>
+#include <optional>
+#include <utility>
+
+namespace mbgate::app {
+namespace {
+
+using gateway::DeviceStatus;
+
+struct DeviceCounter {
+  MetricBook::Kind kind;
+  std::uint64_t bus::DeviceCounters::*member;
+};
+
+constexpr std::array kDeviceCounters = {
+    DeviceCounter{{"mbgate_device_transmissions_total", "Requests sent, repetitions included."},
+                  &bus::DeviceCounters::transmissions},
+    DeviceCounter{{"mbgate_device_responses_total", "Valid responses, exceptions included."},
+                  &bus::DeviceCounters::responses},
+    DeviceCounter{{"mbgate_device_timeouts_total", "Transmissions without a valid response."},
+                  &bus::DeviceCounters::timeouts},
+    DeviceCounter{{"mbgate_device_crc_errors_total", "Responses with a wrong CRC or LRC."},
+                  &bus::DeviceCounters::bad_crcs},
+    DeviceCounter{{"mbgate_device_late_responses_total", "Responses after their timeout."},
+                  &bus::DeviceCounters::late_responses},
+    DeviceCounter{
+        {"mbgate_device_early_responses_total", "Responses before response_wait was over."},
+        &bus::DeviceCounters::early_responses},
+    DeviceCounter{{"mbgate_device_noise_bytes_total", "Bytes skipped before its responses."},
+                  &bus::DeviceCounters::noise_bytes},
+};
+
+constexpr std::array kStates = {
+    std::pair{DeviceStatus::State::not_asked, "not_asked"},
+    std::pair{DeviceStatus::State::answering, "answering"},
+    std::pair{DeviceStatus::State::not_answering, "not_answering"},
+    std::pair{DeviceStatus::State::offline, "offline"},
+    std::pair{DeviceStatus::State::damaged, "damaged_answers"},
+};
+
+constexpr std::array kCodes = {"other", "01", "02", "03", "04", "05",
+                               "06",    "07", "08", "09", "0A", "0B"};
+
+Labels with(Labels labels, const char* name, std::string value) {
+  labels.push_back({name, std::move(value)});
+  return labels;
+}
+
+void add_counters(MetricBook& book, const Labels& labels, const DeviceStatus& device,
+                  bool is_serial) {
+  for (const DeviceCounter& counter : kDeviceCounters) {
+    book.counter(counter.kind, labels, static_cast<double>(device.counters.*counter.member));
+  }
+  for (std::size_t code = 0; code < kCodes.size(); ++code) {
+    const bus::ExceptionCounts& counts = device.counters.exceptions_by_code;
+    book.counter({"mbgate_device_exceptions_total", "Exceptions of the device, by code."},
+                 with(labels, "code", kCodes.at(code)),
+                 static_cast<double>(code == 0 ? counts.others()
+                                               : counts.of(static_cast<std::uint8_t>(code))));
+  }
+  book.counter({"mbgate_device_wire_seconds_total",
+                "Time for which its requests had the line: its rate is its share of the bus."},
+               labels, seconds_of(device.counters.wire_time));
+  const MetricBook::Kind latency{"mbgate_device_latency_seconds",
+                                 "Answered transactions: the wait for the line (queue), the frames "
+                                 "(wire), the device itself (device)."};
+  book.histogram(latency, with(labels, "part", "queue"), device.times.queue.all());
+  if (is_serial) {  // on a connection nobody knows
+    book.histogram(latency, with(labels, "part", "wire"), device.times.wire.all());
+  }
+  book.histogram(latency, with(labels, "part", "device"), device.times.device.all());
+}
+
+void add_state(MetricBook& book, const Labels& labels, const DeviceStatus& device) {
+  for (const auto& [state, word] : kStates) {
+    book.gauge({"mbgate_device_state", "1 for the state that the device is in."},
+               with(labels, "state", word), device.state == state ? 1 : 0);
+  }
+  book.gauge({"mbgate_device_quarantine_seconds",
+              "How long the device is held back after an unanswered request."},
+             labels, seconds_of(device.quarantine));
+  book.gauge({"mbgate_device_held_back_seconds", "How long it still gets nothing but stops."},
+             labels, seconds_of(device.held_back));
+}
+
+void add_to(DeviceStatus& sum, const DeviceStatus& device) {
+  for (const DeviceCounter& counter : kDeviceCounters) {
+    sum.counters.*counter.member += device.counters.*counter.member;
+  }
+  sum.counters.exceptions_by_code.add(device.counters.exceptions_by_code);
+  sum.counters.wire_time += device.counters.wire_time;
+  sum.times.queue.add_all(device.times.queue);
+  sum.times.wire.add_all(device.times.wire);
+  sum.times.device.add_all(device.times.device);
+}
+
+}  // namespace
+
+void add_devices(MetricBook& book, const gateway::StatusReport& report) {
+  std::vector<std::optional<DeviceStatus>> others(report.buses.size());
+  for (const DeviceStatus& device : report.devices) {
+    if (device.name.empty()) {
+      add_to(others[device.bus] ? *others[device.bus] : others[device.bus].emplace(), device);
+      continue;
+    }
+    const Labels labels{{"bus", report.buses[device.bus].name},
+                        {"device", device.name},
+                        {"address", std::to_string(device.address)}};
+    add_state(book, labels, device);
+    add_counters(book, labels, device, report.buses[device.bus].is_serial);
+  }
+  for (std::size_t bus = 0; bus < others.size(); ++bus) {
+    if (others[bus]) {
+      add_counters(book, {{"bus", report.buses[bus].name}, {"device", "other"}, {"address", ""}},
+                   *others[bus], report.buses[bus].is_serial);
+    }
+  }
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/metrics/metrics.hpp"
+
+#include <prometheus/text_serializer.h>
+
+#include <chrono>
+#include <map>
+#include <utility>
+
+#include "app/metrics/bus_metrics.hpp"
+#include "app/metrics/device_metrics.hpp"
+#include "app/metrics/exception_reason.hpp"
+#include "gateway/status/diagnosis.hpp"
+
+namespace mbgate::app {
+namespace {
+
+void add_process(MetricBook& book, const gateway::StatusReport& report,
+                 const ProcessStatus& process) {
+  book.gauge({"mbgate_build_info", "The running version."}, {{"version", process.version}}, 1);
+  book.gauge({"mbgate_config_last_reload_successful",
+              "Whether the configuration file was taken when it was last read."},
+             {}, process.reload_refused ? 0 : 1);
+  const auto read_at = process.config_read_at.time_since_epoch();
+  book.gauge({"mbgate_config_last_reload_success_timestamp_seconds",
+              "When the configuration in force was read."},
+             {}, std::chrono::duration<double>(read_at).count());
+  book.gauge({"mbgate_diagnoses", "What is not well at present: see mbgatectl status."}, {},
+             static_cast<double>(gateway::diagnose(report).size()));
+  book.counter({"mbgate_foreign_adus_total", "Skipped ADUs of other protocols than Modbus."}, {},
+               static_cast<double>(report.counters.foreign_adus));
+  book.counter({"mbgate_framing_lost_total",
+                "Connections closed because what came was no Modbus TCP any more."},
+               {}, static_cast<double>(report.counters.framing_lost));
+}
+
+void add_listener(MetricBook& book, const gateway::ListenerStatus& listener) {
+  const auto& counters = listener.counters;
+  const auto labels = [&](Labels more = {}) {
+    more.insert(more.begin(), {"listener", listener.name});
+    return more;
+  };
+  book.gauge({"mbgate_listener_open_connections", "Connections of clients."}, labels(),
+             static_cast<double>(listener.connections));
+  book.counter({"mbgate_listener_connections_total", "Connections that were let in."}, labels(),
+               static_cast<double>(counters.connections));
+  book.counter({"mbgate_listener_displaced_connections_total",
+                "Idle connections closed to make room for others."},
+               labels(), static_cast<double>(counters.displaced));
+  constexpr std::array kReasons = {"not_allowed", "full", "stopping"};
+  for (std::size_t place = 0; place < kReasons.size(); ++place) {
+    book.counter({"mbgate_listener_refused_connections_total",
+                  "Connections that were not let in, by reason."},
+                 labels({{"reason", kReasons.at(place)}}),
+                 static_cast<double>(counters.refused_connections.at(place)));
+  }
+  book.counter({"mbgate_listener_requests_total", "Requests of clients."}, labels(),
+               static_cast<double>(counters.requests));
+  const MetricBook::Kind refused{
+      "mbgate_listener_refused_requests_total",
+      "Requests that the gateway itself answered with an exception, by its code."};
+  for (const ExceptionReason& it : kExceptionReasons) {
+    const auto add = [&](const char* kind, const bus::ExceptionCounts& counts) {
+      book.counter(refused, labels({{"kind", kind}, {"code", it.digits}, {"reason", it.reason}}),
+                   static_cast<double>(counts.of(it.code)));
+    };
+    add("read", counters.refused_reads);
+    add("write", counters.refused_writes);
+  }
+}
+
+// Connections from one address to a listener are one client.
+void add_clients(MetricBook& book, const std::vector<gateway::ClientStatus>& clients) {
+  std::map<std::pair<std::string, std::string>, std::pair<double, double>> sums;
+  for (const gateway::ClientStatus& client : clients) {
+    auto& [requests, refused] = sums[{client.listener, client.address}];
+    requests += static_cast<double>(client.requests);
+    refused += static_cast<double>(client.refused);
+  }
+  for (const auto& [name, sum] : sums) {
+    const Labels labels{{"listener", name.first}, {"client", name.second}};
+    book.gauge({"mbgate_client_requests", "Requests on the open connections of the address."},
+               labels, sum.first);
+    book.gauge({"mbgate_client_refused_requests",
+                "Of these, answered with an exception by the gateway itself."},
+               labels, sum.second);
+  }
+}
+
+}  // namespace
+
+std::vector<prometheus::MetricFamily> metric_families(const gateway::StatusReport& report,
+                                                      const ProcessStatus& process,
+                                                      bool by_client) {
+  MetricBook book;
+  add_process(book, report, process);
+  for (const gateway::ListenerStatus& listener : report.listeners) {
+    add_listener(book, listener);
+  }
+  if (by_client) {
+    add_clients(book, report.clients);
+  }
+  for (const gateway::BusStatus& bus : report.buses) {
+    add_bus(book, bus);
+  }
+  add_devices(book, report);
+  return book.take();
+}
+
+std::string metrics_text(const std::vector<prometheus::MetricFamily>& families) {
+  return prometheus::TextSerializer().Serialize(families);
+}
+
+}  // namespace mbgate::app

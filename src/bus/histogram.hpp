@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many durations were not longer than each of some bounds, since the counters began: plain
+// totals for those who collect metrics and take differences.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "bus/instant.hpp"
+
+namespace mbgate::bus {
+
+class Histogram {
+ public:
+  static constexpr std::size_t kMostBounds = 17;
+
+  /// The bounds ascend, are at most kMostBounds, and outlive the histogram.
+  constexpr explicit Histogram(std::span<const Duration> bounds) : bounds_(bounds) {}
+
+  void note(Duration duration) {
+    const auto place = std::ranges::lower_bound(bounds_, duration) - bounds_.begin();
+    ++counts_[static_cast<std::size_t>(place)];
+    sum_ += duration;
+  }
+  /// What another one with the same bounds has counted counts here too.
+  void add(const Histogram& other) {
+    std::ranges::transform(counts_, other.counts_, counts_.begin(), std::plus());
+    sum_ += other.sum_;
+  }
+
+  [[nodiscard]] std::span<const Duration> bounds() const { return bounds_; }
+  /// One more than there are bounds: those up to each bound and beyond the one before, and then
+  /// those beyond the last.
+  [[nodiscard]] std::span<const std::uint64_t> counts() const {
+    return std::span(counts_).first(bounds_.size() + 1);
+  }
+  [[nodiscard]] Duration sum() const { return sum_; }
+
+ private:
+  std::span<const Duration> bounds_;
+  std::array<std::uint64_t, kMostBounds + 1> counts_{};
+  Duration sum_{0};
+};
+
+}  // namespace mbgate::bus

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the clients of one listener have done, since the counters began.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "bus/counters.hpp"
+#include "gateway/event.hpp"
+
+namespace mbgate::gateway {
+
+struct ListenerCounters {
+  std::uint64_t connections = 0;  ///< let in
+  std::uint64_t displaced = 0;    ///< of these, closed to make room for others
+  std::uint64_t requests = 0;
+  /// Requests that the gateway itself has answered with an exception.
+  bus::ExceptionCounts refused_reads;
+  bus::ExceptionCounts refused_writes;
+  /// Connections that were not let in, by RefusalReason.
+  std::array<std::uint64_t, 3> refused_connections{};
+
+  void note_refused(bool is_read, std::uint8_t code) {
+    (is_read ? refused_reads : refused_writes).note(code);
+  }
+  void note_refused(RefusalReason reason) {
+    ++refused_connections.at(static_cast<std::size_t>(reason));
+  }
+};
+
+}  // namespace mbgate::gateway
