@@ -40,6 +40,11 @@ class LineDiscipline {
   void limit_wait(const Transaction& transaction, Instant instant, Duration least) {
     std::visit([&](auto& line) { line.limit_wait(transaction, instant, least); }, line_);
   }
+  /// Never on a connection.
+  [[nodiscard]] std::optional<Instant> quiet_since() const {
+    const auto* serial = std::get_if<SerialDiscipline>(&line_);
+    return serial != nullptr ? std::optional(serial->quiet_since()) : std::nullopt;
+  }
   [[nodiscard]] std::optional<Instant> response_due() const {
     return std::visit([](const auto& line) { return std::optional(line.response_due()); }, line_);
   }
