@@ -149,7 +149,8 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
     }
     const Request request = parser.release();
     Response response;
-    const auto refusal = client.over_tcp ? refused_over_tcp(request, hosts_) : std::nullopt;
+    const auto refusal =
+        client.over_tcp ? refused_over_tcp(request, hosts_) : refused_over_socket(request);
     if (refusal) {
       response = answer(request, refusal->status, error_json(refusal->why));
     } else if (const auto stream_asked = begin_stream(request, client.over_tcp)) {
