@@ -112,7 +112,9 @@ asio::awaitable<void> ControlServer::serve_one(ControlDoors::Entered client) {
   if (const auto* after = std::get_if<std::uint64_t>(&*stream)) {
     co_await events_.feed(*client.stream, *after);
   } else {
-    co_await traces_.feed(*client.stream, std::get<TraceFilter>(*stream));
+    const auto& filter = std::get<TraceFilter>(*stream);
+    co_await traces_.feed(*client.stream, filter,
+                          filter.with_journal ? events_.kept() : std::function<std::string()>());
   }
 }
 
