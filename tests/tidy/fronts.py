@@ -8,6 +8,7 @@ HERE = "tests/tidy/fronts.py"
 FRONTS = {
     "app/control": {"control"},
     "app/journal": {"entry", "event_topic", "journal"},
+    "app/page": {"page_answer"},
     "app/trace": {"trace_filter", "trace_json", "trace_ring"},
     "bus/health": {"adapter_watch", "device_table", "line_diagnosis", "line_quality", "probes"},
     "bus/queue": {"admission", "bus_queue", "stop_lane", "stop_order", "turn_book"},

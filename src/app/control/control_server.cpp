@@ -13,6 +13,7 @@
 
 #include "app/control/question.hpp"
 #include "app/control/tcp_rules.hpp"
+#include "app/page/page_answer.hpp"
 #include "app/utf8.hpp"
 #include "io/supervise.hpp"
 
@@ -174,6 +175,9 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
 
 asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& request) {
   const std::string_view path = path_of(request);
+  if (auto page = page_answer(request, path)) {
+    co_return *std::move(page);
+  }
   const bool is_reload = path == "/api/v1/reload";
   const bool is_command = is_reload || path == "/api/v1/clear-counters";
   const bool is_stream = path == kEventsPath || path == kTracePath;
