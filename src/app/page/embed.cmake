@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Writes a C++ source with the contents of files, as bytes: a literal that is as long would be against -Wpedantic.
+# Writes a C++ source with the contents of files, as bytes: nothing in them can end a literal.
 #   cmake -DOUTPUT=page_files.cpp -DFILES="a.html;b.js" -P embed.cmake
 set(arrays "")
 set(entries "")

@@ -9,36 +9,38 @@ export const DRAWN = 60e6;  // of the lines
 const MOST_WIRES = 6000;  // of a line
 const MOST_POINTS = 3000;  // of a device
 
+/** Microseconds since the page was opened, by the clock of the browser. */
+export const here = () => performance.now() * 1000;
+
 export class History {
   constructor() {
-    this.loads = new Map();  // bus: [{ at, value }], value null where nothing was asked
+    this.loads = new Map();  // bus: [{ at, value }], `at` by here(), value null where nothing was asked
     this.wires = new Map();  // bus: wires by their instant
     this.points = new Map();  // bus and address: [{ at, value }], value null: no good answer
     this.buses = new Map();  // by name, of the last status
-    this.ahead = -Infinity;  // of mbgated's clock, before performance.now()
+    this.ahead = -Infinity;  // of mbgated's clock, before here()
   }
 
-  /** The page was hidden, or begins. */
+  /** The page was hidden, or begins: meanwhile clocks may have been set. */
   gap() {
-    const at = this.now();
+    this.ahead = -Infinity;
     for (const load of this.loads.values()) {
-      load.push({ at, value: null });
+      load.push({ at: here(), value: null });
     }
   }
 
   status(json) {
     this.buses = new Map(json.buses.map((bus) => [bus.name, bus]));
-    const at = this.now();
     for (const bus of json.buses) {
       const load = listOf(this.loads, bus.name);
-      load.push({ at, value: bus.load_percent });
-      dropBefore(load, at - PLOTTED);
+      load.push({ at: here(), value: bus.load_percent });
+      dropBefore(load, here() - PLOTTED);
     }
   }
 
   /** The instant at mbgated, as far as it is known: what it has told took a moment to come here. */
   now() {
-    return Math.round(performance.now() * 1000 + (this.ahead === -Infinity ? performance.timeOrigin * 1000 : this.ahead));
+    return Math.round(here() + (this.ahead === -Infinity ? performance.timeOrigin * 1000 : this.ahead));
   }
 
   /** Microseconds that a character takes on this bus; 0: on a connection. */
@@ -48,7 +50,7 @@ export class History {
 
   /** False: it is known already, from another request that shared it. */
   add(wire) {
-    this.ahead = Math.max(this.ahead, wire.endedAt - performance.now() * 1000);
+    this.ahead = Math.max(this.ahead, wire.endedAt - here());
     const wires = listOf(this.wires, wire.bus);
     let place = wires.length;
     while (place > 0 && wires[place - 1].at > wire.at) {

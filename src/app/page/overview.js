@@ -2,7 +2,7 @@
 // Findings, buses, devices and clients, as the last status has them.
 
 import { Keyed, byId, element, setClass, setText, tableRows, terms } from "/page/dom.js";
-import { pointsKey } from "/page/history.js";
+import { here, pointsKey } from "/page/history.js";
 import { plotLatency, plotLoad } from "/page/plot.js";
 import { slowness, whyOfBus, whyOfDevice } from "/page/why.js";
 import { count, deviceName, duration, milliseconds } from "/page/words.js";
@@ -57,7 +57,7 @@ function makeBus(history) {
       counted.transmissions, counted.responses, counted.timeouts, counted.bad_crcs, counted.late_responses, counted.retries,
       counted.noise_bytes + counted.stray_bytes,
     ].map(String));
-    plotLoad(plot, bus.name, history.of(history.loads, bus.name), history.now());
+    plotLoad(plot, bus.name, history.of(history.loads, bus.name), here());
   };
   return { node, update };
 }

@@ -72,7 +72,11 @@ export class Timeline {
       byId(id).addEventListener("click", act);
     }
     this.canvas.addEventListener("keydown", (event) => this.key(event));
+    // Else it moves the page, which is longer than its window.
     this.canvas.addEventListener("wheel", (event) => {
+      if (document.activeElement !== this.canvas && !event.ctrlKey) {
+        return;
+      }
       event.preventDefault();
       this.zoom(event.deltaY > 0 ? STEP : 1 / STEP, event.offsetX / this.canvas.clientWidth);
     }, { passive: false });
@@ -233,7 +237,11 @@ export class Timeline {
     const all = this.inView();
     const shown = all.slice(-MOST_ROWS).reverse();
     this.rows.show(shown);
-    shown.forEach((wire, at) => this.rows.parent.children[at].classList.toggle("chosen", wire === this.chosen));
+    shown.forEach((wire, at) => {
+      const row = this.rows.parent.children[at];
+      row.classList.toggle("chosen", wire === this.chosen);
+      row.setAttribute("aria-current", String(wire === this.chosen));
+    });
     const more = all.length > shown.length ? `, the last ${shown.length} of ${all.length}` : "";
     setText(byId("timeline-caption"), `Requests in the picture, the newest first${more}`);
   }
