@@ -3,7 +3,7 @@
 
 import { byId, element } from "/page/dom.js";
 import { outcomeText, response, wireOf } from "/page/wire.js";
-import { between, instant, timeOfDay } from "/page/words.js";
+import { between, instant, milliseconds, timeOfDay } from "/page/words.js";
 
 /** Fields of a frame: [name, bytes]. What is too short has fewer. */
 export function fieldsOf(bytes, framing) {
@@ -44,7 +44,7 @@ function wireParts(wire, character) {
   const where = `${wire.bus}, ${wire.device ?? `address ${wire.address}`}`;
   const parts = [];
   if (wire.sentAt !== null) {
-    const silence = wire.silentSince === null ? "" : `, after ${between(wire.silentSince, wire.sentAt)} of silence`;
+    const silence = wire.silence === null ? "" : `, after ${milliseconds(wire.silence)} of silence`;
     const took = wire.leftAt > wire.sentAt ? `, takes ${between(wire.sentAt, wire.leftAt)}` : "";
     const title = `On the line: request to ${where} at ${timeOfDay(wire.sentAt, 6)}${silence}${took}`;
     parts.push(...part(title, wire.text, wire.bytes, wire.framing));

@@ -42,16 +42,16 @@ export class Timeline {
       ["Device", (it) => it.device ?? (it.sentAt === null ? "–" : `address ${it.address}`)],
       ["Request", (it) => it.text],
       ["Silence before (needed)", (it) => this.silence(it)],
-      ["Request takes", (it) => (it.sentAt === null ? "–" : between(it.sentAt, it.leftAt))],
+      ["Request takes", (it) => (it.leftAt > it.sentAt ? between(it.sentAt, it.leftAt) : "–")],
       ["Device thinks", (it) => (it.sentAt === null ? "–" : between(it.leftAt, of(it).from))],
-      ["Response takes", (it) => between(of(it).from, of(it).to)],
+      ["Response takes", (it) => (this.history.character(it.bus) > 0 ? between(of(it).from, of(it).to) : "–")],
       ["Outcome", (it) => outcomeText(it) + quarantineText(it), (it) => (isFailure(it) ? "bad" : "")],
     ];
   }
 
   /** To the microsecond: it is held against what is needed. */
   silence(wire) {
-    return wire.silentSince === null ? "–" : `${((wire.sentAt - wire.silentSince) / 1000).toFixed(3)} ms (${this.needed} ms)`;
+    return wire.silence === null ? "–" : `${wire.silence.toFixed(3)} ms (${this.needed.toFixed(3)} ms)`;
   }
 
   chooser(wire) {

@@ -166,7 +166,7 @@ export class Picture {
       return;
     }
     const [top, high] = ROWS.silence;
-    const enough = (wire.sentAt - wire.silentSince) / 1000 >= gap;
+    const enough = wire.silence >= gap;
     const { pen } = this;
     pen.strokeStyle = colour(enough ? "faint" : "bad");
     pen.beginPath();
@@ -177,10 +177,10 @@ export class Picture {
     pen.moveTo(right, top);
     pen.lineTo(right, top + high);
     pen.stroke();
-    const text = `${between(wire.silentSince, wire.sentAt)} ${enough ? "≥" : "<"} ${milliseconds(gap)}`;
+    const text = `${milliseconds(wire.silence)} ${enough ? "≥" : "<"} ${milliseconds(gap)}`;
     const room = Math.min(this.width, right) - Math.max(0, left);
     const fits = pen.measureText(text).width + 6 < room;
-    const shown = fits ? text : between(wire.silentSince, wire.sentAt);
+    const shown = fits ? text : milliseconds(wire.silence);
     this.label(shown, left + 2, right - 2, top + high + 9, colour(enough ? "text" : "bad"));
   }
 

@@ -21,7 +21,8 @@ export function wireOf(json) {
     bytes: json.sent ? bytesOf(json.sent.bytes) : [],
     sentAt,
     leftAt: json.sent ? instant(json.left_at) ?? sentAt : null,
-    silentSince: instant(json.silent_since),
+    silence: json.silence_ms ?? null,  // milliseconds, before it
+    silentSince: (json.silence_ms ?? null) === null ? null : sentAt - Math.round(json.silence_ms * 1000),
     heldUntil: instant(json.held_until),
     endedAt: instant(json.ended_at),
     heard: sentAt === null ? heard : withoutEcho(heard, bytesOf(json.sent.bytes), json.heard_text),
