@@ -74,12 +74,12 @@ class PagePlant:
         for name, baud, parity, drives in LINES:
             gateway += self._line(name, f"baud = {baud}\nparity = \"{parity}\"\n", drives)
         (self.folder / "mbgate.toml").write_text(gateway, encoding="utf-8")
-        process = Process(self.folder, "mbgated", "--config", "mbgate.toml")
-        self._processes.append(process)
+        self.gateway = Process(self.folder, "mbgated", "--config", "mbgate.toml")
+        self._processes.append(self.gateway)
         # Both are listened on before either is told of; in which order is not promised.
         ports = {}
         while len(ports) < 2:
-            found = process.wait_for(r"^listening (plant|http) 127\.0\.0\.1:(\d+)$")
+            found = self.gateway.wait_for(r"^listening (plant|http) 127\.0\.0\.1:(\d+)$")
             ports[found.group(1)] = int(found.group(2))
         self.port = ports["plant"]
         self.url = f"http://127.0.0.1:{ports['http']}/"

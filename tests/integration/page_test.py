@@ -6,6 +6,7 @@ the page's policy, or anything on the console of the browser, fails the test in 
 import http.client
 import pathlib
 import re
+import signal
 import sys
 import unittest
 import urllib.parse
@@ -243,6 +244,15 @@ class Page(unittest.TestCase):
         self.assertGreater(len(files), 10)
         for file in files:
             self.assertIsNone(unsafe.search(file.read_text(encoding="utf-8")), file.name)
+
+    def test_it_says_when_what_it_shows_is_old(self):
+        self.browser.wait_for("that it is live", lambda: self.browser.text("#contact") == "✓ Live.")
+        self.plant.gateway.signal(signal.SIGSTOP)
+        self.addCleanup(self.plant.gateway.signal, signal.SIGCONT)
+        self.browser.wait_for("that mbgated is silent", lambda: (
+            self.browser.text("#contact") == "✕ mbgated does not answer. What stands here is old."))
+        self.plant.gateway.signal(signal.SIGCONT)
+        self.browser.wait_for("that it is live again", lambda: self.browser.text("#contact") == "✓ Live.")
 
     def test_a_violation_of_its_policy_is_seen(self):
         self.browser.js("""

@@ -5,6 +5,7 @@
 const STATUS = "/api/v1/status";
 const STREAM = "/api/v1/trace?events=1";
 const INTERVAL = 1000;  // ms
+const LIMIT = 3000;  // ms: mbgated itself says after one second that the gateway does not answer
 const AGAIN = 3000;  // ms, after the stream has failed
 
 export class Feed {
@@ -39,8 +40,12 @@ export class Feed {
 
   async ask(signal) {
     const began = performance.now();
+    const own = new AbortController();
+    const giveUp = () => own.abort();
+    const timer = setTimeout(giveUp, LIMIT);
+    signal.addEventListener("abort", giveUp);
     try {
-      const response = await fetch(STATUS, { cache: "no-store", signal });
+      const response = await fetch(STATUS, { cache: "no-store", signal: own.signal });
       const json = await response.json();
       if (response.ok) {
         this.told.status(json);
@@ -48,11 +53,12 @@ export class Feed {
         this.told.silent(json.error ?? `HTTP ${response.status}`);
       }
     } catch (error) {
-      if (signal.aborted) {
-        return;
+      if (!signal.aborted) {
+        this.told.silent(own.signal.aborted ? "mbgated does not answer" : "mbgated cannot be reached");
       }
-      this.told.silent("mbgated cannot be reached");
     }
+    clearTimeout(timer);
+    signal.removeEventListener("abort", giveUp);
     if (!signal.aborted) {
       this.next = setTimeout(() => this.ask(signal), Math.max(0, INTERVAL - (performance.now() - began)));
     }
