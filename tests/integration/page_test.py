@@ -88,7 +88,7 @@ class Page(unittest.TestCase):
         self.traced(lambda row: row["Answer"].startswith("✕"), "failures alone")
         self.browser.wait_for("what has no route", lambda: any(
             "unit 31" in row["Request"] for row in self.browser.rows("trace-rows")))
-        self.assertRegex(self.browser.text("#trace-count"), r"^\d+ of \d+ transactions since the page was opened")
+        self.assertRegex(self.browser.text("#trace-count"), r"^\d+ of the last \d+ transactions pass")
         self.browser.choose("#trace-failed", False)
         self.browser.choose("#trace-device", "turntable")
         self.traced(lambda row: row["Device"] == "turntable", "the turntable alone")

@@ -123,6 +123,6 @@ export class Trace {
     this.rows.show(matching.slice(-SHOWN).reverse());
     const lost = this.lost > 0 ? `; ${this.lost} more were too many for this page, and are missing` : "";
     const last = matching.length > SHOWN ? `, the last ${SHOWN} shown` : "";
-    setText(byId("trace-count"), `${matching.length} of ${all.length} transactions since the page was opened${last}${lost}.`);
+    setText(byId("trace-count"), `${matching.length} of the last ${all.length} transactions pass${last}${lost}.`);
   }
 }
