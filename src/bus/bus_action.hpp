@@ -76,6 +76,9 @@ struct TransmissionBegan {
   std::uint8_t address;
   bool is_broadcast;
   unsigned tries;  ///< of this transaction, this one included
+  /// Of a serial line: since when it is silent, and when the frame will have left it.
+  std::optional<Instant> silent_since{};
+  std::optional<Instant> leaves_at{};
 };
 /// Only of a traced bus: what became of it. One that is cut with its line has none.
 struct TransmissionOver {
@@ -83,6 +86,7 @@ struct TransmissionOver {
   LineEnd::How how;
   bool may_stay_silent;  ///< then no response is no failure
   std::optional<modbus::Pdu> response;
+  std::optional<Instant> held_until{};  ///< no response: the device is quarantined, at most so long
 };
 using BusAction = std::variant<OpenLine, LookAtLine, TransmitFrame, JobEnded, LineNotice, CloseLine,
                                ReopenLine, ReplaceLine, NeverSilent, DeviceNotice, QualityNotice,

@@ -32,7 +32,7 @@ class LineDiscipline {
   [[nodiscard]] std::optional<Instant> busy_since() const {
     return std::visit([](const auto& line) { return line.busy_since(); }, line_);
   }
-  /// When the last byte was heard or sent; nothing on a connection, where no silence is asked for.
+  /// Nothing on a connection, where no silence is asked for.
   [[nodiscard]] std::optional<Instant> quiet_since() const {
     const auto* serial = std::get_if<SerialDiscipline>(&line_);
     return serial == nullptr ? std::nullopt : std::optional(serial->quiet_since());

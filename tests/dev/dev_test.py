@@ -154,6 +154,7 @@ class DevInstalls(unittest.TestCase):
     def test_the_tools_that_only_a_command_needs(self):
         for command, tool in (("test", "codespell"), ("format", "clang-format-14"), ("coverage", "gcovr"),
                               ("fuzz", "clang-19"), ("bench", "gnuplot-nox"), ("soak", "dpkg-dev"),
+                              ("screenshots", "python3-selenium"), ("test", "chromium-driver"),
                               ("system --deb x", "mmdebstrap")):
             machine = Machine(self)
             machine.run(*command.split(), MISSING=tool)

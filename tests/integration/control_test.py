@@ -94,7 +94,7 @@ class ControlSocket(ControlCase):
 
     def test_what_is_not_there_is_said(self):
         self.assertEqual(self.ask("GET", "/healthz")[0], 200)
-        self.assertEqual(self.ask("GET", "/")[0], 404)
+        self.assertEqual(self.ask("GET", "/other")[0], 404)
         self.assertEqual(self.ask("POST", "/api/v1/status")[0], 405)
         self.assertEqual(self.ask("GET", "/api/v1/reload")[0], 405)
         self.assertEqual(self.ask("GET", "/api/v1/clear-counters")[0], 405)

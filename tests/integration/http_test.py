@@ -36,7 +36,7 @@ class Http(HttpCase):
             self.assertEqual(body[key], here[key])
         self.assertEqual([bus["name"] for bus in body["buses"]], ["line-a", "line-b"])
         self.assertEqual(self.ask("GET", "/healthz", self.tcp()), (200, {"status": "ok"}))
-        self.assertEqual(self.ask("GET", "/", self.tcp())[0], 404)
+        self.assertEqual(self.ask("GET", "/page/none", self.tcp())[0], 404)
         stream = self.events(self.tcp())
         self.assertEqual(self.ask("POST", RELOAD)[0], 200)
         self.assertEqual(stream.find("nothing has changed")[-1]["data"]["text"], "reload: nothing has changed")
@@ -93,6 +93,37 @@ class Http(HttpCase):
         self.assertEqual(self.ask("GET", STATUS, headers={"Host": "gateway.plant"})[0], 200)
         self.configure('listen = ["127.0.0.1:0"]', 'hosts = ["Gateway.Plant"]')
         self.assertEqual(self.ask("GET", STATUS, self.tcp(), {"Host": "gateway.plant:8080"})[0], 200)
+
+    def test_what_a_page_from_elsewhere_asks_is_refused(self):
+        self.listen()
+        own = f"http://{self.address[0]}:{self.address[1]}"
+        self.assertEqual(self.ask("GET", STATUS, self.tcp(), {"Origin": own})[0], 200)
+        for path in (STATUS, EVENTS, TRACE, "/healthz", "/"):
+            for origin in ("http://evil.example", "null", "http://127.0.0.1"):
+                code, body = self.ask("GET", path, self.tcp(), {"Origin": origin})
+                self.assertEqual((code, body["error"]), (403, f'asked by a page from elsewhere, "{origin}" (Origin)'))
+        # No page comes from a Unix socket; one from elsewhere could come to it through a tunnel.
+        self.assertEqual(self.ask("GET", STATUS, headers={"Origin": "http://mbgated"})[0], 403)
+        self.assertEqual(self.ask("POST", RELOAD, headers={"Origin": "http://mbgated"})[0], 403)
+
+    def test_the_page_is_served_over_both_and_changes_nothing(self):
+        self.listen()
+        pages = []
+        for connection in (self.tcp(), UnixConnection(self.plant.control)):
+            connection.request("GET", "/")
+            answer = connection.getresponse()
+            pages.append(answer.read())
+            self.assertEqual((answer.status, answer.headers["Content-Type"]), (200, "text/html; charset=utf-8"))
+            self.assertIn("default-src 'none'", answer.headers["Content-Security-Policy"])
+            for name in set(re.findall(r'"(/page/[a-z.]+)"', pages[-1].decode())):
+                connection.request("HEAD", name)
+                answer = connection.getresponse()
+                self.assertEqual((answer.status, answer.read()), (200, b""), name)
+            connection.close()
+        self.assertEqual(pages[0], pages[1])
+        self.assertEqual(self.ask("POST", "/")[0], 405)
+        self.assertEqual(self.ask("POST", "/", self.tcp())[0], 403)
+        self.assertEqual(self.ask("DELETE", "/page/main.js", self.tcp())[0], 405)
 
     def test_streams_of_all_sockets_are_counted_together(self):
         self.listen("max_streams = 2")

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The trace of the demo's gateway, as its control socket gives it."""
 
+import datetime
 import sys
 import time
 import unittest
@@ -53,6 +54,35 @@ class Trace(ControlCase):
     def test_a_wrong_filter_is_refused(self):
         code, body = self.ask("GET", TRACE + "?function=300")
         self.assertEqual((code, body["error"]), (400, "function=300: expected a number, 0 to 255"))
+
+    def test_the_journal_comes_beside_it_for_whoever_asks(self):
+        self.edit("[http]\n", "[http]\nmax_streams = 2\n")
+        self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
+        stream = self.trace("?events=1&device=axis-x")
+        kept = stream.find("^reload: done")
+        self.assertEqual({event["event"] for event in kept}, {"journal"})
+        self.assertRegex(kept[0]["data"]["text"], "listening")
+        alone = EventStream(UnixConnection(self.plant.control), 0)
+        self.addCleanup(alone.close)
+        self.assertEqual(alone.find("^reload: done"), kept)
+        self.assertEqual(self.read(MOONS, 0x1E).returncode, 0)
+        self.assertEqual(stream.next()["event"], "transaction")
+        self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
+        self.assertEqual(stream.find("nothing has changed")[-1]["event"], "journal")
+
+    def test_before_each_frame_is_silence(self):
+        stream = self.trace()
+        for _ in range(3):
+            self.assertEqual(self.read(MOONS, 0x1E).returncode, 0)
+        needed = self.status()["buses"][0]["frame_gap_ms"]
+        self.assertEqual(needed, 1.75)
+        for _ in range(3):
+            (wire,) = stream.next()["data"]["wire"]
+            sent, left = (datetime.datetime.fromisoformat(it[:-1]) for it in (wire["sent"]["at"], wire["left_at"]))
+            self.assertGreaterEqual(wire["silence_ms"], needed)
+            # Eight characters of ten bits at 115200 baud.
+            self.assertAlmostEqual((left - sent).total_seconds(), 80 / 115200, delta=2e-6)
+            self.assertIsNone(wire["held_until"])
 
     def test_it_shares_the_places_with_events(self):
         self.edit("[http]\n", "[http]\nmax_streams = 2\n")

@@ -9,6 +9,7 @@ FRONTS = {
     "app/control": {"control"},
     "app/journal": {"entry", "event_topic", "journal"},
     "app/metrics": {"metrics", "process_status"},
+    "app/page": {"page_answer"},
     "app/trace": {"trace_filter", "trace_json", "trace_ring"},
     "bus/health": {"adapter_watch", "device_table", "line_diagnosis", "line_quality", "probes"},
     "bus/queue": {"admission", "bus_queue", "stop_lane", "stop_order", "turn_book"},

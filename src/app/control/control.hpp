@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The HTTP interface to a running gateway, on the control socket and TCP: /api/v1/status, events,
-// trace, reload and clear-counters, and /healthz (docs/api.yaml). It has a thread of its own.
-// Questions are posted to the gateway's thread and answers are posted back as values, and lines of
-// the journal are posted too, so that a reader never holds up a bus.
+// trace, reload and clear-counters, /healthz, and the status page (docs/api.yaml). It has a thread
+// of its own. Questions are posted to the gateway's thread and answers are posted back as values,
+// and lines of the journal are posted too, so that a reader never holds up a bus.
 #pragma once
 
 #include <sys/types.h>

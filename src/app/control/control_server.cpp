@@ -16,6 +16,7 @@
 #include "app/control/question.hpp"
 #include "app/control/tcp_rules.hpp"
 #include "app/metrics/metrics.hpp"
+#include "app/page/page_answer.hpp"
 #include "app/utf8.hpp"
 #include "io/supervise.hpp"
 
@@ -116,7 +117,9 @@ asio::awaitable<void> ControlServer::serve_one(ControlDoors::Entered client) {
   if (const auto* after = std::get_if<std::uint64_t>(&*stream)) {
     co_await events_.feed(*client.stream, *after);
   } else {
-    co_await traces_.feed(*client.stream, std::get<TraceFilter>(*stream));
+    const auto& filter = std::get<TraceFilter>(*stream);
+    co_await traces_.feed(*client.stream, filter,
+                          filter.with_journal ? events_.kept() : std::function<std::string()>());
   }
 }
 
@@ -153,7 +156,8 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
     }
     const Request request = parser.release();
     Response response;
-    const auto refusal = client.over_tcp ? refused_over_tcp(request, hosts_) : std::nullopt;
+    const auto refusal =
+        client.over_tcp ? refused_over_tcp(request, hosts_) : refused_over_socket(request);
     if (refusal) {
       response = answer(request, refusal->status, error_json(refusal->why));
     } else if (const auto stream_asked = begin_stream(request, client.over_tcp)) {
@@ -175,6 +179,9 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
 
 asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& request) {
   const std::string_view path = path_of(request);
+  if (auto page = page_answer(request, path)) {
+    co_return *std::move(page);
+  }
   const bool is_reload = path == "/api/v1/reload";
   const bool is_command = is_reload || path == "/api/v1/clear-counters";
   const bool is_stream = path == kEventsPath || path == kTracePath;
@@ -182,7 +189,7 @@ asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& r
       path != "/metrics") {
     co_return answer(
         request, http::status::not_found,
-        error_json("expected GET /api/v1/status, /api/v1/events, /api/v1/trace, /metrics or "
+        error_json("expected GET /, /api/v1/status, /api/v1/events, /api/v1/trace, /metrics or "
                    "/healthz, POST /api/v1/reload or POST /api/v1/clear-counters"));
   }
   const auto wanted = is_command ? http::verb::post : http::verb::get;

@@ -35,7 +35,10 @@ class ControlServer {
 
   ControlDoors& doors() { return doors_; }
   void apply(const gateway::HttpSettings& settings);
-  void tell(JournalEvent event) { events_.add(std::move(event)); }
+  void tell(JournalEvent event) {
+    events_.add(std::move(event));
+    traces_.wake();  // those who read both
+  }
   void trace(TraceBatch batch) { traces_.add(std::move(batch)); }
 
  private:

@@ -15,6 +15,8 @@ void EventRing::add(JournalEvent event) {
 
 std::uint64_t EventRing::newest() const { return events_.empty() ? 0 : events_.back().id; }
 
+std::uint64_t EventRing::oldest() const { return events_.empty() ? 0 : events_.front().id; }
+
 std::optional<EventRing::Next> EventRing::after(std::uint64_t id) const {
   const auto found = std::ranges::upper_bound(events_, id, {}, &JournalEvent::id);
   if (found == events_.end()) {

@@ -37,6 +37,8 @@ class EventRing {
   void add(JournalEvent event);
   /// The id of the last one that was added; 0: there was none.
   [[nodiscard]] std::uint64_t newest() const;
+  /// The id of the oldest one that is kept; 0: there was none.
+  [[nodiscard]] std::uint64_t oldest() const;
   /// The first one after `id` that is there. Nothing: it is still to come.
   [[nodiscard]] std::optional<Next> after(std::uint64_t id) const;
 

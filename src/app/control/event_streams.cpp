@@ -36,6 +36,13 @@ boost::asio::awaitable<void> EventStreams::feed(ControlStream& stream, std::uint
   co_await readers_.feed(stream, std::move(next));
 }
 
+std::function<std::string()> EventStreams::kept() const {
+  const std::uint64_t oldest = ring_.oldest();
+  return [this, last = oldest == 0 ? numbered_from_ : oldest - 1]() mutable {
+    return next_text(last);
+  };
+}
+
 std::string EventStreams::next_text(std::uint64_t& last) const {
   const auto next = ring_.after(last);
   if (!next) {

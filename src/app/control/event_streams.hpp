@@ -5,6 +5,7 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,6 +28,9 @@ class EventStreams {
   /// After which event a new stream begins. `last_event_id` is this header of the request: what an
   /// earlier process had numbered so is no reason to leave anything out.
   Result<std::uint64_t, Refusal> begin(std::optional<std::string_view> last_event_id);
+  /// For a stream of something else that has them too: gives all that are kept, one at each call,
+  /// then those that come; nothing if the next one is still to come.
+  [[nodiscard]] std::function<std::string()> kept() const;
   /// Sends what comes after that event, until the client goes or takes nothing for kClientLimit.
   boost::asio::awaitable<void> feed(ControlStream& stream, std::uint64_t after);
 

@@ -94,6 +94,8 @@ object bus_json(const BusStatus& bus) {
               {"discipline", framing_word(bus.framing)},
               {"baud", nullptr},
               {"format", nullptr},
+              {"character_ms", nullptr},
+              {"frame_gap_ms", nullptr},
               {"open", bus.is_open},
               {"state", bus::to_text(bus.state)},
               {"load_percent", bus.load},
@@ -103,6 +105,10 @@ object bus_json(const BusStatus& bus) {
   if (bus.is_serial) {
     json["baud"] = static_cast<std::uint32_t>(bus.baud);
     json["format"] = gateway::format_text(bus.format);
+  }
+  if (bus.framing != bus::Framing::tcp) {
+    json["character_ms"] = milliseconds(bus.character);
+    json["frame_gap_ms"] = milliseconds(bus.frame_gap);
   }
   return json;
 }

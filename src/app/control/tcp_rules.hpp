@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What may be asked over TCP: there the interface only reads, and only for those who mean this
 // machine. A page from elsewhere that a browser shows could otherwise have its own name lead here
-// (DNS rebinding), and read along.
+// (DNS rebinding), and read along. Nor does a page from elsewhere get anything where its browser
+// says so (Origin), over either kind of socket.
 #pragma once
 
 #include <boost/beast/http/message.hpp>
@@ -22,6 +23,14 @@ struct Refusal {
 /// Does the Host of a request mean this machine: an address, "localhost" or one of `hosts`, which
 /// are in small letters? Each may have a port.
 bool is_own_host(std::string_view host, const std::vector<std::string>& hosts);
+
+/// Is a page of this origin ("http://192.168.10.2:8080") one of ours, if `host` is the Host of its
+/// request? It may have come through a proxy that does TLS.
+bool is_same_origin(std::string_view origin, std::string_view host);
+
+/// Why this request over the Unix socket is refused, or nothing. No page is served there: a browser
+/// reaches it only through a tunnel, and names no origin for what the page itself asks.
+std::optional<Refusal> refused_over_socket(const boost::beast::http::request_header<>& request);
 
 /// Why this request over TCP is refused, or nothing.
 std::optional<Refusal> refused_over_tcp(const boost::beast::http::request_header<>& request,

@@ -52,11 +52,13 @@ Result<TraceFilter, Refusal> TraceStreams::begin(std::string_view query) {
   return *std::move(filter);
 }
 
-boost::asio::awaitable<void> TraceStreams::feed(ControlStream& stream, TraceFilter filter) {
+boost::asio::awaitable<void> TraceStreams::feed(ControlStream& stream, TraceFilter filter,
+                                                std::function<std::string()> beside) {
   const Seat seat(audience_);
-  std::function<std::string()> next = [this, filter = std::move(filter),
-                                       last = numbered_]() mutable {
-    return next_text(filter, last);
+  std::function<std::string()> next = [this, filter = std::move(filter), last = numbered_,
+                                       beside = std::move(beside)]() mutable {
+    std::string text = beside ? beside() : "";
+    return text += next_text(filter, last);
   };
   co_await readers_.feed(stream, std::move(next));
   if (audience_->size == 1) {

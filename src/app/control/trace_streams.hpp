@@ -31,8 +31,12 @@ class TraceStreams {
   void add(TraceBatch batch);
   /// `query`: what stands behind the '?' of the request.
   [[nodiscard]] static Result<TraceFilter, Refusal> begin(std::string_view query);
-  /// Sends what matches from now on, until the client goes or takes nothing for kClientLimit.
-  boost::asio::awaitable<void> feed(ControlStream& stream, TraceFilter filter);
+  /// There is something new beside the trace.
+  void wake() { readers_.wake(); }
+  /// Sends what matches from now on, until the client goes or takes nothing for kClientLimit; and
+  /// what `beside` gives, if there is one, until that is nothing.
+  boost::asio::awaitable<void> feed(ControlStream& stream, TraceFilter filter,
+                                    std::function<std::string()> beside);
 
  private:
   /// How many there are, and who is told of it.

@@ -60,9 +60,11 @@ std::string set(TraceFilter& filter, std::string_view key, const std::string& va
     filter.function = function;
   } else if (key == "only" && value == "failed") {
     filter.only_failed = true;
+  } else if (key == "events" && value == "1") {
+    filter.with_journal = true;
   } else {
     return std::string(key) + "=" + value +
-           ": expected bus=, device=, client=, function= or only=failed";
+           ": expected bus=, device=, client=, function=, only=failed or events=1";
   }
   return {};
 }

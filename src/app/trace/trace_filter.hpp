@@ -18,6 +18,7 @@ struct TraceFilter {
   std::optional<routing::ClientAddress> client;
   std::optional<std::uint8_t> function;  ///< of the request
   bool only_failed = false;
+  bool with_journal = false;  ///< what the journal gets comes too
 
   /// `query`: what stands behind the '?' of a request. The error names the word, and says what is
   /// expected.

@@ -43,6 +43,20 @@ boost::json::value name_json(const std::string& name) {
   return name.empty() ? boost::json::value(nullptr) : boost::json::value(valid_utf8(name));
 }
 
+/// null: it has none.
+boost::json::value instant_json(const std::optional<gateway::Instant>& instant,
+                                const Clock& clock) {
+  return instant ? boost::json::value(clock.at(*instant)) : boost::json::value(nullptr);
+}
+
+/// Whole, unlike the difference of two instants: it is held against what is required.
+boost::json::value silence_json(const WireTrace& wire) {
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  return wire.silent_since
+             ? boost::json::value(Milliseconds(wire.sent_at - *wire.silent_since).count())
+             : boost::json::value(nullptr);
+}
+
 object wire_json(const WireTrace& wire, const Clock& clock) {
   object json{{"bus", valid_utf8(wire.bus)},
               {"device", name_json(wire.device)},
@@ -58,6 +72,9 @@ object wire_json(const WireTrace& wire, const Clock& clock) {
                           {"text", sent_text(wire)}};
     json["try"] = wire.tries;
     json["shared_by"] = wire.shared_by;
+    json["silence_ms"] = silence_json(wire);
+    json["left_at"] = instant_json(wire.left_at, clock);
+    json["held_until"] = instant_json(wire.held_until, clock);
   }
   array heard;
   for (const gateway::HeardBytes& part : wire.heard) {

@@ -203,14 +203,17 @@ unsigned DeviceHealth::owed_alike(const modbus::Request& write, Instant now,
 }
 
 Instant DeviceHealth::end_of(const Debt& debt, const Timing& timing) const {
-  return debt.given_up ? Instant::min()
-                       : debt.last_due + quarantine(debt.last_due, timing) + kAdapterKeeps;
+  return debt.given_up ? Instant::min() : held_if_unanswered(debt.last_due, timing);
+}
+
+Instant DeviceHealth::held_if_unanswered(Instant due, const Timing& timing) const {
+  return due + quarantine(due, timing) + kAdapterKeeps;
 }
 
 Instant DeviceHealth::held_until(const Timing& timing) const {
   Instant until = Instant::min();
   if (forgotten_due_) {
-    until = *forgotten_due_ + quarantine(*forgotten_due_, timing) + kAdapterKeeps;
+    until = held_if_unanswered(*forgotten_due_, timing);
   }
   for (const Debt& debt : debts_) {
     until = std::max(until, end_of(debt, timing));

@@ -89,6 +89,8 @@ class DeviceHealth {
   [[nodiscard]] Instant held_until(std::uint8_t function, const Timing& timing) const;
   /// The instant from which on any request may be sent.
   [[nodiscard]] Instant held_until(const Timing& timing) const;
+  /// The same if no answer comes to one more, which was due then.
+  [[nodiscard]] Instant held_if_unanswered(Instant due, const Timing& timing) const;
   /// The quarantine in force at `now`.
   [[nodiscard]] Duration quarantine(Instant now, const Timing& timing) const;
 

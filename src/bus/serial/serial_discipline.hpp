@@ -32,8 +32,6 @@ class SerialDiscipline {
   [[nodiscard]] Instant ready_for_stop_at() const;
   /// The same where nobody waits for silence: an own frame and a turnaround delay are over.
   [[nodiscard]] Instant possible_at() const { return std::max(emission_ends_, turnaround_until_); }
-  /// When the last byte was heard or sent.
-  [[nodiscard]] Instant quiet_since() const { return quiet_since_; }
   /// Since when bytes follow each other without the silence before a transmission. If they have
   /// ended, ready_for_stop_at() tells.
   [[nodiscard]] std::optional<Instant> busy_since() const { return busy_since_; }
@@ -45,6 +43,9 @@ class SerialDiscipline {
   /// The running transaction counts as timed out at `instant`, but not before it has left and had
   /// `least` for its response, unless this has begun by then.
   void limit_wait(const Transaction& transaction, Instant instant, Duration least);
+  /// Since when the line is silent: the last byte that was read, or the end of the own frame, which
+  /// may be still to come.
+  [[nodiscard]] Instant quiet_since() const { return quiet_since_; }
   /// When the response timeout of the last transmission ends.
   [[nodiscard]] Instant response_due() const { return response_due_; }
   /// Gives up the running transaction: nothing of it will be reported.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A transaction goes on the wire: what must hold by then, and what is noted of it.
+#include <utility>
+
 #include "base/assert.hpp"
 #include "bus/sharing/shared_read.hpp"
 #include "bus/transmission/dispatch.hpp"
@@ -56,12 +58,15 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
     owed.count = entry.health.owed(sent.request.function(), now, entry.timing());
     owed.alike = entry.health.owed_alike(sent.request, now, entry.timing());
   }
+  const auto silent_since = parts_.line.quiet_since();
+  diagnosis_.note_begins(now);
+  TransmitFrame frame{parts_.line.begin(sent, timing, owed, now)};
   if (parts_.is_traced) {
     parts_.actions.push(TransmissionBegan{title_of(transmission), sent.address, sent.is_broadcast(),
-                                          transmission.tries});
+                                          transmission.tries, silent_since,
+                                          parts_.line.quiet_since()});
   }
-  diagnosis_.note_begins(now);
-  parts_.actions.push(TransmitFrame{parts_.line.begin(sent, timing, owed, now)});
+  parts_.actions.push(std::move(frame));
   if (stop != nullptr && in_the_way_of(parts_, *stop->leader) == &transmission) {
     const Duration stop_wait = parts_.settings.stop_wait;
     parts_.line.limit_wait(sent, stop->waits_since + stop_wait, stop_wait);

@@ -40,7 +40,11 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
   if (parts_.is_traced) {
-    parts_.actions.push(over_of(transmission, end));
+    TransmissionOver over = over_of(transmission, end);
+    if (end.how == LineEnd::How::no_response && asked.wants_answer && parts_.quarantines()) {
+      over.held_until = entry.health.held_if_unanswered(end.due, entry.timing());
+    }
+    parts_.actions.push(std::move(over));
   }
   switch (end.how) {
     case LineEnd::How::response:

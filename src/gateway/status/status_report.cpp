@@ -36,6 +36,11 @@ BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Insta
   status.is_serial = !line.remote;
   status.baud = line.baud;
   status.format = line.format;
+  if (line.framing != bus::Framing::tcp) {
+    const modbus::RtuTiming timing(line.baud, line.format);
+    status.character = timing.duration_of(1);
+    status.frame_gap = settings.frame_gap.value_or(timing.t3_5());
+  }
   status.is_open = bus.link().serves();
   status.is_starting = bus.link().is_starting();
   status.state = bus.line_state(now);

@@ -39,6 +39,8 @@ struct BusStatus {
   bool is_serial = true;
   modbus::Baud baud{0};
   modbus::CharacterFormat format;
+  Duration character{0};  ///< how long one takes; 0: a connection to a Modbus TCP server
+  Duration frame_gap{0};  ///< the silence before each transmission; 0: as before
   bool is_open = false;
   bool is_starting = false;   ///< the first attempt to open it runs
   bool is_reopening = false;  ///< the gateway has closed it itself, because its adapter hung

@@ -104,6 +104,8 @@ void LineTrace::began(const bus::TransmissionBegan& began, WireTrace wire) {
     }
   }
   wire.tries = began.tries;
+  wire.silent_since = began.silent_since;
+  wire.left_at = began.leaves_at;
   wire.shared_by = began.title.requests.size();
   in_flight_.push_back({began.title, std::move(wire)});
 }
@@ -185,6 +187,7 @@ void LineTrace::over(const bus::TransmissionOver& over, Instant now) {
   wire.outcome = outcome_of(over);
   wire.ended_at = now;
   wire.shared_by = over.title.requests.size();
+  wire.held_until = over.held_until;
   if (over.response) {
     const modbus::Bytes pdu = over.response->bytes();
     wire.response = ByteString(pdu.begin(), pdu.end());

@@ -46,6 +46,13 @@ struct WireTrace {
   std::optional<ByteString> response;  ///< the PDU that was taken
   Outcome outcome = Outcome::cut;
   Instant ended_at;
+  /// Of a serial line, where something was sent: since when the line had been silent, and when the
+  /// frame had left it.
+  std::optional<Instant> silent_since;
+  std::optional<Instant> left_at;
+  /// No response: the device gets nothing but stops and the same read until then, or until the late
+  /// answers have come.
+  std::optional<Instant> held_until;
 };
 
 /// The client's side of a request.

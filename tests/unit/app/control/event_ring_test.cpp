@@ -15,6 +15,7 @@ void add_events(EventRing& ring, std::uint64_t first, std::uint64_t last) {
 TEST(EventRing, HasNothingAtFirst) {
   const EventRing ring;
   EXPECT_EQ(ring.newest(), 0U);
+  EXPECT_EQ(ring.oldest(), 0U);
   EXPECT_FALSE(ring.after(0));
 }
 
@@ -42,6 +43,7 @@ TEST(EventRing, KeepsTheLatestAndCountsWhatAReaderHasMissed) {
   ASSERT_TRUE(next);
   EXPECT_EQ(next->event.id, 11U);
   EXPECT_EQ(next->lost, 6U);
+  EXPECT_EQ(ring.oldest(), 11U);
   EXPECT_EQ(ring.after(11)->lost, 0U);
 }
 

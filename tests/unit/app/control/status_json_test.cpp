@@ -39,5 +39,17 @@ TEST(StatusJson, SaysSinceWhenADeviceIsInItsState) {
   EXPECT_EQ(device_of(report).at("state_since_s"), 4.5);
 }
 
+TEST(StatusJson, SaysHowLongACharacterTakesAndWhichSilenceIsKept) {
+  auto report = one_device();
+  report.buses[0].character = std::chrono::microseconds(1146);
+  report.buses[0].frame_gap = std::chrono::microseconds(4011);
+  const auto bus_of = [&] { return status_json(report, {}).at("buses").as_array().at(0); };
+  EXPECT_EQ(bus_of().at("character_ms"), 1.146);
+  EXPECT_EQ(bus_of().at("frame_gap_ms"), 4.011);
+  report.buses[0].framing = bus::Framing::tcp;
+  EXPECT_TRUE(bus_of().at("character_ms").is_null());
+  EXPECT_TRUE(bus_of().at("frame_gap_ms").is_null());
+}
+
 }  // namespace
 }  // namespace mbgate::app

@@ -57,5 +57,38 @@ TEST(TcpRules, RefuseWhatWouldChangeSomething) {
   EXPECT_EQ(refusal->why, "only on the Unix socket, [http] socket: nothing is changed over TCP");
 }
 
+TEST(TcpRules, TakeAPageForOursWhoseOriginIsTheHost) {
+  EXPECT_TRUE(is_same_origin("http://192.168.10.2:8080", "192.168.10.2:8080"));
+  EXPECT_TRUE(is_same_origin("https://gateway.plant", "Gateway.Plant"));
+  EXPECT_TRUE(is_same_origin("http://[::1]:8080", "[::1]:8080"));
+  for (const char* origin : {"", "null", "http://", "http://evil.example", "http://192.168.10.2",
+                             "http://192.168.10.2:80", "192.168.10.2:8080",
+                             "http://192.168.10.2:8080.evil.example", "file://192.168.10.2:8080"}) {
+    EXPECT_FALSE(is_same_origin(origin, "192.168.10.2:8080")) << origin;
+  }
+}
+
+TEST(TcpRules, RefuseAPageFromElsewhere) {
+  auto asked = request(http::verb::get, "127.0.0.1:8080");
+  asked.set(http::field::origin, "http://127.0.0.1:8080");
+  EXPECT_FALSE(refused_over_tcp(asked, {}));
+  asked.set(http::field::origin, "http://evil.example");
+  const auto refusal = refused_over_tcp(asked, {});
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->status, http::status::forbidden);
+  EXPECT_EQ(refusal->why, "asked by a page from elsewhere, \"http://evil.example\" (Origin)");
+  asked.erase(http::field::host);
+  EXPECT_TRUE(refused_over_tcp(asked, {}));
+}
+
+TEST(TcpRules, RefuseAnyOriginOnTheUnixSocket) {
+  auto asked = request(http::verb::get, "any name");
+  EXPECT_FALSE(refused_over_socket(asked));
+  asked.set(http::field::origin, "http://any name");
+  const auto refusal = refused_over_socket(asked);
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->status, http::status::forbidden);
+}
+
 }  // namespace
 }  // namespace mbgate::app

@@ -33,6 +33,12 @@ std::string error(std::string_view query) { return TraceFilter::parse(query).err
 
 TEST(TraceFilter, AllIsShownWhereNothingIsAskedFor) { EXPECT_TRUE(matches("", read_of_axis())); }
 
+TEST(TraceFilter, HasTheJournalBesideForWhoeverAsks) {
+  EXPECT_FALSE(TraceFilter::parse("only=failed")->with_journal);
+  EXPECT_TRUE(TraceFilter::parse("events=1")->with_journal);
+  EXPECT_TRUE(matches("events=1", read_of_axis()));
+}
+
 TEST(TraceFilter, LooksAtEachWord) {
   const TraceRecord record = read_of_axis();
   EXPECT_TRUE(matches("bus=line%20a&device=axis-x&client=192.0.2.7&function=3", record));
@@ -77,9 +83,11 @@ TEST(TraceFilter, SaysWhatIsExpected) {
   EXPECT_EQ(error("function=300"), "function=300: expected a number, 0 to 255");
   EXPECT_EQ(error("function="), "function=: expected a number, 0 to 255");
   EXPECT_EQ(error("client=plc"), "client=plc: expected an IP address");
-  EXPECT_EQ(error("only=good"),
-            "only=good: expected bus=, device=, client=, function= or only=failed");
-  EXPECT_EQ(error("unit=1"), "unit=1: expected bus=, device=, client=, function= or only=failed");
+  const std::string expected =
+      ": expected bus=, device=, client=, function=, only=failed or events=1";
+  EXPECT_EQ(error("only=good"), "only=good" + expected);
+  EXPECT_EQ(error("unit=1"), "unit=1" + expected);
+  EXPECT_EQ(error("events=2"), "events=2" + expected);
   EXPECT_EQ(error("bus=%2"), "bus: a % stands before two hexadecimal digits");
   EXPECT_EQ(error("bus=%zz"), "bus: a % stands before two hexadecimal digits");
 }

@@ -30,6 +30,8 @@ WireTrace answered() {
   wire.response = unhex("03 02 12 34");
   wire.outcome = WireTrace::Outcome::answered;
   wire.ended_at = Instant{1s + 9ms};
+  wire.silent_since = Instant{990ms};
+  wire.left_at = Instant{1s + 945us};
   return wire;
 }
 
@@ -60,6 +62,7 @@ TEST(TraceJson, HasBothSides) {
       R"("sent":{"at":"2026-11-25T00:00:01.000250Z","bytes":"01 03 00 00 00 01 84 0A",)"
       R"("text":"unit 1: read holding registers 0"},"outcome":"answered",)"
       R"("ended_at":"2026-11-25T00:00:01.009000Z","response":"03 02 12 34","try":1,"shared_by":1,)"
+      R"("silence_ms":1.025E1,"left_at":"2026-11-25T00:00:01.000945Z","held_until":null,)"
       R"("heard":[{"at":"2026-11-25T00:00:01.009000Z","bytes":"01 03 02 12 34 B5 33"}],)"
       R"("heard_not_kept":0,"heard_text":"1 register: 0x1234"}],"wire_not_kept":0})");
 }

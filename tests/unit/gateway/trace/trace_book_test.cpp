@@ -63,6 +63,40 @@ TEST_F(Trace, HasEveryTryAndWhatWasHeardOfIt) {
                           "answered"));
 }
 
+TEST_F(Trace, SaysWhenTheLineWasSilentAndWhenAFrameHadLeft) {
+  const Instant opened{};
+  rig_.advance(40ms);
+  rig_.receive(1, read_request(7));
+  const Instant sent = rig_.now();
+  rig_.advance(30ms);
+  rig_.respond("01 03 02 12 34");
+  const Instant heard = rig_.now();
+  rig_.receive(1, read_request(8));
+  rig_.advance(30ms);
+  rig_.respond("01 03 02 12 34");
+  const auto taken = rig_.harness.gateway().take_trace(rig_.now());
+  ASSERT_EQ(taken.records.size(), 2U);
+  const modbus::RtuTiming timing(modbus::Baud{19200}, {});
+  const WireTrace& first = taken.records[0].wire[0];
+  EXPECT_EQ(first.silent_since, opened);
+  EXPECT_EQ(first.left_at, sent + timing.duration_of(8));
+  EXPECT_EQ(first.held_until, std::nullopt);
+  const WireTrace& second = taken.records[1].wire[0];
+  EXPECT_EQ(second.silent_since, heard);
+  EXPECT_GE(second.sent_at - heard, timing.t3_5());
+}
+
+TEST_F(Trace, SaysHowLongADeviceIsHeldBackThatDoesNotAnswer) {
+  rig_.receive(1, write_request(7));
+  rig_.advance(1s);
+  const auto taken = rig_.harness.gateway().take_trace(rig_.now());
+  ASSERT_EQ(taken.records.size(), 1U);
+  const WireTrace& wire = taken.records[0].wire[0];
+  ASSERT_EQ(wire.outcome, WireTrace::Outcome::no_response);
+  // One more response timeout, and what an adapter may keep.
+  EXPECT_EQ(*wire.held_until - wire.ended_at, Duration{100ms + 20ms});
+}
+
 TEST_F(Trace, ASilentDeviceFails) {
   rig_.receive(1, read_request(7));
   rig_.advance(1s);
