@@ -31,6 +31,33 @@ bool has_answered_since(const Lane& lane, const Flight& flight) {
              *lane.answered_at + std::max<Duration>(kAdapterHolds, kAnswerTimes * lane.took);
 }
 
+// The first that is owed and may be what was answered is owed no more. False: there is none.
+template <typename Find, typename MayBe>
+bool settle_first(Lane& lane, const Flight& asked, bool is_nobodys, Find find, MayBe may_be) {
+  const auto settled = std::ranges::find_if(lane.owed, [&](std::uint64_t number) {
+    const Flight* it = find(number);
+    return it == nullptr || may_be(*it);
+  });
+  if (settled == lane.owed.end()) {
+    return false;
+  }
+  // What is owed no more, as a second copy or later than the quarantine, settles what may still be
+  // answered.
+  const bool is_owed = std::ranges::find(lane.owed, asked.number) != lane.owed.end();
+  if (Flight* it = find(*settled); it != nullptr && (is_nobodys || !is_owed)) {
+    it->is_uncertain = true;
+  }
+  lane.owed.erase(settled);
+  return true;
+}
+
+const char* excuse_of(const HeardFrame& frame, bool is_held) {
+  if (frame.excuse != nullptr) {
+    return frame.excuse;
+  }
+  return is_held ? "behind_adapter" : "beyond_quarantine";
+}
+
 }  // namespace
 
 // Writes repeat their address and value, reads say how much they bring.
@@ -108,22 +135,9 @@ void Oracle::settle(std::size_t bus, const HeardFrame& frame) {
   const Flight& asked = *from;
   Book& book = books_[bus];
   Lane& lane = book.lanes[frame.address];
+  const auto find = [this](std::uint64_t number) { return flight(number); };
   const auto settle = [&](const auto& may_be) {
-    const auto settled = std::ranges::find_if(lane.owed, [&](std::uint64_t number) {
-      const Flight* it = flight(number);
-      return it == nullptr || may_be(*it);
-    });
-    const bool is_one = settled != lane.owed.end();
-    if (is_one) {
-      // What is owed no more, as a second copy or later than the quarantine, settles what may still
-      // be answered.
-      const bool is_owed = std::ranges::find(lane.owed, asked.number) != lane.owed.end();
-      if (Flight* it = flight(*settled); it != nullptr && (frame.is_nobodys || !is_owed)) {
-        it->is_uncertain = true;
-      }
-      lane.owed.erase(settled);
-    }
-    return is_one;
+    return settle_first(lane, asked, frame.is_nobodys, find, may_be);
   };
   if (frame.is_refused) {
     if (stands_for_echo(book) && is_for_last(book, frame) && !lane.answered_at) {
@@ -188,9 +202,7 @@ void Oracle::note_uncertain(std::size_t bus, const HeardFrame& frame) {
   lane.uncertain_at = schedule_.now();
   for (const std::uint64_t id : last->asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
-      entry->second->uncertain = frame.excuse != nullptr ? frame.excuse
-                                 : is_held               ? "behind_adapter"
-                                                         : "beyond_quarantine";
+      entry->second->uncertain = excuse_of(frame, is_held);
     }
   }
   const bool is_ascii = bus_settings(bus).line.framing == bus::Framing::ascii;
