@@ -115,9 +115,8 @@ class Process:
         return status
 
 
-class DemoPlant:
-    """with DemoPlant() as plant: plant.port is where the gateway listens on 127.0.0.1, plant.control its control
-    socket, plant.configuration its file."""
+class Plant:
+    """Programs in a folder of their own, which _start() starts and adds to _processes; they are ended with it."""
 
     def __enter__(self):
         self._folder = tempfile.TemporaryDirectory()
@@ -128,6 +127,17 @@ class DemoPlant:
             self.__exit__()
             raise
         return self
+
+    def __exit__(self, *_):
+        statuses = {process.name: process.end() for process in reversed(self._processes)}
+        self._folder.cleanup()
+        wrong = {name: status for name, status in statuses.items() if status != 0}
+        assert not wrong, f"exit status other than 0: {wrong}"
+
+
+class DemoPlant(Plant):
+    """with DemoPlant() as plant: plant.port is where the gateway listens on 127.0.0.1, plant.control its control
+    socket, plant.configuration its file."""
 
     def _start(self):
         folder = pathlib.Path(self._folder.name)
@@ -163,9 +173,3 @@ class DemoPlant:
         gateway = self._processes.pop()
         status = gateway.end()
         assert status == 0, f"exit status {status}"
-
-    def __exit__(self, *_):
-        statuses = {process.name: process.end() for process in reversed(self._processes)}
-        self._folder.cleanup()
-        wrong = {name: status for name, status in statuses.items() if status != 0}
-        assert not wrong, f"exit status other than 0: {wrong}"

@@ -4,10 +4,9 @@ has a line of its own, and can be switched off. Clients read all of them, again 
 
 import pathlib
 import signal
-import tempfile
 import threading
 
-from demo_plant import Process
+from demo_plant import Plant, Process
 from fault_plant import Client
 
 # Name, baud rate, parity; then its drives: name, address, unit, model, profile, what else the simulator is told.
@@ -46,7 +45,7 @@ class Polling:
         self._client.close()
 
 
-class PagePlant:
+class PagePlant(Plant):
     """with PagePlant() as plant: plant.url is the page, plant.port that of Modbus clients. `links`: other names for the
     files that are ports of lines."""
 
@@ -54,20 +53,10 @@ class PagePlant:
         self._links = links or {}
         self._keys = keys
         self._polling = []
-        self._processes = []
         self.simulators = {}  # by line
 
-    def __enter__(self):
-        self._folder = tempfile.TemporaryDirectory()
-        self.folder = pathlib.Path(self._folder.name)
-        try:
-            self._start()
-        except BaseException:
-            self.__exit__()
-            raise
-        return self
-
     def _start(self):
+        self.folder = pathlib.Path(self._folder.name)
         self.control = self.folder / "control"
         gateway = f'[http]\nsocket = "{self.control}"\nlisten = ["127.0.0.1:0"]\n{self._keys}\n'
         gateway += '[[listen]]\nname = "plant"\naddress = "127.0.0.1"\nport = 0\n'
@@ -116,7 +105,4 @@ class PagePlant:
             simulator.signal(signal.SIGCONT)
         for polling in self._polling:
             polling.end()
-        statuses = {process.name: process.end() for process in reversed(self._processes)}
-        self._folder.cleanup()
-        wrong = {name: status for name, status in statuses.items() if status != 0}
-        assert not wrong, f"exit status other than 0: {wrong}"
+        super().__exit__()

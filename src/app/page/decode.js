@@ -2,7 +2,7 @@
 // A transaction in full: each frame with its instants, what it means, and its bytes by field.
 
 import { byId, element } from "/page/dom.js";
-import { outcomeText, response, wireOf } from "/page/wire.js";
+import { bytesOf, outcomeText, response, wireOf } from "/page/wire.js";
 import { between, instant, milliseconds, timeOfDay } from "/page/words.js";
 
 /** Fields of a frame: [name, bytes]. What is too short has fewer. */
@@ -37,8 +37,6 @@ function fieldList(bytes, framing) {
 function part(title, text, bytes, framing) {
   return [element("h4", {}, title), element("p", {}, text), ...(bytes.length > 0 ? [fieldList(bytes, framing)] : [])];
 }
-
-const bytesOf = (hex) => (hex === "" ? [] : hex.split(" "));
 
 function wireParts(wire, character) {
   const where = `${wire.bus}, ${wire.device ?? `address ${wire.address}`}`;
@@ -75,13 +73,14 @@ export class Decoded {
 
   /** `json`: a record of the trace. `character(bus)`: microseconds. */
   record(json, character) {
+    const wires = json.wire.map(wireOf).flatMap((wire) => wireParts(wire, character(wire.bus)));
     const parts = [];
     if (json.client) {
       const { client, request, answer } = json;
       const [asked, answered] = [instant(request.at), answer ? instant(answer.at) : null];
       const from = `${client.address} at ${timeOfDay(asked, 6)}, listener ${client.listener}, connection ${client.connection}`;
       parts.push(...part(`Request of ${from}`, request.text, bytesOf(request.bytes), "tcp"));
-      parts.push(...json.wire.map(wireOf).flatMap((wire) => wireParts(wire, character(wire.bus))));
+      parts.push(...wires);
       if (json.refused) {
         parts.push(element("p", {}, "The gateway has answered it without asking a device."));
       }
@@ -92,7 +91,7 @@ export class Decoded {
         parts.push(element("p", { class: "hint" }, `On its bus: ${json.ended}.`));
       }
     } else {
-      parts.push(...json.wire.map(wireOf).flatMap((wire) => wireParts(wire, character(wire.bus))));
+      parts.push(...wires);
     }
     this.open(json.client ? json.request.text : json.wire[0].bus, parts, true);
   }

@@ -70,7 +70,7 @@ export class Trace {
     if (this.lines.length > KEPT) {
       this.lines.shift();
     }
-    if (json.client && !this.clients.has(json.client.address)) {
+    if (json.client) {
       this.clients.add(json.client.address);
     }
     this.showSoon();

@@ -3,7 +3,8 @@
 
 import { instant } from "/page/words.js";
 
-const bytesOf = (hex) => (hex === "" ? [] : hex.split(" "));
+/** "01 03" as ["01", "03"]. */
+export const bytesOf = (hex) => (hex === "" ? [] : hex.split(" "));
 
 /** One of a record's `wire`. Instants are numbers, and null where there is none. */
 export function wireOf(json) {
