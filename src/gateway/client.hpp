@@ -9,6 +9,7 @@
 #include "bus/job.hpp"
 #include "gateway/settings.hpp"
 #include "routing/client_address.hpp"
+#include "routing/client_role.hpp"
 
 namespace mbgate::gateway {
 
@@ -23,6 +24,7 @@ struct ClientInfo {
   /// those that had waited for long to be accepted; else 0. Writes among them are old, perhaps
   /// older than this process, and must not be carried out.
   std::size_t bytes_before_ready = 0;
+  routing::ClientRole role{};
 };
 
 /// The place of an answer among those of its connection.

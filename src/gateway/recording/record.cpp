@@ -49,6 +49,17 @@ struct Words {
     append_number(out, value);
     return *this;
   }
+  /// Nothing for a client without TLS. Names are written as hexadecimal bytes of UTF-8: they may
+  /// have spaces.
+  void role(const routing::ClientRole& role) {
+    switch (role.kind) {
+      case routing::ClientRole::Kind::none: break;
+      case routing::ClientRole::Kind::unreadable: word("no-role"); break;
+      case routing::ClientRole::Kind::named:
+        word("role").hex(std::vector<std::uint8_t>(role.name.begin(), role.name.end()));
+        break;
+    }
+  }
   Words& client(ClientId id) { return number(static_cast<std::uint64_t>(id)); }
   Words& bus(BusId id) { return number(static_cast<std::uint64_t>(id)); }
   Words& hex(modbus::Bytes bytes) {
@@ -65,6 +76,7 @@ struct InputWords {
     words.word("connected").client(input.client);
     words.number(static_cast<std::uint64_t>(input.info.listener));
     words.word(input.info.address.to_text()).number(input.info.bytes_before_ready);
+    words.role(input.info.role);
   }
   void operator()(const ClientBytes& input) {
     words.word("read").client(input.client).number(input.unread).hex(input.bytes);

@@ -86,6 +86,24 @@ class Words {
     }
     return storage;
   }
+  /// What may follow at the end of the line.
+  routing::ClientRole role() {
+    using Kind = routing::ClientRole::Kind;
+    if (ended_) {
+      return {};
+    }
+    const std::string_view word = next("role or no-role");
+    if (word == "no-role") {
+      return {Kind::unreadable, {}};
+    }
+    if (word != "role") {
+      wrong("role or no-role", word);
+      return {};
+    }
+    std::vector<std::uint8_t> name;
+    hex(name);
+    return {Kind::named, std::string(name.begin(), name.end())};
+  }
   void wrong(std::string_view wanted, std::string_view found) {
     if (error_.empty()) {
       error_ = "expected " + std::string(wanted) + ", found \"" + std::string(found) + '"';
@@ -112,6 +130,7 @@ ClientConnected connected_of(Words& words) {
   input.info.listener = ListenerId{words.number<std::uint32_t>("the place of a listener")};
   input.info.address = words.address();
   input.info.bytes_before_ready = words.number<std::size_t>("a number of bytes");
+  input.info.role = words.role();
   return input;
 }
 

@@ -40,8 +40,20 @@ std::string again(const std::string& line) {
 TEST(Record, EveryInputIsALineThatCanBeReadAgain) {
   const auto bytes = unhex("00 01 AB");
   const ClientInfo info{ListenerId{2}, *routing::ClientAddress::parse("192.0.2.1"), 12};
+  ClientInfo of_role = info;
+  of_role.role = {routing::ClientRole::Kind::named, "Op 1"};
+  ClientInfo of_null_role = info;
+  of_null_role.role.kind = routing::ClientRole::Kind::named;
+  ClientInfo without_rights = info;
+  without_rights.role.kind = routing::ClientRole::Kind::unreadable;
   const std::vector<std::pair<Input, std::string>> all{
       {ClientConnected{ClientId{7}, info}, "1234567890123 connected 7 2 192.0.2.1 12"},
+      {ClientConnected{ClientId{7}, of_role},
+       "1234567890123 connected 7 2 192.0.2.1 12 role 4F702031"},
+      {ClientConnected{ClientId{7}, of_null_role},
+       "1234567890123 connected 7 2 192.0.2.1 12 role "},
+      {ClientConnected{ClientId{7}, without_rights},
+       "1234567890123 connected 7 2 192.0.2.1 12 no-role"},
       {ClientBytes{ClientId{7}, bytes, 5}, "1234567890123 read 7 5 0001AB"},
       {ClientBytes{ClientId{7}, {}, 0}, "1234567890123 read 7 0 "},
       {ClientSent{ClientId{7}}, "1234567890123 sent 7"},
@@ -87,6 +99,9 @@ TEST(Record, SaysWhatIsWrongWithALine) {
   EXPECT_EQ(again("12 line 0 0g"), "expected hexadecimal bytes, found \"0g\"");
   EXPECT_EQ(again("12 line 0 012"), "expected hexadecimal bytes, found \"012\"");
   EXPECT_EQ(again("12 connected 1 0 here 0"), "expected an address, found \"here\"");
+  EXPECT_EQ(again("12 connected 1 0 192.0.2.1 0 boss"), "expected role or no-role, found \"boss\"");
+  EXPECT_EQ(again("12 connected 1 0 192.0.2.1 0 role 4"),
+            "expected hexadecimal bytes, found \"4\"");
   EXPECT_EQ(again("12 read 1 0 " + std::string(4098, '0')),
             "expected at most 2048 bytes, found \"2049 bytes\"");
 }
