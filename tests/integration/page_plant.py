@@ -49,7 +49,8 @@ class PagePlant(Plant):
     """with PagePlant() as plant: plant.url is the page, plant.port that of Modbus clients. `links`: other names for the
     files that are ports of lines."""
 
-    def __init__(self, links=None, keys=""):
+    def __init__(self, links=None, keys="", lines=LINES):
+        self._lines = lines
         self._links = links or {}
         self._keys = keys
         self._polling = []
@@ -60,7 +61,7 @@ class PagePlant(Plant):
         self.control = self.folder / "control"
         gateway = f'[http]\nsocket = "{self.control}"\nlisten = ["127.0.0.1:0"]\n{self._keys}\n'
         gateway += '[[listen]]\nname = "plant"\naddress = "127.0.0.1"\nport = 0\n'
-        for name, baud, parity, drives in LINES:
+        for name, baud, parity, drives in self._lines:
             gateway += self._line(name, f"baud = {baud}\nparity = \"{parity}\"\n", drives)
         (self.folder / "mbgate.toml").write_text(gateway, encoding="utf-8")
         self.gateway = Process(self.folder, "mbgated", "--config", "mbgate.toml")
