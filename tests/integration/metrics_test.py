@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.error
 import urllib.parse
 import urllib.request
 
@@ -188,8 +189,12 @@ class Metrics(HttpCase):
 
         def result(query):
             url = f"{server}/api/v1/query?{urllib.parse.urlencode({'query': query})}"
-            with urllib.request.urlopen(url, timeout=PATIENCE) as answer:
-                return json.load(answer)["data"]["result"]
+            try:
+                with urllib.request.urlopen(url, timeout=PATIENCE) as answer:
+                    return json.load(answer)["data"]["result"]
+            except urllib.error.HTTPError as error:
+                self.assertEqual(error.code, 503)  # it listens before it is ready
+                return []
 
         limit = time.monotonic() + 2 * PATIENCE
         while not result(f'count_over_time(up{{job="mbgate"}}[1m]) >= {SCRAPES}'):

@@ -57,8 +57,8 @@ class AsciiDevice:
         tty.setraw(near)
         self.port = os.ttyname(near)
         self._near = near
-        block = ModbusSequentialDataBlock(0, [0] * 200)
-        self.registers = ModbusSlaveContext(hr=block, zero_mode=True)
+        block = ModbusSequentialDataBlock(1, [0] * 200)  # the context adds 1 to the addresses of requests
+        self.registers = ModbusSlaveContext(hr=block)
         context = ModbusServerContext(slaves={DEVICE: self.registers}, single=False)
         self._server = AsciiServer(context, DEVICE)
         self.heard = b""
