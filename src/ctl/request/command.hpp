@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "ctl/cert/cert_request.hpp"
 #include "ctl/request/value.hpp"
 #include "ctl/serial/line_mode.hpp"
 #include "modbus/pdu.hpp"
@@ -163,7 +164,7 @@ struct TraceCommand {
 
 using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, CheckCommand,
                              DoctorCommand, ReplayCommand, StatusCommand, ReloadCommand,
-                             ClearCountersCommand, EventsCommand, TraceCommand>;
+                             ClearCountersCommand, EventsCommand, TraceCommand, CertCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a value are never written one by one. The error is a full sentence.
