@@ -24,7 +24,7 @@ FRONTS = {
     "config/toml": {
         "duration_text", "match_entry", "suggestion", "toml_reader", "toml_value", "unit_range", "words",
     },
-    "ctl/cert": {"cert_command", "cert_request", "certificate", "role_extension"},
+    "ctl/cert": {"cert_command", "cert_request", "cert_text", "certificate", "role_extension"},
     "ctl/control": {"control_command", "control_shell", "event_reader"},
     "ctl/doctor": {"doctor_command"},
     "ctl/options": {
@@ -36,7 +36,7 @@ FRONTS = {
     "ctl/request": {"carry_out", "command", "interruption", "modbus_client", "period", "report", "value_text"},
     "ctl/scan": {"scan", "scan_command"},
     "ctl/serial": {"heard", "line_mode", "serial_client", "serial_port"},
-    "ctl/tls": {"openssl"},
+    "ctl/tls": {"openssl", "tls_identity", "tls_tunnel"},
     "ctl/trace": {"trace_command"},
     "gateway/clients": {"clients", "sessions"},
     "gateway/exchanges": {"exchanges"},

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "ctl/cert/pem_file.hpp"
 #include "ctl/cert/role_extension.hpp"
 
 namespace mbgate::ctl {
@@ -160,6 +161,11 @@ std::string describe(X509_CRL& list, Seconds now) {
   return text;
 }
 
+std::string role_in_file(const std::filesystem::path& file) {
+  const auto certificates = read_certificates(file);
+  return certificates ? role_text(*certificates->front()) : std::string();
+}
+
 std::string advice_after(const MakeAuthority& made) {
   const auto& folder = made.make.folder;
   const auto key = in(folder, "ca.key");
@@ -198,7 +204,7 @@ std::string advice_after(const MakeServer& made) {
          ".crt ca.crt ca.crl /etc/mbgate/certs/\n"
          "In /etc/mbgate/mbgate.toml:\n"
          "  [[tls]]\n  name = \"plant\"\n  certificate = \"certs/" +
-         name + ".crt\"\n  key = \"tls/" + name +
+         name + ".crt\"\n  key = \"" + name +
          ".key\"\n  authorities = \"certs/ca.crt\"\n  crl = \"certs/ca.crl\"\n"
          "and `tls = \"plant\"` in its [[listen]]. Each role needs a [[rule]] that permits "
          "something.\n";

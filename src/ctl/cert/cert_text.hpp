@@ -14,6 +14,10 @@ std::string describe(const X509& certificate, Seconds now);
 /// Issuer, when the list is to be renewed, and who is on it.
 std::string describe(X509_CRL& list, Seconds now);
 
+/// The role in the first certificate of a file: "operator" in quotes, or "none: ..."; empty where
+/// the file cannot be read.
+std::string role_in_file(const std::filesystem::path& file);
+
 /// Where the files of a new certificate go, and what is to be protected.
 std::string advice_after(const MakeAuthority& made);
 std::string advice_after(const MakeServer& made);

@@ -13,6 +13,7 @@
 #include "ctl/cert/cert_request.hpp"
 #include "ctl/request/value.hpp"
 #include "ctl/serial/line_mode.hpp"
+#include "ctl/tls/tls_identity.hpp"
 #include "modbus/pdu.hpp"
 #include "modbus/request.hpp"
 #include "modbus/result.hpp"
@@ -28,6 +29,7 @@ struct Target {
   std::uint8_t unit = 1;
   /// For connecting, and again for the response.
   std::chrono::nanoseconds timeout = std::chrono::seconds(5);
+  std::optional<TlsIdentity> tls{};  ///< none: plain TCP
 };
 
 /// Where values are and what type they have.

@@ -8,12 +8,16 @@
 namespace mbgate::ctl::openssl {
 
 std::string last_error() {
-  const unsigned long error = ERR_peek_last_error();
-  ERR_clear_error();
-  if (ERR_SYSTEM_ERROR(error)) {
-    return std::generic_category().message(ERR_GET_REASON(error));
+  unsigned long last = 0;
+  int system_error = 0;
+  while (const unsigned long error = ERR_get_error()) {
+    last = error;
+    system_error = ERR_SYSTEM_ERROR(error) ? ERR_GET_REASON(error) : system_error;
   }
-  const char* const reason = ERR_reason_error_string(error);
+  if (system_error != 0) {  // of which those behind it say only that there was one
+    return std::generic_category().message(system_error);
+  }
+  const char* const reason = ERR_reason_error_string(last);
   return reason == nullptr ? "unknown error" : reason;
 }
 
