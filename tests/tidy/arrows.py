@@ -79,7 +79,7 @@ LIBRARIES = (
     (r"toml\+\+", r"src/config/toml/toml_reader\."),
     (r"systemd/", r"src/app/(systemd|journal/journal)\."),
     (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),
-    (r"openssl/", r"src/ctl/(cert|tls)/"),
+    (r"openssl/", r"src/ctl/(cert|tls)/|bench/tls\."),
     (r"prometheus/", r"src/app/metrics/|tests/unit/app/metrics/"),
     (r"n?curses|term\.h", r"src/ctl/control/screen_shell\."),
     (r"CLI/", r"src/(app|ctl|sim)/(command_line|main)\.|src/ctl/options/|bench/main\."),
