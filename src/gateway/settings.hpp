@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,10 +40,10 @@ inline constexpr std::size_t kLongestKeyName = 255;
 /// it.
 struct TlsSettings {
   std::string name;
-  std::filesystem::path certificate{};  ///< PEM: its own, then those between it and the authority
-  std::string key{};                    ///< name of a file in the folder of mbgate-signer
-  std::filesystem::path authorities{};  ///< PEM: who signs the certificates of others
-  std::filesystem::path crl{};          ///< PEM: what is revoked; empty: nothing is known of that
+  std::string certificate{};  ///< PEM: its own, then those between it and the authority
+  std::string key{};          ///< name of a file in the folder of mbgate-signer
+  std::string authorities{};  ///< PEM: who signs the certificates of others
+  std::string crl{};          ///< PEM: what is revoked; empty: nothing is known of that
   friend bool operator==(const TlsSettings&, const TlsSettings&) = default;
 };
 

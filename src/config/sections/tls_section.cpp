@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Certificates, and keys that another process holds. Whether the files are there and fit is seen
 // when they are needed: a configuration is read on other machines too.
+#include <filesystem>
+
 #include "config/sections/sections.hpp"
 
 namespace mbgate::config {
@@ -9,7 +11,7 @@ namespace {
 using gateway::TlsSettings;
 
 /// Relative to the folder of the file of the configuration.
-void read_certificates(TomlTable& table, std::string_view key, std::filesystem::path& path) {
+void read_certificates(TomlTable& table, std::string_view key, std::string& path) {
   const auto named = table.string(key);
   if (!named) {
     return;
@@ -20,7 +22,8 @@ void read_certificates(TomlTable& table, std::string_view key, std::filesystem::
   }
   const Position position = table.value_position(key);
   path = (std::filesystem::path(table.document().name(position)).parent_path() / *named)
-             .lexically_normal();
+             .lexically_normal()
+             .string();
 }
 
 void read_private_key(TomlTable& table, TlsSettings& tls) {
