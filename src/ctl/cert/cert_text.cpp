@@ -31,7 +31,7 @@ std::string serial_text(const ASN1_INTEGER& serial) {
 }
 
 /// In quotes. What is no character of a line is shown by its number.
-std::string quoted(const std::string& text) {
+std::string role_in_quotes(const std::string& text) {
   std::string result = "\"";
   for (const char it : text) {
     const auto byte = static_cast<unsigned char>(it);
@@ -49,7 +49,7 @@ std::string role_text(const X509& certificate) {
   if (read.is_unreadable) {
     return "unreadable: a gateway answers every request with exception 01";
   }
-  return read.role ? quoted(*read.role) : "none: the NULL role, which rules write as \"\"";
+  return read.role ? role_in_quotes(*read.role) : "none: the NULL role, which rules write as \"\"";
 }
 
 std::string days_text(Seconds from, Seconds until) {
@@ -218,7 +218,7 @@ std::string advice_after(const MakeClient& made) {
          in(made.make.folder, name + ".crt") +
          "  the client's certificate, no secret: to the client's machine,\n"
          "    with ca.crt. " +
-         (made.role ? "Its role is " + quoted(*made.role) : "It has the NULL role, \"\"") +
+         (made.role ? "Its role is " + role_in_quotes(*made.role) : "It has the NULL role, \"\"") +
          ": the gateway permits what a [[rule]] with this role says.\n"
          "There:\n"
          "  mbgatectl read holding 0 --host GATEWAY --tls --certificate " +

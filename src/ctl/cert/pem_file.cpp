@@ -24,7 +24,7 @@ constexpr ::mode_t kOthers = 0077;
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
-std::string text_of(BIO& memory) {
+std::string content_of(BIO& memory) {
   char* text = nullptr;
   const long size = BIO_get_mem_data(&memory, &text);
   return {text, static_cast<std::size_t>(size)};
@@ -98,19 +98,19 @@ Result<openssl::Bio, std::string> open_file(const fs::path& path) {
 std::string to_pem(X509& certificate) {
   const auto bio = memory();
   expect(PEM_write_bio_X509(bio.get(), &certificate));
-  return text_of(*bio);
+  return content_of(*bio);
 }
 
 std::string to_pem(X509_CRL& list) {
   const auto bio = memory();
   expect(PEM_write_bio_X509_CRL(bio.get(), &list));
-  return text_of(*bio);
+  return content_of(*bio);
 }
 
 std::string to_pem(EVP_PKEY& key) {
   const auto bio = memory();
   expect(PEM_write_bio_PKCS8PrivateKey(bio.get(), &key, nullptr, nullptr, 0, nullptr, nullptr));
-  return text_of(*bio);
+  return content_of(*bio);
 }
 
 std::string write_files(const std::vector<PemFile>& files, bool replace) {
