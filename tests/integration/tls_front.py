@@ -15,7 +15,8 @@ from cryptography.hazmat.primitives import hashes, serialization
 
 class TlsFront:
     """with TlsFront(folder, plain_port) as front: front.port is where it listens on 127.0.0.1, with NAME.crt and
-    NAME.key of the folder. Clients need a certificate that ca.crt has signed. front.errors: why handshakes failed."""
+    NAME.key of the folder. Clients need a certificate that ca.crt has signed. front.errors: why handshakes failed; front.versions and
+    front.clients: of TLS, and by their names, of those that did not."""
 
     def __init__(self, folder, plain_port, name="gateway", version=None, authorities="ca.crt"):
         self._plain_port = plain_port
@@ -31,6 +32,8 @@ class TlsFront:
         self.port = self._listener.getsockname()[1]
         self.errors = []
         self.versions = []
+        self.clients = []
+        self._open = set()
 
     def __enter__(self):
         self._start(self._accept)
@@ -42,6 +45,11 @@ class TlsFront:
             thread.join()
         self._listener.close()
         self._stopped.close()
+
+    def close_all(self):
+        """Closes the connections that there are."""
+        for secure in list(self._open):
+            secure.shutdown(socket.SHUT_RDWR)
 
     def _start(self, work, *arguments):
         thread = threading.Thread(target=work, args=arguments)
@@ -62,9 +70,12 @@ class TlsFront:
                 self.errors.append(str(error))
                 return
             self.versions.append(secure.version())
+            self.clients.append(dict(part[0] for part in secure.getpeercert()["subject"])["commonName"])
             with secure, socket.create_connection(("127.0.0.1", self._plain_port)) as plain:
+                self._open.add(secure)
                 with contextlib.suppress(OSError):
                     self._carry(secure, plain)
+                self._open.discard(secure)
 
     def _carry(self, secure, plain):
         other = {secure: plain, plain: secure}
@@ -94,4 +105,5 @@ def sign(folder, name, begins, ends, alike="gateway"):
     )  # fmt: skip
     made = builder.sign(key, hashes.SHA256())
     (folder / f"{name}.crt").write_bytes(made.public_bytes(serialization.Encoding.PEM))
+    (folder / f"{name}.key").touch(0o600)
     (folder / f"{name}.key").write_bytes((folder / f"{alike}.key").read_bytes())

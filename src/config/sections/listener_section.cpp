@@ -10,9 +10,6 @@ using gateway::ListenerSettings;
 using routing::BroadcastReply;
 using routing::ClientAddress;
 
-/// Of Modbus/TCP Security (MB-TCP-Security v36).
-constexpr std::int64_t kSecurePort = 802;
-
 constexpr std::array kBroadcastReplies = {Word{"echo", BroadcastReply::echo},
                                           Word{"none", BroadcastReply::none}};
 
@@ -27,7 +24,7 @@ void read_address(TomlTable& table, ListenerSettings& listener) {
   if (!table.has("tls")) {
     table.require("port");
   }
-  const auto otherwise = table.has("port") ? 0 : kSecurePort;
+  const std::int64_t otherwise = table.has("port") ? 0 : kSecurePort;
   listener.port = static_cast<std::uint16_t>(table.integer("port", {0, 65535}).value_or(otherwise));
 }
 

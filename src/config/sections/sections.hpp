@@ -20,6 +20,9 @@
 
 namespace mbgate::config {
 
+/// Of Modbus/TCP Security (MB-TCP-Security v36).
+inline constexpr std::uint16_t kSecurePort = 802;
+
 /// Settings that are being read, and for each entry the table that it was read from.
 struct Draft {
   Draft(TomlDocument& source, ProfileFolders folders)
