@@ -130,6 +130,13 @@ class Certificates(Plant):
             public = self.run_there("openssl", "pkey", "-in", f"{name}.key", "-pubout")
             self.assertEqual(public, self.run_there("openssl", "x509", "-in", f"{name}.crt", "-noout", "-pubkey"))
 
+    def test_come_with_their_chain(self):
+        for name in ("gateway", "hmi", "logger"):
+            text = (self.folder / f"{name}.crt").read_text(encoding="ascii")
+            own, authority = re.findall(r"-+BEGIN CERTIFICATE-+.*?-+END CERTIFICATE-+\n", text, re.DOTALL)
+            self.assertEqual(own + authority, text)
+            self.assertEqual((self.folder / "ca.crt").read_text(encoding="ascii"), authority)
+
     def test_do_not_outlive_their_authority(self):
         told = self.cert("client", "late", "--days", 3651, status=1)
         self.assertRegex(told, r"^mbgatectl: the authority ends on .* UTC, before the certificate would: "
@@ -137,11 +144,12 @@ class Certificates(Plant):
         self.assertFalse((self.folder / "late.key").exists())
 
     def test_are_shown(self):
-        shown = re.sub(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d UTC", "TIME", self.cert("show", "hmi.crt"))
+        shown, authority = self.cert("show", "hmi.crt").split("hmi.crt\n")[1:]
+        self.assertIn("  subject    CN=Plant 7\n  for        authority\n", authority)
+        shown = re.sub(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d UTC", "TIME", shown)
         shown = shown.replace("824 days", "825 days")  # as soon as a second is over
         shown = re.sub(r"(serial +|SHA-256 +)[0-9a-f]+", r"\1HEX", shown)
         self.assertEqual(
-            "hmi.crt\n"
             "  subject    CN=hmi\n"
             "  for        client\n"
             '  role       "Operatör \\"1\\""\n'

@@ -53,10 +53,11 @@ std::string make_signed(const NewCertificate& make, CertificateContent content) 
   content.days = make.days;
   const auto key = make_key(make.rsa_bits);
   const auto certificate = make_certificate(content, *key, &*authority);
-  auto why = write_files({{make.folder / (make.name + ".key"), to_pem(*key), true},
-                          {make.folder / (make.name + ".crt"), to_pem(*certificate)}},
-                         make.replace);
-  return why;
+  // Whoever shows a certificate shows those up to the root with it (MB-TCP-Security, R-46).
+  const std::string chain = to_pem(*certificate) + to_pem(*authority->certificate);
+  return write_files({{make.folder / (make.name + ".key"), to_pem(*key), true},
+                      {make.folder / (make.name + ".crt"), chain}},
+                     make.replace);
 }
 
 template <typename Made>

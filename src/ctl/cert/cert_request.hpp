@@ -29,7 +29,7 @@ struct MakeAuthority {
   NewCertificate make;
 };
 
-/// Makes NAME.key and NAME.crt for a gateway.
+/// Makes NAME.key and NAME.crt for a gateway. The authority's certificate stands behind its own.
 struct MakeServer {
   NewCertificate make;
   std::vector<std::string> addresses;  ///< IP addresses and host names by which clients reach it
