@@ -143,6 +143,13 @@ class Bench(unittest.TestCase):
         self.assertGreater(median["answers_per_second"], 0)
         self.assertEqual([0, 0, 0], [median[fault] for fault in ("wrong", "lost", "bad_frames")])
 
+    def test_tls_is_compared_with_none(self):
+        contestants = run_undisturbed("mbgated", "mbgated:tls=1", "mbgated:handshakes=1")
+        for contestant in contestants:
+            self.check_clean(contestant)
+        self.assertIsNone(contestants[1]["median"]["handshakes_per_second"])
+        self.assertGreater(contestants[2]["median"]["handshakes_per_second"], 0)
+
     def test_a_gateway_that_does_not_start(self):
         result = subprocess.run([BENCH, "absent", "--command", "absent=echo no such line {device}"],
                                 capture_output=True, text=True, timeout=60, check=False)

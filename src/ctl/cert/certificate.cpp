@@ -31,7 +31,7 @@ void add_extension(X509& certificate, X509V3_CTX& context, int kind, const std::
 std::string alternative_names(const std::vector<std::string>& addresses) {
   std::string text;
   for (const auto& address : addresses) {
-    text.append(text.empty() ? "" : ",").append(is_ip_address(address) ? "IP:" : "DNS:");
+    text.append(text.empty() ? "" : ",").append(is_numeric_address(address) ? "IP:" : "DNS:");
     text.append(address);
   }
   return text;
@@ -92,7 +92,7 @@ openssl::Certificate make_certificate(const CertificateContent& content, EVP_PKE
   return certificate;
 }
 
-bool is_ip_address(const std::string& text) {
+bool is_numeric_address(const std::string& text) {
   std::array<unsigned char, sizeof(in6_addr)> address{};
   return inet_pton(AF_INET, text.c_str(), address.data()) == 1 ||
          inet_pton(AF_INET6, text.c_str(), address.data()) == 1;

@@ -40,7 +40,7 @@ openssl::Certificate make_certificate(const CertificateContent& content, EVP_PKE
                                       const Authority* authority);
 
 /// Is it an IPv4 or IPv6 address?
-bool is_ip_address(const std::string& text);
+bool is_numeric_address(const std::string& text);
 
 /// Is it letters, digits and hyphens between dots?
 bool is_host_name(const std::string& text);

@@ -99,7 +99,7 @@ Result<Command, std::string> CertOptions::server() const {
     return why;
   }
   for (const auto& address : server_words_.addresses) {
-    if (!is_ip_address(address) && !is_host_name(address)) {
+    if (!is_numeric_address(address) && !is_host_name(address)) {
       return "\"" + address + "\" is neither an IP address nor a host name";
     }
   }
