@@ -32,9 +32,10 @@ void set(Scenario& scenario, const std::string& key, unsigned value, const std::
                                                  {"outstanding", &scenario.load.outstanding},
                                                  {"idle", &scenario.load.idle},
                                                  {"flood", &scenario.load.flood},
+                                                 {"handshakes", &scenario.load.handshakes},
                                                  {"wake_early", &scenario.wake_early}};
-  const std::map<std::string, bool*> flags{{"same", &scenario.load.same},
-                                           {"coalesce", &scenario.coalesce}};
+  const std::map<std::string, bool*> flags{
+      {"same", &scenario.load.same}, {"tls", &scenario.load.tls}, {"coalesce", &scenario.coalesce}};
   if (const auto found = numbers.find(key); found != numbers.end()) {
     *found->second = value;
   } else if (const auto flag = flags.find(key); flag != flags.end()) {
@@ -42,8 +43,8 @@ void set(Scenario& scenario, const std::string& key, unsigned value, const std::
   } else {
     throw std::invalid_argument(place + ": unknown key \"" + key +
                                 "\"; there are baud, buses, devices, dead, registers, clients, "
-                                "outstanding, same, idle, flood, coalesce, "
-                                "wake_early");
+                                "outstanding, same, idle, flood, tls, handshakes, "
+                                "coalesce, wake_early");
   }
 }
 
@@ -66,6 +67,9 @@ void check(const Scenario& scenario) {
   }
   if (scenario.load.clients > kMostClients && !scenario.load.same) {
     refuse("not more than 500 clients have registers of their own");
+  }
+  if (scenario.load.speaks_tls() && (scenario.program == "master" || scenario.program == "relay")) {
+    refuse("neither master nor relay speaks TLS");
   }
   if (scenario.program == "relay" && (scenario.load.outstanding > 1 || plant.dead > 0)) {
     refuse("the relay takes one request at a time from a client, and waits for every answer");

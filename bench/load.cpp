@@ -30,7 +30,7 @@ struct Request {
 };
 
 struct Client {
-  sim::FileDescriptor socket{};
+  Stream stream{};
   unsigned bus = 0;
   unsigned address = 1;
   unsigned first = 0;
@@ -51,13 +51,17 @@ unsigned word_at(std::span<const std::uint8_t> bytes, std::size_t place) {
 
 class Load {
  public:
-  Load(const LoadSettings& settings, const Plant& plant, const std::vector<std::uint16_t>& ports)
+  Load(const LoadSettings& settings, const Plant& plant, const Doors& doors)
       : settings_(settings), plant_(plant), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
+    if (doors.tls) {
+      tls_.emplace(*doors.tls);
+    }
+    const auto& ports = doors.ports;
     for (unsigned number = 0; number < settings.clients; ++number) {
       add_client(number, ports);
     }
     for (unsigned number = 0; number < settings.idle; ++number) {
-      idle_.push_back(connect_to(ports[number % ports.size()]));
+      idle_.push_back(connect(ports[number % ports.size()]));
     }
     latency_.reserve(1'000'000);
   }
@@ -89,32 +93,35 @@ class Load {
     counted_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   }
 
-  [[nodiscard]] LoadFigures figures() const {
+  [[nodiscard]] LoadFigures figures() {
     LoadFigures figures = counted_;
     const Moment now = Clock::now();
     for (const Client& client : clients_) {
       figures.unanswered += static_cast<std::uint64_t>(
           std::count_if(client.outstanding.begin(), client.outstanding.end(),
                         [&](const Request& request) { return now - request.sent > patience_; }));
-      figures.lost += client.socket.get() < 0 ? 1 : 0;
+      figures.lost += client.stream.is_open() ? 0 : 1;
     }
-    figures.lost += static_cast<std::uint64_t>(
-        std::count_if(idle_.begin(), idle_.end(), [](const sim::FileDescriptor& socket) {
-          char byte = 0;
-          const ssize_t count = ::recv(socket.get(), &byte, 1, MSG_DONTWAIT);
-          return count == 0 || (count < 0 && errno != EAGAIN);
+    figures.lost +=
+        static_cast<std::uint64_t>(std::count_if(idle_.begin(), idle_.end(), [](Stream& stream) {
+          std::uint8_t byte = 0;
+          return stream.receive({&byte, 1}) == 0;
         }));
     figures.latency = latency_.spread();
     return figures;
   }
 
  private:
+  [[nodiscard]] Stream connect(std::uint16_t port) const {
+    return {connect_to(port), tls_ ? &*tls_ : nullptr};
+  }
+
   void add_client(unsigned number, const std::vector<std::uint16_t>& ports) {
     Client client;
     client.bus = number % plant_.buses;
     client.address = 1 + number / plant_.buses % plant_.devices;
     client.first = settings_.same ? 0 : number % 500 * 130;
-    client.socket = connect_to(ports[client.bus]);
+    client.stream = connect(ports[client.bus]);
     const Frame request = make_request(client.address, client.first, plant_.registers);
     const Frame response = answer(client.bus, request);
     client.request = {0, 0, 0, 0, 0, 6};
@@ -122,7 +129,7 @@ class Load {
     client.expected.assign(response.begin(), response.end() - 2);
     epoll_event event{EPOLLIN, {}};
     event.data.u32 = number;
-    ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, client.socket.get(), &event);
+    ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, client.stream.descriptor(), &event);
     clients_.push_back(std::move(client));
   }
 
@@ -131,24 +138,30 @@ class Load {
     client.request[0] = static_cast<std::uint8_t>(identifier >> 8U);
     client.request[1] = static_cast<std::uint8_t>(identifier & 0xFFU);
     client.outstanding.push_back({identifier, Clock::now()});
-    if (::send(client.socket.get(), client.request.data(), client.request.size(), MSG_NOSIGNAL) !=
-        static_cast<ssize_t>(client.request.size())) {
+    if (!client.stream.send(client.request)) {
       lose(client);
     }
   }
 
+  /// With TLS, bytes may wait in the session where the socket has none any more.
   void receive(Client& client) {
-    const ssize_t count = ::recv(client.socket.get(), part_.data(), part_.size(), MSG_DONTWAIT);
-    if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
+    do {
+      receive_part(client);
+    } while (tls_ && client.stream.has_pending());
+  }
+
+  void receive_part(Client& client) {
+    const auto count = client.stream.receive(part_);
+    if (count < 0) {
       return;
     }
-    if (count <= 0) {
+    if (count == 0) {
       lose(client);
       return;
     }
     client.received.insert(client.received.end(), part_.begin(), part_.begin() + count);
     std::size_t used = 0;
-    while (client.socket.get() >= 0 && client.received.size() - used >= kMbapSize) {
+    while (client.stream.is_open() && client.received.size() - used >= kMbapSize) {
       const auto rest = std::span(client.received).subspan(used);
       const std::size_t size = 6 + word_at(rest, 4);
       if (rest.size() < size) {
@@ -189,7 +202,7 @@ class Load {
 
   /// It is counted at the end.
   static void lose(Client& client) {
-    client.socket.reset(-1);
+    client.stream.close();
     client.outstanding.clear();
   }
 
@@ -197,7 +210,8 @@ class Load {
   Plant plant_;
   sim::FileDescriptor epoll_;
   std::vector<Client> clients_;
-  std::vector<sim::FileDescriptor> idle_;
+  std::vector<Stream> idle_;
+  std::optional<TlsClients> tls_;
   std::array<std::uint8_t, 8192> part_{};
   LoadFigures counted_;
   Samples latency_;
@@ -223,9 +237,9 @@ sim::FileDescriptor connect_to(std::uint16_t port) {
   return socket;
 }
 
-void run_load(const LoadSettings& settings, const Plant& plant,
-              const std::vector<std::uint16_t>& ports, const Times& times, int output) {
-  Load load(settings, plant, ports);
+void run_load(const LoadSettings& settings, const Plant& plant, const Doors& doors,
+              const Times& times, int output) {
+  Load load(settings, plant, doors);
   load.begin();
   load.work(times.warm_up);
   const char began = 'B';

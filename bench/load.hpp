@@ -4,10 +4,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "plant.hpp"
 #include "sim/program/file_descriptor.hpp"
+#include "tls.hpp"
 
 namespace mbgate::bench {
 
@@ -18,6 +20,16 @@ struct LoadSettings {
   bool same = false;         ///< all read the same registers; else each its own
   unsigned idle = 0;         ///< connections besides that say nothing
   unsigned flood = 0;        ///< connections to the flood's port that send garbage without end
+  bool tls = false;          ///< clients and idle connections speak TLS
+  unsigned handshakes = 0;   ///< processes that shake hands at a port of their own without end
+
+  [[nodiscard]] bool speaks_tls() const { return tls || handshakes > 0; }
+};
+
+/// What the clients ask with.
+struct Doors {
+  std::vector<std::uint16_t> ports;  ///< on 127.0.0.1, one a bus
+  std::optional<TlsFiles> tls;       ///< none: plain TCP
 };
 
 /// What the clients saw. Plain data: it comes through a pipe.
@@ -36,12 +48,12 @@ struct Times {
   Nanoseconds measured;
 };
 
-/// `ports` on 127.0.0.1, one a bus: the clients go round them, and on each bus round the devices.
+/// The clients go round the ports, and on each bus round the devices.
 /// Connects, works for the warm-up, writes 'B' to `output`, works for the time that is measured,
 /// writes its LoadFigures.
 /// Throws std::system_error if it cannot connect.
-void run_load(const LoadSettings& settings, const Plant& plant,
-              const std::vector<std::uint16_t>& ports, const Times& times, int output);
+void run_load(const LoadSettings& settings, const Plant& plant, const Doors& doors,
+              const Times& times, int output);
 
 /// Sends garbage to a port until it is killed: as much as the other side takes, and connects again
 /// as soon as that closes.

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <fstream>
@@ -45,7 +46,7 @@ void declare(CLI::App& app, Options& options) {
       ->required();
   app.add_option("--command", options.commands,
                  "NAME=COMMAND: another gateway; {device}, {baud} and {port} (on 127.0.0.1) are "
-                 "filled in");
+                 "filled in, with TLS also {certificate}, {key} and {authorities}");
   app.add_option("--baud", plant.baud, "0: not paced, bytes take no time")->capture_default_str();
   app.add_option("--buses", plant.buses, "in one daemon")->capture_default_str();
   app.add_option("--devices", plant.devices, "on each bus")->capture_default_str();
@@ -59,6 +60,10 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--flood", load.flood,
                  "connections that send garbage without end to another listener of mbgated")
+      ->capture_default_str();
+  app.add_flag("--tls", load.tls, "clients speak TLS");
+  app.add_option("--handshakes", load.handshakes,
+                 "processes that shake hands over TLS without end, at another listener of mbgated")
       ->capture_default_str();
   app.add_flag("--coalesce,!--no-coalesce", options.common.coalesce, "mbgated's key")
       ->capture_default_str();
@@ -120,7 +125,8 @@ void measure(const Options& options, const std::vector<std::string>& command) {
   const WorkFolder folder;
   Means means{options.mbgated.empty() ? companion("mbgated", MBGATE_DAEMONS_FROM_PROGRAMS)
                                       : fs::absolute(options.mbgated),
-              folder.path(), parse_commands(options.commands), std::nullopt};
+              folder.path(), parse_commands(options.commands), std::nullopt,
+              companion("mbgate-signer", MBGATE_DAEMONS_FROM_PROGRAMS)};
   if (options.allocations) {
     means.allocations = companion("libmbgate-count-allocations.so", MBGATE_LIBRARIES_FROM_PROGRAMS);
   }
@@ -128,6 +134,10 @@ void measure(const Options& options, const std::vector<std::string>& command) {
   contests.reserve(options.contestants.size());
   for (const std::string& text : options.contestants) {
     contests.push_back({parse_contestant(text, options.common, means.commands), {}});
+  }
+  if (std::ranges::any_of(
+          contests, [](const Contest& contest) { return contest.scenario.load.speaks_tls(); })) {
+    make_certificates(companion("mbgatectl", "."), means.folder);
   }
   const Times times{to_duration(options.warm_up), to_duration(options.seconds)};
   for (unsigned pair = 0; pair < options.pairs; ++pair) {

@@ -15,6 +15,7 @@ struct RunResult {
   LoadFigures clients;                       ///< of a master: what the wire saw, in its place
   Usage used;                                ///< while measured; `resident` at its end
   std::optional<std::uint64_t> allocations;  ///< while measured
+  std::uint64_t handshakes = 0;              ///< over TLS, while measured
 };
 
 /// Throws std::runtime_error.

@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -18,6 +19,7 @@ namespace {
 
 constexpr std::chrono::seconds kStartLimit{10};
 constexpr std::chrono::milliseconds kLook{10};
+constexpr const char* kSigner = "signer.socket";
 
 struct Listening {
   sim::FileDescriptor socket;
@@ -42,17 +44,28 @@ Listening listen_somewhere() {
 
 std::string line_name(std::size_t bus) { return "line-" + std::to_string(bus); }
 
-void add_listener(std::ostream& text, const std::string& name, std::size_t bus) {
+enum class Encrypted { no, yes };
+
+void add_listener(std::ostream& text, const std::string& name, std::size_t bus,
+                  Encrypted encrypted = Encrypted::no) {
   text << "[[listen]]\nname = \"" << name << "\"\naddress = \"127.0.0.1\"\nport = 0\nbus = \""
-       << line_name(bus) << "\"\nmax_connections = 20000\npipeline = 200\n";
+       << line_name(bus) << "\"\nmax_connections = 20000\npipeline = 200\n"
+       << (encrypted == Encrypted::yes ? "tls = \"bench\"\n" : "");
 }
 
 /// The configuration for a plant: a listener a bus, and one for a flood.
-std::string configuration(const Scenario& scenario, const std::vector<std::string>& paths) {
+std::string configuration(const Scenario& scenario, const std::filesystem::path& folder,
+                          const std::vector<std::string>& paths) {
   std::ostringstream text;
+  const LoadSettings& load = scenario.load;
   text << "[gateway]\nwake_early = \"" << scenario.wake_early << "us\"\n";
+  if (load.speaks_tls()) {
+    text << "signer = \"" << (folder / kSigner).string()
+         << "\"\n[[tls]]\nname = \"bench\"\ncertificate = \"gateway.crt\"\n"
+            "key = \"gateway.key\"\nauthorities = \"ca.crt\"\ncrl = \"ca.crl\"\n";
+  }
   for (std::size_t bus = 0; bus < paths.size(); ++bus) {
-    add_listener(text, line_name(bus), bus);
+    add_listener(text, line_name(bus), bus, load.tls ? Encrypted::yes : Encrypted::no);
     text << "[[bus]]\nname = \"" << line_name(bus) << "\"\ndevice = \"" << paths[bus]
          << "\"\nparity = \"none\"\nlow_latency = false\nlisten_first = \"0s\"\n"
          // Where all devices answer, a machine that stands still for a moment makes none of them
@@ -65,8 +78,11 @@ std::string configuration(const Scenario& scenario, const std::vector<std::strin
       text << "baud = 4000000\nframe_gap = \"0s\"\n";
     }
   }
-  if (scenario.load.flood > 0) {
+  if (load.flood > 0) {
     add_listener(text, "flood", 0);
+  }
+  if (load.handshakes > 0) {
+    add_listener(text, "handshakes", 0, Encrypted::yes);
   }
   return std::move(text).str();
 }
@@ -94,9 +110,26 @@ bool wait_until(const Child& child, Found found) {
 
 }  // namespace
 
+void make_certificates(const std::filesystem::path& mbgatectl,
+                       const std::filesystem::path& folder) {
+  const std::string make = "'" + mbgatectl.string() + "' cert ";
+  const std::string in = " --directory '" + folder.string() + "' >/dev/null";
+  const std::string command = make + "ca" + in + " && " + make +
+                              "server gateway --address 127.0.0.1" + in + " && " + make +
+                              "client client --role bench" + in;
+  if (std::system(command.c_str()) != 0) {  // NOLINT(cert-env33-c): of names that we were given
+    throw std::runtime_error(mbgatectl.string() + " made no certificates");
+  }
+}
+
 Subject::Subject(const Scenario& scenario, const Means& means,
                  const std::vector<std::string>& paths)
-    : log_(means.folder / "subject.log") {
+    : log_(means.folder / "subject.log"),
+      tls_files_{means.folder / "client.crt", means.folder / "client.key",
+                 means.folder / "ca.crt"} {
+  if (scenario.load.tls) {
+    doors_.tls = tls_files_;
+  }
   std::filesystem::remove(log_);  // of the run before
   if (scenario.program == "mbgated") {
     start_mbgated(scenario, means, paths);
@@ -106,10 +139,10 @@ Subject::Subject(const Scenario& scenario, const Means& means,
     child_.emplace(Child::run([&](int) { run_master(scenario.plant, paths); }));
     return;
   }
-  if (paths.size() != 1 || scenario.load.flood > 0) {
+  if (paths.size() != 1 || scenario.load.flood > 0 || scenario.load.handshakes > 0) {
     throw std::runtime_error(scenario.name +
                              ": only mbgated and master take several buses, and "
-                             "only mbgated has a listener for a flood");
+                             "only mbgated has a listener for a flood or for handshakes");
   }
   if (scenario.program == "relay") {
     start_relay(scenario, paths[0]);
@@ -121,7 +154,10 @@ Subject::Subject(const Scenario& scenario, const Means& means,
 void Subject::start_mbgated(const Scenario& scenario, const Means& means,
                             const std::vector<std::string>& paths) {
   const auto config = means.folder / "mbgate.toml";
-  std::ofstream(config) << configuration(scenario, paths);
+  std::ofstream(config) << configuration(scenario, means.folder, paths);
+  if (scenario.load.speaks_tls()) {
+    start_signer(means);
+  }
   std::string command = "'" + means.mbgated.string() + "' --config '" + config.string() + "'";
   if (means.allocations) {
     counter_ = means.folder / "allocations";
@@ -137,8 +173,13 @@ void Subject::start_mbgated(const Scenario& scenario, const Means& means,
     const bool whole = at != std::string::npos && text.find('\n', at) != std::string::npos;
     return whole ? static_cast<std::uint16_t>(std::stoul(text.substr(at + sign.size()))) : 0;
   };
-  const std::string last = scenario.load.flood > 0 ? "flood" : line_name(paths.size() - 1);
-  if (!wait_until(*child_, [&] { return port_of(last) != 0; })) {
+  const LoadSettings& load = scenario.load;
+  const auto listens = [&] {
+    return port_of(line_name(paths.size() - 1)) != 0 &&
+           (load.flood == 0 || port_of("flood") != 0) &&
+           (load.handshakes == 0 || port_of("handshakes") != 0);
+  };
+  if (!wait_until(*child_, listens)) {
     throw std::runtime_error(scenario.name + " does not start:\n" + said());
   }
   if (means.allocations && allocations().value_or(0) == 0) {
@@ -146,14 +187,26 @@ void Subject::start_mbgated(const Scenario& scenario, const Means& means,
                              " cannot be preloaded:\n" + said());
   }
   for (std::size_t bus = 0; bus < paths.size(); ++bus) {
-    ports_.push_back(port_of(line_name(bus)));
+    doors_.ports.push_back(port_of(line_name(bus)));
   }
-  flood_port_ = scenario.load.flood > 0 ? port_of("flood") : std::uint16_t{0};
+  flood_port_ = load.flood > 0 ? port_of("flood") : std::uint16_t{0};
+  handshake_port_ = load.handshakes > 0 ? port_of("handshakes") : std::uint16_t{0};
+}
+
+void Subject::start_signer(const Means& means) {
+  const auto socket = means.folder / kSigner;
+  std::filesystem::remove(socket);  // of the run before
+  signer_.emplace(Child::command("'" + means.signer.string() + "' --keys '" +
+                                     means.folder.string() + "' --socket '" + socket.string() + "'",
+                                 means.folder / "signer.log"));
+  if (!wait_until(*signer_, [&] { return std::filesystem::exists(socket); })) {
+    throw std::runtime_error(means.signer.string() + " does not start");
+  }
 }
 
 void Subject::start_relay(const Scenario& scenario, const std::string& path) {
   const Listening listening = listen_somewhere();
-  ports_ = {listening.port};
+  doors_.ports = {listening.port};
   child_.emplace(Child::run([&](int) { run_relay(scenario.plant, path, listening.socket.get()); }));
 }
 
@@ -165,6 +218,9 @@ void Subject::start_command(const Scenario& scenario, const Means& means, const 
   replace_all(command, "{baud}",
               std::to_string(scenario.plant.paced() ? scenario.plant.baud : 115200));
   replace_all(command, "{port}", std::to_string(port));
+  replace_all(command, "{certificate}", (means.folder / "gateway.crt").string());
+  replace_all(command, "{key}", (means.folder / "gateway.key").string());
+  replace_all(command, "{authorities}", (means.folder / "ca.crt").string());
   child_.emplace(Child::command(command, log_));
   const auto takes_clients = [&] {
     try {
@@ -178,7 +234,7 @@ void Subject::start_command(const Scenario& scenario, const Means& means, const 
     throw std::runtime_error(scenario.name + " does not listen at 127.0.0.1:" +
                              std::to_string(port) + " (" + command + "):\n" + said());
   }
-  ports_ = {port};
+  doors_.ports = {port};
 }
 
 std::string Subject::said() const {

@@ -31,8 +31,13 @@ struct Means {
   std::filesystem::path folder;                 ///< for files of this run
   std::map<std::string, std::string> commands;  ///< with {device}, {baud} and {port}
   std::optional<std::filesystem::path>
-      allocations;  ///< the library that counts them, to be preloaded
+      allocations;               ///< the library that counts them, to be preloaded
+  std::filesystem::path signer;  ///< the program that holds mbgated's private key
 };
+
+/// Makes an authority, gateway.crt and gateway.key, client.crt and client.key in the folder. Throws
+/// std::runtime_error.
+void make_certificates(const std::filesystem::path& mbgatectl, const std::filesystem::path& folder);
 
 /// A program under measurement, ready for its clients.
 class Subject {
@@ -40,8 +45,10 @@ class Subject {
   /// Throws std::runtime_error: what is wrong, and what the program itself said of it.
   Subject(const Scenario& scenario, const Means& means, const std::vector<std::string>& paths);
 
-  /// The ports of the buses, in their order; empty: it takes no clients.
-  [[nodiscard]] const std::vector<std::uint16_t>& ports() const { return ports_; }
+  /// The ports of the buses, in their order; none: it takes no clients.
+  [[nodiscard]] const Doors& doors() const { return doors_; }
+  [[nodiscard]] std::uint16_t handshake_port() const { return handshake_port_; }
+  [[nodiscard]] const TlsFiles& tls_files() const { return tls_files_; }
   [[nodiscard]] std::uint16_t flood_port() const { return flood_port_; }
   [[nodiscard]] const Child& process() const { return *child_; }
   /// How often it has asked for memory so far; nothing if nobody counts.
@@ -50,6 +57,7 @@ class Subject {
  private:
   void start_mbgated(const Scenario& scenario, const Means& means,
                      const std::vector<std::string>& paths);
+  void start_signer(const Means& means);
   void start_relay(const Scenario& scenario, const std::string& path);
   void start_command(const Scenario& scenario, const Means& means, const std::string& path);
   [[nodiscard]] std::string said() const;
@@ -57,8 +65,11 @@ class Subject {
   std::filesystem::path log_;
   std::filesystem::path counter_;
   std::optional<Child> child_;
-  std::vector<std::uint16_t> ports_;
+  std::optional<Child> signer_;
+  TlsFiles tls_files_;
+  Doors doors_;
   std::uint16_t flood_port_ = 0;
+  std::uint16_t handshake_port_ = 0;
 };
 
 }  // namespace mbgate::bench

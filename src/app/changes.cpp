@@ -71,6 +71,7 @@ std::string differences(const Settings& old, const Settings& next, std::size_t n
   found.compare("device", a.line.device, b.line.device);
   if (a.line.device == b.line.device) {
     found.compare("host or port", a.line.remote, b.line.remote);
+    found.compare("tls", a.line.tls, b.line.tls);
   }
   found.compare(config::bus_keys(), a, b);
   found.compare("data_bits", a.line.format.data_bits, b.line.format.data_bits);

@@ -66,6 +66,11 @@ Configuration load(const Options& options) {
                          : config::read_config_files(options.config);
   Configuration configuration;
   configuration.loaded = config::load_settings(files, {.folder = options.profiles});
+  if (configuration.loaded.settings && !options.print) {
+    configuration.tls =
+        io::load_tls(*configuration.loaded.settings,
+                     options.check ? io::KeyCheck::leave_out : io::KeyCheck::ask_signer);
+  }
   if (options.record) {
     configuration.files = recorded_files(files);
   }
@@ -78,10 +83,10 @@ std::string config_name(const Options& options) {
                       : std::filesystem::absolute(options.config).string();
 }
 
-int serve(gateway::Settings settings, const Options& options, const std::string& version,
+int serve(Configuration first, const Options& options, const std::string& version,
           std::optional<RecordingBegun> recording) {
   Log log(is_standard_error_the_journal());
-  if (settings.lock_memory) {
+  if (first.loaded.settings->lock_memory) {
     lock_memory(log);
   }
   int status = EXIT_FAILURE;
@@ -103,7 +108,7 @@ int serve(gateway::Settings settings, const Options& options, const std::string&
       return configuration;
     };
     const About about{version, config_name(options)};
-    Service service(std::move(settings), about, read, log, recorder ? &*recorder : nullptr);
+    Service service(std::move(first), about, read, log, recorder ? &*recorder : nullptr);
     status = service.run();
     if (recorder && !recorder->close(kRecordingFlush)) {
       log.write(Level::warning, "the recording is not complete",
@@ -143,6 +148,29 @@ Result<RecordingBegun, std::string> begin_recording(const Options& options,
   return RecordingBegun{*std::move(file), gateway::head_lines(head)};
 }
 
+/// What --check says of a configuration without errors. The exit status.
+int print_check(const Configuration& checked, const std::string& file) {
+  const auto say = [&file](config::Severity severity, const std::string& text) {
+    std::cerr << config::render({severity, file, {}, text, {}});
+  };
+  const gateway::Settings& settings = *checked.loaded.settings;
+  const auto room = io::room_for_clients(settings, io::hard_descriptor_limit());
+  if (room.shortage) {
+    say(config::Severity::warning, *room.shortage);
+  }
+  for (const std::string& warning : checked.tls.warnings) {
+    say(config::Severity::warning, warning);
+  }
+  for (const std::string& failure : checked.tls.failures) {
+    say(config::Severity::error, failure);
+  }
+  if (!checked.tls.failures.empty()) {
+    return EX_CONFIG;
+  }
+  std::cout << config::check_summary(settings) << '\n';
+  return EXIT_SUCCESS;
+}
+
 }  // namespace
 
 int run_mbgated(int argc, const char* const* argv, const std::string& version) {
@@ -166,13 +194,7 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
     return EXIT_SUCCESS;
   }
   if (options.check) {
-    const auto room = io::room_for_clients(*loaded.settings, io::hard_descriptor_limit());
-    if (room.shortage) {
-      std::cerr << config::render(
-          {config::Severity::warning, options.config.string(), {}, *room.shortage, {}});
-    }
-    std::cout << config::check_summary(*loaded.settings) << '\n';
-    return EXIT_SUCCESS;
+    return print_check(configuration, options.config.string());
   }
   std::optional<RecordingBegun> recording;
   if (options.record) {
@@ -183,7 +205,7 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
     }
     recording = *std::move(begun);
   }
-  return serve(*std::move(loaded.settings), options, version, std::move(recording));
+  return serve(std::move(configuration), options, version, std::move(recording));
 }
 
 }  // namespace mbgate::app

@@ -63,16 +63,17 @@ std::string kind_of(const gateway::Event& event) {
 
 }  // namespace
 
-Service::Service(gateway::Settings settings, About about, Read read, Log& log,
-                 io::Recorder* recorder)
+Service::Service(Configuration first, About about, Read read, Log& log, io::Recorder* recorder)
     : log_(log),
       about_(std::move(about)),
       read_(std::move(read)),
       signals_(context_, SIGTERM, SIGINT, SIGHUP),
       blocking_(context_),
       status_timer_(context_),
-      failures_(settings.buses.size()),
-      driver_(context_, std::move(settings), *this, recorder),
+      failures_(first.loaded.settings->buses.size()),
+      certificates_(context_, log),
+      first_tls_(std::move(first.tls)),
+      driver_(context_, *std::move(first.loaded.settings), *this, recorder),
       listeners_(context_, log,
                  [this](ListenerId listener, tcp::acceptor acceptor) {
                    driver_.add_server(listener, std::move(acceptor));
@@ -105,6 +106,10 @@ int Service::begin_listening() {
   if (!denials.empty()) {
     return EX_CONFIG;
   }
+  if (!has_certificates(first_tls_)) {
+    return first_tls_.is_wrong ? EX_CONFIG : EXIT_FAILURE;
+  }
+  use_certificates(std::exchange(first_tls_, {}).contexts);
   http_.take(settings, inherited);
   const auto descriptors =
       io::room_for_clients(settings, io::raise_descriptor_limit(), http_.inherited());
@@ -157,6 +162,7 @@ boost::asio::awaitable<void> Service::wait_for_signal() {
 void Service::stop() {
   log_.write(Level::info, "stopping", {.id = message_id::kStopping});
   status_timer_.cancel();
+  certificates_.stop();
   ready_ = false;
   notify_stopping();
   listeners_.stop();
@@ -240,7 +246,7 @@ void Service::on_finished() { context_.stop(); }
 gateway::StatusReport Service::report_status() const { return driver_.report_status(); }
 
 ProcessStatus Service::process_status() const {
-  return {about_.version, about_.config, read_at_, is_refused_};
+  return {about_.version, about_.config, read_at_, is_refused_, certificates_.status()};
 }
 
 void Service::clear_counters() {

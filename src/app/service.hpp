@@ -18,10 +18,12 @@
 #include "app/listeners.hpp"
 #include "app/log.hpp"
 #include "app/stored_sockets.hpp"
+#include "app/tls/certificates.hpp"
 #include "app/watchdog.hpp"
 #include "config/load.hpp"
 #include "io/blocking_calls.hpp"
 #include "io/gateway_driver.hpp"
+#include "io/tls/load_tls.hpp"
 
 namespace mbgate::app {
 
@@ -29,6 +31,7 @@ namespace mbgate::app {
 struct Configuration {
   config::Loaded loaded;
   std::vector<gateway::ConfigFile> files;
+  io::LoadedTls tls{};  ///< if there are settings
   std::string failure;  ///< why it could not be read; else empty
 };
 
@@ -43,7 +46,8 @@ class Service final : public io::DriverObserver, public ControlTarget {
   /// Reads the configuration again, on a thread that may wait.
   using Read = std::function<Configuration()>;
 
-  Service(gateway::Settings settings, About about, Read read, Log& log, io::Recorder* recorder);
+  /// `read` also gives what it starts with.
+  Service(Configuration first, About about, Read read, Log& log, io::Recorder* recorder);
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
   ~Service() override;
@@ -59,6 +63,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void on_line_warning(gateway::BusId bus, const std::string& warning) override;
   void on_line_failure(gateway::BusId bus, const std::string& why) override;
   void on_accept_failure(gateway::ListenerId listener, const std::string& why) override;
+  void on_tls_refusal(const io::TlsPlace& place, const std::string& why) override;
   void on_stall(std::chrono::milliseconds lasted) override;
   void on_status_changed() override;
   void on_finished() override;
@@ -87,6 +92,9 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void say_of_reload(Level level, const std::string& text, MessageId id);
   void end_reload(bool done);
   void start_control();
+  /// Are none missing? Says which are.
+  bool has_certificates(const io::LoadedTls& tls);
+  void use_certificates(const io::TlsContexts& contexts);
   void send_status();
   [[nodiscard]] std::string status() const;
   [[nodiscard]] std::string bus_text(gateway::BusId bus, const std::string& text) const;
@@ -115,6 +123,8 @@ class Service final : public io::DriverObserver, public ControlTarget {
   /// fails for the same reason.
   std::vector<std::set<std::string>> failures_;
   std::set<std::string> warnings_;
+  Certificates certificates_;
+  io::LoadedTls first_tls_;  ///< until it listens
   io::GatewayDriver driver_;
   StoredSockets stored_;
   Listeners listeners_;

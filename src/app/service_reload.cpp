@@ -106,7 +106,23 @@ bool Service::is_sound(const Configuration& read) {
   for (const auto& denial : denials) {
     say_of_reload(Level::error, denial, message_id::kDenied);
   }
-  return denials.empty();
+  return has_certificates(read.tls) && denials.empty();
+}
+
+bool Service::has_certificates(const io::LoadedTls& tls) {
+  for (const auto& failure : tls.failures) {
+    say_of_reload(Level::error, failure, message_id::kCertificateWrong);
+  }
+  return tls.failures.empty();
+}
+
+void Service::use_certificates(const io::TlsContexts& contexts) {
+  driver_.use_tls(contexts);
+  certificates_.use(contexts);
+}
+
+void Service::on_tls_refusal(const io::TlsPlace& place, const std::string& why) {
+  certificates_.tell_refusal(driver_.settings().listener(place.listener).name, place, why);
 }
 
 bool Service::change(const Configuration& read) {
@@ -117,6 +133,7 @@ bool Service::change(const Configuration& read) {
     return false;
   }
   forget_failures(before, next);
+  use_certificates(read.tls.contexts);
   driver_.reload(*read.loaded.settings, gateway::config_lines(read.files));
   control_.set_end(io::end_of_client_descriptors(next));
   if (!(before.http == next.http)) {

@@ -48,13 +48,25 @@ struct ConnectionTimes {
   friend bool operator==(const ConnectionTimes&, const ConnectionTimes&) = default;
 };
 
+/// How a Modbus TCP server is reached over TLS. Nothing of it is looked at here.
+struct TlsPeer {
+  std::string certificate;  ///< our own and those between it and its authority: a file in PEM
+  std::string key;          ///< the name by which the signer knows our private key
+  std::string authorities;  ///< who may have signed the server's: a file in PEM
+  std::string crl;          ///< which of these are revoked: a file in PEM, or empty
+  std::string signer;       ///< the socket of the signer
+  std::string server_name;  ///< that the server's certificate must be for
+  friend bool operator==(const TlsPeer&, const TlsPeer&) = default;
+};
+
 struct LineSettings {
   Framing framing = Framing::rtu;
   /// Set: a TCP connection in place of a serial line. Framing tcp always has one; with rtu and
   /// ascii a serial device server is behind it.
   std::optional<Endpoint> remote;
-  ConnectionTimes connection;  ///< with `remote`
-  std::string device;          ///< path, preferably below /dev/serial/by-id
+  ConnectionTimes connection;    ///< with `remote`
+  std::optional<TlsPeer> tls{};  ///< with framing tcp; none: plain TCP
+  std::string device;            ///< path, preferably below /dev/serial/by-id
   modbus::Baud baud{19200};
   modbus::CharacterFormat format;
   Rs485 rs485 = Rs485::off;

@@ -17,6 +17,7 @@ Loaded read(TomlDocument document, ProfileSearch search) {
     Draft draft(document, std::move(search.otherwise));
     // Names must be known before something refers to them.
     read_gateway(draft, search.folder);
+    read_tls(draft);
     read_buses(draft);
     read_devices(draft);
     read_listeners(draft);

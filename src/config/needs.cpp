@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/needs.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <string_view>
 
@@ -69,6 +70,9 @@ std::vector<std::string> needs(const gateway::Settings& settings) {
   std::vector<std::string> found;
   add_ports(settings, found);
   add_lines(settings, found);
+  if (std::ranges::any_of(settings.listeners, [](const auto& it) { return it.tls.has_value(); })) {
+    found.push_back("needs " + settings.signer + " ([gateway] signer): mbgate-signer.socket");
+  }
   if (settings.lock_memory) {
     found.emplace_back("needs lock_memory: the drop-in realtime.conf");
   }

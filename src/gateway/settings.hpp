@@ -33,6 +33,28 @@ struct TcpSettings {
   friend bool operator==(const TcpSettings&, const TcpSettings&) = default;
 };
 
+/// Of the file of a private key. A question to mbgate-signer has room for it.
+inline constexpr std::size_t kLongestKeyName = 255;
+
+/// Who this end of TLS is, and whom it trusts (MB-TCP-Security v36). The machine does not look at
+/// it.
+struct TlsSettings {
+  std::string name;
+  std::string certificate{};  ///< PEM: its own, then those between it and the authority
+  std::string key{};          ///< name of a file in the folder of mbgate-signer
+  std::string authorities{};  ///< PEM: who signs the certificates of others
+  std::string crl{};          ///< PEM: what is revoked; empty: nothing is known of that
+  friend bool operator==(const TlsSettings&, const TlsSettings&) = default;
+};
+
+/// Clients of a listener with TLS that are not known yet.
+struct HandshakeSettings {
+  Duration timeout = std::chrono::seconds(10);  ///< from the connection to the end of the handshake
+  std::size_t at_a_time = 64;                   ///< handshakes under way
+  std::size_t for_one_client = 8;               ///< of these, from one client address
+  friend bool operator==(const HandshakeSettings&, const HandshakeSettings&) = default;
+};
+
 struct ListenerSettings {
   std::string name;
   bool is_gone = false;  ///< a reload has removed it; its number is not used again
@@ -51,6 +73,8 @@ struct ListenerSettings {
   bool broadcast = false;     ///< transparent listeners: unit 0 is sent to the bus
   routing::BroadcastReply broadcast_reply = routing::BroadcastReply::echo;
   TcpSettings tcp;
+  std::optional<std::size_t> tls;  ///< index in the same Settings; none: without encryption
+  HandshakeSettings handshakes;
 };
 
 /// Connections to the HTTP interface that follow nothing: so many at a time over the Unix socket,
@@ -76,8 +100,11 @@ struct Settings {
   /// Path of the Unix socket of the HTTP interface; empty: there is none.
   std::string control_socket = "/run/mbgate/control";
   HttpSettings http{};
+  /// Path of the Unix socket of mbgate-signer, which holds the private keys.
+  std::string signer = "/run/mbgate-signer/socket";
   /// Kernel timers fire late: the driver wakes so long before an instant and busy-waits for it.
   Duration wake_early = std::chrono::microseconds(100);
+  std::vector<TlsSettings> tls{};
   std::vector<ListenerSettings> listeners;
   std::vector<BusSettings> buses;
   std::vector<drive::Device> devices;

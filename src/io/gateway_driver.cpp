@@ -19,6 +19,9 @@ using gateway::ListenerId;
 /// How long after it has not run it may still find connections that came meanwhile: it accepts some
 /// at a time.
 constexpr std::chrono::seconds kBehind{1};
+/// More than lies in any socket: what a client with TLS has sent before the thread of TLS was
+/// stopped may not have come to its socket here.
+constexpr std::size_t kStillBehind = 1UL << 24U;
 
 }  // namespace
 
@@ -31,6 +34,7 @@ GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings
       gateway_(std::move(settings), started_),
       timer_(context),
       blocking_(context),
+      tls_(context, *this),
       clients_(context, *this),
       lines_({context, blocking_, *this}),
       servers_(context, *this),
@@ -83,10 +87,20 @@ void GatewayDriver::shutdown() {
 
 void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) {
   notice_stall(now());
+  const gateway::ListenerSettings& where = settings().listener(listener);
+  const bool may_connect = where.allow.empty() || routing::contains(where.allow, client.address());
+  if (where.tls && !where.is_gone && may_connect) {
+    tls_.take(listener, settings(), std::move(client));
+    return;  // who may not connect is closed before a byte is read: by the machine, as others are
+  }
   const std::size_t waiting =
       is_behind() ? unread_bytes(client.socket.native_handle()) : client.bytes_waiting;
-  const ClientId id = clients_.add(std::move(client.socket));
-  feed(gateway::ClientConnected{id, {listener, client.address(), waiting}});
+  const auto address = client.address();
+  connected(clients_.add(std::move(client.socket)), {listener, address, waiting});
+}
+
+void GatewayDriver::connected(ClientId id, const gateway::ClientInfo& info) {
+  feed(gateway::ClientConnected{id, info});
   carry_out_actions();
   if (auto* const added = clients_.find(id)) {
     added->start();
@@ -99,7 +113,9 @@ void GatewayDriver::accept_failed(ListenerId listener, const boost::system::erro
 }
 
 void GatewayDriver::client_bytes(ClientId client, modbus::Bytes bytes, std::size_t unread) {
-  feed(gateway::ClientBytes{client, bytes, unread});
+  const auto* const connection = is_tls_behind_ ? clients_.find(client) : nullptr;
+  const bool more_is_old = connection != nullptr && connection->is_relayed();
+  feed(gateway::ClientBytes{client, bytes, more_is_old ? unread + kStillBehind : unread});
   carry_out_actions();
 }
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gateway/action.hpp"
@@ -22,6 +23,7 @@
 #include "io/heartbeat.hpp"
 #include "io/lines/line_set.hpp"
 #include "io/recorder.hpp"
+#include "io/tls/tls_door.hpp"
 
 namespace mbgate::io {
 
@@ -34,6 +36,8 @@ class DriverObserver {
   /// A line could not be opened, or was lost. Called for each attempt.
   virtual void on_line_failure(gateway::BusId bus, const std::string& why) = 0;
   virtual void on_accept_failure(gateway::ListenerId listener, const std::string& why) = 0;
+  /// A client has no handshake of TLS, or its certificate is not accepted any more.
+  virtual void on_tls_refusal(const TlsPlace& place, const std::string& why) = 0;
   /// The io thread has not run for so long.
   virtual void on_stall(std::chrono::milliseconds lasted) = 0;
   /// The result of status() may have changed.
@@ -42,7 +46,10 @@ class DriverObserver {
   virtual void on_finished() = 0;
 };
 
-class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public LineEvents {
+class GatewayDriver final : public AcceptEvents,
+                            public ConnectionEvents,
+                            public LineEvents,
+                            public TlsEvents {
  public:
   /// All inputs and actions of the machine are noted in the recorder, if there is one.
   GatewayDriver(boost::asio::io_context& context, gateway::Settings settings,
@@ -62,6 +69,8 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void reload(const gateway::Settings& settings, std::string_view config);
   /// Closes the sockets of this listener: no more clients are accepted on them.
   void remove_servers(gateway::ListenerId listener);
+  /// Certificates of the listeners with TLS, from now on; before start() too.
+  void use_tls(TlsContexts contexts) { tls_.use(std::move(contexts)); }
   void clear_counters();
   /// Accepts no more clients and lets the machine finish; on_finished() follows.
   void shutdown();
@@ -76,6 +85,11 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
  private:
   void client_accepted(gateway::ListenerId listener, AcceptedClient client) override;
   void accept_failed(gateway::ListenerId listener, const boost::system::error_code& error) override;
+  void tls_arrived(TlsArrival arrival) override;
+  void tls_refused(const TlsPlace& place, const std::string& why) override;
+  void tls_ended(const TlsPlace& place, const std::string& why) override;
+  void tls_behind(std::chrono::milliseconds missed) override;
+  void tls_drained() override;
   void client_bytes(gateway::ClientId client, modbus::Bytes bytes, std::size_t unread) override;
   void client_sent(gateway::ClientId client) override;
   void client_half_closed(gateway::ClientId client) override;
@@ -94,6 +108,7 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   void notice_stall(gateway::Instant at);
   /// May connections still come that have waited for it to run?
   [[nodiscard]] bool is_behind() const;
+  void connected(gateway::ClientId id, const gateway::ClientInfo& info);
   /// Carries out the actions of the machine until there are none left, then sets the timer. A
   /// nested call (an action that causes an input) leaves the work to the outer call.
   void carry_out_actions();
@@ -126,6 +141,8 @@ class GatewayDriver final : public AcceptEvents, public ConnectionEvents, public
   /// decides anything.
   std::optional<gateway::Instant> reading_at_;
   BlockingCalls blocking_;
+  TlsDoor tls_;
+  bool is_tls_behind_ = false;
   ClientConnections clients_;
   LineSet lines_;
   ServerSet servers_;

@@ -21,7 +21,7 @@ import seeds
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CORPORA = ROOT / "tests/fuzz/corpus"
 # Longest input of each target: enough for what it can do, short enough to be fast.
-TARGETS = {"mbap": 1024, "rtu_framer": 1024, "ascii_framer": 1024, "plan": 600, "config": 6000, "profile": 6000,
+TARGETS = {"mbap": 1024, "role": 300, "rtu_framer": 1024, "ascii_framer": 1024, "plan": 600, "config": 6000, "profile": 6000,
            "machine": 1500, "confusable": 160}
 # Most inputs of a corpus: they are run again with every test.
 MOST_INPUTS = 80

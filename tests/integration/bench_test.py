@@ -40,6 +40,33 @@ while True:
         client.sendall(adu[:4] + len(body).to_bytes(2, "big") + body)
 """
 
+# Whoever only looks whether there is a gateway says nothing.
+ACCEPT = """
+def accept():
+    while True:
+        try:
+            return context.wrap_socket(listening.accept()[0], server_side=True)
+        except OSError:
+            pass
+"""
+
+
+def over_tls(gateway):
+    """The same for a client over TLS, which keeps the silence and changes nothing."""
+    context = """
+import ssl, time
+context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+context.load_cert_chain(sys.argv[3], sys.argv[4])
+context.load_verify_locations(sys.argv[5])
+context.verify_mode = ssl.CERT_REQUIRED
+"""
+    return (
+        gateway.replace("termios, tty\n", "termios, tty" + context)
+        .replace("    client, _ = listening.accept()", "    client = accept()")
+        .replace("count = 0", ACCEPT + "count = 0")
+        .replace("body[-1] ^= count % 10 == 0", "time.sleep(0.003)")
+    )
+
 
 def run_bench(*arguments, warm_up=0.3):
     """The contestants of the JSON that a run writes."""
@@ -105,6 +132,24 @@ class Bench(unittest.TestCase):
         self.assertGreater(median["wrong"], 0)
         self.assertGreater(median["violations"], 0)
 
+    def test_clients_speak_tls(self):
+        with tempfile.TemporaryDirectory() as folder:
+            script = pathlib.Path(folder) / "tls_gateway.py"
+            script.write_text(over_tls(BAD_GATEWAY), encoding="utf-8")
+            command = f"secure={sys.executable} {script} {{device}} {{port}} {{certificate}} {{key}} {{authorities}}"
+            contestants = run_bench("secure:tls=1", "--clients", "1", "--command", command)
+        self.assertTrue(contestants[0]["scenario"]["tls"])
+        median = contestants[0]["median"]
+        self.assertGreater(median["answers_per_second"], 0)
+        self.assertEqual([0, 0, 0], [median[fault] for fault in ("wrong", "lost", "bad_frames")])
+
+    def test_tls_is_compared_with_none(self):
+        contestants = run_undisturbed("mbgated", "mbgated:tls=1", "mbgated:handshakes=1")
+        for contestant in contestants:
+            self.check_clean(contestant)
+        self.assertIsNone(contestants[1]["median"]["handshakes_per_second"])
+        self.assertGreater(contestants[2]["median"]["handshakes_per_second"], 0)
+
     def test_a_gateway_that_does_not_start(self):
         result = subprocess.run([BENCH, "absent", "--command", "absent=echo no such line {device}"],
                                 capture_output=True, text=True, timeout=60, check=False)
@@ -120,6 +165,7 @@ class Bench(unittest.TestCase):
                 (["mbgated", "--dead", "5"], "a bus has 1 to 247 devices, and not more dead ones"),
                 (["relay", "--dead", "1"], "waits for every answer"),
                 (["mbgated:clients=501"], "not more than 500 clients have registers of their own"),
+                (["master:tls=1"], "master:tls=1: neither master nor relay speaks TLS"),
                 (["relay:buses=2"], "only mbgated and master take several buses")):
             result = subprocess.run([BENCH, *arguments], capture_output=True, text=True, timeout=60,
                                     check=False)

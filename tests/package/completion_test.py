@@ -58,12 +58,13 @@ def commands_in(text):
 
 
 def calls():
-    """Each program, and mbgatectl with each subcommand, as (words, text of --help)."""
-    for name in NAMES:
-        text = help_of(PROGRAMS / name)
-        yield [str(PROGRAMS / name)], text
-        for command in commands_in(text):
-            yield [str(PROGRAMS / name), command], help_of(PROGRAMS / name, command)
+    """Each program, and mbgatectl with each subcommand and those of cert, as (words, text of --help)."""
+    waiting = [[str(PROGRAMS / name)] for name in NAMES]
+    while waiting:
+        words = waiting.pop()
+        text = help_of(*words)
+        yield words, text
+        waiting += [[*words, command] for command in commands_in(text)]
 
 
 def bash(*words):
@@ -88,6 +89,9 @@ class Bash(unittest.TestCase):
         text = help_of(PROGRAMS / "mbgatectl")
         self.assertTrue({"read", "status", "trace"} <= set(commands_in(text)), text)
         self.assertEqual(commands_in(text), bash(str(PROGRAMS / "mbgatectl"), ""))
+
+    def test_offers_each_subcommand_of_cert(self):
+        self.assertEqual(["ca", "server", "client", "revoke", "crl", "show"], bash(str(PROGRAMS / "mbgatectl"), "cert", ""))
 
     def test_offers_what_begins_as_typed(self):
         self.assertEqual(["--parity"], bash(str(PROGRAMS / "mbgated"), "--par"))

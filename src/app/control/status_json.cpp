@@ -178,6 +178,14 @@ object diagnosis_json(const gateway::Diagnosis& diagnosis) {
           {"look_at", diagnosis.look_at}};
 }
 
+object certificate_json(const CertificateStatus& certificate) {
+  object json{{"name", certificate.name}, {"ends", utc_second(certificate.ends) + "Z"}};
+  if (certificate.crl_ends) {
+    json["crl_ends"] = utc_second(*certificate.crl_ends) + "Z";
+  }
+  return json;
+}
+
 template <typename Items, typename ToJson>
 array array_of(const Items& items, ToJson to_json) {
   array all;
@@ -196,6 +204,7 @@ object status_json(const gateway::StatusReport& report, const ProcessStatus& pro
            {{"file", valid_utf8(process.config)},
             {"read_at", utc_second(process.config_read_at) + "Z"},
             {"reload_refused", process.reload_refused}}},
+          {"certificates", array_of(process.certificates, certificate_json)},
           {"requests", report.counters.requests},
           {"foreign_adus", report.counters.foreign_adus},
           {"framing_lost", report.counters.framing_lost},

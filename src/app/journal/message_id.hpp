@@ -66,6 +66,7 @@ inline constexpr MessageId kClientDisplaced{"af52e3b3adb24e539419b9700fff4014"};
 inline constexpr MessageId kClientFramingLost{"902aa8155c9141c1a6ccdc6f44997388"};
 inline constexpr MessageId kClientSpeaksRtu{"2216a36b597145a397ec49f589b12854"};
 inline constexpr MessageId kClientFrameTimedOut{"271edbe09ffe4d2e8cdf734f2aa73a88"};
+inline constexpr MessageId kTlsRefused{"b09994b755ed4845bd74d6bf8afc7649"};
 inline constexpr MessageId kUnitNotRouted{"a61c22f76a8144eea5feafe89de90622"};
 
 // The process and its configuration.
@@ -82,6 +83,8 @@ inline constexpr MessageId kConfigurationKept{"682a9774e7134eaab32c70cb334467b2"
 inline constexpr MessageId kConfigurationChanged{"d215b9b94ba94413b0322aa45a6a9e62"};
 inline constexpr MessageId kConfigurationInForce{"1012fa2b62c74254a46df57d948a5219"};
 inline constexpr MessageId kConfigurationNextStart{"9aa469bf78924912af6a68d864e086cd"};
+inline constexpr MessageId kCertificateWrong{"252fe903f1f44d6a84d74075a127b761"};
+inline constexpr MessageId kCertificateEnds{"ad923bfe738147598f7109d802abb3fc"};
 inline constexpr MessageId kStopping{"cac09ef44bfd49b2b3cd8c05e6b36d5c"};
 inline constexpr MessageId kFatal{"059e80f7e8e14b4fa736ae6249c3903c"};
 inline constexpr MessageId kRecordingEnded{"c7808491f5f943488c4508ffb2f05b6d"};

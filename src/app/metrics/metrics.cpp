@@ -25,6 +25,21 @@ void add_process(MetricBook& book, const gateway::StatusReport& report,
   book.gauge({"mbgate_config_last_reload_success_timestamp_seconds",
               "When the configuration in force was read."},
              {}, std::chrono::duration<double>(read_at).count());
+  const auto seconds = [](std::chrono::system_clock::time_point time) {
+    return std::chrono::duration<double>(time.time_since_epoch()).count();
+  };
+  for (const CertificateStatus& certificate : process.certificates) {
+    book.gauge({"mbgate_certificate_expiry_timestamp_seconds",
+                "When the certificate of a [[tls]] that listeners use expires."},
+               {{"tls", certificate.name}}, seconds(certificate.ends));
+  }
+  for (const CertificateStatus& certificate : process.certificates) {
+    if (certificate.crl_ends) {
+      book.gauge(
+          {"mbgate_crl_expiry_timestamp_seconds", "When its list of revoked certificates expires."},
+          {{"tls", certificate.name}}, seconds(*certificate.crl_ends));
+    }
+  }
   book.gauge({"mbgate_diagnoses", "What is not well at present: see mbgatectl status."}, {},
              static_cast<double>(gateway::diagnose(report).size()));
   book.counter({"mbgate_foreign_adus_total", "Skipped ADUs of other protocols than Modbus."}, {},

@@ -3,15 +3,26 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace mbgate::app {
+
+/// Of a [[tls]] that listeners use.
+struct CertificateStatus {
+  std::string name;
+  std::chrono::system_clock::time_point ends;
+  /// Of the list of revoked certificates; none: there is no list.
+  std::optional<std::chrono::system_clock::time_point> crl_ends{};
+};
 
 struct ProcessStatus {
   std::string version;
   std::string config;  ///< path of the configuration file
   std::chrono::system_clock::time_point config_read_at;
   bool reload_refused = false;  ///< the last one: the settings in force are older than the file
+  std::vector<CertificateStatus> certificates{};
 };
 
 }  // namespace mbgate::app

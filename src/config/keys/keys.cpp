@@ -14,6 +14,7 @@ using bus::LineSettings;
 using drive::Device;
 using drive::DeviceTiming;
 using gateway::DeviceGuard;
+using gateway::HandshakeSettings;
 using gateway::HttpSettings;
 using gateway::ListenerSettings;
 using gateway::Settings;
@@ -69,6 +70,12 @@ constexpr std::array kListenerKeys = {
                                                               DurationRange{100ms, 24h, true}),
     plain<&ListenerSettings::tcp, &TcpSettings::backlog>("backlog", IntegerRange{1, 65535}),
     plain<&ListenerSettings::broadcast>("broadcast", Truth{}),
+    plain<&ListenerSettings::handshakes, &HandshakeSettings::timeout>("handshake_timeout",
+                                                                      DurationRange{100ms, 10min}),
+    plain<&ListenerSettings::handshakes, &HandshakeSettings::at_a_time>("max_handshakes",
+                                                                        IntegerRange{1, 100'000}),
+    plain<&ListenerSettings::handshakes, &HandshakeSettings::for_one_client>(
+        "max_handshakes_per_client", IntegerRange{1, 100'000}),
 };
 
 constexpr std::array kBusKeys = {

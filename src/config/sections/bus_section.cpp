@@ -59,6 +59,36 @@ void check_line(Draft& draft, const bus::BusSettings& settings) {
   }
 }
 
+/// Of a Modbus TCP server that is reached over TLS.
+void read_peer(Draft& draft, TomlTable& table, bus::LineSettings& line, Lines lines) {
+  const auto tls = find_named(table, "tls", draft.settings.tls);
+  const auto server_name = table.string("server_name");
+  const bool is_server = lines == Lines::server;
+  for (const auto* key : {"tls", "server_name"}) {
+    if (table.has(key) && !is_server && lines != Lines::any) {
+      table.error(key, R"(belongs to mode = "tcp": a serial device server speaks no TLS)");
+    }
+  }
+  if (is_server && table.has("server_name") && !table.has("tls")) {
+    table.error("server_name", "is what the certificate of the server is for: expected 'tls' too");
+  }
+  if (server_name && server_name->empty()) {
+    table.error("server_name", "expected a host name or an IP address, found an empty string");
+  }
+  if (!is_server || !table.has("tls") || !line.remote) {
+    return;
+  }
+  if (!table.has("port")) {
+    line.remote->port = kSecurePort;
+  }
+  if (tls) {
+    const auto& found = draft.settings.tls[*tls];
+    line.tls = bus::TlsPeer{found.certificate,     found.key,
+                            found.authorities,     found.crl,
+                            draft.settings.signer, server_name.value_or(line.remote->host)};
+  }
+}
+
 }  // namespace
 
 void read_buses(Draft& draft) {
@@ -68,6 +98,7 @@ void read_buses(Draft& draft) {
     settings.name = read_name(table);
     check_name(draft.buses, draft.settings.buses, settings.name);
     const Lines lines = read_line(table, settings);
+    read_peer(draft, table, settings.line, lines);
     check_line(draft, settings);
     read_shared_timing(table, {.lines = lines}, settings.timing);
     check_reopening(table, settings);

@@ -11,20 +11,8 @@ using gateway::HttpSettings;
 using gateway::ListenerSettings;
 using routing::ListenAddress;
 
-/// The kernel takes no longer path for a Unix socket.
-constexpr std::size_t kLongestSocketPath = 107;
 /// Of a name (RFC 1035, 2.3.4).
 constexpr std::size_t kLongestHost = 253;
-
-void read_socket(TomlTable& table, std::string& path) {
-  if (const auto socket = table.string("socket")) {
-    path = *socket;
-    if (!socket->empty() && (socket->front() != '/' || socket->size() > kLongestSocketPath)) {
-      table.report_expected("socket", *table.value("socket"),
-                            "an absolute path of at most 107 characters, or \"\" for none");
-    }
-  }
-}
 
 constexpr std::string_view kListen =
     R"(an IPv4 or IPv6 address and a port, such as "127.0.0.1:8080" or "[::1]:8080")";
@@ -135,7 +123,7 @@ void read_http(Draft& draft) {
   if (!table) {
     return;
   }
-  read_socket(*table, draft.settings.control_socket);
+  read_socket_path(*table, "socket", draft.settings.control_socket, ", or \"\" for none");
   read_listen(draft, *table);
   read_allow(*table, draft.settings.http);
   read_hosts(*table, draft.settings.http);

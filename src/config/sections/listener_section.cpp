@@ -21,8 +21,20 @@ void read_address(TomlTable& table, ListenerSettings& listener) {
                             R"(an IPv4 or IPv6 address, such as "127.0.0.1" or "::")");
     }
   }
-  table.require("port");
-  listener.port = static_cast<std::uint16_t>(table.integer("port", {0, 65535}).value_or(0));
+  if (!table.has("tls")) {
+    table.require("port");
+  }
+  const std::int64_t otherwise = table.has("port") ? 0 : kSecurePort;
+  listener.port = static_cast<std::uint16_t>(table.integer("port", {0, 65535}).value_or(otherwise));
+}
+
+void read_handshakes(Draft& draft, TomlTable& table, ListenerSettings& listener) {
+  listener.tls = find_named(table, "tls", draft.settings.tls);
+  for (const auto* key : {"handshake_timeout", "max_handshakes", "max_handshakes_per_client"}) {
+    if (!table.has("tls") && table.has(key)) {
+      table.error(key, "belongs to a listener with 'tls'");
+    }
+  }
 }
 
 bool is_every_interface(const ClientAddress& address) {
@@ -109,6 +121,7 @@ void read_listeners(Draft& draft) {
     check_name(draft.listeners, draft.settings.listeners, listener.name);
     read_keys(table, listener_keys(), listener);
     read_address(table, listener);
+    read_handshakes(draft, table, listener);
     check_port(draft, listener);
     read_access(table, listener);
     check_open(table, listener);

@@ -8,6 +8,8 @@ namespace mbgate::config {
 namespace {
 
 constexpr std::size_t kLongestName = 64;
+/// The kernel takes no longer path for a Unix socket.
+constexpr std::size_t kLongestSocketPath = 107;
 
 bool is_name_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
@@ -52,6 +54,7 @@ void read_gateway(Draft& draft, const std::optional<std::filesystem::path>& prof
   if (auto table = draft.document.root().table("gateway")) {
     read_status_unit(*table, draft.settings);
     read_keys(*table, gateway_keys(), draft.settings);
+    read_socket_path(*table, "signer", draft.settings.signer);
     folder = read_profiles(*table);
   }
   if (profile_folder) {
@@ -78,6 +81,20 @@ std::string read_name(TomlTable& table) {
                           "1 to 64 letters, digits, '-', '_' and '.'");
   }
   return *std::move(name);
+}
+
+void read_socket_path(TomlTable& table, std::string_view key, std::string& path,
+                      std::string_view or_else) {
+  const auto socket = table.string(key);
+  if (!socket) {
+    return;
+  }
+  path = *socket;
+  const bool is_none = socket->empty() && !or_else.empty();
+  if (!is_none && (!socket->starts_with('/') || socket->size() > kLongestSocketPath)) {
+    table.report_expected(key, *table.value(key),
+                          "an absolute path of at most 107 characters" + std::string(or_else));
+  }
 }
 
 std::optional<routing::Network> read_network(TomlTable& table, std::string_view key,

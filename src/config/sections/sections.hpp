@@ -20,6 +20,9 @@
 
 namespace mbgate::config {
 
+/// Of Modbus/TCP Security (MB-TCP-Security v36).
+inline constexpr std::uint16_t kSecurePort = 802;
+
 /// Settings that are being read, and for each entry the table that it was read from.
 struct Draft {
   Draft(TomlDocument& source, ProfileFolders folders)
@@ -28,6 +31,7 @@ struct Draft {
   TomlDocument& document;
   ProfileLibrary library;
   gateway::Settings settings;
+  std::vector<TomlTable> tls;
   std::vector<TomlTable> listeners;
   std::vector<TomlTable> buses;
   std::vector<TomlTable> devices;
@@ -38,6 +42,8 @@ struct Draft {
 
 /// `profile_folder`: from the command line; it takes precedence over that of the file.
 void read_gateway(Draft& draft, const std::optional<std::filesystem::path>& profile_folder);
+/// [[tls]]: certificates and keys, for listeners and buses that name them.
+void read_tls(Draft& draft);
 void read_buses(Draft& draft);
 void read_devices(Draft& draft);
 void read_listeners(Draft& draft);
@@ -90,6 +96,11 @@ gateway::DeviceGuard read_guard(TomlTable& table, const drive::Device& device);
 std::optional<routing::Network> read_network(TomlTable& table, std::string_view key,
                                              const TomlValue& found);
 
+/// The absolute path of a Unix socket at `key`; a wrong one is reported, and taken all the same.
+/// `or_else`: what may stand there too, for the message.
+void read_socket_path(TomlTable& table, std::string_view key, std::string& path,
+                      std::string_view or_else = {});
+
 /// A list of addresses and blocks.
 routing::NetworkList read_networks(TomlTable& table, std::string_view key);
 
@@ -126,6 +137,8 @@ template <typename Named>
 inline constexpr std::string_view kSection;
 template <>
 inline constexpr std::string_view kSection<gateway::ListenerSettings> = "[[listen]]";
+template <>
+inline constexpr std::string_view kSection<gateway::TlsSettings> = "[[tls]]";
 template <>
 inline constexpr std::string_view kSection<bus::BusSettings> = "[[bus]]";
 template <>

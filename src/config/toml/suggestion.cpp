@@ -73,6 +73,13 @@ constexpr std::array kFamiliar = {
     Familiar{"read_only", "access", ""},
     Familiar{"readonly", "access", ""},
     Familiar{"max_clients", "max_connections", ""},
+    Familiar{"cert", "certificate", ""},
+    Familiar{"cert_file", "certificate", ""},
+    Familiar{"key_file", "key", "authorities"},
+    Familiar{"private_key", "key", "authorities"},
+    Familiar{"ca", "authorities", ""},
+    Familiar{"ca_file", "authorities", ""},
+    Familiar{"cafile", "authorities", ""},
 };
 
 /// "Baud-Rate" is "baud_rate".

@@ -54,6 +54,7 @@ void PlaceOptions::add_to(CLI::App& command, const std::vector<std::string>& tab
       ->check(CLI::Range(0, 255))
       ->capture_default_str();
   server_.add_to(command);
+  server_.add_tls_to(command);
 }
 
 Result<Place, std::string> PlaceOptions::place() const {

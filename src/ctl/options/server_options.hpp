@@ -3,6 +3,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "ctl/request/command.hpp"
@@ -17,6 +19,7 @@ namespace mbgate::ctl {
 Result<std::chrono::nanoseconds, std::string> parse_time(const std::string& text,
                                                          std::chrono::milliseconds least);
 
+/// Which server a command asks, and whether over TLS.
 class ServerOptions {
  public:
   ServerOptions() = default;
@@ -25,12 +28,17 @@ class ServerOptions {
 
   /// `command` keeps references to this object.
   void add_to(CLI::App& command);
+  /// What TLS needs, for commands that speak it.
+  void add_tls_to(CLI::App& command);
   /// The server; its unit is not set. The error is a full sentence.
   [[nodiscard]] Result<Target, std::string> target() const;
 
  private:
   Target target_;
   std::string timeout_ = "5s";
+  std::optional<std::uint16_t> port_;
+  bool tls_ = false;
+  TlsIdentity identity_;
 };
 
 }  // namespace mbgate::ctl

@@ -10,8 +10,10 @@
 #include <variant>
 #include <vector>
 
+#include "ctl/cert/cert_request.hpp"
 #include "ctl/request/value.hpp"
 #include "ctl/serial/line_mode.hpp"
+#include "ctl/tls/tls_identity.hpp"
 #include "modbus/pdu.hpp"
 #include "modbus/request.hpp"
 #include "modbus/result.hpp"
@@ -27,6 +29,7 @@ struct Target {
   std::uint8_t unit = 1;
   /// For connecting, and again for the response.
   std::chrono::nanoseconds timeout = std::chrono::seconds(5);
+  std::optional<TlsIdentity> tls{};  ///< none: plain TCP
 };
 
 /// Where values are and what type they have.
@@ -163,7 +166,7 @@ struct TraceCommand {
 
 using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, CheckCommand,
                              DoctorCommand, ReplayCommand, StatusCommand, ReloadCommand,
-                             ClearCountersCommand, EventsCommand, TraceCommand>;
+                             ClearCountersCommand, EventsCommand, TraceCommand, CertCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a value are never written one by one. The error is a full sentence.

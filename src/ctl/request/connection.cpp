@@ -1,9 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/request/connection.hpp"
 
+#include "ctl/cert/cert_text.hpp"
 #include "ctl/request/carry_out.hpp"
+#include "modbus/exception_code.hpp"
 
 namespace mbgate::ctl {
+namespace {
+
+/// What a gateway over TLS judged by, if it may be that it does not allow the request.
+std::string role_hint(const Target& target, std::uint8_t code) {
+  if (!target.tls || code != static_cast<std::uint8_t>(modbus::ExceptionCode::illegal_function)) {
+    return {};
+  }
+  const std::string file = target.tls->certificate.string();
+  return "; the role in " + file + " is " + role_in_file(file);
+}
+
+}  // namespace
 
 Result<modbus::Pdu, Failure> Connection::ask(const modbus::Request& request) {
   if (client_ && client_->is_lost()) {
@@ -23,10 +37,10 @@ Result<modbus::Pdu, Failure> Connection::ask(const modbus::Request& request) {
   }
   if (response->is_exception()) {
     const std::uint8_t code = response->bytes()[1];
-    return Failure{
-        kExitNotDone,
-        "unit " + std::to_string(target_.unit) + ": " + explain_exception(code, !request.is_read()),
-        code};
+    return Failure{kExitNotDone,
+                   "unit " + std::to_string(target_.unit) + ": " +
+                       explain_exception(code, !request.is_read()) + role_hint(target_, code),
+                   code};
   }
   return *response;
 }

@@ -37,6 +37,13 @@ std::string find_lookup_error(const Target& target) {
   return {};
 }
 
+void set_timeout(modbus_t& context, const Target& target) {
+  const auto microseconds =
+      std::chrono::duration_cast<std::chrono::microseconds>(target.timeout).count();
+  modbus_set_response_timeout(&context, static_cast<std::uint32_t>(microseconds / 1'000'000),
+                              static_cast<std::uint32_t>(microseconds % 1'000'000));
+}
+
 std::string misfit_text(modbus::ResponseFit fit) {
   switch (fit) {
     case modbus::ResponseFit::wrong_function: return "it is of another function";
@@ -55,28 +62,44 @@ void ModbusClient::Free::operator()(_modbus* context) const {
   modbus_free(context);
 }
 
-ModbusClient::ModbusClient(Target target, std::unique_ptr<_modbus, Free> context)
-    : target_(std::move(target)), context_(std::move(context)) {}
+ModbusClient::ModbusClient(Target target, std::unique_ptr<TlsTunnel> tunnel, Context context)
+    : target_(std::move(target)), tunnel_(std::move(tunnel)), context_(std::move(context)) {}
 
-Result<ModbusClient, std::string> ModbusClient::connect(const Target& target) {
-  const std::string prefix = "cannot connect to " + endpoint_text(target) + ": ";
-  if (const auto error = find_lookup_error(target); !error.empty()) {
-    return prefix + error;
+/// libmodbus knows no TLS: it gets one end of a tunnel as its socket.
+Result<ModbusClient, std::string> ModbusClient::connect_over_tls(const Target& target,
+                                                                 const std::string& prefix) {
+  auto connection = connect_tls(target.host, target.port, target.timeout, *target.tls);
+  if (!connection) {
+    return prefix + connection.error();
   }
-  std::unique_ptr<_modbus, Free> context(
-      modbus_new_tcp_pi(target.host.c_str(), std::to_string(target.port).c_str()));
+  auto tunnel = std::make_unique<TlsTunnel>(*std::move(connection));
+  Context context(modbus_new_tcp_pi(nullptr, "0"));
   if (!context) {
     return prefix + modbus_strerror(errno);
   }
-  const auto microseconds =
-      std::chrono::duration_cast<std::chrono::microseconds>(target.timeout).count();
-  modbus_set_response_timeout(context.get(), static_cast<std::uint32_t>(microseconds / 1'000'000),
-                              static_cast<std::uint32_t>(microseconds % 1'000'000));
+  modbus_set_socket(context.get(), tunnel->take_socket());
+  set_timeout(*context, target);
+  return ModbusClient(target, std::move(tunnel), std::move(context));
+}
+
+Result<ModbusClient, std::string> ModbusClient::connect(const Target& target) {
+  const std::string prefix = "cannot connect to " + endpoint_text(target) + ": ";
+  if (target.tls) {
+    return connect_over_tls(target, prefix);
+  }
+  if (const auto error = find_lookup_error(target); !error.empty()) {
+    return prefix + error;
+  }
+  Context context(modbus_new_tcp_pi(target.host.c_str(), std::to_string(target.port).c_str()));
+  if (!context) {
+    return prefix + modbus_strerror(errno);
+  }
+  set_timeout(*context, target);
   if (modbus_connect(context.get()) != 0) {
     return prefix + (errno == ETIMEDOUT ? "no answer within " + config::to_text(target.timeout)
                                         : std::string(modbus_strerror(errno)));
   }
-  return ModbusClient(target, std::move(context));
+  return ModbusClient(target, nullptr, std::move(context));
 }
 
 std::string ModbusClient::failure(int error, const modbus::Request& request) const {
@@ -86,7 +109,11 @@ std::string ModbusClient::failure(int error, const modbus::Request& request) con
       text = "no answer from " + text + " within " + config::to_text(target_.timeout);
       break;
     case ECONNRESET:
-    case EPIPE: text += " closed the connection without an answer"; break;
+    case EPIPE: {
+      const std::string why = tunnel_ ? tunnel_->why_ended() : std::string();
+      text += why.empty() ? " closed the connection without an answer" : ": " + why;
+      break;
+    }
     default: text += ": " + std::string(modbus_strerror(error)); break;
   }
   return request.is_read() ? text : text + "; the write may have been done";

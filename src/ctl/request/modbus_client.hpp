@@ -8,6 +8,7 @@
 #include <string>
 
 #include "ctl/request/command.hpp"
+#include "ctl/tls/tls_tunnel.hpp"
 #include "modbus/pdu.hpp"
 #include "modbus/request.hpp"
 #include "modbus/result.hpp"
@@ -34,11 +35,15 @@ class ModbusClient {
   struct Free {
     void operator()(_modbus* context) const;
   };
-  ModbusClient(Target target, std::unique_ptr<_modbus, Free> context);
+  using Context = std::unique_ptr<_modbus, Free>;
+  ModbusClient(Target target, std::unique_ptr<TlsTunnel> tunnel, Context context);
+  static Result<ModbusClient, std::string> connect_over_tls(const Target& target,
+                                                            const std::string& prefix);
   [[nodiscard]] std::string failure(int error, const modbus::Request& request) const;
 
   Target target_;
-  std::unique_ptr<_modbus, Free> context_;
+  std::unique_ptr<TlsTunnel> tunnel_;  ///< none: plain TCP; it ends after the context has
+  Context context_;
 };
 
 }  // namespace mbgate::ctl

@@ -18,7 +18,7 @@ ClientConnections::ClientConnections(boost::asio::io_context& context, Connectio
                }),
       context_{context, hangups_, events, {}} {}
 
-ClientId ClientConnections::add(boost::asio::ip::tcp::socket socket) {
+ClientId ClientConnections::add(ClientSocket socket) {
   const auto id = static_cast<ClientId>(next_client_++);
   connections_.emplace(id, std::make_shared<TcpConnection>(context_, id, std::move(socket)));
   return id;

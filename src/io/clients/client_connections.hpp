@@ -4,7 +4,6 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -23,7 +22,7 @@ class ClientConnections {
   ClientConnections& operator=(const ClientConnections&) = delete;
 
   /// Adds a connection under a new number. It reports nothing before TcpConnection::start().
-  gateway::ClientId add(boost::asio::ip::tcp::socket socket);
+  gateway::ClientId add(ClientSocket socket);
   /// nullptr if it has ended or was closed.
   [[nodiscard]] TcpConnection* find(gateway::ClientId client) const;
   /// Reads each once, as after a pause: what waited in them while nobody read is told before what

@@ -21,6 +21,8 @@ constexpr std::size_t kForFiles = 32;
 constexpr std::size_t kOfTheProcess = 16;
 /// The socket that listens, a copy of it for when it has to end, and a spare one.
 constexpr std::size_t kForEachListener = 3;
+/// Its socket, and the two ends of the pair by which the machine has it.
+constexpr std::size_t kForEachTlsClient = 3;
 /// The socket that listens, and a copy of it.
 constexpr std::size_t kForEachHttpSocket = 2;
 
@@ -36,6 +38,14 @@ std::size_t of_http(const gateway::Settings& settings, std::size_t inherited) {
   const std::size_t sockets = tcp + (settings.control_socket.empty() ? 0 : 1);
   const std::size_t kinds = (tcp > 0 ? 1 : 0) + (settings.control_socket.empty() ? 0 : 1);
   return kinds == 0 ? 0 : sockets + kinds * gateway::kHttpConnections + settings.http.max_streams;
+}
+
+std::size_t descriptors_of_clients(const gateway::ListenerSettings& listener) {
+  if (listener.is_gone) {
+    return 0;
+  }
+  return listener.tls ? kForEachTlsClient * listener.max_connections + listener.handshakes.at_a_time
+                      : listener.max_connections;
 }
 
 std::size_t descriptors_of(rlim_t limit) {
@@ -67,7 +77,7 @@ DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t l
                              kForEachListener * gateway::count_there(settings.listeners);
   std::size_t wanted = 0;
   for (const auto& listener : settings.listeners) {
-    wanted += listener.is_gone ? 0 : listener.max_connections;
+    wanted += descriptors_of_clients(listener);
   }
   DescriptorRoom room;
   room.clients = limit > others ? limit - others : 0;

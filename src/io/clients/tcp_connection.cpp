@@ -15,7 +15,6 @@
 namespace mbgate::io {
 namespace {
 
-using boost::asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
@@ -39,7 +38,7 @@ std::size_t unread_bytes(int socket) {
 }
 
 TcpConnection::TcpConnection(ConnectionContext& context, gateway::ClientId client,
-                             tcp::socket socket)
+                             ClientSocket socket)
     : context_(context), client_(client), socket_(std::move(socket)) {}
 
 void TcpConnection::start() {
@@ -125,7 +124,7 @@ void TcpConnection::handle_hangup(Hangup hangup) {
 
 boost::asio::awaitable<void> TcpConnection::read_loop(std::shared_ptr<TcpConnection> self) {
   while (!self->paused_ && !self->fin_seen_ && !self->closing_ && self->socket_.is_open()) {
-    const auto [error] = co_await self->socket_.async_wait(tcp::socket::wait_read, kUseTuple);
+    const auto [error] = co_await self->socket_.async_wait(ClientSocket::wait_read, kUseTuple);
     if (error) {
       break;
     }
@@ -183,7 +182,7 @@ void TcpConnection::start_writing() {
 
 boost::asio::awaitable<void> TcpConnection::write_loop(std::shared_ptr<TcpConnection> self) {
   while (self->socket_.is_open() && !self->outbox_.empty()) {
-    const auto [error] = co_await self->socket_.async_wait(tcp::socket::wait_write, kUseTuple);
+    const auto [error] = co_await self->socket_.async_wait(ClientSocket::wait_write, kUseTuple);
     if (error || !self->write_queued()) {
       break;
     }
@@ -218,9 +217,9 @@ bool TcpConnection::write_queued() {
 
 boost::asio::awaitable<void> TcpConnection::discard_until_fin(std::shared_ptr<TcpConnection> self) {
   error_code ignored;
-  self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
+  self->socket_.shutdown(ClientSocket::shutdown_send, ignored);
   while (!self->fin_seen_ && self->socket_.is_open()) {
-    const auto [error] = co_await self->socket_.async_wait(tcp::socket::wait_read, kUseTuple);
+    const auto [error] = co_await self->socket_.async_wait(ClientSocket::wait_read, kUseTuple);
     if (error) {
       co_return;
     }

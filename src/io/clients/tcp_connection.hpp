@@ -6,8 +6,8 @@
 
 #include <array>
 #include <boost/asio/awaitable.hpp>
+#include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <list>
 #include <memory>
@@ -20,6 +20,9 @@
 #include "modbus/mbap.hpp"
 
 namespace mbgate::io {
+
+/// Of a client: a TCP socket, or the end of a pair whose other end speaks TLS with the client.
+using ClientSocket = boost::asio::generic::stream_protocol::socket;
 
 class ConnectionEvents {
  public:
@@ -55,8 +58,7 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
  public:
   enum class SendOutcome : std::uint8_t { sent, queued, failed };
 
-  TcpConnection(ConnectionContext& context, gateway::ClientId client,
-                boost::asio::ip::tcp::socket socket);
+  TcpConnection(ConnectionContext& context, gateway::ClientId client, ClientSocket socket);
 
   /// Reports bytes and FIN until pause().
   void start();
@@ -75,6 +77,9 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   void close(bus::Duration limit);
   /// Closes at once and reports nothing.
   void abort();
+  /// What it sends comes by way of another thread.
+  void set_relayed() { relayed_ = true; }
+  [[nodiscard]] bool is_relayed() const { return relayed_; }
   /// From the hang-up watch.
   void handle_hangup(Hangup hangup);
 
@@ -92,7 +97,7 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
 
   ConnectionContext& context_;
   gateway::ClientId client_;
-  boost::asio::ip::tcp::socket socket_;
+  ClientSocket socket_;
   std::list<modbus::MbapBytes> outbox_;
   std::size_t written_ = 0;  ///< bytes of the first ADU of the outbox
   std::optional<boost::asio::steady_timer> closing_;
@@ -100,6 +105,7 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   bool writing_ = false;  ///< write_loop runs
   bool paused_ = false;
   bool watched_ = false;
+  bool relayed_ = false;
   bool answered_ = false;      ///< something was sent
   bool fin_seen_ = false;      ///< read up to the FIN
   bool fin_reported_ = false;  ///< noticed while paused

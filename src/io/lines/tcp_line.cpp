@@ -84,6 +84,7 @@ TcpLine::TcpLine(LineContext context, drive::BusId bus, const bus::LineSettings&
       bus_(bus),
       remote_(*line.remote),
       times_(line.connection),
+      tls_(line.tls),
       name_(to_text(remote_)),
       socket_(context.io),
       timer_(context.io) {}
@@ -104,15 +105,24 @@ boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned 
       co_return;
     }
     const error_code error = failure_of(ended, socket_);
-    if (!error) {
+    std::string failure =
+        error ? error.message() + (error.value() == ENETUNREACH ? network_advice(starter()) : "")
+              : std::string();
+    if (!error && tls_) {
+      auto why_not = co_await secure(generation);
+      if (!why_not) {
+        co_return;
+      }
+      failure = *std::move(why_not);
+    }
+    if (failure.empty()) {
       finish_open();
       co_return;
     }
     close_socket();
     const bool by_name = addresses.size() > 1 || !numeric_endpoint(remote_);
     failures += (failures.empty() ? "" : "; ") +
-                (by_name ? address.address().to_string() + ": " : "") + error.message() +
-                (error.value() == ENETUNREACH ? network_advice(starter()) : "");
+                (by_name ? address.address().to_string() + ": " : "") + failure;
   }
   fail_to_open(failures);
 }
@@ -120,7 +130,8 @@ boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned 
 void TcpLine::finish_open() {
   state_ = State::open;
   rest_.clear();
-  const auto warnings = set_options(socket_.native_handle(), times_, name_);
+  const auto warnings =
+      uplink_ ? std::exchange(warnings_, {}) : set_options(socket_.native_handle(), times_, name_);
   supervise(context_.io, read_loop(generation_), "line read");
   context_.events.line_opened(bus_, bus::LineKind::virtual_line, warnings);
 }
@@ -239,9 +250,14 @@ void TcpLine::close_socket() {
   }
   rest_.clear();
   socket_.close(ignored);
+  uplink_.reset();
 }
 
 void TcpLine::note_end(const error_code& error) {
+  if (std::string why = uplink_ ? uplink_->why() : std::string(); !why.empty()) {
+    lose(why);
+    return;
+  }
   const bool eof = error == boost::asio::error::eof;
   if (!eof && !has_far_end_closed(error.value())) {
     lose(error.message());

@@ -8,6 +8,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "bus/settings.hpp"
 #include "io/lines/host_addresses.hpp"
 #include "io/lines/line.hpp"
+#include "io/uplink/tls_uplink.hpp"
 
 namespace mbgate::io {
 
@@ -36,6 +38,7 @@ class TcpLine final : public Line {
     }
     remote_ = *settings.remote;
     times_ = settings.connection;
+    tls_ = settings.tls;
     name_ = to_text(remote_);
     late_.reset();
     return true;
@@ -51,6 +54,7 @@ class TcpLine final : public Line {
   boost::asio::awaitable<void> connect(HostAddresses addresses, unsigned generation);
   boost::asio::awaitable<void> read_loop(unsigned generation);
   boost::asio::awaitable<void> write_rest(unsigned generation);
+  boost::asio::awaitable<std::optional<std::string>> secure(unsigned generation);
   void finish_open();
   void fail_to_open(const std::string& why);
   void lose(const std::string& why);
@@ -61,9 +65,12 @@ class TcpLine final : public Line {
   drive::BusId bus_;
   bus::Endpoint remote_;
   bus::ConnectionTimes times_;
-  std::string name_;  ///< of the server, in messages
-  boost::asio::ip::tcp::socket socket_;
-  boost::asio::steady_timer timer_;  ///< limits looking the name up, connecting, writing
+  std::optional<bus::TlsPeer> tls_;
+  std::string name_;                     ///< of the server, in messages
+  std::unique_ptr<TlsUplink> uplink_;    ///< with TLS, which has the TCP connection then
+  std::vector<std::string> warnings_;    ///< of its options
+  boost::asio::ip::tcp::socket socket_;  ///< with TLS, one end of the uplink's pair
+  boost::asio::steady_timer timer_;      ///< limits looking the name up, connecting, writing
   State state_ = State::closed;
   bool resolving_ = false;  ///< a thread waits for the name servers
   bool given_up_ = false;   ///< the attempt to open it: they have not answered in time

@@ -110,7 +110,7 @@ TEST(LoadSettings, FillsListenersAndBuses) {
                                    .hosts = {"gateway.plant"},
                                    .max_streams = 3,
                                    .client_metrics = true}));
-  const auto& routed = settings.listeners.at(0);
+  const auto& routed = settings.listeners.at(1);
   EXPECT_EQ(routed.name, "plant");
   EXPECT_EQ(routed.address, "::1");
   EXPECT_EQ(routed.port, 0);
@@ -129,7 +129,7 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(routed.tcp.keepalive_probes, 2U);
   EXPECT_EQ(routed.tcp.user_timeout, 1500ms);
   EXPECT_EQ(routed.tcp.backlog, 16U);
-  const auto& transparent = settings.listeners.at(1);
+  const auto& transparent = settings.listeners.at(2);
   EXPECT_EQ(transparent.bus, drive::BusId{1});
   EXPECT_TRUE(transparent.broadcast);
   EXPECT_EQ(transparent.broadcast_reply, routing::BroadcastReply::none);
@@ -159,6 +159,26 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(bus.hung_after, 1min);
   EXPECT_EQ(bus.hung_requests, 20U);
   EXPECT_EQ(bus.hung_max, 5min);
+}
+
+TEST(LoadSettings, FillsCertificatesAndListenersThatUseThem) {
+  const auto loaded = load_settings_text("/etc/mbgate/mbgate.toml",
+                                         text_of(kFolder / "valid/every-key.toml"),
+                                         {.otherwise = {kFolder / "profiles"}});
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->signer, "/run/other/signer");
+  EXPECT_THAT(loaded.settings->tls,
+              testing::ElementsAre(gateway::TlsSettings{.name = "gate",
+                                                        .certificate = "/etc/mbgate/certs/gate.crt",
+                                                        .key = "gate.key",
+                                                        .authorities = "/etc/plant/ca.crt",
+                                                        .crl = "/etc/mbgate/ca.crl"}));
+  const auto& secure = loaded.settings->listeners.at(0);
+  EXPECT_EQ(secure.tls, 0U);
+  EXPECT_EQ(secure.port, 802);
+  EXPECT_EQ(secure.handshakes,
+            (gateway::HandshakeSettings{.timeout = 3s, .at_a_time = 12, .for_one_client = 2}));
+  EXPECT_FALSE(loaded.settings->listeners.at(1).tls);
 }
 
 TEST(LoadSettings, FillsTheDirectionControlOfTheKernel) {
@@ -192,7 +212,7 @@ TEST(LoadSettings, FillsRoutesToDevicesAndAddresses) {
   const auto loaded = load(kFolder / "valid/every-key.toml");
   ASSERT_TRUE(loaded.settings);
   const auto& to_device = loaded.settings->routes.at(0);
-  EXPECT_EQ(to_device.listener, routing::ListenerId{0});
+  EXPECT_EQ(to_device.listener, routing::ListenerId{1});
   EXPECT_EQ(to_device.first_unit, 1);
   EXPECT_EQ(to_device.last_unit, 1);
   EXPECT_THAT(to_device.buses, testing::ElementsAre(drive::BusId{0}));

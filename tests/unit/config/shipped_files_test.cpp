@@ -66,7 +66,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
             : is_commented_setting(line) ? line.substr(2) + "\n"
                                          : line + "\n";
   }
-  EXPECT_EQ(commented, 52);
+  EXPECT_EQ(commented, 64);
   const auto loaded = load_settings_text(kFolder + "mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
@@ -75,6 +75,8 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
   EXPECT_EQ(loaded.settings->buses.back().line.framing, bus::Framing::tcp);
   EXPECT_EQ(loaded.settings->buses[0].frame_gap, 3ms);
   EXPECT_EQ(loaded.settings->listeners[0].allow.size(), 1U);
+  EXPECT_EQ(loaded.settings->listeners[0].tls, 0U);
+  EXPECT_EQ(loaded.settings->tls.at(0).authorities, kFolder + "certs/ca.crt");
   EXPECT_EQ(loaded.settings->http.listen.size(), 1U);
   EXPECT_EQ(loaded.settings->guards.at(0).failsafe.size(), 1U);
   EXPECT_EQ(loaded.settings->guards[0].writer, gateway::WriterRule::first);

@@ -45,6 +45,23 @@ TEST(CommandLine, ReadTakesEveryOption) {
   EXPECT_TRUE(read.quiet);
 }
 
+TEST(CommandLine, TlsHasAPortOfItsOwnAndNeedsFiles) {
+  const std::string files = " --certificate a.crt --key a.key --authorities ca.crt";
+  const auto read = command<ReadCommand>("read holding 0 --tls --server-name gw.plant" + files);
+  EXPECT_EQ(read.target.port, 802);
+  ASSERT_TRUE(read.target.tls.has_value());
+  EXPECT_EQ(read.target.tls->certificate, "a.crt");
+  EXPECT_EQ(read.target.tls->key, "a.key");
+  EXPECT_EQ(read.target.tls->authorities, "ca.crt");
+  EXPECT_EQ(read.target.tls->server_name, "gw.plant");
+  EXPECT_EQ(command<ReadCommand>("read holding 0 --tls --port 502" + files).target.port, 502);
+  EXPECT_FALSE(command<ReadCommand>("read holding 0").target.tls.has_value());
+  EXPECT_EQ(complaint("read holding 0 --tls --key a.key"),
+            "mbgatectl: --tls needs --certificate, --key and --authorities: the server is to know "
+            "who asks, and so are we who answers (mbgatectl cert makes such files)");
+  EXPECT_EQ(complaint("read holding 0 --key a.key"), "mbgatectl: --key requires --tls");
+}
+
 TEST(CommandLine, ReadIsRepeatedOnRequest) {
   const auto read = command<ReadCommand>("read holding 0 --every 500ms --times 3 --json");
   EXPECT_EQ(read.every, std::chrono::milliseconds(500));

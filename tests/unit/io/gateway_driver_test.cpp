@@ -46,6 +46,7 @@ class GatewayDriverTest : public testing::Test, public DriverObserver {
   void on_accept_failure(ListenerId /*listener*/, const std::string& why) override {
     ADD_FAILURE() << why;
   }
+  void on_tls_refusal(const TlsPlace& /*place*/, const std::string& /*why*/) override {}
   void on_stall(std::chrono::milliseconds /*lasted*/) override {}
   void on_status_changed() override {}
   void on_finished() override { finished_ = true; }

@@ -113,6 +113,20 @@ TEST(Metrics, SayThatAReloadWasRefused) {
   EXPECT_THAT(metrics_text(metric_families(report(), process, false)), HasSubstr(name + "0\n"));
 }
 
+TEST(Metrics, SayWhenCertificatesEnd) {
+  using std::chrono::system_clock;
+  ProcessStatus process{"0.1.0", "plant.toml", {}, false};
+  process.certificates = {
+      {"plant", system_clock::from_time_t(1'800'000'000), {}},
+      {"cell", system_clock::from_time_t(1'900'000'000), system_clock::from_time_t(1'700'000'000)}};
+  const std::string text = metrics_text(metric_families(report(), process, false));
+  EXPECT_THAT(text,
+              HasSubstr("mbgate_certificate_expiry_timestamp_seconds{tls=\"plant\"} 1800000000\n"));
+  EXPECT_THAT(text,
+              HasSubstr("mbgate_certificate_expiry_timestamp_seconds{tls=\"cell\"} 1900000000\n"));
+  EXPECT_THAT(text, HasSubstr("mbgate_crl_expiry_timestamp_seconds{tls=\"cell\"} 1700000000\n"));
+}
+
 TEST(Metrics, ShowTheProcess) {
   const std::string text = metrics_text(process_families());
   for (const char* name : {"process_cpu_seconds_total ", "process_open_fds ", "process_max_fds ",

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/tls/certificates.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace mbgate::app {
+
+void Certificates::use(io::TlsContexts contexts) {
+  contexts_ = std::move(contexts);
+  timer_.cancel();
+  if (!contexts_.empty()) {
+    tell();
+  }
+}
+
+void Certificates::tell() {
+  for (const auto& warning : io::warnings_of(contexts_, std::chrono::system_clock::now())) {
+    log_.write(Level::warning, warning, {.id = message_id::kCertificateEnds});
+  }
+  timer_.expires_after(std::chrono::hours(24));
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) {
+      tell();
+    }
+  });
+}
+
+std::vector<CertificateStatus> Certificates::status() const {
+  std::vector<CertificateStatus> all;
+  for (const auto& [name, context] : contexts_) {
+    all.push_back({name, context->dates().certificate_ends, context->dates().crl_ends});
+  }
+  return all;
+}
+
+void Certificates::tell_refusal(const std::string& listener, const io::TlsPlace& place,
+                                const std::string& why) {
+  const std::string client = place.address.to_text();
+  log_.write_limited(Level::warning, "tls refusal " + listener,
+                     "listener " + listener + ": client " + client + ": " + why,
+                     {.id = message_id::kTlsRefused, .client = client, .listener = listener});
+}
+
+}  // namespace mbgate::app

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the journal says of certificates, lists of revoked ones, and clients without TLS.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <string>
+#include <vector>
+
+#include "app/log.hpp"
+#include "app/metrics/process_status.hpp"
+#include "io/tls/load_tls.hpp"
+
+namespace mbgate::app {
+
+class Certificates {
+ public:
+  Certificates(boost::asio::io_context& context, Log& log) : timer_(context), log_(log) {}
+  Certificates(const Certificates&) = delete;
+  Certificates& operator=(const Certificates&) = delete;
+  ~Certificates() = default;
+
+  /// These are in use from now on: says what ends soon, and says it again every day.
+  void use(io::TlsContexts contexts);
+  void tell_refusal(const std::string& listener, const io::TlsPlace& place, const std::string& why);
+  [[nodiscard]] std::vector<CertificateStatus> status() const;
+  void stop() { timer_.cancel(); }
+
+ private:
+  void tell();
+
+  boost::asio::steady_timer timer_;
+  Log& log_;
+  io::TlsContexts contexts_;
+};
+
+}  // namespace mbgate::app

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/tls/handshake.hpp"
+
+#include <netdb.h>
+#include <openssl/err.h>
+#include <openssl/x509v3.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <ctime>
+#include <optional>
+#include <system_error>
+
+namespace mbgate::ctl {
+namespace {
+
+using openssl::expect;
+using Deadline = std::chrono::steady_clock::time_point;
+
+constexpr int kOwnAlerts = SSL_AD_REASON_OFFSET;
+constexpr const char* kClosed = "the server closed the connection";
+
+/// Waits for the events; false at the deadline.
+bool wait_for(int socket, short events, Deadline deadline) {
+  const auto left =
+      std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+  pollfd watched{socket, events, 0};
+  return left.count() > 0 && ::poll(&watched, 1, static_cast<int>(left.count())) > 0;
+}
+
+/// An errno, or 0 where the socket is connected.
+int connect_one(int socket, const addrinfo& place, Deadline deadline) {
+  if (::connect(socket, place.ai_addr, place.ai_addrlen) == 0) {
+    return 0;
+  }
+  if (errno != EINPROGRESS) {
+    return errno;
+  }
+  if (!wait_for(socket, POLLOUT, deadline)) {
+    return ETIMEDOUT;
+  }
+  int error = 0;
+  socklen_t size = sizeof error;
+  ::getsockopt(socket, SOL_SOCKET, SO_ERROR, &error, &size);
+  return error;
+}
+
+Result<Descriptor, std::string> connect_tcp(const std::string& host, std::uint16_t port,
+                                            Deadline deadline) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* first = nullptr;
+  const int unknown = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &first);
+  if (unknown != 0) {
+    return std::string(::gai_strerror(unknown));
+  }
+  const std::unique_ptr<addrinfo, openssl::Free<::freeaddrinfo>> places(first);
+  int error = 0;
+  for (const addrinfo* place = first; place != nullptr; place = place->ai_next) {
+    Descriptor socket(
+        ::socket(place->ai_family, place->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    error = socket.get() < 0 ? errno : connect_one(socket.get(), *place, deadline);
+    if (error == 0) {
+      return socket;
+    }
+  }
+  return error == ETIMEDOUT ? "no answer in time" : std::generic_category().message(error);
+}
+
+/// Our certificate, our key and whom we trust; or which file is wrong, and why.
+std::optional<std::string> load(SSL_CTX& context, const TlsIdentity& identity) {
+  if (SSL_CTX_load_verify_file(&context, identity.authorities.c_str()) != 1) {
+    return identity.authorities.string() + ": " + openssl::last_error();
+  }
+  if (SSL_CTX_use_certificate_chain_file(&context, identity.certificate.c_str()) != 1) {
+    return identity.certificate.string() + ": " + openssl::last_error();
+  }
+  if (SSL_CTX_use_PrivateKey_file(&context, identity.key.c_str(), SSL_FILETYPE_PEM) != 1) {
+    return identity.key.string() + ": " + openssl::last_error();
+  }
+  return std::nullopt;
+}
+
+void expect_name(SSL& session, const std::string& name) {
+  X509_VERIFY_PARAM* const wanted = SSL_get0_param(&session);
+  if (X509_VERIFY_PARAM_set1_ip_asc(wanted, name.c_str()) != 1) {
+    static_cast<void>(openssl::last_error());  // it is no address
+    expect(X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size()));
+    std::string text = name;
+    expect(static_cast<int>(
+        SSL_ctrl(&session, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, text.data())));
+  }
+}
+
+/// What is wrong with the server's certificate, and what to look at.
+std::string verify_text(const SSL& session, const std::string& name, const TlsIdentity& identity) {
+  const long result = SSL_get_verify_result(&session);
+  std::string text =
+      std::string("certificate verify failed: ") + X509_verify_cert_error_string(result);
+  switch (result) {
+    case X509_V_ERR_HOSTNAME_MISMATCH:
+    case X509_V_ERR_IP_ADDRESS_MISMATCH:
+      return text + ": the server's certificate is not for " + name +
+             "; --server-name says what it is for, if this server is meant";
+    case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
+    case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
+    case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
+    case X509_V_ERR_CERT_SIGNATURE_FAILURE:
+    case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
+      return text + ": nobody in " + identity.authorities.string() +
+             " has signed the server's certificate";
+    default: return text;
+  }
+}
+
+/// OpenSSL writes without MSG_NOSIGNAL: a server that is gone must not end the process.
+class HeldPipeSignal {
+ public:
+  HeldPipeSignal() {
+    sigemptyset(&pipe_);
+    sigaddset(&pipe_, SIGPIPE);
+    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  ~HeldPipeSignal() {
+    constexpr timespec kNow{};
+    while (sigtimedwait(&pipe_, nullptr, &kNow) > 0) {
+    }
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  HeldPipeSignal(const HeldPipeSignal&) = delete;
+  HeldPipeSignal& operator=(const HeldPipeSignal&) = delete;
+
+ private:
+  sigset_t pipe_{};
+  sigset_t before_{};
+};
+
+/// Nothing, where it is done.
+std::optional<std::string> shake_hands(SSL& session, int socket, Deadline deadline) {
+  const HeldPipeSignal held;
+  for (;;) {
+    ERR_clear_error();
+    const int result = SSL_connect(&session);
+    if (result == 1) {
+      return std::nullopt;
+    }
+    const int wish = SSL_get_error(&session, result);
+    if (wish != SSL_ERROR_WANT_READ && wish != SSL_ERROR_WANT_WRITE) {
+      std::string why = failure_text(session, result);
+      return why == kClosed ? why + ": does it speak TLS at this port?" : why;
+    }
+    if (!wait_for(socket, wish == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT, deadline)) {
+      return "the server did not answer the TLS handshake in time";
+    }
+  }
+}
+
+openssl::Context make_context() {
+  openssl::Context context(expect(SSL_CTX_new(TLS_client_method())));
+  expect(static_cast<int>(SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION)));
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
+  SSL_CTX_set_mode(context.get(),
+                   SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
+  return context;
+}
+
+}  // namespace
+
+std::string failure_text(const SSL& session, int result) {
+  const int system_error = errno;
+  const int kind = SSL_get_error(&session, result);
+  const unsigned long error = ERR_peek_last_error();
+  const int reason = ERR_GET_REASON(error);
+  if (kind == SSL_ERROR_ZERO_RETURN) {
+    return kClosed;
+  }
+  if (kind == SSL_ERROR_SYSCALL && error == 0) {
+    return system_error == 0 ? std::string(kClosed) : std::generic_category().message(system_error);
+  }
+  const std::string text = openssl::last_error();
+  if (ERR_SYSTEM_ERROR(error)) {
+    return text;
+  }
+  switch (reason) {
+    case SSL_R_UNEXPECTED_EOF_WHILE_READING: return kClosed;
+    case SSL_R_WRONG_VERSION_NUMBER: return "the server does not speak TLS at this port";
+    case SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED:
+    case SSL_R_SSLV3_ALERT_BAD_CERTIFICATE:
+    case SSL_R_SSLV3_ALERT_CERTIFICATE_EXPIRED:
+    case SSL_R_SSLV3_ALERT_CERTIFICATE_REVOKED:
+    case SSL_R_SSLV3_ALERT_CERTIFICATE_UNKNOWN:
+    case SSL_R_SSLV3_ALERT_UNSUPPORTED_CERTIFICATE:
+    case SSL_R_TLSV1_ALERT_UNKNOWN_CA:
+      return "the server refused our certificate: " +
+             std::string(SSL_alert_desc_string_long(reason - kOwnAlerts));
+    default: break;
+  }
+  if (reason > kOwnAlerts) {
+    return "the server ended it with an alert: " +
+           std::string(SSL_alert_desc_string_long(reason - kOwnAlerts));
+  }
+  return text;
+}
+
+Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uint16_t port,
+                                               std::chrono::nanoseconds timeout,
+                                               const TlsIdentity& identity) {
+  const Deadline deadline = std::chrono::steady_clock::now() + timeout;
+  openssl::Context context = make_context();
+  if (auto why = load(*context, identity)) {
+    return *std::move(why);
+  }
+  auto socket = connect_tcp(host, port, deadline);
+  if (!socket) {
+    return socket.error();
+  }
+  openssl::Session session(expect(SSL_new(context.get())));
+  const std::string& name = identity.server_name.empty() ? host : identity.server_name;
+  expect_name(*session, name);
+  expect(SSL_set_fd(session.get(), socket->get()));
+  if (auto why = shake_hands(*session, socket->get(), deadline)) {
+    return SSL_get_verify_result(session.get()) == X509_V_OK
+               ? *std::move(why)
+               : verify_text(*session, name, identity);
+  }
+  return TlsConnection{*std::move(socket), std::move(context), std::move(session)};
+}
+
+}  // namespace mbgate::ctl

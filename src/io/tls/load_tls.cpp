@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tls/load_tls.hpp"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <iterator>
+#include <utility>
+
+namespace mbgate::io {
+namespace {
+
+using std::chrono::system_clock;
+
+/// Time enough to have a new certificate made and brought.
+constexpr std::chrono::hours kAhead{30 * 24};
+
+std::string date_text(system_clock::time_point time) {
+  const std::time_t seconds = system_clock::to_time_t(time);
+  std::tm parts{};
+  ::gmtime_r(&seconds, &parts);
+  std::array<char, 32> text{};
+  const std::size_t size = std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M UTC", &parts);
+  return {text.data(), size};
+}
+
+void add_warnings(std::vector<std::string>& warnings, const std::string& name,
+                  const TlsDates& dates, system_clock::time_point now) {
+  const std::string start = "[[tls]] " + name + ": the certificate ";
+  if (dates.certificate_ends <= now) {
+    warnings.push_back(start + "has expired at " + date_text(dates.certificate_ends) +
+                       ": clients refuse it");
+  } else if (dates.certificate_ends <= now + kAhead) {
+    warnings.push_back(start + "expires at " + date_text(dates.certificate_ends));
+  }
+  if (dates.crl_ends && *dates.crl_ends <= now) {
+    warnings.push_back("[[tls]] " + name + ": the list of revoked certificates has expired at " +
+                       date_text(*dates.crl_ends) +
+                       ": it still counts, but what was revoked since is not known");
+  }
+}
+
+bool is_used(const gateway::Settings& settings, std::size_t tls) {
+  return std::ranges::any_of(settings.listeners, [tls](const gateway::ListenerSettings& listener) {
+    return !listener.is_gone && listener.tls == tls;
+  });
+}
+
+}  // namespace
+
+LoadedTls load_tls(const gateway::Settings& settings, KeyCheck keys) {
+  LoadedTls loaded;
+  for (std::size_t i = 0; i < settings.tls.size(); ++i) {
+    if (!is_used(settings, i)) {
+      continue;
+    }
+    const gateway::TlsSettings& tls = settings.tls[i];
+    auto context =
+        TlsContext::make(tls, keys == KeyCheck::ask_signer ? settings.signer : std::string());
+    if (context) {
+      loaded.contexts.emplace(tls.name, *std::move(context));
+    } else {
+      loaded.failures.push_back("[[tls]] " + tls.name + ": " + context.error().why);
+      loaded.is_wrong = loaded.is_wrong || !context.error().may_come;
+    }
+  }
+  loaded.warnings = warnings_of(loaded.contexts, system_clock::now());
+  return loaded;
+}
+
+std::vector<std::string> warnings_of(const TlsContexts& contexts, system_clock::time_point now) {
+  std::vector<std::string> warnings;
+  for (const auto& [name, context] : contexts) {
+    add_warnings(warnings, name, context->dates(), now);
+  }
+  return warnings;
+}
+
+}  // namespace mbgate::io

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tls/pem_files.hpp"
+
+#include <openssl/pem.h>
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+namespace mbgate::io {
+namespace {
+
+/// A list of a large plant has some thousand entries of 40 bytes.
+constexpr std::size_t kLargestPem = 4UL * 1024UL * 1024UL;
+
+struct Pem {
+  std::string text;
+  std::string why{};  ///< it could not be read; else empty
+};
+
+Pem read_pem(const std::string& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kLargestPem + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (!file.is_open() || file.bad() || (text.empty() && errno != 0)) {
+    return {{}, path + ": " + std::generic_category().message(errno != 0 ? errno : EIO)};
+  }
+  return text.size() > kLargestPem ? Pem{{}, path + ": it is too large"} : Pem{std::move(text)};
+}
+
+/// Reads with `next` until there is no more.
+template <typename Handle, typename Next>
+Result<std::vector<Handle>, std::string> read_all(const std::string& path, const char* what,
+                                                  Next next) {
+  const Pem pem = read_pem(path);
+  if (!pem.why.empty()) {
+    return pem.why;
+  }
+  const BioHandle source(BIO_new_mem_buf(pem.text.data(), static_cast<int>(pem.text.size())));
+  std::vector<Handle> found;
+  while (Handle one{next(source.get())}) {
+    found.push_back(std::move(one));
+  }
+  const unsigned long error = ERR_peek_last_error();
+  ERR_clear_error();
+  if (found.empty() || ERR_GET_REASON(error) != PEM_R_NO_START_LINE) {
+    return path + ": expected " + what + " in PEM (-----BEGIN ...)";
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<std::vector<CertificateHandle>, std::string> read_certificates(const std::string& path) {
+  return read_all<CertificateHandle>(path, "certificates", [](BIO* source) {
+    return PEM_read_bio_X509(source, nullptr, nullptr, nullptr);
+  });
+}
+
+Result<std::vector<CrlHandle>, std::string> read_crls(const std::string& path) {
+  return read_all<CrlHandle>(path, "lists of revoked certificates", [](BIO* source) {
+    return PEM_read_bio_X509_CRL(source, nullptr, nullptr, nullptr);
+  });
+}
+
+}  // namespace mbgate::io

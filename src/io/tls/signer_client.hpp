@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// One private key that mbgate-signer holds: its public half, and signatures. A question takes
+// about as long as the signature; a signer that does not answer is given up after a while. So this
+// is for threads that may wait.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/signing.hpp"
+#include "io/unique_fd.hpp"
+#include "modbus/result.hpp"
+
+namespace mbgate::io {
+
+using Octets = std::vector<std::uint8_t>;
+
+class SignerClient {
+ public:
+  /// Why there is no key. `absent`: the signer is not there, or does not answer; it may come.
+  struct Failure {
+    std::string why;
+    bool absent = false;
+  };
+
+  /// Asks the signer at this socket for a key by the name of its file.
+  static Result<std::shared_ptr<SignerClient>, Failure> open(std::string socket, std::string key);
+
+  /// A SubjectPublicKeyInfo in DER.
+  [[nodiscard]] const Octets& public_key() const { return public_key_; }
+  /// Nothing: there is no signer any more, it has another key under this name, or it refuses. A
+  /// signer that was started again is asked once more. Any thread may ask.
+  std::optional<Octets> sign(signing::Question how, std::span<const std::uint8_t> bytes);
+
+ private:
+  SignerClient(std::string socket, std::string key)
+      : path_(std::move(socket)), key_(std::move(key)) {}
+
+  /// Connects and opens the key. What it answers, or why not.
+  Result<Octets, Failure> connect();
+  /// Nothing if the connection is broken.
+  std::optional<Octets> ask(signing::Question question, std::span<const std::uint8_t> bytes);
+  [[nodiscard]] Failure absent(const std::string& why) const;
+
+  std::string path_;
+  std::string key_;
+  Octets public_key_;
+  std::mutex mutex_;  ///< of the connection: a reload may use the key while the old one still signs
+  UniqueFd socket_;
+};
+
+}  // namespace mbgate::io

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tls/tls_client.hpp"
+
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <cerrno>
+#include <utility>
+
+#include "io/supervise.hpp"
+
+namespace mbgate::io {
+namespace {
+
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+using PairSocket = boost::asio::local::stream_protocol::socket;
+
+constexpr auto kAsTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
+constexpr std::size_t kCarriedAtOnce = 2048;
+/// How long a client that was said goodbye to may take for its own. If the socket were closed with
+/// unread bytes, the kernel would reset the connection, and the last answers could be lost.
+constexpr std::chrono::seconds kLinger{1};
+
+}  // namespace
+
+TlsClient::TlsClient(TlsClientContext& shared, std::uint64_t key,
+                     std::shared_ptr<TlsContext> context, tcp::socket socket)
+    : shared_(shared),
+      key_(key),
+      context_(std::move(context)),
+      socket_(std::move(socket)),
+      ssl_(context_->new_ssl()),
+      pair_(shared.io),
+      timer_(shared.io),
+      down_over_(shared.io) {
+  SSL_set_fd(ssl_.get(), socket_.native_handle());
+  SSL_set_accept_state(ssl_.get());
+}
+
+boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
+    std::shared_ptr<TlsClient> self, bus::Duration limit) {
+  self->timer_.expires_after(limit);
+  self->timer_.async_wait([weak = self->weak_from_this()](const error_code& error) {
+    if (const auto client = weak.lock(); client && !error) {
+      client->timed_out_ = true;
+      client->end();
+    }
+  });
+  while (self->socket_.is_open()) {
+    ERR_clear_error();
+    const Step step = self->step_after(SSL_do_handshake(self->ssl_.get()));
+    if (step == Step::done) {
+      self->timer_.cancel();
+      co_return std::nullopt;
+    }
+    if (step == Step::finished || step == Step::broken) {
+      co_return self->why_no_handshake(step);
+    }
+    if (!co_await self->wait_for(step)) {
+      break;
+    }
+  }
+  co_return self->timed_out_ ? std::string("it took too long") : std::string("it was ended");
+}
+
+std::string TlsClient::why_no_handshake(Step step) const {
+  if (step == Step::finished || ERR_peek_last_error() == 0) {
+    return "the client has gone";
+  }
+  std::string why = take_openssl_error();
+  const long result = SSL_get_verify_result(ssl_.get());
+  return result == X509_V_OK ? why : why + ": " + X509_verify_cert_error_string(result);
+}
+
+TlsClient::Step TlsClient::step_after(int result) {
+  switch (SSL_get_error(ssl_.get(), result)) {
+    case SSL_ERROR_NONE: return Step::done;
+    case SSL_ERROR_WANT_READ: return Step::read_more;
+    case SSL_ERROR_WANT_WRITE: return Step::write_more;
+    case SSL_ERROR_ZERO_RETURN: return Step::finished;
+    case SSL_ERROR_SSL: context_->forget_session_of(ssl_.get()); return Step::broken;
+    default: return Step::broken;
+  }
+}
+
+boost::asio::awaitable<bool> TlsClient::wait_for(Step step) {
+  const auto what = step == Step::write_more ? tcp::socket::wait_write : tcp::socket::wait_read;
+  const auto [error] = co_await socket_.async_wait(what, kAsTuple);
+  co_return !error && socket_.is_open();
+}
+
+UniqueFd TlsClient::make_pair() {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()) != 0) {
+    return {};
+  }
+  error_code error;
+  pair_.assign(boost::asio::local::stream_protocol(), ends[0], error);
+  UniqueFd theirs(ends[1]);
+  if (error) {
+    ::close(ends[0]);
+    return {};
+  }
+  return theirs;
+}
+
+boost::asio::awaitable<void> TlsClient::carry(std::shared_ptr<TlsClient> self) {
+  self->down_over_.expires_at(boost::asio::steady_timer::time_point::max());
+  supervise(self->shared_.io, run_down(self), "TLS to a client");
+  co_await carry_up(self);
+  while (!self->is_down_over_) {
+    co_await self->down_over_.async_wait(kAsTuple);
+  }
+}
+
+boost::asio::awaitable<void> TlsClient::run_down(std::shared_ptr<TlsClient> self) {
+  co_await carry_down(self);
+  self->is_down_over_ = true;
+  self->down_over_.cancel();
+}
+
+boost::asio::awaitable<void> TlsClient::carry_up(std::shared_ptr<TlsClient> self) {
+  while (self->socket_.is_open()) {
+    self->shared_.look_for_stall();
+    const Step step = self->read_up();
+    if (!self->hand_up()) {
+      if (!co_await self->wait_for_room()) {
+        co_return;
+      }
+      continue;
+    }
+    if (step == Step::broken) {
+      self->end();
+    } else if (step == Step::finished) {
+      error_code ignored;
+      self->pair_.shutdown(PairSocket::shutdown_send, ignored);
+      // A reset after it is to be noticed still.
+      if (self->is_down_ended_ ||
+          !self->shared_.hangups.watch(self->socket_.native_handle(), self->key_, false)) {
+        self->end();
+      }
+      co_return;
+    } else if (step != Step::done && !co_await self->wait_for(step)) {
+      co_return;
+    }
+  }
+}
+
+/// Reads once, if everything read before has been handed up.
+TlsClient::Step TlsClient::read_up() {
+  if (!up_.empty()) {
+    return Step::done;
+  }
+  std::array<std::uint8_t, kCarriedAtOnce> bytes{};
+  ERR_clear_error();
+  const int count = SSL_read(ssl_.get(), bytes.data(), static_cast<int>(bytes.size()));
+  if (count > 0) {
+    up_.assign(bytes.begin(), bytes.begin() + count);
+    return Step::done;
+  }
+  return step_after(count);
+}
+
+/// Has the machine all of it? What it does not want any more counts too.
+bool TlsClient::hand_up() {
+  while (!up_.empty()) {
+    const ssize_t count =
+        ::send(pair_.native_handle(), up_.data(), up_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
+      return false;
+    }
+    if (count < 0) {
+      up_.clear();
+    } else {
+      up_.erase(up_.begin(), up_.begin() + count);
+    }
+  }
+  up_.shrink_to_fit();
+  return true;
+}
+
+// Meanwhile nothing is read: a reset would not be noticed, and what the client has asked for before
+// would still be sent.
+boost::asio::awaitable<bool> TlsClient::wait_for_room() {
+  const bool watched = shared_.hangups.watch(socket_.native_handle(), key_, false);
+  const auto [error] = co_await pair_.async_wait(PairSocket::wait_write, kAsTuple);
+  if (watched && socket_.is_open()) {
+    shared_.hangups.forget(socket_.native_handle());
+  }
+  co_return !error && socket_.is_open();
+}
+
+std::size_t TlsClient::drain() {
+  std::size_t drained = 0;
+  Step step = Step::done;
+  while (step == Step::done && socket_.is_open() && hand_up()) {
+    step = read_up();
+    drained += step == Step::done ? up_.size() : 0;
+  }
+  if (step == Step::broken) {
+    end();
+  } else if (step == Step::finished) {
+    error_code ignored;
+    pair_.shutdown(PairSocket::shutdown_send, ignored);
+  }
+  return drained;
+}
+
+boost::asio::awaitable<void> TlsClient::carry_down(std::shared_ptr<TlsClient> self) {
+  std::array<std::uint8_t, kCarriedAtOnce> bytes{};
+  while (self->socket_.is_open()) {
+    const ssize_t count =
+        ::recv(self->pair_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (count > 0) {
+      const auto some = std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(count));
+      if (!co_await write_down(self, some)) {
+        self->end();
+      }
+    } else if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
+      const auto [error] = co_await self->pair_.async_wait(PairSocket::wait_read, kAsTuple);
+      if (error) {
+        co_return;
+      }
+    } else {
+      co_await say_goodbye(self);
+      co_return;
+    }
+  }
+}
+
+/// False: the connection is broken.
+boost::asio::awaitable<bool> TlsClient::write_down(std::shared_ptr<TlsClient> self,
+                                                   std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty() && self->socket_.is_open()) {
+    ERR_clear_error();
+    const int count = SSL_write(self->ssl_.get(), bytes.data(), static_cast<int>(bytes.size()));
+    if (count > 0) {
+      bytes = bytes.subspan(static_cast<std::size_t>(count));
+      continue;
+    }
+    const Step step = self->step_after(count);
+    if (step == Step::finished || step == Step::broken || !co_await self->wait_for(step)) {
+      co_return false;
+    }
+  }
+  co_return self->socket_.is_open();
+}
+
+// The machine may take its last answers for sent once the kernel has all of them, and a FIN.
+boost::asio::awaitable<void> TlsClient::say_goodbye(std::shared_ptr<TlsClient> self) {
+  ERR_clear_error();
+  while (self->socket_.is_open() && SSL_shutdown(self->ssl_.get()) < 0) {
+    const Step step = self->step_after(-1);
+    if (step != Step::write_more || !co_await self->wait_for(step)) {
+      break;
+    }
+  }
+  ERR_clear_error();
+  error_code ignored;
+  self->is_down_ended_ = true;
+  const bool has_client_ended = (SSL_get_shutdown(self->ssl_.get()) & SSL_RECEIVED_SHUTDOWN) != 0;
+  self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
+  self->pair_.shutdown(PairSocket::shutdown_send, ignored);
+  if (has_client_ended || !self->socket_.is_open()) {
+    self->end();
+    co_return;
+  }
+  self->timer_.expires_after(kLinger);
+  co_await self->timer_.async_wait(kAsTuple);
+  self->end();
+}
+
+void TlsClient::end() {
+  error_code ignored;
+  timer_.cancel();
+  if (socket_.is_open()) {
+    shared_.hangups.forget(socket_.native_handle());
+  }
+  socket_.close(ignored);
+  pair_.close(ignored);
+}
+
+routing::ClientRole TlsClient::role() const {
+  const X509* const certificate = SSL_get0_peer_certificate(ssl_.get());
+  return certificate == nullptr ? routing::ClientRole{routing::ClientRole::Kind::unreadable, {}}
+                                : role_in(certificate);
+}
+
+std::optional<std::string> TlsClient::objection(const TlsContext& context) const {
+  X509* const certificate = SSL_get0_peer_certificate(ssl_.get());
+  return certificate == nullptr
+             ? std::optional<std::string>("no certificate")
+             : context.objection(certificate, SSL_get_peer_cert_chain(ssl_.get()));
+}
+
+}  // namespace mbgate::io

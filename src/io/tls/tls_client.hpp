@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// One client that speaks TLS, on the thread of TLS: its handshake, and then what it says and hears,
+// carried between its socket and one end of a pair of sockets. The machine has the other end, which
+// is to it as any client's socket: bytes, FIN, back-pressure. Nothing is kept here but what fits
+// into two small buffers.
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bus/instant.hpp"
+#include "io/clients/hangup_watch.hpp"
+#include "io/tls/tls_context.hpp"
+#include "io/unique_fd.hpp"
+
+namespace mbgate::io {
+
+/// What clients of the thread of TLS share.
+struct TlsClientContext {
+  boost::asio::io_context& io;
+  HangupWatch& hangups;
+  /// To be called before anything of a client is handed on.
+  std::function<void()> look_for_stall;
+};
+
+class TlsClient : public std::enable_shared_from_this<TlsClient> {
+ public:
+  TlsClient(TlsClientContext& shared, std::uint64_t key, std::shared_ptr<TlsContext> context,
+            boost::asio::ip::tcp::socket socket);
+
+  /// Nothing: it is done; else why not. `limit`: how long it may take.
+  static boost::asio::awaitable<std::optional<std::string>> shake_hands(
+      std::shared_ptr<TlsClient> self, bus::Duration limit);
+  /// After the handshake: the end of the pair that is for the machine; closed if there is none.
+  UniqueFd make_pair();
+  /// Carries on until both have ended.
+  static boost::asio::awaitable<void> carry(std::shared_ptr<TlsClient> self);
+  /// Carries to the machine what can be carried without waiting. How many bytes that were.
+  std::size_t drain();
+  /// Ends at once.
+  void end();
+
+  [[nodiscard]] routing::ClientRole role() const;
+  /// Why the certificate would not be accepted now; nothing: it would.
+  [[nodiscard]] std::optional<std::string> objection(const TlsContext& context) const;
+  [[nodiscard]] bool has_pair() const { return pair_.is_open(); }
+
+ private:
+  enum class Step : std::uint8_t { done, read_more, write_more, finished, broken };
+
+  static boost::asio::awaitable<void> carry_up(std::shared_ptr<TlsClient> self);
+  static boost::asio::awaitable<void> run_down(std::shared_ptr<TlsClient> self);
+  static boost::asio::awaitable<void> carry_down(std::shared_ptr<TlsClient> self);
+  static boost::asio::awaitable<bool> write_down(std::shared_ptr<TlsClient> self,
+                                                 std::span<const std::uint8_t> bytes);
+  static boost::asio::awaitable<void> say_goodbye(std::shared_ptr<TlsClient> self);
+  boost::asio::awaitable<bool> wait_for(Step step);
+  boost::asio::awaitable<bool> wait_for_room();
+  [[nodiscard]] std::string why_no_handshake(Step step) const;
+  [[nodiscard]] Step step_after(int result);
+  Step read_up();
+  bool hand_up();
+
+  TlsClientContext& shared_;
+  std::uint64_t key_;
+  std::shared_ptr<TlsContext> context_;
+  boost::asio::ip::tcp::socket socket_;
+  SslHandle ssl_;
+  boost::asio::local::stream_protocol::socket pair_;
+  boost::asio::steady_timer timer_;
+  std::vector<std::uint8_t> up_;  ///< read from the client, not yet with the machine
+  bool timed_out_ = false;
+  bool is_down_ended_ = false;  ///< the machine has said all
+  bool is_down_over_ = false;   ///< nothing is carried to the client any more
+  boost::asio::steady_timer down_over_;
+};
+
+}  // namespace mbgate::io

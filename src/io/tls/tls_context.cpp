@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tls/tls_context.hpp"
+
+#include <openssl/x509_vfy.h>
+
+#include <ctime>
+#include <utility>
+#include <vector>
+
+#include "io/tls/pem_files.hpp"
+#include "io/tls/remote_key.hpp"
+#include "routing/role_extension.hpp"
+
+namespace mbgate::io {
+namespace {
+
+using std::chrono::system_clock;
+
+/// TLS_RSA_WITH_NULL_SHA256 is not offered: what drives do is not for everybody.
+constexpr const char* kCiphers = "ECDHE-ECDSA-AES128-GCM-SHA256:ECDHE-RSA-AES128-GCM-SHA256";
+constexpr const char* kCiphers13 = "TLS_AES_128_GCM_SHA256";
+/// P-256 first.
+constexpr const char* kGroups = "P-256:X25519:P-384";
+/// No SHA-1 and no MD5.
+constexpr const char* kSignatures =
+    "ECDSA+SHA256:RSA-PSS+SHA256:rsa_pss_pss_sha256:RSA+SHA256:ECDSA+SHA384:RSA-PSS+SHA384:"
+    "RSA+SHA384:ECDSA+SHA512:RSA-PSS+SHA512:RSA+SHA512";
+constexpr std::size_t kMostSessions = 1024;
+constexpr long kSessionSeconds = 3600;
+constexpr int kDeepestChain = 8;
+
+int context_index() {
+  static const int index = SSL_CTX_get_ex_new_index(0, nullptr, nullptr, nullptr, nullptr);
+  return index;
+}
+
+/// A list that has expired still names revoked certificates: nobody is locked out because it was
+/// not renewed, and the journal tells. All other objections count.
+int judge(int good, X509_STORE_CTX* store) {
+  if (good == 0 && X509_STORE_CTX_get_error(store) == X509_V_ERR_CRL_HAS_EXPIRED) {
+    X509_STORE_CTX_set_error(store, X509_V_OK);
+    return 1;
+  }
+  return good;
+}
+
+system_clock::time_point time_of(const ASN1_TIME* time) {
+  std::tm parts{};
+  return ASN1_TIME_to_tm(time, &parts) == 1 ? system_clock::from_time_t(::timegm(&parts))
+                                            : system_clock::time_point::max();
+}
+
+}  // namespace
+
+TlsContext::TlsContext() : context_(SSL_CTX_new(TLS_server_method())), sessions_(kMostSessions) {
+  SSL_CTX* const context = context_.get();
+  SSL_CTX_set_min_proto_version(context, TLS1_2_VERSION);
+  SSL_CTX_set_max_proto_version(context, TLS1_3_VERSION);
+  SSL_CTX_set_cipher_list(context, kCiphers);
+  SSL_CTX_set_ciphersuites(context, kCiphers13);
+  SSL_CTX_set1_groups_list(context, kGroups);
+  SSL_CTX_set1_sigalgs_list(context, kSignatures);
+  // A FIN without close_notify is what a program that was ended sends. A request that it cuts is
+  // not carried out anyway.
+  SSL_CTX_set_options(context, SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_TICKET | SSL_OP_NO_COMPRESSION |
+                                   SSL_OP_CIPHER_SERVER_PREFERENCE | SSL_OP_IGNORE_UNEXPECTED_EOF);
+  SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
+                                SSL_MODE_RELEASE_BUFFERS);
+  SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, judge);
+  SSL_CTX_set_verify_depth(context, kDeepestChain);
+  SSL_CTX_set_ex_data(context, context_index(), this);
+  keep_sessions();
+}
+
+TlsContext::~TlsContext() {
+  // Clients of it may outlive it for a moment.
+  SSL_CTX_sess_set_new_cb(context_.get(), nullptr);
+  SSL_CTX_sess_set_get_cb(context_.get(), nullptr);
+  SSL_CTX_sess_set_remove_cb(context_.get(), nullptr);
+}
+
+Result<std::shared_ptr<TlsContext>, TlsFailure> TlsContext::make(
+    const gateway::TlsSettings& settings, const std::string& signer) {
+  const std::shared_ptr<TlsContext> made(new TlsContext());
+  auto wrong = made->take_certificate(settings.certificate);
+  if (!wrong) {
+    wrong = made->take_authorities(settings.authorities);
+  }
+  if (!wrong && !settings.crl.empty()) {
+    wrong = made->take_crls(settings.crl);
+  }
+  if (wrong) {
+    return TlsFailure{*std::move(wrong)};
+  }
+  if (!signer.empty()) {
+    if (auto failure = made->take_key(signer, settings.key)) {
+      return *std::move(failure);
+    }
+  }
+  return made;
+}
+
+std::optional<std::string> TlsContext::take_certificate(const std::string& path) {
+  const auto chain = read_certificates(path);
+  if (!chain) {
+    return chain.error();
+  }
+  if (SSL_CTX_use_certificate(context_.get(), chain->front().get()) != 1) {
+    return path + ": " + take_openssl_error();
+  }
+  for (std::size_t i = 1; i < chain->size(); ++i) {
+    SSL_CTX_add1_chain_cert(context_.get(), (*chain)[i].get());
+  }
+  dates_.certificate_ends = time_of(X509_get0_notAfter(chain->front().get()));
+  return std::nullopt;
+}
+
+std::optional<std::string> TlsContext::take_authorities(const std::string& path) {
+  const auto authorities = read_certificates(path);
+  if (!authorities) {
+    return authorities.error();
+  }
+  X509_STORE* const store = SSL_CTX_get_cert_store(context_.get());
+  for (const auto& authority : *authorities) {
+    if (X509_STORE_add_cert(store, authority.get()) != 1 ||
+        SSL_CTX_add_client_CA(context_.get(), authority.get()) != 1) {
+      return path + ": " + take_openssl_error();
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> TlsContext::take_crls(const std::string& path) {
+  const auto lists = read_crls(path);
+  if (!lists) {
+    return lists.error();
+  }
+  X509_STORE* const store = SSL_CTX_get_cert_store(context_.get());
+  for (const auto& list : *lists) {
+    if (X509_STORE_add_crl(store, list.get()) != 1) {
+      return path + ": " + take_openssl_error();
+    }
+    if (const ASN1_TIME* const ends = X509_CRL_get0_nextUpdate(list.get())) {
+      const auto time = time_of(ends);
+      dates_.crl_ends = dates_.crl_ends ? std::min(*dates_.crl_ends, time) : time;
+    }
+  }
+  X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL);
+  return std::nullopt;
+}
+
+std::optional<TlsFailure> TlsContext::take_key(const std::string& signer, const std::string& key) {
+  auto client = SignerClient::open(signer, key);
+  if (!client) {
+    return TlsFailure{client.error().why, client.error().absent};
+  }
+  const KeyHandle remote = remote_key(*std::move(client));
+  if (!remote) {
+    return TlsFailure{key + ": expected a key of RSA or EC"};
+  }
+  if (SSL_CTX_use_PrivateKey(context_.get(), remote.get()) != 1) {
+    return TlsFailure{key + ": it is not the key of the certificate (" + take_openssl_error() +
+                      ")"};
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> TlsContext::objection(X509* certificate, STACK_OF(X509) * chain) const {
+  const std::unique_ptr<X509_STORE_CTX, FreeWith<X509_STORE_CTX_free>> check(X509_STORE_CTX_new());
+  X509_STORE* const store = SSL_CTX_get_cert_store(context_.get());
+  if (!check || X509_STORE_CTX_init(check.get(), store, certificate, chain) != 1) {
+    return take_openssl_error();
+  }
+  X509_STORE_CTX_set_default(check.get(), "ssl_client");
+  X509_STORE_CTX_set_verify_cb(check.get(), judge);
+  if (X509_verify_cert(check.get()) == 1) {
+    return std::nullopt;
+  }
+  ERR_clear_error();
+  return X509_verify_cert_error_string(X509_STORE_CTX_get_error(check.get()));
+}
+
+void TlsContext::forget_session_of(const SSL* ssl) {
+  if (const SSL_SESSION* const session = SSL_get_session(ssl)) {
+    sessions_.forget(id_of(session));
+  }
+}
+
+// Ours instead of OpenSSL's own cache: a session is judged before it is taken up again.
+void TlsContext::keep_sessions() {
+  SSL_CTX* const context = context_.get();
+  constexpr unsigned char kName[] = "mbgate";
+  SSL_CTX_set_session_id_context(context, kName, sizeof kName - 1);
+  SSL_CTX_set_session_cache_mode(
+      context, SSL_SESS_CACHE_SERVER | SSL_SESS_CACHE_NO_INTERNAL | SSL_SESS_CACHE_NO_AUTO_CLEAR);
+  SSL_CTX_set_timeout(context, kSessionSeconds);
+  SSL_CTX_set_num_tickets(context, 1);  // TLS 1.3: the number of the session, and no more
+  SSL_CTX_sess_set_new_cb(context, session_made);
+  SSL_CTX_sess_set_get_cb(context, session_wanted);
+  SSL_CTX_sess_set_remove_cb(context, session_ended);
+}
+
+TlsContext& TlsContext::of(const SSL_CTX* context) {
+  return *static_cast<TlsContext*>(SSL_CTX_get_ex_data(context, context_index()));
+}
+
+int TlsContext::session_made(SSL* ssl, SSL_SESSION* session) {
+  STACK_OF(X509)* const chain = SSL_get_peer_cert_chain(ssl);
+  of(SSL_get_SSL_CTX(ssl))
+      .sessions_.keep(SessionHandle(session),
+                      ChainHandle(chain == nullptr ? nullptr : X509_chain_up_ref(chain)));
+  return 1;  // the reference is ours
+}
+
+SSL_SESSION* TlsContext::session_wanted(SSL* ssl, const unsigned char* id, int size, int* copy) {
+  TlsContext& context = of(SSL_get_SSL_CTX(ssl));
+  auto* const kept =
+      context.sessions_.find({reinterpret_cast<const char*>(id), static_cast<std::size_t>(size)});
+  if (kept == nullptr) {
+    return nullptr;
+  }
+  X509* const certificate = SSL_SESSION_get0_peer(kept->session.get());
+  if (certificate == nullptr || context.objection(certificate, kept->chain.get())) {
+    context.sessions_.forget(std::string(kept->id));
+    return nullptr;  // a whole handshake, which says why
+  }
+  *copy = 1;
+  return kept->session.get();
+}
+
+void TlsContext::session_ended(SSL_CTX* context, SSL_SESSION* session) {
+  of(context).sessions_.forget(id_of(session));
+}
+
+routing::ClientRole role_in(const X509* certificate) {
+  static const std::unique_ptr<ASN1_OBJECT, FreeWith<ASN1_OBJECT_free>> name(
+      OBJ_txt2obj(routing::kRoleExtension, 1));
+  std::vector<modbus::Bytes> values;
+  for (int at = X509_get_ext_by_OBJ(certificate, name.get(), -1); at >= 0;
+       at = X509_get_ext_by_OBJ(certificate, name.get(), at)) {
+    const ASN1_OCTET_STRING* const value = X509_EXTENSION_get_data(X509_get_ext(certificate, at));
+    values.emplace_back(ASN1_STRING_get0_data(value),
+                        static_cast<std::size_t>(ASN1_STRING_length(value)));
+  }
+  return routing::role_of(values);
+}
+
+}  // namespace mbgate::io

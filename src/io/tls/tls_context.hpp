@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a server of TLS is, and whom it lets in (MB-TCP-Security v36): TLS 1.2 and 1.3, one cipher
+// suite each for RSA and EC, a certificate of both ends, chains and revocations checked. Made on
+// any thread and then used on one; a reload makes another one.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "gateway/settings.hpp"
+#include "io/tls/openssl_handles.hpp"
+#include "io/tls/resumable_sessions.hpp"
+#include "modbus/result.hpp"
+#include "routing/client_role.hpp"
+
+namespace mbgate::io {
+
+/// Why there is no context. `may_come`: another process is not there yet.
+struct TlsFailure {
+  std::string why;
+  bool may_come = false;
+};
+
+/// When something of it ends.
+struct TlsDates {
+  std::chrono::system_clock::time_point certificate_ends;
+  std::optional<std::chrono::system_clock::time_point> crl_ends{};  ///< none: there is no list
+};
+
+class TlsContext {
+ public:
+  /// Reads the files, and asks mbgate-signer at this socket for the key; an empty socket: all but
+  /// the key is looked at, and the context is of no use.
+  static Result<std::shared_ptr<TlsContext>, TlsFailure> make(const gateway::TlsSettings& settings,
+                                                              const std::string& signer);
+  TlsContext(const TlsContext&) = delete;
+  TlsContext& operator=(const TlsContext&) = delete;
+  ~TlsContext();
+
+  /// For one client.
+  [[nodiscard]] SslHandle new_ssl() const { return SslHandle(SSL_new(context_.get())); }
+  /// Why this certificate is not accepted now, by chain, dates and revocations; nothing: it is.
+  /// `chain` may be nullptr.
+  std::optional<std::string> objection(X509* certificate, STACK_OF(X509) * chain) const;
+  [[nodiscard]] const TlsDates& dates() const { return dates_; }
+  /// Its session must not be taken up again.
+  void forget_session_of(const SSL* ssl);
+
+ private:
+  TlsContext();
+
+  std::optional<std::string> take_certificate(const std::string& path);
+  std::optional<std::string> take_authorities(const std::string& path);
+  std::optional<std::string> take_crls(const std::string& path);
+  std::optional<TlsFailure> take_key(const std::string& signer, const std::string& key);
+  void keep_sessions();
+  static TlsContext& of(const SSL_CTX* context);
+  static int session_made(SSL* ssl, SSL_SESSION* session);
+  static SSL_SESSION* session_wanted(SSL* ssl, const unsigned char* id, int size, int* copy);
+  static void session_ended(SSL_CTX* context, SSL_SESSION* session);
+
+  ContextHandle context_;
+  ResumableSessions sessions_;
+  TlsDates dates_{};
+};
+
+/// The role in this certificate.
+routing::ClientRole role_in(const X509* certificate);
+
+}  // namespace mbgate::io

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clients of listeners with TLS, on the thread of the machine: how many shake hands at a time, and
+// what has become of them. The handshakes themselves are another thread's (TlsFront).
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "io/clients/tcp_server.hpp"
+#include "io/tls/tls_events.hpp"
+#include "io/tls/tls_front.hpp"
+
+namespace mbgate::io {
+
+class TlsDoor final : public TlsEvents {
+ public:
+  TlsDoor(boost::asio::io_context& context, TlsEvents& events)
+      : context_(context), events_(events) {}
+  TlsDoor(const TlsDoor&) = delete;
+  TlsDoor& operator=(const TlsDoor&) = delete;
+  ~TlsDoor() override = default;
+
+  /// For handshakes from now on. Clients whose certificates these do not accept are ended.
+  void use(TlsContexts contexts);
+  /// A client that has connected to a listener with TLS, and may connect.
+  void take(gateway::ListenerId number, const gateway::Settings& settings, AcceptedClient client);
+  /// Handshakes under way.
+  [[nodiscard]] std::size_t under_way() const;
+
+ private:
+  using OfListener = std::map<routing::ClientAddress, std::size_t>;
+
+  void tls_arrived(TlsArrival arrival) override;
+  void tls_refused(const TlsPlace& place, const std::string& why) override;
+  void tls_ended(const TlsPlace& place, const std::string& why) override {
+    events_.tls_ended(place, why);
+  }
+  void tls_behind(std::chrono::milliseconds missed) override { events_.tls_behind(missed); }
+  void tls_drained() override { events_.tls_drained(); }
+
+  /// Why no more handshakes may begin there; empty: they may.
+  std::string objection(const TlsPlace& place, const gateway::HandshakeSettings& limits) const;
+  void note_ended(const TlsPlace& place);
+
+  boost::asio::io_context& context_;
+  TlsEvents& events_;
+  TlsContexts contexts_;
+  std::map<gateway::ListenerId, OfListener> under_way_;
+  std::unique_ptr<TlsFront> front_;  ///< none as long as nobody needs it
+};
+
+}  // namespace mbgate::io

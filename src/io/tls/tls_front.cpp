@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tls/tls_front.hpp"
+
+#include <boost/asio/post.hpp>
+#include <exception>
+#include <utility>
+
+#include "io/blocking_calls.hpp"
+#include "io/clock.hpp"
+#include "io/supervise.hpp"
+
+namespace mbgate::io {
+namespace {
+
+/// With the machine's own times at the end of the process it makes less than 2 s.
+constexpr std::chrono::milliseconds kLastBytes{150};
+
+}  // namespace
+
+TlsFront::TlsFront(boost::asio::io_context& home, TlsEvents& events)
+    : home_(home),
+      events_(events),
+      work_(io_.get_executor()),
+      hangups_(io_,
+               [this](std::uint64_t key, Hangup /*hangup*/) {
+                 if (const auto entry = clients_.find(key); entry != clients_.end()) {
+                   entry->second.client->end();
+                 }
+               }),
+      heartbeat_(io_, [this] { look_for_stall(); }),
+      shared_{io_, hangups_, [this] { look_for_stall(); }},
+      thread_([this] { run(); }) {}
+
+TlsFront::~TlsFront() {
+  boost::asio::post(io_, [this] { finish(); });
+  thread_.join();
+}
+
+void TlsFront::run() {
+  block_signals();
+  try {
+    io_.run();
+  } catch (...) {
+    // Whoever runs the machine ends the process, and says why.
+    boost::asio::post(home_, [error = std::current_exception()] { std::rethrow_exception(error); });
+  }
+}
+
+template <typename Told>
+void TlsFront::tell(Told told) {
+  boost::asio::post(home_, [&events = events_, told = std::move(told)]() mutable { told(events); });
+}
+
+void TlsFront::take(TlsCandidate candidate) {
+  boost::asio::post(io_, [this, candidate = std::move(candidate)]() mutable {
+    boost::asio::ip::tcp::socket socket(io_);
+    boost::system::error_code error;
+    socket.assign(candidate.protocol, candidate.socket.get(), error);
+    if (error || is_ending_) {
+      tell([place = candidate.place, why = error.message()](TlsEvents& events) {
+        events.tls_refused(place, why);
+      });
+      return;
+    }
+    candidate.socket.release();
+    const std::uint64_t key = next_key_++;
+    clients_[key] = {
+        std::make_shared<TlsClient>(shared_, key, std::move(candidate.context), std::move(socket)),
+        candidate.place, std::move(candidate.tls)};
+    heartbeat_.beat_while(true);
+    supervise(io_, serve(key, candidate.limit), "TLS of a client");
+  });
+}
+
+boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, bus::Duration limit) {
+  const std::shared_ptr<TlsClient> client = clients_[key].client;
+  const auto failure = co_await TlsClient::shake_hands(client, limit);
+  look_for_stall();
+  if (failure) {
+    tell([place = clients_[key].place, why = *failure](TlsEvents& events) {
+      events.tls_refused(place, "no TLS handshake: " + why);
+    });
+    client->end();
+  } else if (hand_over(clients_[key])) {
+    co_await TlsClient::carry(client);
+  }
+  forget(key);
+}
+
+bool TlsFront::hand_over(Entry& entry) {
+  TlsArrival arrival{entry.place, entry.client->make_pair(), entry.client->role()};
+  if (!arrival.socket.is_open()) {
+    tell([place = entry.place](TlsEvents& events) {
+      events.tls_refused(place, "no file descriptor is left for it");
+    });
+    entry.client->end();
+    return false;
+  }
+  arrival.bytes_waiting = entry.is_old ? entry.client->drain() : 0;
+  tell([arrival = std::move(arrival)](TlsEvents& events) mutable {
+    events.tls_arrived(std::move(arrival));
+  });
+  return true;
+}
+
+void TlsFront::judge_again(TlsContexts contexts) {
+  boost::asio::post(io_, [this, contexts = std::move(contexts)] { judge_all(contexts); });
+}
+
+void TlsFront::judge_all(const TlsContexts& contexts) {
+  for (const auto& [key, entry] : clients_) {
+    const auto context = contexts.find(entry.tls);
+    if (context == contexts.end() || !entry.client->has_pair()) {
+      continue;
+    }
+    if (const auto why = entry.client->objection(*context->second)) {
+      tell([place = entry.place, why = *why](TlsEvents& events) {
+        events.tls_ended(place, "its certificate is not accepted any more: " + why);
+      });
+      entry.client->end();
+    }
+  }
+}
+
+// Before anything goes on that has waited meanwhile.
+void TlsFront::look_for_stall() {
+  if (is_looking_) {
+    return;
+  }
+  const auto missed = heartbeat_.missed(now());
+  if (!missed) {
+    return;
+  }
+  is_looking_ = true;
+  tell([missed = *missed](TlsEvents& events) { events.tls_behind(missed); });
+  for (auto& [key, entry] : clients_) {
+    if (entry.client->has_pair()) {
+      entry.client->drain();
+    } else {
+      entry.is_old = true;
+    }
+  }
+  tell([](TlsEvents& events) { events.tls_drained(); });
+  is_looking_ = false;
+}
+
+void TlsFront::forget(std::uint64_t key) {
+  clients_.erase(key);
+  heartbeat_.beat_while(!clients_.empty());
+  if (is_ending_ && clients_.empty()) {
+    io_.stop();
+  }
+}
+
+void TlsFront::finish() {
+  is_ending_ = true;
+  if (clients_.empty()) {
+    io_.stop();
+    return;
+  }
+  const auto limit = std::make_shared<boost::asio::steady_timer>(io_, kLastBytes);
+  limit->async_wait([this, limit](const boost::system::error_code&) { io_.stop(); });
+}
+
+}  // namespace mbgate::io

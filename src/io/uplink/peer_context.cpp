@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/uplink/peer_context.hpp"
+
+#include <openssl/x509_vfy.h>
+#include <openssl/x509v3.h>
+
+#include <optional>
+#include <utility>
+
+#include "base/assert.hpp"
+#include "io/tls/pem_files.hpp"
+#include "io/tls/remote_key.hpp"
+#include "io/tls/signer_client.hpp"
+
+namespace mbgate::io {
+namespace {
+
+using Wrong = std::optional<std::string>;
+
+/// OpenSSL would tidy up at the end of the process, while a thread of an uplink may still use it.
+/// Only its first initialisation can leave that out.
+const int kNoTidying = OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
+
+/// As for clients: a list that has expired still names revoked certificates.
+int judge_peer(int good, X509_STORE_CTX* store) {
+  if (good == 0 && X509_STORE_CTX_get_error(store) == X509_V_ERR_CRL_HAS_EXPIRED) {
+    X509_STORE_CTX_set_error(store, X509_V_OK);
+    return 1;
+  }
+  return good;
+}
+
+Wrong use_certificate(SSL_CTX& context, const std::string& path) {
+  const auto chain = read_certificates(path);
+  if (!chain) {
+    return chain.error();
+  }
+  if (SSL_CTX_use_certificate(&context, chain->front().get()) != 1) {
+    return path + ": " + take_openssl_error();
+  }
+  for (std::size_t at = 1; at < chain->size(); ++at) {
+    SSL_CTX_add1_chain_cert(&context, (*chain)[at].get());
+  }
+  return std::nullopt;
+}
+
+Wrong trust(SSL_CTX& context, const bus::TlsPeer& peer) {
+  const auto authorities = read_certificates(peer.authorities);
+  if (!authorities) {
+    return authorities.error();
+  }
+  X509_STORE* const store = SSL_CTX_get_cert_store(&context);
+  for (const auto& authority : *authorities) {
+    X509_STORE_add_cert(store, authority.get());
+  }
+  if (peer.crl.empty()) {
+    return std::nullopt;
+  }
+  const auto lists = read_crls(peer.crl);
+  if (!lists) {
+    return lists.error();
+  }
+  for (const auto& list : *lists) {
+    X509_STORE_add_crl(store, list.get());
+  }
+  X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL);
+  return std::nullopt;
+}
+
+Wrong use_key(SSL_CTX& context, const bus::TlsPeer& peer) {
+  auto signer = SignerClient::open(peer.signer, peer.key);
+  if (!signer) {
+    return signer.error().why;
+  }
+  const KeyHandle key = remote_key(*std::move(signer));
+  if (!key || SSL_CTX_use_PrivateKey(&context, key.get()) != 1) {
+    return peer.key + ": it is not the key of " + peer.certificate + " (" + take_openssl_error() +
+           ")";
+  }
+  return std::nullopt;
+}
+
+/// The name that the server's certificate must be for.
+void expect_name(SSL& ssl, const std::string& name) {
+  X509_VERIFY_PARAM* const wanted = SSL_get0_param(&ssl);
+  if (X509_VERIFY_PARAM_set1_ip_asc(wanted, name.c_str()) == 1) {
+    return;
+  }
+  ERR_clear_error();  // it is no address
+  X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size());
+  std::string told = name;
+  SSL_ctrl(&ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, told.data());
+}
+
+}  // namespace
+
+Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
+  MBGATE_ASSERT(kNoTidying == 1, "OpenSSL does not tidy up at the end");
+  const ContextHandle context(SSL_CTX_new(TLS_client_method()));
+  if (!context || SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION) != 1) {
+    return take_openssl_error();
+  }
+  SSL_CTX_set_mode(context.get(),
+                   SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
+  SSL_CTX_set_options(context.get(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION);
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, judge_peer);
+  Wrong wrong = use_certificate(*context, peer.certificate);
+  if (!wrong) {
+    wrong = trust(*context, peer);
+  }
+  if (!wrong) {
+    wrong = use_key(*context, peer);
+  }
+  if (wrong) {
+    return *std::move(wrong);
+  }
+  SslHandle ssl(SSL_new(context.get()));
+  if (!ssl) {
+    return take_openssl_error();
+  }
+  expect_name(*ssl, peer.server_name);
+  return ssl;
+}
+
+std::string objection_to_peer(const SSL& ssl, const std::string& server_name) {
+  const long result = SSL_get_verify_result(&ssl);
+  if (result == X509_V_OK) {
+    return {};
+  }
+  const std::string text =
+      std::string("certificate verify failed: ") + X509_verify_cert_error_string(result);
+  return result == X509_V_ERR_HOSTNAME_MISMATCH || result == X509_V_ERR_IP_ADDRESS_MISMATCH
+             ? text + ": it is not for " + server_name
+             : text;
+}
+
+}  // namespace mbgate::io

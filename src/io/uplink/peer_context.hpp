@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is needed to reach a server over TLS as its client: our certificate, whose key the signer
+// has, and whom we trust. All of it is read anew for each connection, so that a renewed file needs
+// nothing but the next one. Reading files and asking the signer may block.
+#pragma once
+
+#include <string>
+
+#include "bus/settings.hpp"
+#include "io/tls/openssl_handles.hpp"
+#include "modbus/result.hpp"
+
+namespace mbgate::io {
+
+/// TLS 1.2 or 1.3 with the server's certificate checked by authority, dates, revocations and name.
+/// The error is one line of text that names the file.
+Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer);
+
+/// Why the server's certificate is not accepted; empty: it is, or there was none to look at.
+std::string objection_to_peer(const SSL& ssl, const std::string& server_name);
+
+}  // namespace mbgate::io

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "signer/door.hpp"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <iostream>
+
+namespace mbgate::signer {
+namespace {
+
+using signing::Answer;
+using signing::Question;
+
+Octets answer_of(Answer kind, std::span<const std::uint8_t> bytes) {
+  Octets answer = {static_cast<std::uint8_t>(kind)};
+  answer.insert(answer.end(), bytes.begin(), bytes.end());
+  answer.resize(std::min(answer.size(), signing::kLargestMessage));
+  return answer;
+}
+
+Octets refusal(std::string_view why) {
+  return answer_of(Answer::refused, Octets(why.begin(), why.end()));
+}
+
+}  // namespace
+
+Door::~Door() {
+  for (const Connection& connection : connections_) {
+    ::close(connection.socket);
+  }
+}
+
+void Door::run(const sigset_t& mask, const volatile std::sig_atomic_t& ended) {
+  while (ended == 0) {
+    std::vector<pollfd> watched = {{listening_, POLLIN, 0}};
+    for (const Connection& connection : connections_) {
+      watched.push_back({connection.socket, POLLIN, 0});
+    }
+    if (::ppoll(watched.data(), watched.size(), nullptr, &mask) < 0) {
+      continue;  // a signal
+    }
+    std::vector<Connection> kept;
+    for (std::size_t i = 0; i < connections_.size(); ++i) {
+      if (watched[i + 1].revents == 0 || answer(connections_[i])) {
+        kept.push_back(std::move(connections_[i]));
+      } else {
+        ::close(connections_[i].socket);
+      }
+    }
+    connections_ = std::move(kept);
+    if (watched[0].revents != 0) {
+      accept();
+    }
+  }
+}
+
+void Door::accept() {
+  const int socket = ::accept4(listening_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+  if (socket < 0) {
+    return;
+  }
+  if (connections_.size() >= kMostConnections) {
+    std::cerr << "more than " << kMostConnections << " connections: one was closed\n";
+    ::close(socket);
+    return;
+  }
+  connections_.push_back({socket, std::nullopt});
+}
+
+bool Door::answer(Connection& connection) const {
+  // One byte more than the largest: what is longer shows.
+  std::array<std::uint8_t, signing::kLargestMessage + 1> message{};
+  const ssize_t size = ::recv(connection.socket, message.data(), message.size(), 0);
+  if (size < 0) {
+    return errno == EAGAIN || errno == EINTR;
+  }
+  if (size == 0) {
+    return false;
+  }
+  const auto said = std::span<const std::uint8_t>(message).first(static_cast<std::size_t>(size));
+  const Octets answer = answer_to(connection, said);
+  return ::send(connection.socket, answer.data(), answer.size(), MSG_NOSIGNAL) >= 0;
+}
+
+Octets Door::answer_to(Connection& connection, std::span<const std::uint8_t> said) const {
+  if (said.size() > signing::kLargestMessage) {
+    return refusal("the question is too long");
+  }
+  const auto question = static_cast<Question>(said[0]);
+  const auto rest = said.subspan(1);
+  switch (question) {
+    case Question::open: {
+      auto opened = KeyFile::open(folder_, std::string(rest.begin(), rest.end()));
+      connection.key = std::move(opened.key);
+      if (!connection.key) {
+        std::cerr << opened.why << '\n';
+        return refusal(opened.why);
+      }
+      return answer_of(Answer::opened, connection.key->public_key());
+    }
+    case Question::rsa_pkcs1:
+    case Question::rsa_padded:
+    case Question::ecdsa: {
+      const auto signature = connection.key ? connection.key->sign(question, rest) : std::nullopt;
+      return signature ? answer_of(Answer::signature, *signature)
+                       : refusal("this cannot be signed with the key of this connection");
+    }
+  }
+  return refusal("the question is not understood");
+}
+
+}  // namespace mbgate::signer

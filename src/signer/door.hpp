@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where mbgated asks: one listening socket, a few connections, one question at a time. No thread.
+// Everything is bounded: who comes beyond the places is closed at once, and a connection that does
+// not take its answer is ended.
+#pragma once
+
+#include <csignal>
+#include <cstddef>
+#include <vector>
+
+#include "signer/key_file.hpp"
+
+namespace mbgate::signer {
+
+class Door {
+ public:
+  /// Connections at a time. mbgated has one for each key, and for a moment twice as many.
+  static constexpr std::size_t kMostConnections = 32;
+
+  /// Both descriptors stay the caller's. The socket is one of SOCK_SEQPACKET that listens.
+  Door(int listening, int folder) : listening_(listening), folder_(folder) {}
+  Door(const Door&) = delete;
+  Door& operator=(const Door&) = delete;
+  ~Door();
+
+  /// Serves until a signal has come. `mask`: the signals that are not blocked while it waits.
+  void run(const sigset_t& mask, const volatile std::sig_atomic_t& ended);
+
+ private:
+  struct Connection {
+    int socket;
+    std::optional<KeyFile> key;
+  };
+
+  void accept();
+  /// False: this connection has ended.
+  bool answer(Connection& connection) const;
+  [[nodiscard]] Octets answer_to(Connection& connection, std::span<const std::uint8_t> said) const;
+
+  int listening_;
+  int folder_;
+  std::vector<Connection> connections_;
+};
+
+}  // namespace mbgate::signer

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "signer/key_file.hpp"
+
+#include <fcntl.h>
+#include <openssl/bio.h>
+#include <openssl/crypto.h>
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/rsa.h>
+#include <openssl/x509.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+namespace mbgate::signer {
+namespace {
+
+/// RSA with 16384 bits takes 13 KiB.
+constexpr std::size_t kLargestFile = 16'384;
+
+struct Descriptor {
+  int fd;
+  explicit Descriptor(int opened) : fd(opened) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (fd >= 0) {
+      ::close(fd);
+    }
+  }
+};
+
+bool is_plain_name(std::string_view name) {
+  return !name.empty() && name.front() != '.' && name.find('/') == std::string_view::npos &&
+         name.find('\0') == std::string_view::npos;
+}
+
+/// Why the file must not be used as it is; empty: it may.
+std::string objection(const struct stat& file) {
+  if (!S_ISREG(file.st_mode)) {
+    return "it is no ordinary file";
+  }
+  if ((file.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
+    return "others than its owner may write it: chmod go-w";
+  }
+  if ((file.st_mode & S_IROTH) != 0) {
+    return "everybody may read it: chmod o-r";
+  }
+  return static_cast<std::size_t>(file.st_size) > kLargestFile ? "it is too large for a key" : "";
+}
+
+/// Asks for no password: a process without a terminal would wait for ever.
+int no_password(char* /*buffer*/, int /*size*/, int /*writing*/, void* /*data*/) { return -1; }
+
+std::optional<Octets> finish(EVP_PKEY_CTX* context, std::span<const std::uint8_t> bytes) {
+  std::size_t size = 0;
+  if (EVP_PKEY_sign(context, nullptr, &size, bytes.data(), bytes.size()) <= 0) {
+    return std::nullopt;
+  }
+  Octets signature(size);
+  if (EVP_PKEY_sign(context, signature.data(), &size, bytes.data(), bytes.size()) <= 0) {
+    return std::nullopt;
+  }
+  signature.resize(size);
+  return signature;
+}
+
+}  // namespace
+
+std::optional<KeyFile> KeyFile::read(std::string_view pem) {
+  BIO* const source = BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size()));
+  EVP_PKEY* const key = PEM_read_bio_PrivateKey(source, nullptr, no_password, nullptr);
+  BIO_free(source);
+  ERR_clear_error();
+  if (key == nullptr) {
+    return std::nullopt;
+  }
+  KeyFile file(key);
+  const int kind = EVP_PKEY_get_base_id(key);
+  return kind == EVP_PKEY_RSA || kind == EVP_PKEY_EC ? std::optional(std::move(file))
+                                                     : std::nullopt;
+}
+
+KeyFile::Opened KeyFile::open(int folder, std::string_view name) {
+  if (!is_plain_name(name)) {
+    return {std::nullopt, "a key is named by its file in the folder, without '/'"};
+  }
+  const std::string text(name);
+  // Not to wait where somebody has put a named pipe.
+  const Descriptor file(
+      ::openat(folder, text.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  struct stat facts {};
+  if (file.fd < 0 || ::fstat(file.fd, &facts) != 0) {
+    return {std::nullopt, errno == ELOOP ? text + ": it is a link"
+                                         : text + ": " + std::generic_category().message(errno)};
+  }
+  if (const std::string why = objection(facts); !why.empty()) {
+    return {std::nullopt, text + ": " + why};
+  }
+  std::array<char, kLargestFile> pem{};
+  const ssize_t size = ::read(file.fd, pem.data(), pem.size());
+  auto key = size > 0 ? read({pem.data(), static_cast<std::size_t>(size)}) : std::nullopt;
+  OPENSSL_cleanse(pem.data(), pem.size());
+  if (!key) {
+    return {std::nullopt, text + ": expected a private key of RSA or EC in PEM, without password"};
+  }
+  return {std::move(key), {}};
+}
+
+Octets KeyFile::public_key() const {
+  std::uint8_t* der = nullptr;
+  const int size = i2d_PUBKEY(key_.get(), &der);
+  Octets bytes;
+  if (size > 0) {
+    bytes.assign(der, der + size);
+  }
+  OPENSSL_free(der);
+  return bytes;
+}
+
+std::optional<Octets> KeyFile::sign(signing::Question how,
+                                    std::span<const std::uint8_t> bytes) const {
+  const bool is_rsa = EVP_PKEY_get_base_id(key_.get()) == EVP_PKEY_RSA;
+  if (how == signing::Question::open || is_rsa == (how == signing::Question::ecdsa)) {
+    return std::nullopt;
+  }
+  struct FreeContext {
+    void operator()(EVP_PKEY_CTX* context) const { EVP_PKEY_CTX_free(context); }
+  };
+  const std::unique_ptr<EVP_PKEY_CTX, FreeContext> context(EVP_PKEY_CTX_new(key_.get(), nullptr));
+  const bool begun = context && EVP_PKEY_sign_init(context.get()) > 0;
+  const int padding = how == signing::Question::rsa_pkcs1 ? RSA_PKCS1_PADDING : RSA_NO_PADDING;
+  const bool ready = begun && (!is_rsa || EVP_PKEY_CTX_set_rsa_padding(context.get(), padding) > 0);
+  auto signature = ready ? finish(context.get(), bytes) : std::nullopt;
+  ERR_clear_error();
+  return signature;
+}
+
+}  // namespace mbgate::signer

@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""A bus that is a Modbus TCP server over TLS: Python's ssl in front of the demo's gateway, and a gateway in front of
+that. The private key is with mbgate-signer."""
+
+import pathlib
+import ssl
+import subprocess
+import tempfile
+import unittest
+
+from demo_plant import PATIENCE, DemoPlant, Process, program
+from tls_front import TlsFront, sign
+
+USER_REGISTERS = 60  # of the MOONS' drive: any value
+NEAR = """
+[gateway]
+signer = "{folder}/signer"
+[http]
+socket = ""
+[[tls]]
+name = "plant"
+certificate = "{client}.crt"
+key = "{client}.key"
+authorities = "ca.crt"
+crl = "ca.crl"
+[[listen]]
+name = "near"
+address = "127.0.0.1"
+port = 0
+bus = "far"
+[[bus]]
+name = "far"
+mode = "tcp"
+host = "127.0.0.1"
+port = {port}
+tls = "plant"
+connect_timeout = "2s"
+"""
+
+
+class Bus(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.plant = cls.enterClassContext(DemoPlant())
+        cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
+        for arguments in (("ca",), ("server", "gateway", "--address", "127.0.0.1"), ("client", "near", "--role", "gw"),
+                          ("client", "near-rsa", "--rsa", "2048"), ("server", "other", "--address", "gw.plant"),
+                          ("server", "revoked", "--address", "127.0.0.1"), ("revoke", "revoked.crt")):  # fmt: skip
+            cls.cert(*arguments)
+        sign(cls.folder, "expired", -30, -1)
+        sign(cls.folder, "late", -30, -1, "near")
+        cls.signer = cls.enterClassContext(Signer(cls.folder))
+
+    @classmethod
+    def cert(cls, *arguments):
+        subprocess.run([program("mbgatectl"), "cert", *arguments], cwd=cls.folder, check=True, timeout=PATIENCE,
+                       stdout=subprocess.DEVNULL)  # fmt: skip
+
+    def front(self, *arguments, **words):
+        return self.enterContext(TlsFront(self.folder, self.plant.port, *arguments, **words))
+
+    def near(self, port, client="near", more=""):
+        """A gateway whose only bus is at this port, and where it listens."""
+        file = self.folder / "near.toml"
+        file.write_text(NEAR.format(folder=self.folder, client=client, port=port) + more, encoding="utf-8")
+        gateway = Process(self.folder, "mbgated", "--config", file)
+        self.addCleanup(lambda: self.assertEqual(0, gateway.end()))
+        gateway.port = int(gateway.wait_for(r"listening near 127\.0\.0\.1:(\d+)$").group(1))
+        return gateway
+
+    def ask(self, gateway, *arguments):
+        words = [program("mbgatectl"), *map(str, arguments), "--port", str(gateway.port)]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, check=False)
+        self.assertEqual((0, ""), (done.returncode, done.stderr))
+        return done.stdout
+
+    def lost(self, gateway):
+        """Why the bus is lost, by the journal."""
+        return gateway.wait_for(r"far.*cannot connect to tcp://127\.0\.0\.1:\d+: (.*)$").group(1)
+
+    def test_carries_reads_and_writes(self):
+        for version in (ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3):
+            for client in ("near", "near-rsa"):
+                front = self.front(version=version)
+                gateway = self.near(front.port, client)
+                place = ("holding", USER_REGISTERS, "--type", "i32")
+                self.ask(gateway, "write", *place, version)
+                self.assertEqual(f"{int(version)}\n", self.ask(gateway, "read", *place, "--quiet"))
+                self.ask(gateway, "read", "holding", 0, "--count", 60, "--every", "10ms", "--times", 20)
+                self.assertEqual(1, len(front.versions))
+                self.assertEqual([client], front.clients)
+
+    def test_is_opened_again(self):
+        front = self.front()
+        gateway = self.near(front.port)
+        self.ask(gateway, "read", "holding", 0)
+        front.close_all()
+        self.ask(gateway, "read", "holding", 0)
+        self.assertEqual(2, len(front.versions))
+
+    def test_says_why_the_server_is_not_trusted(self):
+        for name, why in (
+            ("expired", "certificate verify failed: certificate has expired"),
+            ("revoked", "certificate verify failed: certificate revoked"),
+            ("other", "certificate verify failed: IP address mismatch: it is not for 127.0.0.1"),
+        ):
+            self.assertEqual(why, self.lost(self.near(self.front(name).port)))
+
+    def test_expects_another_name_where_it_is_told_to(self):
+        gateway = self.near(self.front("other").port, more='server_name = "gw.plant"\n')
+        self.ask(gateway, "read", "holding", 0)
+
+    def test_says_why_it_is_not_trusted(self):
+        gateway = self.near(self.front(version=ssl.TLSVersion.TLSv1_2).port, "late")
+        self.assertRegex(self.lost(gateway), "alert certificate expired")
+        gateway = self.near(self.front(version=ssl.TLSVersion.TLSv1_3).port, "late")
+        gateway.wait_for("far.*alert certificate expired")
+
+    def test_says_which_file_is_wrong(self):
+        self.assertRegex(self.lost(self.near(self.front().port, "nobody")), f"^{self.folder}/nobody.crt: ")
+
+    def test_says_that_there_is_no_tls(self):
+        gateway = self.near(self.plant.port)
+        self.assertEqual("the server closed the connection during the TLS handshake", self.lost(gateway))
+
+
+class Signer:
+    """with Signer(folder): mbgate-signer has the keys of the folder."""
+
+    def __init__(self, folder):
+        self._folder = folder
+
+    def __enter__(self):
+        socket = self._folder / "signer"
+        self._process = Process(self._folder, "mbgate-signer", "--keys", self._folder, "--socket", socket)
+        self._process.wait_for("^listening ")
+        return self
+
+    def __exit__(self, *_):
+        self._process.end()
+
+
+if __name__ == "__main__":
+    unittest.main()

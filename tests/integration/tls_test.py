@@ -1,0 +1,307 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Modbus/TCP Security over mbgated's own listeners, with Python's ssl (OpenSSL) as the client: handshakes, roles,
+resumption, revocation, and what a reload does. tests/README.md says which clause of MB-TCP-Security v36 each one shows."""
+
+import datetime
+import os
+import signal
+import ssl
+import struct
+import sys
+import unittest
+
+from demo_plant import PATIENCE
+from tls_certificates import Authority, utf8
+from tls_plant import READ, TlsCase, adu, answer_of, ask
+
+VERSIONS = (ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3)
+DENIED = b"\x83\x01"
+
+
+class Handshake(TlsCase):
+    def test_both_versions_carry_what_a_plain_connection_carries(self):
+        for listener in ("secure", "secure-rsa"):
+            for version in VERSIONS:
+                with self.subTest(listener=listener, version=version), self.plant.client(newest=version,
+                                                                                          listener=listener) as client:
+                    self.assertEqual(client.version(), version.name.replace("_", ".").replace("v1.", "v1."))
+                    self.assert_served(client)
+                    # Many at a time, and one a byte at a time.
+                    client.sendall(b"".join(adu(READ, number) for number in range(12)))
+                    self.assertEqual([answer_of(client) for _ in range(12)], [self.answer] * 12)
+                    for byte in adu(READ):
+                        client.sendall(bytes([byte]))
+                    self.assertEqual(answer_of(client), self.answer)
+
+    def test_the_cipher_suites_are_those_of_the_specification(self):
+        expected = {
+            ("secure", VERSIONS[0]): "ECDHE-ECDSA-AES128-GCM-SHA256",
+            ("secure-rsa", VERSIONS[0]): "ECDHE-RSA-AES128-GCM-SHA256",
+            ("secure", VERSIONS[1]): "TLS_AES_128_GCM_SHA256",
+            ("secure-rsa", VERSIONS[1]): "TLS_AES_128_GCM_SHA256",
+        }
+        for (listener, version), name in expected.items():
+            with self.plant.client(newest=version, listener=listener) as client:
+                self.assertEqual(client.cipher()[0], name)
+
+    def test_a_client_without_certificate_gets_an_alert(self):
+        with self.assertRaisesRegex(ssl.SSLError, "alert"):
+            self.plant.connect(self.plant.context(newest=VERSIONS[0]))
+        client = self.use(self.plant.connect(self.plant.context(newest=VERSIONS[1])))
+        with self.assertRaisesRegex(ssl.SSLError, "CERTIFICATE_REQUIRED"):
+            client.sendall(adu(READ))
+            client.recv(1)
+        self.refusal("peer did not return a certificate")
+        self.refusal("peer did not return a certificate")
+
+    def test_a_certificate_of_another_authority_gets_an_alert(self):
+        stranger = Authority("stranger").issue("stranger", [utf8("Operator")])
+        with self.assertRaisesRegex(ssl.SSLError, "UNKNOWN_CA"):
+            self.plant.client(stranger, VERSIONS[0])
+        self.refusal("certificate verify failed: unable to get local issuer certificate")
+
+    def test_an_expired_certificate_and_one_of_a_server_are_refused(self):
+        old = self.plant.authority.issue("old", [utf8("Operator")], lasts=-datetime.timedelta(hours=1))
+        with self.assertRaisesRegex(ssl.SSLError, "CERTIFICATE_EXPIRED"):
+            self.plant.client(old, VERSIONS[0])
+        server = self.plant.authority.issue("server", server=True)
+        with self.assertRaisesRegex(ssl.SSLError, "alert"):
+            self.plant.client(server, VERSIONS[0])
+
+    def test_who_speaks_no_tls_is_let_go(self):
+        plain = self.use(self.plant.plain("secure"))
+        plain.sendall(adu(READ))
+        self.assert_ended(plain)
+        self.refusal("no TLS handshake: ")
+        with self.plant.client() as client:
+            self.assert_served(client)
+
+    def test_the_certificate_comes_with_those_up_to_the_root(self):
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        from tls_certificates import pem
+
+        context.load_verify_locations(cadata=pem(self.plant.root.certificate).decode())
+        context.load_cert_chain(*self.plant.operator.files(self.plant.folder))
+        with self.plant.connect(context) as client:
+            self.assert_served(client)
+
+
+class Roles(TlsCase):
+    def ask_as(self, roles):
+        client = self.use(self.plant.client(self.plant.authority.issue("client", roles)))
+        return client, ask(client)
+
+    def test_a_role_and_the_null_role_shake_hands(self):
+        self.assertEqual(self.ask_as([utf8("Operator")])[1], self.answer)
+        self.assertEqual(self.ask_as([])[1], self.answer)
+
+    def test_a_role_that_cannot_be_read_shakes_hands_and_gets_01_for_every_request(self):
+        for roles in ([utf8("")], [b"\x13\x08Operator"], [utf8("Operator"), utf8("Viewer")], [b"\x0c\x03ab"], [b""]):
+            with self.subTest(roles=roles):
+                client, answer = self.ask_as(roles)
+                self.assertEqual(answer, DENIED)
+                self.assertEqual(ask(client), DENIED)  # the session stays
+
+
+class Endings(TlsCase):
+    def test_a_client_that_has_said_all_gets_its_answers(self):
+        client = self.use(self.plant.client())
+        client.sendall(adu(READ))
+        self.assertEqual(answer_of(client), self.answer)
+        raw = client.unwrap()  # close_notify of both
+        self.assertEqual(raw.recv(1), b"")
+
+    def test_the_gateway_says_goodbye_when_it_ends(self):
+        client = self.use(self.plant.client())
+        self.assert_served(client)
+        self.plant._processes.remove(self.plant.gateway)
+        self.assertEqual(self.plant.gateway.end(), 0)
+        self.assertEqual(client.recv(1), b"")  # a FIN without close_notify would raise
+
+    def test_a_handshake_that_takes_too_long_is_ended(self):
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        text = text.replace('tls = "ec"', 'tls = "ec"\nhandshake_timeout = "100ms"')
+        self.plant.configuration.write_text(text, encoding="utf-8")
+        self.reload()
+        silent = self.use(self.plant.plain("secure"))
+        self.assert_ended(silent)
+        self.refusal("no TLS handshake: it took too long")
+
+    def test_only_so_many_shake_hands_at_a_time(self):
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        text = text.replace('tls = "ec"', 'tls = "ec"\nmax_handshakes = 4\nmax_handshakes_per_client = 2')
+        self.plant.configuration.write_text(text, encoding="utf-8")
+        self.reload()
+        waiting = [self.use(self.plant.plain("secure")) for _ in range(2)]
+        self.assert_ended(self.use(self.plant.plain("secure")))
+        self.refusal(r"too many handshakes of one client at a time \(max_handshakes_per_client\)")
+        for client in waiting:
+            client.close()
+        self.refusal("the client has gone")
+
+
+class Resumption(TlsCase):
+    def resumed(self, context, session, listener="secure"):
+        client = self.use(self.plant.connect(context, listener, session=session))
+        self.assert_served(client)
+        return client.session_reused
+
+    def test_a_session_is_taken_up_again_without_a_ticket(self):
+        for version in VERSIONS:
+            with self.subTest(version=version):
+                context = self.plant.context(self.plant.operator, version)
+                first = self.use(self.plant.connect(context))
+                self.assert_served(first)
+                session = first.session
+                first.unwrap()
+                if version == VERSIONS[0]:
+                    self.assertFalse(session.has_ticket)
+                    self.assertEqual(len(session.id), 32)
+                self.assertTrue(self.resumed(context, session))
+
+    def test_the_role_follows_a_session_that_is_taken_up_again(self):
+        certificate = self.plant.authority.issue("two", [utf8("A"), utf8("B")])
+        context = self.plant.context(certificate, VERSIONS[0])
+        first = self.use(self.plant.connect(context))
+        self.assertEqual(ask(first), DENIED)
+        again = self.use(self.plant.connect(context, session=first.session))
+        self.assertEqual(ask(again), DENIED)
+        self.assertTrue(again.session_reused)
+
+    def test_a_session_is_forgotten_after_a_fatal_alert(self):
+        for version in VERSIONS:
+            with self.subTest(version=version):
+                context = self.plant.context(self.plant.operator, version)
+                incoming, outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
+                client = context.wrap_bio(incoming, outgoing, server_hostname="localhost")
+                raw = self.use(self.plant.plain("secure"))
+
+                def pump(step, *arguments):
+                    while True:
+                        try:
+                            result = step(*arguments)
+                        except ssl.SSLWantReadError:
+                            result = None
+                        raw.sendall(outgoing.read())
+                        if result is not None or step == client.do_handshake and client.version():
+                            return result
+                        incoming.write(raw.recv(65536))
+
+                try:
+                    pump(client.do_handshake)
+                    pump(client.write, adu(READ))
+                    self.assertEqual(len(pump(client.read, 300)), 11)
+                except ssl.SSLWantReadError:
+                    self.fail("no handshake")
+                session = client.session
+                self.assertTrue(self.resumed(context, session))
+                client.write(adu(READ))
+                record = bytearray(outgoing.read())
+                record[-1] ^= 1  # its tag is wrong: bad_record_mac
+                raw.sendall(record)
+                self.assert_ended(raw)
+                if version == VERSIONS[0]:
+                    self.assertFalse(self.resumed(context, session))
+
+
+class Reload(TlsCase):
+    def test_a_new_certificate_is_shown_and_no_session_is_lost(self):
+        before = self.use(self.plant.client())
+        self.assert_served(before)
+        shown = before.getpeercert(binary_form=True)
+        new = self.plant.authority.issue("ec", server=True, chain=[self.plant.authority.certificate])
+        self.plant.install("ec", new)
+        self.reload()
+        after = self.use(self.plant.client())
+        self.assert_served(after)
+        self.assertNotEqual(after.getpeercert(binary_form=True), shown)
+        self.assert_served(before)
+
+    def test_a_revoked_client_is_ended_and_cannot_come_again(self):
+        other = self.plant.authority.issue("other", [utf8("Viewer")])
+        context = self.plant.context(self.plant.operator, VERSIONS[0])
+        revoked = self.use(self.plant.connect(context))
+        stays = self.use(self.plant.client(other))
+        for client in (revoked, stays):
+            self.assert_served(client)
+        self.plant.authority.revoked.append(self.plant.operator)
+        self.plant.write_crl()
+        self.reload()
+        self.refusal("its certificate is not accepted any more: certificate revoked")
+        self.assert_ended(revoked)
+        self.assert_served(stays)
+        with self.assertRaisesRegex(ssl.SSLError, "CERTIFICATE_REVOKED"):
+            self.plant.connect(context, session=revoked.session)
+
+    def test_a_list_that_has_expired_is_told_and_still_counts(self):
+        self.plant.authority.revoked.append(self.plant.operator)
+        self.plant.write_crl(ends=-datetime.timedelta(minutes=1))
+        self.reload(r"\[\[tls\]\] ec: the list of revoked certificates has expired at .*: it still counts")
+        with self.assertRaisesRegex(ssl.SSLError, "CERTIFICATE_REVOKED"):
+            self.plant.client(newest=VERSIONS[0])
+        with self.plant.client(self.plant.authority.issue("other")) as client:
+            self.assert_served(client)
+
+    def test_a_certificate_that_ends_soon_is_told(self):
+        soon = self.plant.authority.issue("ec", server=True, lasts=datetime.timedelta(days=20),
+                                          chain=[self.plant.authority.certificate])
+        self.plant.install("ec", soon)
+        self.reload(r"\[\[tls\]\] ec: the certificate expires at \d{4}-\d\d-\d\d \d\d:\d\d UTC$")
+
+    def test_what_does_not_fit_changes_nothing(self):
+        alien = self.plant.authority.issue("alien", server=True)
+        alien.files(self.plant.folder)[1].rename(self.plant.keys / "ec.key")
+        self.reload(r"\[\[tls\]\] ec: ec\.key: it is not the key of the certificate")
+        self.plant.gateway.wait_for("the configuration stays as it is")
+        (self.plant.folder / "ca.crt").unlink()
+        self.reload(r"\[\[tls\]\] ec: .*/ca\.crt: No such file or directory")
+        with self.plant.plain() as client:
+            self.assertEqual(ask(client), self.answer)
+
+
+class Signer(TlsCase):
+    def test_keys_that_others_can_change_or_read_are_refused(self):
+        for mode, why in ((0o660, "others than its owner may write it"), (0o604, "everybody may read it")):
+            (self.plant.keys / "ec.key").chmod(mode)
+            self.reload(rf"mbgate-signer: ec\.key: {why}: chmod ")
+        (self.plant.keys / "ec.key").unlink()
+        self.reload(r"mbgate-signer: ec\.key: No such file or directory")
+        (self.plant.keys / "ec.key").symlink_to(self.plant.keys / "rsa.key")
+        self.reload(r"mbgate-signer: ec\.key: it is a link")
+
+    def test_a_signer_that_was_started_again_is_asked_again(self):
+        self.plant._processes.remove(self.plant.signer)
+        self.assertEqual(self.plant.signer.end(), 0)
+        with self.assertRaises((ssl.SSLError, ConnectionError)):
+            self.plant.client()
+        self.refusal("no TLS handshake: ")
+        self.plant.start_signer()
+        with self.plant.client() as client:
+            self.assert_served(client)
+
+    def test_the_gateway_has_no_key_in_its_memory(self):
+        with self.plant.client() as client:
+            self.assert_served(client)
+        names = [os.readlink(f"/proc/{self.plant.gateway.pid}/fd/{fd}")
+                 for fd in os.listdir(f"/proc/{self.plant.gateway.pid}/fd")]
+        self.assertFalse([name for name in names if str(self.plant.keys) in name])
+
+
+class Stopped(TlsCase):
+    def test_what_was_sent_while_the_gateway_was_stopped_is_answered(self):
+        client = self.use(self.plant.client())
+        self.assert_served(client)
+        self.plant.gateway.signal(signal.SIGSTOP)
+        client.sendall(adu(READ))
+        self.plant.gateway.signal(signal.SIGCONT)
+        self.assertEqual(answer_of(client), self.answer)
+
+
+if __name__ == "__main__":
+    try:
+        import cryptography  # noqa: F401
+    except ImportError:
+        print("skipped: no python3-cryptography")
+        sys.exit(77)
+    unittest.main()
