@@ -66,7 +66,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
             : is_commented_setting(line) ? line.substr(2) + "\n"
                                          : line + "\n";
   }
-  EXPECT_EQ(commented, 52);
+  EXPECT_EQ(commented, 74);
   const auto loaded = load_settings_text(kFolder + "mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
@@ -79,6 +79,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
   EXPECT_EQ(loaded.settings->guards.at(0).failsafe.size(), 1U);
   EXPECT_EQ(loaded.settings->guards[0].writer, gateway::WriterRule::first);
   EXPECT_EQ(loaded.settings->weights.size(), 1U);
+  EXPECT_EQ(loaded.settings->rules.size(), 2U);
   // What stands there is the default all the same.
   const bus::BusSettings bus;
   const gateway::DeviceGuard guard;
