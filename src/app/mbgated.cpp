@@ -143,6 +143,17 @@ Result<RecordingBegun, std::string> begin_recording(const Options& options,
   return RecordingBegun{*std::move(file), gateway::head_lines(head)};
 }
 
+/// Exits 1 if it is permitted nowhere.
+int say_who(const gateway::Settings& settings, const WhoOptions& who) {
+  const auto answers = answer_who(settings, who);
+  if (!answers) {
+    std::cerr << "mbgated: " << answers.error() << '\n';
+    return EX_USAGE;
+  }
+  std::cout << answers->text;
+  return answers->any_permitted ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
 }  // namespace
 
 int run_mbgated(int argc, const char* const* argv, const std::string& version) {
@@ -164,6 +175,9 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
   if (options.print) {
     std::cout << options.text.value_or("");
     return EXIT_SUCCESS;
+  }
+  if (options.who) {
+    return say_who(*loaded.settings, *options.who);
   }
   if (options.check) {
     const auto room = io::room_for_clients(*loaded.settings, io::hard_descriptor_limit());
