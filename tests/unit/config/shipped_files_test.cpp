@@ -43,6 +43,20 @@ TEST(Readme, HasACompleteConfiguration) {
   EXPECT_EQ(loaded.settings->listeners.size(), 1U);
 }
 
+/// The example of the page on access rules, behind the complete configuration.
+TEST(AccessRulesPage, HasRulesThatLoad) {
+  const auto page = text_of(MBGATE_SOURCE_DIR "/docs/access-rules.md");
+  const std::string fence = "```toml\n";
+  const auto start = page.find(fence);
+  ASSERT_NE(start, std::string::npos);
+  const auto rest = page.substr(start + fence.size());
+  const auto loaded = load_settings_text(
+      kFolder + "mbgate.toml", text_of(kFolder + "mbgate.toml") + rest.substr(0, rest.find("```")));
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->rules.size(), 5U);
+}
+
 /// "# key = ..." and "# [[table]]", unlike the sentences around them.
 bool is_commented_setting(const std::string& line) {
   if (!line.starts_with("# ")) {
