@@ -178,6 +178,16 @@ void note_count(std::vector<std::string>& changes, std::size_t count, const char
   }
 }
 
+/// They may stand at other lines of the file.
+bool same_rules(std::vector<routing::AccessRule> a, std::vector<routing::AccessRule> b) {
+  for (auto* const rules : {&a, &b}) {
+    for (routing::AccessRule& rule : *rules) {
+      rule.place.clear();
+    }
+  }
+  return a == b;
+}
+
 }  // namespace
 
 std::vector<std::string> changes_between(const Settings& old, const Settings& next) {
@@ -201,6 +211,9 @@ std::vector<std::string> changes_between(const Settings& old, const Settings& ne
   compare_all(changes, "device", old, next, &Settings::devices);
   note_count(changes, count_missing(next.routes, old.routes), "added");
   note_count(changes, count_missing(old.routes, next.routes), "removed");
+  if (!same_rules(old.rules, next.rules)) {
+    changes.emplace_back("access rules");
+  }
   if (!(old.weights == next.weights)) {
     changes.emplace_back("clients: weights");
   }

@@ -48,6 +48,29 @@ const CLI::Option* add_serial(CLI::App& app, SerialWords& words, bool& print) {
   return serial;
 }
 
+/// Returns --who, without which the others mean nothing.
+const CLI::Option* add_who(CLI::App& app, WhoOptions& who, CLI::Option* check) {
+  constexpr auto kGroup = "Who may do what (with --check)";
+  CLI::Option* const asked = app.add_option(
+      "--who", who.client, "Say what would become of this client's request, and what decides");
+  asked->type_name("ADDRESS")->group(kGroup)->needs(check);
+  const auto add = [&](const char* name, auto& value, const char* type, const char* description) {
+    CLI::Option* const option = app.add_option(name, value, description);
+    option->type_name(type)->group(kGroup)->needs(asked);
+    return option;
+  };
+  add("--listener", who.listener, "NAME", "Only on this listener");
+  add("--role", who.role, "ROLE", "The role in its certificate, \"\" if there is none");
+  asked->needs(add("--unit", who.unit, "N", "The unit that it asks"));
+  add("--read", who.read, "TABLE ADDRESS", "It reads coils, discrete, input or holding")
+      ->expected(2);
+  add("--write", who.write, "TABLE ADDRESS", "It writes coils or holding")->expected(2);
+  add("--count", who.count, "N", "So many of them")->capture_default_str();
+  add("--value", who.value, "N", "What it writes, which tells stops from others")
+      ->capture_default_str();
+  return asked;
+}
+
 /// Puts the configuration into `options`, or throws what is wrong.
 void take_serial(SerialWords& words, Options& options) {
   const auto listen = parse_listen(words.listen, words.options.allow);
@@ -80,8 +103,8 @@ std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
          "Record everything that clients and lines say to this file, in the service's state "
          "directory if it has one; it grows as long as mbgated runs")
       ->type_name("FILE");
-  app.add_flag("--check", options.check,
-               "Validate the configuration without touching a port, then exit");
+  CLI::Option* const check = app.add_flag(
+      "--check", options.check, "Validate the configuration without touching a port, then exit");
   bool keys = false;
   app.add_flag("--keys", keys,
                "Print what each plain key of the configuration takes: section, key, range, default "
@@ -89,6 +112,8 @@ std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
   app.set_version_flag("--version", "mbgated " + version);
   SerialWords words;
   const CLI::Option* const serial = add_serial(app, words, options.print);
+  WhoOptions who;
+  const CLI::Option* const asked = add_who(app, who, check);
   try {
     app.parse(argc, argv);
     if (serial->count() > 0 && config->count() > 0) {
@@ -97,6 +122,9 @@ std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
     }
     if (serial->count() > 0) {
       take_serial(words, options);
+    }
+    if (asked->count() > 0) {
+      options.who = who;
     }
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : EX_USAGE;

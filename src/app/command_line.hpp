@@ -7,6 +7,8 @@
 #include <string>
 #include <variant>
 
+#include "app/who/who_options.hpp"
+
 namespace mbgate::app {
 
 struct Options {
@@ -19,8 +21,9 @@ struct Options {
   std::optional<std::filesystem::path> profiles;
   /// Record the machine's inputs and actions to this file.
   std::optional<std::filesystem::path> record;
-  bool check = false;  ///< validate the configuration and exit
-  bool print = false;  ///< print `text` and exit
+  bool check = false;             ///< validate the configuration and exit
+  std::optional<WhoOptions> who;  ///< with `check`: what would become of this request
+  bool print = false;             ///< print `text` and exit
 };
 
 /// The options, or the exit status when help, version, keys or an error has been printed already.

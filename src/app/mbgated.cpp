@@ -171,6 +171,17 @@ int print_check(const Configuration& checked, const std::string& file) {
   return EXIT_SUCCESS;
 }
 
+/// Exits 1 if it is permitted nowhere.
+int say_who(const gateway::Settings& settings, const WhoOptions& who) {
+  const auto answers = answer_who(settings, who);
+  if (!answers) {
+    std::cerr << "mbgated: " << answers.error() << '\n';
+    return EX_USAGE;
+  }
+  std::cout << answers->text;
+  return answers->any_permitted ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
 }  // namespace
 
 int run_mbgated(int argc, const char* const* argv, const std::string& version) {
@@ -192,6 +203,9 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
   if (options.print) {
     std::cout << options.text.value_or("");
     return EXIT_SUCCESS;
+  }
+  if (options.who) {
+    return say_who(*loaded.settings, *options.who);
   }
   if (options.check) {
     return print_check(configuration, options.config.string());

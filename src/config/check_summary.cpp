@@ -1,15 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/check_summary.hpp"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "config/needs.hpp"
+#include "config/sections/sections.hpp"
 
 namespace mbgate::config {
 namespace {
 
 std::string number_of(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+// What becomes of a request that no rule matches, or that the last one decides for all.
+std::string rules_text(const gateway::Settings& settings) {
+  const auto& rules = settings.rules;
+  const routing::AccessRule& last = rules.back();
+  const bool any_role = std::ranges::any_of(settings.listeners,
+                                            [](const auto& listener) { return has_tls(listener); });
+  const bool decides_all = hides(last, routing::AccessRule{.any_role = any_role});
+  const std::string end = decides_all ? "the last one, " + last.title() + ", " +
+                                            (last.permits ? "permits" : "denies") + " what is left"
+                                      : std::string("what none of them matches is denied");
+  return number_of(rules.size(), "rule", "rules") + ": " + end;
 }
 
 }  // namespace
@@ -20,6 +35,9 @@ std::string check_summary(const gateway::Settings& settings) {
       number_of(settings.buses.size(), "bus", "buses") + ", " +
       number_of(settings.devices.size(), "device", "devices") + ", " +
       number_of(settings.routes.size(), "route", "routes");
+  if (!settings.rules.empty()) {
+    text.append("\n").append(rules_text(settings));
+  }
   for (const auto& need : needs(settings)) {
     text.append("\n").append(need);
   }

@@ -24,6 +24,7 @@ Loaded read(TomlDocument document, ProfileSearch search) {
     read_http(draft);
     read_routes(draft);
     read_clients(draft);
+    read_rules(draft);
     check_whole(draft);
     loaded.settings = std::move(draft.settings);
     of_profiles = draft.library.diagnostics();

@@ -16,7 +16,8 @@ namespace mbgate::gateway {
 enum class RefusalReason : std::uint8_t {
   not_allowed,  ///< not in the listener's allow list
   full,         ///< max_connections reached and no idle connection could make room
-  stopping      ///< the gateway is stopping
+  stopping,     ///< the gateway is stopping
+  no_rule       ///< no access rule can permit anything to its address
 };
 
 struct BusOpened {
@@ -131,11 +132,21 @@ struct UnitNotRouted {
   std::uint8_t unit;
   std::bitset<256> routed;  ///< the units that have a route on this listener
 };
+/// An access rule denies a request. Reported once a minute for each client.
+struct RequestDenied {
+  ListenerId listener;
+  routing::ClientAddress address;
+  std::uint8_t unit;
+  std::uint8_t function;
+  std::string by;          ///< which rule, or that none permits it
+  std::uint64_t left_out;  ///< that were denied since the last report
+};
 
-using Event = std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
-                           ClientDisplaced, ClientFramingLost, ClientSpeaksRtu, ClientFrameTimedOut,
-                           LineNews, LineNeverSilent, Reconfigured, WriteEndedEarly,
-                           WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews, UnitNotRouted>;
+using Event =
+    std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
+                 ClientDisplaced, ClientFramingLost, ClientSpeaksRtu, ClientFrameTimedOut, LineNews,
+                 LineNeverSilent, Reconfigured, WriteEndedEarly, WordOrderDiffers, DeviceNews,
+                 QualityNews, FailsafeNews, UnitNotRouted, RequestDenied>;
 
 /// One line for the journal. The names are taken from the settings.
 std::string to_text(const Event& event, const Settings& settings);

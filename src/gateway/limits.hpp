@@ -51,6 +51,16 @@ inline constexpr bus::Duration kFailsafeRetry = std::chrono::seconds(1);
 /// more than a plant has, few enough to be kept.
 inline constexpr std::size_t kUnroutedTold = 256;
 
+/// Client addresses whose requests are counted because a rule has a rate: each is forgotten within
+/// a second after its last request, so that only a flood comes so far. Then others get 06.
+inline constexpr std::size_t kRatedClients = 4096;
+
+/// What access rules deny is told once for each client in this time, and counted between.
+inline constexpr bus::Duration kDenialTold = std::chrono::minutes(1);
+
+/// Clients that are remembered because their denials were told: as kUnroutedTold.
+inline constexpr std::size_t kDeniedClients = 256;
+
 /// A deadline that is so late is missed: longer than a loaded machine keeps a process waiting.
 inline constexpr bus::Duration kOverdue = std::chrono::seconds(1);
 

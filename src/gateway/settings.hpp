@@ -10,6 +10,7 @@
 #include "bus/settings.hpp"
 #include "drive/device.hpp"
 #include "gateway/device_guard.hpp"
+#include "routing/access_rules.hpp"
 #include "routing/client_address.hpp"
 #include "routing/listen_address.hpp"
 #include "routing/route.hpp"
@@ -111,7 +112,8 @@ struct Settings {
   /// By device number; devices beyond the end have no rules of their own.
   std::vector<DeviceGuard> guards;
   std::vector<routing::Route> routes;
-  std::vector<ClientWeight> weights;  ///< the first that fits counts; others have weight 1
+  std::vector<routing::AccessRule> rules{};  ///< none: nobody is denied anything by a rule
+  std::vector<ClientWeight> weights;         ///< the first that fits counts; others have weight 1
   /// Numbers in the order of the configuration file; none: in the order of the numbers.
   struct WrittenOrder {
     std::vector<std::size_t> buses;

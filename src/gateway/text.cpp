@@ -45,6 +45,7 @@ std::string_view reason_text(RefusalReason reason) {
     case RefusalReason::not_allowed: return "not in the allow list";
     case RefusalReason::full: return "max_connections is reached and no connection is idle";
     case RefusalReason::stopping: return "the gateway is stopping";
+    case RefusalReason::no_rule: return "no access rule permits its address anything";
   }
   return "";
 }
@@ -225,6 +226,13 @@ struct EventText {
   std::string operator()(const UnitNotRouted& e) const {
     return client_text(settings, e) + " asks for unit " + std::to_string(e.unit) + "; " +
            routed_text(e.routed);
+  }
+  std::string operator()(const RequestDenied& e) const {
+    return client_text(settings, e) + ": function " + std::to_string(e.function) + " at unit " +
+           std::to_string(e.unit) + " denied: " + e.by +
+           (e.left_out == 0 ? std::string()
+                            : "; " + std::to_string(e.left_out) +
+                                  " more were denied since this was last said of the client");
   }
 };
 

@@ -20,11 +20,23 @@ bool passes(const FunctionRules& rules, const modbus::Pdu& pdu) {
 
 }  // namespace
 
-bool is_allowed(const ResolvedRoute& resolved, ClientRights rights, const modbus::Pdu& pdu) {
+std::optional<Denial> denial_of(const ResolvedRoute& resolved, ClientRights rights,
+                                const modbus::Pdu& pdu) {
   const Route& route = resolved.route;
-  const bool read_only = rights.read_only || route.access == Access::read_only;
-  return passes(route.functions, pdu) && (!read_only || modbus::is_read(pdu.bytes())) &&
-         (!resolved.is_broadcast() || modbus::is_broadcast_function(pdu.function()));
+  const bool reads = modbus::is_read(pdu.bytes());
+  if (rights.read_only && !reads) {
+    return Denial::read_only_client;
+  }
+  if (route.access == Access::read_only && !reads) {
+    return Denial::read_only_route;
+  }
+  if (!passes(route.functions, pdu)) {
+    return Denial::functions;
+  }
+  if (resolved.is_broadcast() && !modbus::is_broadcast_function(pdu.function())) {
+    return Denial::no_broadcast;
+  }
+  return std::nullopt;
 }
 
 }  // namespace mbgate::routing

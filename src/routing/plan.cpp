@@ -35,7 +35,7 @@ bool has_function(const drive::Device& device, std::uint8_t function) {
 
 Result<Plan, ExceptionCode> Plan::make(const ResolvedRoute& resolved, std::uint8_t unit,
                                        ClientRights rights, const modbus::Pdu& pdu) {
-  if (!is_allowed(resolved, rights, pdu)) {
+  if (denial_of(resolved, rights, pdu)) {
     return ExceptionCode::illegal_function;
   }
   const auto client_request = Request::parse(pdu);

@@ -12,6 +12,7 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
   const auto& [snapshots] = settings;
   explore::require(snapshots.size() == 1 && gateway.settings().guards.empty(),
                    "one snapshot of settings, and no guards");
+  explore::require(gateway.settings().rules.empty(), "no access rules");
   hash.add(stopping);
   hash.add(finished);
   hash.add(stop_deadline.has_value());
@@ -37,8 +38,9 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
   // counters beyond these.
   auto& [settings, exchanges, rules, failsafe, actions, sessions, intake, requests] = clients;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
-  // unrouted_told. Dealt with: request. The same settings all the time: changed_at.
-  [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, counters,
+  // unrouted_told. Dealt with: request. The same settings all the time: changed_at. No rules:
+  // access.
+  [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, counters, access,
                           unrouted_told, changed_at] = intake;
   explore::require(changed_at.empty(), "the settings stay the same");
   // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,

@@ -13,6 +13,7 @@ MBGATE_TARGET(rtu_framer);
 MBGATE_TARGET(ascii_framer);
 MBGATE_TARGET(plan);
 MBGATE_TARGET(config);
+MBGATE_TARGET(rules);
 MBGATE_TARGET(profile);
 MBGATE_TARGET(machine);
 MBGATE_TARGET(confusable);
@@ -27,7 +28,8 @@ using Target = int (*)(const std::uint8_t*, std::size_t);
 const std::map<std::string, Target> kTargets{
     {"mbap", fuzz_mbap},       {"rtu_framer", fuzz_rtu_framer}, {"ascii_framer", fuzz_ascii_framer},
     {"plan", fuzz_plan},       {"config", fuzz_config},         {"profile", fuzz_profile},
-    {"machine", fuzz_machine}, {"confusable", fuzz_confusable}, {"role", fuzz_role}};
+    {"machine", fuzz_machine}, {"confusable", fuzz_confusable}, {"role", fuzz_role},
+    {"rules", fuzz_rules}};
 
 fs::path corpora() { return fs::path(MBGATE_SOURCE_DIR) / "tests/fuzz/corpus"; }
 

@@ -122,6 +122,9 @@ def of(target):
         return list(plan_scripts())
     if target == "config":
         return [*texts("tests/config/valid", False), *texts("tests/config/invalid", False), *texts("conf", False)]
+    if target == "rules":
+        return [text[text.index(b"[[group]]"):] for folder in ("valid", "invalid")
+                for text in texts(f"tests/config/{folder}", False) if b"[[group]]" in text]
     if target == "profile":
         return [*texts("tests/config/profiles", True), *texts("tests/config/profiles-invalid", True),
                 *texts("conf/profiles", True)]

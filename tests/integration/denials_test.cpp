@@ -153,7 +153,7 @@ TEST(Denials, OfALowPortEndTheStartWhetherTheAddressIsThereOrNot) {
     TemporaryFolder folder;
     const auto config =
         folder.write("mbgate.toml", std::string(kListener) + "port = 502\naddress = \"" + address +
-                                        "\"\n" + kSerialBus + kNoControl);
+                                        "\"\nallow = [\"10.0.0.0/8\"]\n" + kSerialBus + kNoControl);
     Process gateway("mbgated", {"--config", config.string()}, {folder.path(), forbid_low_ports});
     EXPECT_EQ(gateway.wait_for_exit(), 78);
     EXPECT_EQ(gateway.output(),

@@ -46,9 +46,10 @@ TEST(Start, ServesThoughTheAddressOfOneListenerIsNotThere) {
   Process simulator("mbgate-sim", {folder.write("sim.toml", one_drive()).string()},
                     {folder.path(), {}});
   simulator.wait_for_line("ready");
-  const auto config =
-      folder.write("mbgate.toml", listener_text("lan", "address = \"192.0.2.77\"\nport = 1502") +
-                                      listener_text("plant", "port = 0") + kLineA);
+  const auto config = folder.write(
+      "mbgate.toml",
+      listener_text("lan", "address = \"192.0.2.77\"\nallow = [\"::/0\"]\nport = 1502") +
+          listener_text("plant", "port = 0") + kLineA);
   Process gateway("mbgated", {"--config", config.string()}, {folder.path(), {}});
   TcpClient client(gateway.port_of("plant"));
   EXPECT_TRUE(gets_answer(client, 1));
@@ -64,7 +65,9 @@ TEST(Start, ListensOnAnAddressThatIsNotThereIfToldTo) {
   TemporaryFolder folder;
   const auto config = folder.write(
       "mbgate.toml",
-      listener_text("lan", "address = \"192.0.2.77\"\nport = 0\nfreebind = true") + kLineA);
+      listener_text("lan",
+                    "address = \"192.0.2.77\"\nallow = [\"::/0\"]\nport = 0\nfreebind = true") +
+          kLineA);
   Process gateway("mbgated", {"--config", config.string()}, {folder.path(), {}});
   EXPECT_THAT(gateway.wait_for_line("listening lan "), testing::HasSubstr(" 192.0.2.77:"));
 }

@@ -65,6 +65,7 @@ MessageId id_of_refusal(gateway::RefusalReason reason) {
     case gateway::RefusalReason::not_allowed: return message_id::kClientNotAllowed;
     case gateway::RefusalReason::full: return message_id::kClientNoRoom;
     case gateway::RefusalReason::stopping: return message_id::kClientWhileStopping;
+    case gateway::RefusalReason::no_rule: return message_id::kClientNotRuled;
   }
   return {};
 }
@@ -122,6 +123,9 @@ struct EventTopic {
   }
   Topic operator()(const gateway::UnitNotRouted& e) const {
     return of_client(message_id::kUnitNotRouted, e);
+  }
+  Topic operator()(const gateway::RequestDenied& e) const {
+    return of_client(message_id::kRequestDenied, e);
   }
 
  private:

@@ -68,6 +68,8 @@ inline constexpr MessageId kClientSpeaksRtu{"2216a36b597145a397ec49f589b12854"};
 inline constexpr MessageId kClientFrameTimedOut{"271edbe09ffe4d2e8cdf734f2aa73a88"};
 inline constexpr MessageId kTlsRefused{"b09994b755ed4845bd74d6bf8afc7649"};
 inline constexpr MessageId kUnitNotRouted{"a61c22f76a8144eea5feafe89de90622"};
+inline constexpr MessageId kClientNotRuled{"3ef95af9bd0e4950be05f3620d21fd72"};
+inline constexpr MessageId kRequestDenied{"95f5507ea336491e96a948d64fe89b2c"};
 
 // The process and its configuration.
 inline constexpr MessageId kListening{"e4d522ae5037425a8db3b8e5fc337ca8"};

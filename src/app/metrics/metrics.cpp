@@ -62,7 +62,7 @@ void add_listener(MetricBook& book, const gateway::ListenerStatus& listener) {
   book.counter({"mbgate_listener_displaced_connections_total",
                 "Idle connections closed to make room for others."},
                labels(), static_cast<double>(counters.displaced));
-  constexpr std::array kReasons = {"not_allowed", "full", "stopping"};
+  constexpr std::array kReasons = {"not_allowed", "full", "stopping", "no_rule"};
   for (std::size_t place = 0; place < kReasons.size(); ++place) {
     book.counter({"mbgate_listener_refused_connections_total",
                   "Connections that were not let in, by reason."},

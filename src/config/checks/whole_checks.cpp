@@ -115,6 +115,7 @@ void check_whole(Draft& draft) {
   if (!draft.document.failed()) {
     check_ways(draft);
     check_failsafe(draft);
+    check_rules(draft);
   }
 }
 

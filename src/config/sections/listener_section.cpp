@@ -41,13 +41,14 @@ bool is_every_interface(const ClientAddress& address) {
   return address == ClientAddress::parse("0.0.0.0") || address == ClientAddress::parse("::");
 }
 
-/// Drives are not opened to every network that the machine is in by one line.
-void check_open(TomlTable& table, const ListenerSettings& listener) {
+/// Drives are not opened to whole networks by one line.
+void check_open(Draft& draft, TomlTable& table, const ListenerSettings& listener) {
   const auto address = ClientAddress::parse(listener.address);
-  if (address && is_every_interface(*address) && !table.has("allow")) {
-    table.error("address", in_quotes(listener.address) +
-                               " is every interface: expected 'allow' with those who may connect, "
-                               "such as allow = [\"192.168.10.0/24\"]");
+  auto root = draft.document.root();
+  if (address && !is_loopback(*address) && !table.has("allow") && !root.has("rule")) {
+    table.error("address", "other machines reach " + in_quotes(listener.address) +
+                               ": expected 'allow' with those who may connect, such as "
+                               "allow = [\"192.168.10.0/24\"], or a [[rule]]");
   }
 }
 
@@ -124,7 +125,7 @@ void read_listeners(Draft& draft) {
     read_handshakes(draft, table, listener);
     check_port(draft, listener);
     read_access(table, listener);
-    check_open(table, listener);
+    check_open(draft, table, listener);
     read_transparent(draft, table, listener);
     draft.settings.listeners.push_back(std::move(listener));
   }

@@ -38,6 +38,10 @@ struct Draft {
   std::vector<bool> profile_known;  ///< beside settings.devices; false where `profile` is wrong
   std::vector<TomlTable> routes;
   std::vector<std::optional<UnitRange>> route_units;  ///< none where `unit` is wrong
+  std::vector<TomlTable> rules;
+  std::vector<TomlTable> group_tables;  ///< beside `groups`
+  std::vector<routing::ClientGroup> groups;
+  std::vector<bool> groups_named;  ///< beside `groups`: in a rule
 };
 
 /// `profile_folder`: from the command line; it takes precedence over that of the file.
@@ -54,6 +58,15 @@ void check_whole(Draft& draft);
 /// [http]: the Unix socket, and the addresses at which it is read over TCP. The listeners are
 /// known.
 void read_http(Draft& draft);
+
+/// [[group]] and [[rule]]: who may do what. Listeners and devices are known.
+void read_rules(Draft& draft);
+
+/// `registers` of a rule: "holding 0x7C-0x80", "motion commands", ...
+routing::RegisterSet read_rule_registers(TomlTable& table);
+
+/// Rules that can never match, and groups that none names.
+void check_rules(Draft& draft);
 
 /// [[client]]: which clients get more turns.
 void read_clients(Draft& draft);
@@ -132,6 +145,16 @@ void read_route_rules(TomlTable& table, routing::Route& route, bool broadcast);
 void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,
                   std::string_view what);
 
+/// Do its clients show certificates?
+template <typename Listener>
+bool has_tls(const Listener& listener) {
+  if constexpr (requires { listener.tls; }) {
+    return listener.tls.has_value();
+  } else {
+    return false;
+  }
+}
+
 /// The section that an entry of the settings belongs to.
 template <typename Named>
 inline constexpr std::string_view kSection;
@@ -143,6 +166,8 @@ template <>
 inline constexpr std::string_view kSection<bus::BusSettings> = "[[bus]]";
 template <>
 inline constexpr std::string_view kSection<drive::Device> = "[[device]]";
+template <>
+inline constexpr std::string_view kSection<routing::ClientGroup> = "[[group]]";
 
 /// The index of the entry that `key` names; an unknown name is reported with a suggestion.
 template <typename Named>

@@ -41,6 +41,10 @@ bool Clients::admit(const ClientInfo& info) {
     refuse(info, RefusalReason::not_allowed);
     return false;
   }
+  if (!may_connect(settings_.settings(), info)) {
+    refuse(info, RefusalReason::no_rule);
+    return false;
+  }
   if (!sessions_.is_full(info.listener)) {
     return true;
   }
@@ -209,12 +213,13 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
     const ListenerId number = session.info().listener;
     const routing::ClientAddress& address = session.info().address;
     const ListenerSettings& listener = next.listener(number);
-    if (!listener.is_gone &&
-        (listener.allow.empty() || routing::contains(listener.allow, address))) {
+    const bool allowed = listener.allow.empty() || routing::contains(listener.allow, address);
+    if (!listener.is_gone && allowed && may_connect(next, session.info())) {
       return;
     }
     if (!listener.is_gone) {
-      actions_.push(Report{ClientRefused{number, address, RefusalReason::not_allowed}});
+      const auto reason = allowed ? RefusalReason::no_rule : RefusalReason::not_allowed;
+      actions_.push(Report{ClientRefused{number, address, reason}});
     }
     leave(session, now);
     close(session);

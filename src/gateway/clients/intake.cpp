@@ -53,6 +53,7 @@ Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu&
   Request& request = request_.emplace(adu, position, arrival);
   if (settings_.settings().status_unit == adu.header.unit) {
     request.for_gateway = true;
+    apply_rules(session, request);
     return request;
   }
   request.route = settings_.in_force().routes.find(session.info().listener, adu.header.unit);
@@ -69,7 +70,26 @@ Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu&
       request.refused = plan.error();
     }
   }
+  apply_rules(session, request);
   return request;
+}
+
+// What is denied by a rule is not told whether it could have been done.
+void Intake::apply_rules(const ClientSession& session, Request& request) const {
+  const SettingsSnapshot& settings = settings_.in_force();
+  const std::uint8_t unit = request.adu.header.unit;
+  if (request.plan) {
+    request.verdict = verdict_on(settings, session.info(), unit, *request.plan);
+  } else if (request.for_gateway) {
+    request.verdict = verdict_on_own(settings, session.info(), unit, request.adu.pdu);
+  } else {
+    request.verdict = verdict_on_unplanned(settings, session.info(), unit, request.adu.pdu);
+  }
+  if (!request.verdict.permitted) {
+    request.for_gateway = request.is_stop = false;
+    request.plan.reset();
+    request.refused = ExceptionCode::illegal_function;
+  }
 }
 
 void Intake::judge(const ClientSession& session, Request& request, Instant now) {
@@ -77,8 +97,16 @@ void Intake::judge(const ClientSession& session, Request& request, Instant now) 
     request.for_gateway = request.is_stop = false;
     request.plan.reset();
     request.refused = ExceptionCode::server_device_busy;
+  } else if (!request.verdict.permitted) {
+    notice_denied(session, request, now);
   } else if (request.plan) {
     request.refused = objection(session, request, now);
+  }
+  const bool is_limited = (request.plan || request.for_gateway) && !request.is_stop;
+  if (is_limited && !request.refused &&
+      !access_.take(request.verdict, session.info().address, now)) {
+    request.for_gateway = false;
+    request.refused = ExceptionCode::server_device_busy;
   }
   if (request.refused) {
     notice_unrouted(session, request);
@@ -118,6 +146,7 @@ bool Intake::is_outdated(const ClientSession& session, const Request& request) c
 
 void Intake::adopt(const SettingsSnapshot& before, Instant now) {
   unrouted_told_.clear();
+  access_.forget_rates();
   for (std::size_t listener = 0; listener < before.settings.listeners.size(); ++listener) {
     for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
       const auto id = static_cast<ListenerId>(listener);
@@ -139,10 +168,21 @@ BusList Intake::left_out_of(const ClientSession& session, const Request& stop, I
 
 void Intake::notice_unrouted(const ClientSession& session, const Request& request) {
   const ClientInfo& info = session.info();
-  if (request.route == nullptr && unrouted_told_.size() < kUnroutedTold &&
+  const bool is_unrouted = request.route == nullptr && request.verdict.permitted &&
+                           request.refused != ExceptionCode::server_device_busy;
+  if (is_unrouted && unrouted_told_.size() < kUnroutedTold &&
       unrouted_told_.emplace(info.listener, info.address).second) {
     actions_.push(Report{UnitNotRouted{info.listener, info.address, request.adu.header.unit,
                                        settings_.in_force().routes.units(info.listener)}});
+  }
+}
+
+void Intake::notice_denied(const ClientSession& session, const Request& request, Instant now) {
+  const ClientInfo& info = session.info();
+  if (const auto left_out = access_.note_denied(info.address, now)) {
+    actions_.push(Report{RequestDenied{info.listener, info.address, request.adu.header.unit,
+                                       request.adu.pdu.function(),
+                                       denied_by_text(request.verdict, info), *left_out}});
   }
 }
 

@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "gateway/access/access_book.hpp"
 #include "gateway/clients/client_session.hpp"
 #include "gateway/reports.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
@@ -33,6 +34,7 @@ struct Request {
   std::optional<routing::Plan> plan{};            ///< unless it is refused
   bool is_stop = false;
   BusList left_out{};
+  RuleVerdict verdict{};
 
   [[nodiscard]] WriteOrigin origin(const ClientSession& session) const {
     return {session.id(), session.info().address, position, arrival};
@@ -72,6 +74,7 @@ class Intake {
   friend struct mbgate::StateReader;
   Request& understand(const ClientSession& session, const modbus::MbapAdu& adu,
                       std::uint64_t position, Instant arrival);
+  void apply_rules(const ClientSession& session, Request& request) const;
   void judge(const ClientSession& session, Request& request, Instant now);
   [[nodiscard]] bool is_outdated(const ClientSession& session, const Request& request) const;
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(const ClientSession& session,
@@ -82,6 +85,7 @@ class Intake {
   [[nodiscard]] bool is_taken_early(ClientSession& session, const Request& request,
                                     Instant now) const;
   void notice_unrouted(const ClientSession& session, const Request& request);
+  void notice_denied(const ClientSession& session, const Request& request, Instant now);
 
   const SettingsHistory& settings_;
   const WriteRules& rules_;
@@ -89,6 +93,7 @@ class Intake {
   Phase phase_ = Phase::running;
   std::optional<Request> request_;  // the last one
   ClientCounters counters_;
+  AccessBook access_;
   std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_told_;
   /// When a unit of a listener came to mean something else.
   std::map<std::pair<ListenerId, std::uint8_t>, Instant> changed_at_;

@@ -18,7 +18,7 @@ struct ListenerCounters {
   bus::ExceptionCounts refused_reads;
   bus::ExceptionCounts refused_writes;
   /// Connections that were not let in, by RefusalReason.
-  std::array<std::uint64_t, 3> refused_connections{};
+  std::array<std::uint64_t, 4> refused_connections{};
 
   void note_refused(bool is_read, std::uint8_t code) {
     (is_read ? refused_reads : refused_writes).note(code);

@@ -89,6 +89,14 @@ Settings numbered_after(const Settings& in_force, Settings read) {
       route.device = devices[*route.device];
     }
   }
+  for (routing::AccessRule& rule : read.rules) {
+    for (ListenerId& listener : rule.listeners) {
+      listener = number_of(listeners, listener);
+    }
+    for (std::size_t& device : rule.devices) {
+      device = devices[device];
+    }
+  }
   read.listeners = at_numbers(in_force.listeners, std::move(read.listeners), listeners);
   read.buses = at_numbers(in_force.buses, std::move(read.buses), buses);
   read.devices = at_numbers(in_force.devices, std::move(read.devices), devices);

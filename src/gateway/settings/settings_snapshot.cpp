@@ -67,10 +67,19 @@ DevicePlaces SettingsSnapshot::watched_for(const ClientInfo& client,
   if (rights.read_only) {
     return {};
   }
+  const auto is_denied_by_rules = [&](std::size_t place) {
+    const routing::TouchedRegisters all{place, &settings.devices[place]};
+    routing::AccessQuestion question{client.address, &client.role, client.listener};
+    question.is_read = false;
+    question.touched = std::span(&all, 1);
+    question.ranges_known = false;
+    return !routing::decide(settings.rules, question).permitted;
+  };
   DevicePlaces places = watched_[static_cast<std::size_t>(client.listener)];
   const auto denied = std::ranges::remove_if(places, [&](std::size_t place) {
-    return guard(place)->writer == WriterRule::listed &&
-           !routing::contains(guard(place)->writers, client.address);
+    return (guard(place)->writer == WriterRule::listed &&
+            !routing::contains(guard(place)->writers, client.address)) ||
+           is_denied_by_rules(place);
   });
   places.erase(denied.begin(), denied.end());
   return places;

@@ -167,7 +167,8 @@ def late_address(plant):
     plant.fresh()
     address, port = "10.99.0.2", 1503
     plant.configure(
-        plant_of.BASE + f'\n[[listen]]\nname = "late"\naddress = "{address}"\nport = {port}\nbus = "line-a"\n'
+        plant_of.BASE
+        + f'\n[[listen]]\nname = "late"\naddress = "{address}"\nallow = ["{address}/32"]\nport = {port}\nbus = "line-a"\n'
     )
     plant.start()
     plant.report.check("starts though an address is not there yet", plant.is_active() == "active", plant.says(address))

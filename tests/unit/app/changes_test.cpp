@@ -94,5 +94,15 @@ TEST(Changes, OfGuardsStandAtTheirDevice) {
               ElementsAre("device axis-x: writer, quiet \"0s\" -> \"10s\""));
 }
 
+TEST(Changes, OfRulesAreNotTheirLines) {
+  auto old = plant();
+  old.rules.emplace_back().place = "mbgate.toml:12";
+  auto next = old;
+  next.rules[0].place = "mbgate.toml:13";
+  EXPECT_THAT(changes(old, next), testing::IsEmpty());
+  next.rules[0].permits = false;
+  EXPECT_THAT(changes(old, next), ElementsAre("access rules"));
+}
+
 }  // namespace
 }  // namespace mbgate::app

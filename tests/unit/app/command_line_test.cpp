@@ -51,6 +51,24 @@ TEST(CommandLine, TakesAFileToRecordTo) {
   EXPECT_EQ(std::get<Options>(parsed).record, "plant.rec");
 }
 
+TEST(CommandLine, TakesWhoIsAskedAboutWithTheCheck) {
+  const auto parsed = parse({"--check", "--who", "10.0.0.5", "--unit", "11", "--write", "holding",
+                             "124", "--count", "4", "--role", "", "--listener", "plant"});
+  ASSERT_TRUE(std::holds_alternative<Options>(parsed));
+  const auto& who = std::get<Options>(parsed).who;
+  ASSERT_TRUE(who);
+  EXPECT_EQ(who->client, "10.0.0.5");
+  EXPECT_EQ(who->unit, 11U);
+  EXPECT_EQ(who->write, (std::vector<std::string>{"holding", "124"}));
+  EXPECT_EQ(who->count, 4U);
+  EXPECT_EQ(who->role, "");
+  EXPECT_EQ(who->listener, "plant");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(std::get<int>(parse({"--who", "10.0.0.5", "--unit", "1"})), 64);
+  EXPECT_EQ(std::get<int>(parse({"--check", "--who", "10.0.0.5"})), 64);
+  testing::internal::GetCapturedStderr();
+}
+
 TEST(CommandLine, TakesASerialPortInPlaceOfAFile) {
   const auto parsed = parse({"--serial", "/dev/ttyUSB0", "--baud", "115200", "--parity", "none"});
   ASSERT_TRUE(std::holds_alternative<Options>(parsed));

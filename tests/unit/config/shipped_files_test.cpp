@@ -43,6 +43,20 @@ TEST(Readme, HasACompleteConfiguration) {
   EXPECT_EQ(loaded.settings->listeners.size(), 1U);
 }
 
+/// The example of the page on access rules, behind the complete configuration.
+TEST(AccessRulesPage, HasRulesThatLoad) {
+  const auto page = text_of(MBGATE_SOURCE_DIR "/docs/access-rules.md");
+  const std::string fence = "```toml\n";
+  const auto start = page.find(fence);
+  ASSERT_NE(start, std::string::npos);
+  const auto rest = page.substr(start + fence.size());
+  const auto loaded = load_settings_text(
+      kFolder + "mbgate.toml", text_of(kFolder + "mbgate.toml") + rest.substr(0, rest.find("```")));
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->rules.size(), 5U);
+}
+
 /// "# key = ..." and "# [[table]]", unlike the sentences around them.
 bool is_commented_setting(const std::string& line) {
   if (!line.starts_with("# ")) {
@@ -66,7 +80,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
             : is_commented_setting(line) ? line.substr(2) + "\n"
                                          : line + "\n";
   }
-  EXPECT_EQ(commented, 64);
+  EXPECT_EQ(commented, 86);
   const auto loaded = load_settings_text(kFolder + "mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
@@ -81,6 +95,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
   EXPECT_EQ(loaded.settings->guards.at(0).failsafe.size(), 1U);
   EXPECT_EQ(loaded.settings->guards[0].writer, gateway::WriterRule::first);
   EXPECT_EQ(loaded.settings->weights.size(), 1U);
+  EXPECT_EQ(loaded.settings->rules.size(), 2U);
   // What stands there is the default all the same.
   const bus::BusSettings bus;
   const gateway::DeviceGuard guard;

@@ -136,6 +136,8 @@ std::vector<Case> events_of_clients() {
       {gateway::ClientSpeaksRtu{kPlant, client}, kClientSpeaksRtu},
       {gateway::ClientFrameTimedOut{kPlant, client}, kClientFrameTimedOut},
       {gateway::UnitNotRouted{kPlant, client, 9, {}}, kUnitNotRouted},
+      {gateway::ClientRefused{kPlant, client, Reason::no_rule}, kClientNotRuled},
+      {gateway::RequestDenied{kPlant, client, 9, 6, "no rule", 0}, kRequestDenied},
   };
 }
 

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/who/who_options.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "config/toml/words.hpp"
+#include "gateway/access/who.hpp"
+#include "modbus/make_request.hpp"
+
+namespace mbgate::app {
+namespace {
+
+using modbus::Request;
+using modbus::Table;
+using modbus::TableRange;
+
+constexpr std::string_view kUsage =
+    "expected --read or --write, each with a table and an address, such as --write holding 124";
+constexpr unsigned kCoilOn = 0xFF00;
+
+/// Decimal, or hexadecimal behind 0x.
+std::optional<std::uint16_t> asked_address(std::string_view text) {
+  const bool is_hexadecimal = text.starts_with("0x");
+  if (is_hexadecimal) {
+    text.remove_prefix(2);
+  }
+  std::uint16_t address = 0;
+  const char* const end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, address, is_hexadecimal ? 16 : 10);
+  return error == std::errc{} && at == end ? std::optional(address) : std::nullopt;
+}
+
+Result<TableRange, std::string> asked_range(const WhoOptions& options) {
+  const auto& words = options.read.empty() ? options.write : options.read;
+  if (words.size() != 2 || options.read.empty() == options.write.empty()) {
+    return std::string(kUsage);
+  }
+  const auto table =
+      std::ranges::find_if(config::kTables, [&](const auto& it) { return it.text == words[0]; });
+  const auto address = asked_address(words[1]);
+  if (table == config::kTables.end() || !address) {
+    return std::string(kUsage);
+  }
+  if (options.count == 0 || *address + options.count > 0x10000U) {
+    return "--count: expected 1 or more, and no address beyond 65535";
+  }
+  return TableRange{table->value, *address, static_cast<std::uint16_t>(options.count)};
+}
+
+modbus::Pdu write_of(const TableRange& range, std::uint16_t value) {
+  const bool bits = range.table == Table::coils;
+  if (range.count == 1) {
+    return modbus::make_single_write(range.table, range.first, value).pdu();
+  }
+  std::vector<std::uint8_t> data(bits ? (range.count + 7U) / 8U : range.count * 2U);
+  for (std::size_t at = 0; at < data.size(); ++at) {
+    const bool high = at % 2 == 0;
+    data[at] = bits ? (value == 0 ? 0x00 : 0xFF)
+                    : static_cast<std::uint8_t>(high ? value >> 8U : value & 0xFFU);
+  }
+  return modbus::make_multiple_write(range, data).pdu();
+}
+
+Result<modbus::Pdu, std::string> asked_request(const WhoOptions& options) {
+  const auto range = asked_range(options);
+  if (!range) {
+    return range.error();
+  }
+  const bool bits = range->table == Table::coils || range->table == Table::discrete_inputs;
+  if (!options.read.empty()) {
+    const unsigned most = bits ? 2000 : 125;
+    return range->count <= most ? Result<modbus::Pdu, std::string>(modbus::make_read(*range).pdu())
+                                : "--count: expected at most " + std::to_string(most);
+  }
+  if (range->table == Table::discrete_inputs || range->table == Table::input_registers) {
+    return "--write: expected a table that can be written, coils or holding";
+  }
+  const unsigned most = bits ? 1968 : 123;
+  if (range->count > most) {
+    return "--count: expected at most " + std::to_string(most);
+  }
+  if (options.value > 0xFFFF || (bits && options.value > 1)) {
+    return std::string(bits ? "--value: expected 0 or 1" : "--value: expected 0 to 65535");
+  }
+  const unsigned value = bits && options.value != 0 ? kCoilOn : options.value;
+  return write_of(*range, static_cast<std::uint16_t>(value));
+}
+
+std::string asked_text(const WhoOptions& options, const std::string& listener,
+                       const modbus::Pdu& pdu) {
+  const bool reads = !options.read.empty();
+  const auto& words = reads ? options.read : options.write;
+  return options.client + (options.role ? " as role \"" + *options.role + '"' : "") + " on " +
+         listener + ": " + (reads ? "read " : "write ") + words[0] + ' ' + words[1] +
+         (options.count > 1 ? " and " + std::to_string(options.count - 1) + " more" : "") +
+         " of unit " + std::to_string(options.unit) + " (function " +
+         std::to_string(pdu.function()) + "): ";
+}
+
+gateway::ClientInfo asked_client(const WhoOptions& options, std::size_t listener,
+                                 const routing::ClientAddress& address) {
+  gateway::ClientInfo client;
+  client.listener = routing::ListenerId{static_cast<std::uint32_t>(listener)};
+  client.address = address;
+  if (options.role) {
+    client.role = {routing::ClientRole::Kind::named, *options.role};
+  }
+  return client;
+}
+
+}  // namespace
+
+Result<WhoAnswers, std::string> answer_who(const gateway::Settings& settings,
+                                           const WhoOptions& options) {
+  const auto address = routing::ClientAddress::parse(options.client);
+  if (!address) {
+    return std::string("--who: expected an IPv4 or IPv6 address, such as 192.168.10.5");
+  }
+  if (options.unit > 255) {
+    return std::string("--unit: expected 0 to 255");
+  }
+  const auto request = asked_request(options);
+  if (!request) {
+    return request.error();
+  }
+  WhoAnswers answers;
+  const gateway::SettingsSnapshot snapshot(settings);
+  for (std::size_t listener = 0; listener < settings.listeners.size(); ++listener) {
+    const std::string& name = settings.listeners[listener].name;
+    if (options.listener && name != *options.listener) {
+      continue;
+    }
+    const auto answer = gateway::who_may(snapshot, asked_client(options, listener, *address),
+                                         static_cast<std::uint8_t>(options.unit), *request);
+    answers.any_permitted = answers.any_permitted || answer.permitted;
+    answers.text += asked_text(options, name, *request) + answer.text + '\n';
+  }
+  if (answers.text.empty()) {
+    return "--listener: no [[listen]] is named \"" + options.listener.value_or("") + '"';
+  }
+  return answers;
+}
+
+}  // namespace mbgate::app

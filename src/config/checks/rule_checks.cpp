@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// Access rules that can never match: each says something that is not so.
+#include <algorithm>
+#include <array>
+
+#include "config/sections/sections.hpp"
+
+namespace mbgate::config {
+namespace {
+
+using gateway::ListenerSettings;
+using gateway::Settings;
+using modbus::Table;
+using routing::AccessRule;
+using routing::ListenerId;
+using routing::Route;
+using routing::RuleAccess;
+
+void warn(Draft& draft, std::size_t at, std::string_view why) {
+  draft.document.warning(draft.rules[at].position(),
+                         "[[rule]]: can never match: " + std::string(why));
+}
+
+std::vector<ListenerId> listeners_of(const Settings& settings, const AccessRule& rule) {
+  if (!rule.listeners.empty()) {
+    return rule.listeners;
+  }
+  std::vector<ListenerId> all;
+  for (std::size_t i = 0; i < settings.listeners.size(); ++i) {
+    all.push_back(ListenerId{static_cast<std::uint32_t>(i)});
+  }
+  return all;
+}
+
+void check_roles(Draft& draft, std::size_t at) {
+  const AccessRule& rule = draft.settings.rules[at];
+  const auto listeners = listeners_of(draft.settings, rule);
+  const auto encrypts = [&](ListenerId id) { return has_tls(draft.settings.listener(id)); };
+  const auto names_role = [](const routing::ClientGroup& group) { return !group.roles.empty(); };
+  const bool always_named = !rule.roles.empty() || (!rule.clients.empty() &&
+                                                    std::ranges::all_of(rule.clients, names_role));
+  const bool ever_named = !rule.roles.empty() || std::ranges::any_of(rule.clients, names_role);
+  if (always_named && std::ranges::none_of(listeners, encrypts)) {
+    warn(draft, at, "it names roles, and none of its listeners has 'tls'");
+  } else if (!ever_named && !rule.any_role && std::ranges::all_of(listeners, encrypts)) {
+    warn(draft, at,
+         "all its listeners have 'tls', and it names no role: give 'roles', or any_role = true");
+  }
+}
+
+bool have_common(const routing::NetworkList& a, const routing::NetworkList& b) {
+  return std::ranges::any_of(a, [&](const routing::Network& one) {
+    return std::ranges::any_of(b, [&](const routing::Network& other) {
+      return one.contains(other) || other.contains(one);
+    });
+  });
+}
+
+void check_addresses(Draft& draft, std::size_t at) {
+  const AccessRule& rule = draft.settings.rules[at];
+  const auto lets_in = [&](ListenerId id, const routing::ClientGroup& group) {
+    const auto& allow = draft.settings.listener(id).allow;
+    return allow.empty() || group.addresses.empty() || have_common(allow, group.addresses);
+  };
+  const auto listeners = listeners_of(draft.settings, rule);
+  const bool any =
+      rule.clients.empty() || std::ranges::any_of(rule.clients, [&](const auto& group) {
+        return std::ranges::any_of(listeners, [&](ListenerId id) { return lets_in(id, group); });
+      });
+  if (!any) {
+    warn(draft, at, "'allow' of its listeners has none of its clients");
+  }
+}
+
+/// 23 reads and writes; 43 reads or writes by its MEI type.
+void check_functions(Draft& draft, std::size_t at) {
+  constexpr std::array<std::size_t, 10> kOnlyRead{1, 2, 3, 4, 7, 11, 12, 17, 20, 24};
+  constexpr std::array<std::size_t, 2> kBoth{23, 43};
+  const AccessRule& rule = draft.settings.rules[at];
+  if (!rule.functions || rule.access == RuleAccess::both) {
+    return;
+  }
+  for (std::size_t function = 0; function < rule.functions->size(); ++function) {
+    const bool both = std::ranges::find(kBoth, function) != kBoth.end();
+    const bool reads = std::ranges::find(kOnlyRead, function) != kOnlyRead.end();
+    if (rule.functions->test(function) && (both || reads == (rule.access == RuleAccess::read))) {
+      return;
+    }
+  }
+  warn(draft, at,
+       rule.access == RuleAccess::read ? "none of its functions reads"
+                                       : "none of its functions writes");
+}
+
+bool is_read_only(Table table) {
+  return table == Table::discrete_inputs || table == Table::input_registers;
+}
+
+bool names_by_profile(const routing::RegisterSet& set) {
+  return set.motion_commands || set.communication_registers || set.values || set.stops;
+}
+
+/// The devices that a rule is about; those without errors.
+std::vector<const drive::Device*> devices_of(const Settings& settings, const AccessRule& rule) {
+  std::vector<const drive::Device*> devices;
+  for (std::size_t i = 0; i < settings.devices.size(); ++i) {
+    if (rule.devices.empty() || std::ranges::find(rule.devices, i) != rule.devices.end()) {
+      devices.push_back(&settings.devices[i]);
+    }
+  }
+  return devices;
+}
+
+bool has_named(const drive::Profile& profile, const routing::RegisterSet& set) {
+  const bool stops = !profile.stops.empty();
+  const auto& values = profile.values.all();
+  return (set.stops && stops) || (set.values && !values.empty()) ||
+         (set.communication_registers && !profile.communication.empty()) ||
+         (set.motion_commands &&
+          (stops || profile.position_opcodes ||
+           std::ranges::any_of(values, [](const drive::Value& it) { return it.motion; })));
+}
+
+void check_registers(Draft& draft, std::size_t at) {
+  const AccessRule& rule = draft.settings.rules[at];
+  const auto& set = rule.registers;
+  const auto devices = devices_of(draft.settings, rule);
+  if (set.spans.empty() && names_by_profile(set)) {
+    if (std::ranges::none_of(devices,
+                             [&](const auto* it) { return has_named(it->profile, set); })) {
+      warn(draft, at, "no profile of its devices has what 'registers' names");
+    }
+    return;
+  }
+  const bool only_read =
+      !set.spans.empty() && !names_by_profile(set) &&
+      std::ranges::all_of(set.spans, [](const auto& span) { return is_read_only(span.table); });
+  const bool same_table =
+      std::ranges::any_of(devices, [](const auto* it) { return it->profile.input_as_holding; });
+  if (only_read && !same_table && rule.access == RuleAccess::write) {
+    warn(draft, at, "its registers can only be read");
+  }
+}
+
+bool leads_to_one_of(const Settings& settings, const AccessRule& rule, drive::BusId bus,
+                     std::optional<unsigned> address) {
+  const auto devices = devices_of(settings, rule);
+  return rule.devices.empty() || std::ranges::any_of(devices, [&](const drive::Device* device) {
+           return device->bus == bus && (!address || device->address == *address);
+         });
+}
+
+bool leads_there(const Settings& settings, const AccessRule& rule, const ListenerSettings& listener,
+                 unsigned unit) {
+  constexpr unsigned kLastUnit = 247;
+  if (!listener.bus) {
+    return false;
+  }
+  if (unit == 0) {
+    return listener.broadcast && leads_to_one_of(settings, rule, *listener.bus, std::nullopt);
+  }
+  return unit <= kLastUnit && leads_to_one_of(settings, rule, *listener.bus, unit);
+}
+
+bool leads_there(const Settings& settings, const AccessRule& rule, const Route& route,
+                 unsigned unit) {
+  if (unit < route.first_unit || unit > route.last_unit ||
+      (rule.functions && (*rule.functions & route.functions.allowed).none())) {
+    return false;
+  }
+  const auto address =
+      route.is_broadcast()
+          ? std::nullopt
+          : std::optional<unsigned>(route.address_of(static_cast<std::uint8_t>(unit)));
+  return std::ranges::any_of(
+      route.buses, [&](drive::BusId bus) { return leads_to_one_of(settings, rule, bus, address); });
+}
+
+bool is_reached_by(const Settings& settings, const AccessRule& rule, ListenerId id, unsigned unit) {
+  if (settings.status_unit == unit) {
+    return rule.devices.empty();
+  }
+  const ListenerSettings& listener = settings.listener(id);
+  return leads_there(settings, rule, listener, unit) ||
+         std::ranges::any_of(settings.routes, [&](const Route& route) {
+           return !listener.bus && (!route.listener || *route.listener == id) &&
+                  leads_there(settings, rule, route, unit);
+         });
+}
+
+void check_units(Draft& draft, std::size_t at) {
+  const AccessRule& rule = draft.settings.rules[at];
+  for (const ListenerId id : listeners_of(draft.settings, rule)) {
+    for (unsigned unit = 0; unit < routing::UnitSet().size(); ++unit) {
+      if ((!rule.units || rule.units->test(unit)) &&
+          is_reached_by(draft.settings, rule, id, unit)) {
+        return;
+      }
+    }
+  }
+  warn(draft, at, "on its listeners no unit leads to where it is about");
+}
+
+void check_hidden(Draft& draft, std::size_t at) {
+  const auto& rules = draft.settings.rules;
+  for (std::size_t earlier = 0; earlier < at; ++earlier) {
+    if (hides(rules[earlier], rules[at])) {
+      warn(draft, at,
+           "all that it matches is decided before, by the one at " +
+               place(draft.document, draft.rules[earlier].position()));
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+void check_rules(Draft& draft) {
+  for (std::size_t at = 0; at < draft.settings.rules.size(); ++at) {
+    check_roles(draft, at);
+    check_addresses(draft, at);
+    check_functions(draft, at);
+    check_registers(draft, at);
+    check_units(draft, at);
+    check_hidden(draft, at);
+  }
+  for (std::size_t group = 0; group < draft.groups.size(); ++group) {
+    if (!draft.groups_named[group]) {
+      draft.group_tables[group].warning("name", "no [[rule]] names this group");
+    }
+  }
+}
+
+}  // namespace mbgate::config

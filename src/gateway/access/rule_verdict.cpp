@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/access/rule_verdict.hpp"
+
+#include <limits>
+
+namespace mbgate::gateway {
+namespace {
+
+using routing::AccessDecision;
+using routing::AccessQuestion;
+using routing::ClientRole;
+using routing::TouchedRegisters;
+using TouchedList = boost::container::small_vector<TouchedRegisters, 4>;
+
+// What a request reads, and what it writes.
+struct Halves {
+  TouchedList read;
+  TouchedList written;
+};
+
+AccessQuestion question_of(const ClientInfo& client, std::uint8_t unit, std::uint8_t function) {
+  AccessQuestion question{client.address, &client.role, client.listener};
+  question.unit = unit;
+  question.reached.set(unit);
+  question.function = function;
+  return question;
+}
+
+bool is_denied_at_all(const ClientInfo& client) {
+  return client.role.kind == ClientRole::Kind::unreadable;
+}
+
+void add_of_device(const SettingsSnapshot& settings, std::optional<std::size_t> number,
+                   const modbus::Request& request, Halves& halves) {
+  const drive::Device* device = number ? &settings.settings.devices[*number] : nullptr;
+  TouchedRegisters touched{number, device};
+  if (const auto& reads = request.reads()) {
+    touched.range = reads->range;
+    halves.read.push_back(touched);
+  }
+  if (const auto& writes = request.writes()) {
+    touched.range = writes->range;
+    touched.is_stop = device != nullptr && device->is_stop(request);
+    halves.written.push_back(touched);
+  }
+  if (!request.reads() && !request.writes()) {
+    (request.is_read() ? halves.read : halves.written).push_back(touched);
+  }
+}
+
+Halves halves_of(const SettingsSnapshot& settings, const routing::Plan& plan) {
+  Halves halves;
+  for (const routing::PlannedTransaction& transaction : plan.transactions()) {
+    if (transaction.must_hold != nullptr) {
+      continue;  // the gateway's own question
+    }
+    const DevicePlaces places = settings.devices.reached_by(transaction);
+    for (const std::size_t place : places) {
+      add_of_device(settings, place, transaction.request, halves);
+    }
+    if (places.empty()) {
+      add_of_device(settings, std::nullopt, transaction.request, halves);
+    }
+  }
+  return halves;
+}
+
+bool goes_to_bus_of(const routing::ResolvedRoute& resolved, const routing::Plan& plan) {
+  return std::ranges::any_of(plan.transactions(), [&](const auto& transaction) {
+    return std::ranges::find(resolved.route.buses, transaction.bus) != resolved.route.buses.end();
+  });
+}
+
+// A broadcast is for all units that lead to its buses.
+void add_reached(const SettingsSnapshot& settings, const routing::Plan& plan,
+                 AccessQuestion& question) {
+  if (plan.transactions().back().broadcast == drive::BroadcastForm::none) {
+    return;
+  }
+  for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
+    const auto* resolved = settings.routes.find(question.listener, static_cast<std::uint8_t>(unit));
+    if (resolved != nullptr && goes_to_bus_of(*resolved, plan)) {
+      question.reached.set(unit);
+    }
+  }
+}
+
+RuleVerdict verdict_on_halves(const Settings& settings, AccessQuestion question,
+                              const Halves& halves) {
+  RuleVerdict verdict;
+  for (const bool is_read : {false, true}) {
+    const TouchedList& touched = is_read ? halves.read : halves.written;
+    if (touched.empty()) {
+      continue;
+    }
+    question.is_read = is_read;
+    question.touched = std::span(touched.data(), touched.size());
+    const AccessDecision decision = routing::decide(settings.rules, question);
+    if (!decision.permitted) {
+      return {false, decision.rule};
+    }
+    if (verdict.rule == nullptr) {
+      verdict.rule = decision.rule;
+    } else if (verdict.rule != decision.rule) {
+      verdict.other = decision.rule;
+    }
+  }
+  return verdict;
+}
+
+}  // namespace
+
+bool may_connect(const Settings& settings, const ClientInfo& client) {
+  const bool has_role = client.role.kind != ClientRole::Kind::none;
+  const AccessQuestion question{client.address, has_role ? nullptr : &client.role, client.listener};
+  return routing::decide(settings.rules, question).permitted;
+}
+
+RuleVerdict verdict_on(const SettingsSnapshot& settings, const ClientInfo& client,
+                       std::uint8_t unit, const routing::Plan& plan) {
+  if (is_denied_at_all(client)) {
+    return {false};
+  }
+  if (settings.settings.rules.empty()) {
+    return {};
+  }
+  AccessQuestion question = question_of(client, unit, plan.function());
+  add_reached(settings, plan, question);
+  return verdict_on_halves(settings.settings, question, halves_of(settings, plan));
+}
+
+RuleVerdict verdict_on_unplanned(const SettingsSnapshot& settings, const ClientInfo& client,
+                                 std::uint8_t unit, const modbus::Pdu& request) {
+  if (is_denied_at_all(client)) {
+    return {false};
+  }
+  AccessQuestion question = question_of(client, unit, request.function());
+  question.is_read = modbus::is_read(request.bytes());
+  const AccessDecision decision = routing::decide(settings.settings.rules, question);
+  return {decision.permitted, decision.rule};
+}
+
+RuleVerdict verdict_on_own(const SettingsSnapshot& settings, const ClientInfo& client,
+                           std::uint8_t unit, const modbus::Pdu& request) {
+  if (is_denied_at_all(client)) {
+    return {false};
+  }
+  if (settings.settings.rules.empty()) {
+    return {};
+  }
+  const auto parsed = modbus::Request::parse(request);
+  if (!parsed) {
+    return verdict_on_unplanned(settings, client, unit, request);
+  }
+  Halves halves;
+  add_of_device(settings, std::nullopt, *parsed, halves);
+  return verdict_on_halves(settings.settings, question_of(client, unit, request.function()),
+                           halves);
+}
+
+std::string denied_by_text(const RuleVerdict& verdict, const ClientInfo& client) {
+  if (is_denied_at_all(client)) {
+    return "the role in its certificate cannot be read";
+  }
+  return verdict.rule == nullptr ? "no rule permits it" : "rule " + verdict.rule->title();
+}
+
+}  // namespace mbgate::gateway

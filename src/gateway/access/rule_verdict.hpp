@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the access rules say of a client and of its requests. `mbgated --check --who` asks here too.
+#pragma once
+
+#include "gateway/settings/settings_snapshot.hpp"
+#include "routing/access_rules.hpp"
+#include "routing/plan.hpp"
+
+namespace mbgate::gateway {
+
+struct RuleVerdict {
+  bool permitted = true;
+  /// That has decided; nullptr: none has matched, or there are none.
+  const routing::AccessRule* rule = nullptr;
+  /// Of a request that reads and writes: the other rule that permits it, if it is another one.
+  const routing::AccessRule* other = nullptr;
+};
+
+/// May the client have a connection to its listener? If no rule can permit anything to its address,
+/// it may not. Its role does not matter: whose role is named nowhere is told so by exception 01.
+[[nodiscard]] bool may_connect(const Settings& settings, const ClientInfo& client);
+
+/// The request as it is planned, and so with the registers of the devices that it reaches: behind
+/// windows, split, in the order of words of the drive. Of a request that reads and writes (23)
+/// each half must be permitted.
+[[nodiscard]] RuleVerdict verdict_on(const SettingsSnapshot& settings, const ClientInfo& client,
+                                     std::uint8_t unit, const routing::Plan& plan);
+
+/// A request that cannot be planned: denied if it would be so whatever registers it named.
+[[nodiscard]] RuleVerdict verdict_on_unplanned(const SettingsSnapshot& settings,
+                                               const ClientInfo& client, std::uint8_t unit,
+                                               const modbus::Pdu& request);
+
+/// A request to the gateway's own unit.
+[[nodiscard]] RuleVerdict verdict_on_own(const SettingsSnapshot& settings, const ClientInfo& client,
+                                         std::uint8_t unit, const modbus::Pdu& request);
+
+/// Why it is denied, for people: `rule "panel" (mbgate.toml:12)`, "no rule permits it", ...
+[[nodiscard]] std::string denied_by_text(const RuleVerdict& verdict, const ClientInfo& client);
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/access/who.hpp"
+
+#include <string_view>
+
+#include "gateway/access/rule_verdict.hpp"
+#include "gateway/writes/write_rules.hpp"
+#include "routing/access.hpp"
+#include "routing/address_window.hpp"
+
+namespace mbgate::gateway {
+namespace {
+
+using modbus::ExceptionCode;
+
+WhoAnswer denied(std::string by, ExceptionCode code) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  const auto number = static_cast<std::uint8_t>(code);
+  std::string text = "denied by " + std::move(by) + ": exception ";
+  text += kDigits[number >> 4U];
+  text += kDigits[number & 0xFU];
+  return {false, text};
+}
+
+WhoAnswer refused(std::string by) {
+  return {false, "refused by " + std::move(by) + ": the connection is closed at once"};
+}
+
+WhoAnswer by_verdict(const RuleVerdict& verdict, const ClientInfo& client) {
+  if (!verdict.permitted) {
+    const bool by_rule = verdict.rule != nullptr;
+    return denied(by_rule ? denied_by_text(verdict, client)
+                          : "the access rules: " + denied_by_text(verdict, client),
+                  ExceptionCode::illegal_function);
+  }
+  if (verdict.rule == nullptr) {
+    return {true, "permitted: there are no rules"};
+  }
+  std::string text = "permitted by rule " + verdict.rule->title();
+  if (verdict.other != nullptr) {
+    text += ", its reading by rule " + verdict.other->title();
+  }
+  for (const routing::AccessRule* rule : {verdict.rule, verdict.other}) {
+    if (rule != nullptr && rule->per_second != 0) {
+      text += "; at most " + std::to_string(rule->per_second) +
+              " a second, stops excepted, else exception 06";
+    }
+  }
+  return {true, text};
+}
+
+std::string text_of(routing::Denial denial, const std::string& listener, std::uint8_t unit) {
+  const std::string route = " of the route of unit " + std::to_string(unit);
+  switch (denial) {
+    case routing::Denial::functions: return "functions" + route;
+    case routing::Denial::read_only_client: return "read_only of listener " + listener;
+    case routing::Denial::read_only_route: return "access" + route;
+    case routing::Denial::no_broadcast: return "unit 0: only writes (5, 6, 15, 16) are broadcast";
+  }
+  return {};
+}
+
+// Why the plan could not be made.
+WhoAnswer unplanned(const routing::ResolvedRoute& resolved, ExceptionCode code, std::uint8_t unit,
+                    const modbus::Pdu& pdu) {
+  const auto request = modbus::Request::parse(pdu);
+  if (!request) {
+    return denied("the standard: such a request is not well formed", code);
+  }
+  const auto& windows = resolved.route.windows;
+  if (!windows.empty() && !routing::through_windows(windows, *request)) {
+    return denied("the windows (registers) of the route of unit " + std::to_string(unit), code);
+  }
+  return denied(resolved.device == nullptr ? "the devices on the bus"
+                                           : "what is known of device " + resolved.device->name,
+                code);
+}
+
+std::string written_devices_text(const SettingsSnapshot& settings, const ClientInfo& client,
+                                 const routing::Plan& plan) {
+  for (const auto& transaction : plan.transactions()) {
+    for (const std::size_t place : settings.devices.reached_by(transaction)) {
+      const DeviceGuard* guard = settings.guard(place);
+      if (guard != nullptr && guard->writer == WriterRule::listed &&
+          !routing::contains(guard->writers, client.address)) {
+        return "writer of device " + settings.settings.devices[place].name;
+      }
+    }
+  }
+  return "writer of a device";
+}
+
+WhoAnswer planned(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
+                  const routing::Plan& plan) {
+  WhoAnswer answer = by_verdict(verdict_on(settings, client, unit, plan), client);
+  const WriteRules rules(settings);
+  if (!answer.permitted || plan.is_read() || rules.is_stop(plan)) {
+    return answer;
+  }
+  const WriteOrigin origin{ClientId{}, client.address, 0, Instant{}};
+  if (const auto objection = rules.objection(plan, origin, Instant{})) {
+    return denied(written_devices_text(settings, client, plan), *objection);
+  }
+  return answer;
+}
+
+WhoAnswer of_own_unit(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
+                      const modbus::Pdu& request, routing::ClientRights rights) {
+  const RuleVerdict verdict = verdict_on_own(settings, client, unit, request);
+  if (verdict.permitted && rights.read_only && !modbus::is_read(request.bytes())) {
+    return denied("read_only of listener " + settings.settings.listener(client.listener).name,
+                  ExceptionCode::illegal_function);
+  }
+  return by_verdict(verdict, client);
+}
+
+}  // namespace
+
+WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
+                  const modbus::Pdu& request) {
+  const ListenerSettings& listener = settings.settings.listener(client.listener);
+  if (!listener.allow.empty() && !routing::contains(listener.allow, client.address)) {
+    return refused("allow of listener " + listener.name);
+  }
+  if (!may_connect(settings.settings, client)) {
+    return refused("the access rules: none permits this address anything here");
+  }
+  const routing::ClientRights rights{routing::contains(listener.read_only, client.address)};
+  if (settings.settings.status_unit == unit) {
+    return of_own_unit(settings, client, unit, request, rights);
+  }
+  const routing::ResolvedRoute* resolved = settings.routes.find(client.listener, unit);
+  if (resolved == nullptr) {
+    const RuleVerdict verdict = verdict_on_unplanned(settings, client, unit, request);
+    return verdict.permitted ? denied("the routes: unit " + std::to_string(unit) +
+                                          " leads nowhere on this listener",
+                                      ExceptionCode::gateway_path_unavailable)
+                             : by_verdict(verdict, client);
+  }
+  if (const auto denial = routing::denial_of(*resolved, rights, request)) {
+    return denied(text_of(*denial, listener.name, unit), ExceptionCode::illegal_function);
+  }
+  const auto plan = routing::Plan::make(*resolved, unit, rights, request);
+  if (plan) {
+    return planned(settings, client, unit, *plan);
+  }
+  const RuleVerdict verdict = verdict_on_unplanned(settings, client, unit, request);
+  return verdict.permitted ? unplanned(*resolved, plan.error(), unit, request)
+                           : by_verdict(verdict, client);
+}
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "routing/register_set.hpp"
+
+#include <algorithm>
+
+namespace mbgate::routing {
+namespace {
+
+using drive::Device;
+using modbus::Table;
+using modbus::TableRange;
+
+// The two registers of a position.
+constexpr std::uint16_t kPositionRegisters = 2;
+
+Table table_in(const Device* device, Table table) {
+  const bool same = device != nullptr && device->profile.input_as_holding;
+  return same && table == Table::input_registers ? Table::holding_registers : table;
+}
+
+template <typename Visit>
+void visit_ranges(const drive::RangeList& ranges, Visit visit) {
+  for (const TableRange& range : ranges) {
+    visit(range.table, range.first, drive::end_of(range));
+  }
+}
+
+template <typename Visit>
+void visit_motion(const drive::Profile& profile, Visit visit) {
+  for (const drive::Value& value : profile.values.all()) {
+    if (value.motion) {
+      visit(value.table, value.first, value.end());
+    }
+  }
+  if (const auto& opcodes = profile.position_opcodes) {
+    visit(Table::holding_registers, opcodes->address, opcodes->address + 1U);
+    visit(Table::holding_registers, opcodes->position, opcodes->position + kPositionRegisters);
+  }
+  for (const drive::WriteMatch& stop : profile.stops) {
+    visit(stop.table, stop.address, stop.address + 1U);
+  }
+}
+
+// Every part of the set that this device has, with the address behind its end.
+template <typename Visit>
+void visit_parts(const RegisterSet& set, const Device* device, Visit visit) {
+  for (const RegisterSpan& span : set.spans) {
+    visit(span.table, span.first, span.last + 1U);
+  }
+  if (device == nullptr) {
+    return;
+  }
+  if (set.motion_commands) {
+    visit_motion(device->profile, visit);
+  }
+  if (set.communication_registers) {
+    visit_ranges(device->profile.communication, visit);
+  }
+  if (set.values) {
+    for (const drive::Value& value : device->profile.values.all()) {
+      visit(value.table, value.first, value.end());
+    }
+  }
+}
+
+// How far the set goes on from `address`; no further than `address` if it is not in it.
+std::uint32_t reach_from(const RegisterSet& set, const Device* device, Table table,
+                         std::uint32_t address) {
+  std::uint32_t reach = address;
+  visit_parts(set, device, [&](Table of, std::uint32_t first, std::uint32_t end) {
+    if (table_in(device, of) == table && first <= address) {
+      reach = std::max(reach, end);
+    }
+  });
+  return reach;
+}
+
+}  // namespace
+
+bool RegisterSet::covers(const Device* device, const TableRange& range) const {
+  const Table table = table_in(device, range.table);
+  std::uint32_t address = range.first;
+  while (address < drive::end_of(range)) {
+    const std::uint32_t reach = reach_from(*this, device, table, address);
+    if (reach == address) {
+      return false;
+    }
+    address = reach;
+  }
+  return true;
+}
+
+bool RegisterSet::touches(const Device* device, const TableRange& range) const {
+  const Table table = table_in(device, range.table);
+  bool found = false;
+  visit_parts(*this, device, [&](Table of, std::uint32_t first, std::uint32_t end) {
+    found = found ||
+            (table_in(device, of) == table && first < drive::end_of(range) && range.first < end);
+  });
+  return found;
+}
+
+bool RegisterSet::contains(const RegisterSet& other) const {
+  const auto in_one = [this](const RegisterSpan& span) {
+    return std::ranges::any_of(spans, [&](const RegisterSpan& it) {
+      return it.table == span.table && it.first <= span.first && span.last <= it.last;
+    });
+  };
+  return std::ranges::all_of(other.spans, in_one) && (motion_commands || !other.motion_commands) &&
+         (communication_registers || !other.communication_registers) && (values || !other.values) &&
+         (stops || !other.stops);
+}
+
+}  // namespace mbgate::routing
