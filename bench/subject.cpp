@@ -44,7 +44,9 @@ std::string line_name(std::size_t bus) { return "line-" + std::to_string(bus); }
 
 void add_listener(std::ostream& text, const std::string& name, std::size_t bus) {
   text << "[[listen]]\nname = \"" << name << "\"\naddress = \"127.0.0.1\"\nport = 0\nbus = \""
-       << line_name(bus) << "\"\nmax_connections = 20000\npipeline = 200\n";
+       << line_name(bus)
+       << "\"\nmax_connections = 20000\nmax_connections_per_address = "
+          "20000\nmax_connects_per_second = 0\nmax_requests_per_second = 0\npipeline = 200\n";
 }
 
 /// The configuration for a plant: a listener a bus, and one for a flood.

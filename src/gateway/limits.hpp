@@ -51,6 +51,9 @@ inline constexpr bus::Duration kFailsafeRetry = std::chrono::seconds(1);
 /// more than a plant has, few enough to be kept.
 inline constexpr std::size_t kUnroutedTold = 256;
 
+/// That requests of a client address are held up is told so often: who is too fast is so for hours.
+inline constexpr bus::Duration kHeldToldEvery = std::chrono::minutes(1);
+
 /// A deadline that is so late is missed: longer than a loaded machine keeps a process waiting.
 inline constexpr bus::Duration kOverdue = std::chrono::seconds(1);
 

@@ -73,6 +73,8 @@ constexpr std::array kFamiliar = {
     Familiar{"read_only", "access", ""},
     Familiar{"readonly", "access", ""},
     Familiar{"max_clients", "max_connections", ""},
+    Familiar{"max_connections_per_client", "max_connections_per_address", ""},
+    Familiar{"max_connections_per_ip", "max_connections_per_address", ""},
 };
 
 /// "Baud-Rate" is "baud_rate".
