@@ -31,7 +31,7 @@ class SecondRate {
   [[nodiscard]] Instant rested_at() const { return rested_at_; }
 
  private:
-  Instant rested_at_{};
+  Instant rested_at_ = Instant::min();
 };
 
 class AddressLimits {
