@@ -49,7 +49,9 @@ enum class Encrypted { no, yes };
 void add_listener(std::ostream& text, const std::string& name, std::size_t bus,
                   Encrypted encrypted = Encrypted::no) {
   text << "[[listen]]\nname = \"" << name << "\"\naddress = \"127.0.0.1\"\nport = 0\nbus = \""
-       << line_name(bus) << "\"\nmax_connections = 20000\npipeline = 200\n"
+       << line_name(bus)
+       << "\"\nmax_connections = 20000\nmax_connections_per_address = "
+          "20000\nmax_connects_per_second = 0\nmax_requests_per_second = 0\npipeline = 200\n"
        << (encrypted == Encrypted::yes ? "tls = \"bench\"\n" : "");
 }
 

@@ -14,10 +14,12 @@
 namespace mbgate::gateway {
 
 enum class RefusalReason : std::uint8_t {
-  not_allowed,  ///< not in the listener's allow list
-  full,         ///< max_connections reached and no idle connection could make room
-  stopping,     ///< the gateway is stopping
-  no_rule       ///< no access rule can permit anything to its address
+  not_allowed,   ///< not in the listener's allow list
+  full,          ///< max_connections reached and no idle connection could make room
+  stopping,      ///< the gateway is stopping
+  no_rule,       ///< no access rule can permit anything to its address
+  address_full,  ///< max_connections_per_address reached, and none of these is idle
+  too_often      ///< more than max_connects_per_second
 };
 
 struct BusOpened {
@@ -43,6 +45,12 @@ struct ClientRefused {
 };
 /// Closed to make room for a new connection.
 struct ClientDisplaced {
+  ListenerId listener;
+  routing::ClientAddress address;
+};
+/// Its address sends more than max_requests_per_second: requests wait for their turn. Reported once
+/// a minute for each address.
+struct ClientHeldUp {
   ListenerId listener;
   routing::ClientAddress address;
 };
@@ -142,11 +150,11 @@ struct RequestDenied {
   std::uint64_t left_out;  ///< that were denied since the last report
 };
 
-using Event =
-    std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
-                 ClientDisplaced, ClientFramingLost, ClientSpeaksRtu, ClientFrameTimedOut, LineNews,
-                 LineNeverSilent, Reconfigured, WriteEndedEarly, WordOrderDiffers, DeviceNews,
-                 QualityNews, FailsafeNews, UnitNotRouted, RequestDenied>;
+using Event = std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
+                           ClientDisplaced, ClientHeldUp, ClientFramingLost, ClientSpeaksRtu,
+                           ClientFrameTimedOut, LineNews, LineNeverSilent, Reconfigured,
+                           WriteEndedEarly, WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews,
+                           UnitNotRouted, RequestDenied>;
 
 /// One line for the journal. The names are taken from the settings.
 std::string to_text(const Event& event, const Settings& settings);

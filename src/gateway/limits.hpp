@@ -61,6 +61,9 @@ inline constexpr bus::Duration kDenialTold = std::chrono::minutes(1);
 /// Clients that are remembered because their denials were told: as kUnroutedTold.
 inline constexpr std::size_t kDeniedClients = 256;
 
+/// That requests of a client address are held up is told so often: who is too fast is so for hours.
+inline constexpr bus::Duration kHeldToldEvery = std::chrono::minutes(1);
+
 /// A deadline that is so late is missed: longer than a loaded machine keeps a process waiting.
 inline constexpr bus::Duration kOverdue = std::chrono::seconds(1);
 

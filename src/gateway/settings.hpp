@@ -63,9 +63,12 @@ struct ListenerSettings {
   std::uint16_t port = 502;  ///< 0: the kernel chooses
   bool freebind = false;     ///< listens even if the address does not exist yet
   std::size_t max_connections = 256;
-  std::size_t pipeline = 16;  ///< requests outstanding on one connection
-  bool ordered = false;       ///< responses in the order of the requests
-  Duration idle_timeout{0};   ///< 0: never
+  std::size_t max_connections_per_address = 64;
+  unsigned max_connects_per_second = 100;   ///< from one address; 0: any number
+  unsigned max_requests_per_second = 5000;  ///< from one address; 0: any number
+  std::size_t pipeline = 16;                ///< requests outstanding on one connection
+  bool ordered = false;                     ///< responses in the order of the requests
+  Duration idle_timeout{0};                 ///< 0: never
   Duration frame_timeout = std::chrono::seconds(10);
   routing::NetworkList allow;      ///< empty: everyone
   routing::NetworkList read_only;  ///< clients that may not write

@@ -46,6 +46,9 @@ std::string_view reason_text(RefusalReason reason) {
     case RefusalReason::full: return "max_connections is reached and no connection is idle";
     case RefusalReason::stopping: return "the gateway is stopping";
     case RefusalReason::no_rule: return "no access rule permits its address anything";
+    case RefusalReason::address_full:
+      return "max_connections_per_address is reached and none of these connections is idle";
+    case RefusalReason::too_often: return "more than max_connects_per_second";
   }
   return "";
 }
@@ -180,6 +183,11 @@ struct EventText {
   }
   std::string operator()(const ClientDisplaced& e) const {
     return client_text(settings, e) + " closed: idle, and its place was needed";
+  }
+  std::string operator()(const ClientHeldUp& e) const {
+    return client_text(settings, e) + " sends more than max_requests_per_second (" +
+           std::to_string(settings.listener(e.listener).max_requests_per_second) +
+           "): its requests wait for their turn, stops excepted";
   }
   std::string operator()(const ClientFramingLost& e) const {
     return client_text(settings, e) + " closed: MBAP length " + std::to_string(e.length) +

@@ -13,6 +13,7 @@ gateway::Settings usual() {
   gateway::Settings settings;
   settings.status_unit.reset();
   settings.listeners.emplace_back().name = "clients";
+  settings.listeners[0].max_requests_per_second = 0;
   bus::BusSettings& line = settings.buses.emplace_back();
   line.name = "line";
   line.line.echo = false;

@@ -34,9 +34,11 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
 }
 
 void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Hash& hash) {
-  // The gateway's: settings, exchanges, rules, failsafe, actions. Of the requests there are only
-  // counters beyond these.
-  auto& [settings, exchanges, rules, failsafe, actions, sessions, intake, requests] = clients;
+  // The gateway's: settings, exchanges, rules, failsafe, actions. Clients come at the start only,
+  // and may ask as often as they like: limits. Of the requests there are only counters beyond
+  // these.
+  auto& [settings, exchanges, rules, failsafe, actions, sessions, limits, intake, requests] =
+      clients;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
   // unrouted_told. Dealt with: request. The same settings all the time: changed_at. No rules:
   // access.
@@ -61,11 +63,11 @@ void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& 
   // ahead and no pipeline is full: ahead, partial_since, timer_armed_at, held, first_held, pauses,
   // and where in the stream it is: position, read_position, unread.
   const auto& [input, ahead, has_asked, is_closed, is_leaving, speaks_rtu_reported, requests,
-               refused, last_activity, partial_since, timer_armed_at, turns, exchanges, id, info,
-               listener, ordered, rights, open, unsent, held, first_held, position, paused,
-               half_closed, pauses, read_position, unread] = session;
+               refused, last_activity, partial_since, held_until, has_turn, timer_armed_at, turns,
+               exchanges, id, info, listener, ordered, rights, open, unsent, held, first_held,
+               position, paused, half_closed, pauses, read_position, unread] = session;
   explore::require(input.empty() && !session.is_full() && held.empty() && pauses.empty() &&
-                       !partial_since && !timer_armed_at && unread == 0,
+                       !partial_since && !held_until && !has_turn && !timer_armed_at && unread == 0,
                    "nothing is read ahead");
   explore::require(listener->idle_timeout == Duration{0}, "idle clients stay");
   explore::require(!is_closed, "closed clients are gone");

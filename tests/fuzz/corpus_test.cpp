@@ -18,6 +18,8 @@ MBGATE_TARGET(profile);
 MBGATE_TARGET(machine);
 MBGATE_TARGET(confusable);
 MBGATE_TARGET(role);
+MBGATE_TARGET(http);
+MBGATE_TARGET(recording);
 
 namespace mbgate::fuzz {
 namespace {
@@ -25,11 +27,18 @@ namespace {
 namespace fs = std::filesystem;
 using Target = int (*)(const std::uint8_t*, std::size_t);
 
-const std::map<std::string, Target> kTargets{
-    {"mbap", fuzz_mbap},       {"rtu_framer", fuzz_rtu_framer}, {"ascii_framer", fuzz_ascii_framer},
-    {"plan", fuzz_plan},       {"config", fuzz_config},         {"profile", fuzz_profile},
-    {"machine", fuzz_machine}, {"confusable", fuzz_confusable}, {"role", fuzz_role},
-    {"rules", fuzz_rules}};
+const std::map<std::string, Target> kTargets{{"mbap", fuzz_mbap},
+                                             {"rtu_framer", fuzz_rtu_framer},
+                                             {"ascii_framer", fuzz_ascii_framer},
+                                             {"plan", fuzz_plan},
+                                             {"config", fuzz_config},
+                                             {"profile", fuzz_profile},
+                                             {"machine", fuzz_machine},
+                                             {"confusable", fuzz_confusable},
+                                             {"http", fuzz_http},
+                                             {"recording", fuzz_recording},
+                                             {"role", fuzz_role},
+                                             {"rules", fuzz_rules}};
 
 fs::path corpora() { return fs::path(MBGATE_SOURCE_DIR) / "tests/fuzz/corpus"; }
 

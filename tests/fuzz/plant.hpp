@@ -62,6 +62,9 @@ inline gateway::Settings plant(std::uint16_t choices) {
     listener.pipeline = 3;
     listener.max_connections = 4;
     listener.ordered = index == 1;
+    listener.max_connections_per_address = index == 3 ? 2 : 4;
+    listener.max_connects_per_second = index == 3 ? 2 : 100;
+    listener.max_requests_per_second = index >= 1 && index <= 2 ? 20 : 0;
     listener.idle_timeout = index == 1 ? 30s : 0s;
     if (index >= 2) {
       listener.bus = drive::BusId{index - 2};

@@ -50,19 +50,19 @@ void Client::connect() {
   marks_.clear();
   tools_.oracle.connect(number_, manners_.listener, manners_.host);
   write_before_the_start();
-  const std::size_t most = tools_.settings.listeners[manners_.listener].max_connections;
-  const auto present = static_cast<std::size_t>(std::ranges::count_if(
-      tools_.all, [&](const Client& it) { return it.connected_ && it.shares_listener(*this); }));
   is_connecting_ = true;
-  tools_.full = present > most ? manners_.listener : kNoListener;
+  tools_.full = crowd();
   tools_.harness.handle(
       gateway::ClientConnected{number_, {*listener, address_of(manners_.host), socket_.size()}},
       tools_.schedule.now());
   tools_.drain();
-  tools_.full = kNoListener;
+  tools_.full = {};
   is_connecting_ = false;
   if (connected_ && (!is_welcome() || tools_.is_stopping)) {
     tools_.oracle.violation("let_in", "a client that is not allowed");
+  }
+  if (connected_ && crowd().listener != kNoListener) {
+    tools_.oracle.violation("let_in", "a client too many");
   }
 }
 

@@ -16,6 +16,12 @@ namespace mbgate::soak {
 
 inline constexpr std::size_t kNoListener = ~std::size_t{0};
 
+/// Where somebody makes room for another at this instant.
+struct Crowded {
+  std::size_t listener = kNoListener;
+  std::optional<unsigned> host{};  ///< only those of this one make room
+};
+
 class Client {
  public:
   struct Tools {
@@ -33,7 +39,7 @@ class Client {
     const SoakPlan& plan;
     const gateway::Settings& settings;  ///< of the plan
     std::deque<Client>& all;
-    std::size_t& full;  ///< the listener where somebody makes room at this instant
+    Crowded& full;
     bool& is_stopping;  ///< the gateway was told to stop
   };
   Client(const Manners& manners, Tools& tools) : manners_(manners), tools_(tools) {}
@@ -78,6 +84,10 @@ class Client {
   void be_closed_after(Duration time, const char* kind);
   [[nodiscard]] bool may_be_closed() const;
   [[nodiscard]] bool may_be_displaced() const;
+  [[nodiscard]] Crowded crowd() const;
+  [[nodiscard]] bool shares_host(const Client& other) const {
+    return shares_listener(other) && manners_.host == other.manners_.host;
+  }
   [[nodiscard]] bool is_idle() const;
   [[nodiscard]] bool is_kept() const;
   void act();

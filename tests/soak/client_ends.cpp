@@ -111,14 +111,33 @@ bool Client::may_be_closed() const {
   const bool has_hung = hangs_since_ && *hangs_since_ != Instant::max() &&
                         now >= *hangs_since_ + std::min(frame_timeout_, kLeastFrameTimeout);
   return framing_lost_ || has_hung || is_resting || tools_.is_stopping ||
-         (tools_.full == manners_.listener && may_be_displaced());
+         (tools_.full.listener == manners_.listener && may_be_displaced());
+}
+
+// Where there are too many now, this one among them.
+Crowded Client::crowd() const {
+  const auto& limits = tools_.settings.listeners[manners_.listener];
+  const auto count = [&](auto shares) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        tools_.all, [&](const Client& it) { return it.connected_ && (it.*shares)(*this); }));
+  };
+  if (count(&Client::shares_host) > limits.max_connections_per_address) {
+    return {manners_.listener, manners_.host};
+  }
+  const bool is_full = count(&Client::shares_listener) > limits.max_connections;
+  return {is_full ? manners_.listener : kNoListener};
 }
 
 // The one that is idle for longest makes room; who comes when there is none is refused.
 bool Client::may_be_displaced() const {
+  const auto& host = tools_.full.host;
+  if (host && *host != manners_.host) {
+    return false;
+  }
   const auto waits_longer = [&](const Client& other) {
-    return &other != this && other.connected_ && other.shares_listener(*this) && !other.is_kept() &&
-           other.is_idle() && other.active_ < active_;
+    return &other != this && other.connected_ && other.shares_listener(*this) &&
+           (!host || *host == other.manners_.host) && !other.is_kept() && other.is_idle() &&
+           other.active_ < active_;
   };
   const bool has_outstanding = unconfirmed_ > 0 || tools_.oracle.has_outstanding(number_);
   return std::ranges::none_of(tools_.all, waits_longer) &&

@@ -58,7 +58,8 @@ void Doors::add_listeners() {
   for (auto& listener : listeners) {
     listener.pipeline = random_.one_of<std::size_t>({1, 4, 16, 64});
     listener.ordered = random_.chance(250);
-    listener.max_connections = 1000;
+    listener.max_connections = listener.max_connections_per_address = 1000;
+    listener.max_connects_per_second = listener.max_requests_per_second = 0;
   }
 }
 

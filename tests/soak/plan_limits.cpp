@@ -12,6 +12,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::uint64_t kLimitsChance = 0x4C494D495453ULL;
+constexpr std::uint64_t kAddressChance = 0x41444452455353ULL;
 
 void draw_listener(SoakPlan& plan, gateway::ListenerSettings& listener, Random& random) {
   std::vector<unsigned>& kept = plan.kept.emplace_back();
@@ -48,6 +49,12 @@ void draw_limits(SoakPlan& plan, std::uint64_t seed) {
   Random random(seed ^ kLimitsChance);
   for (gateway::ListenerSettings& listener : plan.settings.listeners) {
     draw_listener(plan, listener, random);
+  }
+  Random of_addresses(seed ^ kAddressChance);
+  for (gateway::ListenerSettings& listener : plan.settings.listeners) {
+    if (of_addresses.chance(200)) {
+      listener.max_connections_per_address = of_addresses.one_of<std::size_t>({1, 2, 3});
+    }
   }
   for (gateway::DeviceGuard& guard : plan.settings.guards) {
     guard.failsafe_on_exit = !guard.failsafe.empty() && random.chance(400);

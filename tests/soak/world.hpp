@@ -112,8 +112,8 @@ class World {
   bool trouble_ = true;
   bool draining_ = false;
   bool is_stopping_ = false;
-  Instant end_ = Instant::max();        ///< of its time to stop
-  std::size_t full_ = kNoListener;      ///< where somebody makes room for another at this instant
+  Instant end_ = Instant::max();  ///< of its time to stop
+  Crowded full_;
   std::deque<gateway::Action> frames_;  ///< to be transmitted when nothing else is to be done
   std::size_t carried_out_ = 0;         ///< since the last input: nothing delays a frame behind it
   bool trace_;

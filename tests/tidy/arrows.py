@@ -54,7 +54,7 @@ TEST_FOLDERS = {
     "drives": GATEWAY | CONFIG | {"sim"},
     "soak": GATEWAY | CONFIG | {"sim"},
     "explore": GATEWAY,
-    "fuzz": GATEWAY | CONFIG,
+    "fuzz": IO | CONFIG | {"app", "ctl"},
     "integration": set(),
     "support": GATEWAY | CONFIG | {"sim"},
     "manuals": MODBUS,
@@ -76,7 +76,8 @@ IMPURE_WORDS = re.compile(r"_clock::now\b|\bclock_gettime\b|\bgetenv\b|\bstd::ra
 
 # Libraries that only some files may see: a pattern of includes, and a pattern of the files.
 LIBRARIES = (
-    (r"boost/asio", r"src/(io|app)/|src/(sim|ctl)/(main|shell|.*_shell|pty.*)\.|tests/unit/(io|app)/"),
+    (r"boost/asio", r"src/(io|app)/|src/(sim|ctl)/(main|shell|.*_shell|pty.*)\.|tests/unit/(io|app)/|"
+     r"tests/fuzz/http\.cpp"),
     (r"toml\+\+", r"src/config/toml/toml_reader\."),
     (r"systemd/", r"src/app/(systemd|journal/journal)\."),
     (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),

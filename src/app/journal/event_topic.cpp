@@ -66,6 +66,8 @@ MessageId id_of_refusal(gateway::RefusalReason reason) {
     case gateway::RefusalReason::full: return message_id::kClientNoRoom;
     case gateway::RefusalReason::stopping: return message_id::kClientWhileStopping;
     case gateway::RefusalReason::no_rule: return message_id::kClientNotRuled;
+    case gateway::RefusalReason::address_full: return message_id::kClientAddressFull;
+    case gateway::RefusalReason::too_often: return message_id::kClientTooOften;
   }
   return {};
 }
@@ -86,6 +88,9 @@ struct EventTopic {
   }
   Topic operator()(const gateway::ClientDisplaced& e) const {
     return of_client(message_id::kClientDisplaced, e);
+  }
+  Topic operator()(const gateway::ClientHeldUp& e) const {
+    return of_client(message_id::kClientHeldUp, e);
   }
   Topic operator()(const gateway::ClientFramingLost& e) const {
     return of_client(message_id::kClientFramingLost, e);

@@ -62,7 +62,8 @@ void add_listener(MetricBook& book, const gateway::ListenerStatus& listener) {
   book.counter({"mbgate_listener_displaced_connections_total",
                 "Idle connections closed to make room for others."},
                labels(), static_cast<double>(counters.displaced));
-  constexpr std::array kReasons = {"not_allowed", "full", "stopping", "no_rule"};
+  constexpr std::array kReasons = {"not_allowed", "full",         "stopping",
+                                   "no_rule",     "address_full", "too_often"};
   for (std::size_t place = 0; place < kReasons.size(); ++place) {
     book.counter({"mbgate_listener_refused_connections_total",
                   "Connections that were not let in, by reason."},
@@ -71,6 +72,9 @@ void add_listener(MetricBook& book, const gateway::ListenerStatus& listener) {
   }
   book.counter({"mbgate_listener_requests_total", "Requests of clients."}, labels(),
                static_cast<double>(counters.requests));
+  book.counter({"mbgate_listener_held_requests_total",
+                "How often a request had to wait because its address had sent too many."},
+               labels(), static_cast<double>(counters.held_up));
   const MetricBook::Kind refused{
       "mbgate_listener_refused_requests_total",
       "Requests that the gateway itself answered with an exception, by its code."};

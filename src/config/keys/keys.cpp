@@ -56,6 +56,12 @@ constexpr std::array kHttpKeys = {
 constexpr std::array kListenerKeys = {
     plain<&ListenerSettings::freebind>("freebind", Truth{}),
     plain<&ListenerSettings::max_connections>("max_connections", IntegerRange{1, 100'000}),
+    plain<&ListenerSettings::max_connections_per_address>("max_connections_per_address",
+                                                          IntegerRange{1, 100'000}),
+    plain<&ListenerSettings::max_connects_per_second>("max_connects_per_second",
+                                                      IntegerRange{0, 1'000'000}),
+    plain<&ListenerSettings::max_requests_per_second>("max_requests_per_second",
+                                                      IntegerRange{0, 1'000'000}),
     plain<&ListenerSettings::pipeline>("pipeline", IntegerRange{1, 1024}),
     plain<&ListenerSettings::ordered>("ordered", Truth{}),
     plain<&ListenerSettings::idle_timeout>("idle_timeout", DurationRange{10ms, 1000h, true}),

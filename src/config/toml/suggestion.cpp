@@ -80,6 +80,8 @@ constexpr std::array kFamiliar = {
     Familiar{"ca", "authorities", ""},
     Familiar{"ca_file", "authorities", ""},
     Familiar{"cafile", "authorities", ""},
+    Familiar{"max_connections_per_client", "max_connections_per_address", ""},
+    Familiar{"max_connections_per_ip", "max_connections_per_address", ""},
 };
 
 /// "Baud-Rate" is "baud_rate".

@@ -89,9 +89,16 @@ void ClientSession::half_close() {
   }
 }
 
+void ClientSession::end_hold(Instant now) {
+  if (held_until && now >= *held_until) {
+    held_until.reset();
+    has_turn = true;
+  }
+}
+
 std::optional<ClientSession::Reading> ClientSession::update_reading(Instant now) {
   // One more piece must still fit into the read-ahead.
-  const bool enough = is_full() && input.size() + kClientReadSize > kReadAhead;
+  const bool enough = is_held_up() && input.size() + kClientReadSize > kReadAhead;
   if (enough == paused_) {
     return std::nullopt;
   }
@@ -113,7 +120,7 @@ ClientSession::Overdue ClientSession::overdue(Instant now) const {
   if (partial_since && now >= *partial_since + listener_->frame_timeout) {
     return Overdue::within_request;
   }
-  const bool may_be_idle = listener_->idle_timeout > Duration{0} && outstanding() == 0;
+  const bool may_be_idle = listener_->idle_timeout > Duration{0} && is_at_rest();
   return may_be_idle && now >= last_activity + listener_->idle_timeout ? Overdue::idle
                                                                        : Overdue::nothing;
 }
@@ -124,14 +131,14 @@ std::optional<Instant> ClientSession::next_look(Instant now) const {
     next = *partial_since + listener_->frame_timeout;
   }
   if (listener_->idle_timeout > Duration{0}) {
-    const Instant active = outstanding() > 0 ? now : last_activity;
+    const Instant active = is_at_rest() ? last_activity : now;
     next = bus::earlier(next, active + listener_->idle_timeout);
   }
-  return next;
+  return bus::earlier(next, held_until);
 }
 
 void ClientSession::note_partial(Instant now) {
-  const bool is_partial = !input.empty() && !is_full();
+  const bool is_partial = !input.empty() && !is_held_up();
   if (!is_partial) {
     partial_since.reset();
   } else if (!partial_since) {

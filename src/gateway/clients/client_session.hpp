@@ -36,6 +36,10 @@ class ClientSession {
   /// Requests whose answer has not been completely written; `pipeline` at most.
   [[nodiscard]] std::size_t outstanding() const { return open_ + held_.size() + unsent_; }
   [[nodiscard]] bool is_full() const { return outstanding() >= listener_->pipeline; }
+  /// Is no request taken now, whatever has come? Stops still are.
+  [[nodiscard]] bool is_held_up() const { return is_full() || held_until; }
+  /// Its turn may have come (AddressLimits).
+  void end_hold(Instant now);
 
   /// A request was taken: its answer is due.
   AnswerId open_answer();
@@ -75,7 +79,11 @@ class ClientSession {
   [[nodiscard]] bool is_half_closed() const { return half_closed_; }
   /// Half-closed, everything read, everything answered and sent.
   [[nodiscard]] bool is_finished() const {
-    return half_closed_ && pauses_.empty() && outstanding() == 0;
+    return half_closed_ && pauses_.empty() && outstanding() == 0 && !held_until;
+  }
+  /// Nothing that it has asked for is left to do.
+  [[nodiscard]] bool is_at_rest() const {
+    return outstanding() == 0 && !held_until && !(has_turn && !input.empty());
   }
 
   /// Which timeout of the client has passed.
@@ -84,7 +92,7 @@ class ClientSession {
   /// When a timeout may pass next.
   [[nodiscard]] std::optional<Instant> next_look(Instant now) const;
   /// Call it after requests were taken: notes whether an incomplete request is at the front of
-  /// `input` while the pipeline has room.
+  /// `input` while it could be taken.
   void note_partial(Instant now);
 
   ReadAhead input;
@@ -97,7 +105,10 @@ class ClientSession {
   std::uint64_t requests = 0;  ///< requests and refusals are counted for displays only
   std::uint64_t refused = 0;   ///< answered with an exception of the gateway's own
   Instant last_activity;
-  std::optional<Instant> partial_since;   ///< an incomplete ADU is at the front of `input`
+  std::optional<Instant> partial_since;  ///< an incomplete ADU is at the front of `input`
+  /// Its address has sent too many requests: the next one is taken then.
+  std::optional<Instant> held_until;
+  bool has_turn = false;                  ///< the next request is within the rate of its address
   std::optional<Instant> timer_armed_at;  ///< its entry in ClientTimers
   const Turns* turns = nullptr;           ///< of its address, until it is closed
   boost::container::small_vector<std::uint32_t, 4> exchanges;

@@ -19,38 +19,54 @@ Clients::Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exch
                 now) {}
 
 void Clients::connected(ClientId client, const ClientInfo& info, Instant now) {
-  if (!admit(info)) {
+  if (!admit(info, now)) {
     actions_.push(Close{client});
     return;
   }
   if (const ClientSession* session = sessions_.add(client, info, now)) {
+    limits_.came(info, session->listener(), now);
     failsafe_.client_came(*session);
   }
 }
 
-bool Clients::admit(const ClientInfo& info) {
+bool Clients::admit(const ClientInfo& info, Instant now) {
   const ListenerSettings& listener = settings_.settings().listener(info.listener);
-  if (intake_.phase() != Phase::running) {
-    refuse(info, RefusalReason::stopping);
-    return false;
-  }
-  if (listener.is_gone) {
+  if (listener.is_gone && intake_.phase() == Phase::running) {
     return false;  // it was let in before a reload, and told after it
   }
+  auto reason = objection(info, now);
+  if (!reason && limits_.is_full(info, listener) && !make_room(info, &info.address)) {
+    reason = RefusalReason::address_full;
+  }
+  if (!reason && sessions_.is_full(info.listener) && !make_room(info, nullptr)) {
+    reason = RefusalReason::full;
+  }
+  if (reason) {
+    refuse(info, *reason);
+  }
+  return !reason;
+}
+
+std::optional<RefusalReason> Clients::objection(const ClientInfo& info, Instant now) const {
+  const ListenerSettings& listener = settings_.settings().listener(info.listener);
+  if (intake_.phase() != Phase::running) {
+    return RefusalReason::stopping;
+  }
   if (!listener.allow.empty() && !routing::contains(listener.allow, info.address)) {
-    refuse(info, RefusalReason::not_allowed);
-    return false;
+    return RefusalReason::not_allowed;
   }
   if (!may_connect(settings_.settings(), info)) {
-    refuse(info, RefusalReason::no_rule);
-    return false;
+    return RefusalReason::no_rule;
   }
-  if (!sessions_.is_full(info.listener)) {
-    return true;
-  }
-  ClientSession* idlest = sessions_.idlest(info.listener);
+  return limits_.comes_too_often(info, listener, now) ? std::optional(RefusalReason::too_often)
+                                                      : std::nullopt;
+}
+
+// Of the same address, or of any. A client that comes back after its line was cut finds its old
+// connections in the way.
+bool Clients::make_room(const ClientInfo& info, const routing::ClientAddress* address) {
+  ClientSession* idlest = sessions_.idlest(info.listener, address);
   if (idlest == nullptr) {
-    refuse(info, RefusalReason::full);
     return false;
   }
   actions_.push(Report{ClientDisplaced{info.listener, idlest->info().address}});
@@ -122,6 +138,10 @@ void Clients::handle_deadline(Instant now) {
         break;
       case ClientSession::Overdue::idle: close(*session); break;
       case ClientSession::Overdue::nothing:
+        session->end_hold(now);
+        if (session->has_turn) {
+          sessions_.wake(*session);
+        }
         sessions_.look_at(*session, session->next_look(now));
         break;
     }
@@ -142,9 +162,10 @@ bool Clients::serve_one(Instant now) {
 }
 
 void Clients::serve(ClientSession& session, Instant now) {
-  while (!session.input.empty()) {
+  while (!session.input.empty() && may_take(session, now)) {
     const auto next = intake_.next(session, now);
     if (next.request != nullptr) {
+      session.has_turn = false;
       requests_.accept(session, *next.request, now);
     } else if (next.stop) {
       requests_.pass_early(session, *next.stop);
@@ -155,10 +176,14 @@ void Clients::serve(ClientSession& session, Instant now) {
       break;
     }
   }
-  if (session.is_full()) {
+  if (session.is_held_up()) {
     take_early_stops(session, now);
   }
-  failsafe_.client_waits(session.id(), !session.exchanges.empty(), now);
+  const bool may_go_on = session.held_until && !session.is_full();
+  if (may_go_on && session.ahead.goes_on(session.position())) {
+    sessions_.wake(session);  // as far as to the last of these stops
+  }
+  failsafe_.client_waits(session.id(), !session.exchanges.empty() || session.held_until, now);
   if (session.is_finished()) {
     close(session);
     return;
@@ -172,6 +197,22 @@ void Clients::serve(ClientSession& session, Instant now) {
   }
   session.note_partial(now);
   sessions_.look_at(session, session.next_look(now));
+}
+
+bool Clients::may_take(ClientSession& session, Instant now) {
+  if (intake_.phase() != Phase::running) {
+    session.held_until.reset();
+    return true;
+  }
+  const bool was_held = session.held_until.has_value();
+  const bool may_ask = limits_.may_ask(session, now);
+  if (session.held_until && !was_held) {
+    ++sessions_.counters(session.info().listener).held_up;
+    if (limits_.is_news(session.info(), now)) {
+      actions_.push(Report{ClientHeldUp{session.info().listener, session.info().address}});
+    }
+  }
+  return may_ask;
 }
 
 void Clients::take_early_stops(ClientSession& session, Instant now) {
@@ -205,6 +246,7 @@ void Clients::forget(ClientSession& session) {
   drop_requests(session);
   failsafe_.client_gone(session.id());
   rules_.client_gone(session.id());
+  limits_.left(session);
   sessions_.close(session);
 }
 

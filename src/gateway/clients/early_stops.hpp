@@ -31,6 +31,12 @@ class EarlyStops {
     return std::ranges::find(stops_, position, &Stop::position) != stops_.end();
   }
 
+  /// Was the stop at the position taken, or does one behind it wait for the writes before it?
+  /// Then nothing may hold up what lies there.
+  [[nodiscard]] bool goes_on(std::uint64_t position) const {
+    return has(position) || (first_held_ && *first_held_ >= position);
+  }
+
   /// Begins a search of the read-ahead behind `front`: all of it, or what was not searched before.
   void begin_look(std::uint64_t front, bool at_all);
   [[nodiscard]] std::uint64_t looking_at() const { return looking_at_; }

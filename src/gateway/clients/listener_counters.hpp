@@ -14,11 +14,12 @@ struct ListenerCounters {
   std::uint64_t connections = 0;  ///< let in
   std::uint64_t displaced = 0;    ///< of these, closed to make room for others
   std::uint64_t requests = 0;
+  std::uint64_t held_up = 0;  ///< how often a request had to wait for its address's rate
   /// Requests that the gateway itself has answered with an exception.
   bus::ExceptionCounts refused_reads;
   bus::ExceptionCounts refused_writes;
   /// Connections that were not let in, by RefusalReason.
-  std::array<std::uint64_t, 4> refused_connections{};
+  std::array<std::uint64_t, 6> refused_connections{};
 
   void note_refused(bool is_read, std::uint8_t code) {
     (is_read ? refused_reads : refused_writes).note(code);

@@ -11,10 +11,12 @@ bool Sessions::is_full(ListenerId listener) const {
          settings_->listener(listener).max_connections;
 }
 
-ClientSession* Sessions::idlest(ListenerId listener) {
+ClientSession* Sessions::idlest(ListenerId listener, const routing::ClientAddress* address) {
   ClientSession* idlest = nullptr;
   for_each([&](ClientSession& session) {
-    const bool may_go = session.info().listener == listener && session.outstanding() == 0 &&
+    const bool is_asked_for = session.info().listener == listener &&
+                              (address == nullptr || session.info().address == *address);
+    const bool may_go = is_asked_for && session.is_at_rest() &&
                         !routing::contains(session.listener().keep, session.info().address);
     if (may_go && (idlest == nullptr || session.last_activity < idlest->last_activity)) {
       idlest = &session;

@@ -25,9 +25,10 @@ class Sessions {
         counters_(settings.listeners.size()) {}
 
   [[nodiscard]] bool is_full(ListenerId listener) const;
-  /// Of the connections that may make room on the listener, the one that has been idle longest;
-  /// nullptr if there is none.
-  [[nodiscard]] ClientSession* idlest(ListenerId listener);
+  /// Of the connections that may make room on the listener, or for another of the same address, the
+  /// one that has been idle longest; nullptr if there is none.
+  [[nodiscard]] ClientSession* idlest(ListenerId listener,
+                                      const routing::ClientAddress* address = nullptr);
   /// nullptr if there is one with this number.
   ClientSession* add(ClientId client, const ClientInfo& info, Instant now);
   /// nullptr if it is closed or was never there.

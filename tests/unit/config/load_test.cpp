@@ -116,6 +116,9 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(routed.port, 0);
   EXPECT_TRUE(routed.freebind);
   EXPECT_EQ(routed.max_connections, 8U);
+  EXPECT_EQ(routed.max_connections_per_address, 6U);
+  EXPECT_EQ(routed.max_connects_per_second, 0U);
+  EXPECT_EQ(routed.max_requests_per_second, 500U);
   EXPECT_EQ(routed.pipeline, 4U);
   EXPECT_TRUE(routed.ordered);
   EXPECT_EQ(routed.idle_timeout, 10min);

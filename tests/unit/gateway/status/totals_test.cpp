@@ -113,7 +113,7 @@ TEST_F(Totals, CountWhatCameToAListener) {
   EXPECT_EQ(counters.requests, 2U);
   EXPECT_EQ(counters.refused_reads.of(0x0A), 1U);
   EXPECT_EQ(counters.refused_writes.of(0x0A), 0U);
-  EXPECT_THAT(counters.refused_connections, ElementsAre(0, 1, 0, 0));
+  EXPECT_THAT(counters.refused_connections, ElementsAre(0, 1, 0, 0, 0, 0));
 }
 
 TEST_F(Totals, CountWhatWasNotAnsweredAsRefused) {

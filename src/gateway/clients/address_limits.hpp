@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the connections of one client address to one listener may do together: how many there are,
+// how many come within a second, how many requests they send within one. Without these a single
+// computer could take all places of a listener, and all of the processor.
+//
+// A connection too many is refused. A request too many is neither refused nor lost: it is not taken
+// until it is its turn, and the socket is read no further than the read-ahead, as with a full
+// pipeline. TCP then slows the client down, and every request still gets its answer. Stops are
+// taken out of the read-ahead at once.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <utility>
+
+#include "bus/state_reader.hpp"
+#include "gateway/clients/client_session.hpp"
+
+namespace mbgate::gateway {
+
+/// So many within a second; after a pause as many at once.
+class SecondRate {
+ public:
+  /// Takes the next place, and returns when it is: not later than now if it is free.
+  Instant take(unsigned per_second, Instant now);
+  void give_back(unsigned per_second);
+  /// When the next place is.
+  [[nodiscard]] Instant next(unsigned per_second, Instant now) const;
+  /// Has there been a pause of a second, or what counts as one?
+  [[nodiscard]] bool is_rested(Instant now) const { return rested_at_ <= now; }
+  [[nodiscard]] Instant rested_at() const { return rested_at_; }
+
+ private:
+  Instant rested_at_ = Instant::min();
+};
+
+class AddressLimits {
+ public:
+  /// Has the address as many connections to the listener as it may have?
+  [[nodiscard]] bool is_full(const ClientInfo& info, const ListenerSettings& listener) const;
+  /// Have as many come from there lately as may?
+  [[nodiscard]] bool comes_too_often(const ClientInfo& info, const ListenerSettings& listener,
+                                     Instant now) const;
+  /// A connection was let in, or is gone.
+  void came(const ClientInfo& info, const ListenerSettings& listener, Instant now);
+  void left(const ClientSession& session);
+
+  /// May the next request of the client be taken? If not, its turn is at `session.held_until`. The
+  /// connections of an address take turns. What a stop waits for is never held up.
+  bool may_ask(ClientSession& session, Instant now);
+  /// To be told to the operator now, that requests of this address are held up? Once a minute.
+  bool is_news(const ClientInfo& info, Instant now);
+
+ private:
+  friend struct mbgate::StateReader;
+  using Key = std::pair<ListenerId, routing::ClientAddress>;
+  struct Entry {
+    std::size_t connections = 0;
+    SecondRate connects;
+    SecondRate requests;
+    std::optional<Instant> told_at;
+  };
+  static Key key_of(const ClientInfo& info) { return {info.listener, info.address}; }
+  void forget(Instant now);
+
+  std::map<Key, Entry> entries_;
+  /// Addresses without a connection, whose rates are still remembered: no more than can come within
+  /// a second or two.
+  std::deque<std::pair<Instant, Key>> leaving_;
+};
+
+}  // namespace mbgate::gateway

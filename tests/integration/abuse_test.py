@@ -1,0 +1,191 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""A client works while others (abusers.py) do all that clients should not do. In rounds of a quiet and a noisy time: no
+answer is wrong, each question is answered, memory and journal are bounded, descriptors come back; then a table.
+
+`--rounds 10 --quiet 15 --noisy 45` is ten minutes. `--ratio 1.5`: the 99th of a hundred answers may take so much longer in
+the noisy times than in the quiet ones; a busy machine can fail this, so nothing is asked of it otherwise."""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+from abusers import HTTP_KINDS, KINDS
+from control_case import UnixConnection
+from demo_plant import PATIENCE, Process
+from fault_plant import Client, FaultCase, answer_pdu, is_sanitized, read_of
+from machine_faults_test import resident
+
+ARGUMENTS = dict(zip(sys.argv[1::2], map(float, sys.argv[2::2]), strict=False))
+ROUNDS = int(ARGUMENTS.get("--rounds", 2))
+QUIET = ARGUMENTS.get("--quiet", 2)  # seconds
+NOISY = ARGUMENTS.get("--noisy", 8)
+RATIO = ARGUMENTS.get("--ratio")
+# What many connections need at most, with what the allocator keeps: 64 of each abuser with its read-ahead, and HTTP.
+MEMORY = 48 * 1024 * 1024
+LINES_A_MINUTE = 11 * 12  # ten of each kind and listener, and a line that says that there are more
+PROGRAM = pathlib.Path(__file__).with_name("abusers.py")
+COUNTED = ("mbgate_listener_connections_total", "mbgate_listener_displaced_connections_total",
+           "mbgate_listener_refused_connections_total", "mbgate_listener_requests_total")
+
+
+class Worker:
+    """Reads without end and notes how long each answer takes, by `times`: the list of the present time."""
+
+    def __init__(self, port):
+        self.times = []
+        self.refused = 0
+        self.wrong = []
+        self._client = Client(port)
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._work)
+        self._thread.start()
+
+    def _work(self):
+        first = 0
+        while not self._ended.is_set() and not self.wrong:
+            first = first + 7 & 0x3FFF
+            times, begin = self.times, time.monotonic()
+            answer = self._client.ask(read_of(first))
+            times.append(time.monotonic() - begin)
+            if answer[:1] == b"\x83":
+                self.refused += 1
+            elif answer != answer_pdu(read_of(first)):
+                self.wrong.append((first, answer.hex(" ")))
+
+    def work(self, times, seconds):
+        self.times = times
+        time.sleep(seconds)
+
+    def end(self):
+        self._ended.set()
+        self._thread.join()
+        self._client.close()
+
+
+class Abusers:
+    """One of each kind, each at an address of its own."""
+
+    def __init__(self, port, http_port):
+        self._running = {}
+        for number, kind in enumerate([*KINDS, *HTTP_KINDS]):
+            target = http_port if kind in HTTP_KINDS else port
+            command = [sys.executable, PROGRAM, kind, "--port", str(target), "--address", f"127.0.0.{10 + number}"]
+            command += ["--idle"] if RATIO else []
+            self._running[kind] = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        for abuser in self._running.values():
+            assert abuser.stdout.readline() == "connected\n"
+
+    def end(self):
+        """What each of them has done."""
+        for abuser in self._running.values():
+            abuser.terminate()
+        done = {kind: json.loads(abuser.communicate(timeout=PATIENCE)[0]) for kind, abuser in self._running.items()}
+        assert all(abuser.returncode == 0 for abuser in self._running.values())
+        return done
+
+
+def percentile(times, part):
+    return 1000 * sorted(times)[min(len(times) - 1, int(len(times) * part))]
+
+
+def row(name, *values):
+    return f"{name:<24}" + "".join(f"{value:>12}" for value in values)
+
+
+class Abuse(FaultCase):
+    def setUp(self):
+        super().setUp()
+        self.times = {"quiet": [], "noisy": []}
+        self.done = []
+        self.memory = []
+
+    def start_plant(self):
+        line = self.line()
+        text = self.configuration.read_text(encoding="utf-8")
+        text = text.replace("[http]\n", '[http]\nlisten = ["127.0.0.1:0"]\n')
+        # The limits are those that come with the program.
+        text = re.sub(r"(?m)^max_(conn|requests).*\n", "", text)
+        self.configuration.write_text(text, encoding="utf-8")
+        self.gateway = Process(self.folder, "mbgated", "--config", self.configuration)
+        self.addCleanup(self.gateway.end)
+        ports = {}
+        while len(ports) < 2:
+            found = self.gateway.wait_for(r"listening (\S+) 127\.0\.0\.1:(\d+)$")
+            ports[found.group(1)] = int(found.group(2))
+        self.port = ports.pop("plant")
+        return line, *ports.values()
+
+    def descriptors(self):
+        return len(os.listdir(f"/proc/{self.gateway.pid}/fd"))
+
+    def wait_for_descriptors(self, most):
+        limit = time.monotonic() + PATIENCE
+        while self.descriptors() > most:
+            self.assertLess(time.monotonic(), limit, f"{self.descriptors()} descriptors are open, before {most}")
+            time.sleep(0.05)
+
+    def test_a_client_is_served_beside_all_of_them(self):
+        _, http_port = self.start_plant()
+        worker = Worker(self.port)
+        self.addCleanup(worker.end)
+        worker.work([], 1)
+        descriptors = self.descriptors()
+        began = time.monotonic()
+        for _ in range(ROUNDS):
+            worker.work(self.times["quiet"], QUIET)
+            abusers = Abusers(self.port, http_port)
+            worker.work(self.times["noisy"], NOISY)
+            self.memory.append(resident(self.gateway.pid))
+            self.done.append(abusers.end())
+            self.wait_for_descriptors(descriptors)
+        asked = len(worker.times)
+        limit = time.monotonic() + PATIENCE
+        while len(worker.times) < asked + 10 and not worker.wrong:
+            self.assertLess(time.monotonic(), limit, "no answers any more")
+            time.sleep(0.01)
+        lines = self.gateway.unseen()
+        self.print_table(worker, lines)
+        self.assertEqual(worker.wrong, [])
+        self.assertLess(len(lines), LINES_A_MINUTE * (2 + (time.monotonic() - began) / 60), "".join(lines))
+        if not is_sanitized():  # it keeps what was freed
+            self.assertLess(max(self.memory), self.memory[0] + MEMORY)
+        if RATIO:
+            quiet, noisy = (percentile(self.times[when], 0.99) for when in ("quiet", "noisy"))
+            self.assertLessEqual(noisy, RATIO * quiet)
+            self.assertEqual(worker.refused, 0)
+
+    def print_table(self, worker, lines):
+        print(row("answers, in ms", "count", "p50", "p99", "longest"))
+        for when, times in self.times.items():
+            print(row(when, len(times), *(f"{percentile(times, part):.2f}" for part in (0.5, 0.99, 1))))
+        quiet, noisy = (percentile(self.times[when], 0.99) for when in ("quiet", "noisy"))
+        print(row("p99, noisy to quiet", f"{noisy / quiet:.2f}"))
+        print(row("wrong, refused", len(worker.wrong), worker.refused))
+        print(row("memory, MiB", *(f"{size / 2**20:.1f}" for size in (self.memory[0], self.memory[-1]))))
+        print(row("lines of the journal", len(lines)))
+        for line in self.metrics():
+            print(line)
+        for kind in self.done[0]:
+            total = {}
+            for round_of in self.done:
+                for what, count in round_of[kind].items():
+                    total[what] = total.get(what, 0) + count
+            print(f"{kind:<24}" + ", ".join(f"{what} {count}" for what, count in total.items()))
+
+    def metrics(self):
+        connection = UnixConnection(self.control)
+        connection.request("GET", "/metrics")
+        text = connection.getresponse().read().decode()
+        connection.close()
+        return [line for line in text.splitlines() if line.startswith(COUNTED) and not line.endswith(" 0")]
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

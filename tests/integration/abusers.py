@@ -1,0 +1,231 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Clients as nobody wants them, each kind a process of its own: `abusers.py KIND --port P --http H --address A`. It goes
+on until SIGTERM, and prints then how often it did what. It stands for another computer: it has an address of its own, and
+with `--idle` it runs only when this one has nothing else to do.
+
+Kinds that need TLS belong into TLS_KINDS: they are started only where there is a port for them (`--tls`)."""
+
+import argparse
+import collections
+import contextlib
+import json
+import os
+import random
+import selectors
+import signal
+import socket
+import struct
+import sys
+import time
+
+FEW, MANY = 20, 200  # connections of one abuser
+UNROUTED, GATEWAY = 250, 255  # units that lead to no device
+PAUSE = 0.005
+HTTP_PATHS = ("/", "/api/v1/status", "/metrics", "/healthz", "/api/v1/trace?client=x", "/api/v1/events", "/%00", "/x" * 3000)
+
+
+def request(unit, count=100):
+    return struct.pack(">HHHBBHH", random.getrandbits(16), 0, 6, unit, 3, 0, count)
+
+
+class Abuser:
+    """Counts what it does; what the other side does to its connections is no surprise."""
+
+    def __init__(self, port, address):
+        self.port = port
+        self.address = address
+        self.done = collections.Counter()
+
+    def connect(self, **how):
+        """A connection, or nothing."""
+        connection = socket.socket()
+        for option, value in how.items():
+            connection.setsockopt(socket.SOL_SOCKET, getattr(socket, option), value)
+        connection.settimeout(1)
+        try:
+            connection.bind((self.address, 0))
+            connection.connect(("127.0.0.1", self.port))
+        except OSError:
+            connection.close()
+            self.done["not connected"] += 1
+            time.sleep(PAUSE)
+            return None
+        connection.setblocking(False)
+        if not self.done["connected"]:
+            print("connected", flush=True)
+        self.done["connected"] += 1
+        return connection
+
+    def crowd(self, size, act, **how):
+        """So many connections, with each of which `act(connection)` does something; one that fails is replaced."""
+        connections = []
+        while True:
+            if len(connections) < size:
+                connection = self.connect(**how)
+                if connection:
+                    connections.append(connection)
+            for connection in list(connections):
+                try:
+                    act(connection)
+                except BlockingIOError:
+                    self.done["would have to wait"] += 1
+                except OSError:
+                    self.done["thrown out"] += 1
+                    connections.remove(connection)
+                    connection.close()
+            if len(connections) == size:
+                time.sleep(PAUSE)
+
+    def drain(self, connection):
+        """Reads what there is; ends with an error if the other side has closed."""
+        with contextlib.suppress(BlockingIOError):
+            got = connection.recv(65536)
+            if not got:
+                raise ConnectionResetError
+            self.done["bytes read"] += len(got)
+
+
+def connects(abuser):
+    """A connection after the other, closed at once, every other one with RST."""
+    while True:
+        connection = abuser.connect()
+        if connection:
+            if random.getrandbits(1):
+                connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            connection.close()
+
+
+def half_open(abuser):
+    """Connections that say nothing, or half a request."""
+    begun = set()
+
+    def act(connection):
+        abuser.drain(connection)
+        if connection not in begun:
+            begun.add(connection)
+            connection.send(request(UNROUTED)[: random.randrange(12)])
+
+    abuser.crowd(MANY, act)
+
+
+def pipelines(abuser):
+    """As many requests at once as a socket takes, and the answers when they come."""
+
+    def act(connection):
+        abuser.drain(connection)
+        abuser.done["bytes sent"] += connection.send(request(UNROUTED) * 2000)
+
+    abuser.crowd(FEW, act)
+
+
+def asks(abuser):
+    """One request after the other, as fast as they are answered, on as many connections as may be."""
+    waiting = selectors.DefaultSelector()
+    while True:
+        if len(waiting.get_map()) < FEW:
+            connection = abuser.connect()
+            if connection:
+                connection.send(request(GATEWAY, 10))
+                waiting.register(connection, selectors.EVENT_READ)
+        for key, _ in waiting.select(PAUSE):
+            try:
+                abuser.drain(key.fileobj)
+                key.fileobj.send(request(GATEWAY, 10))
+                abuser.done["asked"] += 1
+            except BlockingIOError:
+                abuser.done["would have to wait"] += 1
+            except OSError:
+                abuser.done["thrown out"] += 1
+                waiting.unregister(key.fileobj)
+                key.fileobj.close()
+
+
+def bytewise(abuser):
+    """Requests byte by byte."""
+    asked = request(UNROUTED)
+    place = collections.Counter()
+
+    def act(connection):
+        abuser.drain(connection)
+        connection.send(asked[place[connection] % 12 :][:1])
+        place[connection] += 1
+
+    abuser.crowd(FEW, act)
+
+
+def never_read(abuser):
+    """Asks and asks, and takes no answer."""
+    abuser.crowd(FEW, lambda connection: connection.send(request(GATEWAY) * 100), SO_RCVBUF=2048)
+
+
+def noise(abuser):
+    """Random bytes; some begin like a request."""
+
+    def act(connection):
+        abuser.drain(connection)
+        head = request(UNROUTED)[: random.choice((0, 0, 4, 6, 8))]
+        connection.send(head + random.randbytes(random.randrange(1, 600)))
+
+    abuser.crowd(FEW, act)
+
+
+def http(abuser):
+    """Requests, half ones, large ones, nonsense; streams that nobody reads."""
+    streams = set()
+
+    def act(connection):
+        if connection in streams:
+            return
+        kind = random.randrange(6)
+        path = random.choice(HTTP_PATHS)
+        head = f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+        if kind == 0:
+            connection.send(head.encode())
+        elif kind == 1:
+            connection.send((head + "X: " + "x" * 20_000 + "\r\n\r\n").encode())
+        elif kind == 2:
+            connection.send(random.randbytes(200))
+        elif kind == 3:
+            connection.send((head + "Origin: http://elsewhere\r\n\r\n").encode() * 50)
+        else:
+            abuser.drain(connection)
+            connection.send((head + "\r\n").encode())
+            if path.startswith(("/api/v1/trace", "/api/v1/events")):
+                streams.add(connection)
+        abuser.done["asked"] += 1
+
+    abuser.crowd(MANY, act)
+
+
+KINDS = {kind.__name__: kind for kind in (connects, half_open, pipelines, asks, bytewise, never_read, noise)}
+HTTP_KINDS = {"http": http}
+TLS_KINDS = {}
+
+
+class Ended(BaseException):
+    """SIGTERM has come."""
+
+
+def end(*_):
+    raise Ended
+
+
+def main():
+    options = argparse.ArgumentParser()
+    options.add_argument("kind", choices=[*KINDS, *HTTP_KINDS, *TLS_KINDS])
+    options.add_argument("--port", type=int, required=True)
+    options.add_argument("--address", required=True)
+    options.add_argument("--idle", action="store_true")
+    chosen = options.parse_args()
+    if chosen.idle:
+        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+    abuser = Abuser(chosen.port, chosen.address)
+    signal.signal(signal.SIGTERM, end)
+    with contextlib.suppress(Ended):
+        {**KINDS, **HTTP_KINDS, **TLS_KINDS}[chosen.kind](abuser)
+    print(json.dumps(abuser.done), flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
