@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "gateway/access/rule_verdict.hpp"
 #include "io/clients/descriptors.hpp"
 
 namespace mbgate::io {
@@ -88,15 +89,19 @@ void GatewayDriver::shutdown() {
 void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) {
   notice_stall(now());
   const gateway::ListenerSettings& where = settings().listener(listener);
-  const bool may_connect = where.allow.empty() || routing::contains(where.allow, client.address());
-  if (where.tls && !where.is_gone && may_connect) {
-    tls_.take(listener, settings(), std::move(client));
-    return;  // who may not connect is closed before a byte is read: by the machine, as others are
+  gateway::ClientInfo info{listener, client.address()};
+  if (where.tls && !where.is_gone) {
+    info.role.kind = routing::ClientRole::Kind::named;  // which one is not known yet
+    const bool allowed = where.allow.empty() || routing::contains(where.allow, info.address);
+    if (allowed && gateway::may_connect(settings(), info)) {
+      tls_.take(listener, settings(), std::move(client));
+      return;
+    }
+    // Who may not connect is closed before a byte is read: by the machine, as others are.
   }
-  const std::size_t waiting =
+  info.bytes_before_ready =
       is_behind() ? unread_bytes(client.socket.native_handle()) : client.bytes_waiting;
-  const auto address = client.address();
-  connected(clients_.add(std::move(client.socket)), {listener, address, waiting});
+  connected(clients_.add(std::move(client.socket)), info);
 }
 
 void GatewayDriver::connected(ClientId id, const gateway::ClientInfo& info) {
