@@ -44,6 +44,7 @@ std::vector<std::size_t> find_each(TomlTable& table, std::string_view key,
                                    const std::vector<Named>& all) {
   std::vector<std::size_t> found;
   std::vector<std::string_view> names;
+  names.reserve(all.size());
   for (const auto& it : all) {
     names.push_back(it.name);
   }
@@ -101,7 +102,7 @@ unsigned read_rate(TomlTable& table) {
   if (error != std::errc{} || std::string_view(at, end) != "/s" || rate == 0 ||
       rate > kFastestRate) {
     table.report_expected("rate", *table.value("rate"),
-                          "how often a second, from \"1/s\" to \"1000/s\"");
+                          R"(how often a second, from "1/s" to "1000/s")");
     return 0;
   }
   return rate;
