@@ -67,6 +67,26 @@ boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
   co_return self->timed_out_ ? std::string("it took too long") : std::string("it was ended");
 }
 
+boost::asio::awaitable<void> TlsClient::see_out(std::shared_ptr<TlsClient> self) {
+  error_code ignored;
+  self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
+  self->timer_.expires_after(kLinger);
+  self->timer_.async_wait([weak = self->weak_from_this()](const error_code& error) {
+    if (const auto client = weak.lock(); client && !error) {
+      client->end();
+    }
+  });
+  std::array<std::uint8_t, kCarriedAtOnce> bytes{};
+  ssize_t count = 1;
+  while (count != 0 && self->socket_.is_open() && co_await self->wait_for(Step::read_more)) {
+    count = ::recv(self->socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (count < 0 && errno != EAGAIN && errno != EINTR) {
+      break;
+    }
+  }
+  self->end();
+}
+
 std::string TlsClient::why_no_handshake(Step step) const {
   if (step == Step::finished || ERR_peek_last_error() == 0) {
     return "the client has gone";
