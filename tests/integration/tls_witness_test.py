@@ -171,7 +171,8 @@ class GnuTls(TlsCase):
                     client.stdin.write(adu(READ))
                     client.stdin.flush()
                     self.assertEqual(client.stdout.read(7 + len(self.answer))[7:], self.answer)
-                    client.kill()
+                    client.stdin.close()
+                    self.assertEqual(client.wait(PATIENCE), 0)
                 self.assertRegex(log.read_text(encoding="utf-8"), rf"TLS{re.escape(version)}.*AES-128-GCM")
 
 
