@@ -2,6 +2,7 @@
 #include "app/changes.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <type_traits>
 
@@ -46,6 +47,11 @@ class Differences {
   std::string text_;
 };
 
+std::optional<gateway::TlsSettings> tls_of(const Settings& settings,
+                                           const ListenerSettings& listener) {
+  return listener.tls ? std::optional(settings.tls[*listener.tls]) : std::nullopt;
+}
+
 std::string differences(const Settings& old, const Settings& next, std::size_t number,
                         const ListenerSettings& /*kind*/) {
   const ListenerSettings& a = old.listeners[number];
@@ -57,6 +63,7 @@ std::string differences(const Settings& old, const Settings& next, std::size_t n
   found.compare("allow", a.allow, b.allow);
   found.compare("read_only", a.read_only, b.read_only);
   found.compare("keep", a.keep, b.keep);
+  found.compare("tls", tls_of(old, a), tls_of(next, b));
   found.compare("bus", a.bus, b.bus);
   found.compare("broadcast_reply", a.broadcast_reply, b.broadcast_reply);
   return found.text();
@@ -194,6 +201,7 @@ std::vector<std::string> changes_between(const Settings& old, const Settings& ne
   std::vector<std::string> changes;
   Differences gateway;
   gateway.compare("unit", old.status_unit, next.status_unit);
+  gateway.compare("signer", old.signer, next.signer);
   gateway.compare(config::gateway_keys(), old, next);
   if (!gateway.text().empty()) {
     changes.push_back("gateway: " + gateway.text());

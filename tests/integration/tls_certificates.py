@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Certificates for tests of TLS, made anew for each: an authority, those that it signs, and its list of revoked ones."""
+"""Certificates for tests of TLS, made anew for each: an authority, those that it signs, its list of revoked ones."""
 
 import datetime
 import ipaddress
@@ -71,7 +71,8 @@ class Authority:
         key = new_key(kind)
         usage = ExtendedKeyUsageOID.SERVER_AUTH if server else ExtendedKeyUsageOID.CLIENT_AUTH
         builder = self._builder(name_of(name), key, self.name, lasts)
-        extensions = [(x509.BasicConstraints(ca=False, path_length=None), True), (x509.ExtendedKeyUsage([usage]), False)]
+        extensions = [(x509.BasicConstraints(ca=False, path_length=None), True)]
+        extensions.append((x509.ExtendedKeyUsage([usage]), False))
         if server:
             address = x509.IPAddress(ipaddress.ip_address("127.0.0.1"))
             extensions.append((x509.SubjectAlternativeName([address, x509.DNSName("localhost")]), False))

@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Programs that share no code with mbgated, as clients of its listeners with TLS: openssl s_client asks for what
-MB-TCP-Security v36 forbids and for what it asks for, gnutls-cli is of another implementation of TLS, and Wireshark finds
-the same Modbus in the records. A program that is not installed is passed over, and said so."""
+"""Other programs as clients of mbgated's listeners with TLS: openssl s_client asks for what MB-TCP-Security v36 forbids
+and for what it asks for, gnutls-cli is of another implementation of TLS, and Wireshark finds the same Modbus in the
+records. A program that is not installed is passed over, and said so."""
 
+import re
+import select
 import shutil
 import socket
 import struct
@@ -54,14 +56,15 @@ class OpenSsl(TlsCase):
     def test_1_2_and_1_3_with_one_suite_each(self):
         text = self.assert_shakes_hands("-tls1_2")
         self.assertIn("Cipher is ECDHE-ECDSA-AES128-GCM-SHA256", text)
-        self.assertIn("Cipher is ECDHE-RSA-AES128-GCM-SHA256", self.assert_shakes_hands("-tls1_2", listener="secure-rsa"))
+        text = self.assert_shakes_hands("-tls1_2", listener="secure-rsa")
+        self.assertIn("Cipher is ECDHE-RSA-AES128-GCM-SHA256", text)
         self.assertIn("Cipher is TLS_AES_128_GCM_SHA256", self.assert_shakes_hands("-tls1_3"))
         self.assert_refused("-tls1_3", "-ciphersuites", "TLS_AES_256_GCM_SHA384")
 
     def test_no_suite_without_encryption_with_an_old_digest_or_without_a_fresh_key(self):
         for listener, suites in (
-            ("secure-rsa", ("NULL-SHA256", "NULL-SHA", "NULL-MD5", "AES128-SHA", "AES128-GCM-SHA256", "ECDHE-RSA-AES128-SHA",
-                            "ECDHE-RSA-AES128-SHA256", "ECDHE-RSA-AES256-GCM-SHA384")),
+            ("secure-rsa", ("NULL-SHA256", "NULL-SHA", "NULL-MD5", "AES128-SHA", "AES128-GCM-SHA256",
+                            "ECDHE-RSA-AES128-SHA", "ECDHE-RSA-AES128-SHA256", "ECDHE-RSA-AES256-GCM-SHA384")),
             ("secure", ("ECDHE-ECDSA-NULL-SHA", "ECDHE-ECDSA-AES128-SHA", "AECDH-AES128-SHA", "AECDH-NULL-SHA")),
         ):
             for suite in suites:
@@ -82,7 +85,7 @@ class OpenSsl(TlsCase):
             text, _ = self.s_client(version, certificate=False)
             self.assertIn("Acceptable client certificate CA names", text)
             self.assertIn("CN = root", text)
-        self.assertRegex(self.s_client("-tls1_2", certificate=False)[0], "alert (handshake failure|certificate required)")
+        self.assertIn("alert handshake failure", self.s_client("-tls1_2", certificate=False)[0])
 
     def test_no_compression_and_no_renegotiation(self):
         text = self.assert_shakes_hands("-tls1_2", "-comp")
@@ -144,8 +147,8 @@ class OpenSsl(TlsCase):
 
     def test_modbus_goes_over_it(self):
         public, private = self.plant.operator.files(self.plant.folder)
-        command = ["openssl", "s_client", "-quiet", "-connect", f"127.0.0.1:{self.plant.ports['secure']}", "-cert", public,
-                   "-key", private]
+        command = ["openssl", "s_client", "-quiet", "-connect", f"127.0.0.1:{self.plant.ports['secure']}", "-cert",
+                   public, "-key", private]
         with subprocess.Popen(list(map(str, command)), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                               stderr=subprocess.DEVNULL) as client:
             client.stdin.write(adu(READ))
@@ -160,16 +163,17 @@ class GnuTls(TlsCase):
         public, private = self.plant.operator.files(self.plant.folder)
         for version in ("1.2", "1.3"):
             with self.subTest(version=version):
-                command = ["gnutls-cli", "--port", self.plant.ports["secure"], "--x509cafile", self.plant.folder / "ca.crt",
-                           "--x509certfile", public, "--x509keyfile", private, "--priority",
-                           f"NORMAL:-VERS-ALL:+VERS-TLS{version}", "--logfile", self.plant.folder / "gnutls.log", "localhost"]
+                log = self.plant.folder / "gnutls.log"
+                command = ["gnutls-cli", "--port", self.plant.ports["secure"], "--x509cafile",
+                           self.plant.folder / "ca.crt", "--x509certfile", public, "--x509keyfile", private,
+                           "--priority", f"NORMAL:-VERS-ALL:+VERS-TLS{version}", "--logfile", log, "localhost"]
                 with subprocess.Popen(list(map(str, command)), stdin=subprocess.PIPE, stdout=subprocess.PIPE) as client:
                     client.stdin.write(adu(READ))
                     client.stdin.flush()
                     self.assertEqual(client.stdout.read(7 + len(self.answer))[7:], self.answer)
-                    client.kill()
-                log = (self.plant.folder / "gnutls.log").read_text(encoding="utf-8")
-                self.assertRegex(log, rf"TLS{version.replace('.', '[.]')}.*AES-128-GCM")
+                    client.stdin.close()
+                    self.assertEqual(client.wait(PATIENCE), 0)
+                self.assertRegex(log.read_text(encoding="utf-8"), rf"TLS{re.escape(version)}.*AES-128-GCM")
 
 
 @needs("tshark")
@@ -193,17 +197,14 @@ class Wireshark(TlsCase):
         with tempfile.NamedTemporaryFile(suffix=".pcap") as capture:
             capture.write(recording.pcap)
             capture.flush()
-            command = ["tshark", "-r", capture.name, "-o", f"tls.keylog_file:{keys}", "-d", f"tcp.port=={SECURE_PORT},tls",
-                       "-d", f"tls.port=={SECURE_PORT},mbtcp", "-Y", "modbus", "-T", "fields", "-e", "modbus.func_code"]
+            command = ["tshark", "-r", capture.name, "-o", f"tls.keylog_file:{keys}", "-d",
+                       f"tcp.port=={SECURE_PORT},tls", "-d", f"tls.port=={SECURE_PORT},mbtcp", "-Y", "modbus", "-T", "fields", "-e", "modbus.func_code"]
             shown = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
-        self.assertEqual(shown.stdout.split(), ["3", "3"], shown.stderr)
+        self.assertEqual(shown.stdout.split(), ["4", "4"], shown.stderr)
 
     def relay(self, listener, recording):
         """Carries one connection, piece by piece in their order, and records each."""
-        import select
-
         client, _ = listener.accept()
-        sent = {client: 1, None: 1}
         with client, self.plant.plain("secure") as gateway:
             sent = {client: 1, gateway: 1}
             other = {client: gateway, gateway: client}

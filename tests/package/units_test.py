@@ -15,7 +15,9 @@ import unittest
 
 ROOT = pathlib.Path(__file__).parents[2]
 SKIPPED = 77
-UNITS = ("mbgated.service", "mbgated.socket", "mbgated-http.socket")
+UNITS = (
+    "mbgated.service", "mbgated.socket", "mbgated-http.socket", "mbgate-signer.service", "mbgate-signer.socket",
+)
 
 
 def lay_out(folder, *drop_ins):
@@ -23,7 +25,7 @@ def lay_out(folder, *drop_ins):
     folder = pathlib.Path(folder)
     for name in UNITS:
         text = (ROOT / "systemd" / name).read_text(encoding="utf-8")
-        text = re.sub(r"^(Exec\w+=)/usr/s?bin/mbgate\w+", r"\1/bin/true", text, flags=re.MULTILINE)
+        text = re.sub(r"^(Exec\w+=)/usr/s?bin/mbgate[\w-]+", r"\1/bin/true", text, flags=re.MULTILINE)
         (folder / name).write_text(text, encoding="utf-8")
     added = folder / "mbgated.service.d"
     added.mkdir()
@@ -94,6 +96,13 @@ class Exposure(unittest.TestCase):
 
     def test_with_realtime(self):
         self.check(12, "realtime.conf")
+
+    def test_of_the_process_that_holds_the_keys(self):
+        with tempfile.TemporaryDirectory() as folder:
+            signer = lay_out(folder).with_name("mbgate-signer.service")
+            seen = analyze("security", "--offline=yes", "--no-pager", "--threshold=2", str(signer))
+            self.assertRegex(seen.stdout, "Overall exposure level for mbgate-signer.service: ")
+            self.assertEqual((0, ""), (seen.returncode, seen.stderr), seen.stdout.strip().splitlines()[-1])
 
     def test_can_fail(self):
         with self.assertRaises(AssertionError):

@@ -85,8 +85,11 @@ DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t l
   if (room.clients >= wanted + http) {
     return room;
   }
+  const bool has_tls = std::ranges::any_of(
+      settings.listeners, [](const auto& it) { return !it.is_gone && it.tls.has_value(); });
   room.shortage =
       "max_connections of all listeners together is " + std::to_string(wanted) +
+      (has_tls ? " (with TLS each counts three times, and each of max_handshakes once)" : "") +
       (http > 0 ? ", the HTTP interface may need " + std::to_string(http) + " more" : "") +
       ", but the limit of " + std::to_string(limit) + " open files leaves room for " +
       std::to_string(room.clients) + " clients: lower " +

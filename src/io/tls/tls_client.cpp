@@ -41,58 +41,6 @@ TlsClient::TlsClient(TlsClientContext& shared, std::uint64_t key,
   SSL_set_accept_state(ssl_.get());
 }
 
-boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
-    std::shared_ptr<TlsClient> self, bus::Duration limit) {
-  self->timer_.expires_after(limit);
-  self->timer_.async_wait([weak = self->weak_from_this()](const error_code& error) {
-    if (const auto client = weak.lock(); client && !error) {
-      client->timed_out_ = true;
-      client->end();
-    }
-  });
-  while (self->socket_.is_open()) {
-    ERR_clear_error();
-    const Step step = self->step_after(SSL_do_handshake(self->ssl_.get()));
-    if (step == Step::done) {
-      self->timer_.cancel();
-      co_return std::nullopt;
-    }
-    if (step == Step::finished || step == Step::broken) {
-      co_return self->why_no_handshake(step);
-    }
-    if (!co_await self->wait_for(step)) {
-      break;
-    }
-  }
-  co_return self->timed_out_ ? std::string("it took too long") : std::string("it was ended");
-}
-
-std::string TlsClient::why_no_handshake(Step step) const {
-  if (step == Step::finished || ERR_peek_last_error() == 0) {
-    return "the client has gone";
-  }
-  std::string why = take_openssl_error();
-  const long result = SSL_get_verify_result(ssl_.get());
-  return result == X509_V_OK ? why : why + ": " + X509_verify_cert_error_string(result);
-}
-
-TlsClient::Step TlsClient::step_after(int result) {
-  switch (SSL_get_error(ssl_.get(), result)) {
-    case SSL_ERROR_NONE: return Step::done;
-    case SSL_ERROR_WANT_READ: return Step::read_more;
-    case SSL_ERROR_WANT_WRITE: return Step::write_more;
-    case SSL_ERROR_ZERO_RETURN: return Step::finished;
-    case SSL_ERROR_SSL: context_->forget_session_of(ssl_.get()); return Step::broken;
-    default: return Step::broken;
-  }
-}
-
-boost::asio::awaitable<bool> TlsClient::wait_for(Step step) {
-  const auto what = step == Step::write_more ? tcp::socket::wait_write : tcp::socket::wait_read;
-  const auto [error] = co_await socket_.async_wait(what, kAsTuple);
-  co_return !error && socket_.is_open();
-}
-
 UniqueFd TlsClient::make_pair() {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()) != 0) {

@@ -41,6 +41,8 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   /// Nothing: it is done; else why not. `limit`: how long it may take.
   static boost::asio::awaitable<std::optional<std::string>> shake_hands(
       std::shared_ptr<TlsClient> self, bus::Duration limit);
+  /// After a handshake that failed: lets the client have the alert, and ends.
+  static boost::asio::awaitable<void> see_out(std::shared_ptr<TlsClient> self);
   /// After the handshake: the end of the pair that is for the machine; closed if there is none.
   UniqueFd make_pair();
   /// Carries on until both have ended.

@@ -77,10 +77,10 @@ boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, bus::Duration li
   const auto failure = co_await TlsClient::shake_hands(client, limit);
   look_for_stall();
   if (failure) {
+    co_await TlsClient::see_out(client);  // it still counts among those that shake hands
     tell([place = clients_[key].place, why = *failure](TlsEvents& events) {
       events.tls_refused(place, "no TLS handshake: " + why);
     });
-    client->end();
   } else if (hand_over(clients_[key])) {
     co_await TlsClient::carry(client);
   }

@@ -34,6 +34,17 @@ std::vector<std::string> changes(const gateway::Settings& old, const gateway::Se
 
 TEST(Changes, AreNoneWhereNothingIsChanged) { EXPECT_THAT(changes(plant(), plant()), IsEmpty()); }
 
+TEST(Changes, AreToldOfCertificatesWithTheirListeners) {
+  auto with_tls = plant();
+  with_tls.tls.push_back({.name = "gate", .certificate = "/a.crt"});
+  with_tls.listeners[0].tls = 0;
+  EXPECT_THAT(changes(plant(), with_tls), ElementsAre("listener plant: tls"));
+  auto other = with_tls;
+  other.tls[0].certificate = "/b.crt";
+  EXPECT_THAT(changes(with_tls, other), ElementsAre("listener plant: tls"));
+  EXPECT_THAT(changes(other, other), IsEmpty());
+}
+
 TEST(Changes, AreToldWithTheValuesOfPlainKeys) {
   auto next = plant();
   next.wake_early = 0us;

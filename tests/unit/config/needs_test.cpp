@@ -25,6 +25,14 @@ TEST(Needs, AreNoneOfAPlainConfiguration) {
   EXPECT_THAT(needs(listening_at(0)), IsEmpty());
 }
 
+TEST(Needs, NameTheProcessThatHoldsKeys) {
+  auto settings = listening_at(1502);
+  settings.tls.emplace_back();
+  settings.listeners[0].tls = 0;
+  EXPECT_THAT(needs(settings), ElementsAre("needs /run/mbgate-signer/socket ([gateway] signer): "
+                                           "mbgate-signer.socket"));
+}
+
 TEST(Needs, NameUnitsAndDropIns) {
   auto settings = listening_at(502);
   settings.http.listen = {*routing::ListenAddress::parse("127.0.0.1:80"),

@@ -33,6 +33,19 @@ TEST(DescriptorRoom, SaysWhatIsMissing) {
             "to 559");
 }
 
+TEST(DescriptorRoom, IsForThePairsOfClientsWithTls) {
+  auto settings = plant_of(1, {300, 200});
+  settings.tls.emplace_back();
+  settings.listeners[1].tls = 0;
+  settings.listeners[1].handshakes.at_a_time = 10;
+  // 300 + 3 * 200 + 10, and those that are not for clients.
+  EXPECT_EQ(room_for_clients(settings, 968).shortage, std::nullopt);
+  EXPECT_EQ(room_for_clients(settings, 967).shortage,
+            "max_connections of all listeners together is 910 (with TLS each counts three times, "
+            "and each of max_handshakes once), but the limit of 967 open files leaves room for 909 "
+            "clients: lower it, or raise the limit (LimitNOFILE= of the unit) to 968");
+}
+
 TEST(DescriptorRoom, IsForTheHttpInterfaceToo) {
   auto settings = plant_of(1, {300, 200});
   settings.control_socket = "/run/mbgate/control";

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// The handshake of a client, and what becomes of one that fails.
+#include <sys/socket.h>
+
+#include <array>
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <cerrno>
+
+#include "io/tls/tls_client.hpp"
+
+namespace mbgate::io {
+namespace {
+
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr auto kHandshakeTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
+constexpr std::size_t kDroppedAtOnce = 2048;
+/// How long a client may take to read why it was refused: a close with unread bytes resets the
+/// connection, and the alert could be lost.
+constexpr std::chrono::seconds kAlertLimit{1};
+
+}  // namespace
+
+boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
+    std::shared_ptr<TlsClient> self, bus::Duration limit) {
+  self->timer_.expires_after(limit);
+  self->timer_.async_wait([weak = self->weak_from_this()](const error_code& error) {
+    if (const auto client = weak.lock(); client && !error) {
+      client->timed_out_ = true;
+      client->end();
+    }
+  });
+  while (self->socket_.is_open()) {
+    ERR_clear_error();
+    const Step step = self->step_after(SSL_do_handshake(self->ssl_.get()));
+    if (step == Step::done) {
+      self->timer_.cancel();
+      co_return std::nullopt;
+    }
+    if (step == Step::finished || step == Step::broken) {
+      co_return self->why_no_handshake(step);
+    }
+    if (!co_await self->wait_for(step)) {
+      break;
+    }
+  }
+  co_return self->timed_out_ ? std::string("it took too long") : std::string("it was ended");
+}
+
+boost::asio::awaitable<void> TlsClient::see_out(std::shared_ptr<TlsClient> self) {
+  error_code ignored;
+  self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
+  self->timer_.expires_after(kAlertLimit);
+  self->timer_.async_wait([weak = self->weak_from_this()](const error_code& error) {
+    if (const auto client = weak.lock(); client && !error) {
+      client->end();
+    }
+  });
+  std::array<std::uint8_t, kDroppedAtOnce> bytes{};
+  ssize_t count = 1;
+  while (count != 0 && self->socket_.is_open() && co_await self->wait_for(Step::read_more)) {
+    count = ::recv(self->socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (count < 0 && errno != EAGAIN && errno != EINTR) {
+      break;
+    }
+  }
+  self->end();
+}
+
+std::string TlsClient::why_no_handshake(Step step) const {
+  if (step == Step::finished || ERR_peek_last_error() == 0) {
+    return "the client has gone";
+  }
+  std::string why = take_openssl_error();
+  const long result = SSL_get_verify_result(ssl_.get());
+  return result == X509_V_OK ? why : why + ": " + X509_verify_cert_error_string(result);
+}
+
+TlsClient::Step TlsClient::step_after(int result) {
+  switch (SSL_get_error(ssl_.get(), result)) {
+    case SSL_ERROR_NONE: return Step::done;
+    case SSL_ERROR_WANT_READ: return Step::read_more;
+    case SSL_ERROR_WANT_WRITE: return Step::write_more;
+    case SSL_ERROR_ZERO_RETURN: return Step::finished;
+    case SSL_ERROR_SSL: context_->forget_session_of(ssl_.get()); return Step::broken;
+    default: return Step::broken;
+  }
+}
+
+boost::asio::awaitable<bool> TlsClient::wait_for(Step step) {
+  const auto what = step == Step::write_more ? tcp::socket::wait_write : tcp::socket::wait_read;
+  const auto [error] = co_await socket_.async_wait(what, kHandshakeTuple);
+  co_return !error && socket_.is_open();
+}
+
+}  // namespace mbgate::io
