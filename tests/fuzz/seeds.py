@@ -115,8 +115,10 @@ def plan_scripts():
 def http_requests():
     """What a page, a program and somebody elsewhere ask."""
     for line, *fields in (
-            ("GET / HTTP/1.1", "Host: 127.0.0.1:8080"), ("HEAD /page/main.js HTTP/1.1", "Host: [::1]", "If-None-Match: \"x\""),
-            ("GET /api/v1/trace?bus=line-a&device=axis-x&client=192.0.2.1&function=3&failed=1 HTTP/1.1", "Host: localhost"),
+            ("GET / HTTP/1.1", "Host: 127.0.0.1:8080"),
+            ("HEAD /page/main.js HTTP/1.1", "Host: [::1]", "If-None-Match: \"x\""),
+            ("GET /api/v1/trace?bus=line-a&device=axis-x&client=192.0.2.1&function=3&failed=1 HTTP/1.1",
+             "Host: localhost"),
             ("GET /api/v1/trace?events=1&failed=%31&bus=%C3%A4 HTTP/1.1", "Host: gateway.plant:80"),
             ("GET /api/v1/events HTTP/1.1", "Host: 192.168.10.2", "Last-Event-ID: 12"),
             ("POST /api/v1/reload HTTP/1.1", "Host: localhost", "Content-Length: 2"),
@@ -132,14 +134,15 @@ def recordings():
               'device = "/dev/ttyS0"', 'listen_first = "0ms"', "echo = false"]
     config = [f"| {line}" for line in config]
     head = [*lines, *config, "500 start", "< open 0", "517 opened 0 virtual", "< report bus line-a is open"]
-    asked = ["3000000 connected 1 0 192.0.2.1 0", "3000001 read 1 0 000100000006010300000001", "9000000 time", "< look 0",
-             "9000001 looked 0", "< transmit 0 010300000001840A", "19000000 line 0 01030200017984"]
+    asked = ["3000000 connected 1 0 192.0.2.1 0", "3000001 read 1 0 000100000006010300000001", "9000000 time",
+             "< look 0", "9000001 looked 0", "< transmit 0 010300000001840A", "19000000 line 0 01030200017984"]
     asked += ["< send 1 0001000000050103020001"]
     ends = ["19000100 sent 1", "19000200 fin 1", "19000300 gone 1", "20000000 looked 0", "21000000 lost 0",
             "22000000 stalled 800", "23000000 clear", "24000000 shutdown", "end no room"]
     yield "\n".join([*head, *asked, ""]).encode()
     yield "\n".join([*head, *asked, *lines[2:], *config, "19000050 settings", *ends, ""]).encode()
-    yield "\n".join([*head, "517 connected 1 0 192.0.2.1 12 role 4F70", "518 connected 2 0 ::1 0 no-role", *ends, ""]).encode()
+    came = ["517 connected 1 0 192.0.2.1 12 role 4F70", "518 connected 2 0 ::1 0 no-role"]
+    yield "\n".join([*head, *came, *ends, ""]).encode()
 
 
 def of(target):

@@ -3,8 +3,8 @@
 """A client works while others (abusers.py) do all that clients should not do. In rounds of a quiet and a noisy time: no
 answer is wrong, each question is answered, memory and journal are bounded, descriptors come back; then a table.
 
-`--rounds 10 --quiet 15 --noisy 45` is ten minutes. `--ratio 1.5`: the 99th of a hundred answers may take so much longer in
-the noisy times than in the quiet ones; a busy machine can fail this, so nothing is asked of it otherwise."""
+`--rounds 10 --quiet 15 --noisy 45` is ten minutes. `--ratio 1.5`: the 99th of a hundred answers may take so much
+longer in the noisy times than in the quiet ones; a busy machine can fail this, so nothing is asked of it otherwise."""
 
 import json
 import os

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Clients as nobody wants them, each kind a process of its own: `abusers.py KIND --port P --http H --address A`. It goes
-on until SIGTERM, and prints then how often it did what. It stands for another computer: it has an address of its own, and
-with `--idle` it runs only when this one has nothing else to do.
+"""Clients as nobody wants them, each kind a process of its own: `abusers.py KIND --port P --address A`. It goes on until
+SIGTERM, and prints then how often it did what. It stands for another computer: it has an address of its own, and with
+`--idle` it runs only when this one has nothing else to do.
 
-Kinds that need TLS belong into TLS_KINDS: they are started only where there is a port for them (`--tls`)."""
+Kinds that need TLS belong into TLS_KINDS; whoever starts them gives them the port of a TLS listener."""
 
 import argparse
 import collections
@@ -22,7 +22,8 @@ import time
 FEW, MANY = 20, 200  # connections of one abuser
 UNROUTED, GATEWAY = 250, 255  # units that lead to no device
 PAUSE = 0.005
-HTTP_PATHS = ("/", "/api/v1/status", "/metrics", "/healthz", "/api/v1/trace?client=x", "/api/v1/events", "/%00", "/x" * 3000)
+HTTP_PATHS = ("/", "/api/v1/status", "/metrics", "/healthz", "/api/v1/trace?client=x", "/api/v1/events", "/%00",
+              "/x" * 3000)
 
 
 def request(unit, count=100):

@@ -113,8 +113,12 @@ TEST(Start, KeepsADescriptorForAnAdapterThatIsPluggedInAgain) {
   std::optional<Process> simulator(std::in_place, "mbgate-sim", std::vector{simulated},
                                    Process::Options{folder.path(), {}});
   simulator->wait_for_line("ready");
-  const auto config = folder.write(
-      "mbgate.toml", listener_text("plant", "port = 0\nmax_connections = 400") + kLineA);
+  const auto config =
+      folder.write("mbgate.toml",
+                   listener_text("plant",
+                                 "port = 0\nmax_connections = 400\n"
+                                 "max_connections_per_address = 400\nmax_connects_per_second = 0") +
+                       kLineA);
   Process gateway("mbgated", {"--config", config.string()}, {folder.path(), limit_descriptors});
   const auto port = gateway.port_of("plant");
   TcpClient client(port);

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""mbgated writes nothing outside of its state directory: strace sees every call that names a file, while clients ask, the
-configuration is read again, a recording is made and the HTTP interface answers."""
+"""mbgated writes nothing outside of its state directory: strace sees every call that names a file, while clients ask,
+the configuration is read again, a recording is made and the HTTP interface answers."""
 
 import re
 import shutil

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""How the programs were compiled and linked, read from the programs themselves. The words say what they must have: `link`
-(position independent, everything relocated at the start and read-only then, no executable stack), `code` (stack
+"""How the programs were compiled and linked, read from the programs themselves. The words say what they must have:
+`link` (position independent, everything relocated at the start and read-only then, no executable stack), `code` (stack
 protector, stack clash protection, landing places for indirect jumps), `fortify` (checked functions of the C library).
 The programs are those in the folder MBGATE_PROGRAMS, else the installed ones."""
 

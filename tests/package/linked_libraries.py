@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Which libraries each program needs to run, with the package, version and licence of each on this machine. The programs
-are those in the folder MBGATE_PROGRAMS, else the installed ones, or those that are named.
+"""Which libraries each program needs to run, with the package, version and licence of each on this machine. The
+programs are those in the folder MBGATE_PROGRAMS, else the installed ones, or those that are named.
 
-`--check` compares the names with docs/linked-libraries.md, `--update` writes them there. Versions are not in it: what is
-installed is what counts."""
+`--check` compares the names with docs/linked-libraries.md, `--update` writes them there. Versions are not in it: what
+is installed is what counts."""
 
 import os
 import pathlib
@@ -114,7 +114,7 @@ def main():
         update(libraries)
     assert differences({"a": {"libnew"}}, {"a": {"libold"}}), "a difference is not seen"
     wrong = differences(libraries, written())
-    print("\n".join([*wrong, f"{PAGE.name}: `{sys.argv[0]} --update` mends it"] if wrong else [f"{PAGE.name} is right"]))
+    print("\n".join(wrong + [f"{PAGE.name}: {'--update mends it' if wrong else 'is right'}"]))
     return 1 if wrong else 0
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""docs/threat-model.md: the tests that it names are there, and each way in has something that shows what stops there."""
+"""docs/threat-model.md: the tests that it names are there, and each way in has something that shows what stops it."""
 
 import pathlib
 import re

@@ -61,7 +61,9 @@ FRONTS = {
 BEHIND = {
     "soak": {"bus/health/device_health.hpp"},  # how much a device can owe
     "explore": {"bus/health/device_health.hpp"},  # how long an adapter keeps an answer
-    "fuzz": {"app/control/event_streams.hpp", "app/control/tcp_rules.hpp", "bus/serial/framer.hpp", "ctl/replay/replay.hpp"},
+    "fuzz": {
+        "app/control/event_streams.hpp", "app/control/tcp_rules.hpp", "bus/serial/framer.hpp", "ctl/replay/replay.hpp",
+    },
     "drives": {
         "sim/drives/aic_drive.hpp", "sim/drives/moons_drive.hpp", "sim/drives/stepper_drive.hpp",
         "sim/drives/maps/aic_map.hpp", "sim/drives/maps/fda6000_map.hpp", "sim/drives/maps/moons_map.hpp",
