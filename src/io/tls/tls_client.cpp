@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio/as_tuple.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 #include <utility>
@@ -92,7 +93,9 @@ boost::asio::awaitable<void> TlsClient::carry_up(std::shared_ptr<TlsClient> self
         self->end();
       }
       co_return;
-    } else if (step != Step::done && !co_await self->wait_for(step)) {
+    } else if (step == Step::done) {
+      co_await boost::asio::post(self->shared_.io, boost::asio::use_awaitable);  // others go on
+    } else if (!co_await self->wait_for(step)) {
       co_return;
     }
   }
