@@ -53,6 +53,8 @@ struct HandshakeSettings {
   Duration timeout = std::chrono::seconds(10);  ///< from the connection to the end of the handshake
   std::size_t at_a_time = 64;                   ///< handshakes under way
   std::size_t for_one_client = 8;               ///< of these, from one client address
+  unsigned per_second = 100;                    ///< that begin; 0: any number
+  unsigned per_second_for_one_client = 20;      ///< from one client address; 0: any number
   friend bool operator==(const HandshakeSettings&, const HandshakeSettings&) = default;
 };
 

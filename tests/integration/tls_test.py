@@ -138,6 +138,15 @@ class Endings(TlsCase):
             client.close()
         self.refusal("the client has gone")
 
+    def test_only_so_many_begin_within_a_second(self):
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        text = text.replace('tls = "ec"', 'tls = "ec"\nmax_handshakes_per_client = 60\nmax_handshakes_per_second_per_client = 1')
+        self.plant.configuration.write_text(text, encoding="utf-8")
+        self.reload()
+        for _ in range(50):  # which takes less than 50 s
+            self.use(self.plant.plain("secure"))
+        self.refusal(r"too many handshakes of one client \(max_handshakes_per_second_per_client\)")
+
 
 class Resumption(TlsCase):
     def resumed(self, context, session, listener="secure"):

@@ -82,6 +82,10 @@ constexpr std::array kListenerKeys = {
                                                                         IntegerRange{1, 100'000}),
     plain<&ListenerSettings::handshakes, &HandshakeSettings::for_one_client>(
         "max_handshakes_per_client", IntegerRange{1, 100'000}),
+    plain<&ListenerSettings::handshakes, &HandshakeSettings::per_second>(
+        "max_handshakes_per_second", IntegerRange{0, 100'000}),
+    plain<&ListenerSettings::handshakes, &HandshakeSettings::per_second_for_one_client>(
+        "max_handshakes_per_second_per_client", IntegerRange{0, 100'000}),
 };
 
 constexpr std::array kBusKeys = {

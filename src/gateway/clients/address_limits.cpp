@@ -6,24 +6,6 @@
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
-namespace {
-
-constexpr Duration kSecond = std::chrono::seconds(1);
-
-}  // namespace
-
-Instant SecondRate::next(unsigned per_second, Instant now) const {
-  return std::max(rested_at_, now) + kSecond / per_second - kSecond;
-}
-
-Instant SecondRate::take(unsigned per_second, Instant now) {
-  const Instant place = next(per_second, now);
-  rested_at_ = place + kSecond;
-  return place;
-}
-
-void SecondRate::give_back(unsigned per_second) { rested_at_ -= kSecond / per_second; }
-
 bool AddressLimits::is_full(const ClientInfo& info, const ListenerSettings& listener) const {
   const auto known = entries_.find(key_of(info));
   return known != entries_.end() &&

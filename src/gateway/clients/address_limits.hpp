@@ -15,24 +15,9 @@
 
 #include "bus/state_reader.hpp"
 #include "gateway/clients/client_session.hpp"
+#include "gateway/second_rate.hpp"
 
 namespace mbgate::gateway {
-
-/// So many within a second; after a pause as many at once.
-class SecondRate {
- public:
-  /// Takes the next place, and returns when it is: not later than now if it is free.
-  Instant take(unsigned per_second, Instant now);
-  void give_back(unsigned per_second);
-  /// When the next place is.
-  [[nodiscard]] Instant next(unsigned per_second, Instant now) const;
-  /// Has there been a pause of a second, or what counts as one?
-  [[nodiscard]] bool is_rested(Instant now) const { return rested_at_ <= now; }
-  [[nodiscard]] Instant rested_at() const { return rested_at_; }
-
- private:
-  Instant rested_at_ = Instant::min();
-};
 
 class AddressLimits {
  public:

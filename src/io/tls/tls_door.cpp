@@ -4,12 +4,19 @@
 #include <numeric>
 #include <utility>
 
+#include "io/clock.hpp"
+
 namespace mbgate::io {
 namespace {
 
-std::size_t sum_of(const std::map<routing::ClientAddress, std::size_t>& counts) {
-  return std::accumulate(counts.begin(), counts.end(), std::size_t{0},
-                         [](std::size_t sum, const auto& count) { return sum + count.second; });
+bool has_room(const gateway::SecondRate& rate, unsigned per_second, bus::Instant at) {
+  return per_second == 0 || rate.next(per_second, at) <= at;
+}
+
+void take_place(gateway::SecondRate& rate, unsigned per_second, bus::Instant at) {
+  if (per_second > 0) {
+    rate.take(per_second, at);
+  }
 }
 
 }  // namespace
@@ -29,40 +36,47 @@ void TlsDoor::take(gateway::ListenerId number, const gateway::Settings& settings
   const TlsPlace place{number, client.address()};
   const std::string& name = settings.tls[*listener.tls].name;
   const auto context = contexts_.find(name);
-  const std::string why = context == contexts_.end() || !front_
-                              ? "there is no certificate"
-                              : objection(place, listener.handshakes);
+  const std::string why = context == contexts_.end() || !front_ ? "there is no certificate"
+                                                                : begin(place, listener.handshakes);
   if (!why.empty()) {
     events_.tls_refused(place, why);
     return;
   }
-  ++under_way_[number][place.address];
   const auto protocol = client.peer.protocol();
   front_->take({place, UniqueFd(client.socket.release()), protocol, name, context->second,
                 listener.handshakes.timeout});
 }
 
-std::string TlsDoor::objection(const TlsPlace& place,
-                               const gateway::HandshakeSettings& limits) const {
-  const auto listener = under_way_.find(place.listener);
-  if (listener == under_way_.end()) {
-    return {};
-  }
-  if (sum_of(listener->second) >= limits.at_a_time) {
+std::string TlsDoor::begin(const TlsPlace& place, const gateway::HandshakeSettings& limits) {
+  const bus::Instant at = now();
+  OfListener& listener = listeners_[place.listener];
+  std::erase_if(listener.clients, [at](const auto& it) {
+    return it.second.under_way == 0 && it.second.begun.is_rested(at);
+  });
+  if (listener.under_way >= limits.at_a_time) {
     return "too many handshakes at a time (max_handshakes)";
   }
-  const auto own = listener->second.find(place.address);
-  return own != listener->second.end() && own->second >= limits.for_one_client
-             ? "too many handshakes of one client at a time (max_handshakes_per_client)"
-             : std::string();
+  OfClient& client = listener.clients[place.address];
+  if (client.under_way >= limits.for_one_client) {
+    return "too many handshakes of one client at a time (max_handshakes_per_client)";
+  }
+  if (!has_room(client.begun, limits.per_second_for_one_client, at)) {
+    return "too many handshakes of one client (max_handshakes_per_second_per_client)";
+  }
+  if (!has_room(listener.begun, limits.per_second, at)) {
+    return "too many handshakes (max_handshakes_per_second)";
+  }
+  take_place(client.begun, limits.per_second_for_one_client, at);
+  take_place(listener.begun, limits.per_second, at);
+  ++client.under_way;
+  ++listener.under_way;
+  return {};
 }
 
 std::size_t TlsDoor::under_way() const {
-  std::size_t sum = 0;
-  for (const auto& [number, counts] : under_way_) {
-    sum += sum_of(counts);
-  }
-  return sum;
+  return std::accumulate(
+      listeners_.begin(), listeners_.end(), std::size_t{0},
+      [](std::size_t sum, const auto& listener) { return sum + listener.second.under_way; });
 }
 
 void TlsDoor::tls_arrived(TlsArrival arrival) {
@@ -76,10 +90,11 @@ void TlsDoor::tls_refused(const TlsPlace& place, const std::string& why) {
 }
 
 void TlsDoor::note_ended(const TlsPlace& place) {
-  auto& counts = under_way_[place.listener];
-  const auto count = counts.find(place.address);
-  if (count != counts.end() && --count->second == 0) {
-    counts.erase(count);
+  OfListener& listener = listeners_[place.listener];
+  const auto client = listener.clients.find(place.address);
+  if (client != listener.clients.end() && client->second.under_way > 0) {
+    --client->second.under_way;
+    --listener.under_way;
   }
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "gateway/second_rate.hpp"
 #include "io/clients/tcp_server.hpp"
 #include "io/tls/tls_events.hpp"
 #include "io/tls/tls_front.hpp"
@@ -30,7 +31,15 @@ class TlsDoor final : public TlsEvents {
   [[nodiscard]] std::size_t under_way() const;
 
  private:
-  using OfListener = std::map<routing::ClientAddress, std::size_t>;
+  struct OfClient {
+    std::size_t under_way = 0;
+    gateway::SecondRate begun;
+  };
+  struct OfListener {
+    std::map<routing::ClientAddress, OfClient> clients;
+    std::size_t under_way = 0;
+    gateway::SecondRate begun;
+  };
 
   void tls_arrived(TlsArrival arrival) override;
   void tls_refused(const TlsPlace& place, const std::string& why) override;
@@ -40,14 +49,14 @@ class TlsDoor final : public TlsEvents {
   void tls_behind(std::chrono::milliseconds missed) override { events_.tls_behind(missed); }
   void tls_drained() override { events_.tls_drained(); }
 
-  /// Why no more handshakes may begin there; empty: they may.
-  std::string objection(const TlsPlace& place, const gateway::HandshakeSettings& limits) const;
+  /// Why no other handshake may begin there now; empty: it may, and counts from now on.
+  std::string begin(const TlsPlace& place, const gateway::HandshakeSettings& limits);
   void note_ended(const TlsPlace& place);
 
   boost::asio::io_context& context_;
   TlsEvents& events_;
   TlsContexts contexts_;
-  std::map<gateway::ListenerId, OfListener> under_way_;
+  std::map<gateway::ListenerId, OfListener> listeners_;
   std::unique_ptr<TlsFront> front_;  ///< none as long as nobody needs it
 };
 
