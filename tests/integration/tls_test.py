@@ -7,8 +7,11 @@ import datetime
 import os
 import signal
 import ssl
+import struct
 import subprocess
 import sys
+import time
+import tty
 import unittest
 
 from demo_plant import PATIENCE
@@ -208,8 +211,7 @@ class Resumption(TlsCase):
                 record[-1] ^= 1  # its tag is wrong: bad_record_mac
                 raw.sendall(record)
                 self.assert_ended(raw)
-                if version == VERSIONS[0]:
-                    self.assertFalse(self.resumed(context, session))
+                self.assertFalse(self.resumed(context, session))
 
 
 class Reload(TlsCase):
@@ -321,6 +323,34 @@ class Accounts(TlsCase):
 
 
 class Stopped(TlsCase):
+    WRITE = struct.pack(">BHH", 6, 0, 1)
+
+    def write(self, stream):
+        stream.sendall(adu(self.WRITE, unit=1))
+        return answer_of(stream)
+
+    def open_line(self):
+        """The line of the configuration, on which nobody answers, is there from now on."""
+        ours, theirs = os.openpty()
+        self.addCleanup(os.close, ours)
+        self.addCleanup(os.close, theirs)
+        tty.setraw(ours)
+        (self.plant.folder / "no-such-port").symlink_to(os.ttyname(theirs))
+        self.plant.gateway.wait_for("bus line-a is open")
+
+    def test_a_write_from_before_a_stop_is_too_old_as_without_tls(self):
+        self.open_line()
+        clients = [self.use(self.plant.client(newest=version)) for version in VERSIONS] + [self.use(self.plant.plain())]
+        for client in clients:
+            self.assertEqual(self.write(client), b"\x86\x0b")  # sent, and not answered
+        self.plant.gateway.signal(signal.SIGSTOP)
+        for client in clients:
+            client.sendall(adu(self.WRITE, unit=1))
+        time.sleep(4)  # a write may wait for 3.5 s
+        self.plant.gateway.signal(signal.SIGCONT)
+        self.assertEqual([answer_of(client) for client in clients], [b"\x86\x06"] * 3)
+        self.assertEqual(self.write(clients[0]), b"\x86\x0b")
+
     def test_what_was_sent_while_the_gateway_was_stopped_is_answered(self):
         client = self.use(self.plant.client())
         self.assert_served(client)
