@@ -36,12 +36,16 @@ authorities = "ca.crt"
 name = "secure"
 port = 0
 tls = "ec"
+max_handshakes_per_second = 0
+max_handshakes_per_second_per_client = 0
 bus = "line-a"
 
 [[listen]]
 name = "secure-rsa"
 port = 0
 tls = "rsa"
+max_handshakes_per_second = 0
+max_handshakes_per_second_per_client = 0
 bus = "line-a"
 
 [[listen]]

@@ -15,7 +15,7 @@ import tempfile
 import unittest
 
 SKIPPED = 77
-PROGRAMS = ("mbgated", "mbgatectl", "mbgate-sim")
+PROGRAMS = ("mbgated", "mbgate-signer", "mbgatectl", "mbgate-sim")
 EXPECTED = set(sys.argv[1:]) or {"link", "code", "fortify"}
 # What functions begin with that may be jumped to, and what a probe of a large stack frame is; by the ELF machine.
 X86_64, AARCH64 = "Advanced Micro Devices X86-64", "AArch64"

@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 SKIPPED = 77
-PROGRAMS = ("mbgated", "mbgatectl", "mbgate-sim", "mbgate-bench")
+PROGRAMS = ("mbgated", "mbgate-signer", "mbgatectl", "mbgate-sim", "mbgate-bench")
 PAGE = pathlib.Path(__file__).parents[2] / "docs/linked-libraries.md"
 # Only in test builds.
 OF_SANITIZERS = re.compile(r"lib(asan|ubsan|gcov)\b")
