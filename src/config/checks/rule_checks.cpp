@@ -26,6 +26,7 @@ std::vector<ListenerId> listeners_of(const Settings& settings, const AccessRule&
     return rule.listeners;
   }
   std::vector<ListenerId> all;
+  all.reserve(settings.listeners.size());
   for (std::size_t i = 0; i < settings.listeners.size(); ++i) {
     all.push_back(ListenerId{static_cast<std::uint32_t>(i)});
   }
