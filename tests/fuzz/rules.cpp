@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any text as the groups and rules of a plant: rules that decide, or errors that say why not.
+#include <array>
 #include <string>
 #include <string_view>
 
@@ -30,7 +31,7 @@ void ask(const gateway::SettingsSnapshot& settings, std::string_view address, un
   const auto write = modbus::make_single_write(modbus::Table::holding_registers, 0x7C, 0xE1);
   bool any_refused = false;
   bool any_let_in = false;
-  for (const std::uint8_t unit : {0, 1, 2, 255}) {
+  for (const std::uint8_t unit : std::array<std::uint8_t, 4>{0, 1, 2, 255}) {
     for (const auto& request : {read, write}) {
       const auto answer = gateway::who_may(settings, client, unit, request.pdu());
       require(!answer.text.empty(), "an answer says something");

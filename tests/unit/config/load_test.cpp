@@ -165,9 +165,9 @@ TEST(LoadSettings, FillsListenersAndBuses) {
 }
 
 TEST(LoadSettings, FillsCertificatesAndListenersThatUseThem) {
-  const auto loaded = load_settings_text("/etc/mbgate/mbgate.toml",
-                                         text_of(kFolder / "valid/every-key.toml"),
-                                         {.otherwise = {kFolder / "profiles"}});
+  const auto loaded =
+      load_settings_text("/etc/mbgate/mbgate.toml", text_of(kFolder / "valid/every-key.toml"),
+                         {.otherwise = {kFolder / "profiles"}});
   ASSERT_TRUE(loaded.settings);
   EXPECT_EQ(loaded.settings->signer, "/run/other/signer");
   EXPECT_THAT(loaded.settings->tls,
@@ -179,8 +179,11 @@ TEST(LoadSettings, FillsCertificatesAndListenersThatUseThem) {
   const auto& secure = loaded.settings->listeners.at(0);
   EXPECT_EQ(secure.tls, 0U);
   EXPECT_EQ(secure.port, 802);
-  EXPECT_EQ(secure.handshakes,
-            (gateway::HandshakeSettings{.timeout = 3s, .at_a_time = 12, .for_one_client = 2}));
+  EXPECT_EQ(secure.handshakes, (gateway::HandshakeSettings{.timeout = 3s,
+                                                           .at_a_time = 12,
+                                                           .for_one_client = 2,
+                                                           .per_second = 50,
+                                                           .per_second_for_one_client = 5}));
   EXPECT_FALSE(loaded.settings->listeners.at(1).tls);
 }
 

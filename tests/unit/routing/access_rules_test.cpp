@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "routing/device_rig.hpp"
+#include "device_rig.hpp"
 
 namespace mbgate::test {
 namespace {
