@@ -50,7 +50,8 @@ TEST(CertOptions, AreRefusedWhereTheyMeanNothing) {
   EXPECT_EQ(complaint("cert client .hidden"),
             "mbgatectl: \".hidden\" names no certificate: it is letters, digits, '-', '.' and '_', "
             "at most 64, such as gateway or hmi-1");
-  EXPECT_THAT(complaint("cert ca --rsa 1024"), testing::StartsWith("mbgatectl: --rsa: 1024 not in"));
+  EXPECT_THAT(complaint("cert ca --rsa 1024"),
+              testing::StartsWith("mbgatectl: --rsa: 1024 not in"));
 }
 
 }  // namespace
