@@ -105,6 +105,8 @@ class Page(unittest.TestCase):
     def test_any_transaction_can_be_seen_decoded(self):
         self.browser.choose("#trace-device", "axis-x")
         self.traced(lambda row: row["Device"] == "axis-x", "axis-x alone")
+        # The first one may have begun before the page looked.
+        self.browser.wait_for("one that is answered", lambda: len(self.browser.rows("trace-rows")) > 2)
         self.browser.find("#trace-pause").click()
         opener = self.browser.find("#trace-rows button")
         opener.send_keys("\ue007")  # Enter
