@@ -18,6 +18,7 @@ import checks_package
 import checks_restart
 import checks_sandbox
 import checks_service
+import checks_tls
 import checks_trouble
 import clean_root
 from container import Container
@@ -38,6 +39,7 @@ TOPICS = {
     "terminals": checks_sandbox.terminals,
     "writes": checks_sandbox.writes,
     "journal": checks_journal.fields,
+    "tls": checks_tls.security,
 }
 
 
