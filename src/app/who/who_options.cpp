@@ -87,26 +87,31 @@ Result<modbus::Pdu, std::string> asked_request(const WhoOptions& options) {
   return write_of(*range, static_cast<std::uint16_t>(value));
 }
 
-std::string asked_text(const WhoOptions& options, const std::string& listener,
-                       const modbus::Pdu& pdu) {
+std::string client_text(const WhoOptions& options, const routing::ClientRole& role) {
+  if (role.kind == routing::ClientRole::Kind::none) {
+    return options.client;
+  }
+  return options.client +
+         (role.name.empty() ? " with the NULL role" : " as role \"" + role.name + '"');
+}
+
+std::string asked_text(const WhoOptions& options, const std::string& client,
+                       const std::string& listener, const modbus::Pdu& pdu) {
   const bool reads = !options.read.empty();
   const auto& words = reads ? options.read : options.write;
-  return options.client + (options.role ? " as role \"" + *options.role + '"' : "") + " on " +
-         listener + ": " + (reads ? "read " : "write ") + words[0] + ' ' + words[1] +
+  return client + " on " + listener + ": " + (reads ? "read " : "write ") + words[0] + ' ' +
+         words[1] +
          (options.count > 1 ? " and " + std::to_string(options.count - 1) + " more" : "") +
          " of unit " + std::to_string(options.unit) + " (function " +
          std::to_string(pdu.function()) + "): ";
 }
 
-gateway::ClientInfo asked_client(const WhoOptions& options, std::size_t listener,
-                                 const routing::ClientAddress& address) {
-  gateway::ClientInfo client;
-  client.listener = routing::ListenerId{static_cast<std::uint32_t>(listener)};
-  client.address = address;
-  if (options.role) {
-    client.role = {routing::ClientRole::Kind::named, *options.role};
-  }
-  return client;
+// A client has a role where there is TLS, and nowhere else.
+routing::ClientRole asked_role(const WhoOptions& options,
+                               const gateway::ListenerSettings& listener) {
+  return listener.tls
+             ? routing::ClientRole{routing::ClientRole::Kind::named, options.role.value_or("")}
+             : routing::ClientRole{};
 }
 
 }  // namespace
@@ -127,14 +132,18 @@ Result<WhoAnswers, std::string> answer_who(const gateway::Settings& settings,
   WhoAnswers answers;
   const gateway::SettingsSnapshot snapshot(settings);
   for (std::size_t listener = 0; listener < settings.listeners.size(); ++listener) {
-    const std::string& name = settings.listeners[listener].name;
+    const gateway::ListenerSettings& where = settings.listeners[listener];
+    const std::string& name = where.name;
     if (options.listener && name != *options.listener) {
       continue;
     }
-    const auto answer = gateway::who_may(snapshot, asked_client(options, listener, *address),
-                                         static_cast<std::uint8_t>(options.unit), *request);
+    gateway::ClientInfo client{routing::ListenerId{static_cast<std::uint32_t>(listener)}, *address};
+    client.role = asked_role(options, where);
+    const auto answer =
+        gateway::who_may(snapshot, client, static_cast<std::uint8_t>(options.unit), *request);
     answers.any_permitted = answers.any_permitted || answer.permitted;
-    answers.text += asked_text(options, name, *request) + answer.text + '\n';
+    answers.text +=
+        asked_text(options, client_text(options, client.role), name, *request) + answer.text + '\n';
   }
   if (answers.text.empty()) {
     return "--listener: no [[listen]] is named \"" + options.listener.value_or("") + '"';

@@ -34,12 +34,29 @@ TEST(WhoOptions, AreAskedOfEachListener) {
             "no rules\n");
   EXPECT_TRUE(answer_who(two_listeners(), options)->any_permitted);
   options.listener = "plant";
-  options.role = "operator";
+  options.role = "operator";  // nobody has one without TLS
   options.count = 2;
   EXPECT_EQ(answer(options),
-            "10.0.0.5 as role \"operator\" on plant: write holding 0x7C and 1 more of unit 11 "
-            "(function 16): denied by read_only of listener plant: exception 01\n");
+            "10.0.0.5 on plant: write holding 0x7C and 1 more of unit 11 (function 16): denied by "
+            "read_only of listener plant: exception 01\n");
   EXPECT_FALSE(answer_who(two_listeners(), options)->any_permitted);
+}
+
+TEST(WhoOptions, HaveARoleWhereThereIsTls) {
+  gateway::Settings settings = two_listeners();
+  settings.listeners[1].tls = 0;
+  auto& rule = settings.rules.emplace_back();
+  rule.place = "mbgate.toml:12";
+  rule.roles = {"operator"};
+  WhoOptions options{
+      .client = "10.0.0.5", .listener = "service", .unit = 11, .write = {"holding", "0x7C"}};
+  EXPECT_EQ(answer_who(settings, options)->text,
+            "10.0.0.5 with the NULL role on service: write holding 0x7C of unit 11 (function 6): "
+            "denied by the access rules: no rule permits it: exception 01\n");
+  options.role = "operator";
+  EXPECT_EQ(answer_who(settings, options)->text,
+            "10.0.0.5 as role \"operator\" on service: write holding 0x7C of unit 11 (function 6): "
+            "permitted by rule mbgate.toml:12\n");
 }
 
 TEST(WhoOptions, ChooseTheFunctionByTableAndCount) {
