@@ -16,9 +16,9 @@ import threading
 import time
 import unittest
 
-from abusers import HTTP_KINDS, KINDS
+from abusers import HTTP_KINDS, KINDS, TLS_KINDS
 from control_case import UnixConnection
-from demo_plant import PATIENCE, Process
+from demo_plant import PATIENCE, Process, program
 from fault_plant import Client, FaultCase, answer_pdu, is_sanitized, read_of
 from machine_faults_test import resident
 
@@ -31,6 +31,19 @@ RATIO = ARGUMENTS.get("--ratio")
 MEMORY = 48 * 1024 * 1024
 LINES_A_MINUTE = 11 * 12  # ten of each kind and listener, and a line that says that there are more
 PROGRAM = pathlib.Path(__file__).with_name("abusers.py")
+TLS = """
+[[tls]]
+name = "plant"
+certificate = "gateway.crt"
+key = "gateway.key"
+authorities = "ca.crt"
+crl = "ca.crl"
+
+[[listen]]
+name = "secure"
+port = 0
+tls = "plant"
+"""
 COUNTED = ("mbgate_listener_connections_total", "mbgate_listener_displaced_connections_total",
            "mbgate_listener_refused_connections_total", "mbgate_listener_requests_total")
 
@@ -72,10 +85,10 @@ class Worker:
 class Abusers:
     """One of each kind, each at an address of its own."""
 
-    def __init__(self, port, http_port):
+    def __init__(self, port, http_port, tls_port):
         self._running = {}
-        for number, kind in enumerate([*KINDS, *HTTP_KINDS]):
-            target = http_port if kind in HTTP_KINDS else port
+        targets = dict.fromkeys(KINDS, port) | dict.fromkeys(HTTP_KINDS, http_port) | dict.fromkeys(TLS_KINDS, tls_port)
+        for number, (kind, target) in enumerate(targets.items()):
             command = [sys.executable, PROGRAM, kind, "--port", str(target), "--address", f"127.0.0.{10 + number}"]
             command += ["--idle"] if RATIO else []
             self._running[kind] = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
@@ -112,15 +125,29 @@ class Abuse(FaultCase):
         text = text.replace("[http]\n", '[http]\nlisten = ["127.0.0.1:0"]\n')
         # The limits are those that come with the program.
         text = re.sub(r"(?m)^max_(conn|requests).*\n", "", text)
+        signer = self.folder / "signer"
+        text = f'[gateway]\nsigner = "{signer}"\n' + text.replace("[gateway]\n", "") + TLS
         self.configuration.write_text(text, encoding="utf-8")
+        self.start_signer(signer)
         self.gateway = Process(self.folder, "mbgated", "--config", self.configuration)
         self.addCleanup(self.gateway.end)
         ports = {}
-        while len(ports) < 2:
+        while len(ports) < 3:
             found = self.gateway.wait_for(r"listening (\S+) 127\.0\.0\.1:(\d+)$")
             ports[found.group(1)] = int(found.group(2))
-        self.port = ports.pop("plant")
+        self.port, self.tls_port = ports.pop("plant"), ports.pop("secure")
         return line, *ports.values()
+
+    def start_signer(self, path):
+        keys = self.folder / "keys"
+        keys.mkdir()
+        for words in (["ca"], ["server", "gateway", "--address", "127.0.0.1"]):
+            subprocess.run([program("mbgatectl"), "cert", *words, "--directory", self.folder], check=True,
+                           stdout=subprocess.DEVNULL)
+        (self.folder / "gateway.key").rename(keys / "gateway.key")
+        signer = Process(self.folder, "mbgate-signer", "--keys", keys, "--socket", path)
+        self.addCleanup(signer.end)
+        signer.wait_for("^listening")
 
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.gateway.pid}/fd"))
@@ -140,7 +167,7 @@ class Abuse(FaultCase):
         began = time.monotonic()
         for _ in range(ROUNDS):
             worker.work(self.times["quiet"], QUIET)
-            abusers = Abusers(self.port, http_port)
+            abusers = Abusers(self.port, http_port, self.tls_port)
             worker.work(self.times["noisy"], NOISY)
             self.memory.append(resident(self.gateway.pid))
             self.done.append(abusers.end())

@@ -4,7 +4,7 @@
 SIGTERM, and prints then how often it did what. It stands for another computer: it has an address of its own, and with
 `--idle` it runs only when this one has nothing else to do.
 
-Kinds that need TLS belong into TLS_KINDS; whoever starts them gives them the port of a TLS listener."""
+The kinds of TLS_KINDS are for the port of a TLS listener."""
 
 import argparse
 import collections
@@ -15,6 +15,7 @@ import random
 import selectors
 import signal
 import socket
+import ssl
 import struct
 import sys
 import time
@@ -199,9 +200,52 @@ def http(abuser):
     abuser.crowd(MANY, act)
 
 
+def tls_hellos(abuser):
+    """Handshakes without a certificate, one after the other: the other side has all its work, and then refuses."""
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.check_hostname = False
+    context.verify_mode = ssl.CERT_NONE
+    while True:
+        connection = abuser.connect()
+        if connection:
+            connection.settimeout(1)
+            try:
+                with context.wrap_socket(connection) as secured:
+                    secured.recv(1)
+                abuser.done["shaken hands"] += 1
+            except OSError:
+                abuser.done["thrown out"] += 1
+            connection.close()
+
+
+def tls_silent(abuser):
+    """Connections that say nothing, or begin a handshake."""
+    hello = bytes.fromhex("16 03 01 02 00 01 00 01 fc 03 03")
+    begun = set()
+
+    def act(connection):
+        abuser.drain(connection)
+        if connection not in begun:
+            begun.add(connection)
+            connection.send(hello[: random.randrange(len(hello))])
+
+    abuser.crowd(MANY, act)
+
+
+def tls_noise(abuser):
+    """Random bytes; some are records, some of them larger than any may be."""
+
+    def act(connection):
+        abuser.drain(connection)
+        head = random.choice((b"", b"\x16\x03\x01\x02\x00", b"\x17\x03\x03\xff\xff", b"\x80\x2e\x01\x03"))
+        connection.send(head + random.randbytes(random.randrange(1, 600)))
+
+    abuser.crowd(FEW, act)
+
+
 KINDS = {kind.__name__: kind for kind in (connects, half_open, pipelines, asks, bytewise, never_read, noise)}
 HTTP_KINDS = {"http": http}
-TLS_KINDS = {}
+TLS_KINDS = {kind.__name__: kind for kind in (tls_hellos, tls_silent, tls_noise)}
 
 
 class Ended(BaseException):
