@@ -20,7 +20,7 @@ port = {SECURE_PORT}
 tls = "plant"
 
 [[rule]]
-name = "operators read"
+name = "operators-read"
 listeners = ["secure"]
 roles = ["Operator"]
 access = "read"
