@@ -83,7 +83,7 @@ class ClientSession {
   }
   /// Nothing that it has asked for is left to do.
   [[nodiscard]] bool is_at_rest() const {
-    return outstanding() == 0 && !held_until && !(has_turn && !input.empty());
+    return outstanding() == 0 && !held_until && (!has_turn || input.empty());
   }
 
   /// Which timeout of the client has passed.
