@@ -12,11 +12,11 @@
 
 namespace mbgate::io {
 
-template <auto free>
+template <auto Free>
 struct FreeWith {
   template <typename Object>
   void operator()(Object* object) const {
-    free(object);
+    Free(object);
   }
 };
 
