@@ -3,6 +3,8 @@
 
 #include <openssl/x509v3.h>
 
+#include <tuple>
+
 namespace mbgate::ctl {
 namespace {
 
@@ -75,7 +77,7 @@ void revoke(X509_CRL& list, X509& certificate, const Authority& authority) {
   const Time now(expect(X509_gmtime_adj(nullptr, 0)));
   expect(X509_REVOKED_set_revocationDate(entry.get(), now.get()));
   expect(X509_CRL_add0_revoked(&list, entry.get()));
-  static_cast<void>(entry.release());  // the list's now
+  std::ignore = entry.release();  // the list's now
   expect(X509_CRL_sort(&list));
   expect(X509_CRL_sign(&list, authority.key.get(), EVP_sha256()));
 }
