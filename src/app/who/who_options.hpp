@@ -17,7 +17,8 @@ namespace mbgate::app {
 struct WhoOptions {
   std::string client{};
   std::optional<std::string> listener{};  ///< none: each
-  std::optional<std::string> role{};      ///< of its certificate, where there is TLS; none: the NULL role
+  std::optional<std::string>
+      role{};  ///< of its certificate, where there is TLS; none: the NULL role
   unsigned unit = 0;
   std::vector<std::string> read{};   ///< table and address
   std::vector<std::string> write{};  ///< the same
