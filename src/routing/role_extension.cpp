@@ -12,8 +12,6 @@ using modbus::Bytes;
 constexpr std::uint8_t kUtf8String = 0x0C;
 /// A length from here on stands in bytes of its own (X.690, 8.1.3).
 constexpr std::uint8_t kLongLength = 0x80;
-/// More is no name that anybody has given; a certificate with it is not understood.
-constexpr std::size_t kLongestRole = 255;
 
 /// The contents of a UTF8String that is all of these bytes. DER has one form for each length; up to
 /// 255 it is one byte, or 0x81 and one byte of 128 or more.

@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 from demo_plant import PATIENCE, DemoPlant, Process, program
-from tls_front import TlsFront, sign
+from tls_front import FrontCase, sign
 
 USER_REGISTERS = 60  # of the MOONS' drive: any value
 NEAR = """
@@ -39,7 +39,7 @@ connect_timeout = "2s"
 """
 
 
-class Bus(unittest.TestCase):
+class Bus(FrontCase):
     @classmethod
     def setUpClass(cls):
         cls.plant = cls.enterClassContext(DemoPlant())
@@ -51,14 +51,6 @@ class Bus(unittest.TestCase):
         sign(cls.folder, "expired", -30, -1)
         sign(cls.folder, "late", -30, -1, "near")
         cls.signer = cls.enterClassContext(Signer(cls.folder))
-
-    @classmethod
-    def cert(cls, *arguments):
-        subprocess.run([program("mbgatectl"), "cert", *arguments], cwd=cls.folder, check=True, timeout=PATIENCE,
-                       stdout=subprocess.DEVNULL)  # fmt: skip
-
-    def front(self, *arguments, **words):
-        return self.enterContext(TlsFront(self.folder, self.plant.port, *arguments, **words))
 
     def near(self, port, client="near", more=""):
         """A gateway whose only bus is at this port, and where it listens."""

@@ -7,10 +7,26 @@ import datetime
 import select
 import socket
 import ssl
+import subprocess
 import threading
+import unittest
 
 from cryptography import x509
 from cryptography.hazmat.primitives import hashes, serialization
+
+from demo_plant import PATIENCE, program
+
+
+class FrontCase(unittest.TestCase):
+    """Certificates in cls.folder, and fronts of cls.plant with them."""
+
+    @classmethod
+    def cert(cls, *arguments):
+        subprocess.run([program("mbgatectl"), "cert", *arguments], cwd=cls.folder, check=True, timeout=PATIENCE,
+                       stdout=subprocess.DEVNULL)  # fmt: skip
+
+    def front(self, *arguments, **words):
+        return self.enterContext(TlsFront(self.folder, self.plant.port, *arguments, **words))
 
 
 class TlsFront:

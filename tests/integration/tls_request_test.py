@@ -10,12 +10,12 @@ import tempfile
 import unittest
 
 from demo_plant import PATIENCE, DemoPlant, program
-from tls_front import TlsFront, sign
+from tls_front import FrontCase, sign
 
 USER_REGISTERS = 60  # of the MOONS' drive: any value
 
 
-class Requests(unittest.TestCase):
+class Requests(FrontCase):
     @classmethod
     def setUpClass(cls):
         cls.plant = cls.enterClassContext(DemoPlant())
@@ -29,14 +29,6 @@ class Requests(unittest.TestCase):
         sign(cls.folder, "expired", -30, -1)
         sign(cls.folder, "early", 1, 30)
         sign(cls.folder, "late", -30, -1, "hmi")
-
-    @classmethod
-    def cert(cls, *arguments):
-        subprocess.run([program("mbgatectl"), "cert", *arguments], cwd=cls.folder, check=True, timeout=PATIENCE,
-                       stdout=subprocess.DEVNULL)  # fmt: skip
-
-    def front(self, *arguments, **words):
-        return self.enterContext(TlsFront(self.folder, self.plant.port, *arguments, **words))
 
     def ask(self, port, *arguments, name="read", client="hmi", **files):
         files = {"certificate": f"{client}.crt", "key": f"{client}.key", "authorities": "ca.crt", **files}

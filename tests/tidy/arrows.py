@@ -37,8 +37,10 @@ MODULES = {
     "sim": CONFIG | {"sim"},
     "ctl": CONFIG | {"ctl"},
 }
-# Folders that see more than the rest of their module: a replay runs the machine itself.
+# Folders that see more than the rest of their module: a replay runs the machine itself; a role in a certificate is
+# shown as a gateway reads it.
 FOLDERS = {
+    "ctl/cert": ROUTING | CONFIG | {"ctl"},
     "ctl/replay": GATEWAY | CONFIG | {"ctl"},
 }
 # Single headers beyond a module's arrows: plain data that carries no decision.

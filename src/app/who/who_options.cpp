@@ -2,7 +2,6 @@
 #include "app/who/who_options.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include "config/toml/words.hpp"
 #include "gateway/access/who.hpp"
@@ -19,18 +18,6 @@ constexpr std::string_view kUsage =
     "expected --read or --write, each with a table and an address, such as --write holding 124";
 constexpr unsigned kCoilOn = 0xFF00;
 
-/// Decimal, or hexadecimal behind 0x.
-std::optional<std::uint16_t> asked_address(std::string_view text) {
-  const bool is_hexadecimal = text.starts_with("0x");
-  if (is_hexadecimal) {
-    text.remove_prefix(2);
-  }
-  std::uint16_t address = 0;
-  const char* const end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, address, is_hexadecimal ? 16 : 10);
-  return error == std::errc{} && at == end ? std::optional(address) : std::nullopt;
-}
-
 Result<TableRange, std::string> asked_range(const WhoOptions& options) {
   const auto& words = options.read.empty() ? options.write : options.read;
   if (words.size() != 2 || options.read.empty() == options.write.empty()) {
@@ -38,7 +25,7 @@ Result<TableRange, std::string> asked_range(const WhoOptions& options) {
   }
   const auto table =
       std::ranges::find_if(config::kTables, [&](const auto& it) { return it.text == words[0]; });
-  const auto address = asked_address(words[1]);
+  const auto address = config::parse_register_address(words[1]);
   if (table == config::kTables.end() || !address) {
     return std::string(kUsage);
   }

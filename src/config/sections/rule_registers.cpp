@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The registers that an access rule names, in words.
 #include <array>
-#include <charconv>
 
 #include "config/sections/sections.hpp"
 #include "config/toml/words.hpp"
@@ -24,18 +23,6 @@ constexpr std::string_view kExpected =
     R"(such as "holding 124" or "holding 0x7C-0x80"; or "motion commands", )"
     R"("communication registers", "values" or "stops")";
 
-/// Decimal, or hexadecimal behind 0x.
-std::optional<std::uint16_t> parse_address(std::string_view text) {
-  const bool is_hexadecimal = text.starts_with("0x");
-  if (is_hexadecimal) {
-    text.remove_prefix(2);
-  }
-  std::uint16_t address = 0;
-  const char* const end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, address, is_hexadecimal ? 16 : 10);
-  return error == std::errc{} && at == end ? std::optional(address) : std::nullopt;
-}
-
 /// "holding", "holding 124" or "holding 0x7C-0x80".
 std::optional<RegisterSpan> parse_span(std::string_view text) {
   const auto space = text.find(' ');
@@ -49,9 +36,9 @@ std::optional<RegisterSpan> parse_span(std::string_view text) {
   }
   const auto addresses = text.substr(space + 1);
   const auto dash = addresses.find('-');
-  const auto first = parse_address(addresses.substr(0, dash));
+  const auto first = parse_register_address(addresses.substr(0, dash));
   const auto last =
-      dash == std::string_view::npos ? first : parse_address(addresses.substr(dash + 1));
+      dash == std::string_view::npos ? first : parse_register_address(addresses.substr(dash + 1));
   if (!first || !last || *last < *first) {
     return std::nullopt;
   }

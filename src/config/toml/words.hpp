@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -34,6 +36,9 @@ constexpr std::string_view table_word(modbus::Table table) {
   }
   return {};
 }
+
+/// The address of a register or coil: decimal, or hexadecimal behind 0x; nothing if it is neither.
+std::optional<std::uint16_t> parse_register_address(std::string_view text);
 
 constexpr std::string_view order_word(drive::WordOrder order) {
   return order == drive::WordOrder::big ? "big" : "little";

@@ -46,10 +46,11 @@ std::string role_in_quotes(const std::string& text) {
 
 std::string role_text(const X509& certificate) {
   const auto read = read_role(certificate);
-  if (read.is_unreadable) {
+  if (read.kind == routing::ClientRole::Kind::unreadable) {
     return "unreadable: a gateway answers every request with exception 01";
   }
-  return read.role ? role_in_quotes(*read.role) : "none: the NULL role, which rules write as \"\"";
+  return read.name.empty() ? "none: the NULL role, which rules write as \"\""
+                           : role_in_quotes(read.name);
 }
 
 std::string days_text(Seconds from, Seconds until) {

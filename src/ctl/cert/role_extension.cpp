@@ -4,16 +4,18 @@
 #include <openssl/asn1.h>
 #include <openssl/objects.h>
 
+#include <vector>
+
+#include "routing/role_extension.hpp"
+
 namespace mbgate::ctl {
 namespace {
 
 using Object = std::unique_ptr<ASN1_OBJECT, openssl::Free<ASN1_OBJECT_free>>;
 using Text = std::unique_ptr<ASN1_UTF8STRING, openssl::Free<ASN1_UTF8STRING_free>>;
 
-enum class Controls { allowed, forbidden };
-
-/// Is it UTF-8 throughout?
-bool is_utf8(const std::string& text, Controls controls) {
+/// Is it UTF-8 throughout, without control characters?
+bool is_printable(const std::string& text) {
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): OpenSSL has bytes without a sign
   const auto* at = reinterpret_cast<const unsigned char*>(text.data());
   auto left = static_cast<int>(text.size());
@@ -21,7 +23,7 @@ bool is_utf8(const std::string& text, Controls controls) {
     unsigned long character = 0;
     const int length = UTF8_getc(at, left, &character);
     const bool is_control = character < 0x20 || (character >= 0x7F && character < 0xA0);
-    if (length <= 0 || (is_control && controls == Controls::forbidden)) {
+    if (length <= 0 || is_control) {
       return false;
     }
     at += length;
@@ -37,9 +39,9 @@ std::string wrong_role(const std::string& role) {
     return "a role is a text of at least one character; without --role the certificate has the "
            "NULL role, which rules write as \"\"";
   }
-  if (role.size() > kLongestRole || !is_utf8(role, Controls::forbidden)) {
+  if (role.size() > routing::kLongestRole || !is_printable(role)) {
     return "a role is UTF-8 text without control characters, of at most " +
-           std::to_string(kLongestRole) + " bytes";
+           std::to_string(routing::kLongestRole) + " bytes";
   }
   return {};
 }
@@ -53,31 +55,22 @@ void add_role(X509& certificate, const std::string& role) {
   const std::unique_ptr<ASN1_OCTET_STRING, openssl::Free<ASN1_OCTET_STRING_free>> value(
       openssl::expect(ASN1_OCTET_STRING_new()));
   ASN1_STRING_set0(value.get(), bytes, size);
-  const Object kind(openssl::expect(OBJ_txt2obj(kRoleExtension, 1)));
+  const Object kind(openssl::expect(OBJ_txt2obj(routing::kRoleExtension, 1)));
   const std::unique_ptr<X509_EXTENSION, openssl::Free<X509_EXTENSION_free>> extension(
       openssl::expect(X509_EXTENSION_create_by_OBJ(nullptr, kind.get(), 0, value.get())));
   openssl::expect(X509_add_ext(&certificate, extension.get(), -1));
 }
 
-ReadRole read_role(const X509& certificate) {
-  const Object kind(openssl::expect(OBJ_txt2obj(kRoleExtension, 1)));
-  const int place = X509_get_ext_by_OBJ(&certificate, kind.get(), -1);
-  if (place < 0) {
-    return {};
+routing::ClientRole read_role(const X509& certificate) {
+  const Object kind(openssl::expect(OBJ_txt2obj(routing::kRoleExtension, 1)));
+  std::vector<modbus::Bytes> values;
+  for (int at = X509_get_ext_by_OBJ(&certificate, kind.get(), -1); at >= 0;
+       at = X509_get_ext_by_OBJ(&certificate, kind.get(), at)) {
+    const ASN1_OCTET_STRING* const value = X509_EXTENSION_get_data(X509_get_ext(&certificate, at));
+    values.emplace_back(ASN1_STRING_get0_data(value),
+                        static_cast<std::size_t>(ASN1_STRING_length(value)));
   }
-  const ASN1_OCTET_STRING* const value = X509_EXTENSION_get_data(X509_get_ext(&certificate, place));
-  const unsigned char* at = ASN1_STRING_get0_data(value);
-  const unsigned char* const end = at + ASN1_STRING_length(value);
-  const Text text(d2i_ASN1_UTF8STRING(nullptr, &at, end - at));
-  const bool is_alone = X509_get_ext_by_OBJ(&certificate, kind.get(), place) < 0;
-  if (!is_alone || text == nullptr || at != end || ASN1_STRING_length(text.get()) == 0) {
-    static_cast<void>(openssl::last_error());
-    return {{}, true};
-  }
-  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): OpenSSL has bytes without a sign
-  const auto* const first = reinterpret_cast<const char*>(ASN1_STRING_get0_data(text.get()));
-  std::string role(first, static_cast<std::size_t>(ASN1_STRING_length(text.get())));
-  return is_utf8(role, Controls::allowed) ? ReadRole{std::move(role)} : ReadRole{{}, true};
+  return routing::role_of(values);
 }
 
 }  // namespace mbgate::ctl

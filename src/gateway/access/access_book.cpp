@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/access/access_book.hpp"
 
-#include <algorithm>
+#include <utility>
 
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
 namespace {
-
-constexpr Duration kSecond = std::chrono::seconds(1);
-
-Duration interval_of(const routing::AccessRule& rule) { return kSecond / rule.per_second; }
 
 bool has_rate(const routing::AccessRule* rule) { return rule != nullptr && rule->per_second != 0; }
 
@@ -31,21 +27,20 @@ bool AccessBook::has_room(const routing::AccessRule* rule, const routing::Client
   if (!has_rate(rule)) {
     return true;
   }
-  const auto known = next_.find({rule, client});
-  if (known != next_.end()) {
-    return known->second - now <= kSecond - interval_of(*rule);
+  const auto known = rates_.find({rule, client});
+  if (known != rates_.end()) {
+    return known->second.next(rule->per_second, now) <= now;
   }
-  if (next_.size() >= kRatedClients) {
-    std::erase_if(next_, [now](const auto& entry) { return entry.second <= now; });
+  if (rates_.size() >= kRatedClients) {
+    std::erase_if(rates_, [now](const auto& entry) { return entry.second.is_rested(now); });
   }
-  return next_.size() < kRatedClients;
+  return rates_.size() < kRatedClients;
 }
 
 void AccessBook::count(const routing::AccessRule* rule, const routing::ClientAddress& client,
                        Instant now) {
   if (has_rate(rule)) {
-    Instant& next = next_[{rule, client}];
-    next = std::max(next, now) + interval_of(*rule);
+    rates_[{rule, client}].take(rule->per_second, now);
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "bus/state_reader.hpp"
 #include "gateway/access/rule_verdict.hpp"
+#include "gateway/second_rate.hpp"
 
 namespace mbgate::gateway {
 
@@ -26,7 +27,7 @@ class AccessBook {
   [[nodiscard]] std::optional<std::uint64_t> note_denied(const routing::ClientAddress& client,
                                                          Instant now);
   /// Other rules are in force: what the old ones have let through does not count.
-  void forget_rates() { next_.clear(); }
+  void forget_rates() { rates_.clear(); }
 
  private:
   friend struct mbgate::StateReader;
@@ -39,9 +40,7 @@ class AccessBook {
                               Instant now);
   void count(const routing::AccessRule* rule, const routing::ClientAddress& client, Instant now);
 
-  /// When as many as the rule lets through at once could be sent again (GCRA's theoretical arrival
-  /// time).
-  std::map<Key, Instant> next_;
+  std::map<Key, SecondRate> rates_;
   std::map<routing::ClientAddress, Told> told_;
 };
 

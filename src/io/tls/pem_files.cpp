@@ -66,4 +66,26 @@ Result<std::vector<CrlHandle>, std::string> read_crls(const std::string& path) {
   });
 }
 
+std::optional<std::string> use_certificate(SSL_CTX& context, const std::string& path) {
+  const auto chain = read_certificates(path);
+  if (!chain) {
+    return chain.error();
+  }
+  if (SSL_CTX_use_certificate(&context, chain->front().get()) != 1) {
+    return path + ": " + take_openssl_error();
+  }
+  for (std::size_t at = 1; at < chain->size(); ++at) {
+    SSL_CTX_add1_chain_cert(&context, (*chain)[at].get());
+  }
+  return std::nullopt;
+}
+
+int accept_expired_list(int good, X509_STORE_CTX* store) {
+  if (good == 0 && X509_STORE_CTX_get_error(store) == X509_V_ERR_CRL_HAS_EXPIRED) {
+    X509_STORE_CTX_set_error(store, X509_V_OK);
+    return 1;
+  }
+  return good;
+}
+
 }  // namespace mbgate::io

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Certificates and lists of revoked ones, read from files in PEM.
+// Certificates and lists of revoked ones, read from files in PEM and taken into use.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,5 +15,13 @@ namespace mbgate::io {
 Result<std::vector<CertificateHandle>, std::string> read_certificates(const std::string& path);
 /// All lists of the file, one at least; or why not, with the path.
 Result<std::vector<CrlHandle>, std::string> read_crls(const std::string& path);
+
+/// Gives the context the first certificate of the file as its own, and those behind it as its
+/// chain; or says why not, with the path.
+std::optional<std::string> use_certificate(SSL_CTX& context, const std::string& path);
+
+/// For SSL_CTX_set_verify(3). A list that has expired still names revoked certificates: nobody is
+/// locked out because it was not renewed, and the journal tells. All other objections count.
+int accept_expired_list(int good, X509_STORE_CTX* store);
 
 }  // namespace mbgate::io

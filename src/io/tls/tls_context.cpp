@@ -34,16 +34,6 @@ int context_index() {
   return index;
 }
 
-/// A list that has expired still names revoked certificates: nobody is locked out because it was
-/// not renewed, and the journal tells. All other objections count.
-int judge(int good, X509_STORE_CTX* store) {
-  if (good == 0 && X509_STORE_CTX_get_error(store) == X509_V_ERR_CRL_HAS_EXPIRED) {
-    X509_STORE_CTX_set_error(store, X509_V_OK);
-    return 1;
-  }
-  return good;
-}
-
 system_clock::time_point time_of(const ASN1_TIME* time) {
   std::tm parts{};
   return ASN1_TIME_to_tm(time, &parts) == 1 ? system_clock::from_time_t(::timegm(&parts))
@@ -66,7 +56,8 @@ TlsContext::TlsContext() : context_(SSL_CTX_new(TLS_server_method())), sessions_
                                    SSL_OP_CIPHER_SERVER_PREFERENCE | SSL_OP_IGNORE_UNEXPECTED_EOF);
   SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
                                 SSL_MODE_RELEASE_BUFFERS);
-  SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, judge);
+  SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT,
+                     accept_expired_list);
   SSL_CTX_set_verify_depth(context, kDeepestChain);
   SSL_CTX_set_ex_data(context, context_index(), this);
   keep_sessions();
@@ -101,18 +92,12 @@ Result<std::shared_ptr<TlsContext>, TlsFailure> TlsContext::make(
 }
 
 std::optional<std::string> TlsContext::take_certificate(const std::string& path) {
-  const auto chain = read_certificates(path);
-  if (!chain) {
-    return chain.error();
+  auto wrong = use_certificate(*context_, path);
+  if (!wrong) {
+    const X509* const own = SSL_CTX_get0_certificate(context_.get());
+    dates_.certificate_ends = time_of(X509_get0_notAfter(own));
   }
-  if (SSL_CTX_use_certificate(context_.get(), chain->front().get()) != 1) {
-    return path + ": " + take_openssl_error();
-  }
-  for (std::size_t i = 1; i < chain->size(); ++i) {
-    SSL_CTX_add1_chain_cert(context_.get(), (*chain)[i].get());
-  }
-  dates_.certificate_ends = time_of(X509_get0_notAfter(chain->front().get()));
-  return std::nullopt;
+  return wrong;
 }
 
 std::optional<std::string> TlsContext::take_authorities(const std::string& path) {
@@ -172,7 +157,7 @@ std::optional<std::string> TlsContext::objection(X509* certificate, STACK_OF(X50
     return take_openssl_error();
   }
   X509_STORE_CTX_set_default(check.get(), "ssl_client");
-  X509_STORE_CTX_set_verify_cb(check.get(), judge);
+  X509_STORE_CTX_set_verify_cb(check.get(), accept_expired_list);
   if (X509_verify_cert(check.get()) == 1) {
     return std::nullopt;
   }

@@ -21,29 +21,6 @@ using Wrong = std::optional<std::string>;
 /// Only its first initialisation can leave that out.
 const int kNoTidying = OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
 
-/// As for clients: a list that has expired still names revoked certificates.
-int judge_peer(int good, X509_STORE_CTX* store) {
-  if (good == 0 && X509_STORE_CTX_get_error(store) == X509_V_ERR_CRL_HAS_EXPIRED) {
-    X509_STORE_CTX_set_error(store, X509_V_OK);
-    return 1;
-  }
-  return good;
-}
-
-Wrong use_certificate(SSL_CTX& context, const std::string& path) {
-  const auto chain = read_certificates(path);
-  if (!chain) {
-    return chain.error();
-  }
-  if (SSL_CTX_use_certificate(&context, chain->front().get()) != 1) {
-    return path + ": " + take_openssl_error();
-  }
-  for (std::size_t at = 1; at < chain->size(); ++at) {
-    SSL_CTX_add1_chain_cert(&context, (*chain)[at].get());
-  }
-  return std::nullopt;
-}
-
 Wrong trust(SSL_CTX& context, const bus::TlsPeer& peer) {
   const auto authorities = read_certificates(peer.authorities);
   if (!authorities) {
@@ -103,7 +80,7 @@ Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   SSL_CTX_set_mode(context.get(),
                    SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
   SSL_CTX_set_options(context.get(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION);
-  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, judge_peer);
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, accept_expired_list);
   Wrong wrong = use_certificate(*context, peer.certificate);
   if (!wrong) {
     wrong = trust(*context, peer);

@@ -9,6 +9,8 @@
 namespace mbgate::ctl {
 namespace {
 
+using Kind = routing::ClientRole::Kind;
+
 openssl::Certificate certificate_with(const std::optional<std::string>& role) {
   const auto key = make_key(std::nullopt);
   return make_certificate({Purpose::client, "hmi", 1, {}, role}, *key, nullptr);
@@ -18,21 +20,21 @@ TEST(RoleExtension, IsReadAsItWasMade) {
   for (const std::string role : {"operator", "Operatör", "a \"b\"", "\xE4\xBF\x9D\xE5\x85\xBB"}) {
     EXPECT_EQ(wrong_role(role), "");
     const auto read = read_role(*certificate_with(role));
-    EXPECT_EQ(read.role, role);
-    EXPECT_FALSE(read.is_unreadable);
+    EXPECT_EQ(read.kind, Kind::named);
+    EXPECT_EQ(read.name, role);
   }
 }
 
 TEST(RoleExtension, IsTheNullRoleWhereThereIsNone) {
   const auto read = read_role(*certificate_with(std::nullopt));
-  EXPECT_EQ(read.role, std::nullopt);
-  EXPECT_FALSE(read.is_unreadable);
+  EXPECT_EQ(read.kind, Kind::named);
+  EXPECT_EQ(read.name, "");
 }
 
 TEST(RoleExtension, IsUnreadableWhereItIsThereTwice) {
   const auto certificate = certificate_with("operator");
   add_role(*certificate, "operator");
-  EXPECT_TRUE(read_role(*certificate).is_unreadable);
+  EXPECT_EQ(read_role(*certificate).kind, Kind::unreadable);
 }
 
 TEST(RoleExtension, IsTextOfReasonableLength) {
