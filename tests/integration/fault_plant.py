@@ -65,7 +65,7 @@ class Client:
         self._sent = 0
 
     def send(self, pdu, unit=DRIVE):
-        self._sent += 1
+        self._sent = self._sent + 1 & 0xFFFF
         head = self._sent.to_bytes(2, "big") + bytes(2) + (len(pdu) + 1).to_bytes(2, "big")
         self._socket.sendall(head + bytes([unit]) + pdu)
 
@@ -127,6 +127,7 @@ class Reader:
                 self.right += 1
             elif answer[:1] == b"\x83":
                 self.refused.append(answer[1])
+                self._ended.wait(0.01)  # refused at once, again and again, it would keep the drive's thread from answering
             else:
                 self.wrong.append((first, answer.hex(" ")))
                 return
