@@ -19,7 +19,6 @@
 #include "app/systemd.hpp"
 #include "app/text.hpp"
 #include "io/clients/descriptors.hpp"
-#include "io/denials/denials.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -97,13 +96,9 @@ int Service::begin_listening() {
   std::ranges::copy(http_listeners({}, settings.http), std::back_inserter(all));
   stored_.take(inherited, all);
   for (const auto& socket : inherited) {
-    from_systemd_.insert(socket.name);
+    from_systemd_.add(socket.name, socket.fd.get());
   }
-  const auto denials = io::denials(settings, from_systemd_);
-  for (const auto& denial : denials) {
-    log_.write(Level::error, denial, {.id = message_id::kDenied});
-  }
-  if (!denials.empty()) {
+  if (!may_listen(settings)) {
     return EX_CONFIG;
   }
   if (!has_certificates(first_tls_)) {

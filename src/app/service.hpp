@@ -22,6 +22,7 @@
 #include "app/watchdog.hpp"
 #include "config/load.hpp"
 #include "io/blocking_calls.hpp"
+#include "io/clients/open_listeners.hpp"
 #include "io/gateway_driver.hpp"
 #include "io/tls/load_tls.hpp"
 
@@ -85,6 +86,9 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void finish_reload(const Configuration& read);
   /// False if it has errors, or needs what this process may not do. Says what it has to say.
   bool is_sound(const Configuration& read);
+  /// False if they need what this process may not do, or leave a socket from systemd to everyone.
+  /// Says what it has to say.
+  bool may_listen(const gateway::Settings& settings);
   void forget_failures(const gateway::Settings& before, const gateway::Settings& next);
   /// Puts these settings into force. False if they cannot be: the journal says why.
   bool change(const Configuration& read);
@@ -107,10 +111,10 @@ class Service final : public io::DriverObserver, public ControlTarget {
   boost::asio::io_context context_{BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO};
   boost::asio::signal_set signals_;
   io::BlockingCalls blocking_;
-  std::set<std::string> from_systemd_;  ///< the names of its sockets
-  bool reloading_ = false;              ///< from the reading on
-  bool read_again_ = false;             ///< a reload was requested meanwhile
-  bool is_refused_ = false;             ///< the last reload
+  io::SystemdSockets from_systemd_;
+  bool reloading_ = false;   ///< from the reading on
+  bool read_again_ = false;  ///< a reload was requested meanwhile
+  bool is_refused_ = false;  ///< the last reload
   std::vector<std::string> reload_messages_;
   std::vector<ReloadEnded> reload_asked_;    ///< to be told of the next reading
   std::vector<ReloadEnded> reload_waiting_;  ///< of the one that runs

@@ -102,11 +102,20 @@ bool Service::is_sound(const Configuration& read) {
   if (!read.loaded.settings) {
     return false;
   }
-  const auto denials = io::denials(*read.loaded.settings, from_systemd_);
+  const bool may = may_listen(*read.loaded.settings);
+  return has_certificates(read.tls) && may;
+}
+
+bool Service::may_listen(const gateway::Settings& settings) {
+  const auto denials = io::denials(settings, from_systemd_.names);
   for (const auto& denial : denials) {
     say_of_reload(Level::error, denial, message_id::kDenied);
   }
-  return has_certificates(read.tls) && denials.empty();
+  const auto open = io::open_listeners(settings, from_systemd_);
+  for (const auto& listener : open) {
+    say_of_reload(Level::error, listener, message_id::kConfigurationWrong);
+  }
+  return denials.empty() && open.empty();
 }
 
 bool Service::has_certificates(const io::LoadedTls& tls) {

@@ -29,6 +29,7 @@ if count:
     os.environ.update(LISTEN_PID=str(os.getpid()), LISTEN_FDS=str(count), LISTEN_FDNAMES=names)
 os.execv(sys.argv[3 + count], sys.argv[3 + count:])
 """
+IP_FREEBIND = 15  # linux/in.h; Python has no name for it
 READ = bytes.fromhex("0001 0000 0006 01 03 0000 0001")
 WRITE = bytes.fromhex("0002 0000 0006 01 06 003C 0001")
 
@@ -275,6 +276,45 @@ class StoredSockets(SystemdCase):
             self.assertEqual(list(self.systemd.kept), names[1:])
             with self.assertRaises(ConnectionRefusedError):
                 socket.create_connection(shown, timeout=PATIENCE)
+
+
+class SocketUnits(SystemdCase):
+    """What others could reach, without being reached: 192.0.2.1 is no machine's address (RFC 5737)."""
+
+    REFUSED = (
+        r'listener "plant": other machines reach the socket 192\.0\.2\.1:\d+ from systemd: expected \'allow\' with those who '
+        r'may connect, such as allow = \["192\.168\.10\.0/24"\], or a \[\[rule\]\]'
+    )
+
+    def open_socket(self, address):
+        opened = socket.socket()
+        self.addCleanup(opened.close)
+        opened.setsockopt(socket.SOL_IP, IP_FREEBIND, 1)
+        opened.bind((address, 0))
+        opened.listen()
+        return [("plant", opened)]
+
+    def test_that_others_reach_are_refused_without_allow(self):
+        gateway = self.start(sockets=self.open_socket("192.0.2.1"))
+        gateway.wait_for(self.REFUSED)
+        self.assertEqual(gateway.wait(), 78)
+
+    def test_that_others_reach_need_allow_or_a_rule(self):
+        for access in ({"keys": 'allow = ["192.0.2.0/24"]'}, {"more": '[[rule]]\naction = "permit"'}):
+            self.configure(**access)
+            self.end(self.start_ready(sockets=self.open_socket("192.0.2.1")))
+
+    def test_of_this_machine_alone_need_neither(self):
+        self.start_ready(sockets=self.open_socket("127.0.0.1"))
+
+    def test_that_lose_allow_by_a_reload_keep_it(self):
+        self.configure(keys='allow = ["192.0.2.0/24"]')
+        gateway = self.start_ready(sockets=self.open_socket("192.0.2.1"))
+        self.configure()
+        gateway.signal(signal.SIGHUP)
+        self.systemd.wait_for("RELOADING")
+        self.assertRegex(self.systemd.wait_for("READY")["STATUS"], "^the last reload was refused")
+        gateway.wait_for(self.REFUSED)
 
 
 class Notifications(SystemdCase):

@@ -46,6 +46,7 @@ BASE = f"""
 name = "plant"
 address = "127.0.0.1"
 port = {PORT}
+allow = ["127.0.0.0/8"]
 
 [[listen]]
 name = "service"
