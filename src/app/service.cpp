@@ -241,7 +241,8 @@ void Service::on_finished() { context_.stop(); }
 gateway::StatusReport Service::report_status() const { return driver_.report_status(); }
 
 ProcessStatus Service::process_status() const {
-  return {about_.version, about_.config, read_at_, is_refused_, certificates_.status()};
+  return {about_.version, about_.config,          read_at_,
+          is_refused_,    certificates_.status(), certificates_.failures()};
 }
 
 void Service::clear_counters() {

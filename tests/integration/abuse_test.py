@@ -45,7 +45,7 @@ port = 0
 tls = "plant"
 """
 COUNTED = ("mbgate_listener_connections_total", "mbgate_listener_displaced_connections_total",
-           "mbgate_listener_refused_connections_total", "mbgate_listener_requests_total")
+           "mbgate_listener_refused_connections_total", "mbgate_listener_tls_failures_total", "mbgate_listener_requests_total")
 
 
 class Worker:

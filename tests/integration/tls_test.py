@@ -14,6 +14,7 @@ import time
 import tty
 import unittest
 
+from control_case import UnixConnection
 from demo_plant import PATIENCE
 from tls_certificates import Authority, pem, utf8
 from tls_plant import READ, TlsCase, adu, answer_of, ask
@@ -79,6 +80,10 @@ class Handshake(TlsCase):
         self.refusal("no TLS handshake: ")
         with self.plant.client() as client:
             self.assert_served(client)
+        connection = UnixConnection(self.plant.folder / "control")
+        self.addCleanup(connection.close)
+        connection.request("GET", "/metrics")
+        self.assertIn('mbgate_listener_tls_failures_total{listener="secure"} 1\n', connection.getresponse().read().decode())
 
     def test_the_certificate_comes_with_those_up_to_the_root(self):
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)

@@ -49,7 +49,8 @@ void add_process(MetricBook& book, const gateway::StatusReport& report,
                {}, static_cast<double>(report.counters.framing_lost));
 }
 
-void add_listener(MetricBook& book, const gateway::ListenerStatus& listener) {
+void add_listener(MetricBook& book, const gateway::ListenerStatus& listener,
+                  const std::map<std::string, std::uint64_t>& tls_failures) {
   const auto& counters = listener.counters;
   const auto labels = [&](Labels more = {}) {
     more.insert(more.begin(), {"listener", listener.name});
@@ -70,6 +71,11 @@ void add_listener(MetricBook& book, const gateway::ListenerStatus& listener) {
                  labels({{"reason", kReasons.at(place)}}),
                  static_cast<double>(counters.refused_connections.at(place)));
   }
+  const auto failures = tls_failures.find(listener.name);
+  book.counter({"mbgate_listener_tls_failures_total",
+                "Clients whose handshake failed or was refused, and connections that broke TLS."},
+               labels(),
+               failures == tls_failures.end() ? 0 : static_cast<double>(failures->second));
   book.counter({"mbgate_listener_requests_total", "Requests of clients."}, labels(),
                static_cast<double>(counters.requests));
   book.counter({"mbgate_listener_held_requests_total",
@@ -114,7 +120,7 @@ std::vector<prometheus::MetricFamily> metric_families(const gateway::StatusRepor
   MetricBook book;
   add_process(book, report, process);
   for (const gateway::ListenerStatus& listener : report.listeners) {
-    add_listener(book, listener);
+    add_listener(book, listener, process.tls_failures);
   }
   if (by_client) {
     add_clients(book, report.clients);

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +25,8 @@ struct ProcessStatus {
   std::chrono::system_clock::time_point config_read_at;
   bool reload_refused = false;  ///< the last one: the settings in force are older than the file
   std::vector<CertificateStatus> certificates{};
+  /// By listener: clients without a handshake, and connections that broke TLS. Others: none.
+  std::map<std::string, std::uint64_t> tls_failures{};
 };
 
 }  // namespace mbgate::app

@@ -36,6 +36,7 @@ std::vector<CertificateStatus> Certificates::status() const {
 
 void Certificates::tell_refusal(const std::string& listener, const io::TlsPlace& place,
                                 const std::string& why) {
+  ++failures_[listener];
   const std::string client = place.address.to_text();
   log_.write_limited(Level::warning, "tls refusal " + listener,
                      "listener " + listener + ": client " + client + ": " + why,

@@ -4,6 +4,8 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,8 @@ class Certificates {
   void use(io::TlsContexts contexts);
   void tell_refusal(const std::string& listener, const io::TlsPlace& place, const std::string& why);
   [[nodiscard]] std::vector<CertificateStatus> status() const;
+  /// Since the start, by listener.
+  [[nodiscard]] const std::map<std::string, std::uint64_t>& failures() const { return failures_; }
   void stop() { timer_.cancel(); }
 
  private:
@@ -32,6 +36,7 @@ class Certificates {
   boost::asio::steady_timer timer_;
   Log& log_;
   io::TlsContexts contexts_;
+  std::map<std::string, std::uint64_t> failures_;
 };
 
 }  // namespace mbgate::app

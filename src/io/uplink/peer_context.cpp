@@ -28,7 +28,9 @@ Wrong trust(SSL_CTX& context, const bus::TlsPeer& peer) {
   }
   X509_STORE* const store = SSL_CTX_get_cert_store(&context);
   for (const auto& authority : *authorities) {
-    X509_STORE_add_cert(store, authority.get());
+    if (X509_STORE_add_cert(store, authority.get()) != 1) {
+      return peer.authorities + ": " + take_openssl_error();
+    }
   }
   if (peer.crl.empty()) {
     return std::nullopt;
@@ -38,7 +40,9 @@ Wrong trust(SSL_CTX& context, const bus::TlsPeer& peer) {
     return lists.error();
   }
   for (const auto& list : *lists) {
-    X509_STORE_add_crl(store, list.get());
+    if (X509_STORE_add_crl(store, list.get()) != 1) {
+      return peer.crl + ": " + take_openssl_error();
+    }
   }
   X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL);
   return std::nullopt;

@@ -127,6 +127,16 @@ TEST(Metrics, SayWhenCertificatesEnd) {
   EXPECT_THAT(text, HasSubstr("mbgate_crl_expiry_timestamp_seconds{tls=\"cell\"} 1700000000\n"));
 }
 
+TEST(Metrics, CountFailuresOfTlsByListener) {
+  ProcessStatus process{"0.1.0", "plant.toml", {}, false};
+  const std::string name = "mbgate_listener_tls_failures_total{listener=\"plant\"} ";
+  EXPECT_THAT(metrics_text(metric_families(report(), process, false)), HasSubstr(name + "0\n"));
+  process.tls_failures = {{"plant", 7}, {"gone", 3}};
+  const std::string text = metrics_text(metric_families(report(), process, false));
+  EXPECT_THAT(text, HasSubstr(name + "7\n"));
+  EXPECT_THAT(text, Not(HasSubstr("gone")));
+}
+
 TEST(Metrics, ShowTheProcess) {
   const std::string text = metrics_text(process_families());
   for (const char* name : {"process_cpu_seconds_total ", "process_open_fds ", "process_max_fds ",
