@@ -104,7 +104,7 @@ int Service::begin_listening() {
   if (!has_certificates(first_tls_)) {
     return first_tls_.is_wrong ? EX_CONFIG : EXIT_FAILURE;
   }
-  use_certificates(std::exchange(first_tls_, {}).contexts);
+  use_certificates(std::exchange(first_tls_, {}).contexts, settings);
   http_.take(settings, inherited);
   const auto descriptors =
       io::room_for_clients(settings, io::raise_descriptor_limit(), http_.inherited());

@@ -98,7 +98,8 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void start_control();
   /// Are none missing? Says which are.
   bool has_certificates(const io::LoadedTls& tls);
-  void use_certificates(const io::TlsContexts& contexts);
+  /// For the listeners of `next`.
+  void use_certificates(const io::TlsContexts& contexts, const gateway::Settings& next);
   void send_status();
   [[nodiscard]] std::string status() const;
   [[nodiscard]] std::string bus_text(gateway::BusId bus, const std::string& text) const;

@@ -125,8 +125,8 @@ bool Service::has_certificates(const io::LoadedTls& tls) {
   return tls.failures.empty();
 }
 
-void Service::use_certificates(const io::TlsContexts& contexts) {
-  driver_.use_tls(contexts);
+void Service::use_certificates(const io::TlsContexts& contexts, const gateway::Settings& next) {
+  driver_.use_tls(contexts, next);
   certificates_.use(contexts);
 }
 
@@ -141,8 +141,13 @@ bool Service::change(const Configuration& read) {
                          [this](ListenerId listener) { driver_.remove_servers(listener); })) {
     return false;
   }
+  for (const auto& listener : next.listeners) {
+    if (listener.is_gone) {
+      from_systemd_.drop(listener.name);
+    }
+  }
   forget_failures(before, next);
-  use_certificates(read.tls.contexts);
+  use_certificates(read.tls.contexts, next);
   driver_.reload(*read.loaded.settings, gateway::config_lines(read.files));
   control_.set_end(io::end_of_client_descriptors(next));
   if (!(before.http == next.http)) {

@@ -70,7 +70,7 @@ class GatewayDriver final : public AcceptEvents,
   /// Closes the sockets of this listener: no more clients are accepted on them.
   void remove_servers(gateway::ListenerId listener);
   /// Certificates of the listeners with TLS, from now on; before start() too.
-  void use_tls(TlsContexts contexts) { tls_.use(std::move(contexts)); }
+  void use_tls(const TlsContexts& contexts, const gateway::Settings& next);
   void clear_counters();
   /// Accepts no more clients and lets the machine finish; on_finished() follows.
   void shutdown();

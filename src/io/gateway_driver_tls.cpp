@@ -8,6 +8,21 @@
 
 namespace mbgate::io {
 
+void GatewayDriver::use_tls(const TlsContexts& contexts, const gateway::Settings& next) {
+  ListenerContexts of_listeners;
+  for (std::size_t i = 0; i < next.listeners.size(); ++i) {
+    const gateway::ListenerSettings& listener = next.listeners[i];
+    if (listener.is_gone || !listener.tls) {
+      continue;
+    }
+    const auto context = contexts.find(next.tls[*listener.tls].name);
+    if (context != contexts.end()) {
+      of_listeners.emplace(static_cast<gateway::ListenerId>(i), context->second);
+    }
+  }
+  tls_.use(std::move(of_listeners));
+}
+
 void GatewayDriver::tls_arrived(TlsArrival arrival) {
   notice_stall(now());
   ClientSocket socket(context_);

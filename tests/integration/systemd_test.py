@@ -307,6 +307,18 @@ class SocketUnits(SystemdCase):
     def test_of_this_machine_alone_need_neither(self):
         self.start_ready(sockets=self.open_socket("127.0.0.1"))
 
+    def test_that_have_gone_are_forgotten(self):
+        self.configure(keys='allow = ["192.0.2.0/24"]')
+        gateway = self.start_ready(sockets=self.open_socket("192.0.2.1"))
+        text = self.configuration.read_text(encoding="utf-8")
+        self.configuration.write_text(text.replace('name = "plant"', 'name = "other"'), encoding="utf-8")
+        self.reload(gateway)
+        self.configure()
+        self.reload(gateway)
+        with socket.create_connection(self.address, timeout=PATIENCE) as client:
+            client.sendall(READ)
+            self.assertEqual(client.recv(64).hex(" "), "00 01 00 00 00 03 01 83 0a")
+
     def test_that_lose_allow_by_a_reload_keep_it(self):
         self.configure(keys='allow = ["192.0.2.0/24"]')
         gateway = self.start_ready(sockets=self.open_socket("192.0.2.1"))

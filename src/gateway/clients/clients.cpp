@@ -256,10 +256,13 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
     const routing::ClientAddress& address = session.info().address;
     const ListenerSettings& listener = next.listener(number);
     const bool allowed = listener.allow.empty() || routing::contains(listener.allow, address);
-    if (!listener.is_gone && allowed && may_connect(next, session.info())) {
+    // What a client was without TLS it is not with it, and the other way round.
+    const bool had_tls = session.info().role.kind != routing::ClientRole::Kind::none;
+    const bool is_of_another_kind = had_tls != listener.tls.has_value();
+    if (!listener.is_gone && !is_of_another_kind && allowed && may_connect(next, session.info())) {
       return;
     }
-    if (!listener.is_gone) {
+    if (!listener.is_gone && !is_of_another_kind) {
       const auto reason = allowed ? RefusalReason::no_rule : RefusalReason::not_allowed;
       actions_.push(Report{ClientRefused{number, address, reason}});
     }

@@ -24,6 +24,11 @@ void SystemdSockets::add(const std::string& name, int socket) {
   }
 }
 
+void SystemdSockets::drop(const std::string& name) {
+  names.erase(name);
+  reached.erase(name);
+}
+
 std::vector<std::string> open_listeners(const gateway::Settings& settings,
                                         const SystemdSockets& sockets) {
   std::vector<std::string> found;

@@ -21,6 +21,8 @@ struct SystemdSockets {
 
   /// `socket`: its descriptor, which stays the caller's.
   void add(const std::string& name, int socket);
+  /// They are closed: a listener of that name has its own address from now on.
+  void drop(const std::string& name);
 };
 
 /// One line for each listener that lets everyone in there: neither `allow` nor a rule says who may

@@ -21,12 +21,13 @@ void take_place(gateway::SecondRate& rate, unsigned per_second, bus::Instant at)
 
 }  // namespace
 
-void TlsDoor::use(TlsContexts contexts) {
+void TlsDoor::use(ListenerContexts contexts) {
   contexts_ = std::move(contexts);
+  if (!front_ && !contexts_.empty()) {
+    front_ = std::make_unique<TlsFront>(context_, *this);
+  }
   if (front_) {
     front_->judge_again(contexts_);
-  } else if (!contexts_.empty()) {
-    front_ = std::make_unique<TlsFront>(context_, *this);
   }
 }
 
@@ -34,8 +35,7 @@ void TlsDoor::take(gateway::ListenerId number, const gateway::Settings& settings
                    AcceptedClient client) {
   const gateway::ListenerSettings& listener = settings.listener(number);
   const TlsPlace place{number, client.address()};
-  const std::string& name = settings.tls[*listener.tls].name;
-  const auto context = contexts_.find(name);
+  const auto context = contexts_.find(number);
   const std::string why = context == contexts_.end() || !front_ ? "there is no certificate"
                                                                 : begin(place, listener.handshakes);
   if (!why.empty()) {
@@ -43,7 +43,7 @@ void TlsDoor::take(gateway::ListenerId number, const gateway::Settings& settings
     return;
   }
   const auto protocol = client.peer.protocol();
-  front_->take({place, UniqueFd(client.socket.release()), protocol, name, context->second,
+  front_->take({place, UniqueFd(client.socket.release()), protocol, context->second,
                 listener.handshakes.timeout});
 }
 

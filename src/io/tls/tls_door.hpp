@@ -24,7 +24,7 @@ class TlsDoor final : public TlsEvents {
   ~TlsDoor() override = default;
 
   /// For handshakes from now on. Clients whose certificates these do not accept are ended.
-  void use(TlsContexts contexts);
+  void use(ListenerContexts contexts);
   /// A client that has connected to a listener with TLS, and may connect.
   void take(gateway::ListenerId number, const gateway::Settings& settings, AcceptedClient client);
   /// Handshakes under way.
@@ -55,7 +55,7 @@ class TlsDoor final : public TlsEvents {
 
   boost::asio::io_context& context_;
   TlsEvents& events_;
-  TlsContexts contexts_;
+  ListenerContexts contexts_;
   std::map<gateway::ListenerId, OfListener> listeners_;
   std::unique_ptr<TlsFront> front_;  ///< none as long as nobody needs it
 };

@@ -17,6 +17,8 @@ namespace mbgate::io {
 
 /// By the names of their [[tls]].
 using TlsContexts = std::map<std::string, std::shared_ptr<TlsContext>>;
+/// By the listeners that use them now.
+using ListenerContexts = std::map<gateway::ListenerId, std::shared_ptr<TlsContext>>;
 
 /// Where a client has connected, and from where.
 struct TlsPlace {
@@ -29,7 +31,6 @@ struct TlsCandidate {
   TlsPlace place;
   UniqueFd socket;
   boost::asio::ip::tcp protocol = boost::asio::ip::tcp::v4();
-  std::string tls;  ///< the name of the [[tls]]
   std::shared_ptr<TlsContext> context;
   bus::Duration limit{};  ///< of the handshake
 };

@@ -66,7 +66,7 @@ void TlsFront::take(TlsCandidate candidate) {
     const std::uint64_t key = next_key_++;
     clients_[key] = {
         std::make_shared<TlsClient>(shared_, key, std::move(candidate.context), std::move(socket)),
-        candidate.place, std::move(candidate.tls)};
+        candidate.place};
     heartbeat_.beat_while(true);
     supervise(io_, serve(key, candidate.limit), "TLS of a client");
   });
@@ -87,7 +87,15 @@ boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, bus::Duration li
   forget(key);
 }
 
+// A reload may have come during the handshake, which went by what was in force at its begin.
 bool TlsFront::hand_over(Entry& entry) {
+  if (const auto why = objection(entry)) {
+    tell([place = entry.place, why = *why](TlsEvents& events) {
+      events.tls_refused(place, "its certificate is not accepted any more: " + why);
+    });
+    entry.client->end();
+    return false;
+  }
   TlsArrival arrival{entry.place, entry.client->make_pair(), entry.client->role()};
   if (!arrival.socket.is_open()) {
     tell([place = entry.place](TlsEvents& events) {
@@ -103,23 +111,31 @@ bool TlsFront::hand_over(Entry& entry) {
   return true;
 }
 
-void TlsFront::judge_again(TlsContexts contexts) {
-  boost::asio::post(io_, [this, contexts = std::move(contexts)] { judge_all(contexts); });
+void TlsFront::judge_again(ListenerContexts contexts) {
+  boost::asio::post(io_, [this, contexts = std::move(contexts)]() mutable {
+    contexts_ = std::move(contexts);
+    judge_all();
+  });
 }
 
-void TlsFront::judge_all(const TlsContexts& contexts) {
+void TlsFront::judge_all() {
   for (const auto& [key, entry] : clients_) {
-    const auto context = contexts.find(entry.tls);
-    if (context == contexts.end() || !entry.client->has_pair()) {
+    if (!entry.client->has_pair()) {
       continue;
     }
-    if (const auto why = entry.client->objection(*context->second)) {
+    if (const auto why = objection(entry)) {
       tell([place = entry.place, why = *why](TlsEvents& events) {
         events.tls_ended(place, "its certificate is not accepted any more: " + why);
       });
       entry.client->end();
     }
   }
+}
+
+std::optional<std::string> TlsFront::objection(const Entry& entry) const {
+  const auto context = contexts_.find(entry.place.listener);
+  return context == contexts_.end() ? "its listener has no TLS any more"
+                                    : entry.client->objection(*context->second);
 }
 
 // Before anything goes on that has waited meanwhile.

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "io/clients/hangup_watch.hpp"
@@ -29,14 +31,14 @@ class TlsFront {
 
   /// The thread of the machine calls these. Shakes hands; tls_arrived() or tls_refused() follows.
   void take(TlsCandidate candidate);
-  /// Ends clients whose certificates these do not accept any more.
-  void judge_again(TlsContexts contexts);
+  /// From now on these decide: ends clients whose certificates they do not accept, or whose
+  /// listener has none any more. Handshakes under way are judged at their end.
+  void judge_again(ListenerContexts contexts);
 
  private:
   struct Entry {
     std::shared_ptr<TlsClient> client;
     TlsPlace place;
-    std::string tls;
     bool is_old = false;  ///< the thread was stopped during the handshake
   };
 
@@ -44,7 +46,9 @@ class TlsFront {
   boost::asio::awaitable<void> serve(std::uint64_t key, bus::Duration limit);
   /// Hands a client that has shaken hands to the machine. False: it cannot be.
   bool hand_over(Entry& entry);
-  void judge_all(const TlsContexts& contexts);
+  void judge_all();
+  /// Why the settings in force do not accept it; nothing: they do.
+  [[nodiscard]] std::optional<std::string> objection(const Entry& entry) const;
   void look_for_stall();
   void forget(std::uint64_t key);
   void finish();
@@ -58,6 +62,7 @@ class TlsFront {
   HangupWatch hangups_;
   Heartbeat heartbeat_;
   TlsClientContext shared_;
+  ListenerContexts contexts_;
   std::map<std::uint64_t, Entry> clients_;
   std::uint64_t next_key_ = 0;
   bool is_looking_ = false;

@@ -209,6 +209,17 @@ TEST(Gateway, ServesClientAddressesInTurnWhateverTheNumberOfTheirConnections) {
   EXPECT_THAT(units, ElementsAre("0B", "0C", "1F", "0D", "20", "15"));
 }
 
+// Without TLS a client has no role that could be judged, and what it says can be read by everybody.
+TEST(Gateway, ClosesClientsOfAListenerThatHasTlsNow) {
+  MachineRig rig;
+  rig.connect(1);
+  Settings changed = one_bus();
+  changed.tls.push_back({"plant"});
+  changed.listeners[0].tls = 0;
+  rig.reload(changed);
+  EXPECT_THAT(rig.closed, ElementsAre(1));
+}
+
 TEST(Gateway, AFullQueueMeans06ForTheNewestReadOfWhoHasTheMostWaiting) {
   Settings settings = one_bus();
   settings.buses[0].queue = 2;
