@@ -47,7 +47,7 @@ std::string copied_unit_steps(const gateway::ListenerSettings& listener) {
   const std::string unit = "mbgated-" + listener.name + ".socket";
   return "copy /lib/systemd/system/mbgated.socket to /etc/systemd/system/" + unit +
          R"(, with the lines "Service=mbgated.service", "FileDescriptorName=)" + listener.name +
-         R"(", "ListenStream=)" + stream_of(listener) +
+         R"(", "ListenStream=", "ListenStream=)" + stream_of(listener) +
          R"(" in its section [Socket], and run "systemctl stop mbgated", "systemctl enable )" +
          unit + R"(", "systemctl start mbgated")";
 }

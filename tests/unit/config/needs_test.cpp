@@ -49,8 +49,8 @@ TEST(Needs, NameUnitsAndDropIns) {
   settings.control_socket = "/srv/plant/control";
   EXPECT_THAT(
       needs(settings),
-      ElementsAre("needs port 502 (listener \"plant\"): mbgated.socket, or the drop-in "
-                  "port-502.conf",
+      ElementsAre("needs port 502 (listener \"plant\"): mbgated.socket, for which it needs "
+                  "'allow', or the drop-in port-502.conf",
                   "needs 127.0.0.1:80 ([http] listen): mbgated-http.socket, or the drop-in "
                   "port-502.conf",
                   "needs [::1]:9502 ([http] listen): with the drop-in socket-only.conf, "

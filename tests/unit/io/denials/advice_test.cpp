@@ -49,7 +49,8 @@ TEST(PortAdvice, IsACopyOfTheSocketUnitWhereAnotherListenerHasIt) {
       std::string("; the service may open no port below 1024: let systemd open it: copy "
                   "/lib/systemd/system/mbgated.socket to /etc/systemd/system/mbgated-plc.socket, "
                   "with the lines \"Service=mbgated.service\", \"FileDescriptorName=plc\", "
-                  "\"ListenStream=10.0.0.2:503\" in its section [Socket], and run \"systemctl "
+                  "\"ListenStream=\", \"ListenStream=10.0.0.2:503\" in its section [Socket], and "
+                  "run \"systemctl "
                   "stop mbgated\", \"systemctl enable mbgated-plc.socket\", \"systemctl start "
                   "mbgated\"") +
           kOrDropIn);
