@@ -98,8 +98,8 @@ def purge(plant, before):
     report.check("no file is left", not left, ", ".join(left[:20]) or "none")
     gone = sorted(before - files(container))
     report.check("and none of before is missing", not gone, ", ".join(gone[:20]) or "none")
-    state = [path for path in ("/var/lib/mbgate", "/var/lib/private/mbgate", "/run/mbgate")
+    state = [path for path in ("/var/lib/mbgate", "/var/lib/private/mbgate", "/run/mbgate", "/run/mbgate-signer")
              if container.run("test", "-e", path)]
     report.check("no recording, no control socket", not state, ", ".join(state) or "none")
-    accounts = container.run("getent", "passwd", "mbgate").output
-    report.told("the account, which Debian's packages leave", accounts or "none")
+    accounts = container.run("sh", "-c", "getent passwd mbgate mbgate-tls; getent group mbgate mbgate-tls; true").output
+    report.check("no user and no group", not accounts, accounts or "none")

@@ -6,7 +6,7 @@ import time
 
 import modbus
 from container import eventually
-from plant import AXIS, PORT, REGISTER, SERVICE_PORT
+from plant import AXIS, BASE, PORT, REGISTER, SERVICE_PORT, without_listener
 
 
 def restarts(plant):
@@ -41,6 +41,18 @@ def hang(plant):
         "and it is back by itself", values and restarts(plant) == before + 1,
         f"served again after {took:.1f} s; NRestarts={restarts(plant)}",
     )
+
+
+def hang_socket_only(plant):
+    """The same where systemd has all sockets: what stops mbgated.socket must not keep mbgated from coming back."""
+    plant.fresh()
+    plant.drop_in("watchdog.conf", "[Service]\nWatchdogSec=2s\n")
+    plant.shipped_drop_in("socket-only.conf")
+    plant.configure(without_listener(BASE, "service"))
+    plant.start()
+    pid = plant.signal("STOP")
+    values = eventually(lambda: plant.main_pid() not in (0, pid) and read_if_served(PORT), 30, 0.2)
+    plant.report.check("with socket-only.conf too", bool(values), values or plant.journal())
 
 
 def read_if_served(port):

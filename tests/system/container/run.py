@@ -29,6 +29,7 @@ from root import dependencies, make_root, missing_tool
 TOPICS = {
     "reload": checks_service.reload,
     "hang": checks_trouble.hang,
+    "hang-socket-only": checks_trouble.hang_socket_only,
     "kill": checks_trouble.kill,
     "stop": checks_service.stop,
     "restart": checks_service.restart,
