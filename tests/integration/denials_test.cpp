@@ -120,7 +120,11 @@ TEST(Denials, OfNetworkSocketsLeaveTheSettingsAtAReload) {
     GTEST_SKIP() << "skipped: no filter of system calls here";
   }
   const int listening = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  ASSERT_EQ(listen(listening, 8), 0);  // unbound: the kernel chooses a port
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(bind(listening, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(listen(listening, 8), 0);
   TemporaryFolder folder;
   const std::string start = std::string(kListener) + "port = 502\n" + kNoControl;
   const auto config = folder.write("mbgate.toml", start + kSerialBus);
