@@ -111,6 +111,19 @@ class PageModules(unittest.TestCase):
             return history.of(history.wires, "line-a").length;""")
         self.assertEqual(kept, 300)
 
+    def test_the_plot_says_which_time_it_shows(self):
+        for rate, words in ((1, "two minutes: 1(19|2[01]) answers"), (130, "23 s: 3000 answers")):
+            with self.subTest(rate=rate):
+                label = self.made(HISTORY + f"""
+                    const {{ plotLatency }} = await import("/page/plot.js");
+                    for (; now < 180e6; now += 1e6 / {rate}) {{
+                      told(began + Math.round(now) - 4000);
+                    }}
+                    const canvas = document.createElement("canvas");
+                    plotLatency(canvas, "axis-x", history.of(history.points, "line-a 1"), history.now());
+                    return canvas.ariaLabel;""")
+                self.assertRegex(label, f"^How long axis-x thought, in the last {words}, half of them within 4.00 ms")
+
 
 if __name__ == "__main__":
     if reason := missing():

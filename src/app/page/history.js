@@ -7,7 +7,7 @@ import { isFailure, response } from "/page/wire.js";
 export const PLOTTED = 120e6;  // microseconds: two minutes
 export const DRAWN = 60e6;  // of the lines
 const MOST_WIRES = 6000;  // of a line
-const MOST_POINTS = 3000;  // of a device
+export const MOST_POINTS = 3000;  // of a device: less than two minutes of one that answers more than 25 times a second
 const RECENT = 10e6;  // what was told within this, or twice this, says how the clocks are to each other
 const SET_BACK = 1e6;  // so much less is no drift
 
