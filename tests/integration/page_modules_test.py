@@ -124,6 +124,34 @@ class PageModules(unittest.TestCase):
                     return canvas.ariaLabel;""")
                 self.assertRegex(label, f"^How long axis-x thought, in the last {words}, half of them within 4.00 ms")
 
+    def test_addresses_of_clients_are_not_kept_for_ever(self):
+        counts, chosen, last = self.made("""
+            const { Trace } = await import("/page/trace.js");
+            const trace = new Trace(null, null);
+            const select = document.getElementById("trace-client");
+            const status = { clients: [{ address: "192.0.2.1" }], buses: [], devices: [] };
+            const ask = (address) => trace.add({
+              client: { address }, wire: [], targets: [], failed: false,
+              request: { at: "2026-11-25T00:00:01Z", bytes: "00 01 00 00 00 06 01 03 00 00 00 01", text: "a read" },
+              answer: { at: "2026-11-25T00:00:02Z", text: "an answer" } });
+            const counts = [];
+            for (let at = 0; at < 10000; at += 1) {
+              ask(`10.0.${Math.floor(at / 100)}.${at % 100}`);
+              if (at % 1000 === 0) {
+                trace.status(status);
+                select.value = "10.0.0.0";
+                counts.push(select.options.length);
+              }
+            }
+            trace.status(status);
+            return [counts, select.value, [...select.options].map((it) => it.value)];""")
+        # All, one that is connected, one that is chosen, and those of the last transactions.
+        self.assertEqual(counts[-1], 1 + 1 + 1 + 2000)
+        self.assertEqual(chosen, "10.0.0.0")
+        self.assertIn("192.0.2.1", last)
+        self.assertIn("10.0.99.99", last)
+        self.assertNotIn("10.0.1.0", last)
+
 
 if __name__ == "__main__":
     if reason := missing():
