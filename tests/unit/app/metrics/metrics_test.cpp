@@ -145,5 +145,20 @@ TEST(Metrics, ShowTheProcess) {
   }
 }
 
+// changes(process_start_time_seconds[15m]) > 0 says that it was started again.
+TEST(Metrics, ShowTheSameStartOfTheProcessEachTime) {
+  const auto started = [] {
+    const std::string text = metrics_text(process_families());
+    const std::string name = "\nprocess_start_time_seconds ";
+    const std::size_t begin = text.find(name) + name.size();
+    return text.substr(begin, text.find('\n', begin) - begin);
+  };
+  const std::string first = started();
+  EXPECT_GT(std::stod(first), 1e9);
+  for (int at = 0; at < 50; ++at) {
+    EXPECT_EQ(started(), first);
+  }
+}
+
 }  // namespace
 }  // namespace mbgate::app
