@@ -95,6 +95,7 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   }
   status.held_back = bus.held_back(address, now);
   status.quarantine = entry.health.quarantine(now, entry.timing());
+  status.least_quarantine = entry.timing().quarantine_or_default();
   if (entry.health.is_offline()) {
     status.next_probe = std::max(entry.health.probe_at() - now, Duration{0});
   }

@@ -84,6 +84,7 @@ struct DeviceStatus {
   Duration silent_for{0};                ///< how long ago the first of this was sent
   Duration held_back{0};                 ///< it still gets nothing but stops for so long
   Duration quarantine{0};                ///< how long it is held back after an unanswered request
+  Duration least_quarantine{0};          ///< the same as it is configured, before late answers
   std::optional<Duration> next_probe;    ///< offline: in how long it is asked again at the earliest
   Duration response_timeout{0};
   /// How long ago two answers came to one request. Where the line hears what it sends, those do not
