@@ -238,7 +238,9 @@ std::string Service::status() const {
 
 void Service::on_finished() { context_.stop(); }
 
-gateway::StatusReport Service::report_status() const { return driver_.report_status(); }
+gateway::StatusReport Service::report_status(bool with_clients) const {
+  return driver_.report_status(with_clients);
+}
 
 ProcessStatus Service::process_status() const {
   return {about_.version, about_.config,          read_at_,

@@ -68,7 +68,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void on_stall(std::chrono::milliseconds lasted) override;
   void on_status_changed() override;
   void on_finished() override;
-  [[nodiscard]] gateway::StatusReport report_status() const override;
+  [[nodiscard]] gateway::StatusReport report_status(bool with_clients) const override;
   [[nodiscard]] ProcessStatus process_status() const override;
   void reload(ReloadEnded ended) override;
   void clear_counters() override;

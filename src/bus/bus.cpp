@@ -155,6 +155,9 @@ std::optional<Wake> Bus::next_wake() const {
 }
 
 std::optional<BusQueue::Most> Bus::most_waiting(Instant now) const {
+  if (parts_.queue.size() == 0) {
+    return std::nullopt;
+  }
   std::bitset<kAddresses> held;
   for (std::size_t address = 0; address < kAddresses; ++address) {
     const auto number = static_cast<std::uint8_t>(address);

@@ -40,7 +40,8 @@ class Gateway {
   /// has forgotten it.
   [[nodiscard]] bool meets_deadlines(Instant now) const;
   /// Everything that is known of buses, devices and clients.
-  [[nodiscard]] StatusReport report_status(Duration uptime, Instant now) const;
+  [[nodiscard]] StatusReport report_status(Duration uptime, Instant now,
+                                           bool with_clients = true) const;
   /// While it is on, take_trace() has what became of each request. It changes no decision, and is
   /// no input: a recording knows nothing of it.
   void set_traced(bool traced);

@@ -75,9 +75,9 @@ void GatewayDriver::clear_counters() {
   carry_out_actions();
 }
 
-gateway::StatusReport GatewayDriver::report_status() const {
+gateway::StatusReport GatewayDriver::report_status(bool with_clients) const {
   const gateway::Instant at = now();
-  return gateway_.report_status(at - started_, at);
+  return gateway_.report_status(at - started_, at, with_clients);
 }
 
 void GatewayDriver::shutdown() {

@@ -76,7 +76,7 @@ class GatewayDriver final : public AcceptEvents,
   void shutdown();
 
   [[nodiscard]] gateway::Status status() const { return gateway_.status(); }
-  [[nodiscard]] gateway::StatusReport report_status() const;
+  [[nodiscard]] gateway::StatusReport report_status(bool with_clients) const;
   [[nodiscard]] bool meets_deadlines() const { return gateway_.meets_deadlines(now()); }
   void set_traced(bool traced) { gateway_.set_traced(traced); }
   gateway::TraceBook::Taken take_trace() { return gateway_.take_trace(now()); }

@@ -211,11 +211,11 @@ asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& r
   co_return co_await status(request);
 }
 
-asio::awaitable<std::optional<ControlServer::Status>> ControlServer::ask_status() {
+asio::awaitable<std::optional<ControlServer::Status>> ControlServer::ask_status(bool with_clients) {
   Question<Status> question(home_);
-  asio::post(gateway_, [&target = target_, take = question.taker()] {
+  asio::post(gateway_, [&target = target_, take = question.taker(), with_clients] {
     try {
-      take({target.report_status(), target.process_status()});
+      take({target.report_status(with_clients), target.process_status()});
     } catch (const std::bad_alloc&) {
       return;  // Who asks hears nothing: the gateway must not end for that.
     }
@@ -224,7 +224,7 @@ asio::awaitable<std::optional<ControlServer::Status>> ControlServer::ask_status(
 }
 
 asio::awaitable<ControlServer::Response> ControlServer::status(const Request& request) {
-  const auto now = co_await ask_status();
+  const auto now = co_await ask_status(true);
   if (now) {
     last_ = status_json(now->report, now->process);
     last_at_ = std::chrono::steady_clock::now();
@@ -240,7 +240,7 @@ asio::awaitable<ControlServer::Response> ControlServer::status(const Request& re
 }
 
 asio::awaitable<ControlServer::Response> ControlServer::metrics(const Request& request) {
-  const auto now = co_await ask_status();
+  const auto now = co_await ask_status(client_metrics_);
   if (!now) {
     co_return answer(request, http::status::service_unavailable, error_json(kNoAnswer));
   }

@@ -59,7 +59,7 @@ class ControlServer {
   std::optional<Result<Stream, Refusal>> begin_stream(const Request& request, bool over_tcp);
   boost::asio::awaitable<Response> respond(const Request& request);
   /// Nothing: the gateway's thread has not answered in time.
-  boost::asio::awaitable<std::optional<Status>> ask_status();
+  boost::asio::awaitable<std::optional<Status>> ask_status(bool with_clients);
   boost::asio::awaitable<Response> status(const Request& request);
   boost::asio::awaitable<Response> metrics(const Request& request);
   boost::asio::awaitable<Response> health(const Request& request);

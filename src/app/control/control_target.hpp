@@ -23,7 +23,7 @@ class ControlTarget {
   using ReloadEnded = std::function<void(const ReloadOutcome&)>;
 
   virtual ~ControlTarget() = default;
-  [[nodiscard]] virtual gateway::StatusReport report_status() const = 0;
+  [[nodiscard]] virtual gateway::StatusReport report_status(bool with_clients) const = 0;
   [[nodiscard]] virtual ProcessStatus process_status() const = 0;
   /// Is every bus looked at when it is time?
   [[nodiscard]] virtual bool meets_deadlines() const = 0;

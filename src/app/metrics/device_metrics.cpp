@@ -82,6 +82,9 @@ void add_state(MetricBook& book, const Labels& labels, const DeviceStatus& devic
   book.gauge({"mbgate_device_quarantine_seconds",
               "How long the device is held back after an unanswered request."},
              labels, seconds_of(device.quarantine));
+  book.gauge({"mbgate_device_least_quarantine_seconds",
+              "The same as it is configured: only late responses make it longer."},
+             labels, seconds_of(device.least_quarantine));
   book.gauge({"mbgate_device_held_back_seconds", "How long it still gets nothing but stops."},
              labels, seconds_of(device.held_back));
 }

@@ -73,7 +73,8 @@ void add_listener(MetricBook& book, const gateway::ListenerStatus& listener,
   }
   const auto failures = tls_failures.find(listener.name);
   book.counter({"mbgate_listener_tls_failures_total",
-                "Clients whose handshake failed or was refused, and connections that broke TLS."},
+                "Clients whose handshake failed or was refused, and those that a reload ended "
+                "because of their certificate."},
                labels(),
                failures == tls_failures.end() ? 0 : static_cast<double>(failures->second));
   book.counter({"mbgate_listener_requests_total", "Requests of clients."}, labels(),

@@ -45,6 +45,19 @@ void add_descriptors(MetricBook& book) {
   }
 }
 
+// Alerts on restarts compare it from scrape to scrape, and two clocks never say the same twice: it
+// is to be asked for once.
+double start_seconds(double ticks_after_boot) {
+  constexpr double kNano = 1e-9;
+  timespec boot{};
+  ::clock_gettime(CLOCK_BOOTTIME, &boot);
+  const double since_boot =
+      static_cast<double>(boot.tv_sec) + kNano * static_cast<double>(boot.tv_nsec);
+  const double age = since_boot - ticks_after_boot / static_cast<double>(::sysconf(_SC_CLK_TCK));
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count() - age;
+}
+
 // proc(5), /proc/pid/stat: 22 starttime, 23 vsize, 24 rss; the name in brackets may hold spaces.
 void add_memory_and_start(MetricBook& book) {
   std::ifstream file("/proc/self/stat");
@@ -62,21 +75,14 @@ void add_memory_and_start(MetricBook& book) {
   double start_ticks = 0;
   double virtual_bytes = 0;
   double resident_pages = 0;
-  timespec boot{};
-  if (!(rest >> start_ticks >> virtual_bytes >> resident_pages) ||
-      ::clock_gettime(CLOCK_BOOTTIME, &boot) != 0) {
+  if (!(rest >> start_ticks >> virtual_bytes >> resident_pages)) {
     return;
   }
   book.gauge({"process_virtual_memory_bytes", "Address space in use."}, {}, virtual_bytes);
   book.gauge({"process_resident_memory_bytes", "Memory in use."}, {},
              resident_pages * static_cast<double>(::sysconf(_SC_PAGESIZE)));
-  constexpr double kNano = 1e-9;
-  const double since_boot =
-      static_cast<double>(boot.tv_sec) + kNano * static_cast<double>(boot.tv_nsec);
-  const double age = since_boot - start_ticks / static_cast<double>(::sysconf(_SC_CLK_TCK));
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  book.gauge({"process_start_time_seconds", "When the process began, since 1970."}, {},
-             std::chrono::duration<double>(now).count() - age);
+  static const double kStart = start_seconds(start_ticks);
+  book.gauge({"process_start_time_seconds", "When the process began, since 1970."}, {}, kStart);
 }
 
 }  // namespace

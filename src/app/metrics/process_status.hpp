@@ -25,7 +25,8 @@ struct ProcessStatus {
   std::chrono::system_clock::time_point config_read_at;
   bool reload_refused = false;  ///< the last one: the settings in force are older than the file
   std::vector<CertificateStatus> certificates{};
-  /// By listener: clients without a handshake, and connections that broke TLS. Others: none.
+  /// By listener: clients without a handshake, and those that a reload ended because of their
+  /// certificates. Others: none.
   std::map<std::string, std::uint64_t> tls_failures{};
 };
 

@@ -7,7 +7,9 @@ import { isFailure, response } from "/page/wire.js";
 export const PLOTTED = 120e6;  // microseconds: two minutes
 export const DRAWN = 60e6;  // of the lines
 const MOST_WIRES = 6000;  // of a line
-const MOST_POINTS = 3000;  // of a device
+export const MOST_POINTS = 3000;  // of a device: less than two minutes of one that answers more than 25 times a second
+const RECENT = 10e6;  // what was told within this, or twice this, says how the clocks are to each other
+const SET_BACK = 1e6;  // so much less is no drift
 
 /** Microseconds since the page was opened, by the clock of the browser. */
 export const here = () => performance.now() * 1000;
@@ -19,11 +21,18 @@ export class History {
     this.points = new Map();  // bus and address: [{ at, value }], value null: no good answer
     this.buses = new Map();  // by name, of the last status
     this.ahead = -Infinity;  // of mbgated's clock, before here()
+    this.forgetClock();
+  }
+
+  /** The most of what was seen of `ahead`, since an instant by here() and in the time before. */
+  forgetClock() {
+    this.lately = { since: -Infinity, most: -Infinity };
+    this.before = -Infinity;
   }
 
   /** The page was hidden, or begins: meanwhile clocks may have been set. */
   gap() {
-    this.ahead = -Infinity;
+    this.forgetClock();
     for (const load of this.loads.values()) {
       load.push({ at: here(), value: null });
     }
@@ -50,7 +59,7 @@ export class History {
 
   /** False: it is known already, from another request that shared it. */
   add(wire) {
-    this.ahead = Math.max(this.ahead, wire.endedAt - here());
+    this.noteClock(wire.endedAt - here());
     const wires = listOf(this.wires, wire.bus);
     let place = wires.length;
     while (place > 0 && wires[place - 1].at > wire.at) {
@@ -63,6 +72,23 @@ export class History {
     dropBefore(wires, wire.at - DRAWN, MOST_WIRES);
     this.addPoint(wire);
     return true;
+  }
+
+  /** What is told comes late, never early. But clocks drift, and mbgated's may be set: the most of the last seconds counts. */
+  noteClock(seen) {
+    const age = here() - this.lately.since;
+    if (age >= RECENT) {
+      this.before = age < 2 * RECENT ? this.lately.most : -Infinity;
+      this.lately = { since: here(), most: -Infinity };
+    }
+    this.lately.most = Math.max(this.lately.most, seen);
+    const ahead = Math.max(this.lately.most, this.before);
+    if (this.ahead - ahead > SET_BACK) {
+      // What is kept lies in the future, or where other frames will come.
+      this.wires.clear();
+      this.points.clear();
+    }
+    this.ahead = ahead;
   }
 
   addPoint(wire) {

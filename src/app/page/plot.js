@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // The two small plots: the load of a bus as a line, what a device thought as dots. Each says in words what it shows.
 
-import { milliseconds } from "/page/words.js";
-import { PLOTTED } from "/page/history.js";
+import { duration, milliseconds } from "/page/words.js";
+import { MOST_POINTS, PLOTTED } from "/page/history.js";
 import { cleared, colour } from "/page/theme.js";
 
 const LEFT = 52;  // pixels for the numbers
 const EDGE = 12;  // above and below
 
-function frame(canvas, now, top, topText) {
+/** `span` in microseconds, up to `now`. */
+function frame(canvas, now, span, top, topText) {
   const drawn = cleared(canvas);
   if (!drawn) {
     return null;
   }
   const { pen, width, height } = drawn;
-  const x = (at) => LEFT + (width - LEFT - 4) * (1 - (now - at) / PLOTTED);
+  const x = (at) => LEFT + (width - LEFT - 4) * (1 - (now - at) / span);
   const y = (value) => height - EDGE - 8 - (height - 2 * EDGE - 8) * Math.min(1, value / top);
   pen.strokeStyle = colour("edge");
   pen.beginPath();
@@ -27,7 +28,7 @@ function frame(canvas, now, top, topText) {
   pen.fillText(topText, LEFT - 4, y(top));
   pen.fillText("0", LEFT - 4, y(0));
   pen.textAlign = "left";
-  pen.fillText("2 min ago", LEFT, height - 6);
+  pen.fillText(`${span === PLOTTED ? "2 min" : duration(span / 1e6)} ago`, LEFT, height - 6);
   pen.textAlign = "right";
   pen.fillText("now", width - 4, height - 6);
   return { pen, x, y, width };
@@ -37,7 +38,7 @@ export function plotLoad(canvas, name, samples, now) {
   const values = samples.filter(({ value }) => value !== null).map(({ value }) => value);
   const text = values.length === 0 ? "nothing yet" : `now ${values[values.length - 1]} %, at most ${Math.max(...values)} %`;
   canvas.setAttribute("aria-label", `Load of ${name} in the last two minutes: ${text}`);
-  const drawn = frame(canvas, now, 100, "100 %");
+  const drawn = frame(canvas, now, PLOTTED, 100, "100 %");
   if (!drawn) {
     return;
   }
@@ -72,11 +73,18 @@ function wordsOf(points) {
   return `${good.length} answers, half of them within ${half}, the longest ${longest}, ${bad}`;
 }
 
+/** How far back the points of a device go: no more of them are kept than so many. */
+function reach(points, now) {
+  return points.length < MOST_POINTS ? PLOTTED : Math.min(PLOTTED, Math.max(1e6, now - points[0].at));
+}
+
 export function plotLatency(canvas, name, points, now) {
-  const shown = points.filter(({ at }) => at >= now - PLOTTED);
-  canvas.setAttribute("aria-label", `How long ${name} thought, in the last two minutes: ${wordsOf(shown)}`);
+  const span = reach(points, now);
+  const shown = points.filter(({ at }) => at >= now - span);
+  const time = span === PLOTTED ? "two minutes" : duration(span / 1e6);
+  canvas.setAttribute("aria-label", `How long ${name} thought, in the last ${time}: ${wordsOf(shown)}`);
   const top = roundUp(Math.max(1, ...shown.map(({ value }) => value ?? 0)));
-  const drawn = frame(canvas, now, top, `${top} ms`);
+  const drawn = frame(canvas, now, span, top, `${top} ms`);
   if (!drawn) {
     return;
   }

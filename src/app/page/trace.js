@@ -7,6 +7,7 @@ import { between, instant, timeOfDay } from "/page/words.js";
 const KEPT = 2000;
 const SHOWN = 60;
 const INTERVAL = 250;  // ms between two looks
+const NOBODY = "–";  // in place of a client
 
 /** One line of the list. */
 function lineOf(id, json) {
@@ -16,7 +17,7 @@ function lineOf(id, json) {
   const answer = json.answer ? json.answer.text : (json.ended ?? wire?.heard_text ?? "no answer");
   return {
     id, json, at,
-    client: json.client?.address ?? "–",
+    client: json.client?.address ?? NOBODY,
     buses: [...new Set([...targets, ...json.wire].map(({ bus }) => bus))],
     devices: [...new Set([...targets, ...json.wire].map(({ device }) => device).filter((name) => name !== null))],
     function: json.request ? parseInt(json.request.bytes.slice(21, 23), 16) : null,
@@ -34,7 +35,6 @@ export class Trace {
     this.count = 0;
     this.lost = 0;
     this.isPaused = false;
-    this.clients = new Set();
     this.rows = tableRows(byId("trace-rows"), (it) => String(it.id), [
       ["Time", (it) => () => this.opener(it)],
       ["Client", (it) => it.client],
@@ -70,9 +70,6 @@ export class Trace {
     if (this.lines.length > KEPT) {
       this.lines.shift();
     }
-    if (json.client) {
-      this.clients.add(json.client.address);
-    }
     this.showSoon();
   }
 
@@ -81,11 +78,20 @@ export class Trace {
     this.showSoon();
   }
 
+  /** Addresses to choose from: of those that are connected and of the lines that are kept, and the one that is chosen. */
+  clients(connected) {
+    const lines = [...this.lines, ...(this.held ?? [])];
+    const all = new Set([...connected.map(({ address }) => address), ...lines.map(({ client }) => client)]);
+    all.add(this.fields.client.value);
+    all.delete("");
+    all.delete(NOBODY);
+    return [...all].sort();
+  }
+
   status(status) {
-    status.clients.forEach(({ address }) => this.clients.add(address));
     setOptions(this.fields.bus, status.buses.map(({ name }) => name));
     setOptions(this.fields.device, status.devices.filter(({ name }) => name !== null).map(({ name }) => name));
-    setOptions(this.fields.client, [...this.clients].sort());
+    setOptions(this.fields.client, this.clients(status.clients));
   }
 
   matches() {

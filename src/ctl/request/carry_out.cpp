@@ -32,9 +32,8 @@ std::string_view meaning(std::uint8_t code) {
     case 0x06: return "the request was not carried out: gateway or device is busy; try again";
     case 0x08: return "the device's memory has a parity error";
     case 0x0A:
-      return "never transmitted: no route, no such device, its line is closed, or it was a write "
-             "to "
-             "a device that does not answer";
+      return "never transmitted (a broadcast: not on each of its buses): no route, no such device, "
+             "its line is closed, or it was a write to a device that does not answer";
     case 0x0B: return "no valid answer came";
     default: return "a code of the device's maker; its manual says what it means";
   }

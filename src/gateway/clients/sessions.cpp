@@ -44,6 +44,12 @@ ClientSession* Sessions::find(ClientId client) {
   return entry == sessions_.end() || entry->second.is_closed ? nullptr : &entry->second;
 }
 
+const routing::ClientAddress* Sessions::address_of(bus::FairnessKey key) const {
+  const auto found = std::ranges::find_if(
+      addresses_, [key](const auto& it) { return it.second.turns.key == key; });
+  return found == addresses_.end() ? nullptr : &found->first;
+}
+
 void Sessions::close(ClientSession& session) {
   session.is_closed = true;
   closed_.push_back(session.id());

@@ -4,6 +4,7 @@
 // removes it.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <unordered_map>
@@ -42,6 +43,11 @@ class Sessions {
   void for_each(Visit visit);
   template <typename Visit>
   void for_each(Visit visit) const;
+  /// Is one that is open so?
+  template <typename Predicate>
+  [[nodiscard]] bool any(Predicate predicate) const;
+  /// The client address whose turns these are; nullptr if it has gone.
+  [[nodiscard]] const routing::ClientAddress* address_of(bus::FairnessKey key) const;
 
   /// Something may be done for the client.
   void wake(const ClientSession& session) { ready_.push_back(session.id()); }
@@ -110,6 +116,12 @@ void Sessions::for_each(Visit visit) const {
       visit(session);
     }
   }
+}
+
+template <typename Predicate>
+bool Sessions::any(Predicate predicate) const {
+  return std::ranges::any_of(
+      sessions_, [&](const auto& it) { return !it.second.is_closed && predicate(it.second); });
 }
 
 }  // namespace mbgate::gateway

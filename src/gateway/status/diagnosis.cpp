@@ -175,7 +175,7 @@ std::vector<Diagnosis> diagnose(const StatusReport& report) {
   std::vector<Together> all;
   for (std::size_t place = 0; place < report.buses.size(); ++place) {
     all.push_back(together(report, place));
-    diagnose_bus(report, report.buses[place], all.back(), found);
+    diagnose_bus(report.buses[place], all.back(), found);
   }
   for (const DeviceStatus& device : report.devices) {
     diagnose_device(report, device, all[device.bus], found);

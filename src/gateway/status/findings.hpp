@@ -62,7 +62,6 @@ struct Together {
 Together together(const StatusReport& report, std::size_t bus);
 
 /// Adds what is wrong with the bus.
-void diagnose_bus(const StatusReport& report, const BusStatus& bus, const Together& all,
-                  std::vector<Diagnosis>& found);
+void diagnose_bus(const BusStatus& bus, const Together& all, std::vector<Diagnosis>& found);
 
 }  // namespace mbgate::gateway

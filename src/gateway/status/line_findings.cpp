@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is wrong with a bus.
-#include <algorithm>
 #include <utility>
 
 #include "gateway/status/findings.hpp"
@@ -74,26 +73,22 @@ Diagnosis of_foreign_frames(const BusStatus& bus) {
           "address"};
 }
 
-bool is_flooded(const StatusReport& report, const BusStatus& bus) {
+bool is_flooded(const BusStatus& bus) {
   constexpr std::size_t kPercent = 100;
   const auto& most = bus.most_waiting;
   return most && most->requests >= kBacklog && most->longest >= bus::kLongWait &&
-         most->requests * kPercent >= most->of * kMostOfAll &&
-         std::ranges::any_of(report.clients, [&](const ClientStatus& client) {
-           return client.address != most->address && client.requests > 0;
-         });
+         most->requests * kPercent >= most->of * kMostOfAll && most->others_ask;
 }
 
 // Where drives let requests time out, these take the time, and the line could carry more. What
 // waits at this instant says little: only if requests have waited before, too.
-void diagnose_load(const StatusReport& report, const BusStatus& bus, const Together& all,
-                   std::vector<Diagnosis>& found) {
+void diagnose_load(const BusStatus& bus, const Together& all, std::vector<Diagnosis>& found) {
   const auto& [requests, are_long] = bus.waits;
   if (bus.load < kFullLoad || all.are_waited_for || are_long < kLeastWaits) {
     return;
   }
   const std::string busy = "busy " + std::to_string(bus.load) + " % of the time; ";
-  if (is_flooded(report, bus)) {
+  if (is_flooded(bus)) {
     found.push_back({Rank::warning, "client " + bus.most_waiting->address,
                      "it asks for more than " + subject_of(bus) + " can carry",
                      subject_of(bus) + " is " + busy + std::to_string(bus.most_waiting->requests) +
@@ -113,8 +108,7 @@ void diagnose_load(const StatusReport& report, const BusStatus& bus, const Toget
 
 }  // namespace
 
-void diagnose_bus(const StatusReport& report, const BusStatus& bus, const Together& all,
-                  std::vector<Diagnosis>& found) {
+void diagnose_bus(const BusStatus& bus, const Together& all, std::vector<Diagnosis>& found) {
   if (!bus.is_open && !bus.is_starting && !bus.is_reopening) {
     found.push_back({Rank::nothing_works, subject_of(bus), "it is not open: nothing can be sent",
                      bus.line + " could not be opened, or was lost",
@@ -142,7 +136,7 @@ void diagnose_bus(const StatusReport& report, const BusStatus& bus, const Togeth
   if (is_bad(bus.quality)) {
     found.push_back(diagnosis_of_quality(subject_of(bus), bus.quality, true));
   }
-  diagnose_load(report, bus, all, found);
+  diagnose_load(bus, all, found);
   if (bus.echo == bus::NoticedEcho::found) {
     found.push_back({Rank::warning, subject_of(bus),
                      "it hears what it sends, and `echo` does not say so", kHeardItself,

@@ -18,13 +18,14 @@ std::optional<Duration> since(Instant instant, Instant now) {
 std::optional<WaitingClient> most_waiting(const bus::Bus& bus, const Sessions& sessions,
                                           Instant now) {
   const auto most = bus.most_waiting(now);
-  std::optional<WaitingClient> found;  // not if it has gone: stops are sent all the same
-  sessions.for_each([&](const ClientSession& client) {
-    if (most && !found && client.turns != nullptr && client.turns->key == most->source) {
-      found = {client.info().address.to_text(), most->requests, most->of, now - most->since};
-    }
+  const auto* address = most ? sessions.address_of(most->source) : nullptr;
+  if (address == nullptr) {  // it may have gone: stops are sent all the same
+    return std::nullopt;
+  }
+  const bool others_ask = sessions.any([&](const ClientSession& client) {
+    return client.requests > 0 && client.info().address != *address;
   });
-  return found;
+  return WaitingClient{address->to_text(), most->requests, most->of, now - most->since, others_ask};
 }
 
 BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Instant now) {
@@ -95,6 +96,7 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   }
   status.held_back = bus.held_back(address, now);
   status.quarantine = entry.health.quarantine(now, entry.timing());
+  status.least_quarantine = entry.timing().quarantine_or_default();
   if (entry.health.is_offline()) {
     status.next_probe = std::max(entry.health.probe_at() - now, Duration{0});
   }
@@ -142,7 +144,8 @@ std::string format_text(const modbus::CharacterFormat& format) {
   return std::to_string(format.data_bits) + parity + std::to_string(format.stop_bits);
 }
 
-StatusReport make_status_report(const StatusSources& sources, Duration uptime, Instant now) {
+StatusReport make_status_report(const StatusSources& sources, Duration uptime, Instant now,
+                                bool with_clients) {
   const Settings& settings = sources.settings;
   StatusReport report;
   report.uptime = uptime;
@@ -170,11 +173,13 @@ StatusReport make_status_report(const StatusSources& sources, Duration uptime, I
                                   sources.sessions.counters(listener)});
     }
   }
-  sources.sessions.for_each([&](const ClientSession& client) {
-    report.clients.push_back({client.info().address.to_text(),
-                              settings.listener(client.info().listener).name, client.requests,
-                              client.refused, client.outstanding()});
-  });
+  if (with_clients) {
+    sources.sessions.for_each([&](const ClientSession& client) {
+      report.clients.push_back({client.info().address.to_text(),
+                                settings.listener(client.info().listener).name, client.requests,
+                                client.refused, client.outstanding()});
+    });
+  }
   return report;
 }
 

@@ -28,8 +28,9 @@ struct Percentiles {
 struct WaitingClient {
   std::string address;
   std::size_t requests = 0;
-  std::size_t of = 0;   ///< of all client addresses
-  Duration longest{0};  ///< how long its first one has waited
+  std::size_t of = 0;       ///< of all client addresses
+  Duration longest{0};      ///< how long its first one has waited
+  bool others_ask = false;  ///< clients of other addresses are connected, and have asked
 };
 
 struct BusStatus {
@@ -84,6 +85,7 @@ struct DeviceStatus {
   Duration silent_for{0};                ///< how long ago the first of this was sent
   Duration held_back{0};                 ///< it still gets nothing but stops for so long
   Duration quarantine{0};                ///< how long it is held back after an unanswered request
+  Duration least_quarantine{0};          ///< the same as it is configured, before late answers
   std::optional<Duration> next_probe;    ///< offline: in how long it is asked again at the earliest
   Duration response_timeout{0};
   /// How long ago two answers came to one request. Where the line hears what it sends, those do not
@@ -118,7 +120,7 @@ struct StatusReport {
   std::vector<BusStatus> buses;  ///< in the order of the configuration
   std::vector<DeviceStatus>
       devices;  ///< these too; then addresses that were asked without a device
-  std::vector<ClientStatus> clients;
+  std::vector<ClientStatus> clients;  ///< if they were asked for
   std::vector<ListenerStatus> listeners;
 };
 
@@ -133,6 +135,8 @@ struct StatusSources {
   const ClientCounters& counters;
 };
 
-StatusReport make_status_report(const StatusSources& sources, Duration uptime, Instant now);
+/// Made on the thread that serves the buses: `with_clients` only for who shows each of them.
+StatusReport make_status_report(const StatusSources& sources, Duration uptime, Instant now,
+                                bool with_clients);
 
 }  // namespace mbgate::gateway

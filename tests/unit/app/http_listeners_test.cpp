@@ -59,7 +59,7 @@ TEST(HttpListeners, OfWhichTheKernelChoosesThePortsAreSeveral) {
 
 /// A gateway of which nothing is asked.
 class UnaskedTarget final : public ControlTarget {
-  gateway::StatusReport report_status() const override { return {}; }
+  gateway::StatusReport report_status(bool /*with_clients*/) const override { return {}; }
   ProcessStatus process_status() const override { return {}; }
   [[nodiscard]] bool meets_deadlines() const override { return true; }
   void reload(ReloadEnded /*ended*/) override {}

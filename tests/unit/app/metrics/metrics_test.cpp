@@ -31,6 +31,8 @@ gateway::StatusReport report() {
   device.state = bus::DeviceState::offline;
   device.counters.timeouts = 5;
   device.counters.exceptions_by_code.note(0x02);
+  device.quarantine = 1500ms;
+  device.least_quarantine = 250ms;
   device.times.device.note(3ms);
   report.devices.push_back(device);
   report.listeners.push_back({"plant", 2, {}});
@@ -52,6 +54,10 @@ TEST(Metrics, HaveTheNamesOfTheConfiguration) {
                               "reason=\"queue_full\"} 3\n"));
   EXPECT_THAT(text, HasSubstr("mbgate_device_timeouts_total{bus=\"line-a\",device=\"feeder\","
                               "address=\"7\"} 5\n"));
+  EXPECT_THAT(text, HasSubstr("mbgate_device_quarantine_seconds{bus=\"line-a\",device=\"feeder\","
+                              "address=\"7\"} 1.5\n"));
+  EXPECT_THAT(text, HasSubstr("mbgate_device_least_quarantine_seconds{bus=\"line-a\","
+                              "device=\"feeder\",address=\"7\"} 0.25\n"));
   EXPECT_THAT(text, HasSubstr("address=\"7\",state=\"offline\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("address=\"7\",state=\"answering\"} 0\n"));
   EXPECT_THAT(text, HasSubstr("address=\"7\",code=\"02\"} 1\n"));
@@ -142,6 +148,21 @@ TEST(Metrics, ShowTheProcess) {
   for (const char* name : {"process_cpu_seconds_total ", "process_open_fds ", "process_max_fds ",
                            "process_resident_memory_bytes ", "process_start_time_seconds "}) {
     EXPECT_THAT(text, HasSubstr(std::string("\n") + name));
+  }
+}
+
+// changes(process_start_time_seconds[15m]) > 0 says that it was started again.
+TEST(Metrics, ShowTheSameStartOfTheProcessEachTime) {
+  const auto started = [] {
+    const std::string text = metrics_text(process_families());
+    const std::string name = "\nprocess_start_time_seconds ";
+    const std::size_t begin = text.find(name) + name.size();
+    return text.substr(begin, text.find('\n', begin) - begin);
+  };
+  const std::string first = started();
+  EXPECT_GT(std::stod(first), 1e9);
+  for (int at = 0; at < 50; ++at) {
+    EXPECT_EQ(started(), first);
   }
 }
 

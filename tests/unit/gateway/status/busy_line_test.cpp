@@ -74,6 +74,7 @@ TEST(BusyLine, NamesTheClientThatAsksForMostOfWhatWaits) {
                         HasSubstr(" requests that wait are its, the oldest for "),
                         testing::EndsWith(" ms | how often it asks, and on how many connections; "
                                           "`pipeline`; `cache`, `merge` for what it reads"))));
+  EXPECT_EQ(crowd.diagnoses(false), crowd.diagnoses());  // those who count them see no clients
 }
 
 TEST(BusyLine, NamesNobodyWhereAllAskAlike) {

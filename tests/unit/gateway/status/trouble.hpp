@@ -31,9 +31,12 @@ class Trouble {
   explicit Trouble(const Settings& settings = troubled_plant()) : rig(settings) {
     rig.connect(1, "192.0.2.7");
   }
-  [[nodiscard]] Lines diagnoses() {
+  [[nodiscard]] gateway::StatusReport report(bool with_clients = true) {
+    return rig.harness.gateway().report_status(60s, rig.now(), with_clients);
+  }
+  [[nodiscard]] Lines diagnoses(bool with_clients = true) {
     Lines all;
-    for (const auto& it : gateway::diagnose(rig.harness.gateway().report_status(60s, rig.now()))) {
+    for (const auto& it : gateway::diagnose(report(with_clients))) {
       all.push_back(it.subject + ": " + it.finding + " | " + it.evidence + " | " + it.look_at);
     }
     return all;
