@@ -114,6 +114,9 @@ std::optional<routing::Network> read_network(TomlTable& table, std::string_view 
 void read_socket_path(TomlTable& table, std::string_view key, std::string& path,
                       std::string_view or_else = {});
 
+/// Is there no [[key]]? An empty list has none either.
+bool stands_nowhere(TomlTable root, std::string_view key);
+
 /// A list of addresses and blocks.
 routing::NetworkList read_networks(TomlTable& table, std::string_view key);
 
