@@ -65,7 +65,7 @@ void read_rules(Draft& draft);
 /// `registers` of a rule: "holding 0x7C-0x80", "motion commands", ...
 routing::RegisterSet read_rule_registers(TomlTable& table);
 
-/// Rules that can never match, and groups that none names.
+/// Rules that can never match, or deny nothing to clients with TLS, and groups that none names.
 void check_rules(Draft& draft);
 
 /// [[client]]: which clients get more turns.
