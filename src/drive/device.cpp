@@ -25,6 +25,14 @@ bool Device::is_stop(const modbus::Request& request) const {
                              [&](const WriteMatch& stop) { return writes_only(request, stop); });
 }
 
+bool Device::may_be_stopped_by(const modbus::Request& request) const {
+  return request.writes() && std::ranges::any_of(profile.stops, [&](const WriteMatch& stop) {
+           const auto written = request.written(stop.address);
+           return contains(request.writes()->range, stop.table, stop.address) &&
+                  (!written || stop.fits(*written));
+         });
+}
+
 const std::vector<std::uint16_t>* Device::stated_order() const {
   const auto& setting = profile.word_order_register;
   if (!setting) {

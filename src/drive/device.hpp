@@ -85,6 +85,9 @@ struct Device {
   [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request) const;
   /// Is the request a write of one of the profile's stops and of nothing else?
   [[nodiscard]] bool is_stop(const modbus::Request& request) const;
+  /// Does it write one of them, alone or among others? Function 22 writes only some bits of a
+  /// register: what it makes of one that can stop may be a stop.
+  [[nodiscard]] bool may_be_stopped_by(const modbus::Request& request) const;
   /// Does a request that was planned for `other` mean the same to this device?
   [[nodiscard]] bool understands_as(const Device& other) const {
     return word_order == other.word_order && opcode_order == other.opcode_order &&

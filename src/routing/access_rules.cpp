@@ -79,6 +79,16 @@ Fit fit_access(const AccessRule& rule, const AccessQuestion& question) {
                           : Fit::maybe;
 }
 
+// The name "stops" stands for a stop alone, without the parameters that may be written behind it.
+bool names_all(const RegisterSet& registers, const TouchedRegisters& touched) {
+  modbus::TableRange range = *touched.range;
+  if (registers.stops && touched.stop == StopIn::first) {
+    ++range.first;
+    --range.count;
+  }
+  return registers.covers(touched.device, range);
+}
+
 Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched, bool ranges_known) {
   const RegisterSet& registers = rule.registers;
   if (registers.empty()) {
@@ -87,14 +97,14 @@ Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched, bool 
   if (!ranges_known) {
     return Fit::maybe;
   }
-  if (registers.stops && touched.is_stop) {
-    return Fit::yes;
-  }
   if (!touched.range) {
     return Fit::no;
   }
-  return fit_if(rule.permits ? registers.covers(touched.device, *touched.range)
-                             : registers.touches(touched.device, *touched.range));
+  if (rule.permits) {
+    return fit_if(names_all(registers, touched));
+  }
+  return fit_if((registers.stops && touched.stop != StopIn::none) ||
+                registers.touches(touched.device, *touched.range));
 }
 
 Fit fit_touched(const AccessRule& rule, const TouchedRegisters& touched, bool ranges_known) {

@@ -54,12 +54,19 @@ struct AccessRule {
   friend bool operator==(const AccessRule&, const AccessRule&) = default;
 };
 
+/// What of a write stops its device.
+enum class StopIn : std::uint8_t {
+  none,
+  some,   ///< something of it stops the device, or may do so
+  first,  ///< it is a stop: its first register; those behind are parameters, which it does not use
+};
+
 /// What is read or written of one device by one transaction.
 struct TouchedRegisters {
   std::optional<std::size_t> number{};        ///< of the device; none: none is configured there
   const drive::Device* device = nullptr;      ///< the same
   std::optional<modbus::TableRange> range{};  ///< of the device; none: its function names no table
-  bool is_stop = false;                       ///< a write that is a stop of this device
+  StopIn stop = StopIn::none;
 };
 
 /// One half of a request, and who asks. What is not known yet is empty.

@@ -25,7 +25,8 @@ struct RegisterSet {
   bool motion_commands = false;
   bool communication_registers = false;
   bool values = false;  ///< all values of 32 and 64 bits
-  bool stops = false;   ///< no registers: writes that are a stop and nothing else
+  /// No registers: writes of a stop. access_rules knows them by what they write.
+  bool stops = false;
 
   [[nodiscard]] bool empty() const {
     return spans.empty() && !motion_commands && !communication_registers && !values && !stops;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Access rules that can never match: each says something that is not so.
+// Access rules that can never match, or not where they seem to: each says something that is not so.
 #include <algorithm>
 #include <array>
 
@@ -33,19 +33,46 @@ std::vector<ListenerId> listeners_of(const Settings& settings, const AccessRule&
   return all;
 }
 
+bool have_common(const std::vector<std::string>& a, const std::vector<std::string>& b) {
+  return std::ranges::find_first_of(a, b) != a.end();
+}
+
+// A client must have a role of the rule and one of its group, and it has one role.
+bool have_disjoint_roles(const AccessRule& rule) {
+  return !rule.roles.empty() && !rule.clients.empty() &&
+         std::ranges::all_of(rule.clients, [&](const routing::ClientGroup& group) {
+           return !group.roles.empty() && !have_common(group.roles, rule.roles);
+         });
+}
+
+// That a rule without roles permits nothing there is safe; that it denies nothing either is what
+// nobody expects.
+void warn_of_undenied(Draft& draft, std::size_t at, ListenerId open) {
+  draft.document.warning(
+      draft.rules[at].position(),
+      "[[rule]]: denies nothing on listener " + in_quotes(draft.settings.listener(open).name) +
+          ", which has 'tls', because it names no role: give 'roles', any_role = "
+          "true, or 'listeners' without 'tls'");
+}
+
 void check_roles(Draft& draft, std::size_t at) {
   const AccessRule& rule = draft.settings.rules[at];
   const auto listeners = listeners_of(draft.settings, rule);
   const auto encrypts = [&](ListenerId id) { return has_tls(draft.settings.listener(id)); };
   const auto names_role = [](const routing::ClientGroup& group) { return !group.roles.empty(); };
+  const auto encrypted = std::ranges::find_if(listeners, encrypts);
   const bool always_named = !rule.roles.empty() || (!rule.clients.empty() &&
                                                     std::ranges::all_of(rule.clients, names_role));
   const bool ever_named = !rule.roles.empty() || std::ranges::any_of(rule.clients, names_role);
-  if (always_named && std::ranges::none_of(listeners, encrypts)) {
+  if (always_named && encrypted == listeners.end()) {
     warn(draft, at, "it names roles, and none of its listeners has 'tls'");
+  } else if (have_disjoint_roles(rule)) {
+    warn(draft, at, "its 'roles' and those of its groups have none in common");
   } else if (!ever_named && !rule.any_role && std::ranges::all_of(listeners, encrypts)) {
     warn(draft, at,
          "all its listeners have 'tls', and it names no role: give 'roles', or any_role = true");
+  } else if (!ever_named && !rule.any_role && !rule.permits && encrypted != listeners.end()) {
+    warn_of_undenied(draft, at, *encrypted);
   }
 }
 

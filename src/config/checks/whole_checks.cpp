@@ -10,11 +10,6 @@ namespace {
 using gateway::Settings;
 using routing::Route;
 
-bool stands_nowhere(TomlTable root, std::string_view key) {
-  const auto* found = root.value(key);
-  return found == nullptr || is_empty_list(*found);
-}
-
 void check_present(Draft& draft) {
   if (stands_nowhere(draft.document.root(), "listen")) {
     draft.document.error({}, "no [[listen]]: nobody could connect");

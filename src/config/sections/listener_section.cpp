@@ -45,8 +45,8 @@ bool is_every_interface(const ClientAddress& address) {
 /// Drives are not opened to whole networks by one line.
 void check_open(Draft& draft, TomlTable& table, const ListenerSettings& listener) {
   const auto address = ClientAddress::parse(listener.address);
-  auto root = draft.document.root();
-  if (address && !is_loopback(*address) && !table.has("allow") && !root.has("rule")) {
+  if (address && !is_loopback(*address) && !table.has("allow") &&
+      stands_nowhere(draft.document.root(), "rule")) {
     table.error("address", "other machines reach " + in_quotes(listener.address) +
                                ": expected 'allow' with those who may connect, such as "
                                "allow = [\"192.168.10.0/24\"], or a [[rule]]");

@@ -97,6 +97,11 @@ void read_socket_path(TomlTable& table, std::string_view key, std::string& path,
   }
 }
 
+bool stands_nowhere(TomlTable root, std::string_view key) {
+  const auto* found = root.value(key);
+  return found == nullptr || is_empty_list(*found);
+}
+
 std::optional<routing::Network> read_network(TomlTable& table, std::string_view key,
                                              const TomlValue& found) {
   const auto* text = std::get_if<std::string>(&found.data);

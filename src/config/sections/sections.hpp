@@ -65,7 +65,7 @@ void read_rules(Draft& draft);
 /// `registers` of a rule: "holding 0x7C-0x80", "motion commands", ...
 routing::RegisterSet read_rule_registers(TomlTable& table);
 
-/// Rules that can never match, and groups that none names.
+/// Rules that can never match, or deny nothing to clients with TLS, and groups that none names.
 void check_rules(Draft& draft);
 
 /// [[client]]: which clients get more turns.
@@ -113,6 +113,9 @@ std::optional<routing::Network> read_network(TomlTable& table, std::string_view 
 /// `or_else`: what may stand there too, for the message.
 void read_socket_path(TomlTable& table, std::string_view key, std::string& path,
                       std::string_view or_else = {});
+
+/// Is there no [[key]]? An empty list has none either.
+bool stands_nowhere(TomlTable root, std::string_view key);
 
 /// A list of addresses and blocks.
 routing::NetworkList read_networks(TomlTable& table, std::string_view key);

@@ -9,6 +9,7 @@ namespace {
 using routing::AccessDecision;
 using routing::AccessQuestion;
 using routing::ClientRole;
+using routing::StopIn;
 using routing::TouchedRegisters;
 using TouchedList = boost::container::small_vector<TouchedRegisters, 4>;
 
@@ -30,6 +31,13 @@ bool is_denied_at_all(const ClientInfo& client) {
   return client.role.kind == ClientRole::Kind::unreadable;
 }
 
+StopIn stop_in(const drive::Device* device, const modbus::Request& request) {
+  if (device == nullptr || !device->may_be_stopped_by(request)) {
+    return StopIn::none;
+  }
+  return device->is_stop(request) ? StopIn::first : StopIn::some;
+}
+
 void add_of_device(const SettingsSnapshot& settings, std::optional<std::size_t> number,
                    const modbus::Request& request, Halves& halves) {
   const drive::Device* device = number ? &settings.settings.devices[*number] : nullptr;
@@ -40,7 +48,7 @@ void add_of_device(const SettingsSnapshot& settings, std::optional<std::size_t> 
   }
   if (const auto& writes = request.writes()) {
     touched.range = writes->range;
-    touched.is_stop = device != nullptr && device->is_stop(request);
+    touched.stop = stop_in(device, request);
     halves.written.push_back(touched);
   }
   if (!request.reads() && !request.writes()) {

@@ -12,6 +12,7 @@ namespace {
 using routing::AccessRule;
 using routing::ClientRole;
 using routing::RegisterSpan;
+using routing::StopIn;
 using routing::TouchedRegisters;
 
 const ClientRole kPlain;
@@ -182,9 +183,36 @@ TEST(AccessRules, KnowAStopByWhatItWrites) {
   TouchedRegisters write{.range = modbus::TableRange{Table::holding_registers, 40, 1}};
   EXPECT_EQ(decided({rule}, {.touched = {write}}), "none-");
   TouchedRegisters stop = write;
-  stop.is_stop = true;
+  stop.stop = StopIn::first;
   EXPECT_EQ(decided({rule}, {.touched = {stop}}), "0+");
   EXPECT_EQ(decided({rule}, {.touched = {stop, write}}), "none-");
+}
+
+TEST(AccessRules, PermitAStopWithWhatIsWrittenBehindItOnlyIfThatIsNamedToo) {
+  AccessRule rule;
+  rule.registers.stops = true;
+  TouchedRegisters stop{.range = modbus::TableRange{Table::holding_registers, 40, 6},
+                        .stop = StopIn::first};
+  EXPECT_EQ(decided({rule}, {.touched = {stop}}), "none-");
+  rule.registers.spans = {{Table::holding_registers, 41, 44}};
+  EXPECT_EQ(decided({rule}, {.touched = {stop}}), "none-");
+  rule.registers.spans[0].last = 45;
+  EXPECT_EQ(decided({rule}, {.touched = {stop}}), "0+");
+  stop.stop = StopIn::some;
+  EXPECT_EQ(decided({rule}, {.touched = {stop}}), "none-");
+  rule.registers.spans[0].first = 40;
+  EXPECT_EQ(decided({rule}, {.touched = {stop}}), "0+");
+}
+
+TEST(AccessRules, DenyWhateverHoldsAStop) {
+  AccessRule rule = deny();
+  rule.registers.stops = true;
+  TouchedRegisters write{.range = modbus::TableRange{Table::holding_registers, 40, 6}};
+  EXPECT_EQ(decided({rule, {}}, {.touched = {write}}), "1+");
+  for (const StopIn stop : {StopIn::first, StopIn::some}) {
+    write.stop = stop;
+    EXPECT_EQ(decided({rule, {}}, {.touched = {write}}), "0-");
+  }
 }
 
 TEST(AccessRules, DenyABroadcastByAnyUnitAndAnyDeviceThatItIsFor) {

@@ -127,7 +127,7 @@ class Naive {
       ++outside;
       return;
     }
-    if (rule_.registers.empty() || (rule_.registers.stops && touched.is_stop)) {
+    if (rule_.registers.empty()) {
       ++inside;
       return;
     }
@@ -136,8 +136,17 @@ class Naive {
       return;
     }
     for (std::uint32_t i = 0; i < touched.range->count; ++i) {
-      ++(is_named(touched, touched.range->first + i) ? inside : outside);
+      const bool named = is_named(touched, touched.range->first + i) || is_named_stop(touched, i);
+      ++(named ? inside : outside);
     }
+  }
+  // To deny them, whatever holds a stop is one; to permit them, the register that stops is.
+  [[nodiscard]] bool is_named_stop(const TouchedRegisters& touched, std::uint32_t place) const {
+    if (!rule_.registers.stops) {
+      return false;
+    }
+    return rule_.permits ? touched.stop == StopIn::first && place == 0
+                         : touched.stop != StopIn::none;
   }
   [[nodiscard]] bool is_named(const TouchedRegisters& touched, std::uint32_t address) const {
     for (const auto& span : rule_.registers.spans) {

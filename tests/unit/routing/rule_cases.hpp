@@ -18,6 +18,7 @@ using routing::AccessRule;
 using routing::ClientAddress;
 using routing::ClientRole;
 using routing::RuleAccess;
+using routing::StopIn;
 using routing::TouchedRegisters;
 
 inline constexpr std::uint16_t kRuleRegisters = 16;  // of a table, in this test
@@ -191,7 +192,9 @@ inline Case some_case(Dice& dice, const std::vector<drive::Device>& devices) {
                      static_cast<std::uint16_t>(
                          1 + dice.below(std::min<std::size_t>(4, kRuleRegisters - first)))};
     }
-    touched.is_stop = touched.number && !made.is_read && dice.one_in(6);
+    if (touched.number && touched.range && !made.is_read && dice.one_in(4)) {
+      touched.stop = dice.one_in(2) ? StopIn::first : StopIn::some;
+    }
     made.touched.push_back(touched);
   }
   return made;

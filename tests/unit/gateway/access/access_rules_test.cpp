@@ -2,45 +2,17 @@
 // Access rules in the machine: who is let in, what is denied, what is over a rate.
 #include <gmock/gmock.h>
 
+#include "unit/gateway/access/access_plant.hpp"
 #include "unit/gateway/writes/watched_plant.hpp"
 
 namespace mbgate::test {
 namespace {
 
-using routing::AccessRule;
 using routing::ClientRole;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
-
-constexpr auto kDenied = "00 02 00 00 00 03 01 86 01";
-
-AccessRule rule(bool permits, std::string name) {
-  AccessRule made;
-  made.permits = permits;
-  made.name = std::move(name);
-  made.place = "mbgate.toml:7";
-  return made;
-}
-
-AccessRule rule_for(std::string_view network, bool permits = true) {
-  AccessRule made = rule(permits, "panels");
-  made.clients = {{"panels", {*routing::Network::parse(network)}, {}}};
-  return made;
-}
-
-AccessRule reading() {
-  AccessRule made = rule(true, "reading");
-  made.access = routing::RuleAccess::read;
-  return made;
-}
-
-Settings plant_with(std::vector<AccessRule> rules) {
-  Settings settings = stop_plant(16);
-  settings.rules = std::move(rules);
-  return settings;
-}
 
 TEST(AccessInTheMachine, WhatNoRulePermitsGets01AndNothingIsSent) {
   MachineRig rig(plant_with({reading()}));
