@@ -149,6 +149,9 @@ class Metrics(HttpCase):
         limit = time.monotonic() + PATIENCE
         while 'client="127.0.0.1"' not in self.scraped():
             self.assertLess(time.monotonic(), limit, "no client is named")
+        document = DOCUMENT.read_text(encoding="utf-8")
+        for name in parsed(self.scraped()):
+            self.assertIn(f"`{name}`", document)
 
     def test_over_tcp_for_those_who_may_read(self):
         self.listen('hosts = ["gateway.plant"]')
@@ -182,6 +185,16 @@ class Metrics(HttpCase):
                 return f"http://{listening.group(1)}"
             self.assertLess(time.monotonic(), limit, (folder / "log").read_text(encoding="utf-8"))
             time.sleep(0.1)
+
+    def test_each_list_of_the_dashboard_has_what_to_choose_from(self):
+        families = parsed(self.scraped())
+        lists = json.loads(DASHBOARD.read_text(encoding="utf-8"))["templating"]["list"]
+        queries = [it["query"] for it in lists if it["type"] == "query"]
+        self.assertEqual(len(queries), 3)
+        for query in queries:
+            metric, label = re.fullmatch(r"label_values\((\w+), (\w+)\)", query).groups()
+            self.assertIn(metric, families)
+            self.assertTrue(any(labels.get(label) for _, labels, _ in families[metric]["samples"]), query)
 
     def test_each_query_of_the_dashboard_returns_data(self):
         self.listen()
