@@ -21,33 +21,6 @@ using Wrong = std::optional<std::string>;
 /// Only its first initialisation can leave that out.
 const int kNoTidying = OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
 
-Wrong trust(SSL_CTX& context, const bus::TlsPeer& peer) {
-  const auto authorities = read_certificates(peer.authorities);
-  if (!authorities) {
-    return authorities.error();
-  }
-  X509_STORE* const store = SSL_CTX_get_cert_store(&context);
-  for (const auto& authority : *authorities) {
-    if (X509_STORE_add_cert(store, authority.get()) != 1) {
-      return peer.authorities + ": " + take_openssl_error();
-    }
-  }
-  if (peer.crl.empty()) {
-    return std::nullopt;
-  }
-  const auto lists = read_crls(peer.crl);
-  if (!lists) {
-    return lists.error();
-  }
-  for (const auto& list : *lists) {
-    if (X509_STORE_add_crl(store, list.get()) != 1) {
-      return peer.crl + ": " + take_openssl_error();
-    }
-  }
-  X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL);
-  return std::nullopt;
-}
-
 Wrong use_key(SSL_CTX& context, const bus::TlsPeer& peer) {
   auto signer = SignerClient::open(peer.signer, peer.key);
   if (!signer) {
@@ -86,12 +59,13 @@ Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   SSL_CTX_set_options(context.get(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION);
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, accept_expired_list);
   Wrong wrong = use_certificate(*context, peer.certificate);
-  if (!wrong) {
-    wrong = trust(*context, peer);
+  if (wrong) {
+    return *std::move(wrong);
   }
-  if (!wrong) {
-    wrong = use_key(*context, peer);
+  if (auto trusted = use_authorities(*context, peer.authorities, peer.crl); !trusted) {
+    return trusted.error();
   }
+  wrong = use_key(*context, peer);
   if (wrong) {
     return *std::move(wrong);
   }
