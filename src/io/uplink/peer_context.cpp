@@ -4,7 +4,6 @@
 #include <openssl/x509_vfy.h>
 #include <openssl/x509v3.h>
 
-#include <optional>
 #include <utility>
 
 #include "base/assert.hpp"
@@ -34,19 +33,23 @@ Wrong use_key(SSL_CTX& context, const bus::TlsPeer& peer) {
   return std::nullopt;
 }
 
-/// The name that the server's certificate must be for.
-void expect_name(SSL& ssl, const std::string& name) {
+}  // namespace
+
+std::optional<std::string> expect_name(SSL& ssl, const std::string& name) {
   X509_VERIFY_PARAM* const wanted = SSL_get0_param(&ssl);
-  if (X509_VERIFY_PARAM_set1_ip_asc(wanted, name.c_str()) == 1) {
-    return;
+  // Of no name OpenSSL checks nothing, and an address ends for it at a zero.
+  const bool is_name = !name.empty() && name.find('\0') == std::string::npos;
+  if (is_name && X509_VERIFY_PARAM_set1_ip_asc(wanted, name.c_str()) == 1) {
+    return std::nullopt;
   }
   ERR_clear_error();  // it is no address
-  X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size());
   std::string told = name;
-  SSL_ctrl(&ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, told.data());
+  if (!is_name || X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size()) != 1 ||
+      SSL_ctrl(&ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, told.data()) != 1) {
+    return "server_name: no certificate can be for such a name (" + take_openssl_error() + ")";
+  }
+  return std::nullopt;
 }
-
-}  // namespace
 
 Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   MBGATE_ASSERT(kNoTidying == 1, "OpenSSL does not tidy up at the end");
@@ -73,7 +76,10 @@ Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   if (!ssl) {
     return take_openssl_error();
   }
-  expect_name(*ssl, peer.server_name);
+  wrong = expect_name(*ssl, peer.server_name);
+  if (wrong) {
+    return *std::move(wrong);
+  }
   return ssl;
 }
 
