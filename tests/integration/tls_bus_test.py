@@ -99,6 +99,13 @@ class Bus(FrontCase):
         ):
             self.assertEqual(why, self.lost(self.near(self.front(name).port)))
 
+    def test_does_not_trust_another_authority(self):
+        for arguments in (("ca", "--name", "Strangers"), ("server", "gateway", "--address", "127.0.0.1")):
+            self.cert(*arguments, folder="strangers")
+        front = self.front("strangers/gateway")
+        self.assertRegex(self.lost(self.near(front.port)), "^certificate verify failed: self-signed certificate in certificate chain")
+        self.assertEqual([], front.clients)
+
     def test_expects_another_name_where_it_is_told_to(self):
         gateway = self.near(self.front("other").port, more='server_name = "gw.plant"\n')
         self.ask(gateway, "read", "holding", 0)

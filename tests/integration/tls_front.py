@@ -21,8 +21,9 @@ class FrontCase(unittest.TestCase):
     """Certificates in cls.folder, and fronts of cls.plant with them."""
 
     @classmethod
-    def cert(cls, *arguments):
-        subprocess.run([program("mbgatectl"), "cert", *arguments], cwd=cls.folder, check=True, timeout=PATIENCE,
+    def cert(cls, *arguments, folder="."):
+        (cls.folder / folder).mkdir(exist_ok=True)
+        subprocess.run([program("mbgatectl"), "cert", *arguments], cwd=cls.folder / folder, check=True, timeout=PATIENCE,
                        stdout=subprocess.DEVNULL)  # fmt: skip
 
     def front(self, *arguments, **words):

@@ -3,6 +3,7 @@
 
 #include <openssl/pem.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <system_error>
@@ -52,6 +53,28 @@ Result<std::vector<Handle>, std::string> read_all(const std::string& path, const
   return found;
 }
 
+std::string subject_text(const X509_NAME& name) {
+  const BioHandle text(BIO_new(BIO_s_mem()));
+  X509_NAME_print_ex(text.get(), &name, 0, XN_FLAG_RFC2253 & ~ASN1_STRFLGS_ESC_MSB);
+  char* data = nullptr;
+  const long size = BIO_get_mem_data(text.get(), &data);
+  return {data, static_cast<std::size_t>(size)};
+}
+
+/// An authority of which there is no list; nullptr: each has one.
+const X509_NAME* without_list(const Trusted& trusted) {
+  for (const CertificateHandle& authority : trusted.authorities) {
+    const X509_NAME* const name = X509_get_subject_name(authority.get());
+    const auto is_its = [name](const CrlHandle& list) {
+      return X509_NAME_cmp(X509_CRL_get_issuer(list.get()), name) == 0;
+    };
+    if (std::ranges::none_of(trusted.lists, is_its)) {
+      return name;
+    }
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 Result<std::vector<CertificateHandle>, std::string> read_certificates(const std::string& path) {
@@ -78,6 +101,40 @@ std::optional<std::string> use_certificate(SSL_CTX& context, const std::string& 
     SSL_CTX_add1_chain_cert(&context, (*chain)[at].get());
   }
   return std::nullopt;
+}
+
+Result<Trusted, std::string> use_authorities(SSL_CTX& context, const std::string& authorities,
+                                             const std::string& crl) {
+  auto certificates = read_certificates(authorities);
+  if (!certificates) {
+    return certificates.error();
+  }
+  Trusted trusted{*std::move(certificates)};
+  X509_STORE* const store = SSL_CTX_get_cert_store(&context);
+  for (const CertificateHandle& authority : trusted.authorities) {
+    if (X509_STORE_add_cert(store, authority.get()) != 1) {
+      return authorities + ": " + take_openssl_error();
+    }
+  }
+  if (crl.empty()) {
+    return trusted;
+  }
+  auto lists = read_crls(crl);
+  if (!lists) {
+    return lists.error();
+  }
+  trusted.lists = *std::move(lists);
+  if (const X509_NAME* const missing = without_list(trusted)) {
+    return crl + ": expected a list of revoked certificates of each authority in " + authorities +
+           ", found none of " + subject_text(*missing);
+  }
+  for (const CrlHandle& list : trusted.lists) {
+    if (X509_STORE_add_crl(store, list.get()) != 1) {
+      return crl + ": " + take_openssl_error();
+    }
+  }
+  X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL);
+  return trusted;
 }
 
 int accept_expired_list(int good, X509_STORE_CTX* store) {

@@ -20,6 +20,19 @@ Result<std::vector<CrlHandle>, std::string> read_crls(const std::string& path);
 /// chain; or says why not, with the path.
 std::optional<std::string> use_certificate(SSL_CTX& context, const std::string& path);
 
+/// Of whom certificates are accepted, and what of them is revoked.
+struct Trusted {
+  std::vector<CertificateHandle> authorities;
+  std::vector<CrlHandle> lists{};  ///< none: nothing is known of that
+};
+
+/// Makes the context accept what the authorities of the one file have signed, but not what the
+/// lists of the other one name; an empty path: there are no lists. Else there must be one of each
+/// authority: OpenSSL accepts no chain with one whose list is missing, and so perhaps nobody. What
+/// was read; or why not, with the path.
+Result<Trusted, std::string> use_authorities(SSL_CTX& context, const std::string& authorities,
+                                             const std::string& crl);
+
 /// For SSL_CTX_set_verify(3). A list that has expired still names revoked certificates: nobody is
 /// locked out because it was not renewed, and the journal tells. All other objections count.
 int accept_expired_list(int good, X509_STORE_CTX* store);

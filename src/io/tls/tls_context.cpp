@@ -75,10 +75,7 @@ Result<std::shared_ptr<TlsContext>, TlsFailure> TlsContext::make(
   const std::shared_ptr<TlsContext> made(new TlsContext());
   auto wrong = made->take_certificate(settings.certificate);
   if (!wrong) {
-    wrong = made->take_authorities(settings.authorities);
-  }
-  if (!wrong && !settings.crl.empty()) {
-    wrong = made->take_crls(settings.crl);
+    wrong = made->take_trust(settings);
   }
   if (wrong) {
     return TlsFailure{*std::move(wrong)};
@@ -100,37 +97,22 @@ std::optional<std::string> TlsContext::take_certificate(const std::string& path)
   return wrong;
 }
 
-std::optional<std::string> TlsContext::take_authorities(const std::string& path) {
-  const auto authorities = read_certificates(path);
-  if (!authorities) {
-    return authorities.error();
+std::optional<std::string> TlsContext::take_trust(const gateway::TlsSettings& settings) {
+  const auto trusted = use_authorities(*context_, settings.authorities, settings.crl);
+  if (!trusted) {
+    return trusted.error();
   }
-  X509_STORE* const store = SSL_CTX_get_cert_store(context_.get());
-  for (const auto& authority : *authorities) {
-    if (X509_STORE_add_cert(store, authority.get()) != 1 ||
-        SSL_CTX_add_client_CA(context_.get(), authority.get()) != 1) {
-      return path + ": " + take_openssl_error();
+  for (const auto& authority : trusted->authorities) {
+    if (SSL_CTX_add_client_CA(context_.get(), authority.get()) != 1) {
+      return settings.authorities + ": " + take_openssl_error();
     }
   }
-  return std::nullopt;
-}
-
-std::optional<std::string> TlsContext::take_crls(const std::string& path) {
-  const auto lists = read_crls(path);
-  if (!lists) {
-    return lists.error();
-  }
-  X509_STORE* const store = SSL_CTX_get_cert_store(context_.get());
-  for (const auto& list : *lists) {
-    if (X509_STORE_add_crl(store, list.get()) != 1) {
-      return path + ": " + take_openssl_error();
-    }
+  for (const auto& list : trusted->lists) {
     if (const ASN1_TIME* const ends = X509_CRL_get0_nextUpdate(list.get())) {
       const auto time = time_of(ends);
       dates_.crl_ends = dates_.crl_ends ? std::min(*dates_.crl_ends, time) : time;
     }
   }
-  X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL);
   return std::nullopt;
 }
 

@@ -52,8 +52,7 @@ class TlsContext {
   TlsContext();
 
   std::optional<std::string> take_certificate(const std::string& path);
-  std::optional<std::string> take_authorities(const std::string& path);
-  std::optional<std::string> take_crls(const std::string& path);
+  std::optional<std::string> take_trust(const gateway::TlsSettings& settings);
   std::optional<TlsFailure> take_key(const std::string& signer, const std::string& key);
   void keep_sessions();
   static TlsContext& of(const SSL_CTX* context);

@@ -4,7 +4,6 @@
 #include <openssl/x509_vfy.h>
 #include <openssl/x509v3.h>
 
-#include <optional>
 #include <utility>
 
 #include "base/assert.hpp"
@@ -21,33 +20,6 @@ using Wrong = std::optional<std::string>;
 /// Only its first initialisation can leave that out.
 const int kNoTidying = OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
 
-Wrong trust(SSL_CTX& context, const bus::TlsPeer& peer) {
-  const auto authorities = read_certificates(peer.authorities);
-  if (!authorities) {
-    return authorities.error();
-  }
-  X509_STORE* const store = SSL_CTX_get_cert_store(&context);
-  for (const auto& authority : *authorities) {
-    if (X509_STORE_add_cert(store, authority.get()) != 1) {
-      return peer.authorities + ": " + take_openssl_error();
-    }
-  }
-  if (peer.crl.empty()) {
-    return std::nullopt;
-  }
-  const auto lists = read_crls(peer.crl);
-  if (!lists) {
-    return lists.error();
-  }
-  for (const auto& list : *lists) {
-    if (X509_STORE_add_crl(store, list.get()) != 1) {
-      return peer.crl + ": " + take_openssl_error();
-    }
-  }
-  X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL);
-  return std::nullopt;
-}
-
 Wrong use_key(SSL_CTX& context, const bus::TlsPeer& peer) {
   auto signer = SignerClient::open(peer.signer, peer.key);
   if (!signer) {
@@ -61,19 +33,23 @@ Wrong use_key(SSL_CTX& context, const bus::TlsPeer& peer) {
   return std::nullopt;
 }
 
-/// The name that the server's certificate must be for.
-void expect_name(SSL& ssl, const std::string& name) {
+}  // namespace
+
+std::optional<std::string> expect_name(SSL& ssl, const std::string& name) {
   X509_VERIFY_PARAM* const wanted = SSL_get0_param(&ssl);
-  if (X509_VERIFY_PARAM_set1_ip_asc(wanted, name.c_str()) == 1) {
-    return;
+  // Of no name OpenSSL checks nothing, and an address ends for it at a zero.
+  const bool is_name = !name.empty() && name.find('\0') == std::string::npos;
+  if (is_name && X509_VERIFY_PARAM_set1_ip_asc(wanted, name.c_str()) == 1) {
+    return std::nullopt;
   }
   ERR_clear_error();  // it is no address
-  X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size());
   std::string told = name;
-  SSL_ctrl(&ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, told.data());
+  if (!is_name || X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size()) != 1 ||
+      SSL_ctrl(&ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, told.data()) != 1) {
+    return "server_name: no certificate can be for such a name (" + take_openssl_error() + ")";
+  }
+  return std::nullopt;
 }
-
-}  // namespace
 
 Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   MBGATE_ASSERT(kNoTidying == 1, "OpenSSL does not tidy up at the end");
@@ -86,12 +62,13 @@ Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   SSL_CTX_set_options(context.get(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION);
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, accept_expired_list);
   Wrong wrong = use_certificate(*context, peer.certificate);
-  if (!wrong) {
-    wrong = trust(*context, peer);
+  if (wrong) {
+    return *std::move(wrong);
   }
-  if (!wrong) {
-    wrong = use_key(*context, peer);
+  if (auto trusted = use_authorities(*context, peer.authorities, peer.crl); !trusted) {
+    return trusted.error();
   }
+  wrong = use_key(*context, peer);
   if (wrong) {
     return *std::move(wrong);
   }
@@ -99,7 +76,10 @@ Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   if (!ssl) {
     return take_openssl_error();
   }
-  expect_name(*ssl, peer.server_name);
+  wrong = expect_name(*ssl, peer.server_name);
+  if (wrong) {
+    return *std::move(wrong);
+  }
   return ssl;
 }
 

@@ -4,6 +4,7 @@
 // nothing but the next one. Reading files and asking the signer may block.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "bus/settings.hpp"
@@ -15,6 +16,10 @@ namespace mbgate::io {
 /// TLS 1.2 or 1.3 with the server's certificate checked by authority, dates, revocations and name.
 /// The error is one line of text that names the file.
 Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer);
+
+/// The server's certificate must be for this name, or this address. Why that cannot be checked;
+/// nothing: it will be.
+std::optional<std::string> expect_name(SSL& ssl, const std::string& name);
 
 /// Why the server's certificate is not accepted; empty: it is, or there was none to look at.
 std::string objection_to_peer(const SSL& ssl, const std::string& server_name);

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "unit/io/tls/made_authority.hpp"
+
 namespace mbgate::io {
 namespace {
 
@@ -52,6 +54,27 @@ TEST_F(TlsContextTest, NamesAFileWithoutCertificates) {
 
 TEST_F(TlsContextTest, CannotReadAFolder) {
   EXPECT_EQ(failure({.name = "x", .certificate = folder_}), folder_ + ": Is a directory");
+}
+
+// OpenSSL would let nobody in whose chain has an authority without a list.
+TEST_F(TlsContextTest, WantsAListOfEachAuthority) {
+  const MadeAuthority root = make_authority("Root");
+  const MadeAuthority plant = make_authority("Plant 7");
+  gateway::TlsSettings settings{.name = "x"};
+  settings.certificate = write("gateway.crt", plant.certificate);
+  settings.authorities = write("ca.crt", root.certificate + plant.certificate);
+  const auto missing = [&](const std::string& who) {
+    return settings.crl + ": expected a list of revoked certificates of each authority in " +
+           settings.authorities + ", found none of CN=" + who;
+  };
+  settings.crl = write("plant.crl", plant.list);
+  EXPECT_EQ(failure(settings), missing("Root"));
+  settings.crl = write("root.crl", root.list);
+  EXPECT_EQ(failure(settings), missing("Plant 7"));
+  settings.crl = write("both.crl", plant.list + root.list);
+  EXPECT_EQ(failure(settings), "");
+  settings.crl.clear();
+  EXPECT_EQ(failure(settings), "");
 }
 
 TEST(ResumableSessions, KeepTheNewest) {
