@@ -84,7 +84,7 @@ LIBRARIES = (
     (r"systemd/", r"src/app/(systemd|journal/journal)\."),
     (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),
     (r"prometheus/", r"src/app/metrics/|tests/unit/app/metrics/"),
-    (r"openssl/", r"src/(io/(tls|uplink)|signer|ctl/(cert|tls))/|tests/unit/(io/tls|signer)/|bench/tls\."),
+    (r"openssl/", r"src/(io/(tls|uplink)|signer|ctl/(cert|tls))/|tests/unit/(io/(tls|uplink)|signer)/|bench/tls\."),
     (r"n?curses|term\.h", r"src/ctl/control/screen_shell\."),
     (r"CLI/", r"src/(app|ctl|sim)/(command_line|main)\.|src/ctl/options/|bench/main\."),
     (r"gtest/|gmock/", r"tests/"),
