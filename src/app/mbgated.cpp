@@ -172,8 +172,8 @@ int print_check(const Configuration& checked, const std::string& file) {
 }
 
 /// Exits 1 if it is permitted nowhere.
-int say_who(const gateway::Settings& settings, const WhoOptions& who) {
-  const auto answers = answer_who(settings, who);
+int say_who(const config::Loaded& loaded, const WhoOptions& who) {
+  const auto answers = answer_who(*loaded.settings, loaded.places, who);
   if (!answers) {
     std::cerr << "mbgated: " << answers.error() << '\n';
     return EX_USAGE;
@@ -205,7 +205,7 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
     return EXIT_SUCCESS;
   }
   if (options.who) {
-    return say_who(*loaded.settings, *options.who);
+    return say_who(loaded, *options.who);
   }
   if (options.check) {
     return print_check(configuration, options.config.string());

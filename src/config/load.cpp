@@ -26,6 +26,9 @@ Loaded read(TomlDocument document, ProfileSearch search) {
     read_clients(draft);
     read_rules(draft);
     check_whole(draft);
+    if (!document.failed()) {
+      loaded.places = find_key_places(draft);
+    }
     loaded.settings = std::move(draft.settings);
     of_profiles = draft.library.diagnostics();
   }

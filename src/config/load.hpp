@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "config/diagnostic.hpp"
+#include "config/key_places.hpp"
 #include "config/profiles/profile_library.hpp"
 #include "config/text_file.hpp"
 #include "gateway/settings.hpp"
@@ -22,6 +23,7 @@ struct Loaded {
   /// Errors and warnings, in the order of the files and of their texts; then those of the profiles
   /// that they name.
   std::vector<Diagnostic> diagnostics;
+  KeyPlaces places{};  ///< beside the settings
 };
 
 /// Where to look for the profiles that a configuration names.

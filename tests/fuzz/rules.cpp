@@ -34,9 +34,10 @@ void ask(const gateway::SettingsSnapshot& settings, std::string_view address, un
   for (const std::uint8_t unit : std::array<std::uint8_t, 4>{0, 1, 2, 255}) {
     for (const auto& request : {read, write}) {
       const auto answer = gateway::who_may(settings, client, unit, request.pdu());
-      require(!answer.text.empty(), "an answer says something");
-      require(answer.permitted == answer.text.starts_with("permitted"), "and says what is so");
-      (answer.text.starts_with("refused") ? any_refused : any_let_in) = true;
+      require(!answer.by.empty(), "an answer says something");
+      require(answer.permitted == answer.by.starts_with("permitted"), "and says what is so");
+      require(!answer.permitted || !answer.key, "no key denies what is permitted");
+      (answer.by.starts_with("refused") ? any_refused : any_let_in) = true;
     }
   }
   require(any_refused != any_let_in, "a client is let in or not");

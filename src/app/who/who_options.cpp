@@ -93,6 +93,25 @@ std::string asked_text(const WhoOptions& options, const std::string& client,
          std::to_string(pdu.function()) + "): ";
 }
 
+// Where the key stands that has denied it, if that is known.
+std::string place_text(const config::KeyPlaces& places, const gateway::DenyingKey& key) {
+  using enum gateway::DenyingKey::Name;
+  std::string place;
+  switch (key.name) {
+    case allow: place = places.listeners.at(key.entry).allow; break;
+    case read_only: place = places.listeners.at(key.entry).read_only; break;
+    case access: place = places.routes.at(key.entry).access; break;
+    case functions: place = places.routes.at(key.entry).functions; break;
+    case windows: place = places.routes.at(key.entry).windows; break;
+    case writer: place = places.writers.at(key.entry); break;
+  }
+  return place.empty() ? place : " (" + place + ")";
+}
+
+std::string answer_text(const gateway::WhoAnswer& answer, const config::KeyPlaces& places) {
+  return answer.by + (answer.key ? place_text(places, *answer.key) : "") + answer.consequence;
+}
+
 // A client has a role where there is TLS, and nowhere else.
 routing::ClientRole asked_role(const WhoOptions& options,
                                const gateway::ListenerSettings& listener) {
@@ -104,6 +123,7 @@ routing::ClientRole asked_role(const WhoOptions& options,
 }  // namespace
 
 Result<WhoAnswers, std::string> answer_who(const gateway::Settings& settings,
+                                           const config::KeyPlaces& places,
                                            const WhoOptions& options) {
   const auto address = routing::ClientAddress::parse(options.client);
   if (!address) {
@@ -129,8 +149,8 @@ Result<WhoAnswers, std::string> answer_who(const gateway::Settings& settings,
     const auto answer =
         gateway::who_may(snapshot, client, static_cast<std::uint8_t>(options.unit), *request);
     answers.any_permitted = answers.any_permitted || answer.permitted;
-    answers.text +=
-        asked_text(options, client_text(options, client.role), name, *request) + answer.text + '\n';
+    answers.text += asked_text(options, client_text(options, client.role), name, *request) +
+                    answer_text(answer, places) + '\n';
   }
   if (answers.text.empty()) {
     return "--listener: no [[listen]] is named \"" + options.listener.value_or("") + '"';

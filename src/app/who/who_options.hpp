@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "config/key_places.hpp"
 #include "gateway/settings.hpp"
 #include "modbus/result.hpp"
 
@@ -31,8 +32,9 @@ struct WhoAnswers {
   std::string text;            ///< a line for each listener
 };
 
-/// An error names the option, and what would be right.
+/// An error names the option, and what would be right. `places`: of these settings.
 [[nodiscard]] Result<WhoAnswers, std::string> answer_who(const gateway::Settings& settings,
+                                                         const config::KeyPlaces& places,
                                                          const WhoOptions& options);
 
 }  // namespace mbgate::app

@@ -142,10 +142,6 @@ void read_action(TomlTable& table, AccessRule& rule) {
   }
 }
 
-std::string line_of(const Draft& draft, Position position) {
-  return draft.document.name(position) + ":" + std::to_string(position.line);
-}
-
 void read_groups(Draft& draft) {
   for (auto table : draft.document.root().tables("group")) {
     ClientGroup group;

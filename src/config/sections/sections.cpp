@@ -97,6 +97,10 @@ void read_socket_path(TomlTable& table, std::string_view key, std::string& path,
   }
 }
 
+std::string line_of(const Draft& draft, Position position) {
+  return draft.document.name(position) + ":" + std::to_string(position.line);
+}
+
 bool stands_nowhere(TomlTable root, std::string_view key) {
   const auto* found = root.value(key);
   return found == nullptr || is_empty_list(*found);

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/key_places.hpp"
 #include "config/keys/keys.hpp"
 #include "config/profiles/profile_library.hpp"
 #include "config/toml/suggestion.hpp"
@@ -67,6 +68,12 @@ routing::RegisterSet read_rule_registers(TomlTable& table);
 
 /// Rules that can never match, or deny nothing to clients with TLS, and groups that none names.
 void check_rules(Draft& draft);
+
+/// "mbgate.toml:12".
+std::string line_of(const Draft& draft, Position position);
+
+/// Where the keys stand that deny requests. All sections have been read, without an error.
+KeyPlaces find_key_places(Draft& draft);
 
 /// [[client]]: which clients get more turns.
 void read_clients(Draft& draft);

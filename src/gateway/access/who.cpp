@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/access/who.hpp"
 
+#include <algorithm>
 #include <string_view>
 
 #include "gateway/access/rule_verdict.hpp"
@@ -12,18 +13,19 @@ namespace mbgate::gateway {
 namespace {
 
 using modbus::ExceptionCode;
+using KeyName = DenyingKey::Name;
 
-WhoAnswer denied(std::string by, ExceptionCode code) {
+WhoAnswer denied(std::string by, ExceptionCode code, std::optional<DenyingKey> key = {}) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
   const auto number = static_cast<std::uint8_t>(code);
-  std::string text = "denied by " + std::move(by) + ": exception ";
+  std::string text = ": exception ";
   text += kDigits[number >> 4U];
   text += kDigits[number & 0xFU];
-  return {false, text};
+  return {false, "denied by " + std::move(by), text, key};
 }
 
-WhoAnswer refused(std::string by) {
-  return {false, "refused by " + std::move(by) + ": the connection is closed at once"};
+WhoAnswer refused(std::string by, std::optional<DenyingKey> key = {}) {
+  return {false, "refused by " + std::move(by), ": the connection is closed at once", key};
 }
 
 WhoAnswer by_verdict(const RuleVerdict& verdict, const ClientInfo& client) {
@@ -36,58 +38,85 @@ WhoAnswer by_verdict(const RuleVerdict& verdict, const ClientInfo& client) {
   if (verdict.rule == nullptr) {
     return {true, "permitted: there are no rules"};
   }
-  std::string text = "permitted by rule " + verdict.rule->title();
+  WhoAnswer answer{true, "permitted by rule " + verdict.rule->title()};
   if (verdict.other != nullptr) {
-    text += ", its reading by rule " + verdict.other->title();
+    answer.by += ", its reading by rule " + verdict.other->title();
   }
   for (const routing::AccessRule* rule : {verdict.rule, verdict.other}) {
     if (rule != nullptr && rule->per_second != 0) {
-      text += "; at most " + std::to_string(rule->per_second) +
-              " a second, stops excepted, else exception 06";
+      answer.consequence += "; at most " + std::to_string(rule->per_second) +
+                            " a second, stops excepted, else exception 06";
     }
   }
-  return {true, text};
+  return answer;
 }
 
-std::string text_of(routing::Denial denial, const std::string& listener, std::uint8_t unit) {
-  const std::string route = " of the route of unit " + std::to_string(unit);
+// Of a route that is in the configuration; transparent listeners have others.
+std::optional<DenyingKey> key_of_route(const SettingsSnapshot& settings,
+                                       const routing::Route& route, KeyName name) {
+  const auto& routes = settings.settings.routes;
+  const auto found = std::ranges::find(routes, route);
+  return found == routes.end()
+             ? std::nullopt
+             : std::optional(DenyingKey{name, static_cast<std::size_t>(found - routes.begin())});
+}
+
+DenyingKey key_of_listener(const ClientInfo& client, KeyName name) {
+  return {name, static_cast<std::size_t>(client.listener)};
+}
+
+WhoAnswer by_read_only(const SettingsSnapshot& settings, const ClientInfo& client) {
+  return denied("read_only of listener " + settings.settings.listener(client.listener).name,
+                ExceptionCode::illegal_function, key_of_listener(client, KeyName::read_only));
+}
+
+WhoAnswer by_denial(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
+                    routing::Denial denial, const routing::Route& route) {
+  constexpr auto kCode = ExceptionCode::illegal_function;
+  const std::string of_route = " of the route of unit " + std::to_string(unit);
   switch (denial) {
-    case routing::Denial::functions: return "functions" + route;
-    case routing::Denial::read_only_client: return "read_only of listener " + listener;
-    case routing::Denial::read_only_route: return "access" + route;
-    case routing::Denial::no_broadcast: return "unit 0: only writes (5, 6, 15, 16) are broadcast";
+    case routing::Denial::functions:
+      return denied("functions" + of_route, kCode,
+                    key_of_route(settings, route, KeyName::functions));
+    case routing::Denial::read_only_client: return by_read_only(settings, client);
+    case routing::Denial::read_only_route:
+      return denied("access" + of_route, kCode, key_of_route(settings, route, KeyName::access));
+    case routing::Denial::no_broadcast:
+      return denied("unit 0: only writes (5, 6, 15, 16) are broadcast", kCode);
   }
   return {};
 }
 
 // Why the plan could not be made.
-WhoAnswer unplanned(const routing::ResolvedRoute& resolved, ExceptionCode code, std::uint8_t unit,
-                    const modbus::Pdu& pdu) {
+WhoAnswer unplanned(const SettingsSnapshot& settings, const routing::ResolvedRoute& resolved,
+                    ExceptionCode code, std::uint8_t unit, const modbus::Pdu& pdu) {
   const auto request = modbus::Request::parse(pdu);
   if (!request) {
     return denied("the standard: such a request is not well formed", code);
   }
   const auto& windows = resolved.route.windows;
   if (!windows.empty() && !routing::through_windows(windows, *request)) {
-    return denied("the windows (registers) of the route of unit " + std::to_string(unit), code);
+    return denied("the windows (registers) of the route of unit " + std::to_string(unit), code,
+                  key_of_route(settings, resolved.route, KeyName::windows));
   }
   return denied(resolved.device == nullptr ? "the devices on the bus"
                                            : "what is known of device " + resolved.device->name,
                 code);
 }
 
-std::string written_devices_text(const SettingsSnapshot& settings, const ClientInfo& client,
-                                 const routing::Plan& plan) {
+WhoAnswer by_writer(const SettingsSnapshot& settings, const ClientInfo& client,
+                    const routing::Plan& plan, ExceptionCode code) {
   for (const auto& transaction : plan.transactions()) {
     for (const std::size_t place : settings.devices.reached_by(transaction)) {
       const DeviceGuard* guard = settings.guard(place);
       if (guard != nullptr && guard->writer == WriterRule::listed &&
           !routing::contains(guard->writers, client.address)) {
-        return "writer of device " + settings.settings.devices[place].name;
+        return denied("writer of device " + settings.settings.devices[place].name, code,
+                      DenyingKey{KeyName::writer, place});
       }
     }
   }
-  return "writer of a device";
+  return denied("writer of a device", code);
 }
 
 WhoAnswer planned(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
@@ -99,7 +128,7 @@ WhoAnswer planned(const SettingsSnapshot& settings, const ClientInfo& client, st
   }
   const WriteOrigin origin{ClientId{}, client.address, 0, Instant{}};
   if (const auto objection = rules.objection(plan, origin, Instant{})) {
-    return denied(written_devices_text(settings, client, plan), *objection);
+    return by_writer(settings, client, plan, *objection);
   }
   return answer;
 }
@@ -108,8 +137,7 @@ WhoAnswer of_own_unit(const SettingsSnapshot& settings, const ClientInfo& client
                       const modbus::Pdu& request, routing::ClientRights rights) {
   const RuleVerdict verdict = verdict_on_own(settings, client, unit, request);
   if (verdict.permitted && rights.read_only && !modbus::is_read(request.bytes())) {
-    return denied("read_only of listener " + settings.settings.listener(client.listener).name,
-                  ExceptionCode::illegal_function);
+    return by_read_only(settings, client);
   }
   return by_verdict(verdict, client);
 }
@@ -120,7 +148,7 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
                   const modbus::Pdu& request) {
   const ListenerSettings& listener = settings.settings.listener(client.listener);
   if (!listener.allow.empty() && !routing::contains(listener.allow, client.address)) {
-    return refused("allow of listener " + listener.name);
+    return refused("allow of listener " + listener.name, key_of_listener(client, KeyName::allow));
   }
   if (!may_connect(settings.settings, client)) {
     return refused("the access rules: none permits this address anything here");
@@ -138,14 +166,14 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
                              : by_verdict(verdict, client);
   }
   if (const auto denial = routing::denial_of(*resolved, rights, request)) {
-    return denied(text_of(*denial, listener.name, unit), ExceptionCode::illegal_function);
+    return by_denial(settings, client, unit, *denial, resolved->route);
   }
   const auto plan = routing::Plan::make(*resolved, unit, rights, request);
   if (plan) {
     return planned(settings, client, unit, *plan);
   }
   const RuleVerdict verdict = verdict_on_unplanned(settings, client, unit, request);
-  return verdict.permitted ? unplanned(*resolved, plan.error(), unit, request)
+  return verdict.permitted ? unplanned(settings, *resolved, plan.error(), unit, request)
                            : by_verdict(verdict, client);
 }
 

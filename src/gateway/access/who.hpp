@@ -3,7 +3,9 @@
 // the parts that the gateway itself asks, in their order.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "gateway/client.hpp"
@@ -12,11 +14,23 @@
 
 namespace mbgate::gateway {
 
+/// A key of the configuration that denies, and of which listener, route or device: its place in the
+/// settings.
+struct DenyingKey {
+  enum class Name : std::uint8_t { allow, read_only, access, functions, windows, writer };
+  Name name;
+  std::size_t entry;
+};
+
 struct WhoAnswer {
   bool permitted = false;
-  /// `permitted by rule "panel" (mbgate.toml:12)`, `denied by read_only of listener plant:
-  /// exception 01`: the first that denies it, or the rule that permits it.
-  std::string text;
+  /// `permitted by rule "panel" (mbgate.toml:12)`, `denied by read_only of listener plant`: the
+  /// first that denies it, or the rule that permits it.
+  std::string by;
+  std::string consequence{};        ///< `: exception 01`
+  std::optional<DenyingKey> key{};  ///< that `by` names; where it stands belongs behind it
+
+  [[nodiscard]] std::string text() const { return by + consequence; }
 };
 
 [[nodiscard]] WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client,

@@ -20,8 +20,11 @@ gateway::Settings two_listeners() {
   return settings;
 }
 
+const config::KeyPlaces kPlaces{.listeners = {{"x.toml:3", "x.toml:4"}, {}},
+                                .routes = {{"x.toml:10", "x.toml:11", "x.toml:12"}}};
+
 std::string answer(const WhoOptions& options) {
-  const auto answers = answer_who(two_listeners(), options);
+  const auto answers = answer_who(two_listeners(), kPlaces, options);
   return answers ? answers->text : answers.error();
 }
 
@@ -29,17 +32,42 @@ TEST(WhoOptions, AreAskedOfEachListener) {
   WhoOptions options{.client = "10.0.0.5", .unit = 11, .write = {"holding", "0x7C"}};
   EXPECT_EQ(answer(options),
             "10.0.0.5 on plant: write holding 0x7C of unit 11 (function 6): denied by read_only of "
-            "listener plant: exception 01\n"
+            "listener plant (x.toml:4): exception 01\n"
             "10.0.0.5 on service: write holding 0x7C of unit 11 (function 6): permitted: there are "
             "no rules\n");
-  EXPECT_TRUE(answer_who(two_listeners(), options)->any_permitted);
+  EXPECT_TRUE(answer_who(two_listeners(), kPlaces, options)->any_permitted);
   options.listener = "plant";
   options.role = "operator";  // nobody has one without TLS
   options.count = 2;
   EXPECT_EQ(answer(options),
             "10.0.0.5 on plant: write holding 0x7C and 1 more of unit 11 (function 16): denied by "
-            "read_only of listener plant: exception 01\n");
-  EXPECT_FALSE(answer_who(two_listeners(), options)->any_permitted);
+            "read_only of listener plant (x.toml:4): exception 01\n");
+  EXPECT_FALSE(answer_who(two_listeners(), kPlaces, options)->any_permitted);
+}
+
+TEST(WhoOptions, AreAnsweredWithThePlaceOfTheKeyThatDenies) {
+  WhoOptions options{
+      .client = "11.0.0.5", .listener = "plant", .unit = 11, .write = {"holding", "124"}};
+  gateway::Settings settings = two_listeners();
+  const auto denied_by = [&] {
+    const std::string text = answer_who(settings, kPlaces, options)->text;
+    return text.substr(text.find("): ") + 3);
+  };
+  auto& route = settings.routes[0];
+  route.windows = {{modbus::Table::holding_registers, 0, 4, modbus::Table::holding_registers, 0}};
+  EXPECT_EQ(
+      denied_by(),
+      "denied by the windows (registers) of the route of unit 11 (x.toml:12): exception 02\n");
+  route.functions.allowed.reset(6);
+  EXPECT_EQ(denied_by(), "denied by functions of the route of unit 11 (x.toml:11): exception 01\n");
+  route.access = routing::Access::read_only;
+  EXPECT_EQ(denied_by(), "denied by access of the route of unit 11 (x.toml:10): exception 01\n");
+  settings.listeners[0].allow = {*routing::Network::parse("10.0.0.0/8")};
+  EXPECT_EQ(denied_by(),
+            "refused by allow of listener plant (x.toml:3): the connection is closed at once\n");
+  settings.listeners[1].read_only = {*routing::Network::parse("11.0.0.0/8")};
+  options.listener = "service";  // of whose keys nothing is known
+  EXPECT_EQ(denied_by(), "denied by read_only of listener service: exception 01\n");
 }
 
 TEST(WhoOptions, HaveARoleWhereThereIsTls) {
@@ -50,11 +78,11 @@ TEST(WhoOptions, HaveARoleWhereThereIsTls) {
   rule.roles = {"operator"};
   WhoOptions options{
       .client = "10.0.0.5", .listener = "service", .unit = 11, .write = {"holding", "0x7C"}};
-  EXPECT_EQ(answer_who(settings, options)->text,
+  EXPECT_EQ(answer_who(settings, kPlaces, options)->text,
             "10.0.0.5 with the NULL role on service: write holding 0x7C of unit 11 (function 6): "
             "denied by the access rules: no rule permits it: exception 01\n");
   options.role = "operator";
-  EXPECT_EQ(answer_who(settings, options)->text,
+  EXPECT_EQ(answer_who(settings, kPlaces, options)->text,
             "10.0.0.5 as role \"operator\" on service: write holding 0x7C of unit 11 (function 6): "
             "permitted by rule mbgate.toml:12\n");
 }

@@ -8,6 +8,8 @@
 namespace mbgate::test {
 namespace {
 
+using gateway::DenyingKey;
+
 class Who : public testing::Test {
  protected:
   std::string may(std::string_view client, unsigned unit, std::string_view pdu) {
@@ -17,8 +19,13 @@ class Who : public testing::Test {
     info.role = role_;
     const auto answer = gateway::who_may(snapshot, info, static_cast<std::uint8_t>(unit),
                                          *modbus::Pdu::from(unhex(pdu)));
-    EXPECT_EQ(answer.permitted, answer.text.starts_with("permitted")) << answer.text;
-    return answer.text;
+    EXPECT_EQ(answer.permitted, answer.by.starts_with("permitted")) << answer.by;
+    key_ = answer.key;
+    return answer.text();
+  }
+  /// The key that has denied the last one.
+  [[nodiscard]] bool is_by(DenyingKey::Name name, std::size_t entry) const {
+    return key_ && key_->name == name && key_->entry == entry;
   }
   void add_rule(bool permits, std::string place) {
     auto& rule = settings_.rules.emplace_back();
@@ -27,6 +34,7 @@ class Who : public testing::Test {
   }
   Settings settings_ = stop_plant();
   routing::ClientRole role_{};
+  std::optional<DenyingKey> key_{};
 };
 
 constexpr auto kWrite = "06 0010 0001";
@@ -68,6 +76,41 @@ TEST_F(Who, IsDeniedByReadOnlyAccessFunctionsAndWindows) {
             "denied by the windows (registers) of the route of unit 1: exception 02");
   EXPECT_EQ(may("192.0.2.2", 250, kWrite),
             "denied by the routes: unit 250 leads nowhere on this listener: exception 0A");
+}
+
+TEST_F(Who, NamesTheKeyThatDenies) {
+  using enum DenyingKey::Name;
+  settings_.listeners.push_back(settings_.listeners[0]);
+  settings_.routes.insert(settings_.routes.begin(), settings_.routes[0]);
+  settings_.routes[0].listener = routing::ListenerId{1};
+  auto& route = settings_.routes[1];
+  route.functions.allowed.reset(6);
+  may("192.0.2.1", 1, kWrite);
+  EXPECT_TRUE(is_by(functions, 1));
+  route.access = routing::Access::read_only;
+  may("192.0.2.1", 1, kWrite);
+  EXPECT_TRUE(is_by(access, 1));
+  route.windows = {{modbus::Table::holding_registers, 0, 4, modbus::Table::holding_registers, 0}};
+  may("192.0.2.1", 1, kRead);
+  EXPECT_TRUE(is_by(windows, 1));
+  settings_.listeners[0].read_only = {*routing::Network::parse("192.0.2.1")};
+  may("192.0.2.1", 1, kWrite);
+  EXPECT_TRUE(is_by(read_only, 0));
+  settings_.listeners[0].allow = {*routing::Network::parse("192.0.2.2")};
+  may("192.0.2.1", 1, kWrite);
+  EXPECT_TRUE(is_by(allow, 0));
+  settings_ = stop_plant();
+  settings_.guards.resize(2);
+  settings_.guards[1].writer = gateway::WriterRule::listed;
+  may("192.0.2.1", 2, kWrite);
+  EXPECT_TRUE(is_by(writer, 1));
+  may("192.0.2.1", 1, kWrite);
+  EXPECT_FALSE(key_);
+  settings_.routes.clear();  // a transparent listener has a route that stands nowhere
+  settings_.listeners[0].bus = BusId{0};
+  EXPECT_EQ(may("192.0.2.1", 1, "08 0004 0000"),
+            "denied by functions of the route of unit 1: exception 01");
+  EXPECT_FALSE(key_);
 }
 
 TEST_F(Who, IsDeniedByTheRuleThatMatchesFirstOrByNone) {
