@@ -116,9 +116,13 @@ class Bus(FrontCase):
         self.assertRegex(self.lost(gateway), "alert certificate expired")
         gateway = self.near(self.front(version=ssl.TLSVersion.TLSv1_3).port, "late")
         gateway.wait_for("far.*alert certificate expired")
+        self.assertRegex("".join(gateway.printed), r"\[\[tls\]\] plant: the certificate has expired at ")
 
     def test_says_which_file_is_wrong(self):
         self.assertRegex(self.lost(self.near(self.front().port, "nobody")), f"^{self.folder}/nobody.crt: ")
+        words = [program("mbgated"), "--check", "--config", self.folder / "near.toml"]
+        checked = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, check=False)
+        self.assertIn(f"[[tls]] plant: {self.folder}/nobody.crt: ", checked.stdout + checked.stderr)
 
     def test_says_that_there_is_no_tls(self):
         gateway = self.near(self.plant.port)

@@ -30,7 +30,7 @@ void add_process(MetricBook& book, const gateway::StatusReport& report,
   };
   for (const CertificateStatus& certificate : process.certificates) {
     book.gauge({"mbgate_certificate_expiry_timestamp_seconds",
-                "When the certificate of a [[tls]] that listeners use expires."},
+                "When the certificate of a [[tls]] in use expires."},
                {{"tls", certificate.name}}, seconds(certificate.ends));
   }
   for (const CertificateStatus& certificate : process.certificates) {

@@ -11,7 +11,7 @@
 
 namespace mbgate::app {
 
-/// Of a [[tls]] that listeners use.
+/// Of a [[tls]] in use.
 struct CertificateStatus {
   std::string name;
   std::chrono::system_clock::time_point ends;

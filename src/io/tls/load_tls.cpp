@@ -29,7 +29,7 @@ void add_warnings(std::vector<std::string>& warnings, const std::string& name,
   const std::string start = "[[tls]] " + name + ": the certificate ";
   if (dates.certificate_ends <= now) {
     warnings.push_back(start + "has expired at " + date_text(dates.certificate_ends) +
-                       ": clients refuse it");
+                       ": the other end refuses it");
   } else if (dates.certificate_ends <= now + kAhead) {
     warnings.push_back(start + "expires at " + date_text(dates.certificate_ends));
   }
@@ -46,15 +46,34 @@ bool is_used(const gateway::Settings& settings, std::size_t tls) {
   });
 }
 
+bool is_used_by_a_line(const gateway::Settings& settings, const gateway::TlsSettings& tls) {
+  return std::ranges::any_of(settings.buses, [&](const auto& bus) {
+    return bus.line.tls && bus.line.tls->certificate == tls.certificate;
+  });
+}
+
+/// Its line reads it anew whenever it connects, and says then what is wrong.
+void load_for_a_line(LoadedTls& loaded, const gateway::TlsSettings& tls) {
+  auto context = TlsContext::make(tls, {});
+  if (context) {
+    loaded.contexts.emplace(tls.name, *std::move(context));
+  } else {
+    loaded.warnings.push_back("[[tls]] " + tls.name + ": " + context.error().why);
+  }
+}
+
 }  // namespace
 
 LoadedTls load_tls(const gateway::Settings& settings, KeyCheck keys) {
   LoadedTls loaded;
   for (std::size_t i = 0; i < settings.tls.size(); ++i) {
+    const gateway::TlsSettings& tls = settings.tls[i];
     if (!is_used(settings, i)) {
+      if (is_used_by_a_line(settings, tls)) {
+        load_for_a_line(loaded, tls);
+      }
       continue;
     }
-    const gateway::TlsSettings& tls = settings.tls[i];
     auto context =
         TlsContext::make(tls, keys == KeyCheck::ask_signer ? settings.signer : std::string());
     if (context) {
@@ -64,7 +83,8 @@ LoadedTls load_tls(const gateway::Settings& settings, KeyCheck keys) {
       loaded.is_wrong = loaded.is_wrong || !context.error().may_come;
     }
   }
-  loaded.warnings = warnings_of(loaded.contexts, system_clock::now());
+  std::ranges::move(warnings_of(loaded.contexts, system_clock::now()),
+                    std::back_inserter(loaded.warnings));
   return loaded;
 }
 

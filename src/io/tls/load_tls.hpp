@@ -10,12 +10,13 @@
 namespace mbgate::io {
 
 struct LoadedTls {
-  TlsContexts contexts;  ///< of the [[tls]] that listeners use
+  /// Of the [[tls]] that listeners use; those that lines use alone are there for their dates.
+  TlsContexts contexts;
   /// Why some are missing, with the name of their [[tls]]. Without `is_wrong` it may be mended by
   /// waiting.
   std::vector<std::string> failures;
   bool is_wrong = false;
-  /// What ends soon, or has ended: one line each.
+  /// What ends soon, or has ended, and what is wrong for a line: one line each.
   std::vector<std::string> warnings;
 };
 
