@@ -15,7 +15,7 @@ LINES = (("line-a", 1502, 1), ("line-b", 1504, 2))  # bus, port of its transpare
 
 
 def configuration():
-    text = f'[[listen]]\nname = "plant"\naddress = "127.0.0.1"\nport = {PORT}\n'
+    text = f'[[listen]]\nname = "plant"\naddress = "127.0.0.1"\nport = {PORT}\nallow = ["127.0.0.0/8"]\n'
     for bus, port, unit in LINES:
         text += f"""
 [[listen]]
