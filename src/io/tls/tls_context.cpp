@@ -30,8 +30,8 @@ constexpr long kSessionSeconds = 3600;
 constexpr int kDeepestChain = 8;
 
 int context_index() {
-  static const int index = SSL_CTX_get_ex_new_index(0, nullptr, nullptr, nullptr, nullptr);
-  return index;
+  static const int kIndex = SSL_CTX_get_ex_new_index(0, nullptr, nullptr, nullptr, nullptr);
+  return kIndex;
 }
 
 system_clock::time_point time_of(const ASN1_TIME* time) {
@@ -72,7 +72,7 @@ TlsContext::~TlsContext() {
 
 Result<std::shared_ptr<TlsContext>, TlsFailure> TlsContext::make(
     const gateway::TlsSettings& settings, const std::string& signer) {
-  const std::shared_ptr<TlsContext> made(new TlsContext());
+  std::shared_ptr<TlsContext> made(new TlsContext());
   auto wrong = made->take_certificate(settings.certificate);
   if (!wrong) {
     wrong = made->take_trust(settings);
@@ -200,11 +200,11 @@ void TlsContext::session_ended(SSL_CTX* context, SSL_SESSION* session) {
 }
 
 routing::ClientRole role_in(const X509* certificate) {
-  static const std::unique_ptr<ASN1_OBJECT, FreeWith<ASN1_OBJECT_free>> name(
+  static const std::unique_ptr<ASN1_OBJECT, FreeWith<ASN1_OBJECT_free>> kName(
       OBJ_txt2obj(routing::kRoleExtension, 1));
   std::vector<modbus::Bytes> values;
-  for (int at = X509_get_ext_by_OBJ(certificate, name.get(), -1); at >= 0;
-       at = X509_get_ext_by_OBJ(certificate, name.get(), at)) {
+  for (int at = X509_get_ext_by_OBJ(certificate, kName.get(), -1); at >= 0;
+       at = X509_get_ext_by_OBJ(certificate, kName.get(), at)) {
     const ASN1_OCTET_STRING* const value = X509_EXTENSION_get_data(X509_get_ext(certificate, at));
     values.emplace_back(ASN1_STRING_get0_data(value),
                         static_cast<std::size_t>(ASN1_STRING_length(value)));
