@@ -63,6 +63,8 @@ struct Planned {
   [[nodiscard]] std::string answer(const std::vector<std::string>& responses) const {
     std::vector<modbus::Pdu> pdus;
     std::vector<const modbus::Pdu*> pointers;
+    pdus.reserve(responses.size());
+    pointers.reserve(responses.size());
     for (const auto& response : responses) {
       pdus.push_back(pdu(response));
     }

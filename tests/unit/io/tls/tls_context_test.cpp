@@ -17,9 +17,11 @@ namespace {
 namespace fs = std::filesystem;
 
 class TlsContextTest : public testing::Test {
+ public:
+  ~TlsContextTest() override { fs::remove_all(folder_); }
+
  protected:
   TlsContextTest() { ::mkdtemp(folder_.data()); }
-  ~TlsContextTest() override { fs::remove_all(folder_); }
 
   std::string write(const char* name, const std::string& text) const {
     const fs::path path = fs::path(folder_) / name;
