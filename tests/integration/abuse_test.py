@@ -85,11 +85,12 @@ class Worker:
 class Abusers:
     """One of each kind, each at an address of its own."""
 
-    def __init__(self, port, http_port, tls_port):
+    def __init__(self, port, http_port, tls_port, folder):
         self._running = {}
         targets = dict.fromkeys(KINDS, port) | dict.fromkeys(HTTP_KINDS, http_port) | dict.fromkeys(TLS_KINDS, tls_port)
         for number, (kind, target) in enumerate(targets.items()):
             command = [sys.executable, PROGRAM, kind, "--port", str(target), "--address", f"127.0.0.{10 + number}"]
+            command += ["--identity", folder / "abuser"]
             command += ["--idle"] if RATIO else []
             self._running[kind] = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         for abuser in self._running.values():
@@ -141,7 +142,7 @@ class Abuse(FaultCase):
     def start_signer(self, path):
         keys = self.folder / "keys"
         keys.mkdir()
-        for words in (["ca"], ["server", "gateway", "--address", "127.0.0.1"]):
+        for words in (["ca"], ["server", "gateway", "--address", "127.0.0.1"], ["client", "abuser"]):
             subprocess.run([program("mbgatectl"), "cert", *words, "--directory", self.folder], check=True,
                            stdout=subprocess.DEVNULL)
         (self.folder / "gateway.key").rename(keys / "gateway.key")
@@ -167,7 +168,7 @@ class Abuse(FaultCase):
         began = time.monotonic()
         for _ in range(ROUNDS):
             worker.work(self.times["quiet"], QUIET)
-            abusers = Abusers(self.port, http_port, self.tls_port)
+            abusers = Abusers(self.port, http_port, self.tls_port, self.folder)
             worker.work(self.times["noisy"], NOISY)
             self.memory.append(resident(self.gateway.pid))
             self.done.append(abusers.end())

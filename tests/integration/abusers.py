@@ -4,11 +4,13 @@
 SIGTERM, and prints then how often it did what. It stands for another computer: it has an address of its own, and with
 `--idle` it runs only when this one has nothing else to do.
 
-The kinds of TLS_KINDS are for the port of a TLS listener."""
+The kinds of TLS_KINDS are for the port of a TLS listener; `tls_renegotiates` has a certificate (`--identity`), and needs
+openssl."""
 
 import argparse
 import collections
 import contextlib
+import itertools
 import json
 import os
 import random
@@ -17,10 +19,12 @@ import signal
 import socket
 import ssl
 import struct
+import subprocess
 import sys
 import time
 
 FEW, MANY = 20, 200  # connections of one abuser
+LINES = 1000  # of a program that an abuser has run
 UNROUTED, GATEWAY = 250, 255  # units that lead to no device
 PAUSE = 0.005
 HTTP_PATHS = ("/", "/api/v1/status", "/metrics", "/healthz", "/api/v1/trace?client=x", "/api/v1/events", "/%00",
@@ -34,9 +38,10 @@ def request(unit, count=100):
 class Abuser:
     """Counts what it does; what the other side does to its connections is no surprise."""
 
-    def __init__(self, port, address):
-        self.port = port
-        self.address = address
+    def __init__(self, chosen):
+        self.port = chosen.port
+        self.address = chosen.address
+        self.credentials = ("-cert", f"{chosen.identity}.crt", "-key", f"{chosen.identity}.key")
         self.done = collections.Counter()
 
     def connect(self, **how):
@@ -54,10 +59,13 @@ class Abuser:
             time.sleep(PAUSE)
             return None
         connection.setblocking(False)
+        self.note_connected()
+        return connection
+
+    def note_connected(self):
         if not self.done["connected"]:
             print("connected", flush=True)
         self.done["connected"] += 1
-        return connection
 
     def crowd(self, size, act, **how):
         """So many connections, with each of which `act(connection)` does something; one that fails is replaced."""
@@ -243,9 +251,30 @@ def tls_noise(abuser):
     abuser.crowd(FEW, act)
 
 
+def tls_renegotiates(abuser):
+    """A client with a certificate: asks for another handshake on its connection (TLS 1.2), or for new keys without end (1.3)."""
+    where = ("-connect", f"127.0.0.1:{abuser.port}", "-bind", f"{abuser.address}:0")
+    # A line with R or K is a command to openssl s_client.
+    for version, line, what in itertools.cycle((("-tls1_2", b"R\n", "renegotiations"), ("-tls1_3", b"K\n", "new keys"))):
+        command = ("openssl", "s_client", version, *where, *abuser.credentials)
+        with subprocess.Popen(command, bufsize=0, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                              stderr=subprocess.DEVNULL) as client:  # fmt: skip
+            try:
+                if client.stdout.readline().startswith(b"CONNECTED"):
+                    abuser.note_connected()
+                for _ in range(LINES):
+                    client.stdin.write(line)
+                    abuser.done[what] += 1
+                    time.sleep(PAUSE / 5)  # two lines read at once are one command
+            except BrokenPipeError:
+                abuser.done["thrown out"] += 1
+            finally:
+                client.kill()
+
+
 KINDS = {kind.__name__: kind for kind in (connects, half_open, pipelines, asks, bytewise, never_read, noise)}
 HTTP_KINDS = {"http": http}
-TLS_KINDS = {kind.__name__: kind for kind in (tls_hellos, tls_silent, tls_noise)}
+TLS_KINDS = {kind.__name__: kind for kind in (tls_hellos, tls_silent, tls_noise, tls_renegotiates)}
 
 
 class Ended(BaseException):
@@ -261,11 +290,12 @@ def main():
     options.add_argument("kind", choices=[*KINDS, *HTTP_KINDS, *TLS_KINDS])
     options.add_argument("--port", type=int, required=True)
     options.add_argument("--address", required=True)
+    options.add_argument("--identity", help="the files of its certificate and key, without .crt and .key")
     options.add_argument("--idle", action="store_true")
     chosen = options.parse_args()
     if chosen.idle:
         os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
-    abuser = Abuser(chosen.port, chosen.address)
+    abuser = Abuser(chosen)
     signal.signal(signal.SIGTERM, end)
     with contextlib.suppress(Ended):
         {**KINDS, **HTTP_KINDS, **TLS_KINDS}[chosen.kind](abuser)

@@ -157,8 +157,8 @@ class TlsPlant(Plant):
     def client(self, certificate=None, newest=None, listener="secure"):
         return self.connect(self.context(certificate or self.operator, newest), listener)
 
-    def plain(self, listener="plain"):
-        return socket.create_connection(("127.0.0.1", self.ports[listener]), PATIENCE)
+    def plain(self, listener="plain", address="127.0.0.1"):
+        return socket.create_connection(("127.0.0.1", self.ports[listener]), PATIENCE, source_address=(address, 0))
 
 
 class TlsCase(unittest.TestCase):

@@ -16,6 +16,9 @@ VERSIONS = (ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3)
 SECOND = struct.pack(">BHH", 4, 1, 1)  # the second register of the gateway's own unit
 CLEAR = struct.pack(">BHH", 8, 10, 0)  # its counters begin anew: a write
 WRITE = struct.pack(">BHH", 6, 0, 1)  # of a drive on the line, which is not there: 0A
+WRITES = [CLEAR, WRITE] + list(map(bytes.fromhex, (
+    "05 0000 FF00", "0F 0000 0008 01 FF", "10 0000 0001 02 0001", "16 0000 FFFF 0001", "17 0000 0001 0000 0001 02 0001",
+    "15 09 06 0001 0000 0001 0001", "41 00 01")))  # fmt: skip
 LINE = 1  # a unit on the line
 RULES = """
 [[group]]
@@ -112,6 +115,37 @@ class Roles(RulesCase):
                 with self.subTest(version=version, roles=roles):
                     self.assertEqual(self.answers_to(roles, version), expected)
         self.plant.gateway.wait_for(r"client 127\.0\.0\.1: function 8 at unit 255 denied: no rule permits it")
+
+    def test_a_denied_request_gets_01_alone_and_the_session_goes_on(self):
+        permitted = struct.pack(">BHH", 4, 1, 1)
+        for version in VERSIONS:
+            client = self.use(self.plant.client(self.plant.authority.issue("client", [utf8("Viewer")]), version))
+            for pdu in WRITES:
+                with self.subTest(version=version, pdu=pdu.hex(" ")):
+                    client.sendall(adu(pdu, unit=LINE))
+                    self.assertEqual(answer_of(client), exception(pdu, 1))
+                    self.assertEqual(ask(client, permitted)[0], 4)
+
+    def test_no_role_is_built_in(self):
+        permitted = "++++"
+        self.change('"Operator"', '"Schichtf\u00fchrer 2"')
+        for role in ("Operator", "Engineer", "Administrator", "admin", "root"):
+            self.assertEqual(self.answers_to([utf8(role)], VERSIONS[1]), "----", role)
+        self.assertEqual(self.answers_to([utf8("Schichtf\u00fchrer 2")], VERSIONS[1]), permitted)
+        self.change('"Schichtf\u00fchrer 2"', '"Operator"')
+        self.assertEqual(self.answers_to([utf8("Schichtf\u00fchrer 2")], VERSIONS[1]), "----")
+        self.assertEqual(self.answers_to([utf8("Operator")], VERSIONS[1]), permitted)
+
+    def test_the_role_follows_a_session_that_is_taken_up_again(self):
+        for version in VERSIONS:
+            with self.subTest(version=version):
+                context = self.plant.context(self.plant.authority.issue("client", [utf8("Viewer")]), version)
+                first = self.use(self.plant.connect(context))
+                self.assert_served(first)
+                again = self.use(self.plant.connect(context, session=first.session))
+                self.assert_served(again)
+                self.assertTrue(again.session_reused)
+                self.assertEqual(ask(again, CLEAR), exception(CLEAR, 1))
 
     def test_any_role_denies_it_to_all(self):
         last = struct.pack(">BHH", 6, 0xFFFF, 1)

@@ -153,6 +153,9 @@ class Endings(TlsCase):
         waiting = [self.use(self.plant.plain("secure")) for _ in range(2)]
         self.assert_ended(self.use(self.plant.plain("secure")))
         self.refusal(r"too many handshakes of one client at a time \(max_handshakes_per_client\)")
+        waiting += [self.use(self.plant.plain("secure", "127.0.0.2")) for _ in range(2)]
+        self.assert_ended(self.use(self.plant.plain("secure", "127.0.0.3")))
+        self.plant.gateway.wait_for(r"client 127\.0\.0\.3: .*too many handshakes at a time \(max_handshakes\)")
         for client in waiting:
             client.close()
         self.refusal("the client has gone")
@@ -165,6 +168,15 @@ class Endings(TlsCase):
         for _ in range(50):  # which takes less than 50 s
             self.use(self.plant.plain("secure"))
         self.refusal(r"too many handshakes of one client \(max_handshakes_per_second_per_client\)")
+
+    def test_only_so_many_of_all_begin_within_a_second(self):
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        text = text.replace("max_handshakes_per_second = 0", "max_handshakes_per_second = 1\nmax_handshakes = 60", 1)
+        self.plant.configuration.write_text(text, encoding="utf-8")
+        self.reload()
+        for client in range(50):  # which takes less than 50 s
+            self.use(self.plant.plain("secure", f"127.0.0.{client + 1}"))
+        self.plant.gateway.wait_for(r"too many handshakes \(max_handshakes_per_second\)")
 
 
 class Resumption(TlsCase):
@@ -185,6 +197,23 @@ class Resumption(TlsCase):
                     self.assertFalse(session.has_ticket)
                     self.assertEqual(len(session.id), 32)
                 self.assertTrue(self.resumed(context, session))
+
+    def test_a_certificate_that_has_ended_since_is_judged_again(self):
+        for lasts in (3, 15, 60):  # seconds: a busy machine may need longer for a handshake
+            ends = time.time() + lasts
+            certificate = self.plant.authority.issue("short", [utf8("Viewer")], lasts=datetime.timedelta(seconds=lasts))
+            context = self.plant.context(certificate, VERSIONS[0])
+            try:
+                first = self.use(self.plant.connect(context))
+            except ssl.SSLError:
+                continue
+            self.assert_served(first)
+            time.sleep(max(0, ends + 1 - time.time()))
+            with self.assertRaisesRegex(ssl.SSLError, "CERTIFICATE_EXPIRED"):
+                self.plant.connect(context, session=first.session)
+            self.refusal("certificate has expired")
+            return
+        self.fail("no handshake")
 
     def test_the_role_follows_a_session_that_is_taken_up_again(self):
         certificate = self.plant.authority.issue("two", [utf8("A"), utf8("B")])
@@ -307,6 +336,7 @@ class Reload(TlsCase):
         self.assert_ended(clients[0])
         self.assert_served(clients[1])
         self.reconfigure('tls = "ec"\nmax_handshakes_per_second = 0\nmax_handshakes_per_second_per_client = 0', "")
+        self.plant.gateway.wait_for(r"client 127\.0\.0\.1: its listener has no TLS any more")
         self.assert_ended(clients[1])
 
     def test_a_list_that_has_expired_is_told_and_still_counts(self):

@@ -90,9 +90,7 @@ boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, bus::Duration li
 // A reload may have come during the handshake, which went by what was in force at its begin.
 bool TlsFront::hand_over(Entry& entry) {
   if (const auto why = objection(entry)) {
-    tell([place = entry.place, why = *why](TlsEvents& events) {
-      events.tls_refused(place, "its certificate is not accepted any more: " + why);
-    });
+    tell([place = entry.place, why = *why](TlsEvents& events) { events.tls_refused(place, why); });
     entry.client->end();
     return false;
   }
@@ -124,9 +122,7 @@ void TlsFront::judge_all() {
       continue;
     }
     if (const auto why = objection(entry)) {
-      tell([place = entry.place, why = *why](TlsEvents& events) {
-        events.tls_ended(place, "its certificate is not accepted any more: " + why);
-      });
+      tell([place = entry.place, why = *why](TlsEvents& events) { events.tls_ended(place, why); });
       entry.client->end();
     }
   }
@@ -134,8 +130,14 @@ void TlsFront::judge_all() {
 
 std::optional<std::string> TlsFront::objection(const Entry& entry) const {
   const auto context = contexts_.find(entry.place.listener);
-  return context == contexts_.end() ? "its listener has no TLS any more"
-                                    : entry.client->objection(*context->second);
+  if (context == contexts_.end()) {
+    return "its listener has no TLS any more";
+  }
+  auto why = entry.client->objection(*context->second);
+  if (why) {
+    why->insert(0, "its certificate is not accepted any more: ");
+  }
+  return why;
 }
 
 // Before anything goes on that has waited meanwhile.
