@@ -22,16 +22,10 @@ class ActionQueue {
 
   /// Removes and returns the oldest action; nothing if the queue is empty.
   std::optional<Action> poll() {
-    if (empty()) {
-      return std::nullopt;
-    }
-    std::optional<Action> action(std::move(waiting_[next_]));
-    if (++next_ == waiting_.size()) {
-      next_ = 0;
-      waiting_.clear();
-      if (waiting_.capacity() > kKeptRoom) {
-        waiting_.shrink_to_fit();
-      }
+    std::optional<Action> action;  // the only one that is returned: an action is large
+    if (!empty()) {
+      action.emplace(std::move(waiting_[next_]));
+      pass();
     }
     return action;
   }
@@ -40,6 +34,16 @@ class ActionQueue {
   /// When the queue is empty, memory for more actions than this is released (it was needed for a
   /// burst).
   static constexpr std::size_t kKeptRoom = 1024;
+
+  void pass() {
+    if (++next_ == waiting_.size()) {
+      next_ = 0;
+      waiting_.clear();
+      if (waiting_.capacity() > kKeptRoom) {
+        waiting_.shrink_to_fit();
+      }
+    }
+  }
 
   std::vector<Action> waiting_;
   std::size_t next_ = 0;

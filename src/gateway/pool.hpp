@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <vector>
 
 namespace mbgate::gateway {
@@ -24,7 +25,8 @@ class Pool {
   void give_back(std::uint32_t index) {
     Object* const object = objects_[index].get();
     std::destroy_at(object);
-    std::construct_at(object);
+    // Default-initialised: construct_at() would first fill a large object with zeros.
+    ::new (static_cast<void*>(object)) Object;
     free_.push_back(index);
   }
   Object& operator[](std::uint32_t index) { return *objects_[index]; }

@@ -16,7 +16,7 @@ class KnownStates {
 
   /// True: it was not known.
   bool add(const Digest& state) {
-    if (2 * size_ >= places_.size()) {
+    if (4 * size_ >= 3 * places_.size()) {  // fuller, and a search becomes long
       grow();
     }
     Digest& place = find(state);

@@ -102,7 +102,7 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
     return;
   }
   const Job& leader = *transmission.leader;
-  if (leader.is_single_read()) {
+  if (leader.is_single_read() && (transmission.merged || !transmission.followers.empty())) {
     share_response(transmission);
   }
   const Transaction& own = leader.transaction();

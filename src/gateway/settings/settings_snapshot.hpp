@@ -56,8 +56,10 @@ class SettingsHistory {
     return before;
   }
   void forget_unused() {
-    snapshots_.remove_if(
-        [this](const SettingsSnapshot& it) { return it.exchanges == 0 && &it != &in_force(); });
+    if (snapshots_.size() > 1) {
+      snapshots_.remove_if(
+          [this](const SettingsSnapshot& it) { return it.exchanges == 0 && &it != &in_force(); });
+    }
   }
 
  private:

@@ -74,6 +74,10 @@ void Failsafe::client_gone(ClientId client) {
 }
 
 std::optional<Failsafe::Due> Failsafe::take_due(Instant now) {
+  const bool time_has_come = earliest_ && now >= *earliest_;
+  if (returned_.empty() && due_.empty() && !time_has_come) {
+    return std::nullopt;
+  }
   for (const std::size_t device : std::exchange(returned_, {})) {
     Watch& watch = watches_.at(device);
     watch.again_at = now + kFailsafeRetry;
