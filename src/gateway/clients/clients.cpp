@@ -97,7 +97,7 @@ void Clients::received(ClientId client, modbus::Bytes bytes, std::size_t unread,
 
 void Clients::sent(ClientId client, Instant now) {
   if (ClientSession* session = sessions_.find(client)) {
-    session->confirm_sent();
+    session->answers.confirm_sent();
     session->last_activity = now;
     sessions_.wake(*session);
   }
