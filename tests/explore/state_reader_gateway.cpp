@@ -34,11 +34,12 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
 }
 
 void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Hash& hash) {
-  // The gateway's: settings, exchanges, rules, failsafe, actions. Clients come at the start only,
-  // and may ask as often as they like: limits. Of the requests there are only counters beyond
-  // these.
-  auto& [settings, exchanges, rules, failsafe, actions, sessions, limits, intake, requests] =
-      clients;
+  // The gateway's: settings, exchanges, failsafe, actions. Of the requests there are only counters
+  // beyond these.
+  auto& [settings, exchanges, failsafe, actions, sessions, intake, door, requests] = clients;
+  // Beyond these too: clients come at the start only, and may ask as often as they like: limits.
+  [[maybe_unused]] auto& [door_settings, door_exchanges, door_rules, door_failsafe, door_sessions,
+                          door_actions, limits] = door;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
   // unrouted_told. Dealt with: request. The same settings all the time: changed_at. No rules:
   // access.
