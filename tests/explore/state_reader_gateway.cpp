@@ -6,9 +6,12 @@
 namespace mbgate {
 
 void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
-  // Empty when the machine was asked for its actions: line_actions, actions. Looks only: trace.
-  auto& [line_actions, actions, settings, trace, exchanges, buses, rules, failsafe, clients,
-         stopping, finished, stop_deadline] = gateway;
+  // Empty when the machine was asked for its actions: actions. Looks only: trace.
+  auto& [actions, settings, trace, exchanges, buses, rules, failsafe, lines, clients, stopping,
+         finished, stop_deadline] = gateway;
+  // Parts of the gateway, and what is empty as actions is: line_actions.
+  [[maybe_unused]] auto& [line_buses, line_exchanges, line_failsafe, line_trace, line_reports,
+                          line_actions] = lines;
   const auto& [snapshots] = settings;
   explore::require(snapshots.size() == 1 && gateway.settings().guards.empty(),
                    "one snapshot of settings, and no guards");
