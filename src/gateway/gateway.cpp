@@ -13,6 +13,7 @@ Gateway::Gateway(Settings settings, Instant now)
       buses_(settings_.settings()),
       rules_(settings_.in_force()),
       failsafe_(settings_, exchanges_, rules_, actions_),
+      lines_(buses_, exchanges_, failsafe_, trace_, actions_),
       clients_(settings_, buses_, exchanges_, rules_, failsafe_, trace_, actions_, now) {
   settle(now);
 }
@@ -21,11 +22,12 @@ void Gateway::handle(const Input& input, Instant now) {
   std::visit(
       [&](const auto& what) {
         if constexpr (requires { what.bus; }) {
-          if (!buses_.is_there(what.bus)) {
-            return;  // a line that a reload took away
+          if (buses_.is_there(what.bus)) {  // no reload took the line away
+            lines_.handle(what, now);
           }
+        } else {
+          on(what, now);
         }
-        on(what, now);
       },
       input);
   settle(now);
@@ -47,38 +49,6 @@ void Gateway::on(const ClientHalfClosed& input, Instant /*now*/) {
 
 void Gateway::on(const ClientDisconnected& input, Instant now) {
   clients_.disconnected(input.client, now);
-}
-
-void Gateway::on(const LineOpened& input, Instant now) {
-  bus::Bus& opened = buses_.touch(input.bus);
-  if (trace_.is_on()) {
-    trace_.opened(input.bus, now);
-  }
-  if (!opened.link().serves() && !opened.link().is_reopening()) {
-    report(BusOpened{input.bus});
-  }
-  opened.handle_opened(now, input.kind);
-  failsafe_.bus_opened(input.bus);
-}
-
-void Gateway::on(const LineBytes& input, Instant now) {
-  if (trace_.is_on()) {
-    trace_.heard(input.bus, input.bytes, now);
-  }
-  buses_.touch(input.bus).handle_bytes(input.bytes, now);
-}
-
-void Gateway::on(const LineLooked& input, Instant now) {
-  buses_.touch(input.bus).handle_looked(now);
-}
-
-void Gateway::on(const LineLost& input, Instant now) {
-  bus::Bus& lost = buses_.touch(input.bus);
-  const bool was_open = lost.link().serves() || lost.link().is_reopening();
-  lost.handle_lost(now, input.loss);
-  if (was_open && !lost.link().serves()) {
-    report(BusLost{input.bus});
-  }
 }
 
 void Gateway::on(const DeadlineReached& /*input*/, Instant now) {
@@ -109,7 +79,7 @@ void Gateway::on(const ShutdownAsked& /*input*/, Instant now) {
 }
 
 void Gateway::on(const SettingsChanged& input, Instant now) {
-  MBGATE_ASSERT(actions_.empty() && line_actions_.empty(),
+  MBGATE_ASSERT(actions_.empty() && !lines_.has_actions(),
                 "what older settings have decided is carried out before newer ones");
   if (stopping_) {
     return;
@@ -122,25 +92,12 @@ void Gateway::on(const SettingsChanged& input, Instant now) {
   rules_.adopt(settings_.in_force());
   clients_.adopt(before, now);
   failsafe_.adopt(before, clients_.sessions(), now);
-  adopt_buses(before.settings, now);
+  lines_.adopt(before.settings, settings(), now);
   settings_.forget_unused();
 }
 
-void Gateway::adopt_buses(const Settings& before, Instant now) {
-  for (const BusSet::GivenUp& given_up : buses_.adopt(before, settings(), now)) {
-    // What was on the wire ends, and what waits. Nobody needs its news any more.
-    given_up.bus->handle_lost(now);
-    while (const auto action = given_up.bus->poll()) {
-      if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
-        exchanges_.end(*ended->job, ended->ending);
-      }
-    }
-    line_actions_.push(Shut{given_up.id});
-  }
-}
-
 std::optional<Action> Gateway::poll_action() {
-  if (auto action = line_actions_.poll()) {
+  if (auto action = lines_.poll_action()) {
     return action;
   }
   return actions_.poll();
@@ -195,67 +152,8 @@ bool Gateway::settle_one(Instant now) {
     exchanges_.close(*exchange);
     return true;
   }
-  if (const auto bus = buses_.take_touched()) {
-    collect(*bus, now);
-    return true;
-  }
-  return clients_.serve_one(now) || (!stopping_ && failsafe_.send_due(now));
-}
-
-void Gateway::collect(BusId bus, Instant now) {
-  while (const auto action = buses_.poll(bus)) {
-    if (trace_.is_on()) {
-      trace(bus, *action, now);
-    }
-    if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
-      exchanges_.end(*ended->job, ended->ending);
-    } else {
-      carry_out(bus, *action);
-    }
-  }
-  failsafe_.note_sent();
-}
-
-void Gateway::carry_out(BusId bus, const bus::BusAction& action) {
-  if (const auto* transmit = std::get_if<bus::TransmitFrame>(&action)) {
-    line_actions_.push(Transmit{bus, transmit->frame});
-  } else if (std::holds_alternative<bus::LookAtLine>(action)) {
-    line_actions_.push(Look{bus});
-  } else if (std::holds_alternative<bus::OpenLine>(action)) {
-    line_actions_.push(Open{bus});
-  } else if (std::holds_alternative<bus::CloseLine>(action)) {
-    report(BusLost{bus});
-    line_actions_.push(Shut{bus});
-  } else if (const auto* reopen = std::get_if<bus::ReopenLine>(&action)) {
-    if (reopen->first) {
-      report(AdapterSilent{bus, reopen->silence, reopen->requests});
-    }
-    line_actions_.push(Shut{bus});
-    line_actions_.push(Open{bus});
-  } else if (const auto* replace = std::get_if<bus::ReplaceLine>(&action)) {
-    if (replace->is_news) {
-      report(ConnectionReplaced{bus});
-    }
-    line_actions_.push(Shut{bus});
-  } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&action)) {
-    report(DeviceNews{bus, *notice});
-  } else if (std::holds_alternative<bus::NeverSilent>(action)) {
-    report(LineNeverSilent{bus});
-  } else if (const auto* quality = std::get_if<bus::QualityNotice>(&action)) {
-    report(QualityNews{bus, *quality});
-  } else if (const auto* fault = std::get_if<bus::LineNotice>(&action)) {
-    report(LineNews{bus, fault->fault});
-  }
-}
-
-void Gateway::trace(BusId bus, const bus::BusAction& action, Instant now) {
-  if (const auto* began = std::get_if<bus::TransmissionBegan>(&action)) {
-    trace_.began(bus, *began, now);
-  } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&action)) {
-    trace_.transmitted(bus, transmit->frame);
-  } else if (const auto* over = std::get_if<bus::TransmissionOver>(&action)) {
-    trace_.over(bus, *over, now);
-  }
+  return lines_.serve_one(now) || clients_.serve_one(now) ||
+         (!stopping_ && failsafe_.send_due(now));
 }
 
 }  // namespace mbgate::gateway

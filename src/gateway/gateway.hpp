@@ -9,6 +9,7 @@
 
 #include "gateway/clients/clients.hpp"
 #include "gateway/input.hpp"
+#include "gateway/lines.hpp"
 #include "gateway/status/status_report.hpp"
 #include "gateway/trace/trace_book.hpp"
 
@@ -56,10 +57,6 @@ class Gateway {
   void on(const ClientSent& input, Instant now);
   void on(const ClientHalfClosed& input, Instant now);
   void on(const ClientDisconnected& input, Instant now);
-  void on(const LineOpened& input, Instant now);
-  void on(const LineBytes& input, Instant now);
-  void on(const LineLost& input, Instant now);
-  void on(const LineLooked& input, Instant now);
   void on(const DeadlineReached& input, Instant now);
   void on(const SettingsChanged& input, Instant now);
   void on(const Stalled& input, Instant now);
@@ -67,13 +64,7 @@ class Gateway {
   void on(const ShutdownAsked& input, Instant now);
   void settle(Instant now);
   bool settle_one(Instant now);
-  void collect(BusId bus, Instant now);
-  void carry_out(BusId bus, const bus::BusAction& action);
-  void trace(BusId bus, const bus::BusAction& action, Instant now);
-  void adopt_buses(const Settings& before, Instant now);
-  void report(const Event& event) { actions_.push(Report{event}); }
 
-  ActionQueue line_actions_;
   ActionQueue actions_;
   SettingsHistory settings_;
   TraceBook trace_{settings_};
@@ -81,6 +72,7 @@ class Gateway {
   BusSet buses_;
   WriteRules rules_;
   FailsafeWrites failsafe_;
+  Lines lines_;
   Clients clients_;
   bool stopping_ = false;
   bool finished_ = false;

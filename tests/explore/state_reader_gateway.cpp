@@ -6,9 +6,12 @@
 namespace mbgate {
 
 void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
-  // Empty when the machine was asked for its actions: line_actions, actions. Looks only: trace.
-  auto& [line_actions, actions, settings, trace, exchanges, buses, rules, failsafe, clients,
-         stopping, finished, stop_deadline] = gateway;
+  // Empty when the machine was asked for its actions: actions. Looks only: trace.
+  auto& [actions, settings, trace, exchanges, buses, rules, failsafe, lines, clients, stopping,
+         finished, stop_deadline] = gateway;
+  // Parts of the gateway, and what is empty as actions is: line_actions.
+  [[maybe_unused]] auto& [line_buses, line_exchanges, line_failsafe, line_trace, line_reports,
+                          line_actions] = lines;
   const auto& [snapshots] = settings;
   explore::require(snapshots.size() == 1 && gateway.settings().guards.empty(),
                    "one snapshot of settings, and no guards");
@@ -34,11 +37,12 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
 }
 
 void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Hash& hash) {
-  // The gateway's: settings, exchanges, rules, failsafe, actions. Clients come at the start only,
-  // and may ask as often as they like: limits. Of the requests there are only counters beyond
-  // these.
-  auto& [settings, exchanges, rules, failsafe, actions, sessions, limits, intake, requests] =
-      clients;
+  // The gateway's: settings, exchanges, failsafe, actions. Of the requests there are only counters
+  // beyond these.
+  auto& [settings, exchanges, failsafe, actions, sessions, intake, door, requests] = clients;
+  // Beyond these too: clients come at the start only, and may ask as often as they like: limits.
+  [[maybe_unused]] auto& [door_settings, door_exchanges, door_rules, door_failsafe, door_sessions,
+                          door_actions, limits] = door;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
   // unrouted_told. Dealt with: request. The same settings all the time: changed_at. No rules:
   // access.
@@ -58,14 +62,16 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
 
 void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& gateway,
                        Hash& hash) {
-  // Settings: id, info, listener, ordered, rights, turns. Told only: speaks_rtu_reported,
-  // has_asked, requests, refused. Counts for idle clients only: last_activity. Nothing is read
-  // ahead and no pipeline is full: ahead, partial_since, timer_armed_at, held, first_held, pauses,
-  // and where in the stream it is: position, read_position, unread.
-  const auto& [input, ahead, has_asked, is_closed, is_leaving, speaks_rtu_reported, requests,
-               refused, last_activity, partial_since, held_until, has_turn, timer_armed_at, turns,
-               exchanges, id, info, listener, ordered, rights, open, unsent, held, first_held,
-               position, paused, half_closed, pauses, read_position, unread] = session;
+  // Settings: id, info, listener, rights, turns. Told only: speaks_rtu_reported, has_asked,
+  // requests, refused. Counts for idle clients only: last_activity. Nothing is read ahead and no
+  // pipeline is full: ahead, partial_since, timer_armed_at, pauses, and where in the stream it is:
+  // position, read_position, unread.
+  const auto& [input, ahead, answers, has_asked, is_closed, is_leaving, speaks_rtu_reported,
+               requests, refused, last_activity, partial_since, held_until, has_turn,
+               timer_armed_at, turns, exchanges, id, info, listener, rights, position, paused,
+               half_closed, pauses, read_position, unread] = session;
+  // Settings: ordered. Not ordered: first_held.
+  const auto& [ordered, open, unsent, held, first_held] = answers;
   explore::require(input.empty() && !session.is_full() && held.empty() && pauses.empty() &&
                        !partial_since && !held_until && !has_turn && !timer_armed_at && unread == 0,
                    "nothing is read ahead");

@@ -1,65 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/client_session.hpp"
 
-#include "base/assert.hpp"
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
 
 ClientSession::ClientSession(ClientId id, const ClientInfo& info, const ListenerSettings& listener,
                              Instant now)
-    : last_activity(now),
+    : answers(listener.ordered),
+      last_activity(now),
       id_(id),
       info_(info),
       listener_(&listener),
-      ordered_(listener.ordered),
       rights_{routing::contains(listener.read_only, info.address)} {}
 
 void ClientSession::adopt(const ListenerSettings& listener) {
   listener_ = &listener;
   rights_ = {routing::contains(listener.read_only, info_.address)};
-}
-
-ClientSession::AnswerId ClientSession::open_answer() {
-  if (!ordered_) {
-    ++open_;
-    return AnswerId{0};
-  }
-  held_.emplace_back();
-  return AnswerId{first_held_ + held_.size() - 1};
-}
-
-ClientSession::Ready ClientSession::close_answer(AnswerId id,
-                                                 const std::optional<modbus::MbapBytes>& adu) {
-  Ready ready;
-  if (!ordered_) {
-    MBGATE_ASSERT(open_ > 0, "one answer for each request");
-    --open_;
-    if (adu) {
-      ready.push_back(*adu);
-    }
-  } else {
-    const auto place = static_cast<std::size_t>(static_cast<std::uint64_t>(id) - first_held_);
-    MBGATE_ASSERT(place < held_.size() && !held_[place].done, "one answer for each request");
-    Held& held = held_[place];
-    held.done = true;
-    held.adu = adu;
-    while (!held_.empty() && held_.front().done) {
-      if (held_.front().adu) {
-        ready.push_back(*held_.front().adu);
-      }
-      held_.pop_front();
-      ++first_held_;
-    }
-  }
-  unsent_ += ready.size();
-  return ready;
-}
-
-void ClientSession::confirm_sent() {
-  if (unsent_ > 0) {
-    --unsent_;
-  }
 }
 
 Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant now) {

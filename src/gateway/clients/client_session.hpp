@@ -4,50 +4,35 @@
 #pragma once
 
 #include <boost/container/small_vector.hpp>
-#include <deque>
+#include <cstdint>
 #include <optional>
 
 #include "bus/state_reader.hpp"
 #include "gateway/client.hpp"
+#include "gateway/clients/due_answers.hpp"
 #include "gateway/clients/early_stops.hpp"
 #include "gateway/clients/read_ahead.hpp"
-#include "modbus/mbap.hpp"
 #include "routing/access.hpp"
 
 namespace mbgate::gateway {
 
 class ClientSession {
  public:
-  using AnswerId = gateway::AnswerId;
-  using Ready = boost::container::small_vector<modbus::MbapBytes, 1>;
-
   ClientSession(ClientId id, const ClientInfo& info, const ListenerSettings& listener, Instant now);
 
   [[nodiscard]] ClientId id() const { return id_; }
   [[nodiscard]] const ClientInfo& info() const { return info_; }
   [[nodiscard]] const ListenerSettings& listener() const { return *listener_; }
   [[nodiscard]] routing::ClientRights rights() const { return rights_; }
-  /// Are answers sent in the order of the requests? As it was when the client connected, because
-  /// answers may already be held back.
-  [[nodiscard]] bool is_ordered() const { return ordered_; }
   /// New settings of the listener.
   void adopt(const ListenerSettings& listener);
 
-  /// Requests whose answer has not been completely written; `pipeline` at most.
-  [[nodiscard]] std::size_t outstanding() const { return open_ + held_.size() + unsent_; }
-  [[nodiscard]] bool is_full() const { return outstanding() >= listener_->pipeline; }
+  /// Are `pipeline` requests outstanding? No other is taken then.
+  [[nodiscard]] bool is_full() const { return answers.outstanding() >= listener_->pipeline; }
   /// Is no request taken now, whatever has come? Stops still are.
   [[nodiscard]] bool is_held_up() const { return is_full() || held_until; }
   /// Its turn may have come (AddressLimits).
   void end_hold(Instant now);
-
-  /// A request was taken: its answer is due.
-  AnswerId open_answer();
-  /// `adu`: the answer; nothing: there will be none. Returns the ADUs that are to be sent now: with
-  /// `ordered = true` an answer waits for those before it.
-  Ready close_answer(AnswerId id, const std::optional<modbus::MbapBytes>& adu);
-  /// An answer has been completely written.
-  void confirm_sent();
 
   /// The arrival time of bytes that were just read. If they may have come since reading was paused,
   /// they count as having arrived at the beginning of the pause. `unread`: bytes that can still be
@@ -79,11 +64,11 @@ class ClientSession {
   [[nodiscard]] bool is_half_closed() const { return half_closed_; }
   /// Half-closed, everything read, everything answered and sent.
   [[nodiscard]] bool is_finished() const {
-    return half_closed_ && pauses_.empty() && outstanding() == 0 && !held_until;
+    return half_closed_ && pauses_.empty() && answers.outstanding() == 0 && !held_until;
   }
   /// Nothing that it has asked for is left to do.
   [[nodiscard]] bool is_at_rest() const {
-    return outstanding() == 0 && !held_until && (!has_turn || input.empty());
+    return answers.outstanding() == 0 && !held_until && (!has_turn || input.empty());
   }
 
   /// Which timeout of the client has passed.
@@ -97,6 +82,7 @@ class ClientSession {
 
   ReadAhead input;
   EarlyStops ahead;
+  DueAnswers answers;
   bool has_asked = false;  ///< it has sent a valid request
   bool is_closed = false;  ///< removed as soon as it is no longer in use
   bool is_leaving =
@@ -115,20 +101,11 @@ class ClientSession {
 
  private:
   friend struct mbgate::StateReader;
-  struct Held {
-    bool done = false;
-    std::optional<modbus::MbapBytes> adu;
-  };
 
   ClientId id_;
   ClientInfo info_;
   const ListenerSettings* listener_;
-  bool ordered_;
   routing::ClientRights rights_;
-  std::size_t open_ = 0;    // unordered: answers that are due
-  std::size_t unsent_ = 0;  // answers on their way to the socket
-  std::deque<Held> held_;   // ordered: answers due or waiting, oldest first
-  std::uint64_t first_held_ = 0;
   std::uint64_t position_ = 0;
   bool paused_ = false;
   bool half_closed_ = false;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/clients.hpp"
 
-#include <utility>
-
 namespace mbgate::gateway {
 
 Clients::Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exchanges,
@@ -10,74 +8,16 @@ Clients::Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exch
                  ActionQueue& actions, Instant now)
     : settings_(settings),
       exchanges_(exchanges),
-      rules_(rules),
       failsafe_(failsafe),
       actions_(actions),
       sessions_(settings.settings()),
       intake_(settings, rules, actions),
+      door_(settings, exchanges, rules, failsafe, sessions_, actions),
       requests_(settings, buses, exchanges, rules, failsafe, sessions_, intake_, trace, actions,
                 now) {}
 
 void Clients::connected(ClientId client, const ClientInfo& info, Instant now) {
-  if (!admit(info, now)) {
-    actions_.push(Close{client});
-    return;
-  }
-  if (const ClientSession* session = sessions_.add(client, info, now)) {
-    limits_.came(info, session->listener(), now);
-    failsafe_.client_came(*session);
-  }
-}
-
-bool Clients::admit(const ClientInfo& info, Instant now) {
-  const ListenerSettings& listener = settings_.settings().listener(info.listener);
-  if (listener.is_gone && intake_.phase() == Phase::running) {
-    return false;  // it was let in before a reload, and told after it
-  }
-  auto reason = objection(info, now);
-  if (!reason && limits_.is_full(info, listener) && !make_room(info, &info.address)) {
-    reason = RefusalReason::address_full;
-  }
-  if (!reason && sessions_.is_full(info.listener) && !make_room(info, nullptr)) {
-    reason = RefusalReason::full;
-  }
-  if (reason) {
-    refuse(info, *reason);
-  }
-  return !reason;
-}
-
-std::optional<RefusalReason> Clients::objection(const ClientInfo& info, Instant now) const {
-  const ListenerSettings& listener = settings_.settings().listener(info.listener);
-  if (intake_.phase() != Phase::running) {
-    return RefusalReason::stopping;
-  }
-  if (!listener.allow.empty() && !routing::contains(listener.allow, info.address)) {
-    return RefusalReason::not_allowed;
-  }
-  if (!may_connect(settings_.settings(), info)) {
-    return RefusalReason::no_rule;
-  }
-  return limits_.comes_too_often(info, listener, now) ? std::optional(RefusalReason::too_often)
-                                                      : std::nullopt;
-}
-
-// Of the same address, or of any. A client that comes back after its line was cut finds its old
-// connections in the way.
-bool Clients::make_room(const ClientInfo& info, const routing::ClientAddress* address) {
-  ClientSession* idlest = sessions_.idlest(info.listener, address);
-  if (idlest == nullptr) {
-    return false;
-  }
-  actions_.push(Report{ClientDisplaced{info.listener, idlest->info().address}});
-  ++sessions_.counters(info.listener).displaced;
-  close(*idlest);
-  return true;
-}
-
-void Clients::refuse(const ClientInfo& info, RefusalReason reason) {
-  actions_.push(Report{ClientRefused{info.listener, info.address, reason}});
-  sessions_.counters(info.listener).note_refused(reason);
+  door_.connected(client, info, intake_.phase(), now);
 }
 
 void Clients::received(ClientId client, modbus::Bytes bytes, std::size_t unread, Instant now) {
@@ -97,7 +37,7 @@ void Clients::received(ClientId client, modbus::Bytes bytes, std::size_t unread,
 
 void Clients::sent(ClientId client, Instant now) {
   if (ClientSession* session = sessions_.find(client)) {
-    session->confirm_sent();
+    session->answers.confirm_sent();
     session->last_activity = now;
     sessions_.wake(*session);
   }
@@ -120,7 +60,7 @@ void Clients::half_closed(ClientId client) {
 void Clients::disconnected(ClientId client, Instant now) {
   if (ClientSession* session = sessions_.find(client)) {
     leave(*session, now);
-    forget(*session);
+    door_.forget(*session);
   }
 }
 
@@ -134,9 +74,9 @@ void Clients::handle_deadline(Instant now) {
       case ClientSession::Overdue::within_request:
         actions_.push(
             Report{ClientFrameTimedOut{session->info().listener, session->info().address}});
-        close(*session);
+        door_.close(*session);
         break;
-      case ClientSession::Overdue::idle: close(*session); break;
+      case ClientSession::Overdue::idle: door_.close(*session); break;
       case ClientSession::Overdue::nothing:
         session->end_hold(now);
         if (session->has_turn) {
@@ -170,7 +110,7 @@ void Clients::serve(ClientSession& session, Instant now) {
     } else if (next.stop) {
       requests_.pass_early(session, *next.stop);
     } else if (next.framing_lost) {
-      close(session);
+      door_.close(session);
       return;
     } else {
       break;
@@ -185,7 +125,7 @@ void Clients::serve(ClientSession& session, Instant now) {
   }
   failsafe_.client_waits(session.id(), !session.exchanges.empty() || session.held_until, now);
   if (session.is_finished()) {
-    close(session);
+    door_.close(session);
     return;
   }
   if (const auto reading = session.update_reading(now)) {
@@ -204,15 +144,7 @@ bool Clients::may_take(ClientSession& session, Instant now) {
     session.held_until.reset();
     return true;
   }
-  const bool was_held = session.held_until.has_value();
-  const bool may_ask = limits_.may_ask(session, now);
-  if (session.held_until && !was_held) {
-    ++sessions_.counters(session.info().listener).held_up;
-    if (limits_.is_news(session.info(), now)) {
-      actions_.push(Report{ClientHeldUp{session.info().listener, session.info().address}});
-    }
-  }
-  return may_ask;
+  return door_.may_ask(session, now);
 }
 
 void Clients::take_early_stops(ClientSession& session, Instant now) {
@@ -225,29 +157,8 @@ void Clients::take_early_stops(ClientSession& session, Instant now) {
 // The stops that it has sent are still taken.
 void Clients::leave(ClientSession& session, Instant now) {
   session.is_leaving = true;
-  drop_requests(session);  // before a stop sets the bus going
+  door_.drop_requests(session);  // before a stop sets the bus going
   take_early_stops(session, now);
-}
-
-// Nobody is told what becomes of its requests.
-void Clients::drop_requests(ClientSession& session) {
-  for (const std::uint32_t exchange : std::exchange(session.exchanges, {})) {
-    exchanges_[exchange].client_gone = true;
-    exchanges_.cancel(exchange);
-  }
-}
-
-void Clients::close(ClientSession& session) {
-  actions_.push(Close{session.id()});
-  forget(session);
-}
-
-void Clients::forget(ClientSession& session) {
-  drop_requests(session);
-  failsafe_.client_gone(session.id());
-  rules_.client_gone(session.id());
-  limits_.left(session);
-  sessions_.close(session);
 }
 
 void Clients::close_unwanted(const Settings& next, Instant now) {
@@ -267,7 +178,7 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
       actions_.push(Report{ClientRefused{number, address, reason}});
     }
     leave(session, now);
-    close(session);
+    door_.close(session);
   });
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The client side: which connections are accepted, when each is read, and when it is closed.
+// The client side: what each connection brings, when it is read, and when it is closed.
 #pragma once
 
-#include "gateway/clients/address_limits.hpp"
+#include "gateway/clients/client_door.hpp"
 #include "gateway/clients/requests.hpp"
 
 namespace mbgate::gateway {
@@ -44,26 +44,18 @@ class Clients {
 
  private:
   friend struct mbgate::StateReader;
-  [[nodiscard]] bool admit(const ClientInfo& info, Instant now);
-  [[nodiscard]] std::optional<RefusalReason> objection(const ClientInfo& info, Instant now) const;
-  [[nodiscard]] bool make_room(const ClientInfo& info, const routing::ClientAddress* address);
-  void refuse(const ClientInfo& info, RefusalReason reason);
   void serve(ClientSession& session, Instant now);
   [[nodiscard]] bool may_take(ClientSession& session, Instant now);
   void take_early_stops(ClientSession& session, Instant now);
   void leave(ClientSession& session, Instant now);
-  void drop_requests(ClientSession& session);
-  void close(ClientSession& session);
-  void forget(ClientSession& session);
 
   const SettingsHistory& settings_;
   Exchanges& exchanges_;
-  WriteRules& rules_;
   FailsafeWrites& failsafe_;
   ActionQueue& actions_;
   Sessions sessions_;
-  AddressLimits limits_;
   Intake intake_;
+  ClientDoor door_;
   Requests requests_;
 };
 

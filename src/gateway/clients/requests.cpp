@@ -49,7 +49,7 @@ void Requests::accept(ClientSession& session, Request& request, Instant now) {
       asked.answered_at = now;
       trace_.refused(std::move(asked));
     }
-    send(session, session.open_answer(), adu);
+    send(session, session.answers.open(), adu);
   } else {
     begin(session, request, now);
   }
@@ -84,9 +84,9 @@ void Requests::place_answer(ClientSession& session, const Request& request, std:
     return;
   }
   session.exchanges.push_back(index);
-  const bool answer_waits = request.is_early && session.is_ordered();
+  const bool answer_waits = request.is_early && session.answers.is_ordered();
   if (!answer_waits) {
-    exchanges_[index].answer = session.open_answer();
+    exchanges_[index].answer = session.answers.open();
   }
   if (request.is_early) {
     session.ahead.add(
@@ -127,7 +127,7 @@ void Requests::pass_early(ClientSession& session, const EarlyStops::Stop& stop) 
   if (!stop.answer_waits) {
     return;
   }
-  const auto answer = session.open_answer();
+  const auto answer = session.answers.open();
   if (stop.exchange) {
     exchanges_[*stop.exchange].answer = answer;
   } else {
@@ -161,13 +161,13 @@ void Requests::complete(std::uint32_t index, Instant now) {
   }
 }
 
-void Requests::send(ClientSession& session, ClientSession::AnswerId answer,
+void Requests::send(ClientSession& session, AnswerId answer,
                     const std::optional<modbus::MbapAdu>& adu) {
   std::optional<modbus::MbapBytes> bytes;
   if (adu) {
     bytes = modbus::encode(*adu);
   }
-  for (const modbus::MbapBytes& ready : session.close_answer(answer, bytes)) {
+  for (const modbus::MbapBytes& ready : session.answers.close(answer, bytes)) {
     actions_.push(Send{session.id(), ready});
   }
   sessions_.wake(session);

@@ -44,8 +44,7 @@ class Requests {
   void place_answer(ClientSession& session, const Request& request, std::uint32_t index);
   [[nodiscard]] modbus::Pdu answer_of_gateway(const ClientSession& session,
                                               const modbus::Pdu& request, Instant now);
-  void send(ClientSession& session, ClientSession::AnswerId answer,
-            const std::optional<modbus::MbapAdu>& adu);
+  void send(ClientSession& session, AnswerId answer, const std::optional<modbus::MbapAdu>& adu);
 
   const SettingsHistory& settings_;
   BusSet& buses_;

@@ -53,7 +53,6 @@ class Sessions {
   void wake(const ClientSession& session) { ready_.push_back(session.id()); }
   /// The last one that was woken and is still open; nullptr if there is none.
   ClientSession* take_ready();
-  [[nodiscard]] bool any_ready() const { return !ready_.empty(); }
 
   /// The client is to be checked at this instant, or before.
   void look_at(ClientSession& session, std::optional<Instant> at);

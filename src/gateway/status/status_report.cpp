@@ -177,7 +177,7 @@ StatusReport make_status_report(const StatusSources& sources, Duration uptime, I
     sources.sessions.for_each([&](const ClientSession& client) {
       report.clients.push_back({client.info().address.to_text(),
                                 settings.listener(client.info().listener).name, client.requests,
-                                client.refused, client.outstanding()});
+                                client.refused, client.answers.outstanding()});
     });
   }
   return report;

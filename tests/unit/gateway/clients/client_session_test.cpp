@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 class PausedSession : public testing::Test {
  protected:
-  PausedSession() { session_.open_answer(); }
+  PausedSession() { session_.answers.open(); }
   static ListenerSettings of_one() {
     ListenerSettings listener;
     listener.pipeline = 1;

@@ -59,7 +59,7 @@ TEST_F(IntakeAlone, EndsWhereFramingIsLost) {
 }
 
 TEST_F(IntakeAlone, BehindAFullPipelineOnlyStopsAreFound) {
-  session_.open_answer();
+  session_.answers.open();
   come("0001 0000 0006 01 06 0000 0001  0002 0000 0006 01 06 007C 00E1");
   EXPECT_TRUE(is_nothing(next()));
   intake_.begin_early(session_);

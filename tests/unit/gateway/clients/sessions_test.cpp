@@ -59,7 +59,7 @@ TEST_F(ConnectionsAlone, TheOneThatWasIdleForLongestMakesRoom) {
   come(1, "192.0.2.1", Instant{2s});
   ClientSession& idle = come(2, "192.0.2.2", Instant{1s});
   EXPECT_EQ(sessions().idlest(ListenerId{0}), &idle);
-  idle.open_answer();  // it waits for one
+  idle.answers.open();  // it waits for one
   EXPECT_EQ(sessions().idlest(ListenerId{0}), sessions().find(ClientId{1}));
 }
 

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/clients/client_door.hpp"
+
+#include <utility>
+
+namespace mbgate::gateway {
+
+void ClientDoor::connected(ClientId client, const ClientInfo& info, Phase phase, Instant now) {
+  if (!admit(info, phase, now)) {
+    actions_.push(Close{client});
+    return;
+  }
+  if (const ClientSession* session = sessions_.add(client, info, now)) {
+    limits_.came(info, session->listener(), now);
+    failsafe_.client_came(*session);
+  }
+}
+
+bool ClientDoor::admit(const ClientInfo& info, Phase phase, Instant now) {
+  const ListenerSettings& listener = settings_.settings().listener(info.listener);
+  if (listener.is_gone && phase == Phase::running) {
+    return false;  // it was let in before a reload, and told after it
+  }
+  auto reason = objection(info, phase, now);
+  if (!reason && limits_.is_full(info, listener) && !make_room(info, &info.address)) {
+    reason = RefusalReason::address_full;
+  }
+  if (!reason && sessions_.is_full(info.listener) && !make_room(info, nullptr)) {
+    reason = RefusalReason::full;
+  }
+  if (reason) {
+    refuse(info, *reason);
+  }
+  return !reason;
+}
+
+std::optional<RefusalReason> ClientDoor::objection(const ClientInfo& info, Phase phase,
+                                                   Instant now) const {
+  const ListenerSettings& listener = settings_.settings().listener(info.listener);
+  if (phase != Phase::running) {
+    return RefusalReason::stopping;
+  }
+  if (!listener.allow.empty() && !routing::contains(listener.allow, info.address)) {
+    return RefusalReason::not_allowed;
+  }
+  if (!may_connect(settings_.settings(), info)) {
+    return RefusalReason::no_rule;
+  }
+  return limits_.comes_too_often(info, listener, now) ? std::optional(RefusalReason::too_often)
+                                                      : std::nullopt;
+}
+
+// Of the same address, or of any. A client that comes back after its line was cut finds its old
+// connections in the way.
+bool ClientDoor::make_room(const ClientInfo& info, const routing::ClientAddress* address) {
+  ClientSession* idlest = sessions_.idlest(info.listener, address);
+  if (idlest == nullptr) {
+    return false;
+  }
+  actions_.push(Report{ClientDisplaced{info.listener, idlest->info().address}});
+  ++sessions_.counters(info.listener).displaced;
+  close(*idlest);
+  return true;
+}
+
+void ClientDoor::refuse(const ClientInfo& info, RefusalReason reason) {
+  actions_.push(Report{ClientRefused{info.listener, info.address, reason}});
+  sessions_.counters(info.listener).note_refused(reason);
+}
+
+bool ClientDoor::may_ask(ClientSession& session, Instant now) {
+  const bool was_held = session.held_until.has_value();
+  const bool has_turn = limits_.may_ask(session, now);
+  if (session.held_until && !was_held) {
+    ++sessions_.counters(session.info().listener).held_up;
+    if (limits_.is_news(session.info(), now)) {
+      actions_.push(Report{ClientHeldUp{session.info().listener, session.info().address}});
+    }
+  }
+  return has_turn;
+}
+
+void ClientDoor::drop_requests(ClientSession& session) {
+  for (const std::uint32_t exchange : std::exchange(session.exchanges, {})) {
+    exchanges_[exchange].client_gone = true;
+    exchanges_.cancel(exchange);
+  }
+}
+
+void ClientDoor::close(ClientSession& session) {
+  actions_.push(Close{session.id()});
+  forget(session);
+}
+
+void ClientDoor::forget(ClientSession& session) {
+  drop_requests(session);
+  failsafe_.client_gone(session.id());
+  rules_.client_gone(session.id());
+  limits_.left(session);
+  sessions_.close(session);
+}
+
+}  // namespace mbgate::gateway

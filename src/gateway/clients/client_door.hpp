@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where clients come in and go: who is let in, who makes room, what a client address may do, and
+// what is taken back when a client goes.
+#pragma once
+
+#include <optional>
+
+#include "bus/state_reader.hpp"
+#include "gateway/clients/address_limits.hpp"
+#include "gateway/clients/intake.hpp"
+#include "gateway/clients/sessions.hpp"
+#include "gateway/exchanges/exchanges.hpp"
+#include "gateway/reports.hpp"
+#include "gateway/settings/settings_snapshot.hpp"
+#include "gateway/writes/failsafe_writes.hpp"
+#include "gateway/writes/write_rules.hpp"
+
+namespace mbgate::gateway {
+
+class ClientDoor {
+ public:
+  ClientDoor(const SettingsHistory& settings, Exchanges& exchanges, WriteRules& rules,
+             FailsafeWrites& failsafe, Sessions& sessions, ActionQueue& actions)
+      : settings_(settings),
+        exchanges_(exchanges),
+        rules_(rules),
+        failsafe_(failsafe),
+        sessions_(sessions),
+        actions_(actions) {}
+
+  /// Lets the client in, or closes its connection.
+  void connected(ClientId client, const ClientInfo& info, Phase phase, Instant now);
+  /// May its next request be taken? If not, its turn is at `session.held_until`.
+  [[nodiscard]] bool may_ask(ClientSession& session, Instant now);
+  /// Nobody is told what becomes of its requests.
+  void drop_requests(ClientSession& session);
+  /// Closes its connection.
+  void close(ClientSession& session);
+  /// Its connection is gone.
+  void forget(ClientSession& session);
+
+ private:
+  friend struct mbgate::StateReader;
+  [[nodiscard]] bool admit(const ClientInfo& info, Phase phase, Instant now);
+  [[nodiscard]] std::optional<RefusalReason> objection(const ClientInfo& info, Phase phase,
+                                                       Instant now) const;
+  [[nodiscard]] bool make_room(const ClientInfo& info, const routing::ClientAddress* address);
+  void refuse(const ClientInfo& info, RefusalReason reason);
+
+  const SettingsHistory& settings_;
+  Exchanges& exchanges_;
+  WriteRules& rules_;
+  FailsafeWrites& failsafe_;
+  Sessions& sessions_;
+  ActionQueue& actions_;
+  AddressLimits limits_;
+};
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/lines.hpp"
+
+#include <variant>
+
+namespace mbgate::gateway {
+
+void Lines::handle(const LineOpened& input, Instant now) {
+  bus::Bus& opened = buses_.touch(input.bus);
+  if (trace_.is_on()) {
+    trace_.opened(input.bus, now);
+  }
+  if (!opened.link().serves() && !opened.link().is_reopening()) {
+    report(BusOpened{input.bus});
+  }
+  opened.handle_opened(now, input.kind);
+  failsafe_.bus_opened(input.bus);
+}
+
+void Lines::handle(const LineBytes& input, Instant now) {
+  if (trace_.is_on()) {
+    trace_.heard(input.bus, input.bytes, now);
+  }
+  buses_.touch(input.bus).handle_bytes(input.bytes, now);
+}
+
+void Lines::handle(const LineLooked& input, Instant now) {
+  buses_.touch(input.bus).handle_looked(now);
+}
+
+void Lines::handle(const LineLost& input, Instant now) {
+  bus::Bus& lost = buses_.touch(input.bus);
+  const bool was_open = lost.link().serves() || lost.link().is_reopening();
+  lost.handle_lost(now, input.loss);
+  if (was_open && !lost.link().serves()) {
+    report(BusLost{input.bus});
+  }
+}
+
+bool Lines::serve_one(Instant now) {
+  const auto bus = buses_.take_touched();
+  if (!bus) {
+    return false;
+  }
+  while (const auto action = buses_.poll(*bus)) {
+    if (trace_.is_on()) {
+      trace(*bus, *action, now);
+    }
+    if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
+      exchanges_.end(*ended->job, ended->ending);
+    } else {
+      carry_out(*bus, *action);
+    }
+  }
+  failsafe_.note_sent();
+  return true;
+}
+
+void Lines::carry_out(BusId bus, const bus::BusAction& action) {
+  if (const auto* transmit = std::get_if<bus::TransmitFrame>(&action)) {
+    line_actions_.push(Transmit{bus, transmit->frame});
+  } else if (std::holds_alternative<bus::LookAtLine>(action)) {
+    line_actions_.push(Look{bus});
+  } else if (std::holds_alternative<bus::OpenLine>(action)) {
+    line_actions_.push(Open{bus});
+  } else if (std::holds_alternative<bus::CloseLine>(action)) {
+    report(BusLost{bus});
+    line_actions_.push(Shut{bus});
+  } else if (const auto* reopen = std::get_if<bus::ReopenLine>(&action)) {
+    if (reopen->first) {
+      report(AdapterSilent{bus, reopen->silence, reopen->requests});
+    }
+    line_actions_.push(Shut{bus});
+    line_actions_.push(Open{bus});
+  } else if (const auto* replace = std::get_if<bus::ReplaceLine>(&action)) {
+    if (replace->is_news) {
+      report(ConnectionReplaced{bus});
+    }
+    line_actions_.push(Shut{bus});
+  } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&action)) {
+    report(DeviceNews{bus, *notice});
+  } else if (std::holds_alternative<bus::NeverSilent>(action)) {
+    report(LineNeverSilent{bus});
+  } else if (const auto* quality = std::get_if<bus::QualityNotice>(&action)) {
+    report(QualityNews{bus, *quality});
+  } else if (const auto* fault = std::get_if<bus::LineNotice>(&action)) {
+    report(LineNews{bus, fault->fault});
+  }
+}
+
+void Lines::trace(BusId bus, const bus::BusAction& action, Instant now) {
+  if (const auto* began = std::get_if<bus::TransmissionBegan>(&action)) {
+    trace_.began(bus, *began, now);
+  } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&action)) {
+    trace_.transmitted(bus, transmit->frame);
+  } else if (const auto* over = std::get_if<bus::TransmissionOver>(&action)) {
+    trace_.over(bus, *over, now);
+  }
+}
+
+void Lines::adopt(const Settings& before, const Settings& next, Instant now) {
+  for (const BusSet::GivenUp& given_up : buses_.adopt(before, next, now)) {
+    // What was on the wire ends, and what waits. Nobody needs its news any more.
+    given_up.bus->handle_lost(now);
+    while (const auto action = given_up.bus->poll()) {
+      if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
+        exchanges_.end(*ended->job, ended->ending);
+      }
+    }
+    line_actions_.push(Shut{given_up.id});
+  }
+}
+
+}  // namespace mbgate::gateway

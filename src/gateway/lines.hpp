@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The line side: what lines bring goes to their buses, and what buses decide becomes actions.
+#pragma once
+
+#include <optional>
+
+#include "bus/bus_action.hpp"
+#include "bus/state_reader.hpp"
+#include "gateway/bus_set.hpp"
+#include "gateway/exchanges/exchanges.hpp"
+#include "gateway/input.hpp"
+#include "gateway/reports.hpp"
+#include "gateway/trace/trace_book.hpp"
+#include "gateway/writes/failsafe_writes.hpp"
+
+namespace mbgate::gateway {
+
+class Lines {
+ public:
+  Lines(BusSet& buses, Exchanges& exchanges, FailsafeWrites& failsafe, TraceBook& trace,
+        ActionQueue& actions)
+      : buses_(buses),
+        exchanges_(exchanges),
+        failsafe_(failsafe),
+        trace_(trace),
+        actions_(actions) {}
+
+  /// Of a bus that is there.
+  void handle(const LineOpened& input, Instant now);
+  void handle(const LineBytes& input, Instant now);
+  void handle(const LineLooked& input, Instant now);
+  void handle(const LineLost& input, Instant now);
+
+  /// Carries out what a bus has decided; false if none has decided anything.
+  bool serve_one(Instant now);
+  /// The next action for a line, or nothing. Reports are not among them.
+  std::optional<Action> poll_action() { return line_actions_.poll(); }
+  [[nodiscard]] bool has_actions() const { return !line_actions_.empty(); }
+
+  /// New settings are in force: lines that these do not have, or have otherwise, are closed.
+  void adopt(const Settings& before, const Settings& next, Instant now);
+
+ private:
+  friend struct mbgate::StateReader;
+  void carry_out(BusId bus, const bus::BusAction& action);
+  void trace(BusId bus, const bus::BusAction& action, Instant now);
+  void report(const Event& event) { actions_.push(Report{event}); }
+
+  BusSet& buses_;
+  Exchanges& exchanges_;
+  FailsafeWrites& failsafe_;
+  TraceBook& trace_;
+  ActionQueue& actions_;
+  ActionQueue line_actions_;
+};
+
+}  // namespace mbgate::gateway
