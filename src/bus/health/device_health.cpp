@@ -125,6 +125,9 @@ bool DeviceHealth::answer_seen(Instant now) {
 }
 
 void DeviceHealth::note_asked(Instant now, const Timing& timing) {
+  if (debts_.empty() && !forgotten_due_) {
+    return;
+  }
   const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
   std::erase_if(debts_, [&](const Debt& debt) { return now > debt.last_due + longest; });
   for (Debt& debt : debts_) {
