@@ -68,8 +68,6 @@ class LineDiagnosis {
   [[nodiscard]] Instant last_foreign_request() const { return last_foreign_request_; }
   /// When the line was last without silence for too long; Instant::min(): never.
   [[nodiscard]] Instant last_never_silent() const { return last_never_silent_; }
-  /// How long nothing at all was received on the open line.
-  [[nodiscard]] Duration silence(Instant now) const { return parts_.adapter.silence(now); }
   /// An echo that was found, though the settings do not say that there is one.
   [[nodiscard]] NoticedEcho echo() const;
 
