@@ -7,6 +7,7 @@
 
 #include <span>
 
+#include "bus/bus_view.hpp"
 #include "bus/health/line_diagnosis.hpp"
 #include "bus/parts.hpp"
 #include "bus/queue/admission.hpp"
@@ -58,24 +59,16 @@ class Bus {
   [[nodiscard]] std::optional<Wake> next_wake() const;
 
   [[nodiscard]] const LinkState& link() const { return parts_.link; }
-  [[nodiscard]] LineState line_state(Instant now) const { return parts_.line.state(now); }
-  [[nodiscard]] std::size_t waiting() const { return parts_.queue.size() + parts_.stops.size(); }
-  /// The client address of which the most requests wait for the line, and not for their device.
-  [[nodiscard]] std::optional<BusQueue::Most> most_waiting(Instant now) const;
-  /// How long the request has waited that waits longest, stops apart.
-  [[nodiscard]] Duration longest_waiting(Instant now) const;
   [[nodiscard]] const BusCounters& counters() const { return parts_.counters; }
   /// What is known of each address.
   [[nodiscard]] const DeviceTable& devices() const { return parts_.devices; }
-  /// How long the device at the address is still left alone because it owes an answer.
-  [[nodiscard]] Duration held_back(std::uint8_t address, Instant now) const;
+  /// What waits, what is on the wire, the state of the line.
+  [[nodiscard]] BusView view() const { return BusView(parts_); }
   /// What was noticed of the line: what the answers are like, how busy it is, other clients.
   [[nodiscard]] const LineDiagnosis& diagnosis() const { return diagnosis_; }
   void clear_counters();
   /// From now on each transmission is told, or none any more. Nothing else depends on it.
   void set_traced(bool traced) { parts_.is_traced = traced; }
-  /// Transmissions on the wire.
-  [[nodiscard]] std::size_t in_flight() const { return parts_.transmissions.in_flight(); }
 
  private:
   friend struct mbgate::StateReader;

@@ -21,21 +21,23 @@ class LineDiscipline {
     std::visit([&](auto& line) { line.open(now, kind); }, line_);
   }
   [[nodiscard]] Instant ready_at(Duration gap) const {
-    return std::visit([&](const auto& line) { return line.ready_at(gap); }, line_);
+    return when([gap](const auto& it) { return it.ready_at(gap); });
   }
   [[nodiscard]] Instant ready_for_stop_at() const {
-    return std::visit([](const auto& line) { return line.ready_for_stop_at(); }, line_);
+    return when([](const auto& it) { return it.ready_for_stop_at(); });
   }
   [[nodiscard]] Instant possible_at() const {
-    return std::visit([](const auto& line) { return line.possible_at(); }, line_);
+    return when([](const auto& it) { return it.possible_at(); });
   }
+  /// Nothing on a connection, which is never busy.
   [[nodiscard]] std::optional<Instant> busy_since() const {
-    return std::visit([](const auto& line) { return line.busy_since(); }, line_);
+    const auto* serial = std::get_if<SerialDiscipline>(&line_);
+    return serial == nullptr ? std::nullopt : std::optional(serial->silence().busy_since());
   }
   /// Nothing on a connection, where no silence is asked for.
   [[nodiscard]] std::optional<Instant> quiet_since() const {
     const auto* serial = std::get_if<SerialDiscipline>(&line_);
-    return serial == nullptr ? std::nullopt : std::optional(serial->quiet_since());
+    return serial == nullptr ? std::nullopt : std::optional(serial->silence().quiet_since());
   }
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
                    Instant now) {
@@ -104,6 +106,12 @@ class LineDiscipline {
       return Variant(std::in_place_type<TcpDiscipline>, settings, counters);
     }
     return Variant(std::in_place_type<SerialDiscipline>, settings, listen_first, counters);
+  }
+  /// When something may be sent: the silence of a serial line says that, or a connection itself.
+  template <typename Ask>
+  [[nodiscard]] Instant when(Ask ask) const {
+    const auto* serial = std::get_if<SerialDiscipline>(&line_);
+    return serial == nullptr ? ask(std::get<TcpDiscipline>(line_)) : ask(serial->silence());
   }
 
   Variant line_;

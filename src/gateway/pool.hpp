@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reusable objects. An object has a stable address while it is in use. The pool grows to the
-// largest number ever in use.
+// largest number ever in use. Each member of an object has an initialiser or a constructor: nothing
+// is filled with zeros before, which takes long where there is room for several PDUs.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +26,6 @@ class Pool {
   void give_back(std::uint32_t index) {
     Object* const object = objects_[index].get();
     std::destroy_at(object);
-    // Default-initialised: construct_at() would first fill a large object with zeros.
     ::new (static_cast<void*>(object)) Object;
     free_.push_back(index);
   }

@@ -51,7 +51,8 @@ void put_quality(Block& block, const bus::QualityVerdict& verdict) {
 
 Block bus_block(const bus::Bus& bus) {
   const bus::BusCounters& counters = bus.counters();
-  Block block{static_cast<std::uint16_t>(bus.link().serves() ? 1 : 0), saturated(bus.waiting())};
+  Block block{static_cast<std::uint16_t>(bus.link().serves() ? 1 : 0),
+              saturated(bus.view().waiting())};
   for (const std::uint64_t count :
        {counters.transmissions,    counters.responses,        counters.exceptions,
         counters.timeouts,         counters.bad_crcs,         counters.unsolicited_frames,
@@ -90,7 +91,7 @@ Block device_block(const StatusView::Device& shown, const StatusView& view) {
     put32(block, count);
   }
   block.push_back(entry.health.is_offline() ? 1 : 0);
-  block.push_back(milliseconds(bus.held_back(device.address, view.now)));
+  block.push_back(milliseconds(bus.view().held_back(device.address, view.now)));
   put32(block, counters.noise_bytes);
   put_quality(block, quality);
   block.push_back(milliseconds(quality.needed));

@@ -202,9 +202,9 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
   // learned_at, longest_before. Read with the entry, because they count only offline: probe_at,
   // wanted_at. On a serial line all that may end was sent later than what was answered:
   // answered_sent. Shown only: damaged_in_row.
-  const auto& [debts, forgotten_due, forgotten, answered_at, longest_answer, longest_before,
-               while_began, learned, learned_at, unanswered_in_row, answered_sent, damaged_in_row,
-               state, probe_at, wanted_at] = health;
+  const auto& [debts, forgotten_due, forgotten, answered_at, pace, unanswered_in_row, answered_sent,
+               damaged_in_row, state, probe_at, wanted_at] = health;
+  const auto& [longest_answer, longest_before, while_began, learned, learned_at] = pace;
   explore::require(!forgotten_due && longest_before == Duration{0}, "few debts, and a short life");
   bool holds = false;
   hash.add(debts.size());

@@ -11,13 +11,14 @@ void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash
 }
 
 void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
-  // Settings: timing, frame_gap, turnaround, settle, listen_first, paced_setting. Counted, shown or
-  // told only: counters, draining, heard, heard_at, unpaced_told. Empty when the machine was asked
-  // for its actions: faults, refused, end.
-  const auto& [timing, frame_gap, turnaround, settle, listen_first, paced_setting, paced, counters,
-               faults, echo, framer, quiet_since, busy_since, settling_until, listening_until,
-               turnaround_until, transaction, emission_ends, response_due, response_deadline,
-               response_wait, owed, refused, draining, heard, heard_at, unpaced_told, end] = line;
+  // A setting: paced_setting. Counted, shown or told only: counters, draining, heard, heard_at,
+  // unpaced_told. Empty when the machine was asked for its actions: faults, refused, end.
+  const auto& [silence, paced_setting, paced, counters, faults, echo, framer, transaction,
+               response_due, response_deadline, response_wait, owed, refused, draining, heard,
+               heard_at, unpaced_told, end] = line;
+  // Settings: timing, frame_gap, turnaround, settle, listen_first.
+  const auto& [timing, frame_gap, turnaround, settle, listen_first, quiet_since, busy_since,
+               settling_until, listening_until, turnaround_until, emission_ends] = silence;
   explore::require(faults.empty() && !end, "a line has told everything");
   const bool is_running = transaction != nullptr;
   // A stop compares these with its own instants; others with now.

@@ -8,15 +8,11 @@
 namespace mbgate::bus {
 namespace {
 
-constexpr auto kForgettingTime = std::chrono::minutes(1);
-constexpr int kForgottenPart = 8;    // an eighth in each of these
-constexpr int kLongestMemory = 100;  // of these; nothing is left by then
-constexpr int kMarginPart = 4;       // a quarter more than what was seen
+constexpr int kMarginPart = 4;  // a quarter more than what was seen
 
 // A device that answers may have so many damaged in a row before it is shown.
 constexpr unsigned kDamagedInRow = 3;
 
-constexpr auto kRecently = std::chrono::minutes(1);
 constexpr int kAnswerTimes = 4;  // after so many answer times an owed answer was not just late
 
 bool fits(const modbus::Request& asked, modbus::Bytes response) {
@@ -82,7 +78,7 @@ DeviceHealth::Debt& DeviceHealth::owe(const modbus::Request& asked, Instant due)
 }
 
 bool DeviceHealth::note_answered(const Answered& answered, Instant now) {
-  note_took(answered.took, now);
+  pace_.note_answer(answered.took, now);
   answered_sent_ = std::max(answered_sent_, answered.sent);
   // Devices answer in order: what they did not answer before this comes no more, unless this was
   // it.
@@ -110,21 +106,15 @@ bool DeviceHealth::note_answered(const Answered& answered, Instant now) {
   return answer_seen(now);
 }
 
-void DeviceHealth::note_took(Duration took, Instant now) {
-  if (now - while_began_ >= kRecently) {
-    longest_before_ = now - while_began_ < 2 * kRecently ? longest_answer_ : Duration{0};
-    longest_answer_ = Duration{0};
-    while_began_ = now;
-  }
-  longest_answer_ = std::max(longest_answer_, took);
-}
-
 bool DeviceHealth::answer_seen(Instant now) {
   unanswered_in_row_ = damaged_in_row_ = 0;
   return state_.enter(DeviceState::answering, now) == DeviceState::offline;
 }
 
 void DeviceHealth::note_asked(Instant now, const Timing& timing) {
+  if (debts_.empty() && !forgotten_due_) {
+    return;
+  }
   const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
   std::erase_if(debts_, [&](const Debt& debt) { return now > debt.last_due + longest; });
   for (Debt& debt : debts_) {
@@ -168,10 +158,7 @@ std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(modbus::Bytes re
   const Duration covering =
       std::min(late.lateness + late.lateness / kMarginPart, timing.quarantine_max);
   late.grew = covering > quarantine(now, timing);
-  if (covering > learned(now)) {
-    learned_ = covering;
-    learned_at_ = now;
-  }
+  pace_.note_late(covering, now);
   late.back = answer_seen(now);
   return late;
 }
@@ -232,25 +219,13 @@ Instant DeviceHealth::held_until(std::uint8_t function, const Timing& timing) co
       same = std::max(same, end_of(debt, timing));
     }
   }
-  const Duration not_just_late =
-      std::max(kAdapterKeeps, kAnswerTimes * std::max(longest_answer_, longest_before_));
+  const Duration not_just_late = std::max(kAdapterKeeps, kAnswerTimes * pace_.longest_answer());
   return std::max(same, std::min(all, *answered_at_ + not_just_late));
 }
 
 Duration DeviceHealth::quarantine(Instant now, const Timing& timing) const {
-  return std::max(timing.quarantine_or_default(), std::min(learned(now), timing.quarantine_max));
-}
-
-Duration DeviceHealth::learned(Instant now) const {
-  if (learned_ == Duration{0} || now <= learned_at_) {
-    return learned_;
-  }
-  const auto passed = (now - learned_at_) / kForgettingTime;
-  Duration left = learned_;
-  for (int at = 0; at < std::min<std::int64_t>(passed, kLongestMemory); ++at) {
-    left -= left / kForgottenPart;
-  }
-  return left;
+  return std::max(timing.quarantine_or_default(),
+                  std::min(pace_.learned(now), timing.quarantine_max));
 }
 
 }  // namespace mbgate::bus

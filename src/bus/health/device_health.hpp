@@ -19,6 +19,7 @@
 #include <optional>
 #include <vector>
 
+#include "bus/health/answer_pace.hpp"
 #include "bus/health/device_state.hpp"
 #include "bus/instant.hpp"
 #include "bus/state_reader.hpp"
@@ -129,20 +130,14 @@ class DeviceHealth {
 
   Debt& owe(const modbus::Request& asked, Instant due);
   bool answer_seen(Instant now);
-  void note_took(Duration took, Instant now);
   [[nodiscard]] Instant end_of(const Debt& debt, const Timing& timing) const;
-  [[nodiscard]] Duration learned(Instant now) const;
 
   std::vector<Debt> debts_;               // oldest first
   std::optional<Instant> forgotten_due_;  // of an owed answer for which there was no room
   std::bitset<256> forgotten_;            // function codes of such answers
   /// The last answer since the last unanswered transmission; none if there was no answer since.
   std::optional<Instant> answered_at_;
-  Duration longest_answer_{0};  // in this period, and in the one before
-  Duration longest_before_{0};
-  Instant while_began_;
-  Duration learned_{0};
-  Instant learned_at_ = Instant::min();
+  AnswerPace pace_;
 
   unsigned unanswered_in_row_ = 0;  // sent after the last transmission that was answered
   Instant answered_sent_ = Instant::min();

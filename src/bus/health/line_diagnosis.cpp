@@ -13,11 +13,6 @@ using namespace std::chrono_literals;
 
 constexpr Duration kNeverSilent = std::chrono::seconds(1);
 
-// Another client may have asked for the same a moment before, and an adapter kept that; hardly for
-// two requests in a row, so soon after each other.
-constexpr unsigned kEchoesToTell = 2;
-constexpr Duration kEchoesWithin = std::chrono::minutes(1);
-
 // Fewer bytes than these are a driver that turns off.
 constexpr std::size_t kLeastHeard = 3;
 
@@ -30,9 +25,7 @@ constinit const std::array<Duration, 16> kSilenceBounds = {
 void LineDiagnosis::note_opened() {
   foreign_reported_ = false;
   last_never_silent_ = Instant::min();
-  own_heard_ = false;
-  denied_echoes_ = 0;
-  denied_echo_reported_ = false;
+  denied_echo_.open();
   never_silent_reported_ = false;
   quality_.forget();
 }
@@ -61,9 +54,7 @@ void LineDiagnosis::note_begins(Instant now) {
 void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant now) {
   const Instant free_at = std::max(now, parts_.line.ready_at(Duration{0}));
   parts_.devices[asked.address].counters.wire_time += std::max(free_at - asked.sent, Duration{0});
-  if (!std::exchange(own_heard_, false) && end.how == LineEnd::How::response && asked.is_read) {
-    denied_echoes_ = 0;
-  }
+  denied_echo_.note_ended(end.how == LineEnd::How::response && asked.is_read);
   const bool heard_frame = std::exchange(frame_heard_, false);
   note_silence(asked, end.how, now);
   if (!asked.wants_answer) {
@@ -212,8 +203,9 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   const bool is_asked = asked != running.end();
   const bool is_own = is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(),
                                                      unsolicited.pdu.bytes());
-  if (is_own && unsolicited.is_request && !std::exchange(own_heard_, true)) {
-    note_denied_echo(now);
+  if (is_own && unsolicited.is_request && parts_.settings.line.echo == false &&
+      denied_echo_.note_heard(now)) {
+    parts_.actions.push(LineNotice{LineFault::echo_denied});
   }
   if (unsolicited.after_noise || is_own || now < parts_.link.opened_at() + longest) {
     return;
@@ -239,23 +231,7 @@ NoticedEcho LineDiagnosis::echo() const {
   if (parts_.line.hears_itself()) {
     return NoticedEcho::found;
   }
-  const bool denied = parts_.settings.line.echo == false && denied_echoes_ == kEchoesToTell;
-  return denied ? NoticedEcho::denied : NoticedEcho::none;
-}
-
-// The own request was heard. Told once if the settings say that there is no echo.
-void LineDiagnosis::note_denied_echo(Instant now) {
-  if (parts_.settings.line.echo != false) {
-    return;
-  }
-  const bool is_soon = denied_echoes_ > 0 && now <= denied_echo_at_ + kEchoesWithin;
-  denied_echo_at_ = now;
-  if (denied_echoes_ < kEchoesToTell) {
-    denied_echoes_ = is_soon ? denied_echoes_ + 1 : 1;
-  }
-  if (denied_echoes_ == kEchoesToTell && !std::exchange(denied_echo_reported_, true)) {
-    parts_.actions.push(LineNotice{LineFault::echo_denied});
-  }
+  return denied_echo_.is_found() ? NoticedEcho::denied : NoticedEcho::none;
 }
 
 }  // namespace mbgate::bus

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "bus/bus_action.hpp"
+#include "bus/health/denied_echo.hpp"
 #include "bus/health/line_load.hpp"
 #include "bus/health/line_quality.hpp"
 #include "bus/histogram.hpp"
@@ -67,8 +68,6 @@ class LineDiagnosis {
   [[nodiscard]] Instant last_foreign_request() const { return last_foreign_request_; }
   /// When the line was last without silence for too long; Instant::min(): never.
   [[nodiscard]] Instant last_never_silent() const { return last_never_silent_; }
-  /// How long nothing at all was received on the open line.
-  [[nodiscard]] Duration silence(Instant now) const { return parts_.adapter.silence(now); }
   /// An echo that was found, though the settings do not say that there is one.
   [[nodiscard]] NoticedEcho echo() const;
 
@@ -77,7 +76,6 @@ class LineDiagnosis {
   void note_foreign(const UnsolicitedFrame& unsolicited);
   bool note_second_answer(const UnsolicitedFrame& unsolicited);
   void note_silence(const Asked& asked, LineEnd::How how, Instant now);
-  void note_denied_echo(Instant now);
   void tell_quality(std::uint8_t address);
 
   Parts& parts_;
@@ -90,11 +88,8 @@ class LineDiagnosis {
   Instant last_foreign_request_ = Instant::min();
   Instant last_never_silent_ = Instant::min();
   bool replacement_reported_ = false;
-  bool frame_heard_ = false;    // an unsolicited one, since the last transmission ended
-  bool own_heard_ = false;      // the own request, since the last transmission ended
-  unsigned denied_echoes_ = 0;  // in a row; a read that is answered without one ends it
-  Instant denied_echo_at_ = Instant::min();  // the last of them
-  bool denied_echo_reported_ = false;
+  bool frame_heard_ = false;  // an unsolicited one, since the last transmission ended
+  DeniedEcho denied_echo_;    // notes nothing unless the settings say that there is no echo
 };
 
 }  // namespace mbgate::bus

@@ -25,15 +25,11 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
 
 SerialDiscipline::SerialDiscipline(const BusSettings& settings, Duration listen_first,
                                    BusCounters& counters)
-    : timing_(settings.line.baud, settings.line.format),
-      frame_gap_(settings.frame_gap.value_or(timing_.t3_5())),
-      turnaround_(settings.turnaround),
-      settle_(settings.settle),
-      listen_first_(listen_first),
+    : silence_(settings, listen_first),
       paced_setting_(settings.line.paced),
       counters_(counters),
       echo_(settings.line.echo, counters, faults_),
-      framer_(settings, timing_, counters) {}
+      framer_(settings, silence_.timing(), counters) {}
 
 void SerialDiscipline::open(Instant now, LineKind kind) {
   abort();
@@ -41,62 +37,45 @@ void SerialDiscipline::open(Instant now, LineKind kind) {
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
   unpaced_told_ = false;
-  quiet_since_ = now;
-  busy_since_ = now;
-  emission_ends_ = now;
-  listening_until_ = now + listen_first_;
-  settling_until_ = now;
-  turnaround_until_ = std::max(turnaround_until_, now);  // the drives know nothing of the adapter
+  silence_.open(now);
 }
 
 void SerialDiscipline::update(const BusSettings& settings, Duration listen_first) {
-  listen_first_ = listen_first;
-  frame_gap_ = settings.frame_gap.value_or(timing_.t3_5());
-  turnaround_ = settings.turnaround;
-  settle_ = settings.settle;
+  silence_.update(settings, listen_first);
   framer_.update(settings);
-}
-
-Instant SerialDiscipline::ready_at(Duration gap) const {
-  return std::max(std::max(quiet_since_ + frame_gap_ + gap, settling_until_),
-                  std::max(listening_until_, turnaround_until_));
-}
-
-Instant SerialDiscipline::ready_for_stop_at() const {
-  return std::max(quiet_since_ + frame_gap_, turnaround_until_);
 }
 
 FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
                                    OwedAnswers owed, Instant now) {
   MBGATE_ASSERT(transaction_ == nullptr, "a serial line has one transaction at a time");
-  MBGATE_ASSERT(now >= possible_at(), "nothing is transmitted into an own frame");
+  MBGATE_ASSERT(now >= silence_.possible_at(), "nothing is transmitted into an own frame");
   const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
   transaction_ = &transaction;
   end_.reset();
-  emission_ends_ = now + timing_.duration_of(frame.size());
-  quiet_since_ = emission_ends_;
-  busy_since_ = emission_ends_;
+  silence_.note_frame(frame.size(), now);
   response_wait_ = timing.response_wait;
   owed_ = owed;
   draining_ = false;
-  response_due_ =
-      emission_ends_ +
-      (transaction.boot_time ? turnaround_ : timing.response_timeout + timing.response_wait);
+  const Duration answer_time = transaction.boot_time
+                                   ? silence_.turnaround()
+                                   : timing.response_timeout + timing.response_wait;
+  response_due_ = silence_.emission_ends() + answer_time;
   response_deadline_ = response_due_;
   heard_ = 0;
   echo_.expect(transaction, frame, now, response_due_);
   if (transaction.is_broadcast()) {
-    turnaround_until_ = emission_ends_ + turnaround_;
+    silence_.note_broadcast();
     framer_.listen();
   } else {
-    framer_.expect(transaction, paced_ ? emission_ends_ : Instant::min());
+    framer_.expect(transaction, paced_ ? silence_.emission_ends() : Instant::min());
   }
   return frame;
 }
 
 void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Instant instant,
                                   Duration least) {
-  response_deadline_ = std::min(response_deadline_, std::max(instant, emission_ends_ + least));
+  response_deadline_ =
+      std::min(response_deadline_, std::max(instant, silence_.emission_ends() + least));
 }
 
 void SerialDiscipline::abort() {
@@ -109,10 +88,10 @@ void SerialDiscipline::abort() {
 void SerialDiscipline::end(LineEnd::How how) {
   const bool early = how == LineEnd::How::response && response_wait_ > Duration{0} && is_early();
   end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_,
-                 std::max(quiet_since_ - emission_ends_, Duration{0}), early};
+                 std::max(silence_.quiet_since() - silence_.emission_ends(), Duration{0}), early};
   const bool framed = how == LineEnd::How::response || how == LineEnd::How::damaged;
   end_->heard = heard_;
-  end_->heard_after = heard_ > 0 ? heard_at_ - emission_ends_ : Duration{0};
+  end_->heard_after = heard_ > 0 ? heard_at_ - silence_.emission_ends() : Duration{0};
   end_->noise = framed ? framer_.noise() : 0;
   framer_.listen();
 }
@@ -121,10 +100,7 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
   if (framer_.awaits_silence()) {
     handle_deadline(now);  // if silence has ended a frame already, these bytes are no part of it
   }
-  if (now > quiet_since_ + frame_gap_) {
-    busy_since_ = now;
-  }
-  quiet_since_ = std::max(quiet_since_, now);
+  silence_.note_bytes(now);
   const Echo::Heard heard = echo_.take(bytes, now);
   judge_held(heard.held, now);
   bytes = heard.bytes;
@@ -136,7 +112,7 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
     counters_.stray_bytes += bytes.size();
     return;
   }
-  if (now >= emission_ends_) {
+  if (now >= silence_.emission_ends()) {
     heard_at_ = heard_ == 0 ? now : heard_at_;
     heard_ += bytes.size();
   }
@@ -148,7 +124,7 @@ void SerialDiscipline::handle_deadline(Instant now) {
     return;
   }
   if (transaction_->is_broadcast()) {
-    if (now >= emission_ends_) {
+    if (now >= silence_.emission_ends()) {
       end(LineEnd::How::sent);
     }
     return;
@@ -162,7 +138,7 @@ void SerialDiscipline::handle_deadline(Instant now) {
   judge(framer_.handle_deadline(now), now);
   if (transaction_ != nullptr && now >= response_deadline_ && !framer_.in_progress()) {
     if (!transaction_->may_stay_silent()) {
-      settling_until_ = std::max(settling_until_, now + settle_);
+      silence_.note_unanswered(now);
     }
     end(LineEnd::How::no_response);
   }
@@ -173,7 +149,7 @@ std::optional<Instant> SerialDiscipline::next_deadline() const {
     return std::nullopt;
   }
   if (transaction_->is_broadcast()) {
-    return emission_ends_;
+    return silence_.emission_ends();
   }
   return framer_.in_progress() ? framer_.next_deadline() : response_deadline_;
 }
@@ -200,15 +176,15 @@ std::optional<UnsolicitedFrame> SerialDiscipline::take_unsolicited() {
 
 LineState SerialDiscipline::state(Instant now) const {
   if (transaction_ != nullptr) {
-    return now < emission_ends_ ? LineState::emission : LineState::waiting_for_reply;
+    return now < silence_.emission_ends() ? LineState::emission : LineState::waiting_for_reply;
   }
-  if (now < listening_until_) {
+  if (silence_.is_listening(now)) {
     return LineState::initial;
   }
-  if (now < turnaround_until_) {
+  if (silence_.is_in_turnaround(now)) {
     return LineState::waiting_turnaround_delay;
   }
-  return draining_ && now < quiet_since_ + frame_gap_ ? LineState::draining : LineState::idle;
+  return draining_ && !silence_.is_silent(now) ? LineState::draining : LineState::idle;
 }
 
 }  // namespace mbgate::bus

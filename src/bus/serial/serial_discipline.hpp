@@ -11,6 +11,7 @@
 #include "bus/line_end.hpp"
 #include "bus/serial/echo.hpp"
 #include "bus/serial/framer.hpp"
+#include "bus/serial/line_silence.hpp"
 #include "bus/settings.hpp"
 #include "bus/state_reader.hpp"
 
@@ -26,15 +27,8 @@ class SerialDiscipline {
   void open(Instant now, LineKind kind);
   /// Other times on the same line.
   void update(const BusSettings& settings, Duration listen_first);
-  /// From when on the silence before a transmission suffices; `gap` is asked for on top of it.
-  [[nodiscard]] Instant ready_at(Duration gap) const;
-  /// The same for a stop, which waits for nothing but silence and a turnaround delay.
-  [[nodiscard]] Instant ready_for_stop_at() const;
-  /// The same where nobody waits for silence: an own frame and a turnaround delay are over.
-  [[nodiscard]] Instant possible_at() const { return std::max(emission_ends_, turnaround_until_); }
-  /// Since when bytes follow each other without the silence before a transmission. If they have
-  /// ended, ready_for_stop_at() tells.
-  [[nodiscard]] std::optional<Instant> busy_since() const { return busy_since_; }
+  /// When something may be sent.
+  [[nodiscard]] const LineSilence& silence() const { return silence_; }
   /// Starts to transmit now; no other transaction may be running, and `transaction`, which gets the
   /// response, must outlive its end. The device owes `owed`: so many answers are refused that begin
   /// before their time, or may be those to another write. Returns the frame.
@@ -43,9 +37,6 @@ class SerialDiscipline {
   /// The running transaction counts as timed out at `instant`, but not before it has left and had
   /// `least` for its response, unless this has begun by then.
   void limit_wait(const Transaction& transaction, Instant instant, Duration least);
-  /// Since when the line is silent: the last byte that was read, or the end of the own frame, which
-  /// may be still to come.
-  [[nodiscard]] Instant quiet_since() const { return quiet_since_; }
   /// When the response timeout of the last transmission ends.
   [[nodiscard]] Instant response_due() const { return response_due_; }
   /// Gives up the running transaction: nothing of it will be reported.
@@ -74,11 +65,7 @@ class SerialDiscipline {
   [[nodiscard]] bool is_early() const;
   void end(LineEnd::How how);
 
-  modbus::RtuTiming timing_;
-  Duration frame_gap_;
-  Duration turnaround_;
-  Duration settle_;
-  Duration listen_first_;
+  LineSilence silence_;
   std::optional<bool> paced_setting_;
   bool paced_ = false;
   BusCounters& counters_;
@@ -86,13 +73,7 @@ class SerialDiscipline {
   Echo echo_;
   Framer framer_;
 
-  Instant quiet_since_;  // the last byte in either direction
-  Instant busy_since_;   // the first one after the last silence
-  Instant settling_until_;
-  Instant listening_until_;
-  Instant turnaround_until_;
   Transaction* transaction_ = nullptr;
-  Instant emission_ends_;
   Instant response_due_;                         // the end of the response timeout
   Instant response_deadline_;                    // the same, or earlier because a stop waits
   Duration response_wait_{0};                    // the device holds its answer back for so long

@@ -40,7 +40,8 @@ bool begins_as_echo(const Echo& echo, const Framer& framer, const Transaction& a
 }  // namespace
 
 bool SerialDiscipline::is_early() const {
-  return framer_.found().began < emission_ends_ + response_wait_ - response_wait_ / kEarlyPart;
+  return framer_.found().began <
+         silence_.emission_ends() + response_wait_ - response_wait_ / kEarlyPart;
 }
 
 void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
@@ -53,14 +54,14 @@ void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
 // an owed answer begins before the device can have answered this request, or fits another one too.
 bool SerialDiscipline::is_no_answer() const {
   return echo_.is_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_) ||
-         (paced_ && framer_.found().began < emission_ends_) ||
+         (paced_ && framer_.found().began < silence_.emission_ends()) ||
          (owed_.count > 0 &&
           (is_early() || may_answer_another(framer_.response(), *transaction_, owed_)));
 }
 
 Verdict SerialDiscipline::refuse(Instant now) {
-  const bool is_echo_of_now =
-      paced_ && framer_.found().began < emission_ends_ && echo_.is_repetition(framer_.response());
+  const bool is_echo_of_now = paced_ && framer_.found().began < silence_.emission_ends() &&
+                              echo_.is_repetition(framer_.response());
   if (echo_.take_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_)) {
     ++counters_.unsolicited_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
@@ -88,7 +89,7 @@ Verdict SerialDiscipline::refuse(Instant now) {
 Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
   // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
   const bool is_echo = echo_.was_shown() || transaction_->request.is_read();
-  const bool is_late = framer_.found().began > emission_ends_ + kEchoKept;
+  const bool is_late = framer_.found().began > silence_.emission_ends() + kEchoKept;
   if (!echo_.is_unknown() || !echo_.is_repetition(framer_.response()) || (is_late && !is_echo)) {
     return verdict;
   }

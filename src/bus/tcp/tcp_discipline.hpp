@@ -44,8 +44,6 @@ class TcpDiscipline {
   /// A stop waits for neither.
   [[nodiscard]] Instant ready_for_stop_at() const { return quiet_since_; }
   [[nodiscard]] Instant possible_at() const { return quiet_since_; }
-  /// A connection is never busy.
-  [[nodiscard]] static std::optional<Instant> busy_since() { return std::nullopt; }
   /// The running transaction counts as timed out at `instant`, but not before it had `least` for
   /// its response.
   void limit_wait(const Transaction& transaction, Instant instant, Duration least);

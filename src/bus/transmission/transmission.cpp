@@ -2,6 +2,8 @@
 #include "bus/transmission/transmission.hpp"
 
 #include <algorithm>
+#include <memory>
+#include <new>
 
 #include "base/assert.hpp"
 
@@ -45,8 +47,8 @@ void Transmissions::end(Transmission& transmission) {
   MBGATE_ASSERT(transmission.followers.empty(), "who shares a transmission gets its end");
   std::erase(running_, &transmission);
   transmission.leader->leads = nullptr;
-  transmission = {};
-  free_.push_back(&transmission);
+  std::destroy_at(&transmission);  // each member has an initialiser or a constructor
+  free_.push_back(::new (static_cast<void*>(&transmission)) Transmission);
 }
 
 void Transmissions::hand_over(Transmission& transmission) {

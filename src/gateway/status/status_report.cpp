@@ -17,7 +17,7 @@ std::optional<Duration> since(Instant instant, Instant now) {
 
 std::optional<WaitingClient> most_waiting(const bus::Bus& bus, const Sessions& sessions,
                                           Instant now) {
-  const auto most = bus.most_waiting(now);
+  const auto most = bus.view().most_waiting(now);
   const auto* address = most ? sessions.address_of(most->source) : nullptr;
   if (address == nullptr) {  // it may have gone: stops are sent all the same
     return std::nullopt;
@@ -44,15 +44,15 @@ BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Insta
   }
   status.is_open = bus.link().serves();
   status.is_starting = bus.link().is_starting();
-  status.state = bus.line_state(now);
+  status.state = bus.view().line_state(now);
   status.is_reopening = bus.link().is_reopening();
   status.load = bus.diagnosis().load().percent(now);
   status.waits = bus.diagnosis().load().waits(now);
   status.busy = bus.diagnosis().load().total(now);
-  status.waiting = bus.waiting();
-  status.longest_waiting = bus.longest_waiting(now);
+  status.waiting = bus.view().waiting();
+  status.longest_waiting = bus.view().longest_waiting(now);
   status.silences = bus.diagnosis().silences();
-  status.silence = bus.diagnosis().silence(now);
+  status.silence = bus.view().silence(now);
   status.counters = bus.counters();
   status.last_foreign = since(bus.diagnosis().last_foreign(), now);
   status.last_foreign_request = since(bus.diagnosis().last_foreign_request(), now);
@@ -94,7 +94,7 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   if (status.silence.transmissions() > 0) {
     status.silent_for = std::max(now - entry.silence.began(), Duration{0});
   }
-  status.held_back = bus.held_back(address, now);
+  status.held_back = bus.view().held_back(address, now);
   status.quarantine = entry.health.quarantine(now, entry.timing());
   status.least_quarantine = entry.timing().quarantine_or_default();
   if (entry.health.is_offline()) {

@@ -22,6 +22,16 @@ TEST(Histogram, CountsABoundWithWhatIsNotLonger) {
   EXPECT_EQ(histogram.sum(), 1h + 12ms + 2ns);
 }
 
+TEST(Histogram, CountsEachInItsPlaceWhateverCameBefore) {
+  Histogram histogram(kBounds);
+  for (const Duration duration :
+       {Duration(1h), Duration(1h), Duration(0), Duration(1ms), Duration(5ms), Duration(1ms) + 1ns,
+        Duration(1ms), Duration(1h), Duration(5ms) + 1ns, Duration(5ms)}) {
+    histogram.note(duration);
+  }
+  EXPECT_THAT(histogram.counts(), ElementsAre(3, 3, 4));
+}
+
 TEST(Histogram, AddsWhatAnotherHasCounted) {
   Histogram histogram(kBounds);
   Histogram other(kBounds);

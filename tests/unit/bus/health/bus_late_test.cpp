@@ -42,7 +42,7 @@ TEST_F(BusLate, ALateAnswerOnAQuietLineIsSeenToo) {
   advance(10ms);
   line(kAnswer);
   submit(job(kOther));
-  EXPECT_EQ(bus_->held_back(1, now_), 0ms);
+  EXPECT_EQ(bus_->view().held_back(1, now_), 0ms);
   EXPECT_EQ(until_next_frame(), kT35);
 }
 
@@ -51,7 +51,7 @@ TEST_F(BusLate, TheQuarantineEndsByItself) {
   submit(job(kRead));
   time_out();
   submit(job(kOther));
-  EXPECT_EQ(bus_->held_back(1, now_), 120ms);  // 20 ms for what an adapter still keeps
+  EXPECT_EQ(bus_->view().held_back(1, now_), 120ms);  // 20 ms for what an adapter still keeps
   EXPECT_EQ(until_next_frame(), 120ms);
 }
 
@@ -65,7 +65,7 @@ TEST_F(BusLate, LatenessIsToldAndTheQuarantineGrows) {
   advance(10ms);
   submit(job(kRead));
   time_out();
-  EXPECT_EQ(bus_->held_back(1, now_), 140ms);
+  EXPECT_EQ(bus_->view().held_back(1, now_), 140ms);
 }
 
 TEST_F(BusLate, AWriteIsNotTakenForAnsweredByAnOlderAnswer) {
@@ -114,7 +114,7 @@ TEST_F(BusLate, WhatWasOnTheWireWhenTheLineWasLostIsStillOwed) {
   drain();
   bus_->handle_opened(now_ + 10ms);
   now_ += 10ms;
-  EXPECT_EQ(bus_->held_back(1, now_), kEmission + 210ms);
+  EXPECT_EQ(bus_->view().held_back(1, now_), kEmission + 210ms);
 }
 
 }  // namespace

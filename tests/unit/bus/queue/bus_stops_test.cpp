@@ -50,7 +50,7 @@ TEST_F(BusStops, AStopWaitsForARunningTransactionsFirstByteNoLongerThanStopWait)
   EXPECT_EQ(frames_.back(), kStopFrame);
   EXPECT_EQ(endings_.front(), Ending::no_answer);
   // The device that was cut off owes its answer until its own timeout and quarantine are over.
-  EXPECT_GT(bus_->held_back(2, now_), 0ms);
+  EXPECT_GT(bus_->view().held_back(2, now_), 0ms);
 }
 
 TEST_F(BusStops, AResponseThatHasBegunIsHeardOut) {
@@ -188,7 +188,7 @@ TEST_F(BusStops, NeitherQuarantineNorBreakerNorDeadlineHoldsAStop) {
   submit(job(kRead));
   time_out();
   EXPECT_TRUE(bus_->devices()[1].health.is_offline());
-  EXPECT_GT(bus_->held_back(1, now_), 0ms);
+  EXPECT_GT(bus_->view().held_back(1, now_), 0ms);
   bus::Job& stop = job(kStop);
   stop.deadline = now_ - 1s;
   submit(stop);

@@ -58,7 +58,7 @@ TEST_F(BusRepeatedRead, AnAnswerThatBeginsBeforeTheRequestHasLeftIsAnOlderOne) {
   line("01 03 02 00 07 F9 86");
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
   EXPECT_EQ(jobs_[0].transactions[0].response, modbus::Pdu::from(unhex("03 02 00 07")));
-  EXPECT_EQ(bus_->held_back(1, now_), 0ms);
+  EXPECT_EQ(bus_->view().held_back(1, now_), 0ms);
 }
 
 TEST_F(BusRepeatedRead, TheRightAnswerBehindAnOlderOneInTheSamePieceIsFound) {

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is to be seen of a bus beyond the parts that tell of themselves: what waits for it and for
+// how long, what is on the wire, the state of the line. It only looks, and must not outlive the
+// bus.
+#pragma once
+
+#include "bus/parts.hpp"
+
+namespace mbgate::bus {
+
+class BusView {
+ public:
+  explicit BusView(const Parts& parts) : parts_(parts) {}
+
+  [[nodiscard]] LineState line_state(Instant now) const { return parts_.line.state(now); }
+  /// How long nothing at all was received on the open line.
+  [[nodiscard]] Duration silence(Instant now) const { return parts_.adapter.silence(now); }
+  /// Transmissions on the wire.
+  [[nodiscard]] std::size_t in_flight() const { return parts_.transmissions.in_flight(); }
+  /// Requests that wait, stops among them.
+  [[nodiscard]] std::size_t waiting() const { return parts_.queue.size() + parts_.stops.size(); }
+  /// The client address of which the most requests wait for the line, and not for their device.
+  [[nodiscard]] std::optional<BusQueue::Most> most_waiting(Instant now) const;
+  /// How long the request has waited that waits longest, stops apart.
+  [[nodiscard]] Duration longest_waiting(Instant now) const;
+  /// How long the device at the address is still left alone because it owes an answer.
+  [[nodiscard]] Duration held_back(std::uint8_t address, Instant now) const;
+
+ private:
+  const Parts& parts_;
+};
+
+}  // namespace mbgate::bus

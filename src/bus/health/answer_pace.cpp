@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/health/answer_pace.hpp"
+
+#include <cstdint>
+
+namespace mbgate::bus {
+namespace {
+
+constexpr auto kRecently = std::chrono::minutes(1);
+
+constexpr auto kForgettingTime = std::chrono::minutes(1);
+constexpr int kForgottenPart = 8;    // an eighth in each of these
+constexpr int kLongestMemory = 100;  // of these; nothing is left by then
+
+}  // namespace
+
+void AnswerPace::note_answer(Duration took, Instant now) {
+  if (now - while_began_ >= kRecently) {
+    longest_before_ = now - while_began_ < 2 * kRecently ? longest_answer_ : Duration{0};
+    longest_answer_ = Duration{0};
+    while_began_ = now;
+  }
+  longest_answer_ = std::max(longest_answer_, took);
+}
+
+void AnswerPace::note_late(Duration covering, Instant now) {
+  if (covering > learned(now)) {
+    learned_ = covering;
+    learned_at_ = now;
+  }
+}
+
+Duration AnswerPace::learned(Instant now) const {
+  if (learned_ == Duration{0} || now <= learned_at_) {
+    return learned_;
+  }
+  const auto passed = (now - learned_at_) / kForgettingTime;
+  Duration left = learned_;
+  for (int at = 0; at < std::min<std::int64_t>(passed, kLongestMemory); ++at) {
+    left -= left / kForgottenPart;
+  }
+  return left;
+}
+
+}  // namespace mbgate::bus

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// How long a device takes to answer, and how late its answers can be: learned from those that come,
+// and forgotten again.
+#pragma once
+
+#include <algorithm>
+
+#include "bus/instant.hpp"
+#include "bus/state_reader.hpp"
+
+namespace mbgate::bus {
+
+class AnswerPace {
+ public:
+  /// An answer came in time; `took`: from the end of the transmission.
+  void note_answer(Duration took, Instant now);
+  /// A late answer came, which a quarantine as long as this would have covered.
+  void note_late(Duration covering, Instant now);
+
+  /// The longest that an answer took in the last minute, and in the one before.
+  [[nodiscard]] Duration longest_answer() const {
+    return std::max(longest_answer_, longest_before_);
+  }
+  /// How long a quarantine must be to cover what was seen of late answers. It shrinks by an eighth
+  /// in each minute without another one.
+  [[nodiscard]] Duration learned(Instant now) const;
+
+ private:
+  friend struct mbgate::StateReader;
+
+  Duration longest_answer_{0};  // in this period, and in the one before
+  Duration longest_before_{0};
+  Instant while_began_;
+  Duration learned_{0};
+  Instant learned_at_ = Instant::min();
+};
+
+}  // namespace mbgate::bus

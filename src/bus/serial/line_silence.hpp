@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// The silence of a serial line: since when nothing has passed on it in either direction, and when
+// that suffices for the next transmission. A transmission also waits for the turnaround delay of a
+// broadcast and, unless it is a stop, for a line that was opened just now or that is to settle
+// because an answer is missing.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "bus/instant.hpp"
+#include "bus/settings.hpp"
+#include "bus/state_reader.hpp"
+
+namespace mbgate::bus {
+
+class LineSilence {
+ public:
+  /// `listen_first`: how long a line that was opened is listened to.
+  LineSilence(const BusSettings& settings, Duration listen_first);
+  /// Other times on the same line.
+  void update(const BusSettings& settings, Duration listen_first);
+
+  /// The line was opened: listening begins.
+  void open(Instant now);
+  /// An own frame of so many bytes begins.
+  void note_frame(std::size_t bytes, Instant now);
+  /// It is a broadcast: the turnaround delay follows it.
+  void note_broadcast() { turnaround_until_ = emission_ends_ + turnaround_; }
+  /// Bytes were read.
+  void note_bytes(Instant now);
+  /// A response is missing.
+  void note_unanswered(Instant now) { settling_until_ = std::max(settling_until_, now + settle_); }
+
+  /// From when on the silence before a transmission suffices; `gap` is asked for on top of it.
+  [[nodiscard]] Instant ready_at(Duration gap) const {
+    return std::max(std::max(quiet_since_ + frame_gap_ + gap, settling_until_),
+                    std::max(listening_until_, turnaround_until_));
+  }
+  /// The same for a stop, which waits for nothing but silence and a turnaround delay.
+  [[nodiscard]] Instant ready_for_stop_at() const {
+    return std::max(quiet_since_ + frame_gap_, turnaround_until_);
+  }
+  /// The same where nobody waits for silence: an own frame and a turnaround delay are over.
+  [[nodiscard]] Instant possible_at() const { return std::max(emission_ends_, turnaround_until_); }
+  /// Since when the line is silent: the last byte that was read, or the end of the own frame, which
+  /// may be still to come.
+  [[nodiscard]] Instant quiet_since() const { return quiet_since_; }
+  /// Since when bytes follow each other without the silence before a transmission. If they have
+  /// ended, ready_for_stop_at() tells.
+  [[nodiscard]] Instant busy_since() const { return busy_since_; }
+  /// When the last own frame has left.
+  [[nodiscard]] Instant emission_ends() const { return emission_ends_; }
+  /// Has the silence before a transmission come?
+  [[nodiscard]] bool is_silent(Instant now) const { return now >= quiet_since_ + frame_gap_; }
+  [[nodiscard]] bool is_listening(Instant now) const { return now < listening_until_; }
+  [[nodiscard]] bool is_in_turnaround(Instant now) const { return now < turnaround_until_; }
+  [[nodiscard]] Duration turnaround() const { return turnaround_; }
+  /// How long the characters of the line take.
+  [[nodiscard]] const modbus::RtuTiming& timing() const { return timing_; }
+
+ private:
+  friend struct mbgate::StateReader;
+
+  modbus::RtuTiming timing_;
+  Duration frame_gap_;
+  Duration turnaround_;
+  Duration settle_;
+  Duration listen_first_;
+  Instant quiet_since_;  // the last byte in either direction
+  Instant busy_since_;   // the first one after the last silence
+  Instant settling_until_;
+  Instant listening_until_;
+  Instant turnaround_until_;
+  Instant emission_ends_;
+};
+
+}  // namespace mbgate::bus

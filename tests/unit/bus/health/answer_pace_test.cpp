@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/health/answer_pace.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mbgate::bus {
+namespace {
+
+using namespace std::chrono_literals;
+
+class Pace : public testing::Test {
+ protected:
+  static Instant after(Duration time) { return Instant{1h} + time; }
+  void answer(Duration took, Duration time) { pace_.note_answer(took, after(time)); }
+
+  AnswerPace pace_;
+};
+
+TEST_F(Pace, KnowsTheLongestAnswerOfThisMinuteAndOfTheOneBefore) {
+  EXPECT_EQ(pace_.longest_answer(), 0ms);
+  answer(8ms, 0s);
+  answer(30ms, 10s);
+  answer(5ms, 20s);
+  EXPECT_EQ(pace_.longest_answer(), 30ms);
+  answer(5ms, 60s);
+  EXPECT_EQ(pace_.longest_answer(), 30ms);
+  answer(6ms, 120s);
+  EXPECT_EQ(pace_.longest_answer(), 6ms);
+}
+
+TEST_F(Pace, ForgetsTheLongestAnswerWhereNoneCameForTwoMinutes) {
+  answer(30ms, 0s);
+  answer(5ms, 120s);
+  EXPECT_EQ(pace_.longest_answer(), 5ms);
+}
+
+TEST_F(Pace, LearnsHowLateAnswersAreAndForgetsAnEighthInEachMinute) {
+  EXPECT_EQ(pace_.learned(after(0s)), 0ms);
+  pace_.note_late(800ms, after(0s));
+  EXPECT_EQ(pace_.learned(after(0s)), 800ms);
+  EXPECT_EQ(pace_.learned(after(59s)), 800ms);
+  EXPECT_EQ(pace_.learned(after(60s)), 700ms);
+  EXPECT_EQ(pace_.learned(after(120s)), 612500us);
+  EXPECT_LT(pace_.learned(after(24h)), 10us);
+}
+
+TEST_F(Pace, IsTaughtNothingByAnAnswerThatIsCoveredAlready) {
+  pace_.note_late(800ms, after(0s));
+  pace_.note_late(750ms, after(30s));
+  EXPECT_EQ(pace_.learned(after(60s)), 700ms);
+  pace_.note_late(750ms, after(60s));  // now it is not
+  EXPECT_EQ(pace_.learned(after(119s)), 750ms);
+}
+
+}  // namespace
+}  // namespace mbgate::bus
