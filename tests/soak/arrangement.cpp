@@ -45,6 +45,7 @@ Arrangement::Arrangement(const SoakPlan& plan, Random* random)
       devices_(places_of(plan.absent.devices, random)) {
   settings_.status_unit = plan.settings.status_unit;
   settings_.weights = plan.settings.weights;
+  settings_.rules = plan.settings.rules;
   for (const std::size_t place : listeners_) {
     auto& listener = settings_.listeners.emplace_back(plan.settings.listeners[place]);
     if (listener.bus) {

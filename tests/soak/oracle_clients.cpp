@@ -49,6 +49,7 @@ void Oracle::connect(ClientId client, std::size_t listener, unsigned host) {
 
 std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   asked.id = ++ids_;
+  deny_by_rules(plan_, asked);
   writers_.refuse_unlisted(asked);
   asked.client = client;
   const Session& session = sessions_.at(client);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gateway/settings.hpp"
+#include "soak/access.hpp"
 #include "soak/driver.hpp"
 #include "soak/hosts.hpp"
 #include "soak/random.hpp"
@@ -135,6 +136,7 @@ struct SoakPlan {
   std::vector<drive::WordOrder> own_orders;    ///< by device: what the drive itself is set to
   std::vector<std::vector<unsigned>> writers;  ///< by device, the hosts that its guard lists
   std::vector<std::vector<std::vector<std::uint8_t>>> failsafe;  ///< by device, the PDUs
+  std::vector<SpokenRule> rules;
   std::vector<Manners> clients;
   DriverManners driver;
   /// Silence of the clients is a reason for failsafe writes. It counts from when a request was
