@@ -34,11 +34,10 @@ std::string text_of(const routing::ListenAddress& listen) {
 void add_ports(const gateway::Settings& settings, std::vector<std::string>& found) {
   for (const auto& listener : settings.listeners) {
     if (is_privileged(listener.port)) {
-      found.push_back(
-          "needs port " + std::to_string(listener.port) + " (listener \"" + listener.name +
-          "\"): mbgated.socket" +
-          (listener.allow.empty() && settings.rules.empty() ? ", for which it needs 'allow'" : "") +
-          ", or the drop-in port-502.conf");
+      found.push_back("needs port " + std::to_string(listener.port) + " (listener \"" +
+                      listener.name + "\"): mbgated.socket" +
+                      (settings.is_open_to_all(listener) ? ", for which it needs 'allow'" : "") +
+                      ", or the drop-in port-502.conf");
     }
   }
   for (const auto& listen : settings.http.listen) {

@@ -97,10 +97,7 @@ void Gateway::on(const SettingsChanged& input, Instant now) {
 }
 
 std::optional<Action> Gateway::poll_action() {
-  if (auto action = lines_.poll_action()) {
-    return action;
-  }
-  return actions_.poll();
+  return lines_.has_actions() ? lines_.poll_action() : actions_.poll();
 }
 
 std::optional<Wake> Gateway::next_wake() const {

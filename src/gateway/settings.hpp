@@ -129,6 +129,10 @@ struct Settings {
   [[nodiscard]] const ListenerSettings& listener(ListenerId id) const {
     return listeners[static_cast<std::size_t>(id)];
   }
+  /// Nothing says who may connect to the listener.
+  [[nodiscard]] bool is_open_to_all(const ListenerSettings& listener) const {
+    return listener.allow.empty() && rules.empty();
+  }
   [[nodiscard]] std::vector<drive::Device> devices_on(BusId bus) const;
   /// Those that are not removed, in the order of the configuration file.
   [[nodiscard]] std::vector<BusId> written_buses() const;

@@ -92,7 +92,7 @@ void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) 
   gateway::ClientInfo info{listener, client.address()};
   if (where.tls && !where.is_gone) {
     info.role.kind = routing::ClientRole::Kind::named;  // which one is not known yet
-    const bool allowed = where.allow.empty() || routing::contains(where.allow, info.address);
+    const bool allowed = routing::lets_in(where.allow, info.address);
     if (allowed && gateway::may_connect(settings(), info)) {
       tls_.take(listener, settings(), std::move(client));
       return;

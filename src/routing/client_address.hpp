@@ -52,5 +52,9 @@ using NetworkList = std::vector<Network>;
 
 /// Is the address in one of the networks?
 bool contains(const NetworkList& list, const ClientAddress& address);
+/// Does a list of those who may connect let the address in? An empty one lets everybody in.
+inline bool lets_in(const NetworkList& allow, const ClientAddress& address) {
+  return allow.empty() || contains(allow, address);
+}
 
 }  // namespace mbgate::routing

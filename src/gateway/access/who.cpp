@@ -147,7 +147,7 @@ WhoAnswer of_own_unit(const SettingsSnapshot& settings, const ClientInfo& client
 WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
                   const modbus::Pdu& request) {
   const ListenerSettings& listener = settings.settings.listener(client.listener);
-  if (!listener.allow.empty() && !routing::contains(listener.allow, client.address)) {
+  if (!routing::lets_in(listener.allow, client.address)) {
     return refused("allow of listener " + listener.name, key_of_listener(client, KeyName::allow));
   }
   if (!may_connect(settings.settings, client)) {

@@ -40,7 +40,7 @@ std::optional<RefusalReason> ClientDoor::objection(const ClientInfo& info, Phase
   if (phase != Phase::running) {
     return RefusalReason::stopping;
   }
-  if (!listener.allow.empty() && !routing::contains(listener.allow, info.address)) {
+  if (!routing::lets_in(listener.allow, info.address)) {
     return RefusalReason::not_allowed;
   }
   if (!may_connect(settings_.settings(), info)) {

@@ -166,7 +166,7 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
     const ListenerId number = session.info().listener;
     const routing::ClientAddress& address = session.info().address;
     const ListenerSettings& listener = next.listener(number);
-    const bool allowed = listener.allow.empty() || routing::contains(listener.allow, address);
+    const bool allowed = routing::lets_in(listener.allow, address);
     // What a client was without TLS it is not with it, and the other way round.
     const bool had_tls = session.info().role.kind != routing::ClientRole::Kind::none;
     const bool is_of_another_kind = had_tls != listener.tls.has_value();

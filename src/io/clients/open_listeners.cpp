@@ -34,7 +34,7 @@ std::vector<std::string> open_listeners(const gateway::Settings& settings,
   std::vector<std::string> found;
   for (const auto& listener : settings.listeners) {
     const auto reached = sockets.reached.find(listener.name);
-    if (reached != sockets.reached.end() && listener.allow.empty() && settings.rules.empty()) {
+    if (reached != sockets.reached.end() && settings.is_open_to_all(listener)) {
       found.push_back("listener \"" + listener.name + "\": other machines reach the socket " +
                       reached->second +
                       " from systemd: expected 'allow' with those who may connect, such as allow = "
