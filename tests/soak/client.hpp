@@ -63,6 +63,8 @@ class Client {
     tools_.oracle.paused(number_, true);
   }
   void resume();
+  /// The process looks whether there is anything in its socket.
+  void be_read();
   void closed_by_gateway();
   /// Other settings: the gateway will close it.
   void give_up();
@@ -96,6 +98,7 @@ class Client {
   void push(std::size_t bytes);
   void become_ready();
   void feed();
+  void look_at_socket();
   void read_some();
   void vanish();
   void be_gone();

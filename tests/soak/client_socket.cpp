@@ -75,15 +75,29 @@ void Client::read_some() {
 void Client::resume() {
   paused_ = false;
   tools_.driver.soon([this, life = life_] {
-    if (life != life_ || !connected_ || paused_) {
-      return;
+    if (life == life_) {
+      look_at_socket();
     }
-    if (socket_.empty()) {
-      tools_.harness.handle(gateway::ClientBytes{number_, {}, 0}, tools_.schedule.now());
-      tools_.drain();
-    }
-    feed();
   });
+}
+
+void Client::be_read() {
+  tools_.driver.client_ready([this, life = life_] {
+    if (life == life_) {
+      look_at_socket();
+    }
+  });
+}
+
+void Client::look_at_socket() {
+  if (!connected_ || paused_ || fin_read_) {
+    return;
+  }
+  if (socket_.empty()) {
+    tools_.harness.handle(gateway::ClientBytes{number_, {}, 0}, tools_.schedule.now());
+    tools_.drain();
+  }
+  feed();
 }
 
 void Client::take(Bytes adu) {

@@ -13,6 +13,12 @@ namespace {
 constexpr Duration kLate = 20ms;
 constexpr Duration kStall = 500ms;
 constexpr std::uint64_t kWakesForAStall = 5000;
+constexpr std::uint64_t kStopsChance = 0x53544F5053ULL;
+constexpr std::uint64_t kWakesForAStop = 3000;
+constexpr Duration kShortStop = 300ms;
+constexpr Duration kLongStop = 1500ms;
+constexpr Duration kBeat = 250ms;      // it notices what it has missed by missing beats,
+constexpr Duration kMissable = 500ms;  // if that was longer
 constexpr Duration kInterruption = 2ms;
 constexpr Duration kNoticed = 1ms;  // less is not counted
 constexpr Duration kWakeEarly = 100us;
@@ -38,10 +44,16 @@ DriverManners draw_driver(Random& random) {
   return manners;
 }
 
+void draw_stops(DriverManners& manners, std::uint64_t seed) {
+  constexpr unsigned kSome = 200;
+  manners.stops = Random(seed ^ kStopsChance).chance(kSome);
+}
+
 Driver::Driver(const DriverManners& manners, std::size_t buses, std::uint64_t seed,
                Schedule& schedule, Report& report, Hands hands)
     : manners_(manners),
       random_(seed),
+      of_stops_(seed ^ kStopsChance),
       schedule_(schedule),
       report_(report),
       hands_(std::move(hands)),
@@ -77,13 +89,31 @@ void Driver::ready(Ready it) {
 
 // It is awake already, and nothing but the end of the silence keeps it.
 bool Driver::is_watching() const {
-  return !awake_ && deadline_ && deadline_->ends_silence && timer_ == deadline_->at &&
+  return !awake_ && !stop_ && deadline_ && deadline_->ends_silence && timer_ == deadline_->at &&
          schedule_.now() >= deadline_->at - kWakeEarly;
 }
 
 void Driver::perhaps_interrupt() {
   if (manners_.slow > 0 && random_.chance(manners_.slow)) {
     hands_.interrupt(random_.duration(10us, kInterruption));
+  }
+}
+
+void Driver::perhaps_stop() {
+  if (manners_.stops && of_stops_.below(kWakesForAStop) == 0) {
+    report_.fault("driver_stopped");
+    stop_ = {schedule_.now(), schedule_.now() + of_stops_.duration(kShortStop, kLongStop)};
+  }
+}
+
+void Driver::come_back() {
+  const auto stop = std::exchange(stop_, std::nullopt);
+  if (!stop) {
+    return;
+  }
+  const Duration missed = schedule_.now() - stop->since + of_stops_.duration(0ms, kBeat);
+  if (missed > kMissable) {
+    hands_.stalled(missed);
   }
 }
 
@@ -210,6 +240,7 @@ void Driver::judge_deadline() {
 void Driver::wake() {
   awake_ = true;
   wakes_.reset();
+  come_back();
   const bool is_judged_first = !promises_ || (manners_.any_order && random_.chance(300));
   if (is_judged_first) {
     judge_deadline();
@@ -226,6 +257,7 @@ void Driver::wake() {
     wakes_ = schedule_.now() + lateness();
   }
   set_timer();
+  perhaps_stop();
 }
 
 void Driver::set_timer() {

@@ -23,11 +23,14 @@ struct DriverManners {
   unsigned slow = 0;  ///< of the things it does: then it is interrupted for up to 2 ms
   unsigned spurious = 0;
   bool stalls = false;  ///< now and then, for up to 500 ms
+  bool stops = false;   ///< now and then it is stopped for longer, and notices it
   bool any_order = false;
   Duration usual{0};  ///< it takes up to so long to wake up at all
 };
 /// How a machine of chance treats it.
 DriverManners draw_driver(Random& random);
+/// Whether it is stopped; with a chance of its own.
+void draw_stops(DriverManners& manners, std::uint64_t seed);
 
 class Driver {
  public:
@@ -38,6 +41,8 @@ class Driver {
     std::function<void(std::size_t, const Bytes&)> bytes;
     std::function<void(std::size_t)> lost;
     std::function<void()> deadline;
+    /// It has not run for so long.
+    std::function<void(Duration)> stalled;
     std::function<std::optional<bus::Wake>()> next_wake;
     /// Lets time go on, and what happens meanwhile in the plant happen.
     std::function<void(Duration)> interrupt;
@@ -61,7 +66,9 @@ class Driver {
   void soon(Handler handler) { soon_.push_back(std::move(handler)); }
 
   // The process's side.
-  [[nodiscard]] std::optional<Instant> wakes_at() const { return bus::earlier(wakes_, timer_); }
+  [[nodiscard]] std::optional<Instant> wakes_at() const {
+    return stop_ ? stop_->until : bus::earlier(wakes_, timer_);
+  }
   void wake();
   /// The gateway is about to transmit: what lies in the line is handed in first. It may be
   /// interrupted before it comes to that.
@@ -69,8 +76,18 @@ class Driver {
   /// The gateway may have another deadline.
   void set_timer();
   [[nodiscard]] bool is_awake() const { return awake_; }
+  /// Something is about to be done to it by hand: it runs.
+  void come_back();
+  /// It is not stopped any more.
+  void end_stops() {
+    manners_.stops = false;
+    come_back();
+  }
   /// From now on it is punctual.
-  void calm_down() { manners_ = DriverManners{}; }
+  void calm_down() {
+    come_back();
+    manners_ = DriverManners{};
+  }
   /// It judges before it reads, which it must not; and it is late.
   void break_promise() {
     promises_ = false;
@@ -85,6 +102,10 @@ class Driver {
     bool is_client;
     Handler handler;
   };
+  struct Stop {
+    Instant since;
+    Instant until;
+  };
   struct Line {
     Bytes bytes;
     bool open = false;
@@ -95,6 +116,7 @@ class Driver {
   void ready(Ready it);
   [[nodiscard]] bool is_watching() const;
   void perhaps_interrupt();
+  void perhaps_stop();
   void list(std::size_t bus);
   void put_in_order(std::vector<Ready>& bunch);
   void take(const Ready& it);
@@ -106,6 +128,7 @@ class Driver {
 
   DriverManners manners_;
   Random random_;
+  Random of_stops_;
   Schedule& schedule_;
   Report& report_;
   Hands hands_;
@@ -115,6 +138,7 @@ class Driver {
   std::optional<Instant> wakes_;       ///< for what is ready
   std::optional<bus::Wake> deadline_;  ///< as the timer is set
   std::optional<Instant> timer_;       ///< when it will be noticed
+  std::optional<Stop> stop_;           ///< it does not run
   bool awake_ = false;
   bool judging_ = false;      ///< it reads before a deadline: no time goes by
   bool watch_ended_ = false;  ///< bytes came while it waited for the end of a silence

@@ -33,13 +33,14 @@ class Oracle {
   void connect(ClientId client, std::size_t listener, unsigned host);
   /// The request's first byte was put into the socket at `written`. Returns its number.
   std::uint64_t ask(ClientId client, Asked asked);
-  /// The gateway has its first byte.
+  /// The gateway has its first byte, and its last.
   void begun(std::uint64_t id);
-  /// The gateway has its last byte.
   void delivered(ClientId client, std::uint64_t id);
   void answer_sent(ClientId client);
   /// What it writes from then on counts as old as the pause, until its socket was seen empty.
   void paused(ClientId client, bool is_paused);
+  /// The process did not run since then, and says so to the gateway.
+  void stalled(Instant since);
   void half_closed(ClientId client);
   void gone(ClientId client, const char* how = "for_gone_client");
   /// The gateway has closed a half-closed connection: nothing of it may be open.
@@ -122,7 +123,6 @@ class Oracle {
   /// A stop still waits or goes on; everything must be over.
   [[nodiscard]] bool has_stops() const;
   void check_finished();
-  static std::string hex(Bytes bytes);
   void trace() { traced_ = true; }
   void violation(const std::string& kind, const std::string& text) const;
   /// Since its line is what it is.

@@ -4,6 +4,7 @@
 
 #include "soak/identity.hpp"
 #include "soak/oracle.hpp"
+#include "soak/pdus.hpp"
 
 namespace mbgate::soak {
 

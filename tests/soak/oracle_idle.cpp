@@ -14,6 +14,7 @@ namespace {
 
 constexpr Duration kLate = 20ms;
 constexpr Duration kStall = 520ms;
+constexpr Duration kStop = 1520ms;
 constexpr Duration kLongestBoot = 250ms;
 
 // All that came is an answer with a bad CRC: the silence behind it ends the wait.
@@ -56,7 +57,9 @@ Duration longest_gap(const Oracle::Devices& devices, const SoakPlan& plan, std::
 Duration Oracle::lateness() const {
   const DriverManners& driver = plan_.driver;
   return 1ms + driver.usual + (driver.late > 0 ? kLate : 0ms) + (driver.slow > 0 ? kLate : 0ms) +
-         (driver.stalls ? kStall : 0ms);
+         (driver.stops    ? kStop
+          : driver.stalls ? kStall
+                          : 0ms);
 }
 
 void Oracle::note_whole(std::size_t bus, HeardFrame& frame) const {

@@ -6,6 +6,7 @@
 
 #include "soak/identity.hpp"
 #include "soak/oracle.hpp"
+#include "soak/pdus.hpp"
 
 namespace mbgate::soak {
 namespace {
@@ -31,15 +32,6 @@ void note_done(Asked& asked, const PduBytes& pdu, Instant now) {
 }
 
 }  // namespace
-
-std::string Oracle::hex(Bytes bytes) {
-  constexpr char kDigits[] = "0123456789ABCDEF";
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    text += {kDigits[byte >> 4U], kDigits[byte & 15U]};
-  }
-  return text;
-}
 
 std::string Oracle::name(const Flight& flight) const {
   return bus_settings(flight.bus).name + " address " + std::to_string(flight.address) + " pdu " +

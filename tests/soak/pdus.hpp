@@ -2,6 +2,7 @@
 // Requests, put together byte by byte and by nothing of the product.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "soak/asked.hpp"
@@ -27,6 +28,15 @@ inline void append_words(PduBytes& pdu, const std::vector<std::uint16_t>& words)
   for (const std::uint16_t word : words) {
     append_word(pdu, word);
   }
+}
+
+inline std::string hex(modbus::Bytes bytes) {
+  constexpr char kDigits[] = "0123456789ABCDEF";
+  std::string text;
+  for (const std::uint8_t byte : bytes) {
+    text += {kDigits[byte >> 4U], kDigits[byte & 15U]};
+  }
+  return text;
 }
 
 /// 16.

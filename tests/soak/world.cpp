@@ -87,6 +87,7 @@ World::World(std::uint64_t seed, bool trace)
     clients_.emplace_back(manners, tools_).begin();
   }
   check_overdue_often();
+  clear_counters_some_time();
   begin_reloads();
   drain();
 }
@@ -122,6 +123,7 @@ Driver::Hands World::hands() {
             harness_.handle(gateway::DeadlineReached{}, schedule_.now());
             drain();
           },
+          [this](Duration missed) { stalled(missed); },
           [this] {
             const auto wake = harness_.next_wake();
             return wake ? std::optional(bus::Wake{wake->at, wake->silence_of.has_value()})

@@ -46,6 +46,7 @@ class World {
   bool step();
   void run_until(Instant limit);
   void interrupt(Duration time);
+  void stalled(Duration missed);
   Driver::Hands hands();
   void drain();
   [[nodiscard]] bool take(const gateway::Action& action);
@@ -87,6 +88,7 @@ class World {
     compare(what, shown, seen, seen);
   }
   void check_overdue_often();
+  void clear_counters_some_time();
 
   Random random_;
   SoakPlan plan_;
@@ -119,7 +121,8 @@ class World {
   bool trace_;
   Instant place_ = Instant::min();
   unsigned done_in_place_ = 0;  ///< since then
-  bool stuck_ = false;          ///< it makes no progress: the run is over
+  bool counters_cleared_ = false;
+  bool stuck_ = false;  ///< it makes no progress: the run is over
 };
 
 }  // namespace mbgate::soak

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Between the wires and the gateway: what is transmitted and heard, and lines that come and go.
+#include "soak/pdus.hpp"
 #include "soak/world.hpp"
 
 namespace mbgate::soak {
@@ -27,7 +28,7 @@ void World::deliver(std::size_t bus, const std::vector<std::uint8_t>& bytes) {
 
 void World::hand_in(std::size_t bus, Bytes bytes) {
   if (trace_) {
-    trace(plan_.settings.buses[bus].name + " < " + Oracle::hex(bytes));
+    trace(plan_.settings.buses[bus].name + " < " + hex(bytes));
   }
   oracle_.bytes_handed_in(bus);
   hangs_.read(bus, schedule_.now());

@@ -53,6 +53,7 @@ void World::come_to_rest() {
 // Everything goes on as before, and goes wrong, but that the gateway stops.
 void World::shut_down() {
   trace("shut down");
+  driver_.end_stops();
   is_stopping_ = true;
   end_ = schedule_.now() + kGrace;
   oracle_.begin_shutdown();

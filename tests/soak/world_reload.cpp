@@ -37,6 +37,7 @@ void World::reload(const Reload& reload, const std::vector<bool>& absent) {
     report_.fault(kind);
     trace(kind);
   }
+  driver_.come_back();
   take_effect(reload, absent);
   order_only_ = reload.is_order_only();
   const gateway::Settings settings = reloads_.take_settings();
