@@ -36,6 +36,9 @@ class Driver {
   /// Other settings. `is_same`: they mean the same as those in force, at other places perhaps.
   void reload(gateway::Settings settings, bool is_same);
   void shutdown();
+  /// It was not run for so long, and tells so.
+  void stall(bus::Duration missed) { feed(gateway::Stalled{missed}); }
+  void clear_counters() { feed(gateway::ClearCountersAsked{}); }
   void advance(bus::Duration duration);
   /// Lets everything come to its end, with nobody but the clock at work: every request of a client
   /// that is still there must then have its answer.

@@ -112,6 +112,10 @@ void outer_step(Driver& driver, Script& script, Rules& rules) {
     driver.set_slow(choice % driver.buses(), choice >= 0xC0);
   } else if (choice >= 0x40) {
     reload(driver, script, choice >= 0x60, rules);
+  } else if (choice >= 0x10) {
+    driver.stall(std::chrono::milliseconds(100) * choice);
+  } else {
+    driver.clear_counters();
   }
 }
 
