@@ -37,7 +37,7 @@ class Driver {
   void reload(gateway::Settings settings, bool is_same);
   void shutdown();
   /// It was not run for so long, and tells so.
-  void stall(bus::Duration missed) { feed(gateway::Stalled{missed}); }
+  void stall(std::chrono::milliseconds missed) { feed(gateway::Stalled{missed}); }
   void clear_counters() { feed(gateway::ClearCountersAsked{}); }
   void advance(bus::Duration duration);
   /// Lets everything come to its end, with nobody but the clock at work: every request of a client

@@ -15,8 +15,9 @@ constexpr std::uint64_t kClearsChance = 0x434C454152ULL;
 // As the process does it: first the gateway knows, then each socket is looked at.
 void World::stalled(Duration missed) {
   report_.fault("driver_notices_stop");
-  oracle_.stalled(schedule_.now() - missed);
-  harness_.handle(gateway::Stalled{missed}, schedule_.now());
+  const auto lasted = std::chrono::floor<std::chrono::milliseconds>(missed);
+  oracle_.stalled(schedule_.now() - lasted);
+  harness_.handle(gateway::Stalled{lasted}, schedule_.now());
   drain();
   for (Client& client : clients_) {
     client.be_read();
