@@ -2,6 +2,7 @@
 #include "soak/access.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "soak/asked.hpp"
 #include "soak/hosts.hpp"
@@ -116,6 +117,12 @@ void draw_access(SoakPlan& plan, std::uint64_t seed) {
                           .functions = random.one_of<std::vector<std::uint8_t>>(
                               {{0x01}, {0x02, 0x04}, {0x01, 0x02, 0x04}})});
   }
+  if (random.chance(300)) {
+    plan.rules.push_back({.permits = false,
+                          .writes = false,
+                          .hosts = draw_hosts(random, 500),
+                          .functions = {kReadWrite}});
+  }
   const auto others = draw_hosts(random, 300);
   if (!others.empty() && random.chance(500)) {
     plan.rules.push_back({.permits = false, .reads = false, .hosts = others});
@@ -144,6 +151,8 @@ void deny_by_rules(const SoakPlan& plan, Asked& asked) {
   if (is_denied(plan, asked, reads) || (both && is_denied(plan, asked, true))) {
     asked.refused = kDenied;
     asked.pieces.clear();
+    asked.stops_all = false;  // what it would have stopped goes on
+    asked.kind = asked.kind == Kind::stop ? Kind::write : asked.kind;
   }
 }
 

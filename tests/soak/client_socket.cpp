@@ -83,14 +83,14 @@ void Client::resume() {
 
 void Client::be_read() {
   tools_.driver.client_ready([this, life = life_] {
-    if (life == life_) {
+    if (life == life_ && !fin_read_) {
       look_at_socket();
     }
   });
 }
 
 void Client::look_at_socket() {
-  if (!connected_ || paused_ || fin_read_) {
+  if (!connected_ || paused_) {
     return;
   }
   if (socket_.empty()) {

@@ -74,7 +74,14 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
   if (asked.refused) {
     const bool taken_back =
         asked.dropped || (asked.unlisted && (stopping_ || may_be_stopped(asked)));
-    if (*asked.refused != code && !(taken_back && code == kBusy)) {
+    // It may have lain in a socket since before its unit led elsewhere.
+    const Door* door = asked.door;
+    const bool outdated = door != nullptr && door->device &&
+                          asked.earliest < books_[door->buses.front()]
+                                               .lanes[plan_.settings.devices[*door->device].address]
+                                               .changed_at;
+    const bool is_busy = code == kBusy && (taken_back || outdated);
+    if (*asked.refused != code && !is_busy) {
       violation("wrong_refusal", code_text(code) + " for " + name(asked));
     }
     return;

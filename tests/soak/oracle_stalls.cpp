@@ -6,8 +6,8 @@
 
 namespace mbgate::soak {
 
-// What lies in a socket then may have come at any time since: it is as old as that, and so is what
-// comes until the socket was seen empty.
+// What lies in a socket then may have come at any time since: it is as old as that. What comes
+// until the socket was seen empty may count as old, too; a part may still be with the client.
 void Oracle::stalled(Instant since) {
   for (auto& [client, session] : sessions_) {
     if (session.paused_since) {
@@ -17,9 +17,11 @@ void Oracle::stalled(Instant since) {
     for (const auto& [transaction, id] : session.by_transaction) {
       Asked& asked = *open_.at(id);
       if (!asked.has_begun && !asked.waits_in_pause) {
-        asked.waits_in_pause = true;
         asked.earliest = std::min(asked.earliest, since);
-        asked.written = std::min(asked.written, since);
+        if (asked.written <= schedule_.now()) {
+          asked.waits_in_pause = true;
+          asked.written = since;
+        }
       }
     }
   }
