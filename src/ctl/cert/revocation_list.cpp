@@ -3,6 +3,7 @@
 
 #include <openssl/x509v3.h>
 
+#include <cstdint>
 #include <tuple>
 
 namespace mbgate::ctl {

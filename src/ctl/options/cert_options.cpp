@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 
 #include "ctl/cert/certificate.hpp"
 #include "ctl/cert/role_extension.hpp"
