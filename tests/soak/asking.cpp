@@ -167,10 +167,14 @@ Asked Asking::malformed(const Door& door) {
                                             {0x10, 0, 0, 0, 2, 4, 1, 1, 1}});
       break;
     case 6: asked.pdu = fields(5, 1, 0x1234); break;
-    case 7:
-      asked.pdu = fields(8, random_.one_of({1U, 4U, 21U}), 0);
+    case 7: {
+      const unsigned sub_function = random_.one_of({1U, 4U, 21U});
+      const bool is_allowed = sub_function == 4 && door.route &&
+                              plan_.settings.routes[*door.route].functions.force_listen_only;
+      asked.pdu = fields(8, is_allowed ? 1U : sub_function, 0);
       asked.refused = 1;
       break;
+    }
     case 8:
       asked.pdu = fields(0, 0, 0);
       asked.refused = 1;

@@ -16,6 +16,9 @@ constexpr std::array kForms{Form::v4, Form::v6, Form::mapped, Form::network_v6, 
 
 Form form_of(unsigned host) { return kForms.at(host % kForms.size()); }
 
+// The third octet of a host's IPv4 network, of which three bits count.
+unsigned block_of(unsigned host) { return host / kForms.size() * 32; }
+
 std::uint8_t octet(unsigned value) { return static_cast<std::uint8_t>(value); }
 
 // 10.a.b.c as an IPv6 address.
@@ -48,7 +51,7 @@ routing::ClientAddress address_of(unsigned host) {
     case Form::mapped: break;
     case Form::v6: return routing::ClientAddress(v6(0, host + 1));
     case Form::network_v6: return routing::ClientAddress(v6(16 * host + 7, 9));
-    case Form::network_v4: return routing::ClientAddress(v4(1, 8 * host + 5, 9));
+    case Form::network_v4: return routing::ClientAddress(v4(1, block_of(host) + 29, 9));
   }
   return routing::ClientAddress(v4(0, 0, host + 1));
 }
@@ -60,7 +63,7 @@ routing::Network network_of(unsigned host) {
     case Form::v6: text = "fd00::" + hex_digit(host + 1); break;
     case Form::mapped: text = "::ffff:10.0.0." + std::to_string(host + 1); break;
     case Form::network_v6: text = "fd00:0:0:" + hex_digit(host) + "0::/60"; break;
-    case Form::network_v4: text = "10.1." + std::to_string(8 * host) + ".0/21"; break;
+    case Form::network_v4: text = "10.1." + std::to_string(block_of(host)) + ".0/19"; break;
   }
   return *routing::Network::parse(text);
 }
@@ -71,7 +74,7 @@ std::string text_of(unsigned host) {
     case Form::mapped: break;
     case Form::v6: return std::string("fd00::") + hex_digit(host + 1);
     case Form::network_v6: return "fd00:0:0:" + hex_digit(host) + "7::9";
-    case Form::network_v4: return "10.1." + std::to_string(8 * host + 5) + ".9";
+    case Form::network_v4: return "10.1." + std::to_string(block_of(host) + 29) + ".9";
   }
   return "10.0.0." + std::to_string(host + 1);
 }

@@ -76,6 +76,10 @@ void draw_forms(SoakPlan& plan, std::uint64_t seed) {
       door.is_closed = !door.route && !plan.settings.listeners[door.listener].broadcast;
     }
   }
+  for (routing::Route& route : plan.settings.routes) {
+    const bool is_plain = !route.is_broadcast() && route.windows.empty();
+    route.functions.force_listen_only = is_plain && random.chance(300);
+  }
   add_autonics_doors(plan);
 }
 
