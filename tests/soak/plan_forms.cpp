@@ -80,6 +80,12 @@ void draw_forms(SoakPlan& plan, std::uint64_t seed) {
     const bool is_plain = !route.is_broadcast() && route.windows.empty();
     route.functions.force_listen_only = is_plain && random.chance(300);
   }
+  for (std::size_t bus = 0; bus < plan.settings.buses.size(); ++bus) {
+    const bool is_auto = plan.echoes[bus] && !plan.settings.buses[bus].line.echo;
+    if (is_auto && random.chance(160)) {
+      plan.rates[bus].echo_lost = 200;
+    }
+  }
   add_autonics_doors(plan);
 }
 
