@@ -54,12 +54,18 @@ const char* Refusals::why_busy(const Asked& asked) const {
   if (oracle_.writers_.may_be_held(asked, oracle_.schedule_.now())) {
     return "writer";
   }
-  if (oracle_.stopping_) {
+  if (oracle_.stopping_ && !goes_at_the_end(asked)) {
     return "shutdown";
   }
   const bool asks_order =
       any([](const Piece& piece) { return piece.asks_order && piece.sent > 0; });
   return asks_order && fault_of(asked) != nullptr ? "word_order_unknown" : nullptr;
+}
+
+// A stop of one device is sent until the gateway's time to stop is over.
+bool Refusals::goes_at_the_end(const Asked& asked) const {
+  return asked.kind == Kind::stop && !is_away(asked) &&
+         oracle_.schedule_.now() < *oracle_.stopping_ + kGrace;
 }
 
 // It must not be transmitted any more.

@@ -26,6 +26,7 @@ class Refusals {
  private:
   /// Reasons are names; nullptr: there is none.
   [[nodiscard]] const char* why_busy(const Asked& asked) const;
+  [[nodiscard]] bool goes_at_the_end(const Asked& asked) const;
   [[nodiscard]] const char* why_withdrawn(const Asked& asked) const;
   [[nodiscard]] const char* why_no_path(const Asked& asked) const;
   [[nodiscard]] const char* why_no_response(const Asked& asked) const;
