@@ -270,7 +270,8 @@ SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t 
     return Spoilt::unreadable;
   }
   if (happens(rates_.damaged, "damaged")) {
-    damage(frame);
+    const bool breaks_off = !ascii_ && echo_random_.chance(150);
+    breaks_off ? frame.resize(echo_random_.between<std::size_t>(1, 3)) : damage(frame);
     lose_crc(frame, 0);
     return Spoilt::unreadable;
   }
