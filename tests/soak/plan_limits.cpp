@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::uint64_t kLimitsChance = 0x4C494D495453ULL;
 constexpr std::uint64_t kAddressChance = 0x41444452455353ULL;
+constexpr std::uint64_t kCrowdsChance = 0x43524F574453ULL;
 
 void draw_listener(SoakPlan& plan, gateway::ListenerSettings& listener, Random& random) {
   std::vector<unsigned>& kept = plan.kept.emplace_back();
@@ -71,6 +72,13 @@ void draw_limits(SoakPlan& plan, std::uint64_t seed) {
     manners.stops = std::min(manners.stops, is_slow ? 10U : manners.stops);
     manners.broadcasts = std::min(manners.broadcasts, is_slow ? 5U : manners.broadcasts);
     manners.waits_at_start = !manners.never_asks && random.chance(200);
+  }
+  // So much at once that the gateway pauses while several pieces are left to be read.
+  Random of_crowds(seed ^ kCrowdsChance);
+  if (!plan.silence && !is_slow && of_crowds.chance(100)) {
+    Manners& manners = plan.clients[of_crowds.below(plan.clients.size())];
+    manners.outstanding = 600;
+    manners.burst = 300;
   }
 }
 
