@@ -17,7 +17,7 @@ constexpr std::array kForms{Form::v4, Form::v6, Form::mapped, Form::network_v6, 
 Form form_of(unsigned host) { return kForms.at(host % kForms.size()); }
 
 // The third octet of a host's IPv4 network, of which three bits count.
-unsigned block_of(unsigned host) { return host / kForms.size() * 32; }
+unsigned block_of(unsigned host) { return host / static_cast<unsigned>(kForms.size()) * 32; }
 
 std::uint8_t octet(unsigned value) { return static_cast<std::uint8_t>(value); }
 
