@@ -62,9 +62,9 @@ const char* Refusals::why_busy(const Asked& asked) const {
   return asks_order && fault_of(asked) != nullptr ? "word_order_unknown" : nullptr;
 }
 
-// A stop of one device is sent until the gateway's time to stop is over.
+// A stop of one device is sent until the gateway has finished, or has no time any more.
 bool Refusals::goes_at_the_end(const Asked& asked) const {
-  return asked.kind == Kind::stop && !is_away(asked) &&
+  return asked.kind == Kind::stop && !is_away(asked) && !oracle_.finished_ &&
          oracle_.schedule_.now() < *oracle_.stopping_ + kGrace;
 }
 
