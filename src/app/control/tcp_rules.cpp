@@ -80,7 +80,7 @@ std::optional<Refusal> refused_over_tcp(const http::request_header<>& request,
                        "\": ask for its address, or add the name to [http] hosts"};
   }
   const auto origin = value_of(request, http::field::origin);
-  if (origin && !is_same_origin(*origin, host.value_or(""))) {
+  if (origin && !(host && is_same_origin(*origin, *host))) {
     return foreign_origin(*origin);
   }
   return std::nullopt;

@@ -79,6 +79,8 @@ TEST(TcpRules, RefuseAPageFromElsewhere) {
   EXPECT_EQ(refusal->why, "asked by a page from elsewhere, \"http://evil.example\" (Origin)");
   asked.erase(http::field::host);
   EXPECT_TRUE(refused_over_tcp(asked, {}));
+  asked.set(http::field::origin, "http://");
+  EXPECT_TRUE(refused_over_tcp(asked, {})) << "no name is not the name that is missing";
 }
 
 TEST(TcpRules, RefuseAnyOriginOnTheUnixSocket) {
