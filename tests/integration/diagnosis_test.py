@@ -4,7 +4,6 @@
 rest is played by a line of the test's own."""
 
 import itertools
-import json
 import pathlib
 import re
 import signal
@@ -155,14 +154,20 @@ class Diagnosis(ControlCase):
             self.assertLess(time.monotonic(), end, f"{subject}: {finding} is not named, but {first}")
             time.sleep(0.05)
         self.assertRegex(first["look_at"], look_at)
-        text = self.mbgatectl("status", "--control", self.plant.control)
-        self.assertEqual(text.returncode, 0, text.stderr)
         because = rf"{re.escape(subject)}: {finding}\n      because: .+\n      look at: .*{look_at}"
-        self.assertRegex(text.stdout, f"NOT WELL\n  {because}")
-        printed = self.mbgatectl("status", "--json", "--control", self.plant.control)
-        self.assertEqual(printed.returncode, 0, printed.stderr)
-        self.assertEqual(json.loads(printed.stdout)["diagnoses"][0]["subject"], subject)
+        self.wait_until_printed(f"NOT WELL\n  {because}", end)
+        self.wait_until_printed(rf'"diagnoses": ?\[\s*{{[^}}]*"subject": ?"{re.escape(subject)}"', end, "--json")
         return first
+
+    def wait_until_printed(self, pattern, end, *options):
+        """What is near a limit comes and goes, on a machine that is busy with other things."""
+        while True:
+            printed = self.mbgatectl("status", *options, "--control", self.plant.control)
+            self.assertEqual(printed.returncode, 0, printed.stderr)
+            if re.search(pattern, printed.stdout) or time.monotonic() > end:
+                break
+            time.sleep(0.05)
+        self.assertRegex(printed.stdout, pattern)
 
     def test_a_dead_drive(self):
         self.gateway(simulated(axis="faults = { silent = true }", lift=""), units=2).poll(1, 2)

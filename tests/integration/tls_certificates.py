@@ -67,7 +67,7 @@ class Authority:
 
     @staticmethod
     def _builder(name, key, issuer, lasts):
-        now = datetime.datetime.utcnow()
+        now = datetime.datetime.now(datetime.UTC)
         return (x509.CertificateBuilder().subject_name(name).issuer_name(issuer).public_key(key.public_key())
                 .serial_number(x509.random_serial_number()).not_valid_before(now - DAY).not_valid_after(now + lasts))
 
@@ -88,7 +88,7 @@ class Authority:
 
     def crl(self, ends=DAY):
         """The list of self.revoked, in PEM. It was made a day ago."""
-        now = datetime.datetime.utcnow()
+        now = datetime.datetime.now(datetime.UTC)
         builder = x509.CertificateRevocationListBuilder().issuer_name(self.name)
         builder = builder.last_update(now - DAY).next_update(now + ends)
         for certificate in self.revoked:

@@ -77,13 +77,13 @@ class OpenSsl(TlsCase):
     def test_p_256_is_taken(self):
         for version in ("-tls1_2", "-tls1_3"):
             text = self.assert_shakes_hands(version, "-groups", "P-256")
-            self.assertIn("Server Temp Key: ECDH, prime256v1", text)
+            self.assertRegex(text, "(Server|Peer) Temp Key: ECDH, prime256v1")  # as OpenSSL 3.0 says it, and 3.5
 
     def test_a_certificate_is_asked_for_always(self):
         for version in ("-tls1_2", "-tls1_3"):
             text, _ = self.s_client(version, certificate=False)
             self.assertIn("Acceptable client certificate CA names", text)
-            self.assertIn("CN = root", text)
+            self.assertRegex(text, "CN ?= ?root")
         self.assertIn("alert handshake failure", self.s_client("-tls1_2", certificate=False)[0])
 
     def test_no_compression_and_no_renegotiation(self):
