@@ -61,7 +61,7 @@ std::uint64_t Oracle::ask(ClientId client, Asked asked) {
     asked.earliest = std::min(asked.earliest, open_.at(session.backlog.front())->earliest);
   }
   sessions_.at(client).by_transaction[asked.transaction] = asked.id;
-  open_.emplace(asked.id, std::make_unique<Asked>(std::move(asked)));
+  open_.emplace(ids_, std::make_unique<Asked>(std::move(asked)));
   ++report_.requests;
   return ids_;
 }
