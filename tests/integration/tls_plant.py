@@ -177,6 +177,13 @@ class TlsCase(unittest.TestCase):
         self.plant.gateway.signal(signal.SIGHUP)
         return self.plant.gateway.wait_for(pattern)
 
+    def reconfigure(self, old, new, count=-1, more="", pattern="reload: (done|nothing)"):
+        """Another configuration is in force: `new` stands for `old`, in so many places or in all, and `more` at the end."""
+        text = self.plant.configuration.read_text(encoding="utf-8")
+        self.assertIn(old, text)
+        self.plant.configuration.write_text(text.replace(old, new, count) + more, encoding="utf-8")
+        self.reload(pattern)
+
     def assert_served(self, stream):
         self.assertEqual(ask(stream), self.answer)
 

@@ -71,11 +71,8 @@ def first_bytes():
 
 class RulesCase(TlsCase):
     def change(self, old="", new="", rules=""):
-        """Another configuration is in force."""
-        text = self.plant.configuration.read_text(encoding="utf-8")
-        self.assertIn(old, text)
-        self.plant.configuration.write_text(text.replace(old, new, 1) + rules, encoding="utf-8")
-        self.reload("reload: done")
+        """Another configuration is in force, and it is another one."""
+        self.reconfigure(old, new, 1, rules, "reload: done")
 
     def answers_of(self, address):
         """All that the TLS listener says to a client at this address which begins a handshake; b"" if it ends it."""

@@ -137,19 +137,13 @@ class Endings(TlsCase):
         self.assertEqual(client.recv(1), b"")  # a FIN without close_notify would raise
 
     def test_a_handshake_that_takes_too_long_is_ended(self):
-        text = self.plant.configuration.read_text(encoding="utf-8")
-        text = text.replace('tls = "ec"', 'tls = "ec"\nhandshake_timeout = "100ms"')
-        self.plant.configuration.write_text(text, encoding="utf-8")
-        self.reload()
+        self.reconfigure('tls = "ec"', 'tls = "ec"\nhandshake_timeout = "100ms"')
         silent = self.use(self.plant.plain("secure"))
         self.assert_ended(silent)
         self.refusal("no TLS handshake: it took too long")
 
     def test_only_so_many_shake_hands_at_a_time(self):
-        text = self.plant.configuration.read_text(encoding="utf-8")
-        text = text.replace('tls = "ec"', 'tls = "ec"\nmax_handshakes = 4\nmax_handshakes_per_client = 2')
-        self.plant.configuration.write_text(text, encoding="utf-8")
-        self.reload()
+        self.reconfigure('tls = "ec"', 'tls = "ec"\nmax_handshakes = 4\nmax_handshakes_per_client = 2')
         waiting = [self.use(self.plant.plain("secure")) for _ in range(2)]
         self.assert_ended(self.use(self.plant.plain("secure")))
         self.refusal(r"too many handshakes of one client at a time \(max_handshakes_per_client\)")
@@ -161,19 +155,13 @@ class Endings(TlsCase):
         self.refusal("the client has gone")
 
     def test_only_so_many_begin_within_a_second(self):
-        text = self.plant.configuration.read_text(encoding="utf-8")
-        text = text.replace("second_per_client = 0", "second_per_client = 1\nmax_handshakes_per_client = 60", 1)
-        self.plant.configuration.write_text(text, encoding="utf-8")
-        self.reload()
+        self.reconfigure("second_per_client = 0", "second_per_client = 1\nmax_handshakes_per_client = 60", 1)
         for _ in range(50):  # which takes less than 50 s
             self.use(self.plant.plain("secure"))
         self.refusal(r"too many handshakes of one client \(max_handshakes_per_second_per_client\)")
 
     def test_only_so_many_of_all_begin_within_a_second(self):
-        text = self.plant.configuration.read_text(encoding="utf-8")
-        text = text.replace("max_handshakes_per_second = 0", "max_handshakes_per_second = 1\nmax_handshakes = 60", 1)
-        self.plant.configuration.write_text(text, encoding="utf-8")
-        self.reload()
+        self.reconfigure("max_handshakes_per_second = 0", "max_handshakes_per_second = 1\nmax_handshakes = 60", 1)
         for client in range(50):  # which takes less than 50 s
             self.use(self.plant.plain("secure", f"127.0.0.{client + 1}"))
         self.plant.gateway.wait_for(r"too many handshakes \(max_handshakes_per_second\)")
@@ -260,12 +248,6 @@ class Resumption(TlsCase):
 
 
 class Reload(TlsCase):
-    def reconfigure(self, old, new):
-        text = self.plant.configuration.read_text(encoding="utf-8")
-        self.assertIn(old, text)
-        self.plant.configuration.write_text(text.replace(old, new), encoding="utf-8")
-        self.reload()
-
     def test_a_new_certificate_is_shown_and_no_session_is_lost(self):
         before = self.use(self.plant.client())
         self.assert_served(before)

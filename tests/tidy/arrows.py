@@ -211,13 +211,17 @@ def check_tree(root):
     return found + fronts.check(root, includes), files
 
 
-def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2])
-    found, files = check_tree(root)
+def report(check, what):
+    """Prints what `check` finds in the tree, and in how many of `what`; the exit status: 0 if nothing was found."""
+    found, looked_at = check(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]))
     for finding in found:
         print(finding)
-    print(f"{files} files, {len(found)} findings")
-    return 1 if found or files == 0 else 0
+    print(f"{looked_at} {what}, {len(found)} findings")
+    return 1 if found or looked_at == 0 else 0
+
+
+def main():
+    return report(check_tree, "files")
 
 
 if __name__ == "__main__":

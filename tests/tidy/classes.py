@@ -8,7 +8,6 @@ outwards, until what is left of a class is the list of its declarations. Sources
 usage: classes.py [FOLDER], FOLDER holding src/.
 """
 
-import pathlib
 import re
 import sys
 
@@ -89,12 +88,7 @@ def check_tree(root):
 
 
 def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2])
-    found, classes = check_tree(root)
-    for finding in found:
-        print(finding)
-    print(f"{classes} classes, {len(found)} findings")
-    return 1 if found or classes == 0 else 0
+    return arrows.report(check_tree, "classes")
 
 
 if __name__ == "__main__":
