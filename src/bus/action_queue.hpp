@@ -21,19 +21,19 @@ class ActionQueue {
   [[nodiscard]] bool empty() const { return next_ == waiting_.size(); }
 
   /// Removes and returns the oldest action; nothing if the queue is empty.
-  std::optional<Action> poll() {
-    std::optional<Action> action;  // the only one that is returned: an action is large
-    if (!empty()) {
-      action.emplace(std::move(waiting_[next_]));
-      pass();
-    }
-    return action;
-  }
+  std::optional<Action> poll() { return empty() ? std::nullopt : take(); }
 
  private:
   /// When the queue is empty, memory for more actions than this is released (it was needed for a
   /// burst).
   static constexpr std::size_t kKeptRoom = 1024;
+
+  // An action is large: it is moved once, and no room for one is filled with zeros first.
+  std::optional<Action> take() {
+    std::optional<Action> action(std::in_place, std::move(waiting_[next_]));
+    pass();
+    return action;
+  }
 
   void pass() {
     if (++next_ == waiting_.size()) {

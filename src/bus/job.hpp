@@ -26,12 +26,17 @@ using FrameBytes = boost::container::static_vector<std::uint8_t, kMaxFrameSize>;
 
 /// One request to one address, and its answer.
 struct Transaction {
+  // Not an aggregate: all its room would be filled with zeros first.
+  Transaction(std::uint8_t to, const modbus::Request& asked, bool may_be_silent = false,
+              drive::BroadcastForm form = drive::BroadcastForm::none)
+      : address(to), request(asked), silence_is_success(may_be_silent), broadcast(form) {}
+
   std::uint8_t address;
   modbus::Request request;
   /// 08/01 and 08/04 silence a device: a missing answer is then not a failure.
-  bool silence_is_success = false;
+  bool silence_is_success;
   /// Other than none: a broadcast in this form, which nobody answers.
-  drive::BroadcastForm broadcast = drive::BroadcastForm::none;
+  drive::BroadcastForm broadcast;
   std::optional<modbus::Pdu> response = std::nullopt;
   /// Set by the bus for a write that its device carries out and never answers: how long the device
   /// does not listen afterwards.

@@ -93,7 +93,7 @@ std::optional<ExceptionCode> Plan::add_broadcast(const ResolvedRoute& resolved,
     }
     const auto address = frame.form == drive::BroadcastForm::autonics ? kAutonicsBroadcastAddress
                                                                       : modbus::kBroadcastAddress;
-    transactions_.push_back({frame.bus, address, frame.request, false, frame.form});
+    transactions_.emplace_back(frame.bus, address, frame.request, false, frame.form);
   }
   return std::nullopt;
 }
@@ -127,8 +127,8 @@ std::optional<ExceptionCode> Plan::add_requests(const ResolvedRoute& resolved, s
     }
   } else {  // nothing is known of the device: the request goes as it is
     reply_.form = request.writes() && !request.reads() ? Reply::Form::echo : Reply::Form::as_it_is;
-    transactions_.push_back(
-        {resolved.route.buses.front(), address, request, may_be_silent(request)});
+    transactions_.emplace_back(resolved.route.buses.front(), address, request,
+                               may_be_silent(request));
   }
   if (reply_.form == Reply::Form::as_it_is && request.function() != client_request_.function()) {
     reply_.form = data_form(request.reads()->range.table);
@@ -157,7 +157,7 @@ std::optional<ExceptionCode> Plan::add_device_requests(const ResolvedRoute& reso
     if (!any_function && !device.profile.functions.test(asked.function())) {
       return ExceptionCode::illegal_function;
     }
-    transactions_.push_back({resolved.route.buses.front(), address, asked, may_be_silent(asked)});
+    transactions_.emplace_back(resolved.route.buses.front(), address, asked, may_be_silent(asked));
   }
   return std::nullopt;
 }

@@ -13,11 +13,17 @@
 namespace mbgate::routing {
 
 struct PlannedTransaction {
+  // Not an aggregate: all its room would be filled with zeros first.
+  PlannedTransaction(BusId on, std::uint8_t to, const modbus::Request& asked,
+                     bool may_be_silent = false,
+                     drive::BroadcastForm form = drive::BroadcastForm::none)
+      : bus(on), address(to), request(asked), silence_is_success(may_be_silent), broadcast(form) {}
+
   BusId bus;
   std::uint8_t address;
   modbus::Request request;
-  bool silence_is_success = false;  ///< 08/01 and 08/04
-  drive::BroadcastForm broadcast = drive::BroadcastForm::none;
+  bool silence_is_success;  ///< 08/01 and 08/04
+  drive::BroadcastForm broadcast;
   /// Set for a check that the gateway adds, a read of one register: what follows is sent only if
   /// the register holds one of these values.
   const std::vector<std::uint16_t>* must_hold = nullptr;

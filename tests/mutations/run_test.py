@@ -3,6 +3,7 @@
 """What is read out of a soak's words: which violation, in which seed first, and that it died."""
 
 import pathlib
+import re
 import sys
 import unittest
 
@@ -51,6 +52,14 @@ class APatchIsSeen(unittest.TestCase):
         self.assertEqual(run.kind_of("died", run.seen_in("")), "died")
         self.assertIsNone(run.kind_of("died", run.seen_in(NOTHING)))
         self.assertIsNone(run.kind_of("any", run.seen_in("")))
+
+
+class ACopy(unittest.TestCase):
+    def test_has_all_that_the_build_includes(self):
+        copied = run.files_of(run.ROOT)
+        listed = (run.ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+        for included in re.findall(r"^include\((\S+\.cmake)\)", listed, re.MULTILINE):
+            self.assertIn(pathlib.Path(included), copied)
 
 
 class AUnitTestFails(unittest.TestCase):

@@ -209,6 +209,9 @@ Instant DeviceHealth::held_until(const Timing& timing) const {
 }
 
 Instant DeviceHealth::held_until(std::uint8_t function, const Timing& timing) const {
+  if (debts_.empty() && !forgotten_due_) {
+    return Instant::min();
+  }
   const Instant all = held_until(timing);
   if (!answered_at_ || forgotten_due_ || all == Instant::min()) {
     return all;

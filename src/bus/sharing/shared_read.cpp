@@ -53,7 +53,7 @@ class Gathering {
         std::ranges::any_of(joined_, [this](const Job* job) { return !is_identical(*job); });
     if (differ) {
       transmission_.merged =
-          std::make_unique<Transaction>(Transaction{leader_.address(), modbus::make_read(range_)});
+          std::make_unique<Transaction>(leader_.address(), modbus::make_read(range_));
     }
   }
 

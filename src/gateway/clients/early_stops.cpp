@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/assert.hpp"
+
 namespace mbgate::gateway {
 
 void EarlyStops::add(const Stop& stop) {
@@ -31,10 +33,9 @@ bool EarlyStops::write_lies_before(const DevicePlaces& devices, std::uint64_t po
   });
 }
 
-std::optional<EarlyStops::Stop> EarlyStops::take(std::uint64_t position) {
-  if (stops_.empty() || stops_.front().position != position) {
-    return std::nullopt;
-  }
+EarlyStops::Stop EarlyStops::take(std::uint64_t position) {
+  MBGATE_ASSERT(!stops_.empty() && stops_.front().position == position,
+                "stops taken early are passed in the order of their positions");
   Stop stop = std::move(stops_.front());
   stops_.erase(stops_.begin());
   return stop;

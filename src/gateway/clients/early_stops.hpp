@@ -47,9 +47,8 @@ class EarlyStops {
   /// At the position is a write to the device that the device's stops let go first.
   void note_write(std::size_t device, std::uint64_t position);
   [[nodiscard]] bool write_lies_before(const DevicePlaces& devices, std::uint64_t position) const;
-  /// Processing has reached the position. Returns the stop that was taken from there; nothing if
-  /// none was.
-  std::optional<Stop> take(std::uint64_t position);
+  /// Processing has reached the position, from which a stop was taken: returns that.
+  Stop take(std::uint64_t position);
   /// Keeps the answer for later; false if it need not wait.
   bool keep_answer(std::uint32_t exchange, const std::optional<modbus::MbapAdu>& answer);
   /// New settings: requests in the read-ahead may go to other devices now.

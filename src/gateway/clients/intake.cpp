@@ -34,9 +34,10 @@ Intake::Next Intake::next(ClientSession& session, Instant now) {
       break;
     }
     const std::uint64_t position = session.position();
-    if (auto stop = session.ahead.take(position)) {
+    if (session.ahead.has(position)) {
+      stop_ = session.ahead.take(position);
       session.pass(frame->size);
-      return {.stop = std::move(stop)};
+      return {.stop = &*stop_};
     }
     Request& request = understand(session, frame->adu, position, session.input.arrival_at(0));
     judge(session, request, now);

@@ -24,6 +24,10 @@ enum class Phase : std::uint8_t { running, only_stops, nothing };
 
 /// A request as it was read, and what becomes of it.
 struct Request {
+  // Not an aggregate: all its room, much of which nothing needs, would be filled with zeros first.
+  Request(const modbus::MbapAdu& read, std::uint64_t at, Instant arrived)
+      : adu(read), position(at), arrival(arrived) {}
+
   modbus::MbapAdu adu;
   std::uint64_t position;  ///< in the client's stream
   Instant arrival;
@@ -48,8 +52,8 @@ class Intake {
   /// What comes next in a client's stream; nothing if there is no complete request, or the pipeline
   /// has no room.
   struct Next {
-    Request* request = nullptr;              ///< until the next call, because it is large
-    std::optional<EarlyStops::Stop> stop{};  ///< that was taken early
+    Request* request = nullptr;              ///< until the next call: both are large
+    const EarlyStops::Stop* stop = nullptr;  ///< that was taken early; as long
     bool framing_lost = false;               ///< it is not known any more where requests begin
   };
   [[nodiscard]] Next next(ClientSession& session, Instant now);
@@ -91,7 +95,8 @@ class Intake {
   const WriteRules& rules_;
   ActionQueue& actions_;
   Phase phase_ = Phase::running;
-  std::optional<Request> request_;  // the last one
+  std::optional<Request> request_;        // the last one
+  std::optional<EarlyStops::Stop> stop_;  // the last one
   ClientCounters counters_;
   AccessBook access_;
   std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_told_;

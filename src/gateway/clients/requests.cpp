@@ -16,6 +16,12 @@ ByteString bytes_of(const modbus::MbapAdu& adu) {
 
 std::uint8_t code_of(const modbus::Pdu& exception) { return exception.bytes()[1]; }
 
+/// The answer to a client, once every part has ended; nothing if none is to be given.
+std::optional<modbus::MbapAdu> adu_of(const Exchange& exchange) {
+  const auto pdu = exchange.result();
+  return pdu ? std::optional(modbus::MbapAdu{exchange.header, *pdu}) : std::nullopt;
+}
+
 AskedTrace trace_of(const ClientSession& session, const Request& request) {
   AskedTrace asked;
   asked.connection = session.id();
@@ -33,26 +39,28 @@ void Requests::accept(ClientSession& session, Request& request, Instant now) {
   ++session.requests;
   ListenerCounters& counters = sessions_.counters(session.info().listener);
   ++counters.requests;
-  std::optional<modbus::Pdu> answer;
   if (request.for_gateway) {
-    answer = answer_of_gateway(session, request.adu.pdu, now);
+    answer_at_once(session, request, answer_of_gateway(session, request.adu.pdu, now), now);
   } else if (request.refused) {
-    answer = modbus::Pdu::exception(request.adu.pdu.function(), *request.refused);
+    const auto answer = modbus::Pdu::exception(request.adu.pdu.function(), *request.refused);
     ++session.refused;
-    counters.note_refused(modbus::is_read(request.adu.pdu.bytes()), code_of(*answer));
-  }
-  if (answer) {
-    const modbus::MbapAdu adu{request.adu.header, *answer};
-    if (trace_.is_on()) {
-      AskedTrace asked = trace_of(session, request);
-      asked.answer = bytes_of(adu);
-      asked.answered_at = now;
-      trace_.refused(std::move(asked));
-    }
-    send(session, session.answers.open(), adu);
+    counters.note_refused(modbus::is_read(request.adu.pdu.bytes()), code_of(answer));
+    answer_at_once(session, request, answer, now);
   } else {
     begin(session, request, now);
   }
+}
+
+void Requests::answer_at_once(ClientSession& session, const Request& request,
+                              const modbus::Pdu& answer, Instant now) {
+  const modbus::MbapAdu adu{request.adu.header, answer};
+  if (trace_.is_on()) {
+    AskedTrace asked = trace_of(session, request);
+    asked.answer = bytes_of(adu);
+    asked.answered_at = now;
+    trace_.refused(std::move(asked));
+  }
+  send(session, session.answers.open(), adu);
 }
 
 void Requests::begin(ClientSession& session, Request& request, Instant now) {
@@ -138,18 +146,14 @@ void Requests::pass_early(ClientSession& session, const EarlyStops::Stop& stop) 
 void Requests::complete(std::uint32_t index, Instant now) {
   const Exchange& exchange = exchanges_[index];
   if (trace_.is_on()) {
-    const auto pdu = exchange.client_gone ? std::nullopt : exchange.result();
-    const auto adu = pdu ? std::optional(modbus::MbapAdu{exchange.header, *pdu}) : std::nullopt;
+    const auto adu = exchange.client_gone ? std::nullopt : adu_of(exchange);
     trace_.answered(index, {adu, exchange.ended_as, now});
   }
   if (!exchange.client_gone) {
     ClientSession* session = sessions_.find(exchange.client);
     MBGATE_ASSERT(session != nullptr, "a request knows whether its client is there");
     session->exchanges.erase(std::ranges::find(session->exchanges, index));
-    std::optional<modbus::MbapAdu> adu;
-    if (const auto pdu = exchange.result()) {
-      adu = modbus::MbapAdu{exchange.header, *pdu};
-    }
+    const auto adu = adu_of(exchange);
     if (exchange.failed) {
       ++session->refused;
       sessions_.counters(exchange.listener)
@@ -163,10 +167,7 @@ void Requests::complete(std::uint32_t index, Instant now) {
 
 void Requests::send(ClientSession& session, AnswerId answer,
                     const std::optional<modbus::MbapAdu>& adu) {
-  std::optional<modbus::MbapBytes> bytes;
-  if (adu) {
-    bytes = modbus::encode(*adu);
-  }
+  const auto bytes = adu ? std::optional(modbus::encode(*adu)) : std::nullopt;
   for (const modbus::MbapBytes& ready : session.answers.close(answer, bytes)) {
     actions_.push(Send{session.id(), ready});
   }

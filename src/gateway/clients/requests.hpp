@@ -40,6 +40,8 @@ class Requests {
 
  private:
   friend struct mbgate::StateReader;
+  void answer_at_once(ClientSession& session, const Request& request, const modbus::Pdu& answer,
+                      Instant now);
   void begin(ClientSession& session, Request& request, Instant now);
   void place_answer(ClientSession& session, const Request& request, std::uint32_t index);
   [[nodiscard]] modbus::Pdu answer_of_gateway(const ClientSession& session,

@@ -30,12 +30,11 @@ void Exchanges::start(std::uint32_t index, Turns turns, Instant arrival, Instant
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
       add_job(index, planned.bus, turns, deadline);
     }
-    auto& transactions = exchange.parts.back().job->transactions;
-    transactions.push_back(
-        {planned.address, planned.request, planned.silence_is_success, planned.broadcast});
-    transactions.back().must_hold = planned.must_hold;
-    transactions.back().window_begin = planned.window_begin;
-    transactions.back().window_end = planned.window_end;
+    bus::Transaction& transaction = exchange.parts.back().job->transactions.emplace_back(
+        planned.address, planned.request, planned.silence_is_success, planned.broadcast);
+    transaction.must_hold = planned.must_hold;
+    transaction.window_begin = planned.window_begin;
+    transaction.window_end = planned.window_end;
   }
   submit(index, now);
 }

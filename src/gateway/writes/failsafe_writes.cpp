@@ -60,7 +60,7 @@ void FailsafeWrites::send(Failsafe::Due due, Instant now) {
     exchanges_[index].is_stop = true;
     bus::Job& job = exchanges_.add_job(index, device.bus, {}, now);
     job.job_class = bus::JobClass::stop;
-    job.transactions.push_back({device.address, writes[place]});
+    job.transactions.emplace_back(device.address, writes[place]);
     run.unsent.push_back({index, place});
     run.exchanges.push_back(index);
   }
