@@ -24,8 +24,9 @@ void AnswerPace::note_answer(Duration took, Instant now) {
 }
 
 void AnswerPace::note_late(Duration covering, Instant now) {
-  if (covering > learned(now)) {
-    learned_ = covering;
+  const Duration known = learned(now);
+  if (covering > known - known / kForgottenPart) {  // what is left next would not cover it
+    learned_ = std::max(covering, known);
     learned_at_ = now;
   }
 }

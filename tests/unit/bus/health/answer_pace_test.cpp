@@ -46,10 +46,19 @@ TEST_F(Pace, LearnsHowLateAnswersAreAndForgetsAnEighthInEachMinute) {
 
 TEST_F(Pace, IsTaughtNothingByAnAnswerThatIsCoveredAlready) {
   pace_.note_late(800ms, after(0s));
-  pace_.note_late(750ms, after(30s));
+  pace_.note_late(700ms, after(30s));
   EXPECT_EQ(pace_.learned(after(60s)), 700ms);
   pace_.note_late(750ms, after(60s));  // now it is not
   EXPECT_EQ(pace_.learned(after(119s)), 750ms);
+}
+
+TEST_F(Pace, ForgetsNothingWhileAnswersComeThatWouldNotBeCoveredThen) {
+  pace_.note_late(800ms, after(0s));
+  pace_.note_late(800ms, after(30s));  // as much as quarantine_max allows, say
+  EXPECT_EQ(pace_.learned(after(89s)), 800ms);
+  pace_.note_late(701ms, after(89s));
+  EXPECT_EQ(pace_.learned(after(148s)), 800ms);
+  EXPECT_EQ(pace_.learned(after(149s)), 700ms);
 }
 
 }  // namespace
