@@ -38,6 +38,7 @@ struct Flight {
   const char* unsure = nullptr;
   bool has_whole_echo = false;  ///< it was read; another one may look like a damaged answer
   bool echo_pauses = false;     ///< it was read in two parts, the first of which ended as an answer
+  bool is_crowded = false;      ///< all places on its connection were taken beside it
   bool is_cut_off = false;      ///< its line or connection has gone meanwhile
   bool is_named = false;        ///< what came has its address and function, one behind the other
   std::size_t came = 0;  ///< bytes that reached the kernel before anything else was transmitted
@@ -74,6 +75,7 @@ struct HeardFrame {
   std::size_t lead = 0;       ///< bytes that were put before it
   Instant ended{};            ///< when its last byte reached the kernel
   bool is_only_debt = false;  ///< its device owed nothing else then
+  bool is_late = false;       ///< nor to the same request sent again, whose time was surely over
 };
 
 /// What a line has heard of an own transmission.

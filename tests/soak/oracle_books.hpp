@@ -28,6 +28,7 @@ struct BusCount {
   std::uint64_t spoilt_echoes = 0;
   std::uint64_t asking = 0;       ///< transmissions that are to be answered
   std::uint64_t interrupted = 0;  ///< of these, at most so many were cut by a loss
+  std::uint64_t late = 0;         ///< answers that were surely late
   std::uint64_t excused = 0;      ///< others whose echo may have been taken for an answer
 };
 
@@ -51,11 +52,14 @@ struct Session {
 struct Lane {
   std::optional<std::size_t> device;
   std::vector<Asked*> open;
-  std::deque<std::uint64_t> owed;         ///< transmissions that no good frame has answered
-  std::optional<Instant> answered_at;     ///< since the last transmission that is to be
-  Duration took{0};                       ///< that answer, since the end of the request
+  std::deque<std::uint64_t> owed;      ///< transmissions that no good frame has answered
+  std::optional<Instant> answered_at;  ///< since the last transmission that is to be
+  Duration took{0};                    ///< that answer, since the end of the request
+  Duration learned{0};                 ///< how late one was: its quarantine covers that
+  Instant learned_until = Instant::min();
   Instant last_offline = Instant::min();  ///< it may have been offline then
   unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
+  std::vector<std::uint64_t> unheard;     ///< on a connection, what is later than that answer
   BusCount count;
   bool knows_order = false;              ///< its drive was asked for its word order
   bool stays_offline = false;            ///< it was perhaps offline when other settings came
@@ -140,6 +144,7 @@ struct Book {
   PduBytes heard;                      ///< the first of them: no more than a frame, and one
   Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
   std::vector<HeardFrame> unread;               ///< good frames in the kernel
+  std::vector<std::uint64_t> unread_answers;    ///< the same on a connection, to these
   std::optional<HeardEcho> unread_echo;
   int stops_at_end = 0;  ///< transmitted since the gateway was told to stop
   Instant first_stop_at_end{};
@@ -167,6 +172,7 @@ struct Book {
   /// It is opened anew.
   void forget_line() {
     unread.clear();
+    unread_answers.clear();
     unread_echo.reset();
     echo_proven = echo_lost = echo_found = false;
     told_unproven = told_while_sending = must_tell_unproven = false;

@@ -67,6 +67,14 @@ void Oracle::note_whole(std::size_t bus, HeardFrame& frame) const {
   const auto& owed = book.lanes[frame.address].owed;
   frame.ended = schedule_.now();
   frame.is_only_debt = owed.size() == 1 && owed.front() == frame.flight;
+  const Flight* from = flight(frame.flight);
+  frame.is_late = from != nullptr && std::ranges::count(owed, frame.flight) > 0 &&
+                  std::ranges::all_of(owed, [&](std::uint64_t number) {
+                    const Flight* it = flight(number);
+                    const bool may_wait = it != nullptr && it->number == book.last_flight;
+                    return it != nullptr && it->pdu == from->pdu &&
+                           frame.began >= it->due + (may_wait ? lateness() : Duration{0});
+                  });
 }
 
 // How long an answer may take from its first byte on.

@@ -11,10 +11,18 @@ using namespace std::chrono_literals;
 
 namespace {
 
+// After that a quarantine that has grown may shrink.
+constexpr Duration kRemembered = 1min;
+
 // The length of its answer is known: it needs no silence behind it.
 bool has_table(const PduBytes& pdu) {
   const auto fields = spec::fields_of(pdu);
   return fields && (fields->reads || fields->writes);
+}
+
+// Who has owed nothing for so long does not owe it any more.
+Duration longest_quarantine(const drive::DeviceTiming& timing) {
+  return std::max(timing.quarantine_max, spec::quarantine_of(timing));
 }
 
 }  // namespace
@@ -71,14 +79,15 @@ void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
   const Flight* from = flight(frame.flight);
   const auto& settings = bus_settings(bus);
   const Flight* last = flight(book.last_flight);
-  const bool is_late = from != nullptr && from != last && !from->is_stop &&
-                       frame.began >= std::max(from->due, book.own_end) &&
-                       from->begin >= book.opened && reloaded_ < from->begin;
+  const bool is_late = frame.is_late && !from->is_stop && frame.began >= book.own_end &&
+                       from->begin >= book.opened && reloaded_ < from->begin &&
+                       schedule_.now() < from->deadline + longest_quarantine(from->timing);
   const bool is_sure = is_late && frame.fits && !frame.is_nobodys && !frame.is_refused &&
-                       !frame.waits && frame.is_only_debt && has_table(from->pdu);
+                       !frame.waits && has_table(from->pdu);
   const bool may_echo = plan_.echoes[bus] || book.echo_found || settings.line.echo.value_or(false);
+  const Duration slack = std::max(spec::slack_of(settings), spec::silence_of(settings));
   if (!is_sure || may_echo || book.came != frame.size ||
-      book.use.pause >= spec::WireTimes(settings.line).silence()) {
+      book.use.pause >= (settings.line.framing == bus::Framing::ascii ? 1s : slack)) {
     return;
   }
   Lane& lane = book.lanes[frame.address];
@@ -88,6 +97,13 @@ void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
   const bool is_asked = last->address == frame.address && !last->is_answered;
   lane.unanswered = is_asked ? 1 : 0;
   lane.stays_offline = false;
+  ++book.count.late;
+  ++lane.count.late;
+  const Duration lateness = std::min(frame.ended - from->due, from->timing.quarantine_max);
+  if (lateness >= lane.learned || schedule_.now() >= lane.learned_until) {
+    lane.learned = lateness;
+    lane.learned_until = schedule_.now() + kRemembered;
+  }
 }
 
 // What waited for it then has ended.

@@ -62,7 +62,8 @@ struct FaultRates {
   unsigned wrong_unit = 0;
   unsigned wrong_function = 0;
   unsigned bad_crc = 0;
-  unsigned damaged = 0;  ///< bits flipped, bytes lost or doubled on the way to the gateway
+  unsigned damaged = 0;      ///< bits flipped, bytes lost or doubled on the way to the gateway
+  unsigned late_pieces = 0;  ///< of late ones: with pauses
   unsigned pieces = 0;
   unsigned glitch = 0;  ///< bytes before it that are no part of it
   unsigned too_long = 0;
@@ -80,6 +81,7 @@ struct FaultRates {
   unsigned other_unit = 0;          ///< of TCP answers
   unsigned closes_after = 0;        ///< of TCP answers: the server closes the connection then
   unsigned closes_at_once = 0;      ///< of TCP connections
+  unsigned breaks_off = 0;          ///< within one: what has come of it is lost
   unsigned breaks_framing = 0;      ///< of answers of TCP servers: what follows is no MBAP header
   unsigned swallows = 0;            ///< of TCP connections: nothing ever comes from the server
   Duration idle_close{0};           ///< TCP: it closes a connection that is idle for so long
@@ -173,6 +175,8 @@ void draw_guards(SoakPlan& plan, Random& random);
 void draw_limits(SoakPlan& plan, std::uint64_t seed);
 /// What few plants have.
 void draw_forms(SoakPlan& plan, std::uint64_t seed);
+/// How late answers come, and what breaks off.
+void draw_late(SoakPlan& plan, std::uint64_t seed);
 /// Its last step but for lines and limits: who asks, and how.
 void draw_clients(SoakPlan& plan, Random& random);
 

@@ -237,9 +237,12 @@ void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Fra
     after = around_.random.chance(300) ? near : last - first - near;
   }
   const Instant at = first + after;
+  const bool pauses = happens_to_echo(rates_.late_pieces, "late_pieces");
+  const Duration paused = pauses ? last - at : Duration{0};
   auto& busy = talks_until_[device.settings().address];
-  busy = std::max(busy, at + length);
-  say(frame, at, Chunks::usual, {device.settings().address, 1, 0, true, flight.number});
+  busy = std::max(busy, at + length + paused);
+  say(frame, at, pauses ? Chunks::paused : Chunks::usual,
+      {device.settings().address, 1, 0, true, flight.number, 0, paused});
 }
 
 // Makes something else of the answer.

@@ -56,6 +56,7 @@ class SerialWire {
     bool fits = true;                     ///< they answer what was asked
     std::uint64_t flight = 0;             ///< that they answer; none if a stranger asked
     std::size_t lead = 0;                 ///< bytes before them
+    Duration most_paused = Duration::max();
   };
   struct OwnEcho {
     std::uint64_t flight = 0;

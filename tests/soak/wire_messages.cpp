@@ -17,7 +17,8 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& c
   const std::uint64_t id = ++ids_;
   const Duration character = timing_.of(1);
   Duration paused{0};
-  const Duration most_paused = ascii_ ? 1s : spec::slack_of(settings_) - 3ms;
+  const Duration most_paused =
+      std::min<Duration>(content.most_paused, ascii_ ? 1s : spec::slack_of(settings_) - 3ms);
   const Duration step = chunks == Chunks::fine || chunks == Chunks::torn
                             ? std::max(silence_ / 3, character)
                             : random.duration(500us, 4ms);

@@ -93,6 +93,7 @@ void World::check_bus(Client& client, std::size_t bus) {
   const std::uint64_t unseen = std::min(count.spoilt_echoes, count.losses + count.stops);
   compare(name + ": echo mismatches", long_at(pdu, 18), count.spoilt_echoes - unseen,
           count.transmissions);
+  compare(name + ": late", long_at(pdu, 30), count.late, count.transmissions);
   compare(name + ": losses", long_at(pdu, 24), count.losses);
   compare(name + ": broadcasts", long_at(pdu, 28), count.broadcasts);
   compare(name + ": stops", long_at(pdu, 42), count.stops);
@@ -121,6 +122,7 @@ void World::check_device(Client& client, std::size_t index) {
   compare(device.name + ": transmissions", long_at(pdu, 4), count.transmissions);
   compare(device.name + ": exceptions", long_at(pdu, 8), 0, long_at(pdu, 6));
   compare_ends(device.name, long_at(pdu, 6) + long_at(pdu, 10) + long_at(pdu, 12), count);
+  compare(device.name + ": late", long_at(pdu, 14), count.late, count.transmissions);
 }
 
 }  // namespace mbgate::soak
