@@ -12,12 +12,16 @@ using modbus::Pdu;
 
 namespace {
 
-constexpr Duration kLatestShut = 3s;  // that the process may be, and more
+constexpr Duration kLatestShut = 3s;                   // that the process may be, and more
+constexpr std::uint64_t kBreakChance = 0x42524541ULL;  // apart from the plant's
 
 }  // namespace
 
 FarServer::FarServer(std::size_t bus, Surroundings& around)
-    : bus_(bus), around_(around), rates_(around.plan.rates[bus]) {
+    : bus_(bus),
+      around_(around),
+      rates_(around.plan.rates[bus]),
+      break_random_(around.plan.seed ^ (kBreakChance + bus)) {
   for (SoakDevice& device : around.devices) {
     if (static_cast<std::size_t>(device.settings().bus) == bus) {
       devices_.push_back(&device);
@@ -42,7 +46,7 @@ void FarServer::begin_connection() {
 }
 
 void FarServer::close(const char* kind) {
-  if (answered_ || !unsure_) {
+  if (may_close()) {
     around_.report.fault(kind);
     around_.hang_up(bus_, answered_);
   }
@@ -155,6 +159,9 @@ void FarServer::say(const Answer& answer) {
   if (happens(rates_.twice, "twice")) {
     append(answer.identifier);
   }
+  if (breaks_off()) {
+    return;
+  }
   const std::size_t first =
       happens(rates_.pieces, "pieces") ? 1 + around_.random.below(stream_.size()) : stream_.size();
   flush(first);
@@ -165,6 +172,20 @@ void FarServer::say(const Answer& answer) {
       }
     });
   }
+}
+
+// The connection is closed behind the first bytes of an answer.
+bool FarServer::breaks_off() {
+  if (!may_close() || !break_random_.chance(rates_.breaks_off)) {
+    return false;
+  }
+  const std::size_t last = ends_.empty() ? stream_.size() : ends_.front().first;
+  const std::uint64_t epoch = epoch_;
+  flush(break_random_.between<std::size_t>(1, last - 1));
+  if (epoch == epoch_) {
+    close("broken_off");
+  }
+  return true;
 }
 
 void FarServer::flush(std::size_t bytes) {

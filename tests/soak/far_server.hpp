@@ -36,6 +36,8 @@ class FarServer {
   void break_framing();
   void flush(std::size_t bytes);
   void note_answer(std::uint64_t number);
+  [[nodiscard]] bool breaks_off();
+  [[nodiscard]] bool may_close() const { return answered_ || !unsure_; }
   void close(const char* kind);
   void close_soon(const char* kind);
   void watch_idle();
@@ -45,6 +47,7 @@ class FarServer {
   std::size_t bus_;
   Surroundings& around_;
   FaultRates rates_;
+  Random break_random_;
   std::vector<SoakDevice*> devices_;
   std::vector<std::uint8_t> stream_;
   std::deque<std::pair<std::size_t, std::uint64_t>> ends_;  ///< of answers in the stream

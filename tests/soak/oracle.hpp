@@ -75,7 +75,7 @@ class Oracle {
   void line_replaced(std::size_t bus);
   /// The gateway begins to transmit.
   Flight& transmitted(std::size_t bus, Bytes frame);
-  [[nodiscard]] Flight* flight(std::uint64_t number);
+  [[nodiscard]] Flight* flight(std::uint64_t number) const;
   void executed(const Flight& flight);
   void excepted(const Flight& flight, std::uint8_t code);
   /// The line heard it differently than it was sent: no answer to it counts.
@@ -205,7 +205,7 @@ class Oracle {
   void check_tcp(const Flight& flight);
   void check_rest(std::size_t bus);
   void cut_flying(const Book& book);
-  void cut(Flight& flight) const;
+  [[nodiscard]] Instant deadline_of(const Flight& flight) const;
   void set_times(Flight& flight);
   void settle(std::size_t bus, const HeardFrame& frame);
   void note_uncertain(std::size_t bus, const HeardFrame& frame);
@@ -282,7 +282,7 @@ class Oracle {
   std::map<ClientId, Session> sessions_;
   std::unordered_map<std::uint64_t, std::unique_ptr<Asked>> open_;
   std::vector<Book> books_;
-  std::deque<Flight> flights_;
+  std::deque<std::unique_ptr<Flight>> flights_;
   std::deque<Done> done_;
   std::uint64_t ids_ = 0;
   std::uint64_t sequence_ = 0;

@@ -122,15 +122,14 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
 }
 
 void Oracle::device_answered(const Asked& asked) {
-  Book& book = books_[asked.pieces.front().bus];
-  Lane& lane = book.lanes[asked.pieces.front().address];
-  if (asked.ordered) {
+  Lane& lane = books_[asked.pieces.front().bus].lanes[asked.pieces.front().address];
+  if (asked.ordered || is_tcp(asked.pieces.front().bus)) {
     return;  // it may have been held back, and much may have happened since
   }
   if (is_past_offline(asked.pieces.front().bus, lane)) {
     lane.last_offline = schedule_.now();
   }
-  lane.unanswered = static_cast<unsigned>(book.unheard.size());
+  lane.unanswered = 0;
   lane.stays_offline = false;
 }
 

@@ -14,6 +14,9 @@ void Oracle::note_counts(const Flight& flight) {
     count->asking += flight.expects_answer ? 1U : 0U;
   }
   lane.unanswered += flight.expects_answer ? 1U : 0U;
+  if (is_tcp(flight.bus) && flight.expects_answer) {
+    lane.unheard.push_back(flight.number);
+  }
 }
 
 // What came may have been taken for an answer that nobody gives, if only for a damaged one.
@@ -38,6 +41,9 @@ void Oracle::note_cut(Book& book) {
     Flight* cut = flight(number);
     if (cut != nullptr) {
       cut->is_cut_off = true;
+    }
+    if (cut != nullptr && is_tcp(cut->bus) && schedule_.now() < deadline_of(*cut)) {
+      std::erase(book.lanes[cut->address].unheard, number);  // says nothing of its device
     }
     if (cut != nullptr && cut->expects_answer) {
       ++book.count.interrupted;

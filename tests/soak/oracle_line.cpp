@@ -77,7 +77,23 @@ void Oracle::bytes_handed_in(std::size_t bus) {
   } else {
     book.use.pause = std::max(book.use.pause, schedule_.now() - book.last_handed_in);
   }
-  if (!is_tcp(bus)) {
+  if (is_tcp(bus)) {
+    for (const std::uint64_t number : std::exchange(book.unread_answers, {})) {
+      const Flight* answered = flight(number);
+      if (answered == nullptr || !answered->is_answered) {
+        continue;
+      }
+      Lane& lane = book.lanes[answered->address];
+      if (is_past_offline(bus, lane)) {
+        lane.last_offline = schedule_.now();
+      }
+      lane.stays_offline = false;
+      std::erase_if(lane.unheard, [&](std::uint64_t asked) {
+        const Flight* it = flight(asked);
+        return it == nullptr || it->begin <= answered->begin;
+      });
+    }
+  } else {
     read_frames(bus);
     read_echo(bus);
   }
@@ -90,20 +106,24 @@ void Oracle::bytes_handed_in(std::size_t bus) {
   book.last_handed_in = now;
 }
 
-// A stop that waits long enough cuts everything that flies. From outside nobody sees whether one
-// that is open waits: for the writes before it, or once more because it had no answer.
-void Oracle::cut(Flight& flight) const {
+// A stop that waits long enough cuts what is in its way: what goes to the same device, and what has
+// the last place. From outside nobody sees whether one that is open waits: for the writes before
+// it, or once more because it had no answer.
+Instant Oracle::deadline_of(const Flight& flight) const {
+  Instant deadline = flight.deadline;
   for (const Asked* stop : books_[flight.bus].open_stops) {
-    flight.deadline =
-        std::min(flight.deadline,
-                 std::max(flight.begin, stop->accepted + bus_settings(flight.bus).stop_wait));
+    if (flight.is_crowded || stop->pieces.front().address == flight.address) {
+      deadline = std::min(
+          deadline, std::max(flight.begin, stop->accepted + bus_settings(flight.bus).stop_wait));
+    }
   }
+  return deadline;
 }
 
 void Oracle::cut_flying(const Book& book) {
   for (const std::uint64_t number : book.flying) {
     if (Flight* other = flight(number)) {
-      cut(*other);
+      other->deadline = deadline_of(*other);
     }
   }
 }
@@ -134,6 +154,9 @@ void Oracle::check_tcp(const Flight& flight) {
     return other == nullptr || schedule_.now() > other->due;
   });
   unheard.push_back(flight.number);
+  if (unheard.size() >= bus_settings(flight.bus).outstanding) {
+    std::ranges::for_each(unheard, [&](std::uint64_t it) { this->flight(it)->is_crowded = true; });
+  }
 }
 
 void Oracle::set_times(Flight& flight) {
@@ -158,17 +181,20 @@ void Oracle::set_times(Flight& flight) {
     }
   }
   flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
-  flight.quarantine_until = flight.deadline + spec::quarantine_of(timing) + kAdapterHolds;
   flight.due = flight.end + longest + timing.response_wait;
+  const Duration learned = flight.due < lane.learned_until ? lane.learned : Duration{0};
+  flight.quarantine_until =
+      flight.deadline + std::max(spec::quarantine_of(timing), learned) + kAdapterHolds;
   if (is_tcp(flight.bus)) {
-    cut(flight);
+    flight.deadline = deadline_of(flight);
   }
 }
 
 void Oracle::tcp_answer_came(std::uint64_t number) {
   if (Flight* answered = flight(number)) {
-    cut(*answered);
+    answered->deadline = deadline_of(*answered);
     answered->is_answered = schedule_.now() < answered->deadline && reloaded_ < answered->begin;
+    books_[answered->bus].unread_answers.push_back(number);
     std::erase(books_[answered->bus].flying, number);
     std::erase(books_[answered->bus].unheard, number);
   }

@@ -39,10 +39,18 @@ void Oracle::map_lanes() {
   }
 }
 
+// On a connection only what was asked later than what was answered counts, once its response
+// timeout may have ended.
 bool Oracle::is_past_offline(std::size_t bus, const Lane& lane) const {
   const unsigned after = lane.device ? devices_[*lane.device].settings().timing.offline_after
                                      : bus_settings(bus).timing.offline_after;
-  return lane.stays_offline || (after > 0 && lane.unanswered >= after);
+  const auto is_over = [&](std::uint64_t number) {
+    const Flight* it = flight(number);
+    return it == nullptr || schedule_.now() >= deadline_of(*it);
+  };
+  const auto unanswered =
+      is_tcp(bus) ? std::ranges::count_if(lane.unheard, is_over) : std::ptrdiff_t{lane.unanswered};
+  return lane.stays_offline || (after > 0 && unanswered >= std::ptrdiff_t{after});
 }
 
 void Oracle::note_allowed(Asked& asked) const {
@@ -91,7 +99,9 @@ void Oracle::line_given_up(std::size_t bus) {
       lane.last_offline = schedule_.now();
     }
     lane.owed.clear();
+    lane.learned_until = Instant::min();
     lane.unanswered = 0;
+    lane.unheard.clear();
     lane.count = {};
     lane.stays_offline = false;
   }
@@ -193,9 +203,8 @@ bool Oracle::is_unsure(const Door& door) const {
 bool Oracle::is_quarantined(std::size_t bus, std::uint8_t address) const {
   const auto& owed = books_[bus].lanes[address].owed;
   return std::ranges::any_of(owed, [&](std::uint64_t number) {
-    const std::uint64_t first = flights_.front().number;
-    return number >= first &&
-           schedule_.now() < flights_[static_cast<std::size_t>(number - first)].quarantine_until;
+    const Flight* owing = flight(number);
+    return owing != nullptr && schedule_.now() < owing->quarantine_until;
   });
 }
 

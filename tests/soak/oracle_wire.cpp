@@ -84,16 +84,16 @@ void Oracle::bus_lost(std::size_t bus) {
   book.unheard.clear();
 }
 
-Flight* Oracle::flight(std::uint64_t number) {
-  if (flights_.empty() || number < flights_.front().number) {
+Flight* Oracle::flight(std::uint64_t number) const {
+  if (flights_.empty() || number < flights_.front()->number) {
     return nullptr;
   }
-  return &flights_[static_cast<std::size_t>(number - flights_.front().number)];
+  return flights_[static_cast<std::size_t>(number - flights_.front()->number)].get();
 }
 
 Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   ++report_.transmissions;
-  Flight& flight = flights_.emplace_back();
+  Flight& flight = *flights_.emplace_back(std::make_unique<Flight>());
   flight.number = ++flight_count_;
   flight.bus = bus;
   flight.begin = schedule_.now();

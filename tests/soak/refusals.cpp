@@ -125,11 +125,7 @@ const char* Refusals::why_no_path(const Asked& asked) const {
 
 void Refusals::judge_no_response(const Asked& asked) const {
   if (!asked.maybe_on_wire && !(asked.is_read() && oracle_.may_be_offline(asked))) {
-    const Piece& piece = asked.pieces.front();
-    oracle_.violation(
-        "no_response_without_wire",
-        oracle_.name(asked) + ", unanswered in a row: at most " +
-            std::to_string(oracle_.books_[piece.bus].lanes[piece.address].unanswered));
+    oracle_.violation("no_response_without_wire", oracle_.name(asked));
     return;
   }
   judge_tries(asked);
@@ -263,10 +259,10 @@ bool Refusals::may_be_cut(const Flight& flight) const {
 // Nothing came that could end the wait for its answer.
 const char* Refusals::end_of_wait(const Flight& flight) const {
   const Instant now = oracle_.schedule_.now();
-  if (now < flight.due && may_be_cut(flight)) {
+  if (now < flight.due && !oracle_.is_tcp(flight.bus) && may_be_cut(flight)) {
     return "cut_by_stop";
   }
-  if (now >= flight.deadline) {
+  if (now >= oracle_.deadline_of(flight)) {
     return flight.came == 0                      ? "timeout"
            : flight.first_came < flight.deadline ? "unreadable"
                                                  : "late";
