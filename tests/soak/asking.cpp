@@ -9,6 +9,7 @@ namespace mbgate::soak {
 namespace {
 
 constexpr std::uint64_t kSeldomChance = 0x464F524D53ULL;  // apart from the clients'
+constexpr std::uint64_t kNearChance = 0x4E454152ULL;
 constexpr unsigned kByAutonics = 200;  // permille of broadcasts, where there is such a door
 
 }  // namespace
@@ -20,7 +21,8 @@ Asking::Asking(const SoakPlan& plan, Random& random)
       device_doors_(plan.settings.listeners.size()),
       broadcast_doors_(plan.settings.listeners.size()),
       autonics_doors_(plan.settings.listeners.size()),
-      forms_(plan.seed ^ kSeldomChance) {
+      forms_(plan.seed ^ kSeldomChance),
+      near_(plan.seed ^ kNearChance) {
   for (const Door& door : plan.doors) {
     auto& doors = door.device          ? device_doors_
                   : door.only_autonics ? autonics_doors_
@@ -67,7 +69,8 @@ Asked Asking::make(const Manners& manners) {
   if (random_.chance(manners.writes)) {
     return write(door);
   }
-  return read(door, random_.chance(manners.same_reads));
+  const bool popular = random_.chance(manners.same_reads);
+  return near_.chance(manners.near_reads) ? near_read(door) : read(door, popular);
 }
 
 Asked Asking::fresh_read(const Door& door) {

@@ -42,6 +42,7 @@ class Asking {
   void check_functions(Asked& asked) const;
   // asking_reads.cpp
   Asked read(const Door& door, bool popular);
+  Asked near_read(const Door& door);
   Asked identity(const Door& door);
   Asked read_bits(const Door& door);
   void plan_read(Asked& asked, modbus::Table table, unsigned first, unsigned count) const;
@@ -94,6 +95,7 @@ class Asking {
   std::vector<std::vector<const Door*>> broadcast_doors_;
   std::vector<std::vector<const Door*>> autonics_doors_;  // address 129
   Random forms_;  // what is asked seldom: with a chance of its own
+  Random near_;   // the same of reads that meet each other
   std::uint16_t broadcasts_ = 0;
   bool may_only_read_ = false;  // who asks at present
 };

@@ -67,6 +67,15 @@ Asked Asking::read(const Door& door, bool popular) {
   return asked;
 }
 
+// Beside, or over, what others read.
+Asked Asking::near_read(const Door& door) {
+  constexpr unsigned kPlaces = 8;
+  Asked asked = begin(door, Kind::read);
+  plan_read(asked, Table::holding_registers, kLiveFrom + near_.below(kPlaces),
+            near_.between(1U, 4U));
+  return asked;
+}
+
 // Values are widened where their words are exchanged. A drive that shows its holding registers as
 // input registers shows their values there too.
 void Asking::plan_read(Asked& asked, Table table, unsigned first, unsigned count) const {

@@ -67,12 +67,15 @@ void Client::connect() {
 }
 
 void Client::plan_next() {
-  tools_.schedule.after(tools_.random.duration(manners_.least_pause, manners_.pause),
-                        [this, life = life_] {
-                          if (life == life_ && asking_) {
-                            act();
-                          }
-                        });
+  Duration pause = tools_.random.duration(manners_.least_pause, manners_.pause);
+  if (const Duration step = manners_.in_step; step > Duration{0}) {
+    pause += step - (tools_.schedule.now().time_since_epoch() + pause) % step;
+  }
+  tools_.schedule.after(pause, [this, life = life_] {
+    if (life == life_ && asking_) {
+      act();
+    }
+  });
 }
 
 void Client::act() {
@@ -142,6 +145,7 @@ void Client::ask_some() {
     if (!connected_) {
       return;
     }
+    be_patient();
   }
 }
 

@@ -80,6 +80,7 @@ class Client {
 
  private:
   // client_ends.cpp
+  void be_patient();
   void write_before_the_start();
   void hang();
   void lose_framing();

@@ -144,4 +144,17 @@ bool Client::may_be_displaced() const {
          (is_connecting_ || (!is_kept() && !has_outstanding));
 }
 
+// It waits for the answer to its last request for so long.
+void Client::be_patient() {
+  if (manners_.patience == Duration{0}) {
+    return;
+  }
+  tools_.schedule.after(manners_.patience, [this, life = life_, transaction = transactions_] {
+    if (life == life_ && connected_ && !vanished_ && asking_ &&
+        tools_.oracle.is_open(number_, transaction)) {
+      vanish();
+    }
+  });
+}
+
 }  // namespace mbgate::soak

@@ -232,6 +232,7 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   draw_forms(plan, seed);
   draw_late(plan, seed);
   draw_access(plan, seed);
+  draw_reads(plan, seed);
   if (!plan.silence) {
     draw_stops(plan.driver, seed);
   }

@@ -111,6 +111,9 @@ struct Manners {
   unsigned vanishes = 0;
   unsigned half_closes = 0;
   std::uint16_t same_reads = 0;  ///< thousandths that ask for what everybody asks for
+  std::uint16_t near_reads = 0;  ///< thousandths of its reads that are near those of others
+  Duration in_step{0};           ///< it asks whenever so much time has gone by, as others do
+  Duration patience{0};          ///< it goes if there is no answer by then; 0: never
   unsigned hangs = 0;          ///< thousandths of its bursts, as the following: it stops within one
   unsigned loses_framing = 0;  ///< what it writes is no MBAP any more
   unsigned rests = 0;          ///< it asks for nothing any more
@@ -177,6 +180,8 @@ void draw_limits(SoakPlan& plan, std::uint64_t seed);
 void draw_forms(SoakPlan& plan, std::uint64_t seed);
 /// How late answers come, and what breaks off.
 void draw_late(SoakPlan& plan, std::uint64_t seed);
+/// Reads that meet each other, and for how long they are kept.
+void draw_reads(SoakPlan& plan, std::uint64_t seed);
 /// Its last step but for lines and limits: who asks, and how.
 void draw_clients(SoakPlan& plan, Random& random);
 

@@ -83,7 +83,7 @@ void draw_forms(SoakPlan& plan, std::uint64_t seed) {
   for (std::size_t bus = 0; bus < plan.settings.buses.size(); ++bus) {
     const bool is_auto = plan.echoes[bus] && !plan.settings.buses[bus].line.echo;
     if (is_auto && random.chance(160)) {
-      plan.rates[bus].echo_lost = 200;
+      plan.rates[bus].echo_lost = 400;
     }
   }
   add_autonics_doors(plan);

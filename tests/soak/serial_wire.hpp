@@ -154,6 +154,7 @@ class SerialWire {
   bool is_prompt_ = false;  ///< what was transmitted last is answered before it has left
   Random echo_random_;
   std::optional<OwnEcho> echo_;  ///< of what was transmitted last
+  unsigned echoes_lost_ = 0;     ///< one after the other
   Instant babbles_until_ = Instant::min();
   Instant deaf_until_ = Instant::min();  ///< what began before is not heard
   bool swallows_ = false;                ///< while it hangs, nothing is transmitted

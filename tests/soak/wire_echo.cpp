@@ -9,6 +9,10 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
+namespace {
+constexpr unsigned kMostLostInRow = 3;
+}  // namespace
+
 // A UART hears each byte when it has left; what only looks like one has all of it at once. An echo
 // that is cut begins late, or ends early: the receiver was switched.
 void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {
@@ -16,10 +20,14 @@ void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {
   if (!around_.plan.echoes[bus_]) {
     return;
   }
-  if (is_hung() || happens_to_echo(rates_.echo_lost, "echo_lost")) {
+  // Many that are lost in a row would show that there is none.
+  if (is_hung() ||
+      (echoes_lost_ < kMostLostInRow && happens_to_echo(rates_.echo_lost, "echo_lost"))) {
+    ++echoes_lost_;
     around_.oracle.echo_lost(flight);
     return;
   }
+  echoes_lost_ = 0;
   OwnEcho& echo = echo_.emplace(OwnEcho{flight.number, frame});
   if (happens_to_echo(rates_.echo_cut, "echo_cut")) {
     const auto left = static_cast<std::ptrdiff_t>(
