@@ -60,6 +60,9 @@ constexpr std::uint8_t mistaken(std::uint8_t function) {
 /// Does an answer to the one look like one to the other?
 bool may_be_confused(const PduBytes& a, const PduBytes& b);
 
+/// Does its echo look like its answer?
+bool looks_like_answer(const Flight& flight);
+
 /// A good frame that ends in a piece of bytes.
 struct HeardFrame {
   std::uint8_t address = 0;
@@ -76,6 +79,7 @@ struct HeardFrame {
   Instant ended{};            ///< when its last byte reached the kernel
   bool is_only_debt = false;  ///< its device owed nothing else then
   bool is_late = false;       ///< nor to the same request sent again, whose time was surely over
+  std::size_t came = 0;       ///< bytes since the last own transmission, with its own
 };
 
 /// What a line has heard of an own transmission.

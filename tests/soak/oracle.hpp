@@ -134,7 +134,9 @@ class Oracle {
   [[nodiscard]] const FailsafeWatch& failsafe() const { return failsafe_; }
 
  private:
+  friend class HeardAnswers;
   friend class Refusals;
+  friend class SharedReads;
   friend class TurnRules;
   // oracle_clients.cpp
   void accept_backlog(Session& session);
@@ -232,9 +234,8 @@ class Oracle {
   void check_stops_waiting(std::size_t bus);
 
   // oracle_idle.cpp
-  void note_whole(std::size_t bus, HeardFrame& frame) const;
+  void note_whole(std::size_t bus, HeardFrame& frame);
   void note_answered(std::size_t bus, const HeardFrame& frame);
-  [[nodiscard]] const char* why_unsure(const Flight& flight, const HeardFrame& frame) const;
   void note_use(const Flight& flight);
   void check_idle(const Flight& flight, const Flight* before);
   [[nodiscard]] std::optional<Instant> could_go(const Flight& flight) const;
@@ -243,7 +244,6 @@ class Oracle {
 
   // oracle_bounds.cpp
   void check_bounds(const Flight& flight);
-  void check_merged(const Flight& flight);
   void judge_expiry(const Asked& asked);
   void judge_eviction(const Asked& asked);
   void note_loss(std::size_t bus);

@@ -24,7 +24,7 @@ void Oracle::accept_backlog(Session& session) {
     session.order.push_back(asked.id);
     asked.dropped = session.half_closed && asked.changes() && !asked.is_stop();
     asked.ordered = session.ordered;
-    asked.ahead = session.ahead;
+    asked.ahead = schedule_.now() < session.ahead_until;
     if (!asked.is_accepted) {
       accept(asked);
     }

@@ -3,6 +3,7 @@
 // the rules allow for what happened on the wire.
 #include <algorithm>
 
+#include "soak/heard_answers.hpp"
 #include "soak/oracle.hpp"
 #include "soak/refusals.hpp"
 
@@ -107,6 +108,7 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
       check_answered(asked);
       judge_tries(asked);
       judge_expiry(asked);
+      HeardAnswers(*this).judge_end(asked);
       return;
     default: break;
   }
@@ -168,6 +170,7 @@ Span Oracle::span_of(const Asked& asked) const {
                                    ? lane.earlier_write_event
                                    : Instant::min();
     first = std::max(asked.accepted - cache, last_write);
+    first = lane.emptied_at <= asked.accepted ? std::max(first, lane.emptied_for) : first;
     for (const Asked* write : lane.open) {
       if (write->changes() && !write->ordered && !write->client_gone &&
           write->accepted < asked.accepted) {

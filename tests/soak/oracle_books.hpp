@@ -37,7 +37,7 @@ struct Session {
   std::size_t listener = 0;
   bool ordered = false;  ///< as it was at the beginning
   bool half_closed = false;
-  bool ahead = false;  ///< places may be taken for free a little early
+  Instant ahead_until = Instant::min();  ///< places may be taken for free a little early
   std::optional<Instant> paused_since;
   std::size_t outstanding = 0;
   std::deque<std::uint64_t> backlog;  ///< delivered, not accepted
@@ -63,6 +63,7 @@ struct Lane {
   BusCount count;
   bool knows_order = false;              ///< its drive was asked for its word order
   bool stays_offline = false;            ///< it was perhaps offline when other settings came
+  bool may_be_late = false;              ///< something came of it but answers in time
   Instant held_until = Instant::min();   ///< at the latest: it owes an answer, or boots
   Instant held_before = Instant::min();  ///< the same without its last transmission
   // Transmissions in a row that were certainly unanswered, at least:
@@ -75,8 +76,11 @@ struct Lane {
   Instant last_stop = Instant::min();
   std::map<PduBytes, Instant> stops_done;  ///< when the device carried each out last
   Instant uncertain_at = Instant::min();   ///< nobody can tell what a frame of then answered
-  Instant changed_at = Instant::min();     ///< other settings gave its requests another meaning
-  std::uint64_t stop_sent = 0;             ///< the last one sent to it
+  // Nothing is kept of what was read of its device:
+  Instant emptied_at = Instant::min();   ///< since then, because it did not answer, or by the line
+  Instant emptied_for = Instant::min();  ///< if it was read before then
+  Instant changed_at = Instant::min();   ///< other settings gave its requests another meaning
+  std::uint64_t stop_sent = 0;           ///< the last one sent to it
 
   /// Something of it was heard, or is not known any more.
   void forget_silence() {
@@ -140,6 +144,7 @@ struct Book {
   // Of the own transmission that was last:
   std::size_t came = 0;                ///< bytes that have reached the kernel since its beginning
   std::size_t read = 0;                ///< of these the gateway has
+  std::size_t before_pause = 0;        ///< of these, those before the last silence in reading them
   std::array<std::uint8_t, 4> tail{};  ///< the last of them
   PduBytes heard;                      ///< the first of them: no more than a frame, and one
   Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
@@ -165,6 +170,7 @@ struct Book {
   bool must_tell_unproven = false;
   bool told_denied = false;
   bool must_tell_denied = false;
+  unsigned requests_heard = 0;         ///< own ones and those of others
   bool denied_echo = false;            ///< one came of what was transmitted last
   bool denied_before = false;          ///< and of what was before it
   Instant denied_at = Instant::min();  ///< the last one came
@@ -177,6 +183,7 @@ struct Book {
     echo_proven = echo_lost = echo_found = false;
     told_unproven = told_while_sending = must_tell_unproven = false;
     told_denied = must_tell_denied = denied_echo = denied_before = false;
+    requests_heard = 0;
   }
 };
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounds that the settings and the drives set: how long a line is listened to, what may be merged,
-// when an expired request is told so, and when a line is opened again.
+// Bounds that the settings set: how long a line is listened to, when an expired request is told so,
+// and when a line is opened again.
 #include <algorithm>
 
 #include "soak/oracle.hpp"
+#include "soak/shared_reads.hpp"
 
 namespace mbgate::soak {
 
@@ -14,41 +15,7 @@ void Oracle::check_bounds(const Flight& flight) {
     violation("listened_too_short", name(flight));
   }
   check_offline(flight);
-  check_merged(flight);
-}
-
-// Reads that are transmitted as one: never longer than the drive takes, never across a parameter
-// group, never over registers that cannot be read. What one request asks for is its own matter.
-void Oracle::check_merged(const Flight& flight) {
-  const auto& device = books_[flight.bus].lanes[flight.address].device;
-  const bool is_merged = std::ranges::none_of(flight.asked, [&](std::uint64_t id) {
-    const auto entry = open_.find(id);
-    return entry == open_.end() ||
-           std::ranges::any_of(entry->second->pieces,
-                               [&](const Piece& piece) { return piece.pdu == flight.pdu; });
-  });
-  const auto fields = is_merged ? spec::fields_of(flight.pdu) : std::nullopt;
-  if (!device || !fields || !fields->reads || flight.asked.empty()) {
-    return;
-  }
-  const drive::Profile& profile = devices_[*device].settings().profile;
-  const spec::Range& range = *fields->reads;
-  const unsigned end = range.first + range.count;
-  const auto meets = [&](const auto& other) {
-    return other.table == range.table && other.first < end &&
-           range.first < unsigned{other.first} + other.count;
-  };
-  const auto crosses = [&](const auto& group) {
-    const unsigned group_end = unsigned{group.first} + group.count;
-    return meets(group) && (range.first < group.first || end > group_end);
-  };
-  if (range.count > profile.limits.read_from(range.table)) {
-    violation("merged_too_long", name(flight));
-  }
-  if (std::ranges::any_of(profile.write_only, meets) ||
-      std::ranges::any_of(profile.groups, crosses)) {
-    violation("merged_too_far", name(flight));
-  }
+  SharedReads(*this).check_bounds(flight);
 }
 
 // Of what was never transmitted, or was and can be no more: as soon as the deadline is over, or the

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kAnsweredKept = 256;
 constexpr std::size_t kDoneKept = 400;
+constexpr Duration kLongestBroadcast = std::chrono::seconds(6);  // on a slow line, in ASCII
 
 // A broadcast is a write to every device: what its client address asked for later went behind it.
 void let_go_behind(const Asked& broadcast, const auto& open, Instant now) {
@@ -164,7 +165,7 @@ void Oracle::end_without_reply(Asked& asked) {
     if (std::erase(session.backlog, asked.id) == 0) {
       --session.outstanding;  // a stop that was taken ahead has its place only later
     }
-    session.ahead = true;
+    session.ahead_until = schedule_.now() + kLongestBroadcast + 2 * lateness();
     close(asked, "after_answer");
     accept_backlog(session);
   }
@@ -225,7 +226,7 @@ std::size_t Oracle::open_of(ClientId client) const {
 bool Oracle::is_idle(ClientId client) const {
   const auto entry = sessions_.find(client);
   return entry != sessions_.end() && entry->second.by_transaction.empty() &&
-         entry->second.outstanding == 0 && !entry->second.ahead;
+         entry->second.outstanding == 0 && schedule_.now() >= entry->second.ahead_until;
 }
 
 bool Oracle::has_outstanding(ClientId client) const {

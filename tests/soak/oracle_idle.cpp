@@ -2,8 +2,9 @@
 // Nothing is needlessly late on a serial line: what may go goes as soon as the wire is silent. Only
 // what nothing from outside this line can hold back is judged.
 #include <algorithm>
+#include <utility>
 
-#include "soak/identity.hpp"
+#include "soak/heard_answers.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -62,10 +63,21 @@ Duration Oracle::lateness() const {
                           : 0ms);
 }
 
-void Oracle::note_whole(std::size_t bus, HeardFrame& frame) const {
-  const Book& book = books_[bus];
-  const auto& owed = book.lanes[frame.address].owed;
+void Oracle::note_whole(std::size_t bus, HeardFrame& frame) {
+  Book& book = books_[bus];
+  Lane& lane = book.lanes[frame.address];
+  const auto& owed = lane.owed;
+  const Flight* answered = flight(frame.flight);
+  const bool is_in_time = answered != nullptr && frame.flight == book.last_flight && frame.fits &&
+                          !frame.is_nobodys && frame.began < answered->deadline;
+  if (!is_in_time && !std::exchange(lane.may_be_late, true)) {
+    const Duration most = lane.device ? devices_[*lane.device].settings().timing.quarantine_max
+                                      : bus_settings(bus).timing.quarantine_max;
+    lane.held_until += most;  // what is owed already is waited for as long
+    lane.held_before += most;
+  }
   frame.ended = schedule_.now();
+  frame.came = book.came;
   frame.is_only_debt = owed.size() == 1 && owed.front() == frame.flight;
   const Flight* from = flight(frame.flight);
   frame.is_late = from != nullptr && std::ranges::count(owed, frame.flight) > 0 &&
@@ -92,7 +104,7 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
   if (last == nullptr || last->number != frame.flight || !frame.fits || frame.is_nobodys) {
     return;
   }
-  last->unsure = why_unsure(*last, frame);
+  last->unsure = HeardAnswers(*this).why_unsure(*last, frame);
   if (last->unsure != nullptr) {
     return;
   }
@@ -106,49 +118,6 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
   if (Lane& lane = book.lanes[frame.address]; lane.held_before <= last->begin) {
     lane.held_until = lane.held_before;
   }
-}
-
-// If it came in time, and nothing else with it, it must be taken; nullptr then.
-const char* Oracle::why_unsure(const Flight& flight, const HeardFrame& frame) const {
-  const Book& book = books_[flight.bus];
-  const auto& line = bus_settings(flight.bus).line;
-  if (frame.is_refused || frame.waits) {
-    return "hurried";
-  }
-  if (!frame.is_only_debt) {
-    return "beside_debts";
-  }
-  if (flight.is_uncertain) {
-    return "uncertain";
-  }
-  if (asks_identity(flight.pdu[0]) || flight.pdu[0] == kOwnFunction) {
-    return "ended_by_silence";
-  }
-  if (plan_.echoes[flight.bus] || line.echo.value_or(false) || book.echo_found) {
-    return "beside_echo";
-  }
-  // Before `response_wait` is over it may be taken for one that is owed.
-  if (frame.began < flight.end + flight.timing.response_wait) {
-    return "early";
-  }
-  if (frame.began >= flight.deadline) {
-    return "late";
-  }
-  if (!book.open_stops.empty()) {
-    return "beside_stop";
-  }
-  const bool is_in_one = line.framing == bus::Framing::ascii
-                             ? book.use.pause <= 1s
-                             : frame.ended < book.use.first_read +
-                                                 spec::slack_of(bus_settings(flight.bus)) +
-                                                 spec::WireTimes(line).of(frame.size);
-  if (!is_in_one) {
-    return "paused";
-  }
-  if (book.came != frame.size + frame.lead) {
-    return "beside_noise";
-  }
-  return reloaded_ >= flight.begin || flight.begin < book.opened ? "reload" : nullptr;
 }
 
 void Oracle::note_use(const Flight& flight) {
@@ -165,10 +134,12 @@ void Oracle::note_use(const Flight& flight) {
   Lane& lane = book.lanes[flight.address];
   lane.held_before = lane.held_until;
   // What is never answered may seem to be, by a damaged frame; then the device is held back too.
-  const Duration held = flight.is_broadcast ? kLongestBoot
-                                            : std::max(flight.timing.quarantine_max,
-                                                       spec::quarantine_of(flight.timing)) +
-                                                  kAdapterHolds + lateness();
+  // Its quarantine has grown only if an answer was late.
+  const Duration quarantine =
+      std::max(spec::quarantine_of(flight.timing),
+               lane.may_be_late ? flight.timing.quarantine_max : kLongestBoot);
+  const Duration held =
+      flight.is_broadcast ? kLongestBoot : quarantine + kAdapterHolds + lateness();
   lane.held_until = std::max(lane.held_until, book.use.ends + held + rest_of_answer(flight));
   if (flight.is_stop) {
     book.use.waits_from = book.use.ends;

@@ -28,8 +28,13 @@ void Oracle::check_order(const Asked& asked, const Flight& flight) {
   Book& book = books_[flight.bus];
   const auto check = [&](const Lane& lane) {
     for (const Asked* other : lane.open) {
+      // A merged read that has failed is sent in its parts.
+      const bool was_merged = asked.maybe_on_wire && other->is_read() &&
+                              other->pieces.size() == 1 && other->flights_alone == 0 &&
+                              other->last_sent != other->pieces.front().pdu;
       const bool waits = std::ranges::any_of(other->pieces, [&](const Piece& piece) {
-        return piece.bus == flight.bus && piece.sent == 0 && !piece.doomed && !piece.taken_back;
+        return piece.bus == flight.bus && (piece.sent == 0 || was_merged) && !piece.doomed &&
+               !piece.taken_back;
       });
       // One part of a broadcast may have ended while others wait.
       const bool ended =
@@ -77,6 +82,12 @@ void Oracle::bytes_handed_in(std::size_t bus) {
   } else {
     book.use.pause = std::max(book.use.pause, schedule_.now() - book.last_handed_in);
   }
+  const auto& settings = bus_settings(bus);
+  const Duration silence = spec::silence_of(settings);
+  const Instant now = schedule_.now();
+  if (now >= book.last_handed_in + std::max(silence, spec::WireTimes(settings.line).silence())) {
+    book.before_pause = book.read;
+  }
   if (is_tcp(bus)) {
     for (const std::uint64_t number : std::exchange(book.unread_answers, {})) {
       const Flight* answered = flight(number);
@@ -97,9 +108,6 @@ void Oracle::bytes_handed_in(std::size_t bus) {
     read_frames(bus);
     read_echo(bus);
   }
-  const auto& settings = bus_settings(bus);
-  const Duration silence = spec::silence_of(settings);
-  const Instant now = schedule_.now();
   if (now > std::max(book.last_handed_in, book.own_end) + silence) {
     book.busy_since = now;
   }

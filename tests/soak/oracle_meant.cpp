@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "soak/oracle.hpp"
+#include "soak/shared_reads.hpp"
 
 namespace mbgate::soak {
 
@@ -81,7 +82,7 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
 // Takes the requests that the frame may be for and speaks against none of them.
 void Oracle::attribute(Flight& flight) {
   const Lane& lane = books_[flight.bus].lanes[flight.address];
-  std::vector<std::pair<Asked*, Piece*>> meant;
+  SharedReads::Meant meant;
   std::string against;
   for (Asked* asked : lane.open) {
     for (Piece& piece : asked->pieces) {
@@ -104,6 +105,7 @@ void Oracle::attribute(Flight& flight) {
   } else if (meant.empty()) {
     unknown_transmission(flight);
   }
+  SharedReads(*this).count_tries(flight, meant);
   for (const auto& [asked, piece] : meant) {
     flight.asked.push_back(asked->id);
     note_sent(*asked, *piece, flight, meant.size() == 1);
@@ -130,6 +132,11 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   mine.is_repeated = mine.is_repeated || asked.is_repeated;
   mine.asks_order = mine.asks_order || piece.asks_order;
   mine.expects_answer = mine.expects_answer && !asked.silent && asked.kind != Kind::broadcast;
+  const bool is_part_of_merged = asked.is_read() && asked.flights_alone == 0 &&
+                                 !asked.last_sent.empty() && asked.last_sent != flight.pdu;
+  if (alone && is_part_of_merged && asked.pieces.size() == 1 && !is_tcp(flight.bus)) {
+    check_order(asked, flight);
+  }
   if (alone && !asked.maybe_on_wire && !asked.is_stop()) {
     check_order(asked, flight);
     if (const std::string owner = writers_.sent(asked, schedule_.now()); !owner.empty()) {

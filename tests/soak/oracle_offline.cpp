@@ -55,6 +55,9 @@ void Oracle::note_silent(std::size_t bus) {
   if (!is_silent) {
     return;
   }
+  // An answer to the repetition is as old as the first try.
+  lane.emptied_at = schedule_.now();
+  lane.emptied_for = last->repeats_read ? lane.emptied_for : last->begin;
   const bool was_offline = is_surely_offline(lane);
   if (last->is_stop) {
     const unsigned series = 1 + devices_[*lane.device].settings().timing.stop_retries;

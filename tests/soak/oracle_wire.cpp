@@ -63,6 +63,8 @@ void Oracle::bus_opened(std::size_t bus) {
   book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
   for (Lane& lane : book.lanes) {
     lane.forget_silence();  // what its device owes it still owes
+    lane.emptied_at = is_tcp(bus) ? lane.emptied_at : book.opened;
+    lane.emptied_for = is_tcp(bus) ? lane.emptied_for : book.opened;
   }
 }
 
@@ -131,7 +133,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   note_use(flight);
   flight.size = frame.size();
   book.is_unused = false;
-  book.came = book.read = 0;
+  book.came = book.read = book.before_pause = 0;
   book.tail = {};
   book.heard.clear();
   book.denied_before = std::exchange(book.denied_echo, false);

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/heard_answers.hpp"
+
+#include <algorithm>
+
+#include "soak/identity.hpp"
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+// As many bits as three bytes show, from 768 on: the address begins with the byte count.
+bool looks_like_bits(const PduBytes& pdu) {
+  constexpr std::uint8_t kBytes = 3;
+  return (pdu[0] == 0x01 || pdu[0] == 0x02) && pdu[1] == kBytes &&
+         (spec::word_at(pdu, 3) + 7U) / 8U == kBytes;
+}
+
+}  // namespace
+
+bool looks_like_answer(const Flight& flight) {
+  const std::uint8_t function = flight.pdu.front();
+  return !flight.is_broadcast &&
+         (function == 0x05 || function == 0x06 || function == 0x08 || function == 0x15 ||
+          function == 0x16 || function == kOwnFunction || looks_like_bits(flight.pdu));
+}
+
+// Its answer stands behind its echo, where that can be nothing else.
+bool HeardAnswers::is_behind_echo(const Flight& flight) const {
+  const auto& unread = oracle_.books_[flight.bus].unread_echo;
+  const bool is_whole =
+      flight.has_whole_echo || (unread && unread->flight == flight.number && unread->is_whole);
+  return is_whole && flight.pdu.size() > 1 && !looks_like_answer(flight) &&
+         oracle_.bus_settings(flight.bus).line.echo != false;
+}
+
+// What stands behind an answer that is complete is no matter. Before it is only its echo; or what
+// cannot be the beginning of an answer, and was ended by a silence.
+bool HeardAnswers::is_apart_from_noise(const Flight& flight, const HeardFrame& frame,
+                                       std::size_t echo) const {
+  const Book& book = oracle_.books_[flight.bus];
+  const std::size_t came = frame.lead > 0 ? book.came : frame.came;
+  const std::size_t before = came - frame.size - frame.lead;
+  if (before == echo) {
+    return true;
+  }
+  if (echo > 0 || frame.lead > 0 || before > book.heard.size()) {
+    return false;
+  }
+  const bool is_ascii = oracle_.bus_settings(flight.bus).line.framing == bus::Framing::ascii;
+  const std::uint8_t beginning = is_ascii ? ':' : flight.address;
+  const auto noise = Bytes(book.heard).first(before);
+  return std::ranges::find(noise, beginning) == noise.end() &&
+         (is_ascii || book.before_pause == before);
+}
+
+const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& frame) const {
+  const Book& book = oracle_.books_[flight.bus];
+  const auto& line = oracle_.bus_settings(flight.bus).line;
+  if (frame.is_refused || frame.waits) {
+    return "hurried";
+  }
+  if (!frame.is_only_debt) {
+    return "beside_debts";
+  }
+  if (flight.is_uncertain) {
+    return "uncertain";
+  }
+  if (asks_identity(flight.pdu[0]) || flight.pdu[0] == kOwnFunction) {
+    return "ended_by_silence";
+  }
+  const bool may_echo =
+      oracle_.plan_.echoes[flight.bus] || line.echo.value_or(false) || book.echo_found;
+  if (may_echo && !is_behind_echo(flight)) {
+    return "beside_echo";
+  }
+  // Before `response_wait` is over it may be taken for one that is owed.
+  if (frame.began < flight.end + flight.timing.response_wait) {
+    return "early";
+  }
+  if (frame.began >= flight.deadline) {
+    return "late";
+  }
+  if (!book.open_stops.empty()) {
+    return "beside_stop";
+  }
+  const bool is_in_one = line.framing == bus::Framing::ascii
+                             ? book.use.pause <= 1s
+                             : frame.ended < frame.began +
+                                                 spec::slack_of(oracle_.bus_settings(flight.bus)) +
+                                                 spec::WireTimes(line).of(frame.size);
+  if (!is_in_one) {
+    return "paused";
+  }
+  if (!is_apart_from_noise(flight, frame, may_echo ? flight.size : 0)) {
+    return "beside_noise";
+  }
+  return oracle_.reloaded_ >= flight.begin || flight.begin < book.opened ? "reload" : nullptr;
+}
+
+// Its last try has ended as late as an answer could have that began in time, though the line is
+// never silent.
+void HeardAnswers::judge_end(const Asked& asked) const {
+  const Flight* last = asked.last_alone != 0 ? oracle_.flight(asked.last_alone) : nullptr;
+  const bool may_repeat = asked.is_read() || asked.retry_writes;
+  if (last == nullptr || asked.pieces.size() > 1 || asked.ordered || asked.is_stop() ||
+      oracle_.stopping_ || oracle_.bus_settings(last->bus).line.framing != bus::Framing::rtu ||
+      oracle_.reloaded_ >= last->begin || (may_repeat && asked.flights_alone < 1 + asked.retries) ||
+      oracle_.may_be_offline(asked)) {
+    return;
+  }
+  const auto& settings = oracle_.bus_settings(last->bus);
+  const Duration silence =
+      std::max(spec::slack_of(settings), spec::WireTimes(settings.line).silence());
+  const Duration late =
+      oracle_.schedule_.now() - last->due - oracle_.rest_of_answer(*last) - silence;
+  if (late > 2 * oracle_.lateness()) {
+    oracle_.violation("ended_late",
+                      oracle_.name(asked) + " " + std::to_string(late / 1us) + " us late");
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which of the answers that a serial line has brought the gateway must take.
+#pragma once
+
+#include "soak/flight.hpp"
+
+namespace mbgate::soak {
+
+class Oracle;
+
+class HeardAnswers {
+ public:
+  explicit HeardAnswers(Oracle& oracle) : oracle_(oracle) {}
+
+  /// If the answer to what was transmitted last came in time, and nothing with it that may have
+  /// hidden it, it must be taken; nullptr then.
+  [[nodiscard]] const char* why_unsure(const Flight& flight, const HeardFrame& frame) const;
+  /// A request was told that nothing has answered it.
+  void judge_end(const Asked& asked) const;
+
+ private:
+  [[nodiscard]] bool is_behind_echo(const Flight& flight) const;
+  [[nodiscard]] bool is_apart_from_noise(const Flight& flight, const HeardFrame& frame,
+                                         std::size_t echo) const;
+
+  Oracle& oracle_;
+};
+
+}  // namespace mbgate::soak

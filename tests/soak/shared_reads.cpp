@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/shared_reads.hpp"
+
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+namespace {
+
+// Without it a merged read would begin later or end earlier.
+bool is_needed(const PduBytes& part, const Flight& flight, const SharedReads::Meant& meant) {
+  const auto begin_of = [](const PduBytes& pdu) { return unsigned{spec::word_at(pdu, 1)}; };
+  const auto end_of = [&](const PduBytes& pdu) { return begin_of(pdu) + spec::word_at(pdu, 3); };
+  const auto is_only = [&](const auto& place) {
+    return place(part) == place(flight.pdu) &&
+           std::ranges::count_if(meant, [&](const auto& other) {
+             return place(other.second->pdu) == place(flight.pdu);
+           }) == 1;
+  };
+  return is_only(begin_of) || is_only(end_of);
+}
+
+}  // namespace
+
+// Reads that are transmitted as one: never longer than the drive takes, never across a parameter
+// group, never over registers that cannot be read. What one request asks for is its own matter.
+void SharedReads::check_bounds(const Flight& flight) const {
+  const auto& device = oracle_.books_[flight.bus].lanes[flight.address].device;
+  const bool is_merged = std::ranges::none_of(flight.asked, [&](std::uint64_t id) {
+    const auto entry = oracle_.open_.find(id);
+    return entry == oracle_.open_.end() ||
+           std::ranges::any_of(entry->second->pieces,
+                               [&](const Piece& piece) { return piece.pdu == flight.pdu; });
+  });
+  const auto fields = is_merged ? spec::fields_of(flight.pdu) : std::nullopt;
+  if (!device || !fields || !fields->reads || flight.asked.empty()) {
+    return;
+  }
+  const drive::Profile& profile = oracle_.devices_[*device].settings().profile;
+  const spec::Range& range = *fields->reads;
+  const unsigned end = range.first + range.count;
+  const auto meets = [&](const auto& other) {
+    return other.table == range.table && other.first < end &&
+           range.first < unsigned{other.first} + other.count;
+  };
+  const auto crosses = [&](const auto& group) {
+    const unsigned group_end = unsigned{group.first} + group.count;
+    return meets(group) && (range.first < group.first || end > group_end);
+  };
+  if (range.count > profile.limits.read_from(range.table)) {
+    oracle_.violation("merged_too_long", oracle_.name(flight));
+  }
+  if (std::ranges::any_of(profile.write_only, meets) ||
+      std::ranges::any_of(profile.groups, crosses)) {
+    oracle_.violation("merged_too_far", oracle_.name(flight));
+  }
+}
+
+// What was surely merged is not merged again when that failed as often as it may be tried.
+void SharedReads::count_tries(const Flight& flight, const Meant& meant) const {
+  if (oracle_.is_tcp(flight.bus)) {
+    return;
+  }
+  for (const auto& [asked, piece] : meant) {
+    const bool is_merged = asked->is_read() && piece->pdu != flight.pdu;
+    if (is_merged && is_needed(piece->pdu, flight, meant) &&
+        ++asked->merged_tries > 1 + asked->retries) {
+      oracle_.violation("merged_too_often", oracle_.name(*asked));
+    }
+  }
+}
+
+}  // namespace mbgate::soak

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads that are sent once for several clients: how long they may be, how often they are tried, and
+// what follows if they fail.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "soak/flight.hpp"
+
+namespace mbgate::soak {
+
+class Oracle;
+
+class SharedReads {
+ public:
+  /// Requests that a transmission may be for, each with the part that it fits.
+  using Meant = std::vector<std::pair<Asked*, Piece*>>;
+  explicit SharedReads(Oracle& oracle) : oracle_(oracle) {}
+
+  void check_bounds(const Flight& flight) const;
+  /// To be called before it is noted for whom the flight is.
+  void count_tries(const Flight& flight, const Meant& meant) const;
+
+ private:
+  Oracle& oracle_;
+};
+
+}  // namespace mbgate::soak
