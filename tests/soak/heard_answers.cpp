@@ -106,8 +106,13 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
 void HeardAnswers::judge_end(const Asked& asked) const {
   const Flight* last = asked.last_alone != 0 ? oracle_.flight(asked.last_alone) : nullptr;
   const bool may_repeat = asked.is_read() || asked.retry_writes;
-  if (last == nullptr || asked.pieces.size() > 1 || asked.ordered || asked.is_stop() ||
-      oracle_.stopping_ || oracle_.bus_settings(last->bus).line.framing != bus::Framing::rtu ||
+  // Only silence ends the answer to a maker's own function. After a merged read that failed its
+  // parts have tries of their own.
+  const bool has_no_bound =
+      asked.pdu.front() == kOwnFunction || asked.flights != asked.flights_alone;
+  if (last == nullptr || has_no_bound || asked.pieces.size() > 1 || asked.ordered ||
+      asked.is_stop() || oracle_.stopping_ ||
+      oracle_.bus_settings(last->bus).line.framing != bus::Framing::rtu ||
       oracle_.reloaded_ >= last->begin || (may_repeat && asked.flights_alone < 1 + asked.retries) ||
       oracle_.may_be_offline(asked)) {
     return;

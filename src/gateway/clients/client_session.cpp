@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/client_session.hpp"
 
+#include <algorithm>
+
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
@@ -32,7 +34,12 @@ Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant
   return arrival;
 }
 
-void ClientSession::stall(Instant since) {
+void ClientSession::stall(Instant since, Instant now) {
+  const auto later = [&](Instant counted) { return std::min(now, counted + (now - since)); };
+  last_activity = later(last_activity);
+  if (partial_since) {
+    partial_since = later(*partial_since);
+  }
   const bool is_read_to_the_end = half_closed_ && !paused_;
   if (pauses_.empty() && !is_read_to_the_end) {
     pauses_.push_back({read_position_, since});

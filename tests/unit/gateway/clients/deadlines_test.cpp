@@ -56,6 +56,25 @@ TEST(Deadlines, CountFromTheBeginningOfAStallUntilASocketWasSeenEmpty) {
   EXPECT_THAT(rig.closed, ElementsAre(3));
 }
 
+// What would have ended them may lie in a socket that nobody has read.
+TEST(Deadlines, OfIncompleteRequestsAndIdleClientsLeaveAStallOut) {
+  Settings settings = one_bus();
+  settings.listeners[0].idle_timeout = 10s;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.connect(2);
+  rig.receive(1, "0001 0000");
+  rig.advance(4s);
+  rig.harness.go_on(rig.harness.now() + 20s);  // nobody wakes it
+  rig.harness.handle(gateway::Stalled{20s});
+  rig.advance(0ms);
+  EXPECT_THAT(rig.closed, IsEmpty());
+  rig.advance(5999ms);
+  EXPECT_THAT(rig.closed, IsEmpty());
+  rig.advance(1ms);
+  EXPECT_THAT(rig.closed, ElementsAre(1, 2));
+}
+
 // It is not late then, only older.
 TEST(Deadlines, LeaveTheRestOfTheirTimeToWhatIsReadAfterAShortStall) {
   MachineRig rig(one_bus(), false);
