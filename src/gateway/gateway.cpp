@@ -61,7 +61,7 @@ void Gateway::on(const DeadlineReached& /*input*/, Instant now) {
   }
 }
 
-void Gateway::on(const Stalled& input, Instant now) { clients_.stalled(now - input.lasted, now); }
+void Gateway::on(const Stalled& input, Instant now) { clients_.stalled(now - input.lasted); }
 
 void Gateway::on(const ClearCountersAsked& /*input*/, Instant /*now*/) {
   clients_.clear_counters();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/client_session.hpp"
 
-#include <algorithm>
-
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
@@ -34,12 +32,7 @@ Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant
   return arrival;
 }
 
-void ClientSession::stall(Instant since, Instant now) {
-  const auto later = [&](Instant counted) { return std::min(now, counted + (now - since)); };
-  last_activity = later(last_activity);
-  if (partial_since) {
-    partial_since = later(*partial_since);
-  }
+void ClientSession::stall(Instant since) {
   const bool is_read_to_the_end = half_closed_ && !paused_;
   if (pauses_.empty() && !is_read_to_the_end) {
     pauses_.push_back({read_position_, since});
@@ -81,6 +74,9 @@ std::optional<ClientSession::Reading> ClientSession::update_reading(Instant now)
 }
 
 ClientSession::Overdue ClientSession::overdue(Instant now) const {
+  if (may_have_asked()) {
+    return Overdue::nothing;
+  }
   if (partial_since && now >= *partial_since + listener_->frame_timeout) {
     return Overdue::within_request;
   }
@@ -90,6 +86,9 @@ ClientSession::Overdue ClientSession::overdue(Instant now) const {
 }
 
 std::optional<Instant> ClientSession::next_look(Instant now) const {
+  if (may_have_asked()) {
+    return held_until;
+  }
   std::optional<Instant> next;
   if (partial_since) {
     next = *partial_since + listener_->frame_timeout;

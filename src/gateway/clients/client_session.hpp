@@ -39,9 +39,8 @@ class ClientSession {
   /// read from the socket.
   Instant arrival_of(std::size_t bytes, std::size_t unread, Instant now);
   /// Nothing was read since then, and what comes next may have waited as long. What waited already
-  /// is older still. The time counts neither as idle nor for an incomplete request: what would have
-  /// ended it may lie in the socket.
-  void stall(Instant since, Instant now);
+  /// is older still.
+  void stall(Instant since);
   /// Where in the client's stream the next request begins.
   [[nodiscard]] std::uint64_t position() const { return position_; }
   /// The request at the front of `input` was handled: removes it.
@@ -102,6 +101,8 @@ class ClientSession {
 
  private:
   friend struct mbgate::StateReader;
+  /// What ends its timeouts may lie in the socket: they are judged when that has been read.
+  [[nodiscard]] bool may_have_asked() const { return !pauses_.empty() && !paused_; }
 
   ClientId id_;
   ClientInfo info_;

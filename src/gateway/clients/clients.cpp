@@ -64,8 +64,8 @@ void Clients::disconnected(ClientId client, Instant now) {
   }
 }
 
-void Clients::stalled(Instant since, Instant now) {
-  sessions_.for_each([since, now](ClientSession& session) { session.stall(since, now); });
+void Clients::stalled(Instant since) {
+  sessions_.for_each([since](ClientSession& session) { session.stall(since); });
 }
 
 void Clients::handle_deadline(Instant now) {

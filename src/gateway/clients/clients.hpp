@@ -18,7 +18,7 @@ class Clients {
   void half_closed(ClientId client);
   void disconnected(ClientId client, Instant now);
   /// Nothing was read since then, though nobody had paused it.
-  void stalled(Instant since, Instant now);
+  void stalled(Instant since);
   /// Closes clients whose timeout has passed.
   void handle_deadline(Instant now);
   [[nodiscard]] std::optional<Instant> next_deadline() const { return sessions_.next_look(); }

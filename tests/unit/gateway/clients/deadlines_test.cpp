@@ -57,22 +57,24 @@ TEST(Deadlines, CountFromTheBeginningOfAStallUntilASocketWasSeenEmpty) {
 }
 
 // What would have ended them may lie in a socket that nobody has read.
-TEST(Deadlines, OfIncompleteRequestsAndIdleClientsLeaveAStallOut) {
+TEST(Deadlines, OfIncompleteRequestsAndIdleClientsAreJudgedAfterAStallWhenTheSocketWasRead) {
   Settings settings = one_bus();
   settings.listeners[0].idle_timeout = 10s;
   MachineRig rig(settings);
-  rig.connect(1);
-  rig.connect(2);
+  for (const std::uint64_t client : {1, 2, 3}) {
+    rig.connect(client);
+  }
   rig.receive(1, "0001 0000");
-  rig.advance(4s);
+  rig.receive(2, "0001 0000");
   rig.harness.go_on(rig.harness.now() + 20s);  // nobody wakes it
   rig.harness.handle(gateway::Stalled{20s});
   rig.advance(0ms);
   EXPECT_THAT(rig.closed, IsEmpty());
-  rig.advance(5999ms);
-  EXPECT_THAT(rig.closed, IsEmpty());
-  rig.advance(1ms);
-  EXPECT_THAT(rig.closed, ElementsAre(1, 2));
+  rig.receive(1, "0006 FA 03 0000 0001");
+  rig.receive(2, "");
+  rig.receive(3, "");
+  rig.advance(0ms);
+  EXPECT_THAT(rig.closed, ElementsAre(2, 3));
 }
 
 // It is not late then, only older.
