@@ -43,10 +43,27 @@ const Door* Asking::door_of(std::size_t listener, bool broadcast) {
   return in_force == doors.end() ? picked : *in_force;
 }
 
+// One that it asks.
+const Door& Asking::door_for(const Manners& manners) {
+  if (manners.devices.empty()) {
+    return *door_of(manners.listener, false);
+  }
+  std::vector<const Door*> doors;
+  for (const Door* door : device_doors_[manners.listener]) {
+    if (!door->absent && std::ranges::count(manners.devices, *door->device) > 0) {
+      doors.push_back(door);
+    }
+  }
+  return *doors[random_.below(doors.size())];
+}
+
 Asked Asking::make(const Manners& manners) {
+  if (manners.watches > 0 && forms_.chance(manners.watches)) {
+    return health();
+  }
   const auto& readers = plan_.readers[manners.listener];
   may_only_read_ = std::ranges::find(readers, manners.host) != readers.end();
-  const Door& door = *door_of(manners.listener, false);
+  const Door& door = door_for(manners);
   if (door.absent) {
     return door.route ? for_nobody(door) : own_read(0, 4);
   }
@@ -129,6 +146,13 @@ void Asking::check_functions(Asked& asked) const {
     asked.refused = 1;
     asked.pieces.clear();
   }
+}
+
+// What the gateway shows of one device: its bus, address and state, and how often in a row it was
+// silent.
+Asked Asking::health() {
+  const std::size_t device = forms_.below(plan_.settings.devices.size());
+  return own_read(static_cast<std::uint16_t>(kDevicesAt + kDeviceSize * device), kShownOfHealth);
 }
 
 // The gateway answers itself, rightly or with an exception, and passes nothing on.

@@ -35,9 +35,11 @@ class Asking {
 
  private:
   const Door* door_of(std::size_t listener, bool broadcast);
+  const Door& door_for(const Manners& manners);
   Asked malformed(const Door& door);
   Asked for_nobody(const Door& door);
   Asked own();
+  Asked health();
   void refuse_if_read_only(Asked& asked) const;
   void check_functions(Asked& asked) const;
   // asking_reads.cpp

@@ -236,6 +236,7 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   if (!plan.silence) {
     draw_stops(plan.driver, seed);
   }
+  draw_theme(plan, seed);
   return plan;
 }
 

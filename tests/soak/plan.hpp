@@ -91,6 +91,7 @@ struct FaultRates {
   Duration dead_every{0};
   Duration babbles_every{0};  ///< a line is never silent, for seconds
   Duration hangs_every{0};    ///< nothing is heard from an adapter until it is opened again
+  Duration sleeps{0};  ///< so long at most the plan's sleepers are silent at a time; 0: never
 };
 
 /// How a client behaves.
@@ -117,8 +118,10 @@ struct Manners {
   unsigned hangs = 0;          ///< thousandths of its bursts, as the following: it stops within one
   unsigned loses_framing = 0;  ///< what it writes is no MBAP any more
   unsigned rests = 0;          ///< it asks for nothing any more
-  bool waits_at_start = false;  ///< it has written before the gateway was ready
-  bool never_asks = false;      ///< a probe: it connects, and goes again
+  bool waits_at_start = false;         ///< it has written before the gateway was ready
+  bool never_asks = false;             ///< a probe: it connects, and goes again
+  std::vector<std::size_t> devices{};  ///< that it asks; none: all
+  unsigned watches = 0;  ///< thousandths of its requests, for what the gateway shows of devices
 };
 
 /// What the settings in force do not name, by its place in the plan; it comes back some time.
@@ -129,8 +132,17 @@ struct Absent {
   std::vector<bool> routes;
 };
 
+/// What a part of the plans is arranged for.
+enum class Theme : std::uint8_t {
+  none,
+  dead_drives,  ///< quiet lines on which some are silent for long, and asked and stopped all the
+                ///< same
+  busy_line     ///< nothing goes wrong, and whose turn it is decides everything
+};
+
 struct SoakPlan {
   std::uint64_t seed = 0;
+  Theme theme = Theme::none;
   gateway::Settings settings;  ///< in force, in the plan's own order
   Absent absent;
   std::vector<Door> doors;
@@ -139,6 +151,7 @@ struct SoakPlan {
   std::vector<bus::LineKind> kinds;            ///< by bus, what its line is opened as
   std::vector<bool> echoes;                    ///< by bus: its line really hears itself
   std::vector<drive::WordOrder> own_orders;    ///< by device: what the drive itself is set to
+  std::vector<bool> sleepers;                  ///< by device: it is silent for long now and then
   std::vector<std::vector<unsigned>> writers;  ///< by device, the hosts that its guard lists
   std::vector<std::vector<std::vector<std::uint8_t>>> failsafe;  ///< by device, the PDUs
   std::vector<SpokenRule> rules;
@@ -172,6 +185,8 @@ void set_deadlines(const SoakPlan& plan, Door& door);
 void add_twin(SoakPlan& plan, Door door, std::size_t device);
 /// What is written to a device when nobody is left, and after how long a silence.
 void draw_failsafe(SoakPlan& plan, std::size_t device, Random& random);
+/// Whose turn is worth more than one.
+void draw_weights(SoakPlan& plan, Random& random);
 /// What its devices' guards allow.
 void draw_guards(SoakPlan& plan, Random& random);
 /// How many may connect to listeners, how long they may be silent, and who may only read.
@@ -184,5 +199,7 @@ void draw_late(SoakPlan& plan, std::uint64_t seed);
 void draw_reads(SoakPlan& plan, std::uint64_t seed);
 /// Its last step but for lines and limits: who asks, and how.
 void draw_clients(SoakPlan& plan, Random& random);
+/// Arranges some plans so that what seldom happens happens often.
+void draw_theme(SoakPlan& plan, std::uint64_t seed);
 
 }  // namespace mbgate::soak

@@ -21,6 +21,15 @@ void draw_failsafe(SoakPlan& plan, std::size_t device, Random& random) {
   }
 }
 
+void draw_weights(SoakPlan& plan, Random& random) {
+  plan.settings.weights.clear();
+  for (unsigned host = 0; host < kMostHosts; ++host) {
+    if (random.chance(plan.theme == Theme::busy_line ? 600 : 200)) {
+      plan.settings.weights.push_back({network_of(host), random.between(2U, 5U)});
+    }
+  }
+}
+
 void draw_guards(SoakPlan& plan, Random& random) {
   auto& settings = plan.settings;
   const bool are_any = random.chance(500);
@@ -51,11 +60,7 @@ void draw_guards(SoakPlan& plan, Random& random) {
       }
     }
   }
-  for (unsigned host = 0; host < kMostHosts; ++host) {
-    if (random.chance(200)) {
-      settings.weights.push_back({network_of(host), random.between(2U, 5U)});
-    }
-  }
+  draw_weights(plan, random);
 }
 
 }  // namespace mbgate::soak

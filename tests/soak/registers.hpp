@@ -57,6 +57,13 @@ inline constexpr std::uint16_t kCoils = 1042;
 inline constexpr std::uint8_t kAutonicsAddress = 129;
 inline constexpr std::uint8_t kMostOfAutonics = 2;  ///< registers of a broadcast
 
+/// Input registers of the gateway's own unit (src/gateway/status_unit.hpp): those of devices, each
+/// with its bus, address, state and unanswered transmissions in a row.
+inline constexpr std::uint16_t kDevicesAt = 10000;
+inline constexpr std::uint16_t kDeviceSize = 32;
+inline constexpr std::uint16_t kShownOfHealth = 4;
+inline constexpr std::uint16_t kShownOffline = 3;
+
 inline constexpr std::uint8_t kOwnFunction = 0x41;  ///< of the device's maker; it counts as a write
 inline constexpr std::uint8_t kKnownCommand = 1;    ///< of it; others are refused with 01
 inline constexpr std::uint16_t kMostIdentity = 8;   ///< input registers in the answer to 17, 43/14

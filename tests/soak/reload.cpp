@@ -28,6 +28,9 @@ Reloads::Reloads(SoakPlan& plan, Oracle::Devices& devices, const Oracle& oracle,
   if (random_.chance(is_guarded_ ? 500 : 700)) {
     every_ = random_.one_of<Duration>({50ms, 200ms, 1s, 5s});
   }
+  if (plan.theme != Theme::none) {
+    every_ = plan.theme == Theme::busy_line ? 5s : 0ms;
+  }
   for (const Door& door : plan_.doors) {
     buses_of_.push_back(door.buses);
   }
@@ -48,7 +51,10 @@ void Reloads::perhaps(unsigned permille, const char* kind, std::size_t count, Ch
 Reload Reloads::draw() {
   reload_ = {};
   gateway::Settings& settings = plan_.settings;
-  if (!random_.chance(250)) {
+  if (plan_.theme == Theme::busy_line) {
+    draw_weights(plan_, random_);
+    reload_.kinds.push_back("reload_weights");
+  } else if (!random_.chance(250)) {
     if (!is_guarded_ && random_.chance(400)) {
       bring_back();
     }

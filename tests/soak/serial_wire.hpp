@@ -130,6 +130,8 @@ class SerialWire {
   void ask_as_stranger();
   [[nodiscard]] std::vector<std::uint8_t> strange_request();
   void kill_a_device();
+  void put_to_sleep(std::size_t place);
+  [[nodiscard]] bool is_sleeper(const SoakDevice& device) const;
   void later(Duration every, void (SerialWire::*what)());
   [[nodiscard]] bool happens(unsigned permille, const char* kind);
 

@@ -248,6 +248,9 @@ void SerialWire::begin_trouble() {
   later(rates_.dead_every, &SerialWire::kill_a_device);
   later(rates_.babbles_every, &SerialWire::begin_babble);
   later(rates_.hangs_every, &SerialWire::begin_hang);
+  for (std::size_t place = 0; place < devices_.size(); ++place) {
+    put_to_sleep(place);
+  }
 }
 
 void SerialWire::make_noise() {

@@ -14,8 +14,6 @@ namespace {
 
 constexpr std::uint16_t kBusesAt = 1000;
 constexpr std::uint16_t kBusSize = 64;
-constexpr std::uint16_t kDevicesAt = 10000;
-constexpr std::uint16_t kDeviceSize = 32;
 
 std::uint64_t word_at(const PduBytes& pdu, std::size_t place) {
   return pdu.size() < 2 + 2 * place + 2 ? 0 : modbus::load_be16(pdu, 2 + 2 * place);
