@@ -135,6 +135,7 @@ class Oracle {
 
  private:
   friend class HeardAnswers;
+  friend class OfflineRules;
   friend class Refusals;
   friend class SharedReads;
   friend class TurnRules;
@@ -253,15 +254,12 @@ class Oracle {
   [[nodiscard]] bool is_surely_offline(const Lane& lane) const;
   void note_silent(std::size_t bus);
   void note_late(std::size_t bus, const HeardFrame& frame);
-  void check_ended(std::size_t bus, const Lane& lane, const Flight& last);
-  void check_offline(const Flight& flight);
-  void check_share(const Flight& probe);
 
   // oracle_tries.cpp
   void check_answered(const Asked& asked);
   void judge_tries(const Asked& asked);
   void check_tries(const Asked& asked) const;
-  void judge_cached(const Asked& asked) const;
+  void judge_cached(const Asked& asked);
 
   // oracle_counts.cpp
   void note_counts(const Flight& flight);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "soak/heard_answers.hpp"
+#include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 #include "soak/refusals.hpp"
 
@@ -50,6 +51,7 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     violation("not_refused", name(asked));
   } else if (asked.kind == Kind::own) {
     own_answer_.assign(pdu.begin(), pdu.end());
+    OfflineRules(*this).judge_shown(asked, own_answer_);
   } else {
     judge_content(asked, pdu);
     judge_done(asked);
@@ -101,12 +103,17 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
       judge_expiry(asked);
       judge_eviction(asked);
       return;
-    case kNoPath: refusals.judge_no_path(asked); return;
+    case kNoPath:
+      refusals.judge_no_path(asked);
+      OfflineRules(*this).judge_refused(asked);
+      return;
     case kNoResponse:
       refusals.judge_no_response(asked);
       judge_cut(asked);
       check_answered(asked);
       judge_tries(asked);
+      OfflineRules(*this).judge_refused(asked);
+      OfflineRules(*this).judge_wait(asked);
       judge_expiry(asked);
       HeardAnswers(*this).judge_end(asked);
       return;

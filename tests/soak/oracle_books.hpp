@@ -70,6 +70,7 @@ struct Lane {
   unsigned silent = 0;
   std::map<PduBytes, unsigned> silent_stops;  ///< tries of each that nothing was heard of, offline
   Instant asked_last = Instant::min();        ///< when the last of the first was transmitted
+  Instant wanted_at = Instant::min();         ///< when one for it was refused last, untried
   std::optional<std::uint64_t> given_up_after{};  ///< a stop accepted later is tried once
   Instant last_write_event = Instant::min();
   Instant earlier_write_event = Instant::min();  ///< the last one of an earlier instant

@@ -14,7 +14,6 @@ void Oracle::check_bounds(const Flight& flight) {
   if (!is_tcp(flight.bus) && !flight.is_stop && flight.begin < books_[flight.bus].listens_until) {
     violation("listened_too_short", name(flight));
   }
-  check_offline(flight);
   SharedReads(*this).check_bounds(flight);
 }
 

@@ -170,6 +170,8 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   // What has become due in this instant joins one that is due already, or goes on its own.
   const bool may_have_joined = asked.failsafe && !alone && asked.accepted == schedule_.now();
   piece.sent += may_have_joined ? 0U : 1U;
+  mine.ends_series = alone && asked.is_repeated && !asked.is_shared && !asked.failsafe &&
+                     asked.flights == asked.flights_alone && asked.flights > asked.stop_retries;
   // Of several that wait only one may have been transmitted before.
   if (asked.is_stop() && (piece.sent == 1 || !asked.surely_on_wire)) {
     mine.stop_from = std::min(mine.stop_from.value_or(asked.accepted), asked.accepted);

@@ -3,6 +3,7 @@
 // lines on which not a single byte was heard in answer.
 #include <algorithm>
 
+#include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -64,7 +65,7 @@ void Oracle::note_silent(std::size_t bus) {
     // Stops that are alike go one after the other; others take turns with them.
     unsigned& silent = lane.silent_stops[last->pdu];
     silent += was_offline && last->is_repeated ? 1U : 0U;
-    if (silent >= 2 * series && !lane.given_up_after) {
+    if ((silent >= 2 * series || (was_offline && last->ends_series)) && !lane.given_up_after) {
       lane.given_up_after = sequence_;
     }
     return;
@@ -72,7 +73,7 @@ void Oracle::note_silent(std::size_t bus) {
   ++lane.silent;
   lane.asked_last = last->begin;
   if (!was_offline && is_surely_offline(lane)) {
-    check_ended(bus, lane, *last);
+    OfflineRules(*this).check_ended(bus, lane, *last);
   }
 }
 
@@ -106,69 +107,6 @@ void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
   if (lateness >= lane.learned || schedule_.now() >= lane.learned_until) {
     lane.learned = lateness;
     lane.learned_until = schedule_.now() + kRemembered;
-  }
-}
-
-// What waited for it then has ended.
-void Oracle::check_ended(std::size_t bus, const Lane& lane, const Flight& last) {
-  for (const Asked* asked : lane.open) {
-    const bool is_judged = (asked->kind == Kind::read || asked->kind == Kind::write) &&
-                           !asked->is_stop() && asked->accepted < last.begin && !asked->ordered &&
-                           !asked->ahead && asked->replies && !asked->client_gone;
-    if (is_judged && asked->pieces.front().bus == bus) {
-      violation("waits_for_offline", name(*asked));
-      return;
-    }
-  }
-}
-
-// Where a device that is there was asked not long ago, the probes that nobody answers share little
-// of the time.
-void Oracle::check_share(const Flight& probe) {
-  constexpr int kPercent = 100;
-  const Book& book = books_[probe.bus];
-  const auto& settings = bus_settings(probe.bus);
-  const Flight* before = flight(book.last_probe);
-  if (before == nullptr || before->begin < std::max(reloaded_, book.opened) || before->came > 0 ||
-      !before->expects_answer || before->beside_stop || before->meets_stop ||
-      !book.lanes[before->address].device) {
-    return;
-  }
-  bool somebody_asks = false;
-  for (std::uint64_t number = before->number + 1; number < probe.number; ++number) {
-    const Flight* other = flight(number);
-    somebody_asks |= other != nullptr && other->bus == probe.bus && other->is_answered &&
-                     !other->is_stop && probe.begin < other->begin + settings.timing.probe_interval;
-  }
-  const auto& device = devices_[*book.lanes[before->address].device].settings();
-  const Duration took = before->end - before->begin + spec::probe_timeout_of(device.timing);
-  if (somebody_asks && probe.begin < before->begin + took * kPercent / settings.probe_share) {
-    violation("probe_share", name(probe));
-  }
-}
-
-void Oracle::check_offline(const Flight& flight) {
-  Book& book = books_[flight.bus];
-  const Lane& lane = book.lanes[flight.address];
-  if (is_tcp(flight.bus) || flight.is_broadcast || !is_surely_offline(lane)) {
-    return;
-  }
-  if (!flight.is_stop) {
-    const Duration interval = devices_[*lane.device].settings().timing.probe_interval;
-    if (flight.begin < lane.asked_last + interval) {
-      violation("probe_early", name(flight));
-    }
-    check_share(flight);
-    book.last_probe = flight.number;
-    return;
-  }
-  for (const std::uint64_t id : flight.asked) {
-    const auto entry = open_.find(id);
-    if (entry != open_.end() && flight.asked.size() == 1 && lane.given_up_after &&
-        entry->second->sequence > *lane.given_up_after && !entry->second->failsafe &&
-        !entry->second->is_shared && entry->second->pieces.front().sent > 1) {
-      violation("dead_stop_repeated", name(flight));
-    }
   }
 }
 

@@ -46,12 +46,18 @@ void Oracle::judge_tries(const Asked& asked) {
 
 // It was answered without being transmitted: not by what was read before its device left something
 // unanswered.
-void Oracle::judge_cached(const Asked& asked) const {
+void Oracle::judge_cached(const Asked& asked) {
   if (asked.kind != Kind::read || asked.ordered || asked.flights > 0 || asked.pieces.empty()) {
     return;
   }
   const Piece& piece = asked.pieces.front();
-  if (books_[piece.bus].lanes[piece.address].silent > 0) {
+  const Book& book = books_[piece.bus];
+  const Flight* last = flight(book.last_flight);
+  const bool is_over = last != nullptr && last->address == piece.address && last->expects_answer &&
+                       !last->is_broadcast && !is_tcp(piece.bus) && book.came == 0 &&
+                       reloaded_ < last->begin && book.opened <= last->begin &&
+                       schedule_.now() > last->due + lateness();
+  if (book.lanes[piece.address].silent > 0 || is_over) {
     violation("cached_too_long", name(asked));
   }
 }

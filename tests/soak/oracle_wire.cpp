@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "soak/identity.hpp"
+#include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 #include "soak/pdus.hpp"
 
@@ -129,6 +130,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   check_idle(flight, before);
   TurnRules(*this).check(flight);
   check_bounds(flight);
+  OfflineRules(*this).check(flight, before);
   set_times(flight);
   note_use(flight);
   flight.size = frame.size();

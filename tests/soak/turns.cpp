@@ -91,6 +91,27 @@ std::vector<const Asked*> TurnRules::others_that_may_go(const Flight& flight) co
   return others;
 }
 
+const Asked* TurnRules::waiting_for_room(const Flight& stop, Instant since) const {
+  const Book& book = oracle_.books_[stop.bus];
+  for (const Lane& lane : book.lanes) {
+    // A stop may let the writes before it go, and then nothing goes before these.
+    const bool may_be_held = &lane == &book.lanes[stop.address];
+    const bool is_clear = std::ranges::all_of(lane.open, [&](const Asked* asked) {
+      return asked->is_stop() || (!asked->maybe_on_wire && asked->kind != Kind::broadcast &&
+                                  !(may_be_held && asked->changes()));
+    });
+    if (!is_clear) {
+      return nullptr;
+    }
+  }
+  const auto others = others_that_may_go(stop);
+  const auto other = std::ranges::find_if(others, [&](const Asked* asked) {
+    return asked->pieces.front().address != stop.address && asked->accepted < since &&
+           asked->waited_until < since;
+  });
+  return other == others.end() ? nullptr : *other;
+}
+
 bool TurnRules::waits_for_its_turn(const Asked& asked, const Flight& flight) {
   return (asked.is_read() || asked.kind == Kind::write) && asked.pieces.size() == 1 &&
          asked.pieces.front().counted && !asked.dropped && !asked.doomed && !asked.ordered &&

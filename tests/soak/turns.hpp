@@ -36,6 +36,8 @@ class TurnRules {
 
   /// To be called when it is known for whom it is, and before it counts.
   void check(const Flight& flight) const;
+  /// A request to another device that could have gone since then; none if nobody can tell.
+  [[nodiscard]] const Asked* waiting_for_room(const Flight& stop, Instant since) const;
 
  private:
   [[nodiscard]] const Asked* only_one(const Flight& flight) const;
