@@ -100,7 +100,8 @@ bool OfflineRules::may_go_first(std::size_t bus, const Lane& other, const Lane& 
 Instant OfflineRules::share_ends(std::size_t bus) const {
   const gateway::BusSettings& settings = oracle_.bus_settings(bus);
   Instant ends = Instant::min();
-  for (const Flight& flight : oracle_.flights_) {
+  for (const auto& kept : oracle_.flights_) {
+    const Flight& flight = *kept;
     if (flight.bus == bus && !flight.is_stop && !flight.is_answered) {
       const Duration rest = flight.came > 0 ? oracle_.rest_of_answer(flight) : Duration{0};
       const Duration took =
