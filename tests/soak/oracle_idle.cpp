@@ -68,7 +68,12 @@ void Oracle::note_whole(std::size_t bus, HeardFrame& frame) {
   Lane& lane = book.lanes[frame.address];
   const auto& owed = lane.owed;
   const Flight* answered = flight(frame.flight);
-  const bool is_in_time = answered != nullptr && frame.flight == book.last_flight && frame.fits &&
+  // Nobody was told meanwhile that there is none: a stop, or a probe's own timeout, may have been
+  // earlier.
+  const bool is_waited_for =
+      answered != nullptr &&
+      std::ranges::any_of(answered->asked, [this](std::uint64_t id) { return open_.contains(id); });
+  const bool is_in_time = is_waited_for && frame.flight == book.last_flight && frame.fits &&
                           !frame.is_nobodys && frame.began < answered->deadline;
   if (!is_in_time && !std::exchange(lane.may_be_late, true)) {
     const Duration most = lane.device ? devices_[*lane.device].settings().timing.quarantine_max
