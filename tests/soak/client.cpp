@@ -18,6 +18,7 @@ constexpr Duration kLongestCut = 5ms;  // from one part of a request to the next
 }  // namespace
 
 void Client::begin() {
+  become_straddler();
   const Duration latest = manners_.waits_at_start ? 5ms : 200ms;
   tools_.schedule.after(tools_.random.duration(0ms, latest), [this] {
     tools_.driver.client_ready([this] {
@@ -155,7 +156,8 @@ std::uint64_t Client::write(Asked asked) {
   asked.transaction = transactions_;
   asked.host = manners_.host;
   // Behind the rest of a request that was cut it is written a little later.
-  asked.written = tools_.schedule.now() + (unwritten_.empty() ? Duration{0} : kLongestCut);
+  const bool is_begun = unwritten_.empty() || keeps_tails();
+  asked.written = tools_.schedule.now() + (is_begun ? Duration{0} : kLongestCut);
   const PduBytes pdu = asked.pdu;
   const std::uint8_t unit = asked.unit;
   const std::uint64_t id = tools_.oracle.ask(number_, std::move(asked));
@@ -167,7 +169,9 @@ std::uint64_t Client::write(Asked asked) {
   unwritten_.insert(unwritten_.end(), pdu.begin(), pdu.end());
   made_ += pdu.size() + 7;
   marks_.push_back({made_ - pdu.size() - 7, made_, id});
-  if (unwritten_.size() == pdu.size() + 7 && tools_.random.chance(manners_.splits)) {
+  if (keeps_tails()) {
+    keep_tail(pdu.size() + 7);
+  } else if (unwritten_.size() == pdu.size() + 7 && tools_.random.chance(manners_.splits)) {
     tools_.report.fault("split");
     push(1 + tools_.random.below(unwritten_.size()));
     tools_.schedule.after(tools_.random.duration(10us, kLongestCut), [this, life = life_] {

@@ -96,6 +96,10 @@ class Client {
   void act();
   void ask_some();
   void put_foreign();
+  // client_tails.cpp
+  [[nodiscard]] bool keeps_tails() const { return straddles_ && asking_ && !half_closed_; }
+  void become_straddler();
+  void keep_tail(std::size_t request);
   void push(std::size_t bytes);
   void become_ready();
   void feed();
@@ -121,6 +125,7 @@ class Client {
   bool fin_read_ = false;
   bool is_silent_ = false;  ///< it asks for nothing any more
   bool framing_lost_ = false;
+  bool straddles_ = false;              ///< what it writes always ends within a request
   bool is_connecting_ = false;          ///< at this instant
   std::optional<Instant> hangs_since_;  ///< the gateway may have the beginning of a request
   Duration frame_timeout_{0};           ///< as it was then
