@@ -114,6 +114,11 @@ struct Asked {
   [[nodiscard]] bool changes() const { return kind != Kind::read && kind != Kind::own; }
 };
 
+/// The gateway has read its beginning before.
+inline bool has_come_before(const Asked& asked, Instant at) {
+  return asked.has_begun && asked.written < at;
+}
+
 /// Several parts of a request may go to one bus: it waits there as one.
 inline bool is_first_on_its_bus(const Asked& asked, const Piece& piece) {
   return &piece == &asked.pieces.front() || piece.bus != (&piece - 1)->bus;

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::uint64_t kSeldomChance = 0x464F524D53ULL;  // apart from the clients'
 constexpr std::uint64_t kNearChance = 0x4E454152ULL;
+constexpr std::uint64_t kBootsChance = 0x424F4F5453ULL;
 constexpr unsigned kByAutonics = 200;  // permille of broadcasts, where there is such a door
 
 }  // namespace
@@ -22,7 +23,8 @@ Asking::Asking(const SoakPlan& plan, Random& random)
       broadcast_doors_(plan.settings.listeners.size()),
       autonics_doors_(plan.settings.listeners.size()),
       forms_(plan.seed ^ kSeldomChance),
-      near_(plan.seed ^ kNearChance) {
+      near_(plan.seed ^ kNearChance),
+      boots_(plan.seed ^ kBootsChance) {
   for (const Door& door : plan.doors) {
     auto& doors = door.device          ? device_doors_
                   : door.only_autonics ? autonics_doors_

@@ -73,6 +73,7 @@ class Asking {
   Asked broadcast(const Door& door);
   void pick_broadcast(Asked& asked);
   void pick_odd(Asked& asked);
+  void pick_boot(Asked& asked);
   [[nodiscard]] Receivers listeners(std::size_t bus, bool autonics) const;
   Receivers add_forms(Asked& asked) const;
   [[nodiscard]] bool verifies(const Door& door) const;
@@ -98,6 +99,7 @@ class Asking {
   std::vector<std::vector<const Door*>> autonics_doors_;  // address 129
   Random forms_;  // what is asked seldom: with a chance of its own
   Random near_;   // the same of reads that meet each other
+  Random boots_;  // the same
   std::uint16_t broadcasts_ = 0;
   bool may_only_read_ = false;  // who asks at present
 };

@@ -73,6 +73,7 @@ Asked Asking::broadcast(const Door& door) {
   } else {
     pick_broadcast(asked);
   }
+  pick_boot(asked);
   const bool may_be_for_all =
       asked.pdu[0] == 5 || asked.pdu[0] == 6 || asked.pdu[0] == 0x0F || asked.pdu[0] == 0x10;
   if (door.is_closed) {
@@ -188,6 +189,18 @@ void Asking::pick_broadcast(Asked& asked) {
     }
     default: asked.pdu = fields(6, kBroadcastRegister, broadcasts_);
   }
+}
+
+// All boot who hear it.
+void Asking::pick_boot(Asked& asked) {
+  constexpr unsigned kSome = 150;
+  const unsigned value = 0x7000U | (broadcasts_ & 0xFFFU);
+  if (!boots_.chance(kSome) || asked.stops_all) {
+    return;
+  }
+  asked.pdu = boots_.chance(500)
+                  ? fields(6, kSilentRegister, value)
+                  : multiple_pdu(kSilentRegister, {static_cast<std::uint16_t>(value)});
 }
 
 // Values, opcodes, runs that are too long for some, what changes how drives communicate, and what

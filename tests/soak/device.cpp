@@ -21,13 +21,6 @@ bool is_within(const std::optional<spec::Range>& range) {
   return !range || range->first + range->count <= (is_bits(range->table) ? kCoils : kRegisters);
 }
 
-// 06 or 16 of 7xxx.
-bool is_silent(const spec::Fields& fields) {
-  return !fields.reads && fields.writes->table == Table::holding_registers &&
-         fields.writes->first == kSilentRegister && fields.writes->count == 1 &&
-         fields.words.size() == 1 && fields.words[0] >> 12U == 7U;
-}
-
 Pdu exception(spec::Bytes request, std::uint8_t code) {
   const std::array<std::uint8_t, 2> bytes{static_cast<std::uint8_t>(request[0] | 0x80U), code};
   return *Pdu::from(bytes);
@@ -41,6 +34,12 @@ Pdu acknowledgement(spec::Bytes request) {
 }
 
 }  // namespace
+
+bool is_silent(const spec::Fields& fields) {
+  return !fields.reads && fields.writes && fields.writes->table == Table::holding_registers &&
+         fields.writes->first == kSilentRegister && fields.writes->count == 1 &&
+         fields.words.size() == 1 && fields.words[0] >> 12U == 7U;
+}
 
 SoakDevice::Outcome SoakDevice::carry_out(const Pdu& pdu, Instant now) {
   const spec::Bytes request = pdu.bytes();

@@ -12,6 +12,9 @@
 
 namespace mbgate::soak {
 
+/// Is it 06 or 16 of 7xxx, which is never answered because the device boots?
+bool is_silent(const spec::Fields& fields);
+
 class SoakDevice {
  public:
   SoakDevice(const drive::Device& settings, drive::WordOrder own_order, std::uint64_t salt)

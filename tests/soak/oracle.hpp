@@ -14,6 +14,7 @@
 #include "soak/device.hpp"
 #include "soak/failsafe_watch.hpp"
 #include "soak/flight.hpp"
+#include "soak/meanings.hpp"
 #include "soak/oracle_books.hpp"
 #include "soak/report.hpp"
 #include "soak/schedule.hpp"
@@ -105,6 +106,8 @@ class Oracle {
   void before_reload();
   /// The bus's line is given up, or the bus itself: the next one under its name begins anew.
   void line_given_up(std::size_t bus);
+  /// Of the bus or a device on it other times or rules hold now.
+  void touched(std::size_t bus);
   /// What waits for the device at the address, or for all on its bus, is not what was meant.
   void take_back(std::size_t bus, std::uint8_t address);
   /// The settings of the plan are in force.
@@ -113,6 +116,8 @@ class Oracle {
   void check_taken_back();
   /// No request through the door is on its way into the gateway, or may be.
   [[nodiscard]] bool is_settled(const Door& door) const;
+  /// The same, or the gateway has at least begun to read each of them before.
+  [[nodiscard]] bool is_within(const Door& door) const;
   /// It is not known of every request whether the gateway has accepted it.
   [[nodiscard]] bool is_unsure(const Door& door) const;
   /// Is the device at the address left alone because of an answer that may still come?
@@ -136,14 +141,14 @@ class Oracle {
  private:
   friend class HeardAnswers;
   friend class OfflineRules;
+  friend class BootRules;
   friend class Refusals;
   friend class SharedReads;
   friend class TurnRules;
+  friend class Withdrawals;
   // oracle_clients.cpp
   void accept_backlog(Session& session);
   void look_ahead(Session& session);
-  [[nodiscard]] bool waits_for_write_in(const std::deque<std::uint64_t>& backlog,
-                                        const Asked& stop) const;
   void forget_gone_stops();
   void accept(Asked& asked);
   void begin_failsafe();
@@ -154,11 +159,7 @@ class Oracle {
   [[nodiscard]] Duration behind_others(const Asked& stop) const;
   void check_failsafe(const Asked& asked);
   [[nodiscard]] unsigned failsafes_like(const Asked& asked, const Piece& piece) const;
-  void cancel_for_stop(const Asked& stop);
-  void doom_broadcasts(const Asked& stop, std::size_t bus);
-  [[nodiscard]] bool reaches(const Asked& stop, std::size_t bus, std::uint8_t form) const;
   [[nodiscard]] std::vector<Asked*> broadcasts_on(std::size_t bus);
-  [[nodiscard]] bool may_wait(const Asked& stop) const;
   void close(Asked& asked, const std::string& how);
   void end_without_reply(Asked& asked);
   void note_write_event(const Asked& asked, std::optional<std::size_t> bus = std::nullopt);
@@ -172,7 +173,7 @@ class Oracle {
   [[nodiscard]] bool is_past_offline(std::size_t bus, const Lane& lane) const;
   void map_lanes();
   void take_back(Asked& asked, std::size_t bus);
-  void cancel_for_waiting_stop(const Asked& stop);
+  [[nodiscard]] bool is_outdated(const Asked& asked) const;
 
   // oracle_answers.cpp
   void judge(Asked& asked, Bytes pdu);
@@ -183,7 +184,6 @@ class Oracle {
   void judge_data(const Asked& asked, Bytes pdu);
   void judge_bits(const Asked& asked, Bytes pdu);
   void judge_done(const Asked& asked);
-  [[nodiscard]] bool was_stopped(const Asked& stop) const;
   // oracle_content.cpp
   void judge_content(const Asked& asked, Bytes pdu);
   void judge_identity(const Asked& asked, Bytes pdu);
@@ -200,7 +200,6 @@ class Oracle {
   void check_quarantine(const Flight& flight);
   void attribute(Flight& flight);
   bool fits(const Asked& asked, const Piece& piece, const Flight& flight) const;
-  [[nodiscard]] bool is_behind_failure(const Asked& asked, const Piece& piece) const;
   [[nodiscard]] std::string objection(const Asked& asked, const Piece& piece) const;
   void unknown_transmission(Flight& flight);
   void note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone);
@@ -276,6 +275,7 @@ class Oracle {
   const Schedule& schedule_;
   Report& report_;
   WriterRules writers_;
+  Meanings meanings_;
   FailsafeWatch failsafe_;
   std::map<ClientId, Session> sessions_;
   std::unordered_map<std::uint64_t, std::unique_ptr<Asked>> open_;

@@ -6,6 +6,7 @@
 #include "bus/queue/stop_lane.hpp"
 #include "gateway/limits.hpp"
 #include "soak/oracle.hpp"
+#include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
 
@@ -41,7 +42,7 @@ void Oracle::look_ahead(Session& session) {
       return;
     }
     Asked& asked = *open_.at(id);
-    if (asked.is_accepted || !asked.is_stop() || waits_for_write_in(backlog, asked)) {
+    if (asked.is_accepted || !asked.is_stop() || Withdrawals(*this).must_wait(backlog, asked)) {
       continue;
     }
     session.taken.push_back(id);
@@ -53,18 +54,6 @@ void Oracle::look_ahead(Session& session) {
       session.order.push_back(id);
     }
   }
-}
-
-bool Oracle::waits_for_write_in(const std::deque<std::uint64_t>& backlog, const Asked& stop) const {
-  const Piece& target = stop.pieces.front();
-  return lets_writes_go(stop) && std::ranges::any_of(backlog, [&](std::uint64_t id) {
-           const Asked& other = *open_.at(id);
-           return id < stop.id && other.changes() && !other.is_stop() && !other.refused &&
-                  std::ranges::any_of(other.pieces, [&](const Piece& piece) {
-                    return piece.bus == target.bus &&
-                           (piece.address == target.address || other.kind == Kind::broadcast);
-                  });
-         });
 }
 
 void Oracle::accept(Asked& asked) {
@@ -92,7 +81,7 @@ void Oracle::accept(Asked& asked) {
   }
   writers_.attempted(asked, schedule_.now());
   if (asked.is_stop()) {
-    cancel_for_stop(asked);
+    Withdrawals(*this).take_back_for(asked);
   }
   for (Piece& piece : asked.pieces) {
     Book& book = books_[piece.bus];
@@ -128,40 +117,6 @@ void Oracle::accept(Asked& asked) {
   }
 }
 
-// Writes to the same device that wait will never be sent.
-void Oracle::cancel_for_stop(const Asked& stop) {
-  for (const Piece& piece : stop.pieces) {
-    Book& book = books_[piece.bus];
-    book.last_stop = schedule_.now();
-    if (Flight* last = flight(book.last_flight)) {
-      last->meets_stop = true;
-    }
-    for (std::size_t address = 0; address < book.lanes.size(); ++address) {
-      Lane& lane = book.lanes.at(address);
-      if (address != piece.address && !stop.stops_all) {
-        continue;
-      }
-      lane.last_stop = schedule_.now();
-      for (Asked* asked : lane.open) {
-        if (asked->kind == Kind::write && !asked->doomed && !lets_writes_go(stop)) {
-          asked->doomed = schedule_.now();
-        }
-      }
-    }
-    doom_broadcasts(stop, piece.bus);
-  }
-}
-
-// Does a device that the stop is for hear broadcasts of this form?
-bool Oracle::reaches(const Asked& stop, std::size_t bus, std::uint8_t form) const {
-  if (stop.stops_all) {
-    return std::ranges::any_of(
-        stop.pieces, [&](const Piece& piece) { return piece.bus == bus && piece.address == form; });
-  }
-  const auto& broadcast = devices_[*stop.door->device].settings().profile.broadcast;
-  return (broadcast.form == drive::BroadcastForm::autonics) == (form == kAutonicsAddress);
-}
-
 // In either form; each once.
 std::vector<Asked*> Oracle::broadcasts_on(std::size_t bus) {
   std::vector<Asked*> found = books_[bus].lanes[0].open;
@@ -171,19 +126,6 @@ std::vector<Asked*> Oracle::broadcasts_on(std::size_t bus) {
     }
   }
   return found;
-}
-
-// They are writes to every device of the bus; on other buses they go on.
-void Oracle::doom_broadcasts(const Asked& stop, std::size_t bus) {
-  for (Asked* asked : broadcasts_on(bus)) {
-    for (Piece& piece : asked->pieces) {
-      const bool stopped = asked->kind == Kind::broadcast && !asked->stops_all &&
-                           piece.bus == bus && reaches(stop, bus, piece.address);
-      if (stopped && !piece.doomed && !lets_writes_go(stop)) {
-        piece.doomed = schedule_.now();
-      }
-    }
-  }
 }
 
 // What was on the wire was surely accepted, and so was what has waited.

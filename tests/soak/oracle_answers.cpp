@@ -7,10 +7,12 @@
 #include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 #include "soak/refusals.hpp"
+#include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
 namespace {
 
+constexpr std::uint8_t kDenied = 0x01;
 constexpr std::uint8_t kFailure = 0x04;
 constexpr std::uint8_t kBusy = 0x06;
 constexpr std::uint8_t kNoPath = 0x0A;
@@ -27,6 +29,13 @@ bool was_asked_before_reload(const Asked& asked) {
   return std::ranges::any_of(asked.pieces, [](const Piece& piece) {
     return piece.asks_order && piece.executed && piece.taken_back;
   });
+}
+
+// The acknowledgement of a stop may be that of the same stop a moment ago, which was carried out;
+// nothing that moves comes between.
+bool was_stopped(const Asked& stop, const std::map<PduBytes, Instant>& done) {
+  const auto entry = done.find(stop.pieces.front().pdu);
+  return entry != done.end() && entry->second + kStopMemory >= stop.accepted;
 }
 
 }  // namespace
@@ -77,13 +86,10 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
   if (asked.refused) {
     const bool taken_back =
         asked.dropped || (asked.unlisted && (stopping_ || may_be_stopped(asked)));
-    // It may have lain in a socket since before its unit led elsewhere.
-    const Door* door = asked.door;
-    const bool outdated = door != nullptr && door->device &&
-                          asked.earliest < books_[door->buses.front()]
-                                               .lanes[plan_.settings.devices[*door->device].address]
-                                               .changed_at;
-    const bool is_busy = code == kBusy && (taken_back || outdated);
+    // It came, or may have come, before its unit led elsewhere. By now it may lead nowhere, or its
+    // client may only read there.
+    const bool is_outdated_now = is_outdated(asked) && (code == kNoPath || code == kDenied);
+    const bool is_busy = (code == kBusy && (taken_back || is_outdated(asked))) || is_outdated_now;
     if (*asked.refused != code && !is_busy) {
       violation("wrong_refusal", code_text(code) + " for " + name(asked));
     }
@@ -100,6 +106,9 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
   switch (code) {
     case kBusy:
       refusals.judge_busy(asked);
+      if (asked.is_stop() && is_outdated(asked)) {
+        Withdrawals(*this).give_back(asked);
+      }
       judge_expiry(asked);
       judge_eviction(asked);
       return;
@@ -205,19 +214,12 @@ void Oracle::judge_done(const Asked& asked) {
     }
     violation("write_not_done", name(asked));
   }
-  if (asked.kind == Kind::stop && !done && !was_stopped(asked) && !is_excused(asked) &&
-      !is_apart(asked, "acknowledged_stop_")) {
+  const Piece& first = asked.pieces.front();
+  if (asked.kind == Kind::stop && !done &&
+      !was_stopped(asked, books_[first.bus].lanes[first.address].stops_done) &&
+      !is_excused(asked) && !is_apart(asked, "acknowledged_stop_")) {
     violation("stop_not_done", name(asked));
   }
-}
-
-// The acknowledgement of a stop may be that of the same stop a moment ago, which was carried out;
-// nothing that moves comes between.
-bool Oracle::was_stopped(const Asked& stop) const {
-  const Piece& piece = stop.pieces.front();
-  const auto& done = books_[piece.bus].lanes[piece.address].stops_done;
-  const auto entry = done.find(piece.pdu);
-  return entry != done.end() && entry->second + kStopMemory >= stop.accepted;
 }
 
 // Physics gives no certainty whose answer it got, or what the cache was filled with.

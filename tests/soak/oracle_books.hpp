@@ -17,6 +17,7 @@ namespace mbgate::soak {
 constexpr const char* kClosed = "for_closed_client";  ///< by the gateway
 /// Of a gateway that is told to stop: so long what is on the wire has for its answer.
 constexpr Duration kGrace = std::chrono::milliseconds(1500);
+constexpr Duration kLongestBoot = std::chrono::milliseconds(250);
 constexpr Duration kStopLife = std::chrono::seconds(900);  ///< hundreds may wait on a slow line
 
 /// What is compared with the gateway's own counters.
@@ -80,7 +81,7 @@ struct Lane {
   // Nothing is kept of what was read of its device:
   Instant emptied_at = Instant::min();   ///< since then, because it did not answer, or by the line
   Instant emptied_for = Instant::min();  ///< if it was read before then
-  Instant changed_at = Instant::min();   ///< other settings gave its requests another meaning
+  Instant boots_until = Instant::min();  ///< at the earliest: it was told what it never answers
   std::uint64_t stop_sent = 0;           ///< the last one sent to it
 
   /// Something of it was heard, or is not known any more.
@@ -109,6 +110,13 @@ struct Reopening {
 /// A bus.
 struct Book {
   void note_size(std::size_t queue, Instant now) { last_full = present >= queue ? now : last_full; }
+
+  /// Whether what was said last was heard to its end is not known.
+  void forget_boots() {
+    for (Lane& lane : lanes) {
+      lane.boots_until = Instant::min();
+    }
+  }
 
   std::array<Lane, 256> lanes;
   bool open = false;
@@ -154,8 +162,9 @@ struct Book {
   std::optional<HeardEcho> unread_echo;
   int stops_at_end = 0;  ///< transmitted since the gateway was told to stop
   Instant first_stop_at_end{};
-  bool unread_stranger = false;  ///< the request of another client
-  bool is_strange = false;       ///< what came looks like an echo, and is none
+  bool unread_stranger = false;      ///< the request of another client
+  bool is_strange = false;           ///< what came looks like an echo, and is none
+  Instant touched = Instant::min();  ///< other times or rules were set for it
   LineUse use;
   Turns turns;
   Reopening reopening;

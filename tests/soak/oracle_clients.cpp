@@ -26,6 +26,13 @@ void let_go_behind(const Asked& broadcast, const auto& open, Instant now) {
   }
 }
 
+bool may_wait(const Asked& stop, const std::vector<Book>& books) {
+  return stop.waits_from || std::ranges::any_of(stop.pieces, [&](const Piece& piece) {
+           const auto& early = books[piece.bus].early_stops;
+           return std::ranges::find(early, &stop) != early.end();
+         });
+}
+
 }  // namespace
 
 Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& schedule,
@@ -35,6 +42,7 @@ Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& sch
       schedule_(schedule),
       report_(report),
       writers_(plan),
+      meanings_(plan),
       failsafe_(plan),
       books_(plan.settings.buses.size()) {
   map_lanes();
@@ -134,7 +142,7 @@ void Oracle::gone(ClientId client, const char* how) {
     if (asked.is_stop() && !asked.is_accepted && std::ranges::find(backlog, id) != backlog.end()) {
       accept(asked);  // received whole
     }
-    if (asked.is_stop() && may_wait(asked)) {
+    if (asked.is_stop() && may_wait(asked, books_)) {
       asked.client_gone = true;  // it goes all the same
       continue;
     }
@@ -144,13 +152,6 @@ void Oracle::gone(ClientId client, const char* how) {
   sessions_.erase(entry);
   failsafe_.gone(client);
   begin_failsafe();
-}
-
-bool Oracle::may_wait(const Asked& stop) const {
-  return stop.waits_from || std::ranges::any_of(stop.pieces, [&](const Piece& piece) {
-           const auto& early = books_[piece.bus].early_stops;
-           return std::ranges::find(early, &stop) != early.end();
-         });
 }
 
 // It frees its place at the end of its transmission; taken a little earlier here, which only errs

@@ -14,6 +14,7 @@ constexpr Duration kSilence = 30s;
 constexpr Duration kLatest = 2s;  // that the process may be
 
 void rest(Book& book) {
+  book.forget_boots();
   book.reopening = {};
   book.open = false;
   book.starting = book.rests = true;

@@ -16,7 +16,6 @@ namespace {
 constexpr Duration kLate = 20ms;
 constexpr Duration kStall = 520ms;
 constexpr Duration kStop = 1520ms;
-constexpr Duration kLongestBoot = 250ms;
 
 // All that came is an answer with a bad CRC: the silence behind it ends the wait.
 bool is_damaged_answer(const Book& book, const Flight& asked,
@@ -186,7 +185,7 @@ void Oracle::check_idle(const Flight& flight, const Flight* before) {
   const auto from = could_go(flight);
   const auto& settings = bus_settings(flight.bus);
   // Until lately other settings may have asked for other pauses.
-  if (!from || flight.begin < std::max(book.opened, reloaded_ + 1s)) {
+  if (!from || flight.begin < std::max(book.opened, book.touched + 1s)) {
     return;
   }
   const Duration silence = spec::silence_of(settings) + longest_gap(devices_, plan_, flight.bus);

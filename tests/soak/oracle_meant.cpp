@@ -6,6 +6,19 @@
 #include "soak/shared_reads.hpp"
 
 namespace mbgate::soak {
+namespace {
+
+// A part of several goes only when those before it were carried out. Which word order the drive has
+// may be known from an earlier question.
+bool is_behind_failure(const Asked& asked, const Piece& piece, const Lane& lane) {
+  if (asked.kind == Kind::broadcast || &piece == &asked.pieces.front()) {
+    return false;
+  }
+  const Piece& before = *(&piece - 1);
+  return !before.executed && !(before.asks_order && lane.knows_order);
+}
+
+}  // namespace
 
 bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) const {
   if (piece.pdu == flight.pdu) {
@@ -21,17 +34,6 @@ bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) 
   const unsigned merged = spec::word_at(flight.pdu, 1);
   return first >= merged &&
          first + spec::word_at(piece.pdu, 3) <= merged + spec::word_at(flight.pdu, 3);
-}
-
-// A part of several goes only when those before it were carried out. Which word order the drive has
-// may be known from an earlier question.
-bool Oracle::is_behind_failure(const Asked& asked, const Piece& piece) const {
-  if (asked.kind == Kind::broadcast || &piece == &asked.pieces.front()) {
-    return false;
-  }
-  const Piece& before = *(&piece - 1);
-  return !before.executed &&
-         !(before.asks_order && books_[piece.bus].lanes[piece.address].knows_order);
 }
 
 // Why the piece may not be transmitted now; nothing if it may.
@@ -70,7 +72,8 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
   if (asked.other_order && !piece.asks_order) {
     return "written_in_other_order";
   }
-  if (is_behind_failure(asked, piece) && !is_apart(asked, "continued_")) {
+  if (is_behind_failure(asked, piece, books_[piece.bus].lanes[piece.address]) &&
+      !is_apart(asked, "continued_")) {
     return "part_after_failure";
   }
   if (asked.changes() && !piece.asks_order && piece.sent > (once ? 0 : asked.retries)) {

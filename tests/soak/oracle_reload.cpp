@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "soak/oracle.hpp"
+#include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
 namespace {
@@ -107,6 +108,8 @@ void Oracle::line_given_up(std::size_t bus) {
   }
 }
 
+void Oracle::touched(std::size_t bus) { books_[bus].touched = schedule_.now(); }
+
 void Oracle::take_back(Asked& asked, std::size_t bus) {
   if (!asked.is_accepted || asked.refused || asked.is_stop()) {
     return;  // stops are sent: settings do not move a drive
@@ -117,7 +120,7 @@ void Oracle::take_back(Asked& asked, std::size_t bus) {
 }
 
 void Oracle::take_back(std::size_t bus, std::uint8_t address) {
-  books_[bus].lanes[address].changed_at = schedule_.now();
+  books_[bus].lanes[address].boots_until = Instant::min();
   for (Asked* asked : books_[bus].lanes[address].open) {
     take_back(*asked, bus);
   }
@@ -128,8 +131,15 @@ void Oracle::take_back(std::size_t bus, std::uint8_t address) {
 
 void Oracle::after_reload() {
   map_lanes();
+  for (std::size_t device = 0; device < plan_.absent.devices.size(); ++device) {
+    if (plan_.absent.devices[device]) {
+      writers_.gone(device);
+    }
+  }
   failsafe_.after_reload();
+  meanings_.after_reload(schedule_.now());
   reloaded_ = schedule_.now();
+  Withdrawals(*this).refuse_outdated();
   for (Book& book : books_) {
     for (Lane& lane : book.lanes) {
       lane.forget_silence();
@@ -150,25 +160,12 @@ void Oracle::after_reload() {
     Book& book = books_[bus];
     take_settings(book, bus_settings(bus), schedule_.now());
     for (Asked* stop : book.stops) {
-      cancel_for_waiting_stop(*stop);
+      Withdrawals(*this).take_back_for_waiting(*stop);
     }
     cut_flying(book);
   }
   for (auto& [client, session] : sessions_) {
     accept_backlog(session);
-  }
-}
-
-// It let the writes before it go, and does so no longer.
-void Oracle::cancel_for_waiting_stop(const Asked& stop) {
-  if (lets_writes_go(stop)) {
-    return;
-  }
-  const Piece& piece = stop.pieces.front();
-  for (Asked* asked : books_[piece.bus].lanes[piece.address].open) {
-    if (asked->kind == Kind::write && asked->sequence < stop.sequence && !asked->doomed) {
-      asked->doomed = schedule_.now();
-    }
   }
 }
 
@@ -185,6 +182,26 @@ void Oracle::check_taken_back() {
   for (const Asked* asked : forgotten) {
     violation("not_taken_back", name(*asked));
   }
+}
+
+// It is as old as a time before its unit came to mean something else, or may be.
+bool Oracle::is_outdated(const Asked& asked) const {
+  return asked.door != nullptr &&
+         asked.earliest < meanings_.changed_at(asked.door->listener, asked.unit);
+}
+
+// Where stops were taken out of what was read ahead, or something lies in a socket that is not
+// read, nobody outside can tell in which order things were taken.
+bool Oracle::is_within(const Door& door) const {
+  const bool is_clear = std::ranges::none_of(sessions_, [&](const auto& entry) {
+    const Session& session = entry.second;
+    return session.listener == door.listener && (session.paused_since || !session.taken.empty());
+  });
+  const bool are_read = std::ranges::none_of(open_, [&](const auto& entry) {
+    const Asked& asked = *entry.second;
+    return asked.door == &door && !asked.is_accepted && !has_come_before(asked, schedule_.now());
+  });
+  return is_settled(door) || (door.device && is_clear && are_read && !is_unsure(door));
 }
 
 bool Oracle::is_settled(const Door& door) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "soak/boots.hpp"
 #include "soak/identity.hpp"
 #include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
@@ -85,6 +86,7 @@ void Oracle::bus_lost(std::size_t bus) {
   book.stops.clear();
   book.flying.clear();
   book.unheard.clear();
+  book.forget_boots();
 }
 
 Flight* Oracle::flight(std::uint64_t number) const {
@@ -131,6 +133,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   TurnRules(*this).check(flight);
   check_bounds(flight);
   OfflineRules(*this).check(flight, before);
+  BootRules(*this).take(flight);
   set_times(flight);
   note_use(flight);
   flight.size = frame.size();

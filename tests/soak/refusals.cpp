@@ -83,10 +83,7 @@ const char* Refusals::why_withdrawn(const Asked& asked) const {
     return "taken_back";
   }
   // It may have lain in a socket that was not read, since before its drive meant something else.
-  const bool is_outdated = std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
-    return asked.earliest < oracle_.books_[piece.bus].lanes[piece.address].changed_at;
-  });
-  return is_outdated ? "outdated" : nullptr;
+  return oracle_.is_outdated(asked) ? "outdated" : nullptr;
 }
 
 // It is told at once: that there is no room for it, or that it has lost its place to another one.

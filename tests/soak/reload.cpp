@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kUnitOfNobody = 250;
 constexpr std::uint64_t kLinesChance = 0x4C494E4553ULL;
+constexpr std::uint64_t kGuardsChance = 0x475541524453ULL;
 constexpr std::uint64_t kOwnChance = 0x52454C4F4144ULL;  // apart from the plant's
 
 }  // namespace
@@ -21,6 +22,7 @@ Reloads::Reloads(SoakPlan& plan, Oracle::Devices& devices, const Oracle& oracle,
       oracle_(oracle),
       random_(seed ^ kOwnChance),
       lines_(seed ^ kLinesChance),
+      guards_(seed ^ kGuardsChance),
       arrangement_(plan) {
   is_guarded_ = std::ranges::any_of(plan.settings.guards, [](const gateway::DeviceGuard& guard) {
     return guard.writer != gateway::WriterRule::any || !guard.failsafe.empty();
@@ -70,6 +72,9 @@ Reload Reloads::draw() {
     perhaps(60, "reload_line", buses, &Reloads::change_line);
     if (is_guarded_) {  // who may write, and whether anybody is left, stays as it is
       perhaps(300, "reload_failsafe", devices, &Reloads::change_failsafe);
+      if (guards_.chance(150) && switch_unwatched(guards_.below(devices))) {
+        reload_.kinds.push_back("reload_owned_device");
+      }
     } else {
       perhaps(100, "reload_rights", listeners, &Reloads::change_rights);
       perhaps(200, "reload_route", routes, &Reloads::change_route);
@@ -106,6 +111,12 @@ bool Reloads::leads_to(const Door& door, std::size_t device) const {
 bool Reloads::are_settled(std::size_t device) const {
   return std::ranges::all_of(plan_.doors, [&](const Door& door) {
     return !leads_to(door, device) || oracle_.is_settled(door);
+  });
+}
+
+bool Reloads::are_within(std::size_t device) const {
+  return std::ranges::all_of(plan_.doors, [&](const Door& door) {
+    return !leads_to(door, device) || oracle_.is_within(door);
   });
 }
 

@@ -3,7 +3,8 @@
 // times and rules, devices that are set otherwise or move, other lines, things that go and return.
 //
 // Requests are planned when they are written, and mean what the settings say when the gateway takes
-// them. So what changes their meaning changes only when none through these doors is in between.
+// them. So what changes their meaning changes only when each through these doors was at least begun
+// before: it is refused then. What makes none of them outdated waits until none is in between.
 #pragma once
 
 #include <utility>
@@ -18,8 +19,9 @@ namespace mbgate::soak {
 struct Reload {
   std::vector<std::pair<std::size_t, std::uint8_t>> changed;  ///< bus and address
   std::vector<std::size_t> lines;                             ///< buses whose lines are given up
-  std::vector<std::size_t> idle;                              ///< listeners, other idle timeouts
-  std::vector<const char*> kinds;                             ///< for the list of faults
+  std::vector<std::size_t> touched;  ///< buses, as far as times and rules go
+  std::vector<std::size_t> idle;     ///< listeners, other idle timeouts
+  std::vector<const char*> kinds;    ///< for the list of faults
   [[nodiscard]] bool is_order_only() const { return kinds.empty(); }
 };
 
@@ -67,12 +69,14 @@ class Reloads {
   bool switch_listener(std::size_t index);
   bool switch_allowed(std::size_t listener);
   bool change_rights(std::size_t listener);
+  bool switch_unwatched(std::size_t index);
   void bring_back();
 
   template <typename Change>
   void perhaps(unsigned permille, const char* kind, std::size_t count, Change change);
   [[nodiscard]] bool leads_to(const Door& door, std::size_t device) const;
   [[nodiscard]] bool are_settled(std::size_t device) const;
+  [[nodiscard]] bool are_within(std::size_t device) const;
   [[nodiscard]] bool are_broadcasts_settled(std::size_t bus) const;
   [[nodiscard]] bool is_sure(std::size_t bus) const;
   [[nodiscard]] std::vector<Meaning> meanings() const;
@@ -84,6 +88,7 @@ class Reloads {
   const Oracle& oracle_;
   Random random_;
   Random lines_;
+  Random guards_;
   Duration every_{0};
   bool is_guarded_ = false;
   Reload reload_;

@@ -20,10 +20,13 @@ constexpr std::uint8_t kMovedTo = 58;
 
 bool Reloads::change_route(std::size_t index) {
   routing::Route& route = plan_.settings.routes[index];
-  if (!route.device || plan_.absent.routes[index] || !are_settled(*route.device)) {
+  if (!route.device || plan_.absent.routes[index] || !are_within(*route.device)) {
     return false;
   }
   if (random_.chance(500)) {
+    if (!are_settled(*route.device)) {
+      return false;
+    }
     route.access = random_.chance(300) ? routing::Access::read_only : routing::Access::read_write;
     return true;
   }
@@ -37,7 +40,7 @@ bool Reloads::change_route(std::size_t index) {
 bool Reloads::change_device(std::size_t index) {
   drive::Device& device = plan_.settings.devices[index];
   const auto bus = static_cast<std::size_t>(device.bus);
-  if (plan_.absent.devices[index] || !are_settled(index) || !is_sure(bus) ||
+  if (plan_.absent.devices[index] || !are_within(index) || !is_sure(bus) ||
       !are_broadcasts_settled(bus)) {
     return false;
   }
@@ -61,6 +64,7 @@ bool Reloads::change_device(std::size_t index) {
       }
   }
   devices_[index].adopt(device);
+  reload_.touched.push_back(bus);
   return true;
 }
 
@@ -99,13 +103,14 @@ bool Reloads::change_line(std::size_t index) {
       return false;
     }
   }
+  reload_.touched.push_back(index);
   reload_.lines.push_back(index);
   return true;
 }
 
 bool Reloads::switch_route(std::size_t index) {
   const bool settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
-    return door.route != index || oracle_.is_settled(door);
+    return door.route != index || oracle_.is_within(door);
   });
   if (settled) {
     plan_.absent.routes[index].flip();
@@ -121,7 +126,7 @@ bool Reloads::turn_route(std::size_t index) {
            !plan_.absent.devices[*door.device];
   });
   const bool settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
-    return door.route != index || oracle_.is_settled(door);
+    return door.route != index || oracle_.is_within(door);
   });
   if (!route.device || other == plan_.doors.end() || !settled || plan_.absent.routes[index]) {
     return false;
@@ -143,7 +148,7 @@ bool Reloads::are_broadcasts_settled(std::size_t bus) const {
 bool Reloads::switch_device(std::size_t index) {
   const drive::Device& device = plan_.settings.devices[index];
   const auto bus = static_cast<std::size_t>(device.bus);
-  if (plan_.absent.buses[bus] || !are_settled(index) || !is_sure(bus) ||
+  if (plan_.absent.buses[bus] || !are_within(index) || !is_sure(bus) ||
       !are_broadcasts_settled(bus) || oracle_.is_quarantined(bus, device.address)) {
     return false;
   }
@@ -157,7 +162,16 @@ bool Reloads::switch_device(std::size_t index) {
     return false;
   }
   plan_.absent.devices[index].flip();
+  reload_.touched.push_back(bus);
   return true;
+}
+
+// One to which nothing is written when nobody is left; before another one goes it comes back.
+bool Reloads::switch_unwatched(std::size_t index) {
+  const auto& absent = plan_.absent.devices;
+  const auto gone = std::ranges::find(absent, true);
+  const auto place = gone == absent.end() ? index : static_cast<std::size_t>(gone - absent.begin());
+  return plan_.settings.guards[place].failsafe.empty() && switch_device(place);
 }
 
 bool Reloads::switch_bus(std::size_t index) {
@@ -187,6 +201,7 @@ bool Reloads::switch_bus(std::size_t index) {
       plan_.absent.listeners[listener] = absent;
     }
   }
+  reload_.touched.push_back(index);
   if (absent) {
     reload_.lines.push_back(index);
   }

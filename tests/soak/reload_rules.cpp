@@ -29,6 +29,7 @@ bool Reloads::change_timing(std::size_t index) {
     device.split_writes = random_.chance(500);
   }
   devices_[index].adopt(device);
+  reload_.touched.push_back(bus);
   return true;
 }
 
@@ -63,6 +64,7 @@ void Reloads::draw_timing(drive::DeviceTiming& timing) {
 // Bytes that are on their way come without a gap that is silence now: it becomes no shorter.
 bool Reloads::change_rules(std::size_t index) {
   bus::BusSettings& bus = plan_.settings.buses[index];
+  reload_.touched.push_back(index);
   switch (random_.between(0U, 5U)) {
     case 0: bus.queue = random_.one_of<std::size_t>({4, 16, 64, 256, 2048}); break;
     case 1: bus.burst = random_.between(1U, 8U); break;

@@ -72,7 +72,7 @@ bool TurnRules::is_clear(const Flight& flight) const {
     return !asked->maybe_on_wire || asked->id == flight.asked.front();
   };
   return book.use.is_answered && book.open && book.opened < flight.begin &&
-         flight.begin > oracle_.reloaded_ + std::chrono::seconds(1) && !oracle_.stopping_ &&
+         flight.begin > book.touched + std::chrono::seconds(1) && !oracle_.stopping_ &&
          book.open_stops.empty() && book.lanes[0].open.empty() &&
          book.lanes[kAutonicsAddress].open.empty() &&
          std::ranges::all_of(

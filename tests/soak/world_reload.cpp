@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Other settings while everything runs.
+#include <algorithm>
+
 #include "soak/world.hpp"
 
 namespace mbgate::soak {
@@ -63,6 +65,7 @@ void World::take_effect(const Reload& reload, const std::vector<bool>& absent) {
   for (const std::size_t listener : reload.idle) {
     plan_.idle_from[listener] = schedule_.now();
   }
+  std::ranges::for_each(reload.touched, [&](std::size_t bus) { oracle_.touched(bus); });
   for (const auto& [bus, address] : reload.changed) {
     oracle_.take_back(bus, address);
   }

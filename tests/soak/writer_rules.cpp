@@ -19,6 +19,7 @@ std::vector<std::size_t> WriterRules::devices_of(const Asked& asked) const {
     const auto bus = static_cast<std::size_t>(plan_.settings.devices[device].bus);
     // It counts as a write to every device of each bus that it goes out on.
     const bool hears =
+        !plan_.absent.devices[device] &&
         std::ranges::any_of(asked.pieces, [&](const Piece& piece) { return piece.bus == bus; });
     if (hears) {
       devices.push_back(device);

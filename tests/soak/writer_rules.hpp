@@ -22,6 +22,8 @@ class WriterRules {
   /// It was transmitted for the first time. Who owns writing instead of its client; nothing if it
   /// may be its client.
   std::string sent(const Asked& asked, Instant now);
+  /// It is not there: nobody owns it.
+  void gone(std::size_t device) { books_[device] = {}; }
   /// May another one own writing to one of the devices?
   [[nodiscard]] bool may_be_held(const Asked& asked, Instant now) const;
 

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/meanings.hpp"
+
+#include <algorithm>
+
+namespace mbgate::soak {
+
+void Meanings::add_device(Meaning& meaning, std::size_t index) const {
+  const drive::Device& device = plan_.settings.devices[index];
+  const drive::Limits& limits = device.profile.limits;
+  meaning.insert(meaning.end(),
+                 {index, device.address, static_cast<std::size_t>(*device.word_order),
+                  limits.read.back(), limits.write_registers});
+}
+
+// For all: whoever is on these buses.
+Meanings::Meaning Meanings::of(const Door& door) const {
+  Meaning meaning = door.buses;
+  const auto order = door.route ? plan_.settings.routes[*door.route].word_order : std::nullopt;
+  meaning.push_back(order ? 1U + static_cast<std::size_t>(*order) : 0U);
+  if (door.device) {
+    add_device(meaning, *door.device);
+    return meaning;
+  }
+  for (std::size_t index = 0; index < plan_.settings.devices.size(); ++index) {
+    const auto bus = static_cast<std::size_t>(plan_.settings.devices[index].bus);
+    const bool is_there = std::ranges::find(door.buses, bus) != door.buses.end();
+    if (is_there && !plan_.absent.devices[index]) {
+      add_device(meaning, index);
+    }
+  }
+  return meaning;
+}
+
+std::map<Meanings::Unit, Meanings::Meaning> Meanings::in_force() const {
+  std::map<Unit, Meaning> all;
+  for (const Door& door : plan_.doors) {
+    // The address of the AiC may be a device like others.
+    if (!door.absent && !door.only_autonics && !plan_.absent.listeners[door.listener]) {
+      all[{door.listener, door.unit}] = of(door);
+    }
+  }
+  return all;
+}
+
+void Meanings::after_reload(Instant now) {
+  const auto before = std::exchange(now_, in_force());
+  const auto note = [&](const auto& old, const auto& others) {
+    for (const auto& [unit, meaning] : old) {
+      const auto other = others.find(unit);
+      if (other == others.end() || other->second != meaning) {
+        changed_at_[unit] = now;
+      }
+    }
+  };
+  note(before, now_);
+  note(now_, before);
+}
+
+Instant Meanings::changed_at(std::size_t listener, std::uint8_t unit) const {
+  const auto changed = changed_at_.find({listener, unit});
+  return changed == changed_at_.end() ? Instant::min() : changed->second;
+}
+
+}  // namespace mbgate::soak

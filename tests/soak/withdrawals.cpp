@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/withdrawals.hpp"
+
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+void Withdrawals::take_back_for(const Asked& stop) const {
+  const Instant now = oracle_.schedule_.now();
+  const bool lets_go = oracle_.lets_writes_go(stop);
+  for (const Piece& piece : stop.pieces) {
+    Book& book = oracle_.books_[piece.bus];
+    book.last_stop = now;
+    if (Flight* last = oracle_.flight(book.last_flight)) {
+      last->meets_stop = true;
+    }
+    for (std::size_t address = 0; address < book.lanes.size(); ++address) {
+      Lane& lane = book.lanes.at(address);
+      if (address != piece.address && !stop.stops_all) {
+        continue;
+      }
+      lane.last_stop = now;
+      for (Asked* asked : lane.open) {
+        if (asked->kind == Kind::write && !asked->doomed && !lets_go) {
+          asked->doomed = now;
+        }
+      }
+    }
+    if (!lets_go) {
+      take_back_broadcasts(stop, piece.bus);
+    }
+  }
+  if (!lets_go) {
+    take_back_read_ahead(stop);
+  }
+}
+
+// Does a device that the stop is for hear broadcasts of this form?
+bool Withdrawals::reaches(const Asked& stop, std::size_t bus, std::uint8_t form) const {
+  if (stop.stops_all) {
+    return std::ranges::any_of(
+        stop.pieces, [&](const Piece& piece) { return piece.bus == bus && piece.address == form; });
+  }
+  const auto& broadcast = oracle_.devices_[*stop.door->device].settings().profile.broadcast;
+  return (broadcast.form == drive::BroadcastForm::autonics) == (form == kAutonicsAddress);
+}
+
+// They are writes to every device of the bus; on other buses they go on.
+void Withdrawals::take_back_broadcasts(const Asked& stop, std::size_t bus) const {
+  for (Asked* asked : oracle_.broadcasts_on(bus)) {
+    for (Piece& piece : asked->pieces) {
+      const bool stopped = asked->kind == Kind::broadcast && !asked->stops_all &&
+                           piece.bus == bus && reaches(stop, bus, piece.address);
+      if (stopped && !piece.doomed) {
+        piece.doomed = oracle_.schedule_.now();
+      }
+    }
+  }
+}
+
+bool Withdrawals::is_for(const Asked& stop, const Asked& write) const {
+  return std::ranges::any_of(write.pieces, [&](const Piece& piece) {
+    return std::ranges::any_of(stop.pieces, [&](const Piece& target) {
+      return piece.bus == target.bus &&
+             (write.kind == Kind::broadcast ? reaches(stop, piece.bus, piece.address)
+                                            : stop.stops_all || piece.address == target.address);
+    });
+  });
+}
+
+// What came before it and lies behind a full pipeline. Of its own client that is what lies in front
+// of it, if it was taken out of what was read ahead.
+void Withdrawals::take_back_read_ahead(const Asked& stop) const {
+  for (const auto& entry : oracle_.open_) {
+    Asked& asked = *entry.second;
+    const bool is_its_own = !stop.failsafe && asked.client == stop.client;
+    const bool is_earlier = is_its_own ? asked.id < stop.id : has_come_before(asked, stop.accepted);
+    if (!asked.is_accepted && !asked.refused && !asked.doomed && asked.changes() &&
+        !asked.is_stop() && is_earlier && is_for(stop, asked)) {
+      asked.doomed = stop.accepted;
+      oracle_.report_.fault("stopped_in_read_ahead");
+    }
+  }
+}
+
+void Withdrawals::take_back_for_waiting(const Asked& stop) const {
+  if (oracle_.lets_writes_go(stop)) {
+    return;
+  }
+  const Piece& piece = stop.pieces.front();
+  for (Asked* asked : oracle_.books_[piece.bus].lanes[piece.address].open) {
+    if (asked->kind == Kind::write && asked->sequence < stop.sequence && !asked->doomed) {
+      asked->doomed = oracle_.schedule_.now();
+    }
+  }
+}
+
+void Withdrawals::give_back(const Asked& stop) const {
+  const auto give_back = [&](std::optional<Instant>& doomed) {
+    if (doomed == stop.accepted) {
+      doomed.reset();
+    }
+  };
+  for (const auto& entry : oracle_.open_) {
+    give_back(entry.second->doomed);
+    std::ranges::for_each(entry.second->pieces, give_back, &Piece::doomed);
+  }
+}
+
+bool Withdrawals::must_wait(const std::deque<std::uint64_t>& backlog, const Asked& stop) const {
+  const Piece& target = stop.pieces.front();
+  return oracle_.lets_writes_go(stop) && std::ranges::any_of(backlog, [&](std::uint64_t id) {
+           const Asked& other = *oracle_.open_.at(id);
+           return id < stop.id && other.changes() && !other.is_stop() && !other.refused &&
+                  std::ranges::any_of(other.pieces, [&](const Piece& piece) {
+                    return piece.bus == target.bus &&
+                           (piece.address == target.address || other.kind == Kind::broadcast);
+                  });
+         });
+}
+
+// What was read before its unit came to mean something else is carried out neither there nor here.
+void Withdrawals::refuse_outdated() const {
+  constexpr std::uint8_t kNotNow = 6;
+  for (const auto& entry : oracle_.open_) {
+    Asked& asked = *entry.second;
+    if (asked.is_accepted || asked.door == nullptr || !asked.door->device ||
+        !has_come_before(asked, oracle_.schedule_.now()) ||
+        oracle_.meanings_.changed_at(asked.door->listener, asked.unit) < oracle_.schedule_.now()) {
+      continue;
+    }
+    asked.refused = asked.refused.value_or(kNotNow);
+    asked.stops_all = false;  // it is none any more
+    asked.kind = asked.kind == Kind::stop ? Kind::write : asked.kind;
+    oracle_.report_.fault("outdated");
+  }
+}
+
+}  // namespace mbgate::soak

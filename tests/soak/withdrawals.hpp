@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stops take back: writes to the same device that came before and are not on the wire yet,
+// wherever they wait; and what a reload does to requests that are not accepted yet.
+#pragma once
+
+#include <deque>
+
+#include "soak/asked.hpp"
+
+namespace mbgate::soak {
+
+class Oracle;
+
+class Withdrawals {
+ public:
+  explicit Withdrawals(Oracle& oracle) : oracle_(oracle) {}
+
+  void take_back_for(const Asked& stop) const;
+  /// It let the writes before it go, and does so no longer.
+  void take_back_for_waiting(const Asked& stop) const;
+  /// It turns out to be older than the settings that made it a stop.
+  void give_back(const Asked& stop) const;
+  /// Does it let a write go first that lies in front of it?
+  [[nodiscard]] bool must_wait(const std::deque<std::uint64_t>& backlog, const Asked& stop) const;
+  /// A reload has given units another meaning.
+  void refuse_outdated() const;
+
+ private:
+  void take_back_broadcasts(const Asked& stop, std::size_t bus) const;
+  void take_back_read_ahead(const Asked& stop) const;
+  [[nodiscard]] bool reaches(const Asked& stop, std::size_t bus, std::uint8_t form) const;
+  [[nodiscard]] bool is_for(const Asked& stop, const Asked& write) const;
+
+  Oracle& oracle_;
+};
+
+}  // namespace mbgate::soak
