@@ -39,7 +39,8 @@ void BootRules::note(const Flight& flight) const {
     const drive::Profile& profile = oracle_.devices_[*lane.device].settings().profile;
     const bool is_autonics = profile.broadcast.form == drive::BroadcastForm::autonics;
     if (!flight.is_broadcast || is_autonics == (flight.address == kAutonicsAddress)) {
-      lane.boots_until = told + profile.unanswered.front().after;
+      // Its echo, which may be all that is heard, comes before the computed end of the frame.
+      lane.boots_until = told + profile.unanswered.front().after - kAdapterHolds;
       lane.held_until =
           std::max(lane.held_until, told + turnaround + kLongestBoot + oracle_.lateness());
       oracle_.report_.fault(flight.is_broadcast ? "boots_by_broadcast" : "boots");

@@ -56,6 +56,9 @@ Reload Reloads::draw() {
   if (plan_.theme == Theme::busy_line) {
     draw_weights(plan_, random_);
     reload_.kinds.push_back("reload_weights");
+    for (std::size_t bus = 0; bus < plan_.settings.buses.size(); ++bus) {
+      reload_.touched.push_back(bus);  // who waits there has other turns now
+    }
   } else if (!random_.chance(250)) {
     if (!is_guarded_ && random_.chance(400)) {
       bring_back();

@@ -170,6 +170,9 @@ void Outcomes::handle_damaged(Transmission& transmission, const LineEnd& end, In
   ++entry.counters.bad_crcs;
   entry.health.note_damaged(sent.request, end.due, now);
   entry.note_heard();
+  if (sent.boot_time) {
+    entry.free_at = now + *sent.boot_time;  // it may have carried it out
+  }
   parts_.probes.note_unanswered(transmission, now);
   handle_failure(transmission, now);
 }

@@ -71,6 +71,19 @@ TEST_F(BusTurns, ClientsTakeTurnsThoughADeviceIsHeldBack) {
   EXPECT_EQ(frame_times_[before], held_until_);
 }
 
+// It may have carried out what it was told.
+TEST_F(BusTurns, ADeviceIsHeldBackTooWhereABadCrcCameInsteadOfNothing) {
+  open_with_devices();
+  submit(job(kBoot));
+  line("01 06 00 01 00 11 D9 C5");
+  advance(20ms);
+  held_until_ = now_ + 3s;
+  submit(job(kRead, 1));
+  served(4s);
+  ASSERT_THAT(frames_, SizeIs(2));
+  EXPECT_NEAR(static_cast<double>((held_until_ - frame_times_[1]) / 1ms), 0, 25);
+}
+
 TEST_F(BusTurns, AClientsRequestsToAHeldDeviceKeepTheirOrder) {
   open_with_devices();
   boot();
