@@ -6,6 +6,8 @@
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
+
+using namespace std::chrono_literals;
 namespace {
 
 constexpr int kPercent = 100;
@@ -66,8 +68,10 @@ void OfflineRules::check_share(const Flight& probe) const {
   }
   const auto& device = oracle_.devices_[*book.lanes[before->address].device].settings();
   const Duration took = before->end - before->begin + spec::probe_timeout_of(device.timing);
-  if (somebody_asks && probe.begin < before->begin + took * kPercent / settings.probe_share) {
-    oracle_.violation("probe_share", oracle_.name(probe));
+  const Duration early = before->begin + took * kPercent / settings.probe_share - probe.begin;
+  if (somebody_asks && early > Duration{0}) {
+    oracle_.violation("probe_share",
+                      oracle_.name(probe) + " " + std::to_string(early / 1us) + " us too early");
   }
 }
 
@@ -197,8 +201,8 @@ void OfflineRules::check_room(const Flight& stop, const Flight* before) const {
     return;
   }
   const gateway::BusSettings& settings = oracle_.bus_settings(stop.bus);
-  const bool has_waited =
-      stop.begin + settings.settle > std::max(waits_from(stop), before->end) + settings.stop_wait;
+  const bool has_waited = stop.begin + settings.settle + oracle_.lateness() >
+                          std::max(waits_from(stop), before->end) + settings.stop_wait;
   if (has_waited) {
     return;
   }

@@ -234,7 +234,7 @@ class Oracle {
   void check_stops_waiting(std::size_t bus);
 
   // oracle_idle.cpp
-  void note_whole(std::size_t bus, HeardFrame& frame);
+  void note_whole(std::size_t bus, HeardFrame& frame) const;
   void note_answered(std::size_t bus, const HeardFrame& frame);
   void note_use(const Flight& flight);
   void check_idle(const Flight& flight, const Flight* before);

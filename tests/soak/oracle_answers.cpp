@@ -89,7 +89,11 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     // It came, or may have come, before its unit led elsewhere. By now it may lead nowhere, or its
     // client may only read there.
     const bool is_outdated_now = is_outdated(asked) && (code == kNoPath || code == kDenied);
-    const bool is_busy = (code == kBusy && (taken_back || is_outdated(asked))) || is_outdated_now;
+    // Where a broadcast leads has changed with any device of its buses.
+    const bool is_older =
+        asked.door != nullptr && !asked.door->device && asked.earliest < reloaded_;
+    const bool is_busy =
+        (code == kBusy && (taken_back || is_older || is_outdated(asked))) || is_outdated_now;
     if (*asked.refused != code && !is_busy) {
       violation("wrong_refusal", code_text(code) + " for " + name(asked));
     }

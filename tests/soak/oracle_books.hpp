@@ -64,7 +64,6 @@ struct Lane {
   BusCount count;
   bool knows_order = false;              ///< its drive was asked for its word order
   bool stays_offline = false;            ///< it was perhaps offline when other settings came
-  bool may_be_late = false;              ///< something came of it but answers in time
   Instant held_until = Instant::min();   ///< at the latest: it owes an answer, or boots
   Instant held_before = Instant::min();  ///< the same without its last transmission
   // Transmissions in a row that were certainly unanswered, at least:

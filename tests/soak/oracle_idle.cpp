@@ -2,7 +2,6 @@
 // Nothing is needlessly late on a serial line: what may go goes as soon as the wire is silent. Only
 // what nothing from outside this line can hold back is judged.
 #include <algorithm>
-#include <utility>
 
 #include "soak/heard_answers.hpp"
 #include "soak/oracle.hpp"
@@ -62,24 +61,9 @@ Duration Oracle::lateness() const {
                           : 0ms);
 }
 
-void Oracle::note_whole(std::size_t bus, HeardFrame& frame) {
-  Book& book = books_[bus];
-  Lane& lane = book.lanes[frame.address];
-  const auto& owed = lane.owed;
-  const Flight* answered = flight(frame.flight);
-  // Nobody was told meanwhile that there is none: a stop, or a probe's own timeout, may have been
-  // earlier.
-  const bool is_waited_for =
-      answered != nullptr &&
-      std::ranges::any_of(answered->asked, [this](std::uint64_t id) { return open_.contains(id); });
-  const bool is_in_time = is_waited_for && frame.flight == book.last_flight && frame.fits &&
-                          !frame.is_nobodys && frame.began < answered->deadline;
-  if (!is_in_time && !std::exchange(lane.may_be_late, true)) {
-    const Duration most = lane.device ? devices_[*lane.device].settings().timing.quarantine_max
-                                      : bus_settings(bus).timing.quarantine_max;
-    lane.held_until += most;  // what is owed already is waited for as long
-    lane.held_before += most;
-  }
+void Oracle::note_whole(std::size_t bus, HeardFrame& frame) const {
+  const Book& book = books_[bus];
+  const auto& owed = book.lanes[frame.address].owed;
   frame.ended = schedule_.now();
   frame.came = book.came;
   frame.is_only_debt = owed.size() == 1 && owed.front() == frame.flight;
@@ -138,10 +122,8 @@ void Oracle::note_use(const Flight& flight) {
   Lane& lane = book.lanes[flight.address];
   lane.held_before = lane.held_until;
   // What is never answered may seem to be, by a damaged frame; then the device is held back too.
-  // Its quarantine has grown only if an answer was late.
   const Duration quarantine =
-      std::max(spec::quarantine_of(flight.timing),
-               lane.may_be_late ? flight.timing.quarantine_max : kLongestBoot);
+      std::max({spec::quarantine_of(flight.timing), flight.timing.quarantine_max, kLongestBoot});
   const Duration held =
       flight.is_broadcast ? kLongestBoot : quarantine + kAdapterHolds + lateness();
   lane.held_until = std::max(lane.held_until, book.use.ends + held + rest_of_answer(flight));
