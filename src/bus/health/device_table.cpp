@@ -69,8 +69,8 @@ bool DeviceTable::is_stop(std::uint8_t address, const modbus::Request& request,
 void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {
   for (const drive::Device& device : devices_) {
     const auto boot_time = device.silent_after(broadcast.request);
-    if (boot_time && device.profile.broadcast.form == broadcast.broadcast) {
-      entries_.at(device.address).free_at = now + *boot_time;
+    if (device.profile.broadcast.form == broadcast.broadcast) {
+      entries_.at(device.address).hold_booting(boot_time, now);
     }
   }
 }

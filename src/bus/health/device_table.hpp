@@ -57,6 +57,10 @@ struct DeviceEntry {
   std::optional<std::uint16_t> setting;
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
+  /// It was told what makes it boot, or may have been.
+  void hold_booting(std::optional<Duration> boot_time, Instant now) {
+    free_at = boot_time ? now + *boot_time : free_at;
+  }
   /// A frame of the device was received: it is there.
   void note_heard() {
     last_stop_turn = 0;

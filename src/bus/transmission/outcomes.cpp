@@ -114,9 +114,7 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
     ends_.finish(transmission, Ending::answered);
     return;
   }
-  if (own.boot_time) {
-    entry.free_at = now + *own.boot_time;  // it boots, though it has answered before
-  }
+  entry.hold_booting(own.boot_time, now);  // though it has answered before
   remember(leader, transmission);
   ends_.advance(transmission, Ending::answered);
 }
@@ -143,9 +141,7 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   entry.cache.clear();
   if (sent.may_stay_silent()) {
     parts_.probes.note_unanswered(transmission, now);
-    if (sent.boot_time) {
-      entry.free_at = now + *sent.boot_time;
-    }
+    entry.hold_booting(sent.boot_time, now);
     ends_.advance(transmission, Ending::transmitted);
     return;
   }
@@ -170,9 +166,7 @@ void Outcomes::handle_damaged(Transmission& transmission, const LineEnd& end, In
   ++entry.counters.bad_crcs;
   entry.health.note_damaged(sent.request, end.due, now);
   entry.note_heard();
-  if (sent.boot_time) {
-    entry.free_at = now + *sent.boot_time;  // it may have carried it out
-  }
+  entry.hold_booting(sent.boot_time, now);  // it may have carried out what it was told
   parts_.probes.note_unanswered(transmission, now);
   handle_failure(transmission, now);
 }
