@@ -75,7 +75,7 @@ struct SettingsChanged {
 /// The driver has not run for so long, because the process was stopped or got no processor time.
 /// What lies in the sockets of the clients may have waited there since: it counts as arrived then,
 /// until a socket was seen empty. The driver hands it in before it looks into any of them, and then
-/// looks into each, as after Resume.
+/// looks into each, as after Resume. Until then no timeout of the client is judged.
 struct Stalled {
   std::chrono::milliseconds lasted{};
 };

@@ -98,8 +98,8 @@ class Asking {
   std::vector<std::vector<const Door*>> broadcast_doors_;
   std::vector<std::vector<const Door*>> autonics_doors_;  // address 129
   Random forms_;  // what is asked seldom: with a chance of its own
-  Random near_;   // the same of reads that meet each other
-  Random boots_;  // the same
+  Random near_;   // likewise: reads that meet each other
+  Random boots_;  // likewise: broadcasts after which drives boot
   std::uint16_t broadcasts_ = 0;
   bool may_only_read_ = false;  // who asks at present
 };

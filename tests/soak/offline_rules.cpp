@@ -224,8 +224,7 @@ void OfflineRules::judge_wait(const Asked& asked) const {
   }
   const Duration late = oracle_.schedule_.now() - last->due;
   if (late > 2 * oracle_.lateness()) {
-    oracle_.violation("told_late", oracle_.name(asked) + " " +
-                                       std::to_string(late / std::chrono::microseconds(1)) +
+    oracle_.violation("told_late", oracle_.name(asked) + " " + std::to_string(late / 1us) +
                                        " us after its timeout");
   }
 }
@@ -239,7 +238,12 @@ void OfflineRules::judge_shown(const Asked& asked, const PduBytes& pdu) const {
     return;
   }
   const std::size_t bus = spec::word_at(pdu, 2) - 1U;
-  const Lane& lane = oracle_.books_[bus].lanes[spec::word_at(pdu, 4)];
+  const unsigned address = spec::word_at(pdu, 4);
+  if (bus >= oracle_.books_.size() || address >= oracle_.books_[bus].lanes.size()) {
+    oracle_.violation("shown_wrongly", oracle_.name(asked) + ": no such device");
+    return;
+  }
+  const Lane& lane = oracle_.books_[bus].lanes[address];
   const unsigned state = spec::word_at(pdu, 6);
   const unsigned in_row = spec::word_at(pdu, 8);
   const bool is_wrong = state == kShownOffline ? !oracle_.is_past_offline(bus, lane)

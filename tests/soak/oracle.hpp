@@ -171,6 +171,7 @@ class Oracle {
   void note_allowed(Asked& asked) const;
   [[nodiscard]] std::optional<drive::WordOrder> order_of(const Door& door) const;
   [[nodiscard]] bool is_past_offline(std::size_t bus, const Lane& lane) const;
+  void note_alive(std::size_t bus, Lane& lane) const;
   void map_lanes();
   void take_back(Asked& asked, std::size_t bus);
   [[nodiscard]] bool is_outdated(const Asked& asked) const;
@@ -214,6 +215,7 @@ class Oracle {
 
   // oracle_echo.cpp
   void read_frames(std::size_t bus);
+  void read_answers(std::size_t bus);
   [[nodiscard]] bool is_for_last(const Book& book, const HeardFrame& frame);
   [[nodiscard]] bool stands_for_echo(const Book& book);
   void note_heard(Book& book, const HeardFrame& frame);

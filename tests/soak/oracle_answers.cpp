@@ -144,15 +144,13 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
 }
 
 void Oracle::device_answered(const Asked& asked) {
-  Lane& lane = books_[asked.pieces.front().bus].lanes[asked.pieces.front().address];
-  if (asked.ordered || is_tcp(asked.pieces.front().bus)) {
-    return;  // it may have been held back, and much may have happened since
+  const Piece& piece = asked.pieces.front();
+  if (asked.ordered || is_tcp(piece.bus)) {
+    return;  // held back perhaps, and much may have happened since; of connections it is read
   }
-  if (is_past_offline(asked.pieces.front().bus, lane)) {
-    lane.last_offline = schedule_.now();
-  }
+  Lane& lane = books_[piece.bus].lanes[piece.address];
+  note_alive(piece.bus, lane);
   lane.unanswered = 0;
-  lane.stays_offline = false;
 }
 
 bool Oracle::may_be_offline(const Asked& asked) const {

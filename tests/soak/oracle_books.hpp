@@ -17,7 +17,7 @@ namespace mbgate::soak {
 constexpr const char* kClosed = "for_closed_client";  ///< by the gateway
 /// Of a gateway that is told to stop: so long what is on the wire has for its answer.
 constexpr Duration kGrace = std::chrono::milliseconds(1500);
-constexpr Duration kLongestBoot = std::chrono::milliseconds(250);
+constexpr Duration kLongestBoot = std::chrono::milliseconds(250);  ///< more than plans draw
 constexpr Duration kStopLife = std::chrono::seconds(900);  ///< hundreds may wait on a slow line
 
 /// What is compared with the gateway's own counters.

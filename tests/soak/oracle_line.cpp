@@ -89,21 +89,7 @@ void Oracle::bytes_handed_in(std::size_t bus) {
     book.before_pause = book.read;
   }
   if (is_tcp(bus)) {
-    for (const std::uint64_t number : std::exchange(book.unread_answers, {})) {
-      const Flight* answered = flight(number);
-      if (answered == nullptr || !answered->is_answered) {
-        continue;
-      }
-      Lane& lane = book.lanes[answered->address];
-      if (is_past_offline(bus, lane)) {
-        lane.last_offline = schedule_.now();
-      }
-      lane.stays_offline = false;
-      std::erase_if(lane.unheard, [&](std::uint64_t asked) {
-        const Flight* it = flight(asked);
-        return it == nullptr || it->begin <= answered->begin;
-      });
-    }
+    read_answers(bus);
   } else {
     read_frames(bus);
     read_echo(bus);
@@ -112,6 +98,23 @@ void Oracle::bytes_handed_in(std::size_t bus) {
     book.busy_since = now;
   }
   book.last_handed_in = now;
+}
+
+// Of a connection: what was asked before comes no more.
+void Oracle::read_answers(std::size_t bus) {
+  Book& book = books_[bus];
+  for (const std::uint64_t number : std::exchange(book.unread_answers, {})) {
+    const Flight* answered = flight(number);
+    if (answered == nullptr || !answered->is_answered) {
+      continue;
+    }
+    Lane& lane = book.lanes[answered->address];
+    note_alive(bus, lane);
+    std::erase_if(lane.unheard, [&](std::uint64_t asked) {
+      const Flight* it = flight(asked);
+      return it == nullptr || it->begin <= answered->begin;
+    });
+  }
 }
 
 // A stop that waits long enough cuts what is in its way: what goes to the same device, and what has

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must become of a device that is certainly offline: enough transmissions in a row on serial
-// lines on which not a single byte was heard in answer.
+// Which devices are certainly offline: enough transmissions in a row on serial lines on which not a
+// single byte was heard in answer. And what answers that were surely late show.
 #include <algorithm>
 
 #include "soak/offline_rules.hpp"
@@ -78,6 +78,13 @@ void Oracle::note_silent(std::size_t bus) {
 }
 
 // A late answer that can be nothing else shows that its device is there.
+void Oracle::note_alive(std::size_t bus, Lane& lane) const {
+  if (is_past_offline(bus, lane)) {
+    lane.last_offline = schedule_.now();
+  }
+  lane.stays_offline = false;
+}
+
 void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
   Book& book = books_[bus];
   const Flight* from = flight(frame.flight);
@@ -99,12 +106,9 @@ void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   Lane& lane = book.lanes[frame.address];
-  if (is_past_offline(bus, lane)) {
-    lane.last_offline = schedule_.now();
-  }
+  note_alive(bus, lane);
   const bool is_asked = last->address == frame.address && !last->is_answered;
   lane.unanswered = is_asked ? 1 : 0;
-  lane.stays_offline = false;
   ++book.count.late;
   ++lane.count.late;
   const Duration lateness = std::min(frame.ended - from->due, from->timing.quarantine_max);

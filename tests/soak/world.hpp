@@ -109,7 +109,6 @@ class World {
   Driver driver_;
   Client::Tools tools_;
   std::deque<Client> clients_;
-  std::map<ClientId, Client*> numbers_;
   std::uint64_t last_number_ = 0;
   bool trouble_ = true;
   bool draining_ = false;

@@ -22,7 +22,7 @@ class AnswerPace {
     return std::max(longest_answer_, longest_before_);
   }
   /// How long a quarantine must be to cover what was seen of late answers. It shrinks by an eighth
-  /// in each minute in which none came that needs all of it.
+  /// in each minute in which none came that the rest would not cover.
   [[nodiscard]] Duration learned(Instant now) const;
 
  private:

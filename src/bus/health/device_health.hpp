@@ -9,7 +9,7 @@
 // to another function, exceptions included, carries that function code and cannot be mistaken.
 //
 // An owed answer that does come shows how late answers can be. The quarantine then grows to cover
-// it. It shrinks again by an eighth in each minute without another answer as late.
+// it. It shrinks again by an eighth in each minute without another about as late.
 //
 // After `offline_after` unanswered transmissions in a row a device is offline. From then on only a
 // probe is sent to it now and then, until it answers.

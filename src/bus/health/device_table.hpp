@@ -2,6 +2,7 @@
 // What a bus knows of each address on it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bitset>
 #include <limits>
@@ -59,7 +60,7 @@ struct DeviceEntry {
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
   /// It was told what makes it boot, or may have been.
   void hold_booting(std::optional<Duration> boot_time, Instant now) {
-    free_at = boot_time ? now + *boot_time : free_at;
+    free_at = boot_time ? std::max(free_at, now + *boot_time) : free_at;
   }
   /// A frame of the device was received: it is there.
   void note_heard() {

@@ -107,7 +107,7 @@ void Clients::serve(ClientSession& session, Instant now) {
     if (next.request != nullptr) {
       session.has_turn = false;
       requests_.accept(session, *next.request, now);
-    } else if (next.stop) {
+    } else if (next.stop != nullptr) {
       requests_.pass_early(session, *next.stop);
     } else if (next.framing_lost) {
       door_.close(session);
