@@ -97,11 +97,7 @@ void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
                        !frame.waits && has_table(from->pdu);
   const bool may_echo = plan_.echoes[bus] || book.echo_found || settings.line.echo.value_or(false);
   const Duration slack = std::max(spec::slack_of(settings), spec::silence_of(settings));
-  // While another device is waited for, a late answer that comes with pauses may be taken for
-  // noise.
-  const bool is_beside_another = last != nullptr && last->address != frame.address &&
-                                 !last->is_answered && book.use.pause >= spec::silence_of(settings);
-  if (!is_sure || may_echo || is_beside_another || book.came != frame.size ||
+  if (!is_sure || may_echo || book.came != frame.size ||
       book.use.pause >= (settings.line.framing == bus::Framing::ascii ? 1s : slack)) {
     return;
   }
