@@ -163,7 +163,7 @@ void ThemeDraw::let_die(std::size_t bus) {
       device.cache = random_.duration(50ms, 1s);
     }
   }
-  const Duration rest = random_.one_of<Duration>({50ms, 50ms, 300ms, 2s});
+  const auto rest = random_.one_of<Duration>({50ms, 50ms, 300ms, 2s});
   for (unsigned count = random_.between(1U, 3U); count > 0; --count) {
     Manners polls = client(bus, living);
     polls.pause = rest;
