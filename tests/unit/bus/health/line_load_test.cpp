@@ -31,6 +31,15 @@ TEST_F(LoadOfALine, CountsFromTheFirstTransmissionOn) {
   EXPECT_EQ(load_.percent(now_ + 1s), 62U);  // it still runs
 }
 
+TEST_F(LoadOfALine, CountsWhatLastsOverTheEndOfAWindowOnce) {
+  transmit(1s, 7s);
+  transmit(4s, 16s);  // of which 2 s lie in the next window
+  EXPECT_EQ(load_.total(now_), 5s);
+  transmit(1s, 9s);
+  load_.note(true, now_, now_);
+  EXPECT_EQ(load_.percent(now_ + 11s), 20U);  // 2 of 10 s
+}
+
 TEST_F(LoadOfALine, IsThatOfTheLastTenSecondsThatAreOver) {
   for (int at = 0; at < 200; ++at) {
     transmit(50ms, 50ms);

@@ -18,8 +18,8 @@ class BusTurns : public Bus {
     open(settings(), {booting, gapped});
   }
   /// Afterwards device 1 is held back until `held_until_`.
-  void boot() {
-    submit(job(kBoot));
+  void boot(const char* write = kBoot) {
+    submit(job(write));
     time_out();
     held_until_ = now_ + 3s;
     frames_.clear();
@@ -69,6 +69,15 @@ TEST_F(BusTurns, ClientsTakeTurnsThoughADeviceIsHeldBack) {
   const std::size_t before = frames_.size();
   EXPECT_THAT(served(3s), ElementsAre(1, 1, 1));
   EXPECT_EQ(frame_times_[before], held_until_);
+}
+
+TEST_F(BusTurns, ADeviceBootsToldAmongOtherRegistersToo) {
+  open_with_devices();
+  boot("10 0000 0002 04 0000 0001");
+  submit(job(kRead, 1));
+  served(4s);
+  ASSERT_THAT(frames_, SizeIs(1));
+  EXPECT_GE(frame_times_[0], held_until_);
 }
 
 // It may have carried out what it was told.
