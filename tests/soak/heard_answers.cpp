@@ -21,6 +21,10 @@ bool looks_like_bits(const PduBytes& pdu) {
 
 }  // namespace
 
+bool may_echo(const SoakPlan& plan, const Book& book, std::size_t bus) {
+  return plan.echoes[bus] || book.echo_found || plan.settings.buses[bus].line.echo.value_or(false);
+}
+
 bool looks_like_answer(const Flight& flight) {
   const std::uint8_t function = flight.pdu.front();
   return !flight.is_broadcast &&
@@ -72,9 +76,8 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
   if (asks_identity(flight.pdu[0]) || flight.pdu[0] == kOwnFunction) {
     return "ended_by_silence";
   }
-  const bool may_echo =
-      oracle_.plan_.echoes[flight.bus] || line.echo.value_or(false) || book.echo_found;
-  if (may_echo && !is_behind_echo(flight)) {
+  const bool has_echo = may_echo(oracle_.plan_, book, flight.bus);
+  if (has_echo && !is_behind_echo(flight)) {
     return "beside_echo";
   }
   // Before `response_wait` is over it may be taken for one that is owed.
@@ -95,7 +98,7 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
   if (!is_in_one) {
     return "paused";
   }
-  if (!is_apart_from_noise(flight, frame, may_echo ? flight.size : 0)) {
+  if (!is_apart_from_noise(flight, frame, has_echo ? flight.size : 0)) {
     return "beside_noise";
   }
   return oracle_.reloaded_ >= flight.begin || flight.begin < book.opened ? "reload" : nullptr;

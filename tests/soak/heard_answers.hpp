@@ -6,7 +6,12 @@
 
 namespace mbgate::soak {
 
+struct Book;
 class Oracle;
+struct SoakPlan;
+
+/// The gateway may take what it hears for the echo of its own request.
+bool may_echo(const SoakPlan& plan, const Book& book, std::size_t bus);
 
 class HeardAnswers {
  public:

@@ -174,8 +174,7 @@ void Oracle::check_idle(const Flight& flight, const Flight* before) {
   // Until then an answer may have been on its way.
   Instant ends = book.use.ends;
   Instant read = book.last_handed_in;
-  const bool may_echo = plan_.echoes[flight.bus] || book.echo_found || settings.line.echo == true;
-  if (before != nullptr && !book.use.is_answered && !may_echo &&
+  if (before != nullptr && !book.use.is_answered && !may_echo(plan_, book, flight.bus) &&
       is_damaged_answer(book, *before, settings)) {
     ends = book.last_handed_in + std::max(spec::slack_of(settings), silence) + settings.settle;
   } else if (!book.use.is_answered && book.came > 0) {

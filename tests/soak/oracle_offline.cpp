@@ -3,6 +3,7 @@
 // single byte was heard in answer. And what answers that were surely late show.
 #include <algorithm>
 
+#include "soak/heard_answers.hpp"
 #include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 
@@ -95,9 +96,8 @@ void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
                        schedule_.now() < from->deadline + longest_quarantine(from->timing);
   const bool is_sure = is_late && frame.fits && !frame.is_nobodys && !frame.is_refused &&
                        !frame.waits && has_table(from->pdu);
-  const bool may_echo = plan_.echoes[bus] || book.echo_found || settings.line.echo.value_or(false);
   const Duration slack = std::max(spec::slack_of(settings), spec::silence_of(settings));
-  if (!is_sure || may_echo || book.came != frame.size ||
+  if (!is_sure || may_echo(plan_, book, bus) || book.came != frame.size ||
       book.use.pause >= (settings.line.framing == bus::Framing::ascii ? 1s : slack)) {
     return;
   }
