@@ -49,7 +49,7 @@ void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
   // `address`, is what the line asks, and is looked at only as long as it does, or if it is such a
   // read.
   const auto& [state, learns, counters, faults, address, asked, may_answer, expected, seen, owed,
-               due, held_since, spoilt, passed, shown, lost, unproven_told] = echo;
+               due, held, spoilt, passed, shown, lost, unproven_told] = echo;
   explore::require(!may_answer || !asked || !modbus::is_read(asked->bytes()),
                    "no read looks like its own answer");
   hash.add(state);
@@ -69,7 +69,11 @@ void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
   }
   if (may_be_owed) {
     hash.since(due, explore::kFarPast);
-    hash.since(held_since, explore::kFarPast);
+    hash.add(held.size());
+    for (const bus::Echo::Piece& piece : held) {
+      hash.add(piece.begin);
+      hash.since(piece.came, explore::kFarPast);
+    }
   }
 }
 

@@ -43,6 +43,7 @@ void Echo::open() {
 
 void Echo::forget() {
   expected_.clear();
+  held_.clear();
   seen_ = 0;
 }
 
@@ -50,9 +51,6 @@ void Echo::expect(const Transaction& transaction, const FrameBytes& frame, Insta
                   Instant due) {
   owe(now);
   due_ = due;
-  if (state_ != State::present && is_awaited()) {
-    counters_.stray_bytes += seen_;  // it was held back for an echo that it was not
-  }
   forget();
   address_ = transaction.address;
   asked_ = transaction.request.pdu();
@@ -121,7 +119,9 @@ Echo::Heard Echo::look_for(modbus::Bytes bytes, Instant now) {
     forget();
     return {held, bytes};
   }
-  held_since_ = seen_ == 0 ? now : held_since_;
+  if (held_.size() < held_.capacity()) {
+    held_.push_back({seen_, now});
+  }
   seen_ += *count;
   if (!is_awaited() && shows_anything()) {
     find();
@@ -136,8 +136,7 @@ bool Echo::shows_anything() const { return asked_->size() > 1; }
 Echo::Held Echo::release() {
   Held held;
   if (state_ != State::present && seen_ > 0 && is_awaited()) {
-    held = {{expected_.begin(), expected_.begin() + static_cast<std::ptrdiff_t>(seen_)},
-            held_since_};
+    held = {{expected_.begin(), expected_.begin() + static_cast<std::ptrdiff_t>(seen_)}, held_};
     forget();
   }
   return held;

@@ -41,10 +41,18 @@ class Echo {
   /// No echo of what was sent is expected any more.
   void forget();
 
-  /// Bytes that were held back and are not an echo.
+  /// Bytes that came at one instant, from `begin` on.
+  struct Piece {
+    std::size_t begin;
+    Instant came;
+  };
+  static constexpr std::size_t kMostPieces = 16;
+  using Pieces = boost::container::static_vector<Piece, kMostPieces>;
+  /// Bytes that were held back and are not an echo, and when they came. Of more pieces than there
+  /// is room for, the last ones count as one.
   struct Held {
     FrameBytes bytes;
-    Instant since;  ///< when the first of them came
+    Pieces pieces;
   };
   struct Heard {
     Held held;
@@ -107,8 +115,8 @@ class Echo {
   /// Echoes that did not come, of requests whose answers look the same, in the order of the
   /// requests. The oldest is dropped for the newest.
   boost::container::static_vector<FrameBytes, kMostOwedEchoes> owed_;
-  Instant due_;         // when what was sent last should have been answered
-  Instant held_since_;  // the first byte of what may be an echo, and is not passed on yet
+  Instant due_;  // when what was sent last should have been answered
+  Pieces held_;  // of what may be an echo, and is not passed on yet: how it came
   bool spoilt_ = false;
   bool passed_ = false;  // a repetition of the request was taken for the echo
   bool shown_ = false;   // since the line was opened

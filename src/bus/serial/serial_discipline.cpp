@@ -49,6 +49,7 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
                                    OwedAnswers owed, Instant now) {
   MBGATE_ASSERT(transaction_ == nullptr, "a serial line has one transaction at a time");
   MBGATE_ASSERT(now >= silence_.possible_at(), "nothing is transmitted into an own frame");
+  judge_held(echo_.release(), now);  // the beginning of a late answer, if its rest comes
   const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
   transaction_ = &transaction;
   end_.reset();

@@ -45,8 +45,10 @@ bool SerialDiscipline::is_early() const {
 }
 
 void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
-  if (!held.bytes.empty()) {
-    judge(framer_.add({held.bytes.data(), held.bytes.size()}, held.since), now);
+  std::size_t end = 0;
+  for (auto piece = held.pieces.begin(); piece != held.pieces.end(); ++piece) {
+    end = std::next(piece) == held.pieces.end() ? held.bytes.size() : std::next(piece)->begin;
+    judge(framer_.add({held.bytes.data() + piece->begin, end - piece->begin}, piece->came), now);
   }
 }
 

@@ -97,6 +97,30 @@ TEST_F(BusEcho, AnAnswerThatIsHeldForItIsNotTimedOut) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
+TEST_F(BusEcho, ALateAnswerThatBeginsLikeItMayPauseForTheSlack) {
+  open_as(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(kEmission + 101ms);
+  for (const auto* part : {"01", "03", "02 12", "34 B5 33"}) {
+    EXPECT_EQ(bus_->counters().late_responses, 0U);
+    advance(16ms);
+    line(part);
+  }
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+}
+
+TEST_F(BusEcho, ALateAnswerThatBeginsLikeItMayEndBesideTheNextRequest) {
+  open_as(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(kEmission + 101ms);
+  line("01 03");
+  submit(job(kRead, 2));
+  advance(kEmission);
+  ASSERT_THAT(frames_, ElementsAre(kReadFrame, kOtherDevice));
+  line("02 12 34 B5 33");
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+}
+
 TEST_F(BusEcho, ALoneRepetitionIsTakenUntilAReadHasShownItAndSaidOnce) {
   open_as(bus::LineKind::virtual_line);
   for (int times = 0; times < 2; ++times) {
