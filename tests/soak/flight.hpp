@@ -19,9 +19,10 @@ struct Flight {
   PduBytes pdu;
   std::vector<std::uint64_t> asked;  ///< requests that it may be for
   bool is_stop = false;
-  bool is_repeated = false;  ///< a stop of which the tries are a series
-  bool ends_series = false;  ///< the last of these, and for one stop alone
-  bool is_probe = false;     ///< to a device that is surely offline
+  bool is_repeated = false;   ///< a stop of which the tries are a series
+  bool ends_series = false;   ///< the last of these, and for one stop alone
+  bool is_probe = false;      ///< to a device that is surely offline
+  bool may_be_probe = false;  ///< its device was perhaps offline when it was accepted, or later
   bool is_write = false;
   bool is_broadcast = false;
   bool repeats_read = false;

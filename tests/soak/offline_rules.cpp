@@ -19,12 +19,23 @@ void OfflineRules::check(Flight& flight, const Flight* before) const {
     return;
   }
   const Lane& lane = oracle_.books_[flight.bus].lanes[flight.address];
+  flight.may_be_probe = may_be_probe(flight, lane);
   if (flight.is_stop) {
     check_room(flight, before);
     check_stop(flight, before);
   } else if (oracle_.is_surely_offline(lane)) {
     check_probe(flight, lane);
   }
+}
+
+// Its device may be offline, or may have been when this was accepted: a late answer brings a device
+// back while its probe waits, and that stays one.
+bool OfflineRules::may_be_probe(const Flight& flight, const Lane& lane) const {
+  return oracle_.is_past_offline(flight.bus, lane) ||
+         std::ranges::any_of(flight.asked, [&](std::uint64_t id) {
+           const auto entry = oracle_.open_.find(id);
+           return entry != oracle_.open_.end() && lane.last_offline >= entry->second->accepted;
+         });
 }
 
 void OfflineRules::check_ended(std::size_t bus, const Lane& lane, const Flight& last) const {
@@ -50,7 +61,7 @@ void OfflineRules::check_probe(Flight& probe, const Lane& lane) const {
 }
 
 // Where somebody asks a device that is there, the probes that nobody answers share little of the
-// time.
+// time. A probe that was answered asked a device that was not there before.
 void OfflineRules::check_share(const Flight& probe) const {
   const Book& book = oracle_.books_[probe.bus];
   const auto& settings = oracle_.bus_settings(probe.bus);
@@ -64,7 +75,8 @@ void OfflineRules::check_share(const Flight& probe) const {
   for (std::uint64_t number = before->number + 1; number < probe.number; ++number) {
     const Flight* other = oracle_.flight(number);
     somebody_asks |= other != nullptr && other->bus == probe.bus && other->is_answered &&
-                     !other->is_stop && probe.begin < other->begin + settings.timing.probe_interval;
+                     !other->is_stop && !other->may_be_probe &&
+                     probe.begin < other->begin + settings.timing.probe_interval;
   }
   const auto& device = oracle_.devices_[*book.lanes[before->address].device].settings();
   const Duration took = before->end - before->begin + spec::probe_timeout_of(device.timing);

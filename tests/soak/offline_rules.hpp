@@ -29,6 +29,7 @@ class OfflineRules {
   void judge_shown(const Asked& asked, const PduBytes& pdu) const;
 
  private:
+  [[nodiscard]] bool may_be_probe(const Flight& flight, const Lane& lane) const;
   void check_probe(Flight& probe, const Lane& lane) const;
   void check_share(const Flight& probe) const;
   [[nodiscard]] bool somebody_waits(const Flight& probe) const;
