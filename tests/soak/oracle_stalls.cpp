@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "soak/oracle.hpp"
+#include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
 
@@ -21,6 +22,9 @@ void Oracle::stalled(Instant since) {
         if (asked.written <= schedule_.now()) {
           asked.waits_in_pause = true;
           asked.written = since;
+          // A reload may have come up to a beat before the process stopped. What then meant
+          // something else is no stop any more, and takes no place ahead of others.
+          Withdrawals(*this).refuse_outdated(asked);
         }
       }
     }

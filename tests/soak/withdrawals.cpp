@@ -121,20 +121,28 @@ bool Withdrawals::must_wait(const std::deque<std::uint64_t>& backlog, const Aske
          });
 }
 
-// What was read before its unit came to mean something else is carried out neither there nor here.
-void Withdrawals::refuse_outdated() const {
+// What came before its unit came to mean something else is carried out neither there nor here.
+void Withdrawals::refuse_outdated(Asked& asked) const {
   constexpr std::uint8_t kNotNow = 6;
+  if (asked.is_accepted || asked.door == nullptr || !asked.door->device ||
+      oracle_.meanings_.changed_at(asked.door->listener, asked.unit) <= asked.written) {
+    return;
+  }
+  asked.refused = asked.refused.value_or(kNotNow);
+  asked.stops_all = false;  // it is none any more
+  asked.kind = asked.kind == Kind::stop ? Kind::write : asked.kind;
+  oracle_.report_.fault("outdated");
+}
+
+void Withdrawals::refuse_outdated() const {
+  const Instant now = oracle_.schedule_.now();
   for (const auto& entry : oracle_.open_) {
     Asked& asked = *entry.second;
-    if (asked.is_accepted || asked.door == nullptr || !asked.door->device ||
-        !has_come_before(asked, oracle_.schedule_.now()) ||
-        oracle_.meanings_.changed_at(asked.door->listener, asked.unit) < oracle_.schedule_.now()) {
-      continue;
+    const bool has_changed = asked.door != nullptr &&
+                             oracle_.meanings_.changed_at(asked.door->listener, asked.unit) == now;
+    if (has_changed && has_come_before(asked, now)) {
+      refuse_outdated(asked);
     }
-    asked.refused = asked.refused.value_or(kNotNow);
-    asked.stops_all = false;  // it is none any more
-    asked.kind = asked.kind == Kind::stop ? Kind::write : asked.kind;
-    oracle_.report_.fault("outdated");
   }
 }
 

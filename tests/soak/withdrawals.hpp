@@ -24,6 +24,8 @@ class Withdrawals {
   [[nodiscard]] bool must_wait(const std::deque<std::uint64_t>& backlog, const Asked& stop) const;
   /// A reload has given units another meaning.
   void refuse_outdated() const;
+  /// It counts as older than it is: perhaps than a reload.
+  void refuse_outdated(Asked& asked) const;
 
  private:
   void take_back_broadcasts(const Asked& stop, std::size_t bus) const;
