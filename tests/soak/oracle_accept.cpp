@@ -10,6 +10,20 @@
 
 namespace mbgate::soak {
 
+void Oracle::delivered(ClientId client, std::uint64_t id) {
+  Session& session = sessions_.at(client);
+  session.backlog.push_back(id);
+  accept_backlog(session);
+}
+
+void Oracle::answer_sent(ClientId client) {
+  const auto entry = sessions_.find(client);
+  if (entry != sessions_.end()) {
+    --entry->second.outstanding;
+    accept_backlog(entry->second);
+  }
+}
+
 void Oracle::accept_backlog(Session& session) {
   const std::size_t pipeline = plan_.settings.listeners[session.listener].pipeline;
   while (session.outstanding < pipeline || stopping_) {

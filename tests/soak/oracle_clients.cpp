@@ -87,20 +87,6 @@ void Oracle::begun(std::uint64_t id) {
   }
 }
 
-void Oracle::delivered(ClientId client, std::uint64_t id) {
-  Session& session = sessions_.at(client);
-  session.backlog.push_back(id);
-  accept_backlog(session);
-}
-
-void Oracle::answer_sent(ClientId client) {
-  const auto entry = sessions_.find(client);
-  if (entry != sessions_.end()) {
-    --entry->second.outstanding;
-    accept_backlog(entry->second);
-  }
-}
-
 void Oracle::paused(ClientId client, bool is_paused) {
   if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
     auto& since = entry->second.paused_since;
@@ -268,6 +254,9 @@ void Oracle::answered(ClientId client, Bytes adu) {
   }
   if (std::erase(session.backlog, asked.id) > 0) {
     ++session.outstanding;
+  }
+  if (!asked.is_accepted) {
+    ++sequence_;  // it was counted all the same
   }
   if (adu[6] != asked.unit) {
     violation("identifier", "unit " + std::to_string(adu[6]) + " for " + name(asked));
