@@ -25,12 +25,15 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   hash.add(stopping);
   hash.add(looking);
   hash.ordered(Order::acceptance, sequence);
-  const auto& [writes_in_row, turn, other_turn, last_address, turn_of_others] = turns;
+  const auto& [writes_in_row, turn, other_turn, last_address, turn_of_others, last_end] = turns;
   hash.add(std::min(writes_in_row, settings.burst));
   hash.ordered(Order::turn, turn);
   hash.ordered(Order::turn, other_turn);
   hash.ordered(Order::turn, turn_of_others);
   hash.add(last_address);
+  if (sight.stop_waits) {
+    hash.since(last_end, settings.stop_wait);
+  }
   hash.add(next_start.has_value());
   if (next_start) {
     hash.deadline(std::max(next_start->at, hash.now()));  // perhaps that of a request

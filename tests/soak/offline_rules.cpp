@@ -185,21 +185,9 @@ void OfflineRules::check_stop(const Flight& stop, const Flight* before) const {
   }
 }
 
-// From its acceptance, or the end of its last try.
-Instant OfflineRules::waits_from(const Flight& stop) const {
-  Instant from = stop.stop_from.value_or(stop.begin);
-  for (const std::uint64_t id : stop.asked) {
-    const auto entry = oracle_.open_.find(id);
-    if (entry != oracle_.open_.end() && entry->second->tries.size() > 1) {
-      const Flight* last = oracle_.flight(*(entry->second->tries.end() - 2));
-      from = std::min(from, last == nullptr ? Instant::min() : last->deadline);
-    }
-  }
-  return from;
-}
-
 // Between two stops to a device that is silent one request to another device goes, if one waits
-// that nothing holds back. But a stop that has waited for `stop_wait` already waits for nobody.
+// that nothing holds back. A stop waits for that no longer than `stop_wait` from the end of the try
+// before it, whoever's that was.
 void OfflineRules::check_room(const Flight& stop, const Flight* before) const {
   const Book& book = oracle_.books_[stop.bus];
   const bool follows = before != nullptr && before->is_stop && before->address == stop.address &&
@@ -213,8 +201,8 @@ void OfflineRules::check_room(const Flight& stop, const Flight* before) const {
     return;
   }
   const gateway::BusSettings& settings = oracle_.bus_settings(stop.bus);
-  const bool has_waited = stop.begin + settings.settle + oracle_.lateness() >
-                          std::max(waits_from(stop), before->end) + settings.stop_wait;
+  const bool has_waited =
+      stop.begin + settings.settle + oracle_.lateness() > before->due + settings.stop_wait;
   if (has_waited) {
     return;
   }

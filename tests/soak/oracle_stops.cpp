@@ -24,6 +24,14 @@ std::size_t most_missing(const PduBytes& pdu) {
   return fields->reads ? kBeside + spec::data_size_of(*fields->reads) : pdu.size() + kBeside;
 }
 
+/// Behind a stop that perhaps nobody answered a request may have its turn, if one waits.
+bool may_give_way(const Book& book, const Flight* last) {
+  const auto waits = [](const Asked* asked) { return !asked->is_stop(); };
+  return last != nullptr && last->is_stop && last->expects_answer && !last->is_answered &&
+         std::ranges::any_of(
+             book.lanes, [&](const Lane& lane) { return std::ranges::any_of(lane.open, waits); });
+}
+
 }  // namespace
 
 // With `stop_cancels = false` the writes that were accepted before it go first.
@@ -121,6 +129,8 @@ void Oracle::check_stops_waiting(std::size_t bus) {
   const Duration rest = settings.line.framing == bus::Framing::ascii
                             ? 1s
                             : spec::slack_of(settings) + times.of(missing);
+  // From the end of the last try on that turn has so long to begin.
+  const Duration turn = may_give_way(book, last) ? settings.stop_wait + lateness() : Duration{0};
   const Instant held = std::max({book.own_end, book.turnaround_end, book.held_until});
   for (Asked* stop : book.stops) {
     const Lane& lane = book.lanes[stop->pieces.front().address];
@@ -130,7 +140,7 @@ void Oracle::check_stops_waiting(std::size_t bus) {
     const Instant from = std::max({held, *stop->waits_from, book.stop_wait_from,
                                    is_patient ? last->due + rest : Instant::min()});
     const Instant limit =
-        std::max(from, book.last_handed_in + rest) + settings.stop_wait + silence + 1us;
+        std::max(from, book.last_handed_in + rest) + settings.stop_wait + silence + 1us + turn;
     const Instant deadline = std::max(from, book.busy_since) + stop_deadline(bus) +
                              settings.stop_wait + rest + times.of(spec::kRtuFrame);
     const bool is_overdue = now > deadline && now <= book.last_handed_in + silence;

@@ -38,13 +38,16 @@ bool was_passed(const Parts& parts, const Job& stop) {
   return parts.devices[address].last_stop_turn < parts.turns.last_but_to(address);
 }
 
-// What goes between two tries of a stop, if it can begin soon enough.
+// What goes between two tries of a stop, if it can begin soon enough. For how long the stop waited
+// behind another one that nobody answered does not count: two stops in turn to a dead drive, and a
+// pause after each (`settle`), would leave no turn to others.
 std::optional<Choice> turn_before(Parts& parts, const Transmission& stop, Instant now) {
   const Transmission* waits = parts.stops.find(
       [&](const Transmission& it) { return must_let_writes_go(parts, *it.leader); });
   const Bounds bounds{waits == nullptr ? nullptr : waits->leader, true};
-  const Instant limit =
-      std::max(stop.waits_since, parts.line.ready_for_stop_at()) + parts.settings.stop_wait;
+  const Instant could_go =
+      std::max({stop.waits_since, parts.line.ready_for_stop_at(), parts.turns.last_end()});
+  const Instant limit = could_go + parts.settings.stop_wait;
   std::optional<Choice> turn;
   const auto running = parts.transmissions.running();
   const auto part = std::ranges::find_if(running, [&](const Transmission* transmission) {

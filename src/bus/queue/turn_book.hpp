@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "bus/instant.hpp"
 #include "bus/job.hpp"
 #include "bus/state_reader.hpp"
 
@@ -21,6 +22,10 @@ class TurnBook {
     writes_in_row_ = job_class == JobClass::read ? 0 : writes_in_row_ + 1;
     return turn_;
   }
+  /// A transmission has ended, with an answer or without.
+  void note_end(Instant now) { last_end_ = now; }
+  /// Since then nothing is on the wire, or something that was sent later.
+  [[nodiscard]] Instant last_end() const { return last_end_; }
   /// The last one that was no stop.
   [[nodiscard]] std::uint64_t last_but_stops() const { return other_turn_; }
   /// The last turn before the latest uninterrupted run of transmissions to this address.
@@ -37,6 +42,7 @@ class TurnBook {
   std::uint64_t other_turn_ = 0;
   std::uint8_t last_address_ = 0;
   std::uint64_t turn_of_others_ = 0;
+  Instant last_end_;
 };
 
 }  // namespace mbgate::bus

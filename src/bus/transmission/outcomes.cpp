@@ -32,6 +32,7 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   Transmission& transmission = parts_.transmissions.find(end.transaction);
   transmission.in_flight = false;
   transmission.is_let_by = false;
+  parts_.turns.note_end(now);
   const Transaction& sent = *end.transaction;
   const Asked asked{sent.address, sent.request.is_read(),
                     !sent.is_broadcast() && !sent.may_stay_silent(), transmission.tries == 1,

@@ -6,6 +6,10 @@
 namespace mbgate::test {
 namespace {
 
+constexpr auto kStopBy16 = "10 007C 0001 02 00E1";  // not identical to the other
+constexpr auto kStopBy16Frame = "01 10 00 7C 00 01 02 00 E1 6D E4";
+constexpr auto kReadOfThirdFrame = "03 03 00 00 00 01 85 E8";
+
 class BusStopOrder : public Bus {
  protected:
   void open_patient() { open_patient(settings()); }
@@ -19,6 +23,12 @@ class BusStopOrder : public Bus {
     auto slow = settings();
     slow.timing.response_timeout = 1s;
     return slow;
+  }
+  /// For longer than t3.5 after a missing answer nothing but a stop goes.
+  void open_settling() {
+    auto settling = settings();
+    settling.settle = 10ms;
+    open(settling, {axis(settling), axis(settling, 2)});
   }
   void answer_after(Duration time, std::string_view bytes) {
     advance(time);
@@ -256,6 +266,27 @@ TEST_F(BusStopOrder, ARepeatedStopHasAsMuchTimeAsTheFirst) {
   for (std::size_t at = 1; at < 12; ++at) {
     EXPECT_GE(frame_times_[at] - frame_times_[at - 1], 100ms) << at;
   }
+}
+
+TEST_F(BusStopOrder, OneThatWaitedForTheTryOfAnotherToItsDriveGivesWayToo) {
+  open_settling();
+  submit(job(kStop));
+  submit(job(kStopBy16));
+  submit(job_of(1, kRead, 3));
+  advance(120ms);
+  EXPECT_THAT(frames_, ElementsAre(kStopFrame, kReadOfThirdFrame));
+  refuse(3);
+  advance(10ms);
+  EXPECT_EQ(frames_.back(), kStopBy16Frame);
+}
+
+TEST_F(BusStopOrder, SoDoThoseToTwoDeadDrives) {
+  open_settling();
+  submit(job(kStop));
+  submit(job(kStop, 2));
+  submit(job_of(1, kRead, 3));
+  advance(230ms);
+  EXPECT_THAT(frames_, ElementsAre(kStopFrame, "02 06 00 7C 00 E1 88 69", kReadOfThirdFrame));
 }
 
 }  // namespace
