@@ -43,13 +43,17 @@ std::map<Meanings::Unit, Meanings::Meaning> Meanings::in_force() const {
   return all;
 }
 
+// Whether the units of a listener that comes back mean what they did is not followed here.
 void Meanings::after_reload(Instant now) {
   const auto before = std::exchange(now_, in_force());
+  const auto were_away = std::exchange(are_away_, plan_.absent.listeners);
   const auto note = [&](const auto& old, const auto& others) {
     for (const auto& [unit, meaning] : old) {
       const auto other = others.find(unit);
       if (other == others.end() || other->second != meaning) {
-        changed_at_[unit] = now;
+        Change& change = changes_[unit];
+        change.at = now;
+        change.surely = were_away[unit.first] ? change.surely : now;
       }
     }
   };
@@ -57,9 +61,9 @@ void Meanings::after_reload(Instant now) {
   note(now_, before);
 }
 
-Instant Meanings::changed_at(std::size_t listener, std::uint8_t unit) const {
-  const auto changed = changed_at_.find({listener, unit});
-  return changed == changed_at_.end() ? Instant::min() : changed->second;
+Meanings::Change Meanings::change_of(std::size_t listener, std::uint8_t unit) const {
+  const auto change = changes_.find({listener, unit});
+  return change == changes_.end() ? Change{} : change->second;
 }
 
 }  // namespace mbgate::soak

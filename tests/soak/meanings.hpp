@@ -13,11 +13,17 @@ namespace mbgate::soak {
 
 class Meanings {
  public:
-  explicit Meanings(const SoakPlan& plan) : plan_(plan), now_(in_force()) {}
+  explicit Meanings(const SoakPlan& plan)
+      : plan_(plan), now_(in_force()), are_away_(plan.absent.listeners) {}
+
+  /// The last time that a unit came to mean something else.
+  struct Change {
+    Instant at = Instant::min();
+    Instant surely = Instant::min();
+  };
 
   void after_reload(Instant now);
-  /// The last time that it came to mean something else.
-  [[nodiscard]] Instant changed_at(std::size_t listener, std::uint8_t unit) const;
+  [[nodiscard]] Change change_of(std::size_t listener, std::uint8_t unit) const;
 
  private:
   using Unit = std::pair<std::size_t, std::uint8_t>;
@@ -28,7 +34,8 @@ class Meanings {
 
   const SoakPlan& plan_;
   std::map<Unit, Meaning> now_;
-  std::map<Unit, Instant> changed_at_;
+  std::vector<bool> are_away_;  ///< listeners, by the settings in force
+  std::map<Unit, Change> changes_;
 };
 
 }  // namespace mbgate::soak

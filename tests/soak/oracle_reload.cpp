@@ -187,7 +187,7 @@ void Oracle::check_taken_back() {
 // It is as old as a time before its unit came to mean something else, or may be.
 bool Oracle::is_outdated(const Asked& asked) const {
   return asked.door != nullptr &&
-         asked.earliest < meanings_.changed_at(asked.door->listener, asked.unit);
+         asked.earliest < meanings_.change_of(asked.door->listener, asked.unit).at;
 }
 
 // Where stops were taken out of what was read ahead, or something lies in a socket that is not

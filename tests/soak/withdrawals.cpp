@@ -125,7 +125,7 @@ bool Withdrawals::must_wait(const std::deque<std::uint64_t>& backlog, const Aske
 void Withdrawals::refuse_outdated(Asked& asked) const {
   constexpr std::uint8_t kNotNow = 6;
   if (asked.is_accepted || asked.door == nullptr || !asked.door->device ||
-      oracle_.meanings_.changed_at(asked.door->listener, asked.unit) <= asked.written) {
+      oracle_.meanings_.change_of(asked.door->listener, asked.unit).surely <= asked.written) {
     return;
   }
   asked.refused = asked.refused.value_or(kNotNow);
@@ -138,8 +138,9 @@ void Withdrawals::refuse_outdated() const {
   const Instant now = oracle_.schedule_.now();
   for (const auto& entry : oracle_.open_) {
     Asked& asked = *entry.second;
-    const bool has_changed = asked.door != nullptr &&
-                             oracle_.meanings_.changed_at(asked.door->listener, asked.unit) == now;
+    const bool has_changed =
+        asked.door != nullptr &&
+        oracle_.meanings_.change_of(asked.door->listener, asked.unit).surely == now;
     if (has_changed && has_come_before(asked, now)) {
       refuse_outdated(asked);
     }
