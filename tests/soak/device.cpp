@@ -26,6 +26,15 @@ Pdu exception(spec::Bytes request, std::uint8_t code) {
   return *Pdu::from(bytes);
 }
 
+// What a request of an unknown function says first, if it says more than that.
+std::uint8_t command_of(spec::Bytes request) {
+  constexpr std::size_t kShort = 4;
+  if (!spec::is_opaque(request) || request.size() < kShort) {
+    return kKnownCommand;
+  }
+  return request[request[0] == 0x2B ? 2 : 1];
+}
+
 // 05, 06 and 22 are repeated; of 15 and 16 address and quantity are (6.5, 6.6, 6.11, 6.12, 6.16).
 Pdu acknowledgement(spec::Bytes request) {
   constexpr std::size_t kHead = 5;
@@ -36,9 +45,18 @@ Pdu acknowledgement(spec::Bytes request) {
 }  // namespace
 
 bool is_silent(const spec::Fields& fields) {
-  return !fields.reads && fields.writes && fields.writes->table == Table::holding_registers &&
-         fields.writes->first == kSilentRegister && fields.writes->count == 1 &&
-         fields.words.size() == 1 && fields.words[0] >> 12U == 7U;
+  if (fields.reads || !fields.writes || fields.writes->table != Table::holding_registers ||
+      fields.words.size() != fields.writes->count) {
+    return false;
+  }
+  const spec::Range& range = *fields.writes;
+  return range.first <= kSilentRegister && range.first + range.count > kSilentRegister &&
+         fields.words[kSilentRegister - range.first] >> 12U == 7U;
+}
+
+bool is_listen_only(spec::Bytes request) {
+  return request.size() > 2 && request[0] == 0x08 && request[1] == 0 &&
+         (request[2] == 1 || request[2] == 4);
 }
 
 SoakDevice::Outcome SoakDevice::carry_out(const Pdu& pdu, Instant now) {
@@ -57,6 +75,9 @@ SoakDevice::Outcome SoakDevice::carry_out(const Pdu& pdu, Instant now) {
       return {};
     }
   }
+  if (is_listen_only(request) || command_of(request) == kUnheardCommand) {
+    return {};
+  }
   return {answer_to(request, *fields, now), is_slow(request)};
 }
 
@@ -64,10 +85,10 @@ Pdu SoakDevice::answer_to(spec::Bytes request, const spec::Fields& fields, Insta
   if (fields.reads) {
     return read(request, *fields.reads, now);
   }
-  if (asks_identity(request[0])) {
+  if (asks_identity(request)) {
     return identify(request, now);
   }
-  if (request[0] == kOwnFunction && request[1] != kKnownCommand) {
+  if (command_of(request) == kRefusedCommand) {
     return exception(request, kIllegalFunction);
   }
   return acknowledgement(request);

@@ -12,8 +12,10 @@
 
 namespace mbgate::soak {
 
-/// Is it 06 or 16 of 7xxx, which is never answered because the device boots?
+/// Does 06 or 16 write 7xxx, perhaps among others? It is never answered because the device boots.
 bool is_silent(const spec::Fields& fields);
+/// 08/01 or 08/04. What is never answered, but the device listens.
+bool is_listen_only(spec::Bytes request);
 
 class SoakDevice {
  public:

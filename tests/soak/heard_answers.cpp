@@ -29,7 +29,7 @@ bool looks_like_answer(const Flight& flight) {
   const std::uint8_t function = flight.pdu.front();
   return !flight.is_broadcast &&
          (function == 0x05 || function == 0x06 || function == 0x08 || function == 0x15 ||
-          function == 0x16 || function == kOwnFunction || looks_like_bits(flight.pdu));
+          function == 0x16 || spec::is_opaque(flight.pdu) || looks_like_bits(flight.pdu));
 }
 
 // Its answer stands behind its echo, where that can be nothing else.
@@ -73,7 +73,7 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
   if (flight.is_uncertain) {
     return "uncertain";
   }
-  if (asks_identity(flight.pdu[0]) || flight.pdu[0] == kOwnFunction) {
+  if (asks_identity(flight.pdu) || spec::is_opaque(flight.pdu)) {
     return "ended_by_silence";
   }
   const bool has_echo = may_echo(oracle_.plan_, book, flight.bus);
@@ -109,10 +109,9 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
 void HeardAnswers::judge_end(const Asked& asked) const {
   const Flight* last = asked.last_alone != 0 ? oracle_.flight(asked.last_alone) : nullptr;
   const bool may_repeat = asked.is_read() || asked.retry_writes;
-  // Only silence ends the answer to a maker's own function. After a merged read that failed its
+  // Only silence ends the answer to an unknown function. After a merged read that failed its
   // parts have tries of their own.
-  const bool has_no_bound =
-      asked.pdu.front() == kOwnFunction || asked.flights != asked.flights_alone;
+  const bool has_no_bound = spec::is_opaque(asked.pdu) || asked.flights != asked.flights_alone;
   if (last == nullptr || has_no_bound || asked.pieces.size() > 1 || asked.ordered ||
       asked.is_stop() || oracle_.stopping_ ||
       oracle_.bus_settings(last->bus).line.framing != bus::Framing::rtu ||

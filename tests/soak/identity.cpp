@@ -30,9 +30,10 @@ Octets objects(unsigned count, const Word& word) {
 
 }  // namespace
 
-bool asks_identity(std::uint8_t function) {
+bool asks_identity(spec::Bytes request) {
+  const std::uint8_t function = request[0];
   return function == 0x07 || function == 0x0B || function == 0x0C || function == 0x11 ||
-         function == 0x14 || function == 0x18 || function == 0x2B;
+         function == 0x14 || function == 0x18 || (function == 0x2B && !spec::is_opaque(request));
 }
 
 unsigned shown_by(spec::Bytes request, unsigned otherwise) {

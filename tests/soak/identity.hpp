@@ -10,7 +10,7 @@
 namespace mbgate::soak {
 
 /// 07, 11, 12, 17, 20, 24 or 43/14.
-bool asks_identity(std::uint8_t function);
+bool asks_identity(spec::Bytes request);
 /// The request's answer if it shows so many input registers. `word` gives each of them, by its
 /// address and the place in the answer at which it will stand.
 spec::Octets identity_answer(spec::Bytes request, unsigned count,

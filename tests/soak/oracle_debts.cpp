@@ -16,6 +16,9 @@ bool has_length_of_answer(std::size_t size, const PduBytes& asked, bool is_ascii
   constexpr std::size_t kException = 2;
   const auto frame_of = [&](std::size_t pdu) { return is_ascii ? 2 * pdu + 7 : pdu + 3; };
   const auto fields = spec::fields_of(asked);
+  if (spec::is_opaque(asked)) {
+    return true;
+  }
   if (size == frame_of(kException) || !fields || !fields->reads) {
     return size == frame_of(kException);
   }
@@ -199,6 +202,7 @@ void Oracle::note_uncertain(std::size_t bus, const HeardFrame& frame) {
   }
   last->is_uncertain = true;
   Lane& lane = book.lanes[frame.address];
+  lane.boots_until = Instant::min();  // it may seem to have refused to
   lane.uncertain_at = schedule_.now();
   for (const std::uint64_t id : last->asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {

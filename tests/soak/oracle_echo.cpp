@@ -34,6 +34,11 @@ bool is_no_response(const PduBytes& pdu) {
   return (pdu[0] == 0x03 || pdu[0] == 0x04) && pdu[1] != kBytes;
 }
 
+// For as long as for an answer; what makes a device boot has only the turnaround delay.
+bool is_waited_for(const Flight& flight) {
+  return flight.expects_answer || is_listen_only(flight.pdu);
+}
+
 }  // namespace
 
 // At the end, or because the line is opened anew.
@@ -136,7 +141,7 @@ void Oracle::read_echo(std::size_t bus) {
   // Where it was not denied, it is held back for its rest as long as its answer is waited for.
   const bool is_held_back =
       last != nullptr &&
-      schedule_.now() < (last->expects_answer ? last->due : last->end + settings.turnaround);
+      schedule_.now() < (is_waited_for(*last) ? last->due : last->end + settings.turnaround);
   const bool is_told = settings.line.echo == false || (!settings.line.echo && !is_held_back);
   if (last != nullptr && is_told && ends_like_answer(*last, read) &&
       schedule_.now() >= book.last_handed_in + pause) {
@@ -157,7 +162,7 @@ void Oracle::read_echo(std::size_t bus) {
     return;
   }
   // Nothing stood before it, and the wait for the answer was not over yet.
-  const Instant over = last->expects_answer ? last->deadline : last->end + settings.turnaround;
+  const Instant over = is_waited_for(*last) ? last->deadline : last->end + settings.turnaround;
   const bool is_plain = echo->is_whole && book.came == echo->size && book.open_stops.empty() &&
                         (last->is_broadcast || schedule_.now() < over);
   if (is_plain && !bus_settings(bus).line.echo && !std::exchange(book.echo_proven, true)) {

@@ -27,7 +27,7 @@ bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) 
   const bool may_merge = bus_settings(flight.bus).merge ||
                          (asked.is_accepted && asked.accepted <= books_[flight.bus].last_merge);
   if (!may_merge || !asked.is_read() || asked.pieces.size() > 1 ||
-      piece.pdu.front() != flight.pdu.front() || flight.pdu.size() != 5) {
+      piece.pdu.front() != flight.pdu.front() || piece.pdu.size() != 5 || flight.pdu.size() != 5) {
     return false;
   }
   const unsigned first = spec::word_at(piece.pdu, 1);

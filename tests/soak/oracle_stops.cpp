@@ -17,7 +17,7 @@ namespace {
 /// number.
 std::size_t most_missing(const PduBytes& pdu) {
   const auto fields = spec::fields_of(pdu);
-  if (pdu.empty() || asks_identity(pdu[0]) || pdu[0] == kOwnFunction || !fields) {
+  if (pdu.empty() || asks_identity(pdu) || spec::is_opaque(pdu) || !fields) {
     return spec::kRtuFrame;
   }
   constexpr std::size_t kBeside = 5;  // address, function, byte count and CRC

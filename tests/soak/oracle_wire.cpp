@@ -17,9 +17,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t kFlightsKept = 2000;
 constexpr std::uint8_t kDeviceFailure = 0x04;
 
-bool is_read_function(std::uint8_t function) {
-  return (function >= 1 && function <= 4) || asks_identity(function);
-}
+bool is_read(const PduBytes& pdu) { return (pdu[0] >= 1 && pdu[0] <= 4) || asks_identity(pdu); }
 
 void note_done(Asked& asked, const PduBytes& pdu, Instant now) {
   for (Piece& piece : asked.pieces) {
@@ -122,7 +120,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
     const auto& line = bus_settings(bus).line;
     flight.end += spec::WireTimes(line).of(frame.size());
   }
-  flight.is_write = !is_read_function(flight.pdu.front());
+  flight.is_write = !is_read(flight.pdu);
   flight.is_broadcast = !is_tcp(bus) && is_for_all(plan_, bus, flight.address);
   cut_flying(book);
   attribute(flight);

@@ -103,6 +103,24 @@ bool Refusals::is_away(const Asked& asked) const {
   });
 }
 
+// One form of a broadcast was transmitted, and its line was lost before another one. Where nothing
+// was transmitted there was no path.
+bool Refusals::was_cut_short(const Asked& broadcast) const {
+  return std::ranges::any_of(broadcast.pieces, [&](const Piece& piece) {
+    return piece.sent > 0 && oracle_.books_[piece.bus].last_down >= broadcast.accepted;
+  });
+}
+
+// One of its lines has been away since before it came: whatever became of it on others.
+bool Refusals::found_no_path(const Asked& broadcast) const {
+  return std::ranges::any_of(broadcast.pieces, [&](const Piece& piece) {
+    const Book& book = oracle_.books_[piece.bus];
+    const bool is_sent = std::ranges::any_of(
+        broadcast.pieces, [&](const Piece& it) { return it.bus == piece.bus && it.sent > 0; });
+    return !is_sent && !book.open && !book.starting && book.last_down < broadcast.accepted;
+  });
+}
+
 void Refusals::judge_no_path(const Asked& asked) const {
   if (asked.surely_on_wire && asked.kind != Kind::broadcast) {
     oracle_.violation("no_path_after_wire", oracle_.name(asked));
@@ -123,6 +141,10 @@ const char* Refusals::why_no_path(const Asked& asked) const {
 void Refusals::judge_no_response(const Asked& asked) const {
   if (!asked.maybe_on_wire && !(asked.is_read() && oracle_.may_be_offline(asked))) {
     oracle_.violation("no_response_without_wire", oracle_.name(asked));
+    return;
+  }
+  if (asked.kind == Kind::broadcast && found_no_path(asked)) {
+    oracle_.violation("no_response_without_path", oracle_.name(asked));
     return;
   }
   judge_tries(asked);
@@ -196,7 +218,7 @@ const char* Refusals::why_unfinished(const Asked& asked) const {
   if (const char* reason = why_withdrawn(asked); reason != nullptr) {
     return reason;
   }
-  if (is_away(asked)) {
+  if (asked.kind == Kind::broadcast ? was_cut_short(asked) : is_away(asked)) {
     return "line_away";
   }
   if (asked.is_read() && oracle_.may_be_offline(asked)) {
@@ -240,10 +262,10 @@ const char* Refusals::fault_of(const Flight& flight) const {
   if (flight.unsure != nullptr) {
     return flight.unsure;
   }
-  const bool is_only_echo =
-      flight.has_whole_echo && flight.came == flight.size && !flight.echo_pauses &&
-      flight.pdu.front() != kOwnFunction;  // silence within its echo ends that
-  return flight.is_named && !is_only_echo ? "damaged" : end_of_wait(flight);
+  const bool is_only_echo = flight.has_whole_echo && flight.came == flight.size &&
+                            !flight.echo_pauses &&
+                            !spec::is_opaque(flight.pdu);  // silence within its echo ends that
+  return flight.is_named && !is_only_echo && !flight.is_broadcast ? "damaged" : end_of_wait(flight);
 }
 
 // From outside nobody sees which stop waits: one that was accepted, or sent and not acknowledged.
@@ -256,6 +278,9 @@ bool Refusals::may_be_cut(const Flight& flight) const {
 // Nothing came that could end the wait for its answer.
 const char* Refusals::end_of_wait(const Flight& flight) const {
   const Instant now = oracle_.schedule_.now();
+  if (!flight.expects_answer) {  // silence is what its client waits for
+    return oracle_.stopping_ && now >= *oracle_.stopping_ + kGrace ? "shutdown" : nullptr;
+  }
   if (now < flight.due && !oracle_.is_tcp(flight.bus) && may_be_cut(flight)) {
     return "cut_by_stop";
   }

@@ -39,6 +39,8 @@ class Refusals {
   [[nodiscard]] bool may_be_cut(const Flight& flight) const;
   [[nodiscard]] bool has_expired(const Asked& asked) const;
   [[nodiscard]] bool found_no_room(const Asked& asked, std::size_t bus) const;
+  [[nodiscard]] bool was_cut_short(const Asked& broadcast) const;
+  [[nodiscard]] bool found_no_path(const Asked& broadcast) const;
   [[nodiscard]] bool is_away(const Asked& asked) const;
   void note(const char* code, const char* reason) const;
 

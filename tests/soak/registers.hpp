@@ -65,8 +65,12 @@ inline constexpr std::uint16_t kShownOfHealth = 4;
 inline constexpr std::uint16_t kShownOffline = 3;
 
 inline constexpr std::uint8_t kOwnFunction = 0x41;  ///< of the device's maker; it counts as a write
-inline constexpr std::uint8_t kKnownCommand = 1;    ///< of it; others are refused with 01
-inline constexpr std::uint16_t kMostIdentity = 8;   ///< input registers in the answer to 17, 43/14
+/// Of it and of other functions that name no table: these are repeated, refused with 01 or never
+/// answered.
+inline constexpr std::uint8_t kKnownCommand = 1;
+inline constexpr std::uint8_t kRefusedCommand = 2;
+inline constexpr std::uint8_t kUnheardCommand = 3;
+inline constexpr std::uint16_t kMostIdentity = 8;  ///< input registers in the answer to 17, 43/14
 
 /// Does the request read or write a register that is slow?
 bool is_slow(modbus::Bytes request);

@@ -73,7 +73,7 @@ SoakDevice* SerialWire::device_at(std::uint8_t address) {
 
 void SerialWire::transmit(const Flight& flight, Bytes frame) {
   own_damaged_ = false;
-  opaque_ = !flight.pdu.empty() && flight.pdu.front() == kOwnFunction;
+  opaque_ = !flight.pdu.empty() && spec::is_opaque(flight.pdu);
   own_end_ = flight.end;
   asked_ = flight.address;
   if (flight.expects_answer) {

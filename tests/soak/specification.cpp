@@ -148,6 +148,16 @@ std::optional<Fields> fields_of(Bytes pdu) {
   }
 }
 
+bool is_opaque(Bytes pdu) {
+  constexpr unsigned kNoForm = 0x7F;  // of a broadcast
+  const unsigned function = pdu[0] & kNoForm;
+  if (function == 0x2B) {
+    return pdu.size() < 2 || pdu[1] != kIdentification;
+  }
+  return !(function >= 0x01 && function <= 0x08) && function != 0x0B && function != 0x0C &&
+         !(function >= 0x0F && function <= 0x11) && !(function >= 0x14 && function <= 0x18);
+}
+
 std::size_t data_size_of(const Range& read) {
   const bool is_bits = read.table == Table::coils || read.table == Table::discrete_inputs;
   return is_bits ? (read.count + 7) / 8 : 2 * std::size_t{read.count};

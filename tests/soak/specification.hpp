@@ -42,6 +42,8 @@ std::size_t data_size_of(const Range& read);
 /// Of the longest RTU frame, and of the longest ASCII frame (Serial Line V1.02, 2.5.1 and 2.5.2).
 inline constexpr std::size_t kRtuFrame = 256;
 inline constexpr std::size_t kAsciiFrame = 513;
+inline constexpr std::size_t kLongestPdu = 253;
+inline constexpr std::uint8_t kIdentification = 0x0E;  ///< of 43, the MEI type that reads
 
 /// The word at a place, high byte first (Application Protocol V1.1b3, 4.2).
 std::uint16_t word_at(Bytes bytes, std::size_t at);
@@ -49,6 +51,8 @@ std::uint16_t word_at(Bytes bytes, std::size_t at);
 /// Nothing: its length does not fit, or it asks for too much. Of functions that name no table both
 /// are empty.
 std::optional<Fields> fields_of(Bytes pdu);
+/// Of a request: nothing says how long its answer is, only silence ends it.
+bool is_opaque(Bytes pdu);
 
 /// Serial Line V1.02, 6.2.2.
 std::uint16_t crc(Bytes bytes);
