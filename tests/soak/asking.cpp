@@ -11,6 +11,7 @@ namespace {
 constexpr std::uint64_t kSeldomChance = 0x464F524D53ULL;  // apart from the clients'
 constexpr std::uint64_t kNearChance = 0x4E454152ULL;
 constexpr std::uint64_t kBootsChance = 0x424F4F5453ULL;
+constexpr std::uint64_t kRareChance = 0x52415245ULL;
 constexpr unsigned kByAutonics = 200;  // permille of broadcasts, where there is such a door
 
 }  // namespace
@@ -24,7 +25,8 @@ Asking::Asking(const SoakPlan& plan, Random& random)
       autonics_doors_(plan.settings.listeners.size()),
       forms_(plan.seed ^ kSeldomChance),
       near_(plan.seed ^ kNearChance),
-      boots_(plan.seed ^ kBootsChance) {
+      boots_(plan.seed ^ kBootsChance),
+      rare_(plan.seed ^ kRareChance) {
   for (const Door& door : plan.doors) {
     auto& doors = door.device          ? device_doors_
                   : door.only_autonics ? autonics_doors_
@@ -198,9 +200,7 @@ Asked Asking::malformed(const Door& door) {
     case 6: asked.pdu = fields(5, 1, 0x1234); break;
     case 7: {
       const unsigned sub_function = random_.one_of({1U, 4U, 21U});
-      const bool is_allowed = sub_function == 4 && door.route &&
-                              plan_.settings.routes[*door.route].functions.force_listen_only;
-      asked.pdu = fields(8, is_allowed ? 1U : sub_function, 0);
+      asked.pdu = fields(8, may_be_silenced(door, sub_function) ? 21U : sub_function, 0);
       asked.refused = 1;
       break;
     }

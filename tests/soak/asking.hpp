@@ -41,6 +41,7 @@ class Asking {
   Asked own();
   Asked health();
   void refuse_if_read_only(Asked& asked) const;
+  [[nodiscard]] bool may_be_silenced(const Door& door, unsigned sub_function) const;
   void check_functions(Asked& asked) const;
   // asking_reads.cpp
   Asked read(const Door& door, bool popular);
@@ -53,6 +54,8 @@ class Asking {
   void write_somewhere(Asked& asked);
   void mask(Asked& asked);
   void read_and_write(Asked& asked);
+  void plan_read_and_write(Asked& asked, unsigned to, const Words& words, unsigned from,
+                           unsigned reads) const;
   void opcode(Asked& asked);
   void single(Asked& asked, unsigned address, std::uint16_t value) const;
   void multiple(Asked& asked, unsigned first, unsigned count);
@@ -63,11 +66,21 @@ class Asking {
   // asking_others.cpp: what is written seldom, and stops.
   void coil(Asked& asked);
   void coils(Asked& asked);
+  void plan_coils(Asked& asked, unsigned first, const Words& words) const;
   void own_function(Asked& asked);
   void file_record(Asked& asked);
   void diagnostics(Asked& asked);
   void add_whole(Asked& asked) const;
   Asked stop(const Door& door);
+  // asking_rare.cpp: what looks like something else, and what is as long as can be.
+  [[nodiscard]] bool writes_one_by_one(const Door& door) const;
+  void rare(Asked& asked);
+  void stop_among_others(Asked& asked);
+  void boot_among_others(Asked& asked);
+  void listen_only(Asked& asked);
+  void unknown_function(Asked& asked);
+  void longest(Asked& asked);
+  void longest_without_table(Asked& asked);
   // asking_broadcasts.cpp: what is for all.
   using Receivers = std::vector<const drive::Device*>;
   Asked broadcast(const Door& door);
@@ -100,6 +113,7 @@ class Asking {
   Random forms_;  // what is asked seldom: with a chance of its own
   Random near_;   // likewise: reads that meet each other
   Random boots_;  // likewise: broadcasts after which drives boot
+  Random rare_;   // likewise: what looks like something else
   std::uint16_t broadcasts_ = 0;
   bool may_only_read_ = false;  // who asks at present
 };

@@ -78,7 +78,7 @@ Asked Asking::broadcast(const Door& door) {
       asked.pdu[0] == 5 || asked.pdu[0] == 6 || asked.pdu[0] == 0x0F || asked.pdu[0] == 0x10;
   if (door.is_closed) {
     asked.refused = 0x0A;
-  } else if (may_only_read_ || !may_be_for_all) {
+  } else if (may_only_read_ || door.read_only || !may_be_for_all) {
     asked.refused = 1;
   } else {
     exchange_for(asked, add_forms(asked));

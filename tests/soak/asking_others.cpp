@@ -36,7 +36,11 @@ void Asking::coils(Asked& asked) {
     word = scattered(next_value(asked, kRunOfCoils));
   }
   const auto count = static_cast<unsigned>(words.size()) * kWordOfCoils;
-  const auto first = random_.between<unsigned>(kFirstRunOfCoils, kRunsOfCoilsEnd - count);
+  plan_coils(asked, random_.between<unsigned>(kFirstRunOfCoils, kRunsOfCoilsEnd - count), words);
+}
+
+void Asking::plan_coils(Asked& asked, unsigned first, const Words& words) const {
+  const auto count = static_cast<unsigned>(words.size()) * kWordOfCoils;
   asked.pdu = coils_pdu(first + asked.door->coils_at, words);
   if (is_outside(asked)) {
     return;
@@ -111,7 +115,10 @@ Asked Asking::stop(const Door& door) {
   asked.is_shared = random_.chance(300);
   const auto value = static_cast<std::uint16_t>(
       0x5000U | (asked.is_shared ? 0xFFFU : next_value(asked, kStopRegister) % 0xFFEU));
-  if (form < 4) {
+  if (form < 3 && !writes_one_by_one(door) &&
+      device_of(asked).profile.stops.front().parameters > 0) {
+    plan_write(asked, kStopRegister, {value, 1});
+  } else if (form < 4) {
     plan_write(asked, kStopRegister, {value});
   } else {
     single(asked, kStopRegister, value);

@@ -139,7 +139,6 @@ void Asking::ask_for_order(Asked& asked, unsigned first, unsigned count) const {
 
 // 23 cannot be split; what it shows is what the device held when it carried it out.
 void Asking::read_and_write(Asked& asked) {
-  const Door& door = *asked.door;
   const unsigned writes = random_.between(1U, 8U);
   const unsigned to = random_.chance(400) ? random_.between<unsigned>(0U, kLiveFrom - writes)
                       : random_.chance(700)
@@ -151,6 +150,13 @@ void Asking::read_and_write(Asked& asked) {
   for (unsigned at = 0; at < writes; ++at) {
     words.push_back(next_value(asked, to + at));
   }
+  plan_read_and_write(asked, to, words, from, reads);
+}
+
+void Asking::plan_read_and_write(Asked& asked, unsigned to, const Words& words, unsigned from,
+                                 unsigned reads) const {
+  const Door& door = *asked.door;
+  const auto writes = static_cast<unsigned>(words.size());
   const auto pdu = [&](unsigned first, unsigned count, unsigned base, const Words& data) {
     PduBytes bytes = fields(0x17, first + base, count);
     append_word(bytes, to + base);

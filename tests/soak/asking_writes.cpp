@@ -6,11 +6,18 @@
 #include "soak/pdus.hpp"
 
 namespace mbgate::soak {
+namespace {
+
+constexpr unsigned kRare = 150;  // permille of writes
+
+}  // namespace
 
 Asked Asking::write(const Door& door) {
   Asked asked = begin(door, Kind::write);
   const unsigned kind = random_.between(0U, 29U);
-  if (kind < 7) {
+  if (rare_.chance(kRare)) {
+    rare(asked);
+  } else if (kind < 7) {
     const unsigned address = random_.between(0U, kLiveFrom - 1U);
     single(asked, address, next_value(asked, address));
   } else if (kind < 9) {

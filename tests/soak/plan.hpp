@@ -193,6 +193,8 @@ void draw_guards(SoakPlan& plan, Random& random);
 void draw_limits(SoakPlan& plan, std::uint64_t seed);
 /// What few plants have.
 void draw_forms(SoakPlan& plan, std::uint64_t seed);
+/// Who may speak to all, and silence devices; what a stop may be followed by.
+void draw_odds(SoakPlan& plan, std::uint64_t seed);
 /// How late answers come, and what breaks off.
 void draw_late(SoakPlan& plan, std::uint64_t seed);
 /// Reads that meet each other, and for how long they are kept.

@@ -112,6 +112,9 @@ bool Reloads::switch_route(std::size_t index) {
   const bool settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
     return door.route != index || oracle_.is_within(door);
   });
+  if (plan_.settings.routes[index].first_unit == kAutonicsAddress) {
+    return false;  // its door follows the route to all
+  }
   if (settled) {
     plan_.absent.routes[index].flip();
   }
