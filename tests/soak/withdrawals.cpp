@@ -9,7 +9,9 @@ namespace mbgate::soak {
 
 void Withdrawals::take_back_for(const Asked& stop) const {
   const Instant now = oracle_.schedule_.now();
-  const bool lets_go = oracle_.lets_writes_go(stop);
+  // Whether a broadcast that is older than a reload stops anything still, nobody outside can tell.
+  const bool is_sure = !stop.stops_all || !oracle_.is_outdated(stop);
+  const bool takes_back = is_sure && !oracle_.lets_writes_go(stop);
   for (const Piece& piece : stop.pieces) {
     Book& book = oracle_.books_[piece.bus];
     book.last_stop = now;
@@ -23,16 +25,16 @@ void Withdrawals::take_back_for(const Asked& stop) const {
       }
       lane.last_stop = now;
       for (Asked* asked : lane.open) {
-        if (asked->kind == Kind::write && !asked->doomed && !lets_go) {
+        if (asked->kind == Kind::write && !asked->doomed && takes_back) {
           asked->doomed = now;
         }
       }
     }
-    if (!lets_go) {
+    if (takes_back) {
       take_back_broadcasts(stop, piece.bus);
     }
   }
-  if (!lets_go) {
+  if (takes_back) {
     take_back_read_ahead(stop);
   }
 }
