@@ -3,6 +3,7 @@
 // and when a line is opened again.
 #include <algorithm>
 
+#include "soak/full_queue.hpp"
 #include "soak/oracle.hpp"
 #include "soak/shared_reads.hpp"
 
@@ -67,6 +68,10 @@ void Oracle::judge_eviction(const Asked& asked) {
   const std::size_t bus = asked.pieces.front().bus;
   if (bus_settings(bus).coalesce || bus_settings(bus).merge) {
     return;
+  }
+  if (had_another_more(books_[bus], bus, asked, is_tcp(bus) ? bus_settings(bus).outstanding : 1,
+                       now)) {
+    violation("evicted_of_another", name(asked));
   }
   for (const std::uint64_t id : session->second.order) {
     const Asked& other = *open_.at(id);

@@ -89,9 +89,15 @@ const char* Refusals::why_withdrawn(const Asked& asked) const {
 // It is told at once: that there is no room for it, or that it has lost its place to another one.
 bool Refusals::found_no_room(const Asked& asked, std::size_t bus) const {
   const Book& book = oracle_.books_[bus];
-  const Instant since = asked.ordered ? asked.accepted : oracle_.schedule_.now();
   if (asked.is_stop()) {
     return asked.found_no_room;
+  }
+  // A write that waits makes room for nobody.
+  const bool is_new = asked.is_read() || asked.kind == Kind::broadcast || asked.ordered ||
+                      asked.ahead || asked.accepted + oracle_.lateness() >= oracle_.schedule_.now();
+  const Instant since = asked.ordered ? asked.accepted : oracle_.schedule_.now();
+  if (!is_new) {
+    return false;
   }
   return book.last_full >= since || book.present > oracle_.bus_settings(bus).queue;
 }
