@@ -39,6 +39,10 @@ struct Flight {
   bool needs_silence = false;  ///< behind that, because other bytes stood before it
   /// A whole answer came that fits, and this may have kept it from being taken.
   const char* unsure = nullptr;
+  /// Of a read that several may share: the writes to its device that waited, and whom it answered
+  /// alone; the numbers in which they were accepted.
+  std::vector<std::uint64_t> waiting_writes{};
+  std::vector<std::uint64_t> answered{};
   bool has_whole_echo = false;  ///< it was read; another one may look like a damaged answer
   bool echo_pauses = false;     ///< it was read in two parts, the first of which ended as an answer
   bool is_crowded = false;      ///< all places on its connection were taken beside it

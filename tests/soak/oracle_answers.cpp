@@ -7,6 +7,7 @@
 #include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 #include "soak/refusals.hpp"
+#include "soak/shared_reads.hpp"
 #include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
@@ -67,6 +68,7 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     judge_heard(asked);
     judge_place(asked);
     judge_cached(asked);
+    SharedReads(*this).judge_joined(asked);
     if (asked.kind != Kind::broadcast && !asked.silent && asked.maybe_on_wire) {
       device_answered(asked);
       // Where the transmission may have been for another one, the cache may have answered it.

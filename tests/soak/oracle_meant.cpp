@@ -109,6 +109,7 @@ void Oracle::attribute(Flight& flight) {
     unknown_transmission(flight);
   }
   SharedReads(*this).count_tries(flight, meant);
+  SharedReads(*this).note_writes(flight, meant);
   for (const auto& [asked, piece] : meant) {
     flight.asked.push_back(asked->id);
     note_sent(*asked, *piece, flight, meant.size() == 1);

@@ -71,4 +71,58 @@ void SharedReads::count_tries(const Flight& flight, const Meant& meant) const {
   }
 }
 
+// It was accepted, and nothing can have ended it.
+bool SharedReads::surely_waits(const Asked& write, std::size_t bus) const {
+  const Book& book = oracle_.books_[bus];
+  const Instant now = oracle_.schedule_.now();
+  const bool is_one = write.pieces.size() == 1 || write.kind != Kind::broadcast;
+  return write.changes() && !write.is_stop() && write.is_accepted && write.accepted < now &&
+         !write.maybe_on_wire && !write.dropped && !write.doomed && !write.ordered &&
+         !write.ahead && !write.client_gone && write.earliest == write.written &&
+         now < write.deadline && is_one && book.last_down < write.accepted &&
+         oracle_.reloaded_ < write.accepted &&
+         std::ranges::none_of(write.pieces, [](const Piece& piece) {
+           return piece.sent > 0 || piece.doomed || piece.taken_back;
+         });
+}
+
+void SharedReads::note_writes(Flight& flight, const Meant& meant) const {
+  if (meant.size() < 2 || !meant.front().first->is_read()) {
+    return;
+  }
+  const auto& lanes = oracle_.books_[flight.bus].lanes;
+  const auto note = [&](const Lane& lane) {
+    for (const Asked* asked : lane.open) {
+      if (surely_waits(*asked, flight.bus)) {
+        flight.waiting_writes.push_back(asked->sequence);
+      }
+    }
+  };
+  note(lanes[flight.address]);
+  if (!oracle_.is_tcp(flight.bus)) {
+    note(lanes[0]);
+    note(lanes[kAutonicsAddress]);
+  }
+}
+
+// Two that one transmission has answered were accepted with a write between them that waited.
+void SharedReads::judge_joined(const Asked& asked) const {
+  Flight* flight = asked.tries.size() == 1 ? oracle_.flight(asked.tries.front()) : nullptr;
+  if (flight == nullptr || !asked.is_read() || asked.pieces.size() > 1 || asked.ordered ||
+      asked.ahead || asked.earliest != asked.written) {
+    return;
+  }
+  for (const std::uint64_t other : flight->answered) {
+    const auto [first, last] = std::minmax(other, asked.sequence);
+    const bool crosses = std::ranges::any_of(
+        flight->waiting_writes,
+        [first = first, last = last](auto write) { return first < write && write < last; });
+    if (crosses) {
+      oracle_.violation("joined_across_write", oracle_.name(asked));
+      return;
+    }
+  }
+  flight->answered.push_back(asked.sequence);
+}
+
 }  // namespace mbgate::soak

@@ -21,8 +21,14 @@ class SharedReads {
   void check_bounds(const Flight& flight) const;
   /// To be called before it is noted for whom the flight is.
   void count_tries(const Flight& flight, const Meant& meant) const;
+  /// The same: which writes wait while it is transmitted for several.
+  void note_writes(Flight& flight, const Meant& meant) const;
+  /// A read has got its data.
+  void judge_joined(const Asked& asked) const;
 
  private:
+  [[nodiscard]] bool surely_waits(const Asked& write, std::size_t bus) const;
+
   Oracle& oracle_;
 };
 
