@@ -49,15 +49,20 @@ struct Session {
   std::deque<std::uint16_t> silent;    ///< done without a reply; a failure may still be told
 };
 
+/// An answer that was surely late.
+struct LateAnswer {
+  Duration lateness;
+  Instant remembered_until;
+};
+
 /// An address on a bus.
 struct Lane {
   std::optional<std::size_t> device;
   std::vector<Asked*> open;
-  std::deque<std::uint64_t> owed;      ///< transmissions that no good frame has answered
-  std::optional<Instant> answered_at;  ///< since the last transmission that is to be
-  Duration took{0};                    ///< that answer, since the end of the request
-  Duration learned{0};                 ///< how late one was: its quarantine covers that
-  Instant learned_until = Instant::min();
+  std::deque<std::uint64_t> owed;         ///< transmissions that no good frame has answered
+  std::optional<Instant> answered_at;     ///< since the last transmission that is to be
+  Duration took{0};                       ///< that answer, since the end of the request
+  std::vector<LateAnswer> late_answers;   ///< its quarantine covers each
   Instant last_offline = Instant::min();  ///< it may have been offline then
   unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
   std::vector<std::uint64_t> unheard;     ///< on a connection, what is later than that answer

@@ -150,8 +150,16 @@ void Oracle::check_tcp(const Flight& flight) {
     if (other.identifier == flight.identifier) {
       violation("tcp_identifier", name(flight));
     }
-    if (other.address == flight.address && (other.is_write || flight.is_write) && !flight.is_stop &&
-        !other.is_stop) {
+    // A stop waits for no read of its device. What was begun before it goes on beside it.
+    const bool goes_on =
+        other.is_stop && (flight.repeats_read || flight.is_part ||
+                          std::ranges::any_of(flight.asked, [&](std::uint64_t id) {
+                            const auto entry = open_.find(id);
+                            return entry != open_.end() && entry->second->tries.size() > 1;
+                          }));
+    const bool may_go =
+        !other.is_write ? flight.is_stop || !flight.is_write : goes_on && !flight.is_stop;
+    if (other.address == flight.address && !may_go) {
       violation("tcp_beside_write", name(flight) + " while " + name(other));
     }
   }
@@ -193,7 +201,12 @@ void Oracle::set_times(Flight& flight) {
   }
   flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
   flight.due = flight.end + longest + timing.response_wait;
-  const Duration learned = flight.due < lane.learned_until ? lane.learned : Duration{0};
+  std::erase_if(lane.late_answers,
+                [&](const LateAnswer& it) { return flight.due >= it.remembered_until; });
+  Duration learned{0};
+  for (const LateAnswer& late : lane.late_answers) {
+    learned = std::max(learned, late.lateness);
+  }
   flight.quarantine_until =
       flight.deadline + std::max(spec::quarantine_of(timing), learned) + kAdapterHolds;
   if (is_tcp(flight.bus)) {

@@ -107,11 +107,8 @@ void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
   lane.unanswered = is_asked ? 1 : 0;
   ++book.count.late;
   ++lane.count.late;
-  const Duration lateness = std::min(frame.ended - from->due, from->timing.quarantine_max);
-  if (lateness >= lane.learned || schedule_.now() >= lane.learned_until) {
-    lane.learned = lateness;
-    lane.learned_until = schedule_.now() + kRemembered;
-  }
+  lane.late_answers.push_back({std::min(frame.ended - from->due, from->timing.quarantine_max),
+                               schedule_.now() + kRemembered});
 }
 
 }  // namespace mbgate::soak

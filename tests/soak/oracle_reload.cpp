@@ -100,7 +100,7 @@ void Oracle::line_given_up(std::size_t bus) {
       lane.last_offline = schedule_.now();
     }
     lane.owed.clear();
-    lane.learned_until = Instant::min();
+    lane.late_answers.clear();
     lane.unanswered = 0;
     lane.unheard.clear();
     lane.count = {};
