@@ -23,6 +23,7 @@ void OfflineRules::check(Flight& flight, const Flight* before) const {
   if (flight.is_stop) {
     check_room(flight, before);
     check_stop(flight, before);
+    check_cut(flight, before);
   } else if (oracle_.is_surely_offline(lane)) {
     check_probe(flight, lane);
   }
@@ -177,12 +178,47 @@ void OfflineRules::check_stop(const Flight& stop, const Flight* before) const {
       oracle_.violation("dead_stop_repeated", oracle_.name(stop));
     }
   }
-  const bool is_cut = before != nullptr && before->expects_answer && !before->is_stop &&
-                      before->came == 0 && stop.begin < before->deadline &&
-                      std::max(book.opened, oracle_.reloaded_) < before->begin;
-  if (is_cut && are_all_given_up(stop.bus, lane)) {
+  if (is_cut_by(stop, before) && !before->is_stop && are_all_given_up(stop.bus, lane)) {
     oracle_.violation("dead_stop_cuts", oracle_.name(*before) + " for " + oracle_.name(stop));
   }
+}
+
+bool OfflineRules::is_cut_by(const Flight& stop, const Flight* before) const {
+  const Book& book = oracle_.books_[stop.bus];
+  return before != nullptr && before->expects_answer && before->came == 0 &&
+         stop.begin < before->deadline && std::max(book.opened, oracle_.reloaded_) < before->begin;
+}
+
+// What runs has as much time as a stop waits, each time anew.
+void OfflineRules::check_cut(const Flight& stop, const Flight* before) const {
+  const Book& book = oracle_.books_[stop.bus];
+  const Duration wait = oracle_.bus_settings(stop.bus).stop_wait;
+  if (is_cut_by(stop, before) && !before->is_stop && book.open_stops.size() == 1 &&
+      !oracle_.stopping_ && stop.begin < waits_from(stop) + wait) {
+    oracle_.violation("stop_cuts_early", oracle_.name(*before) + " for " + oracle_.name(stop));
+  }
+}
+
+// From its acceptance, or the end of its last try.
+Instant OfflineRules::waits_from(const Flight& stop) const {
+  Instant from = stop.stop_from.value_or(stop.begin);
+  for (const std::uint64_t id : stop.asked) {
+    const auto entry = oracle_.open_.find(id);
+    if (entry == oracle_.open_.end()) {
+      continue;
+    }
+    const Asked& asked = *entry->second;
+    if (asked.tries.size() > 1) {
+      const Flight* last = oracle_.flight(*(asked.tries.end() - 2));
+      const bool may_end =
+          last != nullptr && (last->came > 0 || last->beside_stop || last->meets_stop);
+      from =
+          last == nullptr ? Instant::min() : std::min(from, may_end ? last->end : last->deadline);
+    } else {
+      from = std::min(from, asked.earliest);
+    }
+  }
+  return from;
 }
 
 // Between two stops to a device that is silent one request to another device goes, if one waits

@@ -37,6 +37,9 @@ class OfflineRules {
   [[nodiscard]] bool may_go_first(std::size_t bus, const Lane& other, const Lane& lane) const;
   [[nodiscard]] bool are_all_given_up(std::size_t bus, const Lane& lane) const;
   void check_stop(const Flight& stop, const Flight* before) const;
+  void check_cut(const Flight& stop, const Flight* before) const;
+  [[nodiscard]] bool is_cut_by(const Flight& stop, const Flight* before) const;
+  [[nodiscard]] Instant waits_from(const Flight& stop) const;
   void check_room(const Flight& stop, const Flight* before) const;
 
   Oracle& oracle_;
