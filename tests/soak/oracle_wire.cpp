@@ -63,8 +63,7 @@ void Oracle::bus_opened(std::size_t bus) {
   book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
   for (Lane& lane : book.lanes) {
     lane.forget_silence();  // what its device owes it still owes
-    lane.emptied_at = is_tcp(bus) ? lane.emptied_at : book.opened;
-    lane.emptied_for = is_tcp(bus) ? lane.emptied_for : book.opened;
+    lane.emptied_at = lane.emptied_for = book.opened;
   }
 }
 

@@ -135,9 +135,11 @@ struct Absent {
 /// What a part of the plans is arranged for.
 enum class Theme : std::uint8_t {
   none,
-  dead_drives,  ///< quiet lines on which some are silent for long, and asked and stopped all the
-                ///< same
-  busy_line     ///< nothing goes wrong, and whose turn it is decides everything
+  dead_drives,   ///< quiet lines on which some are silent for long, and asked and stopped all the
+                 ///< same
+  busy_line,     ///< nothing goes wrong, and whose turn it is decides everything
+  shared_reads,  ///< all ask for the same, beside broadcasts, and the line is lost now and then
+  late_drives    ///< they are late again and again, for many minutes
 };
 
 struct SoakPlan {

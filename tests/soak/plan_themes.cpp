@@ -23,14 +23,17 @@ class ThemeDraw {
     // Where silence of the clients is judged, everything else is kept out already.
     const unsigned which = random_.between(0U, 999U);
     const auto lines = fitting_lines();
-    if (which >= 180 || lines.empty() || plan_.silence) {
+    if (which >= 360 || lines.empty() || plan_.silence) {
       return;
     }
-    plan_.theme = which < 140 ? Theme::dead_drives : Theme::busy_line;
+    plan_.theme = which < 140   ? Theme::dead_drives
+                  : which < 180 ? Theme::busy_line
+                  : which < 260 ? Theme::shared_reads
+                                : Theme::late_drives;
     let_everybody_in();
     for (const std::size_t bus : lines) {
       calm(bus);
-      plan_.theme == Theme::dead_drives ? let_die(bus) : crowd(bus);
+      arrange(bus);
     }
     for (Door& door : plan_.doors) {
       set_deadlines(plan_, door);
@@ -38,6 +41,15 @@ class ThemeDraw {
   }
 
  private:
+  void arrange(std::size_t bus) {
+    switch (plan_.theme) {
+      case Theme::dead_drives: return let_die(bus);
+      case Theme::busy_line: return crowd(bus);
+      case Theme::shared_reads: return share(bus);
+      case Theme::late_drives: return be_late(bus);
+      case Theme::none: return;
+    }
+  }
   [[nodiscard]] std::vector<std::size_t> fitting_lines();
   [[nodiscard]] std::vector<std::size_t> devices_on(std::size_t bus) const;
   void let_everybody_in();
@@ -45,6 +57,8 @@ class ThemeDraw {
   void let_die(std::size_t bus);
   void set_times(drive::DeviceTiming& timing);
   void crowd(std::size_t bus);
+  void share(std::size_t bus);
+  void be_late(std::size_t bus);
   Manners client(std::size_t bus, std::vector<std::size_t> devices);
 
   SoakPlan& plan_;
@@ -200,6 +214,55 @@ void ThemeDraw::crowd(std::size_t bus) {
     reads.burst = reads.outstanding = random_.between(2U, 8U);
     reads.pause = random_.one_of<Duration>({1ms, 5ms, 20ms});
     plan_.clients.push_back(reads);
+  }
+}
+
+// Few drives are asked, all for the same, so that reads wait before and behind writes and
+// broadcasts; what is kept is kept for longer than the line is away.
+void ThemeDraw::share(std::size_t bus) {
+  bus::BusSettings& settings = plan_.settings.buses[bus];
+  settings.coalesce = true;
+  settings.merge = random_.chance(200);
+  settings.burst = random_.between(1U, 2U);
+  settings.listen_first = random_.duration(0ms, 20ms);
+  auto devices = devices_on(bus);
+  devices.resize(random_.between(1U, 2U));
+  if (random_.chance(500)) {
+    plan_.rates[bus].lost_every = random_.duration(500ms, 2s);
+    for (const std::size_t index : devices) {
+      plan_.settings.devices[index].cache = random_.duration(500ms, 3s);
+    }
+  }
+  for (unsigned count = random_.between(4U, 8U); count > 0; --count) {
+    Manners asks = client(bus, devices);
+    asks.same_reads = 900;
+    asks.pause = random_.one_of<Duration>({5ms, 20ms, 100ms});
+    asks.writes = random_.one_of({0U, 0U, 50U});
+    asks.broadcasts = random_.one_of({0U, 0U, 200U});
+    plan_.clients.push_back(asks);
+  }
+}
+
+// They are asked all of the time, but slowly: what was learned of one minute is needed in the next.
+void ThemeDraw::be_late(std::size_t bus) {
+  FaultRates& rates = plan_.rates[bus];
+  rates.late = random_.one_of({200U, 400U});
+  rates.never = random_.one_of({0U, 100U});
+  auto devices = devices_on(bus);
+  devices.resize(random_.between(1U, 2U));
+  for (const std::size_t index : devices) {
+    drive::DeviceTiming& timing = plan_.settings.devices[index].timing;
+    timing.quarantine = random_.duration(0ms, 100ms);
+    timing.quarantine_max = random_.duration(300ms, 600ms);
+    timing.offline_after = 0;
+  }
+  for (unsigned count = random_.between(2U, 3U); count > 0; --count) {
+    Manners asks = client(bus, devices);
+    asks.burst = asks.outstanding = 2;
+    asks.least_pause = 500ms;
+    asks.pause = random_.one_of<Duration>({4s, 8s});
+    asks.writes = random_.one_of({0U, 200U});
+    plan_.clients.push_back(asks);
   }
 }
 
