@@ -190,7 +190,7 @@ Span Oracle::span_of(const Asked& asked) const {
                                    ? lane.earlier_write_event
                                    : Instant::min();
     first = std::max(asked.accepted - cache, last_write);
-    first = lane.emptied_at <= asked.accepted ? std::max(first, lane.emptied_for) : first;
+    first = lane.emptied_at < asked.accepted ? std::max(first, lane.emptied_for) : first;
     for (const Asked* write : lane.open) {
       if (write->changes() && !write->ordered && !write->client_gone &&
           write->accepted < asked.accepted) {
