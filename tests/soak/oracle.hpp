@@ -100,7 +100,6 @@ class Oracle {
   void tcp_answer_came(std::uint64_t number);
   /// An answer of the device may still be taken for one to the gateway.
   [[nodiscard]] bool owes(std::size_t bus, std::uint8_t address);
-
   // oracle_reload.cpp
   /// What is known only by the settings that end now.
   void before_reload();
@@ -146,6 +145,7 @@ class Oracle {
   friend class SharedReads;
   friend class TurnRules;
   friend class Withdrawals;
+  friend class WordOrders;
   // oracle_clients.cpp
   void accept_backlog(Session& session);
   void look_ahead(Session& session);
@@ -166,7 +166,6 @@ class Oracle {
   void leave_queue(Piece& piece);
   /// Of answers that are held back only the oldest request is known to be open.
   [[nodiscard]] bool is_surely_open(const Asked& asked) const;
-
   // oracle_reload.cpp
   void note_allowed(Asked& asked) const;
   [[nodiscard]] std::optional<drive::WordOrder> order_of(const Door& door) const;

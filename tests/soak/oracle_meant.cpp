@@ -9,13 +9,13 @@ namespace mbgate::soak {
 namespace {
 
 // A part of several goes only when those before it were carried out. Which word order the drive has
-// may be known from an earlier question.
+// may be known from an earlier question; it may have been when this was sent the first time.
 bool is_behind_failure(const Asked& asked, const Piece& piece, const Lane& lane) {
   if (asked.kind == Kind::broadcast || &piece == &asked.pieces.front()) {
     return false;
   }
   const Piece& before = *(&piece - 1);
-  return !before.executed && !(before.asks_order && lane.knows_order);
+  return !before.executed && !(before.asks_order && (lane.knows_order || piece.sent > 0));
 }
 
 }  // namespace

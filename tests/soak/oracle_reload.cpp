@@ -5,6 +5,7 @@
 
 #include "soak/oracle.hpp"
 #include "soak/withdrawals.hpp"
+#include "soak/word_orders.hpp"
 
 namespace mbgate::soak {
 namespace {
@@ -121,6 +122,7 @@ void Oracle::take_back(Asked& asked, std::size_t bus) {
 
 void Oracle::take_back(std::size_t bus, std::uint8_t address) {
   books_[bus].lanes[address].boots_until = Instant::min();
+  WordOrders(*this).forget(bus, address);
   for (Asked* asked : books_[bus].lanes[address].open) {
     take_back(*asked, bus);
   }

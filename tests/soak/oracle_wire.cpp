@@ -9,6 +9,7 @@
 #include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 #include "soak/pdus.hpp"
+#include "soak/word_orders.hpp"
 
 namespace mbgate::soak {
 namespace {
@@ -55,6 +56,7 @@ void Oracle::bus_opened(std::size_t bus) {
   failsafe_line_back(book);
   check_told(book, bus);
   book.forget_line();
+  WordOrders(*this).forget_line(bus);
   book.opened = schedule_.now();
   book.is_restarted = false;
   book.listens_until = book.opened + bus_settings(bus).listen_first.value_or(Duration{0});
@@ -105,6 +107,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   begin_failsafe();
   Book& book = books_[bus];
   note_silent(bus);
+  WordOrders(*this).after_wait(bus);
   const Flight* before = this->flight(book.last_flight);
   book.last_flight = flight.number;
   if (!book.open) {
@@ -123,6 +126,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   flight.is_broadcast = !is_tcp(bus) && is_for_all(plan_, bus, flight.address);
   cut_flying(book);
   attribute(flight);
+  WordOrders(*this).note_told(flight);
   check_stops_first(flight);
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
