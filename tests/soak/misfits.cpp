@@ -32,7 +32,9 @@ std::size_t first_fixed(std::uint8_t function) {
 }
 
 std::size_t end_of_fixed(const std::vector<std::uint8_t>& pdu) {
-  return pdu[0] == 0x14 ? 4 : pdu[0] == 0x18 ? 5 : pdu.size();
+  // Of 08 only what is asked for by 0 comes back as it was: other answers hold counters.
+  const bool has_data = pdu[0] == 0x08 && (pdu[1] != 0 || pdu[2] != 0);
+  return pdu[0] == 0x14 ? 4 : pdu[0] == 0x18 ? 5 : has_data ? 3 : pdu.size();
 }
 
 // One byte becomes another, so that it is the answer to nobody's request.
