@@ -150,15 +150,8 @@ void Oracle::check_tcp(const Flight& flight) {
     if (other.identifier == flight.identifier) {
       violation("tcp_identifier", name(flight));
     }
-    // A stop waits for no read of its device. What was begun before it goes on beside it.
-    const bool goes_on =
-        other.is_stop && (flight.repeats_read || flight.is_part ||
-                          std::ranges::any_of(flight.asked, [&](std::uint64_t id) {
-                            const auto entry = open_.find(id);
-                            return entry != open_.end() && entry->second->tries.size() > 1;
-                          }));
-    const bool may_go =
-        !other.is_write ? flight.is_stop || !flight.is_write : goes_on && !flight.is_stop;
+    // A stop waits for no read of its device, and nothing goes beside a stop.
+    const bool may_go = !other.is_write && (flight.is_stop || !flight.is_write);
     if (other.address == flight.address && !may_go) {
       violation("tcp_beside_write", name(flight) + " while " + name(other));
     }

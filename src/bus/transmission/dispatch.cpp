@@ -92,7 +92,7 @@ void Dispatch::continue_running(Instant now) {
   const Transmission* stop = parts_.stops.first();
   for (Transmission* running : parts_.transmissions.running()) {
     const Job& job = *running->leader;
-    if (running->in_flight) {
+    if (running->in_flight || parts_.transmissions.has_stop_in_flight(job.address())) {
       continue;
     }
     if (stop != nullptr && job.address() != stop->leader->address() && !job.is_broadcast()) {

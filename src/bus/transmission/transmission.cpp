@@ -75,4 +75,10 @@ std::size_t Transmissions::in_flight() const {
   return static_cast<std::size_t>(std::ranges::count_if(running_, &Transmission::in_flight));
 }
 
+bool Transmissions::has_stop_in_flight(std::uint8_t address) const {
+  return std::ranges::any_of(running_, [&](const Transmission* running) {
+    return running->in_flight && running->is_stop() && running->leader->address() == address;
+  });
+}
+
 }  // namespace mbgate::bus

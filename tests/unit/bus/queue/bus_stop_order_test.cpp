@@ -6,7 +6,6 @@
 namespace mbgate::test {
 namespace {
 
-constexpr auto kStopBy16 = "10 007C 0001 02 00E1";  // not identical to the other
 constexpr auto kStopBy16Frame = "01 10 00 7C 00 01 02 00 E1 6D E4";
 constexpr auto kReadOfThirdFrame = "03 03 00 00 00 01 85 E8";
 

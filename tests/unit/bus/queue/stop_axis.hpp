@@ -9,6 +9,7 @@ namespace mbgate::test {
 
 inline constexpr auto kStop = "06 007C 00E1";
 inline constexpr auto kStopFrame = "01 06 00 7C 00 E1 88 5A";
+inline constexpr auto kStopBy16 = "10 007C 0001 02 00E1";  // not identical to the other
 inline constexpr auto kMove = "06 007C 0066";
 inline constexpr auto kMoveFrame = "01 06 00 7C 00 66 C8 38";
 

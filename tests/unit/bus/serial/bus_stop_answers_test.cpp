@@ -8,7 +8,6 @@ namespace mbgate::test {
 namespace {
 
 constexpr auto kMoveBy16 = "10 007C 0001 02 0066";
-constexpr auto kStopBy16 = "10 007C 0001 02 00E1";
 constexpr auto kAnswerBy16 = "01 10 00 7C 00 01 C0 11";  // to either: it names no value
 constexpr auto kUnanswered = 110ms;  // such a frame takes 6.3 ms, the response timeout is 100 ms
 

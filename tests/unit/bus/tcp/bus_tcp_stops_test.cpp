@@ -47,6 +47,36 @@ TEST_F(BusTcp, WhatGoesBetweenTwoTriesOfAStopIsNotCutOffByTheStopBesideIt) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer)) << "only the read of 2";
 }
 
+TEST_F(BusTcp, AStopIsNotJoinedByTheNextPartOfARead) {
+  open(tcp(2), {axis(settings())});
+  auto& read = job(kRead);
+  add(read, kOther);
+  submit(read);
+  submit(job(kStop));
+  ASSERT_THAT(frames_, SizeIs(2));
+  answer(0, "01 03 02 12 34");
+  advance(10ms);
+  EXPECT_THAT(frames_, SizeIs(2));
+  answer(1, std::string("01 ") + kStop);
+  advance(10ms);
+  EXPECT_THAT(frames_, SizeIs(3));
+}
+
+TEST_F(BusTcp, NorByTheRepetitionOfARead) {
+  auto repeating = tcp(2);
+  repeating.timing.retries = 1;
+  open(repeating, {axis(repeating)});
+  submit(job(kRead));
+  advance(90ms);
+  submit(job(kStop));
+  ASSERT_THAT(frames_, SizeIs(2));
+  advance(20ms);  // the response timeout of the read has ended
+  EXPECT_THAT(frames_, SizeIs(2));
+  answer(1, std::string("01 ") + kStop);
+  advance(10ms);
+  EXPECT_THAT(frames_, SizeIs(3));
+}
+
 TEST_F(BusTcp, ALateAnswerBringsItsDeviceBack) {
   auto breaking = tcp(1);
   breaking.timing.offline_after = 1;
