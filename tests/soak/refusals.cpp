@@ -96,10 +96,7 @@ bool Refusals::found_no_room(const Asked& asked, std::size_t bus) const {
   const bool is_new = asked.is_read() || asked.kind == Kind::broadcast || asked.ordered ||
                       asked.ahead || asked.accepted + oracle_.lateness() >= oracle_.schedule_.now();
   const Instant since = asked.ordered ? asked.accepted : oracle_.schedule_.now();
-  if (!is_new) {
-    return false;
-  }
-  return book.last_full >= since || book.present > oracle_.bus_settings(bus).queue;
+  return is_new && (book.last_full >= since || book.present > oracle_.bus_settings(bus).queue);
 }
 
 bool Refusals::is_away(const Asked& asked) const {
