@@ -7,9 +7,10 @@ namespace {
 
 class BusCache : public Bus {
  protected:
-  void open_with_cache() {
+  void open_with_cache(bus::Duration age = 50ms, unsigned retries = 0) {
     drive::Device device{"axis", {}, 1, settings().timing};
-    device.cache = 50ms;
+    device.cache = age;
+    device.timing.retries = retries;
     open(settings(), {device});
   }
   void read() {
@@ -32,6 +33,21 @@ TEST_F(BusCache, ARepeatedReadIsAnsweredWithinItsAge) {
   advance(50ms);
   submit(job(kRead));
   EXPECT_THAT(endings_, SizeIs(2));
+}
+
+// What answers the repetition may be the late answer to the first try.
+TEST_F(BusCache, TheAgeCountsFromTheFirstTry) {
+  open_with_cache(150ms, 1);
+  submit(job(kRead));
+  advance(110ms);
+  ASSERT_THAT(frames_, SizeIs(2));
+  line(kAnswer);
+  advance(10ms);
+  submit(job(kRead));
+  EXPECT_EQ(bus_->counters().cached_reads, 1U);
+  advance(50ms);
+  submit(job(kRead));
+  EXPECT_EQ(bus_->counters().cached_reads, 1U);
 }
 
 TEST_F(BusCache, AWriteEmptiesItWhenAcceptedAndWhenEnded) {
