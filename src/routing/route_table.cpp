@@ -109,7 +109,9 @@ RouteTable::Index RouteTable::way_of_autonics(const ResolvedRoute& resolved, Ind
     return kNone;
   }
   only.route.buses = {bus};
-  only.route.access = resolved.route.access;
+  if (resolved.route.access == Access::read_only) {  // both must allow it
+    only.route.access = Access::read_only;
+  }
   only.audiences = {audience_on(bus)};
   only.only_form = drive::BroadcastForm::autonics;
   ways_.push_back(std::move(only));

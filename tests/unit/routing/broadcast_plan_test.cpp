@@ -167,6 +167,9 @@ TEST_F(Broadcasts, SoIsItOnARouteToTheBus) {
   EXPECT_EQ(sent("05 000B FF00", 129), Texts{"129 OR 80: 05 00 0B FF 00"});
   routes[0].access = routing::Access::read_only;
   EXPECT_EQ(sent("05 000B FF00", 129), Texts{kNotAllowed});
+  routes[0].access = routing::Access::read_write;
+  routes[1].access = routing::Access::read_only;
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{kNotAllowed}) << "who may not broadcast";
 }
 
 TEST_F(Broadcasts, WhoeverMayListenIsAsked) {
