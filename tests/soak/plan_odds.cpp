@@ -19,7 +19,7 @@ bool is_free(const SoakPlan& plan, std::uint8_t unit) {
 }
 
 // A route to the address where the AiC listens is a way to all of them, for those who may speak to
-// all; what it allows itself holds too. It lets nobody write where the route to all does not.
+// all; what it allows itself holds too.
 void add_autonics_route(SoakPlan& plan, Random& random) {
   const auto all = std::ranges::find_if(plan.doors, [](const Door& door) {
     return door.route && !door.device && !door.only_autonics;
@@ -36,12 +36,13 @@ void add_autonics_route(SoakPlan& plan, Random& random) {
   door.unit = kAutonicsAddress;
   door.only_autonics = true;
   door.buses = {*bus};
-  door.read_only = all->read_only || random.chance(500);
+  const bool only_reads = random.chance(500);
+  door.read_only = all->read_only || only_reads;
   set_deadlines(plan, door);
   routing::Route& route = plan.settings.routes.emplace_back();
   route.first_unit = route.last_unit = route.first_address = kAutonicsAddress;
   route.buses = {drive::BusId{static_cast<std::uint32_t>(*bus)}};
-  route.access = door.read_only ? routing::Access::read_only : routing::Access::read_write;
+  route.access = only_reads ? routing::Access::read_only : routing::Access::read_write;
   plan.absent.routes.push_back(false);
   for (; !plan.settings.listeners[door.listener].bus; ++door.listener) {
     plan.doors.push_back(door);

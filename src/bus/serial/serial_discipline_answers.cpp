@@ -45,9 +45,9 @@ bool SerialDiscipline::is_early() const {
 }
 
 void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
-  std::size_t end = 0;
   for (auto piece = held.pieces.begin(); piece != held.pieces.end(); ++piece) {
-    end = std::next(piece) == held.pieces.end() ? held.bytes.size() : std::next(piece)->begin;
+    const auto next = std::next(piece);
+    const std::size_t end = next == held.pieces.end() ? held.bytes.size() : next->begin;
     judge(framer_.add({held.bytes.data() + piece->begin, end - piece->begin}, piece->came), now);
   }
 }
