@@ -97,7 +97,8 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     const bool is_busy =
         (code == kBusy && (taken_back || is_older || is_outdated(asked))) || is_outdated_now;
     if (*asked.refused != code && !is_busy) {
-      violation("wrong_refusal", code_text(code) + " for " + name(asked));
+      violation("wrong_refusal", code_text(code) + " instead of " + code_text(*asked.refused) +
+                                     " for " + name(asked));
     }
     return;
   }

@@ -52,6 +52,7 @@ void Oracle::connect(ClientId client, std::size_t listener, unsigned host) {
   begin_failsafe();
   failsafe_.came(client, listener, host);
   Session& session = sessions_[client];
+  session.began = schedule_.now();
   session.listener = listener;
   session.ordered = plan_.settings.listeners[listener].ordered;
 }

@@ -97,9 +97,15 @@ void Oracle::check_quarantine(const Flight& flight) {
     return owed != nullptr && owed->pdu.front() == function &&
            schedule_.now() < owed->quarantine_until;
   };
+  // Nothing is taken for an answer that comes later than any quarantine may last.
+  const auto is_past = [&](const Flight& owed) {
+    const Duration longest =
+        std::max(owed.timing.quarantine_max, owed.quarantine_until - owed.deadline);
+    return schedule_.now() > owed.deadline + longest;
+  };
   std::erase_if(lane.owed, [&, before = lane.owed](std::uint64_t number) {
     const Flight* owed = this->flight(number);
-    return owed == nullptr || std::ranges::none_of(before, [&](std::uint64_t other) {
+    return owed == nullptr || is_past(*owed) || std::ranges::none_of(before, [&](auto other) {
              return holds(other, owed->pdu.front());
            });
   });
