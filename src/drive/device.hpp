@@ -83,6 +83,10 @@ struct Device {
   [[nodiscard]] DeviceTiming timing_of(const modbus::Request& request) const;
   /// Does the request write a communication register of the drive?
   [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request) const;
+  /// Does it carry out what goes to this address, or to all in this form of broadcasts?
+  [[nodiscard]] bool is_addressed_by(std::uint8_t to, BroadcastForm form) const {
+    return form == BroadcastForm::none ? to == address : form == profile.broadcast.form;
+  }
   /// Is the request a write of one of the profile's stops and of nothing else?
   [[nodiscard]] bool is_stop(const modbus::Request& request) const;
   /// Does it write one of them, alone or among others? Function 22 writes only some bits of a

@@ -62,14 +62,14 @@ bool DeviceTable::is_stop(std::uint8_t address, const modbus::Request& request,
     return entries_.at(address).device->is_stop(request);
   }
   return std::ranges::any_of(devices_, [&](const drive::Device& device) {
-    return device.profile.broadcast.form == broadcast && device.is_stop(request);
+    return device.is_addressed_by(address, broadcast) && device.is_stop(request);
   });
 }
 
 void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {
   for (const drive::Device& device : devices_) {
     const auto boot_time = device.silent_after(broadcast.request);
-    if (device.profile.broadcast.form == broadcast.broadcast) {
+    if (device.is_addressed_by(broadcast.address, broadcast.broadcast)) {
       entries_.at(device.address).hold_booting(boot_time, now);
     }
   }

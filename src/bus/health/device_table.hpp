@@ -42,7 +42,8 @@ struct DeviceEntry {
   bool stops_given_up = false;       ///< a stop and all its repetitions were unanswered
   bool merge_refused = false;        ///< it rejected a merged read
   bool second_reported = false;
-  Instant owed_until = Instant::min();   ///< when the last unanswered request was due
+  Instant owed_until =
+      Instant::min();  ///< the end of the last response timeout with something owed
   Instant answered_at = Instant::min();  ///< of the last answer
   std::uint8_t answered_function = 0;    ///< function code of that answer
   /// Shown only, they decide nothing: when a request was last sent to it, what it has left

@@ -51,7 +51,7 @@ std::optional<Choice> turn_before(Parts& parts, const Transmission& stop, Instan
   std::optional<Choice> turn;
   const auto running = parts.transmissions.running();
   const auto part = std::ranges::find_if(running, [&](const Transmission* transmission) {
-    return !transmission->in_flight && !transmission->is_between_tries() &&
+    return parts.transmissions.may_go_on(*transmission) && !transmission->is_between_tries() &&
            !is_held_back(parts, *transmission->leader, now) &&
            is_within(parts, bounds, *transmission->leader);
   });
@@ -71,8 +71,7 @@ bool is_stopped_by(const Parts& parts, const Job& stop, const Job& write) {
   }
   const auto stops_device = [&](const drive::Device& device) {
     const auto reaches = [&](const Transaction& transaction) {
-      return transaction.is_broadcast() ? transaction.broadcast == device.profile.broadcast.form
-                                        : transaction.address == device.address;
+      return device.is_addressed_by(transaction.address, transaction.broadcast);
     };
     const bool stopped = std::ranges::any_of(stop.transactions, [&](const Transaction& it) {
       return reaches(it) && (!it.is_broadcast() || device.is_stop(it.request));

@@ -76,8 +76,7 @@ Job* next_repeated(Parts& parts, const Bounds& bounds, Instant now) {
   const Transmission* next = nullptr;
   for (const Transmission* running : parts.transmissions.running()) {
     if (running->is_between_tries() && !is_held_back(parts, *running->leader, now) &&
-        !parts.transmissions.has_stop_in_flight(running->leader->address()) &&
-        is_within(parts, bounds, *running->leader) &&
+        parts.transmissions.may_go_on(*running) && is_within(parts, bounds, *running->leader) &&
         (next == nullptr || running->turn < next->turn)) {
       next = running;
     }

@@ -2,9 +2,9 @@
 #include "bus/tcp/tcp_discipline.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 
+#include "base/assert.hpp"
 #include "modbus/response.hpp"
 
 namespace mbgate::bus {
@@ -38,9 +38,7 @@ void TcpDiscipline::limit_wait(const Transaction& transaction, Instant instant, 
 
 FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
                                 OwedAnswers /*owed*/, Instant now) {
-  if (transaction.is_broadcast()) {
-    std::abort();  // routing refuses them
-  }
+  MBGATE_ASSERT(!transaction.is_broadcast(), "no broadcast goes over a connection");
   const std::uint16_t identifier = new_identifier();
   const Instant due = now + timing.response_timeout + timing.response_wait;
   flights_.push_back({identifier, &transaction, now, due, due});

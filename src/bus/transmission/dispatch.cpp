@@ -92,7 +92,7 @@ void Dispatch::continue_running(Instant now) {
   const Transmission* stop = parts_.stops.first();
   for (Transmission* running : parts_.transmissions.running()) {
     const Job& job = *running->leader;
-    if (running->in_flight || parts_.transmissions.has_stop_in_flight(job.address())) {
+    if (!parts_.transmissions.may_go_on(*running)) {
       continue;
     }
     if (stop != nullptr && job.address() != stop->leader->address() && !job.is_broadcast()) {
@@ -155,7 +155,7 @@ void Dispatch::watch_deadlines() {
 // nothing but these may begin.
 bool Dispatch::serve_stops(Instant now) {
   go_on_with_stops(now);
-  take_back_held_writes(now);
+  cancel_held_writes(now);
   if (!send_stops(now)) {
     return true;
   }
@@ -187,9 +187,9 @@ void Dispatch::go_on_with_stops(Instant now) {
   }
 }
 
-// If none of the writes that a stop lets go first can begin in time, all that wait are taken back
+// If none of the writes that a stop lets go first can begin in time, all that wait are cancelled
 // at once: they must not follow the stop.
-void Dispatch::take_back_held_writes(Instant now) {
+void Dispatch::cancel_held_writes(Instant now) {
   const Transmission* stop = parts_.stops.first();
   if (stop != nullptr && is_held_too_long(parts_, *stop, now)) {
     ends_.overtake_writes_before(*stop->leader);

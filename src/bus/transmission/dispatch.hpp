@@ -43,7 +43,7 @@ class Dispatch {
   void watch_deadlines();
   bool serve_stops(Instant now);
   void go_on_with_stops(Instant now);
-  void take_back_held_writes(Instant now);
+  void cancel_held_writes(Instant now);
   bool send_stops(Instant now);
   bool send_stop(Transmission& stop, Instant now);
   void continue_running(Instant now);

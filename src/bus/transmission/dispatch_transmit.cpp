@@ -20,7 +20,9 @@ void Dispatch::skip_known_settings(Transmission& transmission) const {
 void Dispatch::check_allowed(const Transmission& transmission, Instant now) const {
   const Job& job = *transmission.leader;
   const bool is_stop = transmission.is_stop();
-  MBGATE_ASSERT(!transmission.in_flight, "a job has one transmission on the wire");
+  MBGATE_ASSERT(parts_.transmissions.may_go_on(transmission),
+                "a job has one transmission on the wire, and goes beside no stop to its device");
+  MBGATE_ASSERT(parts_.transmissions.has_room(), "no more is on the wire than there is room for");
   MBGATE_ASSERT(is_stop || !job.abandoned, "nothing is transmitted for a client that has gone");
   MBGATE_ASSERT(is_stop || !job.overtaken, "no write is transmitted behind its stop");
   MBGATE_ASSERT(is_stop || now < job.deadline, "nothing is transmitted after its deadline");

@@ -75,10 +75,12 @@ std::size_t Transmissions::in_flight() const {
   return static_cast<std::size_t>(std::ranges::count_if(running_, &Transmission::in_flight));
 }
 
-bool Transmissions::has_stop_in_flight(std::uint8_t address) const {
-  return std::ranges::any_of(running_, [&](const Transmission* running) {
-    return running->in_flight && running->is_stop() && running->leader->address() == address;
-  });
+bool Transmissions::may_go_on(const Transmission& running) const {
+  const auto is_stop_for_it = [&](const Transmission* other) {
+    return other->in_flight && other->is_stop() &&
+           other->leader->address() == running.leader->address();
+  };
+  return !running.in_flight && std::ranges::none_of(running_, is_stop_for_it);
 }
 
 }  // namespace mbgate::bus

@@ -84,8 +84,9 @@ class Transmissions {
   /// Of those in flight, the one that was started first; nullptr if there is none.
   [[nodiscard]] Transmission* first_in_flight() const;
   [[nodiscard]] std::size_t in_flight() const;
-  /// A stop goes beside what is already on the wire for its device. Nothing goes beside the stop.
-  [[nodiscard]] bool has_stop_in_flight(std::uint8_t address) const;
+  /// Its next try, or its next transaction, may go as far as the others are concerned. A stop goes
+  /// beside what is already on the wire for its device; nothing more goes beside the stop.
+  [[nodiscard]] bool may_go_on(const Transmission& running) const;
   [[nodiscard]] bool has_room() const { return in_flight() < room_; }
   [[nodiscard]] std::size_t room() const { return room_; }
 

@@ -19,8 +19,7 @@ void report_reconfigured(const Exchange& exchange, const Exchange::Part& part,
     bool hit = false;
     for (std::size_t at = 0; device.bus == part.bus && at < part.job->transactions.size(); ++at) {
       const bus::Transaction& it = part.job->transactions[at];
-      const bool heard = it.is_broadcast() ? it.broadcast == device.profile.broadcast.form
-                                           : it.address == device.address;
+      const bool heard = device.is_addressed_by(it.address, it.broadcast);
       hit =
           hit || (heard && device.is_reconfigured_by(it.request) && may_have_worked(*part.job, at));
     }

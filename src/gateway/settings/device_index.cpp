@@ -34,7 +34,7 @@ DevicePlaces DeviceIndex::addressed_by(const routing::PlannedTransaction& transa
   DevicePlaces places = reached_by(transaction);
   if (transaction.broadcast != drive::BroadcastForm::none) {
     const auto deaf = std::ranges::remove_if(places, [&](std::size_t place) {
-      return devices_[place].profile.broadcast.form != transaction.broadcast;
+      return !devices_[place].is_addressed_by(transaction.address, transaction.broadcast);
     });
     places.erase(deaf.begin(), deaf.end());
   }

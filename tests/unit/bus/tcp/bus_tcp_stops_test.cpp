@@ -47,6 +47,23 @@ TEST_F(BusTcp, WhatGoesBetweenTwoTriesOfAStopIsNotCutOffByTheStopBesideIt) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer)) << "only the read of 2";
 }
 
+TEST_F(BusTcp, AStopThatIsRepeatedWaitsAnewForWhatIsInItsWay) {
+  auto slow = tcp(2);
+  slow.timing.response_timeout = 1s;
+  slow.stop_wait = 60ms;
+  open(slow, {axis(settings(), 2), axis(settings(), 3)});
+  submit(job_of(0, kRead, 4));
+  submit(job_of(1, kStop, 3));
+  submit(job_of(2, kRead, 1));
+  advance(settings().timing.response_timeout);
+  ASSERT_THAT(units(), ElementsAre(4, 3, 1));
+  advance(50ms);
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(10ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer)) << "only the read of 4";
+  EXPECT_THAT(units(), ElementsAre(4, 3, 1, 3));
+}
+
 TEST_F(BusTcp, AStopIsNotJoinedByTheNextPartOfARead) {
   open(tcp(2), {axis(settings())});
   auto& read = job(kRead);
@@ -60,6 +77,19 @@ TEST_F(BusTcp, AStopIsNotJoinedByTheNextPartOfARead) {
   answer(1, std::string("01 ") + kStop);
   advance(10ms);
   EXPECT_THAT(frames_, SizeIs(3));
+}
+
+TEST_F(BusTcp, NorWhileAStopToAnotherDeviceGivesWay) {
+  open(tcp(3), {axis(settings()), axis(settings(), 2)});
+  auto& read = job(kRead);
+  add(read, kOther);
+  submit(read);
+  submit(job_of(1, kStop, 2));
+  advance(50ms);
+  submit(job_of(2, kStop));
+  answer(0, "01 03 02 12 34");
+  advance(50ms);  // the response timeout of the first stop has ended
+  EXPECT_THAT(units(), ElementsAre(1, 2, 1, 2));
 }
 
 TEST_F(BusTcp, NorByTheRepetitionOfARead) {
