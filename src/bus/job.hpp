@@ -59,7 +59,7 @@ enum class FairnessKey : std::uint32_t {};
 /// Stops are sent first, then writes, then reads. For every rule, what is not a read is a write.
 enum class JobClass : std::uint8_t { stop, write, read };
 
-/// Neither a read nor a stop: a stop takes it back, no read is shared across it, and it makes owed
+/// Neither a read nor a stop: a stop cancels it, no read is shared across it, and it makes owed
 /// answers outdated. Holds for any class that may come between stops and reads.
 [[nodiscard]] constexpr bool is_write(JobClass job_class) {
   return job_class != JobClass::stop && job_class != JobClass::read;

@@ -79,7 +79,7 @@ struct SettingsChanged {
 struct Stalled {
   std::chrono::milliseconds lasted{};
 };
-/// All counters begin anew, as by function 08/10 to the gateway's own unit. Nothing else changes.
+/// All counters begin anew, as by function 08/10 to the status unit. Nothing else changes.
 struct ClearCountersAsked {};
 /// Nothing new is started but stops; Finished follows at most 1.5 s later.
 struct ShutdownAsked {};

@@ -100,7 +100,7 @@ struct HttpSettings {
 /// The number of a listener, bus or device is its index here; a reload does not change it
 /// (settings/numbering).
 struct Settings {
-  /// The gateway's own unit identifier on every listener; none turns it off.
+  /// The identifier of the status unit on every listener; none turns it off.
   std::optional<std::uint8_t> status_unit = 255;
   bool lock_memory = false;  ///< nothing of the process is ever swapped out
   /// Path of the Unix socket of the HTTP interface; empty: there is none.

@@ -48,8 +48,8 @@ void RouteTable::add_transparent(const ListenerKind& kind, Units& units) {
 }
 
 void RouteTable::add(const Route& route, Units& units) {
-  const auto index = static_cast<Index>(ways_.size());
-  ResolvedRoute& resolved = ways_.emplace_back();
+  const auto index = static_cast<Index>(routes_.size());
+  ResolvedRoute& resolved = routes_.emplace_back();
   resolved.route = route;
   if (route.device) {
     resolved.device = &devices_[*route.device];
@@ -74,15 +74,15 @@ Audience RouteTable::audience_on(BusId bus) const {
 }
 
 // Where an AiC listens, address 129 is no device: it reaches them all, so that only a client who
-// may broadcast there gets a way.
+// may broadcast there gets a route.
 void RouteTable::guard_broadcast_address(Units& units) {
   for (std::size_t unit = 0; unit < units.size(); ++unit) {
     if (units[unit] == kNone) {
       continue;
     }
-    const ResolvedRoute& resolved = ways_[static_cast<std::size_t>(units[unit])];
+    const ResolvedRoute& resolved = routes_[static_cast<std::size_t>(units[unit])];
     if (hears_autonics(resolved, unit)) {
-      units[unit] = way_of_autonics(resolved, units[0]);
+      units[unit] = route_of_autonics(resolved, units[0]);
     }
   }
 }
@@ -99,12 +99,12 @@ bool RouteTable::hears_autonics(const ResolvedRoute& resolved, std::size_t unit)
   });
 }
 
-RouteTable::Index RouteTable::way_of_autonics(const ResolvedRoute& resolved, Index broadcast) {
+RouteTable::Index RouteTable::route_of_autonics(const ResolvedRoute& resolved, Index broadcast) {
   const BusId bus = resolved.route.buses.front();
   if (broadcast == kNone) {
     return kNone;
   }
-  ResolvedRoute only = ways_[static_cast<std::size_t>(broadcast)];
+  ResolvedRoute only = routes_[static_cast<std::size_t>(broadcast)];
   if (!only.is_broadcast() || std::ranges::find(only.route.buses, bus) == only.route.buses.end()) {
     return kNone;
   }
@@ -114,13 +114,13 @@ RouteTable::Index RouteTable::way_of_autonics(const ResolvedRoute& resolved, Ind
   }
   only.audiences = {audience_on(bus)};
   only.only_form = drive::BroadcastForm::autonics;
-  ways_.push_back(std::move(only));
-  return static_cast<Index>(ways_.size() - 1);
+  routes_.push_back(std::move(only));
+  return static_cast<Index>(routes_.size() - 1);
 }
 
 const ResolvedRoute* RouteTable::find(ListenerId listener, std::uint8_t unit) const {
   const Index index = listeners_[static_cast<std::size_t>(listener)][unit];
-  return index == kNone ? nullptr : &ways_[static_cast<std::size_t>(index)];
+  return index == kNone ? nullptr : &routes_[static_cast<std::size_t>(index)];
 }
 
 std::bitset<256> RouteTable::units(ListenerId listener) const {

@@ -43,10 +43,10 @@ class RouteTable {
   void guard_broadcast_address(Units& units);
   [[nodiscard]] Audience audience_on(BusId bus) const;
   [[nodiscard]] bool hears_autonics(const ResolvedRoute& resolved, std::size_t unit) const;
-  [[nodiscard]] Index way_of_autonics(const ResolvedRoute& resolved, Index broadcast);
+  [[nodiscard]] Index route_of_autonics(const ResolvedRoute& resolved, Index broadcast);
 
   std::span<const drive::Device> devices_;
-  std::deque<ResolvedRoute> ways_;  // their addresses are stable while the table is built
+  std::deque<ResolvedRoute> routes_;  // their addresses are stable while the table is built
   std::vector<Units> listeners_;
 };
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """mbgated with listeners that speak TLS, its mbgate-signer, and clients with certificates. The requests are for the
-gateway's own unit, so no line is needed."""
+status unit, so no line is needed."""
 
 import pathlib
 import signal
@@ -58,7 +58,7 @@ name = "line-a"
 device = "no-such-port"
 """
 OWN_UNIT = 255
-READ = struct.pack(">BHH", 4, 0, 1)  # the first register of the gateway's own unit
+READ = struct.pack(">BHH", 4, 0, 1)  # the first register of the status unit
 
 
 def receive(stream, size):
@@ -166,7 +166,7 @@ class TlsCase(unittest.TestCase):
         self.plant = self.enterContext(TlsPlant())
         with self.plant.plain() as plain:
             self.answer = ask(plain)  # what the same request gets without TLS
-        self.assertEqual(self.answer[:2], b"\x04\x02", "the gateway's own unit answers")
+        self.assertEqual(self.answer[:2], b"\x04\x02", "the status unit answers")
 
     def use(self, stream):
         """The stream, closed when the test ends."""

@@ -13,7 +13,7 @@ from tls_certificates import utf8
 from tls_plant import READ, TlsCase, adu, answer_of, ask
 
 VERSIONS = (ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3)
-SECOND = struct.pack(">BHH", 4, 1, 1)  # the second register of the gateway's own unit
+SECOND = struct.pack(">BHH", 4, 1, 1)  # the second register of the status unit
 CLEAR = struct.pack(">BHH", 8, 10, 0)  # its counters begin anew: a write
 WRITE = struct.pack(">BHH", 6, 0, 1)  # of a drive on the line, which is not there: 0A
 WRITES = [CLEAR, WRITE] + list(map(bytes.fromhex, (

@@ -63,7 +63,7 @@ struct Asked {
   bool is_repeated = false;   ///< a stop of the drive's, which is repeated without a fitting echo
   bool has_no_table = false;  ///< its answer repeats all of it
   bool other_order = false;   ///< the drive turns out to have another word order: 04, not written
-  bool any_code = false;      ///< of the gateway's own unit: it may be refused
+  bool any_code = false;      ///< of the status unit: it may be refused
   bool unlisted = false;      ///< by the device's `writer`; it may also be taken back by a stop
   bool replies = true;
   bool silent = false;  ///< the device never answers it; the gateway does

@@ -30,7 +30,7 @@ class Asking {
   Asked make(const Manners& manners);
   /// A read that shows that a device is back.
   Asked fresh_read(const Door& door);
-  /// Input registers of the gateway's own unit.
+  /// Input registers of the status unit.
   static Asked own_read(std::uint16_t first, std::uint16_t count);
 
  private:

@@ -25,7 +25,7 @@ class OfflineRules {
   void judge_refused(const Asked& asked) const;
   /// Its client was told that there is no answer.
   void judge_wait(const Asked& asked) const;
-  /// The gateway's own unit has shown a device's state.
+  /// The status unit has shown a device's state.
   void judge_shown(const Asked& asked, const PduBytes& pdu) const;
 
  private:

@@ -56,7 +56,7 @@ class Oracle {
   [[nodiscard]] bool is_open(ClientId client, std::uint16_t transaction) const;
   /// Requests with a good answer so far: a glance for the quiet phase.
   [[nodiscard]] bool was_answered_well(std::uint64_t id) const { return well_ && *well_ == id; }
-  /// The data of the last answer of the gateway's own unit.
+  /// The data of the last answer of the status unit.
   [[nodiscard]] const PduBytes& own_answer() const { return own_answer_; }
 
   // oracle_shutdown.cpp: the gateway is told to stop, says that it has, and must have by now.

@@ -106,7 +106,7 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     if (asked.any_code) {
       return;
     }
-    violation("wrong_refusal", code_text(code) + " of the gateway's own unit");
+    violation("wrong_refusal", code_text(code) + " of the status unit");
     return;
   }
   const Refusals refusals(*this);

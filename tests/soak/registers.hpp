@@ -57,7 +57,7 @@ inline constexpr std::uint16_t kCoils = 1042;
 inline constexpr std::uint8_t kAutonicsAddress = 129;
 inline constexpr std::uint8_t kMostOfAutonics = 2;  ///< registers of a broadcast
 
-/// Input registers of the gateway's own unit (src/gateway/status_unit.hpp): those of devices, each
+/// Input registers of the status unit (src/gateway/status_unit.hpp): those of devices, each
 /// with its bus, address, state and unanswered transmissions in a row.
 inline constexpr std::uint16_t kDevicesAt = 10000;
 inline constexpr std::uint16_t kDeviceSize = 32;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// At the end the gateway's own unit must say what was seen here (src/gateway/status_unit.hpp has
+// At the end the status unit must say what was seen here (src/gateway/status_unit.hpp has
 // the registers). Each transmission that is to be answered was answered, was not in time, or came
 // damaged, unless its line was lost meanwhile; which of these it was depends on the gateway alone.
 #include <algorithm>

@@ -106,7 +106,7 @@ void check_whole(Draft& draft) {
   check_overlaps(draft);
   check_routes(draft);
   check_deadlines(draft);
-  // After an error a way may be missing only because the entry that leads there is wrong.
+  // After an error a route may be missing only because the entry that leads there is wrong.
   if (!draft.document.failed()) {
     check_ways(draft);
     check_failsafe(draft);

@@ -31,7 +31,7 @@ struct RuleVerdict {
                                                const ClientInfo& client, std::uint8_t unit,
                                                const modbus::Pdu& request);
 
-/// A request to the gateway's own unit.
+/// A request to the status unit.
 [[nodiscard]] RuleVerdict verdict_on_own(const SettingsSnapshot& settings, const ClientInfo& client,
                                          std::uint8_t unit, const modbus::Pdu& request);
 

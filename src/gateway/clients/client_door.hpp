@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where clients come in and go: who is let in, who makes room, what a client address may do, and
-// what is taken back when a client goes.
+// what is cancelled when a client goes.
 #pragma once
 
 #include <optional>

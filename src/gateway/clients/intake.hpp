@@ -32,7 +32,7 @@ struct Request {
   std::uint64_t position;  ///< in the client's stream
   Instant arrival;
   bool is_early = false;     ///< a stop that overtakes earlier requests of the stream
-  bool for_gateway = false;  ///< for the gateway's own unit
+  bool for_gateway = false;  ///< for the status unit
   std::optional<modbus::ExceptionCode> refused{};
   const routing::ResolvedRoute* route = nullptr;  ///< nothing: there is none
   std::optional<routing::Plan> plan{};            ///< unless it is refused

@@ -35,7 +35,7 @@ class Requests {
   void pass_early(ClientSession& session, const EarlyStops::Stop& stop);
   /// All jobs of the exchange have ended: answers it.
   void complete(std::uint32_t exchange, Instant now);
-  /// All that the gateway's own unit shows: of its own, of clients, of buses and devices.
+  /// All that the status unit shows: of its own, of clients, of buses and devices.
   void clear_counters();
 
  private:

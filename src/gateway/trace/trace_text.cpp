@@ -124,7 +124,7 @@ const char* to_text(bus::Ending ending, bool was_sent) {
     case bus::Ending::closed: return "the line is not open";
     case bus::Ending::offline: return "the device is offline";
     case bus::Ending::cancelled:
-      return was_sent ? "given up before it was done" : "taken back before it was sent";
+      return was_sent ? "given up before it was done" : "cancelled before it was sent";
   }
   return "";
 }

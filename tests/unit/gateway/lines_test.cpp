@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lines that are absent, vanish and return; the end of the process; the gateway's own unit.
+// Lines that are absent, vanish and return; the end of the process; the status unit.
 #include <gmock/gmock.h>
 
 #include "support/machine_rig.hpp"

@@ -124,7 +124,7 @@ TEST(Replay, OtherSettingsStandInTheRecordingAndComeAgain) {
   EXPECT_EQ(outcome.version, "0");
 }
 
-// The gateway's own unit is asked how many requests there were, before and after.
+// The status unit is asked how many requests there were, before and after.
 TEST(Replay, CountersAreClearedAgain) {
   const auto ask = test::unhex("0001 0000 0006 FF 04 0006 0002");
   const std::string cleared = "3000000000 clear\n";

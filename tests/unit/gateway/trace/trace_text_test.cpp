@@ -52,7 +52,7 @@ TEST(TraceText, ARequestThatNobodyHereHasSentIsOne) {
 }
 
 TEST(TraceText, SaysWhetherSomethingWasSentOfWhatWasCancelled) {
-  EXPECT_STREQ(gateway::to_text(bus::Ending::cancelled, false), "taken back before it was sent");
+  EXPECT_STREQ(gateway::to_text(bus::Ending::cancelled, false), "cancelled before it was sent");
   EXPECT_STREQ(gateway::to_text(bus::Ending::cancelled, true), "given up before it was done");
 }
 
