@@ -24,7 +24,7 @@ void LineLoad::note(bool is_busy, Instant now, Instant free_at) {
   window_began_ = window_began_.value_or(now);
   go_on(now);
   if (is_busy) {
-    busy_since_ = now;
+    busy_since_ = std::max(now, counted_until_);
   } else {
     end_busy(std::max(now, free_at));
     busy_since_.reset();
@@ -38,9 +38,12 @@ void LineLoad::note_wait(Duration waited, Instant now) {
   waits_.are_long += waited >= kLongWait ? 1U : 0U;
 }
 
+// The line may be used earlier than was expected: a connection that its server usually closes.
 void LineLoad::end_busy(Instant at) {
-  busy_ += at - *busy_since_;
-  total_ += at - *busy_since_;
+  const Duration more = std::max(at - *busy_since_, Duration{0});
+  busy_ += more;
+  total_ += more;
+  counted_until_ = std::max(counted_until_, at);
 }
 
 Duration LineLoad::total(Instant now) const {
@@ -53,7 +56,7 @@ void LineLoad::go_on(Instant now) {
     const Instant end = *window_began_ + kLoadWindow;
     if (busy_since_) {
       end_busy(end);
-      busy_since_ = end;
+      busy_since_ = std::max(end, counted_until_);
     }
     // Nothing happens in the windows of a long pause.
     const bool was_long = now - end >= 2 * kLoadWindow && !busy_since_;
@@ -74,7 +77,8 @@ unsigned LineLoad::percent(Instant now) const {
   if (at_now.before_) {
     return share(*at_now.before_, kLoadWindow);
   }
-  const Duration running = at_now.busy_since_ ? now - *at_now.busy_since_ : Duration{0};
+  const Duration running =
+      at_now.busy_since_ ? std::max(now - *at_now.busy_since_, Duration{0}) : Duration{0};
   return share(at_now.busy_ + running, now - *at_now.window_began_);
 }
 

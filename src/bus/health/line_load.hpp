@@ -38,7 +38,8 @@ class LineLoad {
   void end_busy(Instant at);
 
   std::optional<Instant> window_began_;  // nothing was transmitted yet
-  std::optional<Instant> busy_since_;
+  std::optional<Instant> busy_since_;    // or later, if the time until then counts already
+  Instant counted_until_ = Instant::min();
   Duration total_{0};                 // without the time since busy_since_
   Duration busy_{0};                  // in this window
   std::optional<Duration> before_{};  // in the one before

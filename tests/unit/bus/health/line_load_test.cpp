@@ -40,6 +40,19 @@ TEST_F(LoadOfALine, CountsWhatLastsOverTheEndOfAWindowOnce) {
   EXPECT_EQ(load_.percent(now_ + 11s), 20U);  // 2 of 10 s
 }
 
+TEST_F(LoadOfALine, CountsNoTimeTwiceIfTheLineIsUsedEarlierThanWasExpected) {
+  for (int at = 0; at < 100; ++at) {
+    load_.note(true, now_, now_);
+    now_ += 1ms;
+    load_.note(false, now_, now_ + 50ms);
+    now_ += 4ms;
+  }
+  EXPECT_EQ(load_.total(now_), 99 * 5ms + 51ms);
+  load_.note(true, now_ - 4ms, now_);
+  load_.note(false, now_ - 3ms, now_);
+  EXPECT_EQ(load_.total(now_), 99 * 5ms + 51ms) << "within the time that counts already";
+}
+
 TEST_F(LoadOfALine, IsThatOfTheLastTenSecondsThatAreOver) {
   for (int at = 0; at < 200; ++at) {
     transmit(50ms, 50ms);
