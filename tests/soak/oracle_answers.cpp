@@ -13,7 +13,6 @@
 namespace mbgate::soak {
 namespace {
 
-constexpr std::uint8_t kDenied = 0x01;
 constexpr std::uint8_t kFailure = 0x04;
 constexpr std::uint8_t kBusy = 0x06;
 constexpr std::uint8_t kNoPath = 0x0A;
@@ -86,17 +85,7 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
 
 void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
   if (asked.refused) {
-    const bool taken_back =
-        asked.dropped || (asked.unlisted && (stopping_ || may_be_stopped(asked)));
-    // It came, or may have come, before its unit led elsewhere. By now it may lead nowhere, or its
-    // client may only read there.
-    const bool is_outdated_now = is_outdated(asked) && (code == kNoPath || code == kDenied);
-    // Where a broadcast leads has changed with any device of its buses.
-    const bool is_older =
-        asked.door != nullptr && !asked.door->device && asked.earliest < reloaded_;
-    const bool is_busy =
-        (code == kBusy && (taken_back || is_older || is_outdated(asked))) || is_outdated_now;
-    if (*asked.refused != code && !is_busy) {
+    if (*asked.refused != code && !Withdrawals(*this).may_come_before(asked, code)) {
       violation("wrong_refusal", code_text(code) + " instead of " + code_text(*asked.refused) +
                                      " for " + name(asked));
     }
@@ -135,8 +124,9 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
       return;
     default: break;
   }
-  if (!asked.device_exceptions.test(code) &&
-      !(code == kFailure && was_asked_before_reload(asked))) {
+  const bool is_the_devices =
+      asked.device_exceptions.test(code) || (code == kFailure && was_asked_before_reload(asked));
+  if (!is_the_devices) {
     if (is_apart(asked, "misdelivered_")) {
       return;
     }

@@ -6,6 +6,13 @@
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
+namespace {
+
+constexpr std::uint8_t kDenied = 0x01;
+constexpr std::uint8_t kNotNow = 0x06;
+constexpr std::uint8_t kNoPath = 0x0A;
+
+}  // namespace
 
 void Withdrawals::take_back_for(const Asked& stop) const {
   const Instant now = oracle_.schedule_.now();
@@ -24,10 +31,8 @@ void Withdrawals::take_back_for(const Asked& stop) const {
         continue;
       }
       lane.last_stop = now;
-      for (Asked* asked : lane.open) {
-        if (asked->kind == Kind::write && !asked->doomed && takes_back) {
-          asked->doomed = now;
-        }
+      if (takes_back) {
+        take_back_writes(lane);
       }
     }
     if (takes_back) {
@@ -36,6 +41,14 @@ void Withdrawals::take_back_for(const Asked& stop) const {
   }
   if (takes_back) {
     take_back_read_ahead(stop);
+  }
+}
+
+void Withdrawals::take_back_writes(const Lane& lane) const {
+  for (Asked* asked : lane.open) {
+    if (asked->kind == Kind::write && !asked->doomed) {
+      asked->doomed = oracle_.schedule_.now();
+    }
   }
 }
 
@@ -125,7 +138,6 @@ bool Withdrawals::must_wait(const std::deque<std::uint64_t>& backlog, const Aske
 
 // What came before its unit came to mean something else is carried out neither there nor here.
 void Withdrawals::refuse_outdated(Asked& asked) const {
-  constexpr std::uint8_t kNotNow = 6;
   if (asked.is_accepted || asked.door == nullptr || !asked.door->device ||
       oracle_.meanings_.change_of(asked.door->listener, asked.unit).surely <= asked.written) {
     return;
@@ -134,6 +146,25 @@ void Withdrawals::refuse_outdated(Asked& asked) const {
   asked.stops_all = false;  // it is none any more
   asked.kind = asked.kind == Kind::stop ? Kind::write : asked.kind;
   oracle_.report_.fault("outdated");
+}
+
+bool Withdrawals::may_come_before(const Asked& refused, std::uint8_t code) const {
+  const bool is_outdated = oracle_.is_outdated(refused);
+  switch (code) {
+    case kDenied:
+    case kNoPath:
+      // It came, or may have come, before its unit led elsewhere. By now it may lead nowhere, or
+      // its client may only read there.
+      return is_outdated;
+    case kNotNow: break;
+    default: return false;
+  }
+  const bool is_stopped =
+      refused.unlisted && (oracle_.stopping_.has_value() || oracle_.may_be_stopped(refused));
+  // Where a broadcast leads has changed with any device of its buses.
+  const bool is_older =
+      refused.door != nullptr && !refused.door->device && refused.earliest < oracle_.reloaded_;
+  return refused.dropped || is_stopped || is_older || is_outdated;
 }
 
 void Withdrawals::refuse_outdated() const {

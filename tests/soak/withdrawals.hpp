@@ -9,6 +9,7 @@
 
 namespace mbgate::soak {
 
+struct Lane;
 class Oracle;
 
 class Withdrawals {
@@ -26,8 +27,11 @@ class Withdrawals {
   void refuse_outdated() const;
   /// It counts as older than it is: perhaps than a reload.
   void refuse_outdated(Asked& asked) const;
+  /// Of a request that is refused anyway: it may have been withdrawn before that was seen.
+  [[nodiscard]] bool may_come_before(const Asked& refused, std::uint8_t code) const;
 
  private:
+  void take_back_writes(const Lane& lane) const;
   void take_back_broadcasts(const Asked& stop, std::size_t bus) const;
   void take_back_read_ahead(const Asked& stop) const;
   [[nodiscard]] bool reaches(const Asked& stop, std::size_t bus, std::uint8_t form) const;
