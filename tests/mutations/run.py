@@ -148,7 +148,8 @@ class Seen(NamedTuple):
     died: bool
 
 
-BROKEN = "broken invariant: "
+# What the product has noticed by itself: one of its invariants, or one of the standard library's.
+BROKEN = re.compile(r"broken invariant: |: Assertion '.*' failed")
 
 
 def seen_in(text):
@@ -157,7 +158,7 @@ def seen_in(text):
         seeds.setdefault(kind, int(seed))
         told[kind] = told.get(kind, 0) + 1
     line = re.findall(r"^  violations: (.*)$", text, re.MULTILINE)
-    if not line and BROKEN in text:  # the product has noticed it itself
+    if not line and BROKEN.search(text):
         return Seen(told | {"broken_invariant": 1}, seeds, False)
     if not line:
         return Seen(told, seeds, True)

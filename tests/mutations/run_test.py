@@ -23,6 +23,9 @@ seed 7: misdelivered: not what was asked
 NOTHING = "100 seeds, 0 with violations: 50000 transactions\n  violations: none\n  1.0 s\n"
 DEAD = "seed 3: no_progress: the gateway's deadline stays in the past\nSegmentation fault\n"
 
+BROKEN = "seed 2: silence: 2 us too early\nbroken invariant: a write is transmitted once (src/bus/x.cpp:31)\n"
+LIBRARY = "/usr/include/c++/12/span:380: subspan(size_type) const: Assertion '__offset <= size()' failed.\n"
+
 
 class ASoakTells(unittest.TestCase):
     def test_how_often_each_violation_was_seen_and_in_which_seed_first(self):
@@ -37,6 +40,10 @@ class ASoakTells(unittest.TestCase):
     def test_that_it_died_and_what_it_had_told(self):
         self.assertEqual(run.seen_in(DEAD), run.Seen({"no_progress": 1}, {"no_progress": 3}, True))
         self.assertEqual(run.seen_in(""), run.Seen({}, {}, True))
+
+    def test_that_an_assertion_has_ended_it(self):
+        self.assertEqual(run.seen_in(BROKEN), run.Seen({"silence": 1, "broken_invariant": 1}, {"silence": 2}, False))
+        self.assertEqual(run.seen_in(LIBRARY), run.Seen({"broken_invariant": 1}, {}, False))
 
 
 class APatchIsSeen(unittest.TestCase):
