@@ -69,26 +69,28 @@ bool Explorer::go_down(World& world) {
   return enter(world);
 }
 
-// It was gone through with as much slack, or more.
-bool Explorer::is_covered(const Digest& state, const Slack& slack) const {
+// The bit of a slack. Each of faults and delays may be all that is allowed, or less.
+SlackSet Explorer::bit(const Slack& slack) const {
+  return SlackSet{1} << (2 * (slack.faults * (bounds_.delays + 1) + slack.delays) +
+                         (slack.is_undisturbed ? 1U : 0U));
+}
+
+// As much slack, or more: all that may happen with this one may happen with it.
+SlackSet Explorer::covering(const Slack& slack) const {
+  SlackSet all = 0;
   for (unsigned faults = slack.faults; faults <= bounds_.faults; ++faults) {
     for (unsigned delays = slack.delays; delays <= bounds_.delays; ++delays) {
-      if (known_.has(with(state, {faults, delays, true})) ||
-          (!slack.is_undisturbed && known_.has(with(state, {faults, delays, false})))) {
-        return true;
-      }
+      all |= bit({faults, delays, true});
+      all |= slack.is_undisturbed ? 0U : bit({faults, delays, false});
     }
   }
-  return false;
+  return all;
 }
 
 bool Explorer::enter(World& world) {
   if (merging_ != Merging::off) {
     const Digest state = world.digest();
-    const bool is_new = !is_covered(state, world.slack());
-    if (is_new) {
-      known_.add(with(state, world.slack()));
-    }
+    const bool is_new = known_.add(state, bit(world.slack()), covering(world.slack()));
     if (merging_ == Merging::compared) {
       compare(with(state, world.slack()), world);
     }

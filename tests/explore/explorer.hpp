@@ -58,7 +58,8 @@ class Explorer {
   [[nodiscard]] std::unique_ptr<World> again() const;
   bool go_down(World& world);
   bool enter(World& world);
-  [[nodiscard]] bool is_covered(const Digest& state, const Slack& slack) const;
+  [[nodiscard]] SlackSet bit(const Slack& slack) const;
+  [[nodiscard]] SlackSet covering(const Slack& slack) const;
   void note_violation(const std::string& what);
   void compare(const Digest& state, World& world);
   [[nodiscard]] Digest behaviour_of(World& world) const;

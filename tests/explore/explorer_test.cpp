@@ -120,13 +120,26 @@ TEST(StateHash, ObjectsAreToldApartByWhenTheyAreMet) {
 
 TEST(KnownStates, KnowsEachOnce) {
   KnownStates known;
-  for (std::uint64_t number = 1; number <= 100'000; ++number) {
-    EXPECT_TRUE(known.add({number * 0x9E37'79B9'7F4A'7C15U, number}));
+  const auto add = [&known](std::uint64_t number, SlackSet slack, SlackSet covering) {
+    return known.add({number * 0x9E37'79B9'7F4A'7C15U, number << 32U}, slack, covering);
+  };
+  for (std::uint64_t number = 0; number < 100'000; ++number) {
+    EXPECT_TRUE(add(number, 1, 1 | 2));
   }
-  for (std::uint64_t number = 1; number <= 100'000; ++number) {
-    EXPECT_FALSE(known.add({number * 0x9E37'79B9'7F4A'7C15U, number}));
+  for (std::uint64_t number = 0; number < 100'000; ++number) {
+    EXPECT_FALSE(add(number, 1, 1 | 2));
   }
   EXPECT_EQ(known.size(), 100'000U);
+}
+
+TEST(KnownStates, AStateIsGoneThroughAgainWithMoreSlackAndNotWithLess) {
+  KnownStates known;
+  const Digest state{7, 7};
+  EXPECT_TRUE(known.add(state, 1, 1 | 2));
+  EXPECT_TRUE(known.add(state, 2, 2));
+  EXPECT_FALSE(known.add(state, 1, 1 | 2));
+  EXPECT_FALSE(known.add(state, 2, 2));
+  EXPECT_EQ(known.size(), 1U);
 }
 
 }  // namespace

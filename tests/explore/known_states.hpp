@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The states that were seen, by their digests, and what is to be remembered of each: an open hash
-// table, because there are many millions of them.
+// The states that were seen, by their digests, and with how much slack each was gone through: an
+// open hash table, because there are many millions of them.
 #pragma once
 
 #include <cstdint>
@@ -10,51 +10,63 @@
 
 namespace mbgate::explore {
 
+/// One bit for each slack that a state was gone through with.
+using SlackSet = std::uint32_t;
+inline constexpr unsigned kMostSlacks = 32;
+
 class KnownStates {
  public:
   KnownStates() : places_(kFirstSize) {}
 
-  /// True: it was not known.
-  bool add(const Digest& state) {
+  /// Remembers `slack`, unless the state was gone through with one of `covering`. True: it was not.
+  bool add(const Digest& state, SlackSet slack, SlackSet covering) {
     if (4 * size_ >= 3 * places_.size()) {  // fuller, and a search becomes long
       grow();
     }
-    Digest& place = find(state);
-    if (place == state) {
+    Place& place = place_of(state.first, static_cast<std::uint32_t>(state.second >> kHalf));
+    if ((place.gone_through & covering) != 0) {
       return false;
     }
-    place = state;
-    ++size_;
+    size_ += place.gone_through == 0 ? 1U : 0U;
+    place.first = state.first;
+    place.second = static_cast<std::uint32_t>(state.second >> kHalf);
+    place.gone_through |= slack;
     return true;
   }
-  [[nodiscard]] bool has(const Digest& state) const { return places_[place_of(state)] == state; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] std::size_t bytes() const { return places_.size() * sizeof(Digest); }
+  [[nodiscard]] std::size_t bytes() const { return places_.size() * sizeof(Place); }
 
  private:
   static constexpr std::size_t kFirstSize = 1U << 16U;
+  static constexpr unsigned kHalf = 32;
 
-  // Its own place, or the empty one where it belongs. The digest of nothing is no state's.
-  [[nodiscard]] std::size_t place_of(const Digest& state) const {
-    std::size_t at =
-        static_cast<std::size_t>(state.first ^ state.first >> 32U) & (places_.size() - 1);
-    while (places_[at] != Digest{} && places_[at] != state) {
+  // 96 bits of a digest: two among 10^9 states are the same with a probability of 10^-11.
+  struct Place {
+    std::uint64_t first = 0;
+    std::uint32_t second = 0;
+    SlackSet gone_through = 0;  // none: an empty place
+  };
+
+  // Its own place, or the empty one where it belongs.
+  Place& place_of(std::uint64_t first, std::uint32_t second) {
+    std::size_t at = static_cast<std::size_t>(first ^ first >> kHalf) & (places_.size() - 1);
+    while (places_[at].gone_through != 0 &&
+           (places_[at].first != first || places_[at].second != second)) {
       at = (at + 1) & (places_.size() - 1);
     }
-    return at;
+    return places_[at];
   }
-  Digest& find(const Digest& state) { return places_[place_of(state)]; }
   void grow() {
-    std::vector<Digest> before(2 * places_.size());
+    std::vector<Place> before(2 * places_.size());
     before.swap(places_);
-    for (const Digest& state : before) {
-      if (state != Digest{}) {
-        find(state) = state;
+    for (const Place& place : before) {
+      if (place.gone_through != 0) {
+        place_of(place.first, place.second) = place;
       }
     }
   }
 
-  std::vector<Digest> places_;  // a power of two
+  std::vector<Place> places_;  // a power of two
   std::size_t size_ = 0;
 };
 

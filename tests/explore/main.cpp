@@ -78,7 +78,8 @@ bool parse(int count, char** arguments, Options& options) {
       return false;
     }
   }
-  return true;
+  const auto& [requests, faults, delays, forms, instants] = options.bounds;
+  return 2 * (faults + 1) * (delays + 1) <= kMostSlacks;
 }
 
 std::string to_text(const Path& path) {
@@ -127,10 +128,11 @@ void print_usage() {
   std::fputs(
       "usage: gateway_explore [--world NAME|all] [--requests N] [--faults N] [--delays N] "
       "[--forms]\n"
-      "                       [--instants 1|2|3]"
-      "                       [--most STATES] [--unmerged|--compare] [--replay PATH]\n"
+      "                       [--instants 1|2|3] [--most STATES] [--unmerged|--compare] [--replay "
+      "PATH]\n"
       "Explores all that may happen with so many requests, faults and delays of the driver at\n"
-      "most. --compare: each state that is reached once more must behave as it did before.\n"
+      "most; (faults + 1) * (delays + 1) is at most 16. --compare: each state that is reached\n"
+      "once more must behave as it did before.\n"
       "worlds:\n",
       stderr);
   for (const Plant& plant : plants()) {
