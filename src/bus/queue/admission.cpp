@@ -71,7 +71,7 @@ void Admission::classify(Job& job) const {
 
 std::optional<Ending> Admission::end_at_once(Job& job, Instant now) {
   const bool is_stop = job.job_class == JobClass::stop;
-  if (parts_.stopping && (!is_stop || parts_.link.is_closed())) {
+  if (parts_.stopping && !is_stop) {
     return Ending::cancelled;
   }
   if (parts_.link.is_closed()) {

@@ -136,5 +136,22 @@ TEST(StopOnOneLine, MakesItsClientTheWriterOfTheNext) {
   EXPECT_THAT(rig.take_sent(2), ElementsAre(busy(5, 11)));
 }
 
+TEST(StopOnOneLine, OfWhichTheOtherIsLostWhileTheGatewayStopsHadNoPath) {
+  Settings settings = half_stopped();
+  settings.devices[2].profile.stops = settings.devices[0].profile.stops;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1));
+  rig.shutdown();
+  rig.lose_line(1);
+  rig.receive(1, stop_request(4, 0) + stop_request(5, 11));
+  rig.respond("01 03 02 00 01");
+  rig.advance(150ms);
+  EXPECT_THAT(take_requests(rig, 0), ElementsAre(kRead1, kStopAll));
+  EXPECT_THAT(take_requests(rig, 1), IsEmpty());
+  EXPECT_THAT(rig.take_sent(1), testing::UnorderedElementsAre(kOne, "00 04 00 00 00 03 00 86 0A",
+                                                              "00 05 00 00 00 03 0B 86 0A"));
+}
+
 }  // namespace
 }  // namespace mbgate::test
