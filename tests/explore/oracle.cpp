@@ -173,7 +173,9 @@ void Oracle::note_heard(Flight& flight, Instant now) {
     book.answered_at = now;
     return;
   }
-  book.longest_took = std::max(book.longest_took, now - waited_for->left);
+  if (!waited_for->cut) {  // else it may have come after the wait for it was over
+    book.longest_took = std::max(book.longest_took, now - waited_for->left);
+  }
   book.answered_at = now;
   running_.reset();
 }
