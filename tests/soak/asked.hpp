@@ -78,8 +78,9 @@ struct Asked {
   bool has_begun = false;       ///< its first byte was read
   bool waits_in_pause = false;  ///< it lay in the socket while the gateway did not read
   bool is_accepted = false;
-  bool ordered = false;  ///< its answer may be held back for those before it
-  bool ahead = false;    ///< it may have been accepted later
+  bool ordered = false;        ///< its answer may be held back for those before it
+  bool ahead = false;          ///< it may have been accepted later
+  bool perhaps_older = false;  ///< a broadcast: than what its unit has come to mean
   bool client_gone = false;
   bool dropped = false;               ///< a waiting write of a half-closed connection
   bool found_no_room = false;         ///< a stop that came when there was room for no more

@@ -174,6 +174,7 @@ class Oracle {
   void map_lanes();
   void take_back(Asked& asked, std::size_t bus);
   [[nodiscard]] bool is_outdated(const Asked& asked) const;
+  [[nodiscard]] bool is_older_broadcast(const Asked& asked) const;
 
   // oracle_answers.cpp
   void judge(Asked& asked, Bytes pdu);

@@ -81,6 +81,7 @@ void Oracle::accept(Asked& asked) {
   asked.is_accepted = true;
   asked.accepted = schedule_.now();
   asked.sequence = ++sequence_;
+  asked.perhaps_older = is_older_broadcast(asked);
   if (asked.door == nullptr) {
     return;
   }
@@ -166,6 +167,9 @@ void Oracle::note_write_event(const Asked& asked, std::optional<std::size_t> bus
 }
 
 bool Oracle::is_surely_open(const Asked& asked) const {
+  if (asked.perhaps_older) {
+    return false;  // it may be refused, once its turn comes
+  }
   if (!asked.ordered) {
     return true;
   }

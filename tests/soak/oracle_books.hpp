@@ -36,7 +36,7 @@ struct BusCount {
 /// A connection of a client.
 struct Session {
   std::size_t listener = 0;
-  Instant began;
+  Instant read_empty;    ///< nothing lay in its socket then
   bool ordered = false;  ///< as it was at the beginning
   bool half_closed = false;
   Instant ahead_until = Instant::min();  ///< places may be taken for free a little early

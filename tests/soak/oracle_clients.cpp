@@ -52,7 +52,7 @@ void Oracle::connect(ClientId client, std::size_t listener, unsigned host) {
   begin_failsafe();
   failsafe_.came(client, listener, host);
   Session& session = sessions_[client];
-  session.began = schedule_.now();
+  session.read_empty = schedule_.now();
   session.listener = listener;
   session.ordered = plan_.settings.listeners[listener].ordered;
 }
@@ -99,6 +99,9 @@ void Oracle::paused(ClientId client, bool is_paused) {
       }
     }
     since = is_paused ? since.value_or(schedule_.now()) : std::optional<Instant>();
+    if (!is_paused) {
+      entry->second.read_empty = schedule_.now();
+    }
   }
 }
 

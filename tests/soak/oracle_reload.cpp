@@ -192,6 +192,11 @@ bool Oracle::is_outdated(const Asked& asked) const {
          asked.earliest < meanings_.change_of(asked.door->listener, asked.unit).at;
 }
 
+// Where a broadcast leads has changed with any device of its buses.
+bool Oracle::is_older_broadcast(const Asked& asked) const {
+  return asked.door != nullptr && !asked.door->device && asked.earliest < reloaded_;
+}
+
 // Where stops were taken out of what was read ahead, or something lies in a socket that is not
 // read, nobody outside can tell in which order things were taken.
 bool Oracle::is_within(const Door& door) const {

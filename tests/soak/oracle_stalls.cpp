@@ -7,8 +7,9 @@
 
 namespace mbgate::soak {
 
-// What lies in a socket then may have come at any time since: it is as old as that. What comes
-// until the socket was seen empty may count as old, too; a part may still be with the client.
+// What lies in a socket then may have come at any time since, but not before the socket was seen
+// empty: it is as old as that. What comes until it is seen empty again may count as old, too; a
+// part may still be with the client.
 void Oracle::stalled(Instant since) {
   for (auto& [client, session] : sessions_) {
     if (session.paused_since) {
@@ -21,7 +22,7 @@ void Oracle::stalled(Instant since) {
         asked.earliest = std::min(asked.earliest, since);
         if (asked.written <= schedule_.now()) {
           asked.waits_in_pause = true;
-          asked.written = std::max(since, session.began);
+          asked.written = std::max(since, session.read_empty);
           // A reload may have come up to a beat before the process stopped. What then meant
           // something else is no stop any more, and takes no place ahead of others.
           Withdrawals(*this).refuse_outdated(asked);

@@ -16,7 +16,8 @@ void TurnRules::check(const Flight& flight) const {
   Turns& turns = oracle_.books_[flight.bus].turns;
   const Asked* asked = only_one(flight);
   const bool is_read = asked != nullptr && asked->is_read();
-  if (asked == nullptr || !is_clear(flight)) {
+  const bool has_older_weight = asked != nullptr && asked->accepted < oracle_.reloaded_;
+  if (asked == nullptr || has_older_weight || !is_clear(flight)) {
     turns.reads.clear();
     turns.last.clear();
     turns.since_empty.clear();

@@ -161,10 +161,7 @@ bool Withdrawals::may_come_before(const Asked& refused, std::uint8_t code) const
   }
   const bool is_stopped =
       refused.unlisted && (oracle_.stopping_.has_value() || oracle_.may_be_stopped(refused));
-  // Where a broadcast leads has changed with any device of its buses.
-  const bool is_older =
-      refused.door != nullptr && !refused.door->device && refused.earliest < oracle_.reloaded_;
-  return refused.dropped || is_stopped || is_older || is_outdated;
+  return refused.dropped || is_stopped || oracle_.is_older_broadcast(refused) || is_outdated;
 }
 
 void Withdrawals::refuse_outdated() const {
