@@ -49,6 +49,9 @@ void Oracle::note_silent(std::size_t bus) {
     return;
   }
   Lane& lane = book.lanes[last->address];
+  if (lane.unanswered > 0 && is_damaged_answer(plan_, book, *last)) {
+    --lane.unanswered;
+  }
   const bool is_silent = book.came == 0 && schedule_.now() >= last->due && reloaded_ < last->begin;
   if (book.came > 0) {  // if only an answer with a bad CRC: the device is there
     lane.silent_stops.clear();
