@@ -11,10 +11,12 @@ namespace {
 constexpr std::uint64_t kLateChance = 0x4C415445ULL;
 constexpr std::uint64_t kDamageChance = 0x44414D414745ULL;
 
-// Most come in time, and with a bad CRC: their devices are there.
+// Most come in time, and with a bad CRC: their devices are there. If others never come, what is
+// damaged brings nobody back.
 void damage_many(FaultRates& rates, Random& random) {
   rates.bad_crc = random.one_of({300U, 600U, 850U});
-  rates.never = rates.damaged = rates.request_damaged = rates.garbage = 0;
+  rates.never = random.one_of({0U, 0U, 300U});
+  rates.damaged = rates.request_damaged = rates.garbage = 0;
   rates.noise_every = rates.foreign_every = {};
 }
 
