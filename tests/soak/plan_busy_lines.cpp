@@ -83,7 +83,7 @@ void ThemeDraw::desert(std::size_t bus) {
   bus::BusSettings& settings = plan_.settings.buses[bus];
   settings.coalesce = true;
   settings.merge = false;
-  plan_.rates[bus].never = random_.one_of({200U, 400U});
+  plan_.rates[bus].never = random_.one_of({200U, 500U, 800U});
   auto devices = devices_on(bus);
   devices.resize(random_.between(1U, 3U));
   for (const std::size_t index : devices) {
@@ -102,7 +102,7 @@ void ThemeDraw::desert(std::size_t bus) {
     asks.writes = random_.one_of({0U, 0U, 50U});
     asks.in_step = step;
     asks.burst = random_.between(1U, 2U);
-    asks.patience = random_.chance(500) ? random_.duration(5ms, 200ms) : 0ms;
+    asks.patience = random_.chance(500) ? random_.duration(5ms, 400ms) : 0ms;
     plan_.clients.push_back(asks);
   }
 }
