@@ -87,9 +87,9 @@ struct Asked {
   std::optional<Instant> doomed;      ///< a stop has taken it back
   std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
   PduBytes last_sent;                 ///< as it looked on the wire
-  std::uint64_t last_alone = 0;       ///< its last flight, if that was for nobody else; else 0
+  std::uint64_t last_alone = 0;       ///< its last flight, if that was surely for it; else 0
   unsigned flights = 0;               ///< that it was among
-  unsigned flights_alone = 0;         ///< that were for nobody else
+  unsigned flights_alone = 0;         ///< that were surely for it
   std::uint64_t last_flight = 0;      ///< that it was among last
   std::vector<std::uint64_t> tries;   ///< the flights that it was among
   unsigned merged_tries = 0;          ///< of these, surely, as a part of a longer read

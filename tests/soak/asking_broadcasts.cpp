@@ -147,7 +147,8 @@ void Asking::exchange_for(Asked& asked, const Receivers& receivers) const {
   const auto all = [&](const auto& are_alike) { return std::ranges::all_of(receivers, are_alike); };
   const unsigned end = range.first + range.count;
   if (touches_value(range.first, end)) {
-    if (!all([&](const Device* it) { return it->word_order == first.word_order; })) {
+    const bool is_known = first.word_order || receivers.size() == 1;
+    if (!is_known || !all([&](const Device* it) { return it->word_order == first.word_order; })) {
       asked.refused = 3;
     } else if (seen != nullptr && *seen != *first.word_order) {
       asked.pdu = multiple_pdu(range.first, exchanged(fields.words, range.first));

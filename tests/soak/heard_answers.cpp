@@ -25,6 +25,28 @@ bool may_echo(const SoakPlan& plan, const Book& book, std::size_t bus) {
   return plan.echoes[bus] || book.echo_found || plan.settings.buses[bus].line.echo.value_or(false);
 }
 
+bool is_damaged_answer(const SoakPlan& plan, const Book& book, const Flight& asked) {
+  const auto& settings = plan.settings.buses[asked.bus];
+  const PduBytes& heard = book.heard;
+  const bool may_be = settings.line.framing == bus::Framing::rtu && asked.expects_answer &&
+                      heard.size() > 4 && heard[0] == asked.address && heard[1] == asked.pdu[0] &&
+                      !spec::read_rtu(heard) && !may_echo(plan, book, asked.bus);
+  const bool is_in_time = asked.first_came >= asked.end && book.use.first_read < asked.deadline &&
+                          book.use.pause < spec::silence_of(settings) && book.read == book.came;
+  if (!may_be || !is_in_time) {
+    return false;
+  }
+  const auto fields = spec::fields_of(asked.pdu);
+  if (fields && fields->reads) {
+    const std::size_t size = spec::data_size_of(*fields->reads);
+    return heard[2] == size && heard.size() == size + 5;
+  }
+  // Where an echo is possible, its rest is waited for.
+  const bool may_be_echo = !settings.line.echo && asked.pdu.size() >= heard.size() &&
+                           std::equal(heard.begin() + 1, heard.end(), asked.pdu.begin());
+  return fields && fields->writes && heard.size() == 8 && asked.pdu[0] != 0x16 && !may_be_echo;
+}
+
 bool looks_like_answer(const Flight& flight) {
   const std::uint8_t function = flight.pdu.front();
   return !flight.is_broadcast &&

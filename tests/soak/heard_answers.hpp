@@ -12,6 +12,9 @@ struct SoakPlan;
 
 /// The gateway may take what it hears for the echo of its own request.
 bool may_echo(const SoakPlan& plan, const Book& book, std::size_t bus);
+/// All that was heard of what was transmitted last is an answer with a bad CRC: the silence behind
+/// it ends the wait.
+bool is_damaged_answer(const SoakPlan& plan, const Book& book, const Flight& asked);
 
 class HeardAnswers {
  public:

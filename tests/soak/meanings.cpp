@@ -9,7 +9,8 @@ void Meanings::add_device(Meaning& meaning, std::size_t index) const {
   const drive::Device& device = plan_.settings.devices[index];
   const drive::Limits& limits = device.profile.limits;
   meaning.insert(meaning.end(),
-                 {index, device.address, static_cast<std::size_t>(*device.word_order),
+                 {index, device.address,
+                  device.word_order ? 1U + static_cast<std::size_t>(*device.word_order) : 0U,
                   limits.read.back(), limits.write_registers});
 }
 

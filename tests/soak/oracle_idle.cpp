@@ -16,29 +16,6 @@ constexpr Duration kLate = 20ms;
 constexpr Duration kStall = 520ms;
 constexpr Duration kStop = 1520ms;
 
-// All that came is an answer with a bad CRC: the silence behind it ends the wait.
-bool is_damaged_answer(const Book& book, const Flight& asked,
-                       const gateway::BusSettings& settings) {
-  const PduBytes& heard = book.heard;
-  const bool may_be = settings.line.framing == bus::Framing::rtu && asked.expects_answer &&
-                      heard.size() > 4 && heard[0] == asked.address && heard[1] == asked.pdu[0] &&
-                      !spec::read_rtu(heard);
-  const bool is_in_time = asked.first_came >= asked.end && book.use.first_read < asked.deadline &&
-                          book.use.pause < spec::silence_of(settings);
-  if (!may_be || !is_in_time) {
-    return false;
-  }
-  const auto fields = spec::fields_of(asked.pdu);
-  if (fields && fields->reads) {
-    const std::size_t size = spec::data_size_of(*fields->reads);
-    return heard[2] == size && heard.size() == size + 5;
-  }
-  // Where an echo is possible, its rest is waited for.
-  const bool may_echo = !settings.line.echo && asked.pdu.size() >= heard.size() &&
-                        std::equal(heard.begin() + 1, heard.end(), asked.pdu.begin());
-  return fields && fields->writes && heard.size() == 8 && asked.pdu[0] != 0x16 && !may_echo;
-}
-
 // The wire may be kept free for who has waited for its device's gap before, and then expires.
 Duration longest_gap(const Oracle::Devices& devices, const SoakPlan& plan, std::size_t bus) {
   Duration longest = plan.settings.buses[bus].timing.gap;
@@ -174,8 +151,7 @@ void Oracle::check_idle(const Flight& flight, const Flight* before) {
   // Until then an answer may have been on its way.
   Instant ends = book.use.ends;
   Instant read = book.last_handed_in;
-  if (before != nullptr && !book.use.is_answered && !may_echo(plan_, book, flight.bus) &&
-      is_damaged_answer(book, *before, settings)) {
+  if (before != nullptr && !book.use.is_answered && is_damaged_answer(plan_, book, *before)) {
     ends = book.last_handed_in + std::max(spec::slack_of(settings), silence) + settings.settle;
   } else if (!book.use.is_answered && book.came > 0) {
     read = std::max(ends, read) + rest_of_answer(flight);

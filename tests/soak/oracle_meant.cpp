@@ -112,7 +112,7 @@ void Oracle::attribute(Flight& flight) {
   SharedReads(*this).note_writes(flight, meant);
   for (const auto& [asked, piece] : meant) {
     flight.asked.push_back(asked->id);
-    note_sent(*asked, *piece, flight, meant.size() == 1);
+    note_sent(*asked, *piece, flight, meant.size() == 1 || flight.is_for_each);
   }
 }
 

@@ -49,6 +49,11 @@ void Oracle::note_silent(std::size_t bus) {
     return;
   }
   Lane& lane = book.lanes[last->address];
+  if (is_damaged_answer(plan_, book, *last)) {
+    lane.unanswered -= lane.unanswered > 0 ? 1U : 0U;
+    ++book.count.damaged;
+    ++lane.count.damaged;
+  }
   const bool is_silent = book.came == 0 && schedule_.now() >= last->due && reloaded_ < last->begin;
   if (book.came > 0) {  // if only an answer with a bad CRC: the device is there
     lane.silent_stops.clear();
@@ -57,6 +62,8 @@ void Oracle::note_silent(std::size_t bus) {
   if (!is_silent) {
     return;
   }
+  ++book.count.silent;
+  ++lane.count.silent;
   // An answer to the repetition is as old as the first try.
   lane.emptied_at = schedule_.now();
   lane.emptied_for = last->repeats_read ? lane.emptied_for : last->begin;

@@ -3,6 +3,7 @@
 // is judged by the settings in force: those of the plan.
 #include <algorithm>
 
+#include "soak/heard_answers.hpp"
 #include "soak/oracle.hpp"
 #include "soak/withdrawals.hpp"
 #include "soak/word_orders.hpp"
@@ -23,6 +24,13 @@ void take_settings(Book& book, const gateway::BusSettings& settings, Instant now
   if (settings.stop_wait != book.stop_wait_before) {
     book.stop_wait_from = now;
   }
+}
+
+// Its answer has a bad CRC, and what is transmitted next to its device is the next that may be
+// unanswered.
+bool ends_in_damage(const SoakPlan& plan, const Book& book, const Lane& lane, const Flight& last) {
+  return &lane == &book.lanes[last.address] && book.open && last.begin >= book.opened &&
+         is_damaged_answer(plan, book, last);
 }
 
 }  // namespace
@@ -52,7 +60,12 @@ bool Oracle::is_past_offline(std::size_t bus, const Lane& lane) const {
   };
   const auto unanswered =
       is_tcp(bus) ? std::ranges::count_if(lane.unheard, is_over) : std::ptrdiff_t{lane.unanswered};
-  return lane.stays_offline || (after > 0 && unanswered >= std::ptrdiff_t{after});
+  if (lane.stays_offline || after == 0 || unanswered < std::ptrdiff_t{after}) {
+    return lane.stays_offline;
+  }
+  const Flight* last = flight(books_[bus].last_flight);
+  return is_tcp(bus) || unanswered > std::ptrdiff_t{after} || last == nullptr ||
+         !ends_in_damage(plan_, books_[bus], lane, *last);
 }
 
 void Oracle::note_allowed(Asked& asked) const {

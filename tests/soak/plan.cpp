@@ -230,6 +230,7 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   draw_lines(plan, seed);
   draw_limits(plan, seed);
   draw_forms(plan, seed);
+  draw_orders(plan, seed);
   draw_odds(plan, seed);
   draw_late(plan, seed);
   draw_access(plan, seed);

@@ -195,6 +195,8 @@ void draw_guards(SoakPlan& plan, Random& random);
 void draw_limits(SoakPlan& plan, std::uint64_t seed);
 /// What few plants have.
 void draw_forms(SoakPlan& plan, std::uint64_t seed);
+/// Of which drives nobody knows the word order.
+void draw_orders(SoakPlan& plan, std::uint64_t seed);
 /// Who may speak to all, and silence devices; what a stop may be followed by.
 void draw_odds(SoakPlan& plan, std::uint64_t seed);
 /// How late answers come, and what breaks off.

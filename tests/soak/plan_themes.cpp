@@ -2,9 +2,9 @@
 // Themes: some plans are arranged so that what seldom happens happens often. Their lines are quiet,
 // because noise, other settings and late processes excuse what must be seen here. With a chance of
 // their own, so that all other plants and clients stay those of the seed.
-#include <algorithm>
+#include "soak/plan_themes.hpp"
 
-#include "soak/plan.hpp"
+#include <algorithm>
 
 namespace mbgate::soak {
 
@@ -15,56 +15,52 @@ namespace {
 constexpr std::uint64_t kThemesChance = 0x5448454D45ULL;  // apart from the plant's
 constexpr std::size_t kLeastDrives = 4;
 
-class ThemeDraw {
- public:
-  ThemeDraw(SoakPlan& plan, std::uint64_t seed) : plan_(plan), random_(seed ^ kThemesChance) {}
+}  // namespace
 
-  void arrange() {
-    // Where silence of the clients is judged, everything else is kept out already.
-    const unsigned which = random_.between(0U, 999U);
-    const auto lines = fitting_lines();
-    if (which >= 360 || lines.empty() || plan_.silence) {
-      return;
-    }
-    plan_.theme = which < 140   ? Theme::dead_drives
-                  : which < 180 ? Theme::busy_line
-                  : which < 260 ? Theme::shared_reads
-                                : Theme::late_drives;
-    let_everybody_in();
-    for (const std::size_t bus : lines) {
-      calm(bus);
-      arrange(bus);
-    }
-    for (Door& door : plan_.doors) {
-      set_deadlines(plan_, door);
-    }
+ThemeDraw::ThemeDraw(SoakPlan& plan, std::uint64_t seed)
+    : plan_(plan), random_(seed ^ kThemesChance) {}
+
+void ThemeDraw::arrange() {
+  // Where silence of the clients is judged, everything else is kept out already.
+  const unsigned which = random_.between(0U, 999U);
+  const auto lines = fitting_lines();
+  if (lines.empty() || plan_.silence) {
+    return;
   }
-
- private:
-  void arrange(std::size_t bus) {
-    switch (plan_.theme) {
-      case Theme::dead_drives: return let_die(bus);
-      case Theme::busy_line: return crowd(bus);
-      case Theme::shared_reads: return share(bus);
-      case Theme::late_drives: return be_late(bus);
-      case Theme::none: return;
-    }
+  pick(which);
+  if (plan_.theme == Theme::none) {
+    return;
   }
-  [[nodiscard]] std::vector<std::size_t> fitting_lines();
-  [[nodiscard]] std::vector<std::size_t> devices_on(std::size_t bus) const;
-  void let_everybody_in();
-  void calm(std::size_t bus);
-  void let_die(std::size_t bus);
-  void set_times(drive::DeviceTiming& timing);
-  void crowd(std::size_t bus);
-  void share(std::size_t bus);
-  void be_late(std::size_t bus);
-  Manners client(std::size_t bus, std::vector<std::size_t> devices);
+  let_everybody_in();
+  for (const std::size_t bus : lines) {
+    calm(bus);
+    arrange(bus);
+  }
+  for (Door& door : plan_.doors) {
+    set_deadlines(plan_, door);
+  }
+}
 
-  SoakPlan& plan_;
-  Random random_;
-  unsigned hosts_ = 0;
-};
+void ThemeDraw::pick(unsigned which) {
+  plan_.theme = which < 140   ? Theme::dead_drives
+                : which < 180 ? Theme::busy_line
+                : which < 260 ? Theme::shared_reads
+                : which < 360 ? Theme::late_drives
+                : which < 480 ? Theme::busy_line
+                : which < 600 ? Theme::shared_reads
+                              : Theme::none;
+  part_ = which < 360 ? Part::usual : which < 480 ? Part::writers : Part::deserters;
+}
+
+void ThemeDraw::arrange(std::size_t bus) {
+  switch (plan_.theme) {
+    case Theme::dead_drives: return let_die(bus);
+    case Theme::busy_line: return part_ == Part::writers ? write_much(bus) : crowd(bus);
+    case Theme::shared_reads: return part_ == Part::deserters ? desert(bus) : share(bus);
+    case Theme::late_drives: return be_late(bus);
+    case Theme::none: return;
+  }
+}
 
 std::vector<std::size_t> ThemeDraw::devices_on(std::size_t bus) const {
   std::vector<std::size_t> found;
@@ -198,51 +194,6 @@ void ThemeDraw::let_die(std::size_t bus) {
   }
 }
 
-// All want to read all of the time.
-void ThemeDraw::crowd(std::size_t bus) {
-  bus::BusSettings& settings = plan_.settings.buses[bus];
-  settings.coalesce = settings.merge = false;
-  settings.settle = 0ms;
-  draw_weights(plan_, random_);
-  const auto devices = devices_on(bus);
-  for (const std::size_t index : devices) {
-    plan_.settings.devices[index].cache = 0ms;
-    plan_.settings.devices[index].timing.gap = 0ms;
-  }
-  for (unsigned count = random_.between(3U, 6U); count > 0; --count) {
-    Manners reads = client(bus, devices);
-    reads.burst = reads.outstanding = random_.between(2U, 8U);
-    reads.pause = random_.one_of<Duration>({1ms, 5ms, 20ms});
-    plan_.clients.push_back(reads);
-  }
-}
-
-// Few drives are asked, all for the same, so that reads wait before and behind writes and
-// broadcasts; what is kept is kept for longer than the line is away.
-void ThemeDraw::share(std::size_t bus) {
-  bus::BusSettings& settings = plan_.settings.buses[bus];
-  settings.coalesce = true;
-  settings.merge = random_.chance(200);
-  settings.burst = random_.between(1U, 2U);
-  settings.listen_first = random_.duration(0ms, 20ms);
-  auto devices = devices_on(bus);
-  devices.resize(random_.between(1U, 2U));
-  if (random_.chance(500)) {
-    plan_.rates[bus].lost_every = random_.duration(500ms, 2s);
-    for (const std::size_t index : devices) {
-      plan_.settings.devices[index].cache = random_.duration(500ms, 3s);
-    }
-  }
-  for (unsigned count = random_.between(4U, 8U); count > 0; --count) {
-    Manners asks = client(bus, devices);
-    asks.same_reads = 900;
-    asks.pause = random_.one_of<Duration>({5ms, 20ms, 100ms});
-    asks.writes = random_.one_of({0U, 0U, 50U});
-    asks.broadcasts = random_.one_of({0U, 0U, 200U});
-    plan_.clients.push_back(asks);
-  }
-}
-
 // They are asked all of the time, but slowly: what was learned of one minute is needed in the next.
 void ThemeDraw::be_late(std::size_t bus) {
   FaultRates& rates = plan_.rates[bus];
@@ -282,8 +233,6 @@ Manners ThemeDraw::client(std::size_t bus, std::vector<std::size_t> devices) {
   manners.least_pause = 1ms;
   return manners;
 }
-
-}  // namespace
 
 void draw_theme(SoakPlan& plan, std::uint64_t seed) { ThemeDraw(plan, seed).arrange(); }
 

@@ -31,7 +31,9 @@ bool Reloads::change_route(std::size_t index) {
     return true;
   }
   route.word_order.reset();
-  if (random_.chance(600)) {
+  const bool are_known = std::ranges::all_of(
+      plan_.settings.devices, [](const auto& it) { return it.word_order.has_value(); });
+  if (random_.chance(600) && are_known) {
     route.word_order = random_.one_of({drive::WordOrder::big, drive::WordOrder::little});
   }
   return true;
@@ -46,8 +48,8 @@ bool Reloads::change_device(std::size_t index) {
   }
   switch (random_.between(0U, 2U)) {
     case 0:
-      device.word_order = *device.word_order == drive::WordOrder::big ? drive::WordOrder::little
-                                                                      : drive::WordOrder::big;
+      device.word_order = device.word_order == drive::WordOrder::big ? drive::WordOrder::little
+                                                                     : drive::WordOrder::big;
       break;
     case 1: {
       drive::Limits& limits = device.profile.limits;

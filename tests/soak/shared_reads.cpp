@@ -90,6 +90,7 @@ void SharedReads::note_writes(Flight& flight, const Meant& meant) const {
   if (meant.size() < 2 || !meant.front().first->is_read()) {
     return;
   }
+  flight.is_for_each = is_for_each(flight, meant);
   const auto& lanes = oracle_.books_[flight.bus].lanes;
   const auto note = [&](const Lane& lane) {
     for (const Asked* asked : lane.open) {
@@ -103,6 +104,46 @@ void SharedReads::note_writes(Flight& flight, const Meant& meant) const {
     note(lanes[0]);
     note(lanes[kAutonicsAddress]);
   }
+}
+
+// Where no write could keep them apart, all that are alike are transmitted once. Who does not share
+// the first try shares no other one.
+bool SharedReads::is_for_each(const Flight& flight, const Meant& meant) const {
+  const Book& book = oracle_.books_[flight.bus];
+  if (!oracle_.bus_settings(flight.bus).coalesce || oracle_.is_tcp(flight.bus) ||
+      flight.begin <= std::max(book.touched, oracle_.reloaded_) + std::chrono::seconds(1)) {
+    return false;
+  }
+  const std::uint64_t before = meant.front().first->last_flight;
+  if (before != 0) {
+    const Flight* last = oracle_.flight(before);
+    return last != nullptr && last->is_for_each && last->begin >= book.opened &&
+           std::ranges::all_of(meant,
+                               [&](const auto& it) { return it.first->last_flight == before; });
+  }
+  const auto is_quiet = [&](const Lane& lane) {
+    return std::ranges::none_of(lane.open, &Asked::changes);
+  };
+  return is_quiet(book.lanes[flight.address]) && is_quiet(book.lanes[0]) &&
+         is_quiet(book.lanes[kAutonicsAddress]) && std::ranges::all_of(meant, [&](const auto& it) {
+           return joins_for_certain(*it.first, flight, meant);
+         });
+}
+
+// It waits, and is the first of its client address for the device, or behind others that join.
+bool SharedReads::joins_for_certain(const Asked& asked, const Flight& flight,
+                                    const Meant& meant) const {
+  const auto joins = [&](const Asked* other) {
+    return std::ranges::any_of(meant, [&](const auto& it) { return it.first == other; });
+  };
+  const Piece& piece = asked.pieces.front();
+  return asked.is_read() && asked.flights == 0 && asked.pieces.size() == 1 && piece.counted &&
+         piece.pdu == flight.pdu && !piece.taken_back && !asked.ordered && !asked.ahead &&
+         !asked.client_gone && std::max(asked.accepted, asked.waited_until) < flight.begin &&
+         flight.begin < asked.deadline - (asked.written - asked.earliest) &&
+         std::ranges::all_of(
+             oracle_.books_[flight.bus].lanes[flight.address].open,
+             [&](const Asked* other) { return other->host != asked.host || joins(other); });
 }
 
 // Two that one transmission has answered were accepted with a write between them that waited.

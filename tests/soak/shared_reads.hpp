@@ -21,12 +21,16 @@ class SharedReads {
   void check_bounds(const Flight& flight) const;
   /// To be called before it is noted for whom the flight is.
   void count_tries(const Flight& flight, const Meant& meant) const;
-  /// The same: which writes wait while it is transmitted for several.
+  /// The same: which writes wait while it is transmitted for several, and whether it surely is for
+  /// each of these.
   void note_writes(Flight& flight, const Meant& meant) const;
   /// A read has got its data.
   void judge_joined(const Asked& asked) const;
 
  private:
+  [[nodiscard]] bool is_for_each(const Flight& flight, const Meant& meant) const;
+  [[nodiscard]] bool joins_for_certain(const Asked& asked, const Flight& flight,
+                                       const Meant& meant) const;
   [[nodiscard]] bool surely_waits(const Asked& write, std::size_t bus) const;
 
   Oracle& oracle_;

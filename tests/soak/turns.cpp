@@ -9,6 +9,32 @@
 
 namespace mbgate::soak {
 
+namespace {
+
+constexpr std::ptrdiff_t kMostTurns = 5;  // of any weight that is drawn
+
+// What was granted by the weight that a reload has changed comes first.
+std::optional<Instant> weight_holds_from(const std::vector<Instant>& reads, Instant touched) {
+  const auto since = std::ranges::upper_bound(reads, touched);
+  if (touched == Instant::min()) {
+    return touched;
+  }
+  return reads.end() - since < kMostTurns ? std::nullopt : std::optional(since[kMostTurns - 1]);
+}
+
+// Whatever it is a part of, and whether it was answered or not. What reads may be a question before
+// a write, or a read; stops are not counted.
+void count_writes(const Flight& flight, const Book& book, Turns& turns) {
+  if (book.is_unused || flight.begin <= book.touched + std::chrono::seconds(1)) {
+    turns.writes = 0;
+  }
+  if (!flight.is_stop) {
+    turns.writes = flight.is_write ? turns.writes + 1 : 0;
+  }
+}
+
+}  // namespace
+
 void TurnRules::check(const Flight& flight) const {
   if (oracle_.is_tcp(flight.bus)) {
     return;
@@ -22,7 +48,6 @@ void TurnRules::check(const Flight& flight) const {
     turns.last.clear();
     turns.since_empty.clear();
     turns.reader.reset();
-    turns.writes = 0;
   } else {
     if (oracle_.reloaded_ > turns.read_at) {
       turns.since_empty.clear();
@@ -30,13 +55,13 @@ void TurnRules::check(const Flight& flight) const {
     }
     judge(flight, *asked, turns);
     count(flight, *asked, turns);
-    turns.writes = is_read ? 0 : turns.writes + 1;
     turns.last[asked->host] = flight.begin;
     if (is_read) {
       turns.reads[asked->host].push_back(flight.begin);
     }
   }
   turns.most_writes = is_read ? 0 : turns.most_writes + 1;
+  count_writes(flight, oracle_.books_[flight.bus], turns);
   note_empty(flight, turns);
 }
 
@@ -164,7 +189,10 @@ void TurnRules::judge(const Flight& flight, const Asked& asked, const Turns& tur
 void TurnRules::judge_reads(const Flight& flight, const Asked& read, const Turns& turns,
                             const std::vector<const Asked*>& others) const {
   const auto mine = turns.reads.find(read.host);
-  if (mine == turns.reads.end()) {
+  const auto from = mine == turns.reads.end()
+                        ? std::nullopt
+                        : weight_holds_from(mine->second, oracle_.books_[flight.bus].touched);
+  if (!from) {
     return;
   }
   for (const Asked* other : others) {
@@ -173,7 +201,7 @@ void TurnRules::judge_reads(const Flight& flight, const Asked& read, const Turns
     }
     const Lane& lane = oracle_.books_[flight.bus].lanes[other->pieces.front().address];
     const auto last = turns.last.find(other->host);
-    const Instant since = std::max({other->accepted, lane.held_until,
+    const Instant since = std::max({other->accepted, lane.held_until, *from,
                                     last == turns.last.end() ? Instant::min() : last->second});
     const auto count = 1U + static_cast<unsigned>(std::ranges::count_if(
                                 mine->second, [&](Instant at) { return at > since; }));

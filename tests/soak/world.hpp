@@ -80,7 +80,8 @@ class World {
   void check_head(Client& client);
   void check_bus(Client& client, std::size_t bus);
   void check_device(Client& client, std::size_t index);
-  void compare_ends(const std::string& name, std::uint64_t ends, const BusCount& count);
+  void compare_ends(const std::string& name, std::uint64_t responses, std::uint64_t timeouts,
+                    std::uint64_t bad_crcs, const BusCount& count);
   const PduBytes& own_registers(Client& client, std::size_t first, std::size_t count);
   void compare(const std::string& what, std::uint64_t shown, std::uint64_t least,
                std::uint64_t most);

@@ -57,9 +57,13 @@ void World::compare(const std::string& what, std::uint64_t shown, std::uint64_t 
   }
 }
 
-void World::compare_ends(const std::string& name, std::uint64_t ends, const BusCount& count) {
-  compare(name + ": responses, timeouts and bad CRCs", ends,
-          count.asking - std::min(count.asking, count.interrupted), count.asking + count.excused);
+void World::compare_ends(const std::string& name, std::uint64_t responses, std::uint64_t timeouts,
+                         std::uint64_t bad_crcs, const BusCount& count) {
+  const std::uint64_t most = count.asking + count.excused;
+  compare(name + ": responses, timeouts and bad CRCs", responses + timeouts + bad_crcs,
+          count.asking - std::min(count.asking, count.interrupted), most);
+  compare(name + ": timeouts", timeouts, count.silent, most - std::min(most, count.damaged));
+  compare(name + ": bad CRCs", bad_crcs, count.damaged, most - std::min(most, count.silent));
 }
 
 void World::check_head(Client& client) {
@@ -85,7 +89,7 @@ void World::check_bus(Client& client, std::size_t bus) {
   compare(name + ": waiting", word_at(pdu, 1), 0);
   compare(name + ": transmissions", long_at(pdu, 2), count.transmissions);
   compare(name + ": exceptions", long_at(pdu, 6), 0, responses);
-  compare_ends(name, responses + long_at(pdu, 8) + long_at(pdu, 10), count);
+  compare_ends(name, responses, long_at(pdu, 8), long_at(pdu, 10), count);
   // What an adapter hands over late, an echo may seem to begin with; what it has when its line is
   // lost never comes, and what it has when a stop cuts the wait belongs to the echo of that.
   const std::uint64_t unseen = std::min(count.spoilt_echoes, count.losses + count.stops);
@@ -119,7 +123,7 @@ void World::check_device(Client& client, std::size_t index) {
   }
   compare(device.name + ": transmissions", long_at(pdu, 4), count.transmissions);
   compare(device.name + ": exceptions", long_at(pdu, 8), 0, long_at(pdu, 6));
-  compare_ends(device.name, long_at(pdu, 6) + long_at(pdu, 10) + long_at(pdu, 12), count);
+  compare_ends(device.name, long_at(pdu, 6), long_at(pdu, 10), long_at(pdu, 12), count);
   compare(device.name + ": late", long_at(pdu, 14), count.late, count.transmissions);
 }
 

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Arranges a plan for what seldom happens. Its lines are quiet, because noise, other settings and
+// late processes excuse what must be seen there.
+#pragma once
+
+#include <vector>
+
+#include "soak/plan.hpp"
+
+namespace mbgate::soak {
+
+class ThemeDraw {
+ public:
+  ThemeDraw(SoakPlan& plan, std::uint64_t seed);
+
+  void arrange();
+
+ private:
+  /// What of a theme some of its plans are about.
+  enum class Part : std::uint8_t {
+    usual,
+    writers,   ///< of busy lines: reads wait behind writes
+    deserters  ///< of shared reads: who asked goes, and others still want to know
+  };
+
+  void pick(unsigned which);
+  void arrange(std::size_t bus);
+  [[nodiscard]] std::vector<std::size_t> fitting_lines();
+  [[nodiscard]] std::vector<std::size_t> devices_on(std::size_t bus) const;
+  void let_everybody_in();
+  void calm(std::size_t bus);
+  void let_die(std::size_t bus);
+  void set_times(drive::DeviceTiming& timing);
+  void be_late(std::size_t bus);
+  Manners client(std::size_t bus, std::vector<std::size_t> devices);
+
+  // plan_busy_lines.cpp
+  void wait_for_turns(std::size_t bus);
+  void crowd(std::size_t bus);
+  void write_much(std::size_t bus);
+  void share(std::size_t bus);
+  void desert(std::size_t bus);
+
+  SoakPlan& plan_;
+  Random random_;
+  Part part_ = Part::usual;
+  unsigned hosts_ = 0;
+};
+
+}  // namespace mbgate::soak
