@@ -5,7 +5,6 @@
 #pragma once
 
 #include <deque>
-#include <map>
 #include <memory>
 #include <string>
 
@@ -17,6 +16,7 @@
 #include "soak/meanings.hpp"
 #include "soak/oracle_books.hpp"
 #include "soak/report.hpp"
+#include "soak/rule_rates.hpp"
 #include "soak/schedule.hpp"
 #include "soak/specification.hpp"
 #include "soak/writer_rules.hpp"
@@ -276,6 +276,7 @@ class Oracle {
   const Schedule& schedule_;
   Report& report_;
   WriterRules writers_;
+  RuleRates rates_;
   Meanings meanings_;
   FailsafeWatch failsafe_;
   std::map<ClientId, Session> sessions_;

@@ -81,6 +81,7 @@ void Oracle::accept(Asked& asked) {
   asked.is_accepted = true;
   asked.accepted = schedule_.now();
   asked.sequence = ++sequence_;
+  rates_.accepted(asked, schedule_.now());
   if (asked.door == nullptr) {
     return;
   }

@@ -139,6 +139,7 @@ void Oracle::after_reload() {
     }
   }
   failsafe_.after_reload();
+  rates_.after_reload();
   meanings_.after_reload(schedule_.now());
   reloaded_ = schedule_.now();
   Withdrawals(*this).refuse_outdated();
