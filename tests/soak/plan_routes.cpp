@@ -40,7 +40,7 @@ class OwnRoutes {
   void only_show(std::size_t device);
   void lead_elsewhere();
   void add(std::uint8_t unit, std::size_t device, routing::Access access);
-  void add_for_all(Door door, routing::Access access);
+  void show_all(Door door);
   // As they are now: doors come to them.
   [[nodiscard]] std::vector<Door> doors() const {
     std::vector<Door> doors;
@@ -75,27 +75,27 @@ void OwnRoutes::only_show(std::size_t device) {
       add(door.unit, device, routing::Access::read_only);
     } else if (!door.device && !door.only_autonics &&
                std::ranges::find(door.buses, bus) != door.buses.end()) {
-      add_for_all(door, routing::Access::read_only);
+      show_all(door);
     }
   }
 }
 
-// To another device. Whether its clients may write to one that is watched changes with no reload;
-// of the units of a range nobody here knows which lead to an address without a device.
+// To another device than any other route of the unit, so that it means something else. Whether its
+// clients may write to one that is watched changes with no reload; of the units of a range nobody
+// here knows which lead to an address without a device.
 void OwnRoutes::lead_elsewhere() {
   for (const Door& door : doors()) {
-    if (door.in_range || !random_.chance(250)) {
+    if (!door.device || door.in_range || !random_.chance(250)) {
       continue;
     }
     const auto access =
         random_.chance(200) ? routing::Access::read_only : routing::Access::read_write;
-    if (door.device) {
-      const auto device = random_.below(plan_.settings.devices.size());
-      if (device != *door.device && (is_watched(device) || !is_watched(*door.device))) {
-        add(door.unit, device, access);
-      }
-    } else if (!door.only_autonics && !is_guarded(plan_)) {
-      add_for_all(door, access);
+    const auto device = random_.below(plan_.settings.devices.size());
+    const bool is_led_to = std::ranges::any_of(plan_.doors, [&](const Door& other) {
+      return other.listener == listener_ && other.unit == door.unit && other.device == device;
+    });
+    if (!is_led_to && (is_watched(device) || !is_watched(*door.device))) {
+      add(door.unit, device, access);
     }
   }
 }
@@ -119,17 +119,17 @@ void OwnRoutes::add(std::uint8_t unit, std::size_t device, routing::Access acces
 }
 
 // Address 129 follows the route to all.
-void OwnRoutes::add_for_all(Door door, routing::Access access) {
+void OwnRoutes::show_all(Door door) {
   routing::Route route = plan_.settings.routes[*door.route];
   route.listener = gateway::ListenerId{static_cast<std::uint32_t>(listener_)};
-  route.access = access;
+  route.access = routing::Access::read_only;
   plan_.settings.routes.push_back(route);
   plan_.absent.routes.push_back(false);
   door.route = plan_.settings.routes.size() - 1;
-  door.read_only = access == routing::Access::read_only;
+  door.read_only = true;
   for (Door& other : plan_.doors) {
     if (other.listener == listener_ && other.only_autonics) {
-      other.read_only = other.read_only || door.read_only;
+      other.read_only = true;
     }
   }
   plan_.doors.push_back(door);
