@@ -45,7 +45,7 @@ Arrangement::Arrangement(const SoakPlan& plan, Random* random)
       devices_(places_of(plan.absent.devices, random)) {
   settings_.status_unit = plan.settings.status_unit;
   settings_.weights = plan.settings.weights;
-  settings_.rules = plan.settings.rules;
+  settings_.tls = plan.settings.tls;
   for (const std::size_t place : listeners_) {
     auto& listener = settings_.listeners.emplace_back(plan.settings.listeners[place]);
     if (listener.bus) {
@@ -57,6 +57,29 @@ Arrangement::Arrangement(const SoakPlan& plan, Random* random)
   }
   add_devices(plan);
   add_routes(plan, places_of(plan.absent.routes, random));
+  add_rules(plan);
+}
+
+// They name what is there.
+void Arrangement::add_rules(const SoakPlan& plan) {
+  for (std::size_t place = 0; place < plan.rules.size(); ++place) {
+    if (!is_written(plan, plan.rules[place])) {
+      continue;
+    }
+    auto& rule = settings_.rules.emplace_back(plan.settings.rules[place]);
+    rule.devices.clear();
+    for (const std::size_t device : plan.settings.rules[place].devices) {
+      if (const auto there = find(devices_, device)) {
+        rule.devices.push_back(*there);
+      }
+    }
+    rule.listeners.clear();
+    for (const gateway::ListenerId listener : plan.settings.rules[place].listeners) {
+      if (!plan.absent.listeners[static_cast<std::size_t>(listener)]) {
+        rule.listeners.push_back(written(listeners_, listener));
+      }
+    }
+  }
 }
 
 void Arrangement::add_devices(const SoakPlan& plan) {
@@ -80,7 +103,9 @@ void Arrangement::add_routes(const SoakPlan& plan, const Places& order) {
         there.push_back(written(buses_, it));
       }
     }
-    if (there.empty() || (route.device && plan.absent.devices[*route.device])) {
+    const bool has_listener =
+        !route.listener || !plan.absent.listeners[static_cast<std::size_t>(*route.listener)];
+    if (there.empty() || !has_listener || (route.device && plan.absent.devices[*route.device])) {
       continue;
     }
     route.buses = std::move(there);

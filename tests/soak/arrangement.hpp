@@ -27,6 +27,7 @@ class Arrangement {
   Arrangement(const SoakPlan& plan, Random* random);
   void add_devices(const SoakPlan& plan);
   void add_routes(const SoakPlan& plan, const Places& order);
+  void add_rules(const SoakPlan& plan);
 
   gateway::Settings settings_;
   Places listeners_;  // what stands where

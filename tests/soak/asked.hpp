@@ -47,6 +47,7 @@ struct Asked {
   std::uint64_t id = 0;
   ClientId client{};
   unsigned host = 0;  ///< of its client
+  routing::ClientRole role{};
   std::uint16_t transaction = 0;
   Kind kind = Kind::read;
   const Door* door = nullptr;
@@ -108,6 +109,7 @@ struct Asked {
   bool retry_writes = false;
   Duration cache{0};
   std::optional<drive::WordOrder> word_order;  ///< that its route asked for
+  std::vector<std::size_t> rated;              ///< rules with a rate that permit it
 
   /// One device is stopped, or all on its buses.
   [[nodiscard]] bool is_stop() const { return kind == Kind::stop || stops_all; }

@@ -54,7 +54,8 @@ void Client::connect() {
   is_connecting_ = true;
   tools_.full = crowd();
   tools_.harness.handle(
-      gateway::ClientConnected{number_, {*listener, address_of(manners_.host), socket_.size()}},
+      gateway::ClientConnected{
+          number_, {*listener, address_of(manners_.host), socket_.size(), manners_.role}},
       tools_.schedule.now());
   tools_.drain();
   tools_.full = {};
@@ -155,6 +156,7 @@ std::uint64_t Client::write(Asked asked) {
   }
   asked.transaction = transactions_;
   asked.host = manners_.host;
+  asked.role = manners_.role;
   // Behind the rest of a request that was cut it is written a little later.
   const bool is_begun = unwritten_.empty() || keeps_tails();
   asked.written = tools_.schedule.now() + (is_begun ? Duration{0} : kLongestCut);
@@ -258,13 +260,16 @@ void Client::closed_by_gateway() {
                                           std::to_string(static_cast<std::uint64_t>(number_)));
   }
   connected_ = false;
-  is_excused ? tools_.oracle.gone(number_, kClosed) : tools_.oracle.closed(number_);
+  // Who was never let in may have written something all the same.
+  is_excused || !is_welcome() ? tools_.oracle.gone(number_, kClosed)
+                              : tools_.oracle.closed(number_);
   reconnect_later();
 }
 
 bool Client::is_welcome() const {
   const auto& allowed = tools_.plan.allowed[manners_.listener];
   return tools_.listener(manners_.listener) &&
+         lets_in_by_rules(tools_.plan, manners_.listener, manners_.host, manners_.role) &&
          (allowed.empty() || std::ranges::find(allowed, manners_.host) != allowed.end());
 }
 

@@ -31,8 +31,7 @@ void Client::write_before_the_start() {
       asked.kind = Kind::write;
       asked.stops_all = false;
       asked.replies = true;
-      asked.refused = 6;
-      asked.pieces.clear();
+      asked.refused = 6;  // unless it is denied, which its parts decide
     }
     write(std::move(asked));
     push(unwritten_.size());

@@ -43,7 +43,8 @@ void FailsafeWatch::came(ClientId client, std::size_t listener, unsigned host) {
     Watch& watch = watches_[at];
     const bool listed =
         !watch.is_listed || std::ranges::find(watch.hosts, host) != watch.hosts.end();
-    if (watch.listeners[listener] && listed) {
+    if (watch.listeners[listener] && listed &&
+        lets_write_by_rules(plan_, listener, host, *watch.door.device)) {
       clients_[client].watches.push_back(at);
     }
   }

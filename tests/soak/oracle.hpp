@@ -5,7 +5,6 @@
 #pragma once
 
 #include <deque>
-#include <map>
 #include <memory>
 #include <string>
 
@@ -17,6 +16,7 @@
 #include "soak/meanings.hpp"
 #include "soak/oracle_books.hpp"
 #include "soak/report.hpp"
+#include "soak/rule_rates.hpp"
 #include "soak/schedule.hpp"
 #include "soak/specification.hpp"
 #include "soak/writer_rules.hpp"
@@ -174,7 +174,6 @@ class Oracle {
   void map_lanes();
   void take_back(Asked& asked, std::size_t bus);
   [[nodiscard]] bool is_outdated(const Asked& asked) const;
-  [[nodiscard]] bool is_older_broadcast(const Asked& asked) const;
 
   // oracle_answers.cpp
   void judge(Asked& asked, Bytes pdu);
@@ -277,6 +276,7 @@ class Oracle {
   const Schedule& schedule_;
   Report& report_;
   WriterRules writers_;
+  RuleRates rates_;
   Meanings meanings_;
   FailsafeWatch failsafe_;
   std::map<ClientId, Session> sessions_;

@@ -81,7 +81,8 @@ void Oracle::accept(Asked& asked) {
   asked.is_accepted = true;
   asked.accepted = schedule_.now();
   asked.sequence = ++sequence_;
-  asked.perhaps_older = is_older_broadcast(asked);
+  asked.perhaps_older = Withdrawals(*this).is_older_broadcast(asked);
+  rates_.accepted(asked, schedule_.now());
   if (asked.door == nullptr) {
     return;
   }

@@ -42,6 +42,11 @@ bool was_stopped(const Asked& stop, const std::map<PduBytes, Instant>& done) {
 
 void Oracle::judge(Asked& asked, Bytes pdu) {
   const std::uint8_t function = asked.pdu.front();
+  if (pdu.size() < 2 || pdu[0] == function || pdu[1] != kBusy) {
+    if (const std::string broken = rates_.let_through(asked); !broken.empty()) {
+      violation("over_rate", broken + ": " + name(asked));
+    }
+  }
   // What was read while a write waited that was then never sent is what the device holds.
   if (std::ranges::any_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {
     note_write_event(asked);
@@ -92,7 +97,7 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     return;
   }
   if (asked.kind == Kind::own) {
-    if (asked.any_code) {
+    if (asked.any_code || (code == kBusy && rates_.is_refused(asked, schedule_.now()))) {
       return;
     }
     violation("wrong_refusal", code_text(code) + " of the status unit");

@@ -42,6 +42,7 @@ Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& sch
       schedule_(schedule),
       report_(report),
       writers_(plan),
+      rates_(plan),
       meanings_(plan),
       failsafe_(plan),
       books_(plan.settings.buses.size()) {
@@ -59,7 +60,10 @@ void Oracle::connect(ClientId client, std::size_t listener, unsigned host) {
 
 std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   asked.id = ++ids_;
-  deny_by_rules(plan_, asked);
+  deny_by_rules(plan_, sessions_.at(client).listener, asked);
+  if (asked.refused) {
+    asked.pieces.clear();
+  }
   writers_.refuse_unlisted(asked);
   asked.client = client;
   const Session& session = sessions_.at(client);

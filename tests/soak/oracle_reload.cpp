@@ -152,6 +152,7 @@ void Oracle::after_reload() {
     }
   }
   failsafe_.after_reload();
+  rates_.after_reload();
   meanings_.after_reload(schedule_.now());
   reloaded_ = schedule_.now();
   Withdrawals(*this).refuse_outdated();
@@ -203,11 +204,6 @@ void Oracle::check_taken_back() {
 bool Oracle::is_outdated(const Asked& asked) const {
   return asked.door != nullptr &&
          asked.earliest < meanings_.change_of(asked.door->listener, asked.unit).at;
-}
-
-// Where a broadcast leads has changed with any device of its buses.
-bool Oracle::is_older_broadcast(const Asked& asked) const {
-  return asked.door != nullptr && !asked.door->device && asked.earliest < reloaded_;
 }
 
 // Where stops were taken out of what was read ahead, or something lies in a socket that is not

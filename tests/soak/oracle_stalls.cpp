@@ -22,10 +22,11 @@ void Oracle::stalled(Instant since) {
         asked.earliest = std::min(asked.earliest, since);
         if (asked.written <= schedule_.now()) {
           asked.waits_in_pause = true;
-          asked.written = std::max(since, session.read_empty);
           // A reload may have come up to a beat before the process stopped. What then meant
           // something else is no stop any more, and takes no place ahead of others.
+          asked.written = since;
           Withdrawals(*this).refuse_outdated(asked);
+          asked.written = std::max(since, session.read_empty);
         }
       }
     }

@@ -234,11 +234,13 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   draw_odds(plan, seed);
   draw_late(plan, seed);
   draw_access(plan, seed);
+  draw_close_access(plan, seed);
   draw_reads(plan, seed);
   if (!plan.silence) {
     draw_stops(plan.driver, seed);
   }
   draw_theme(plan, seed);
+  draw_own_routes(plan, seed);
   return plan;
 }
 

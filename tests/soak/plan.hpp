@@ -122,6 +122,7 @@ struct Manners {
   bool never_asks = false;             ///< a probe: it connects, and goes again
   std::vector<std::size_t> devices{};  ///< that it asks; none: all
   unsigned watches = 0;  ///< thousandths of its requests, for what the gateway shows of devices
+  routing::ClientRole role{};  ///< by its certificate
 };
 
 /// What the settings in force do not name, by its place in the plan; it comes back some time.
@@ -205,6 +206,10 @@ void draw_late(SoakPlan& plan, std::uint64_t seed);
 void draw_reads(SoakPlan& plan, std::uint64_t seed);
 /// Its last step but for lines and limits: who asks, and how.
 void draw_clients(SoakPlan& plan, Random& random);
+/// Routes of one listener, which go before those of all for the same units.
+void draw_own_routes(SoakPlan& plan, std::uint64_t seed);
+/// Has a route of its listener's own taken its unit?
+[[nodiscard]] bool is_hidden(const SoakPlan& plan, const Door& door);
 /// Arranges some plans so that what seldom happens happens often.
 void draw_theme(SoakPlan& plan, std::uint64_t seed);
 

@@ -94,6 +94,7 @@ void ThemeDraw::let_everybody_in() {
     listener.pipeline = 16;
     listener.ordered = false;
     listener.read_only = {};
+    listener.tls.reset();
   }
   std::ranges::fill(plan_.readers, std::vector<unsigned>{});
   std::ranges::fill(settings.guards, gateway::DeviceGuard{});

@@ -32,9 +32,11 @@ void Refusals::judge_busy(const Asked& asked) const {
     return;
   }
   const char* reason = why_busy(asked);
+  if (reason == nullptr && oracle_.rates_.is_refused(asked, oracle_.schedule_.now())) {
+    reason = "rate";
+  }
   if (reason != nullptr) {
-    note("06", reason);
-    return;
+    return note("06", reason);
   }
   const Instant now = oracle_.schedule_.now();
   oracle_.violation("busy_without_reason", oracle_.name(asked) + ", deadline " +

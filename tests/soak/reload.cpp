@@ -105,10 +105,13 @@ Reload Reloads::restore() {
   return std::move(reload_);
 }
 
-// A door of the device, or one whose unit leads to it at present.
+// A door of the device, or one whose unit leads to it at present, or may.
 bool Reloads::leads_to(const Door& door, std::size_t device) const {
-  return door.device == device ||
-         (door.route && plan_.settings.routes[*door.route].device == device);
+  return std::ranges::any_of(plan_.doors, [&](const Door& other) {
+    return other.listener == door.listener && other.unit == door.unit &&
+           (other.device == device ||
+            (other.route && plan_.settings.routes[*other.route].device == device));
+  });
 }
 
 bool Reloads::are_settled(std::size_t device) const {
@@ -181,6 +184,9 @@ void Reloads::refresh_doors() {
       door.absent = door.absent || door.buses.empty();
     }
     set_deadlines(plan_, door);
+  }
+  for (Door& door : plan_.doors) {
+    door.absent = door.absent || is_hidden(plan_, door);
   }
 }
 

@@ -62,6 +62,7 @@ class Reloads {
   bool change_device(std::size_t index);
   bool move(drive::Device& device);
   bool change_line(std::size_t bus);
+  [[nodiscard]] bool is_route_settled(std::size_t index) const;
   bool switch_route(std::size_t index);
   bool turn_route(std::size_t index);
   bool switch_device(std::size_t index);

@@ -110,10 +110,23 @@ bool Reloads::change_line(std::size_t index) {
   return true;
 }
 
-bool Reloads::switch_route(std::size_t index) {
-  const bool settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
-    return door.route != index || oracle_.is_within(door);
+// Requests through its units, which lead elsewhere without it. Whether a rule denies a broadcast
+// depends on which units lead to its lines.
+bool Reloads::is_route_settled(std::size_t index) const {
+  const routing::Route& route = plan_.settings.routes[index];
+  const bool asks_units = std::ranges::any_of(plan_.rules, [](const SpokenRule& rule) {
+    return !rule.permits && rule.writes && !rule.units.empty();
   });
+  return std::ranges::all_of(plan_.doors, [&](const Door& door) {
+    const bool has_its_unit = route.first_unit <= door.unit && door.unit <= route.last_unit;
+    const bool is_meant = door.route == index || (route.listener && has_its_unit);
+    return (!is_meant || oracle_.is_within(door)) &&
+           (!asks_units || door.device || oracle_.is_settled(door));
+  });
+}
+
+bool Reloads::switch_route(std::size_t index) {
+  const bool settled = is_route_settled(index);
   if (plan_.settings.routes[index].first_unit == kAutonicsAddress) {
     return false;  // its door follows the route to all
   }
@@ -130,9 +143,7 @@ bool Reloads::turn_route(std::size_t index) {
     return door.route == index && door.device && door.device != route.device &&
            !plan_.absent.devices[*door.device];
   });
-  const bool settled = std::ranges::all_of(plan_.doors, [&](const Door& door) {
-    return door.route != index || oracle_.is_within(door);
-  });
+  const bool settled = is_route_settled(index);
   if (!route.device || other == plan_.doors.end() || !settled || plan_.absent.routes[index]) {
     return false;
   }
@@ -182,11 +193,16 @@ bool Reloads::switch_unwatched(std::size_t index) {
 bool Reloads::switch_bus(std::size_t index) {
   const auto is_on_it = [&](std::size_t bus) { return bus == index; };
   for (std::size_t place = 0; place < plan_.doors.size(); ++place) {
-    const auto& route = plan_.doors[place].route;
+    const Door& door = plan_.doors[place];
     const bool leads_there =
         std::ranges::any_of(buses_of_[place], is_on_it) ||
-        (route && is_on_it(static_cast<std::size_t>(plan_.settings.routes[*route].buses.front())));
-    if (leads_there && !oracle_.is_settled(plan_.doors[place])) {
+        (door.route &&
+         is_on_it(static_cast<std::size_t>(plan_.settings.routes[*door.route].buses.front())));
+    const bool is_unsettled = std::ranges::any_of(plan_.doors, [&](const Door& other) {
+      return other.listener == door.listener && other.unit == door.unit &&
+             !oracle_.is_settled(other);
+    });
+    if (leads_there && is_unsettled) {
       return false;
     }
   }

@@ -148,20 +148,30 @@ void Withdrawals::refuse_outdated(Asked& asked) const {
   oracle_.report_.fault("outdated");
 }
 
+// Where a broadcast leads has changed with any device of its buses.
+bool Withdrawals::is_older_broadcast(const Asked& asked) const {
+  return asked.door != nullptr && !asked.door->device && asked.earliest < oracle_.reloaded_;
+}
+
 bool Withdrawals::may_come_before(const Asked& refused, std::uint8_t code) const {
   const bool is_outdated = oracle_.is_outdated(refused);
+  // Rules come and go with their devices, and may permit what cannot be carried out anyway.
+  const bool has_other_rules = refused.earliest < oracle_.reloaded_ &&
+                               std::ranges::any_of(oracle_.plan_.rules, [](const SpokenRule& rule) {
+                                 return !rule.devices.empty();
+                               });
   switch (code) {
     case kDenied:
     case kNoPath:
       // It came, or may have come, before its unit led elsewhere. By now it may lead nowhere, or
       // its client may only read there.
-      return is_outdated;
+      return is_outdated || has_other_rules;
     case kNotNow: break;
-    default: return false;
+    default: return has_other_rules && refused.refused == kDenied;
   }
   const bool is_stopped =
       refused.unlisted && (oracle_.stopping_.has_value() || oracle_.may_be_stopped(refused));
-  return refused.dropped || is_stopped || oracle_.is_older_broadcast(refused) || is_outdated;
+  return refused.dropped || is_stopped || is_older_broadcast(refused) || is_outdated;
 }
 
 void Withdrawals::refuse_outdated() const {

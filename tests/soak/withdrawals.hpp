@@ -29,6 +29,7 @@ class Withdrawals {
   void refuse_outdated(Asked& asked) const;
   /// Of a request that is refused anyway: it may have been withdrawn before that was seen.
   [[nodiscard]] bool may_come_before(const Asked& refused, std::uint8_t code) const;
+  [[nodiscard]] bool is_older_broadcast(const Asked& asked) const;
 
  private:
   void take_back_writes(const Lane& lane) const;
