@@ -39,8 +39,13 @@ class CloseAccess {
     }
     rules.insert(rules.end(), plan_.rules.begin(), plan_.rules.end());
     rules.push_back({.writes = random_.chance(800), .any_role = true});
-    plan_.rules = std::move(rules);
+    const auto before = std::exchange(plan_.rules, std::move(rules));
     draw_rates();
+    if (std::ranges::none_of(plan_.clients, [&](const Manners& client) {
+          return lets_in_by_rules(plan_, client.listener, client.host, client.role);
+        })) {
+      plan_.rules = before;  // a plant in which nobody may ask for anything shows nothing
+    }
     write_rules(plan_);
   }
 
