@@ -22,6 +22,7 @@ constexpr Duration kMissable = 500ms;  // if that was longer
 constexpr Duration kInterruption = 2ms;
 constexpr Duration kNoticed = 1ms;  // less is not counted
 constexpr Duration kWakeEarly = 100us;
+constexpr std::ptrdiff_t kAtOnce = 512;  // bytes of a line
 
 }  // namespace
 
@@ -154,8 +155,11 @@ void Driver::read_line(std::size_t bus) {
   if (!line.open) {
     return;
   }
-  if (!line.bytes.empty()) {
-    hands_.bytes(bus, std::exchange(line.bytes, {}));
+  while (line.open && !line.bytes.empty()) {
+    const auto end = line.bytes.begin() + std::min<std::ptrdiff_t>(std::ssize(line.bytes), kAtOnce);
+    const Bytes piece(line.bytes.begin(), end);
+    line.bytes.erase(line.bytes.begin(), end);
+    hands_.bytes(bus, piece);
   }
   if (line.open && line.lost) {
     forget_line(bus);

@@ -12,8 +12,12 @@
 #include <span>
 
 #include "modbus/bytes.hpp"
+#include "modbus/rtu.hpp"
 
 namespace mbgate::io {
+
+/// So much of a line is read at once: a framer has room for that behind a frame that has begun.
+inline constexpr std::size_t kLineReadSize = 2 * modbus::kMaxRtuSize;
 
 /// True if a call that failed with this errno can be repeated later: the descriptor has not failed.
 inline bool would_block(int error) { return error == EAGAIN || error == EINTR; }

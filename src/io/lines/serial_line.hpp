@@ -14,6 +14,7 @@
 
 #include "bus/settings.hpp"
 #include "io/lines/line.hpp"
+#include "io/lines/read_waiting.hpp"
 #include "io/lines/tty.hpp"
 #include "modbus/rtu.hpp"
 
@@ -60,7 +61,7 @@ class SerialLine final : public Line {
   unsigned generation_ = 0;
   bus::FrameBytes rest_;       ///< not taken by the driver yet
   bool transmitting_ = false;  ///< a rest is left, or RTS is raised
-  std::array<std::uint8_t, 2 * modbus::kMaxRtuSize> buffer_{};
+  std::array<std::uint8_t, kLineReadSize> buffer_{};
 };
 
 }  // namespace mbgate::io

@@ -16,6 +16,7 @@
 #include "bus/settings.hpp"
 #include "io/lines/host_addresses.hpp"
 #include "io/lines/line.hpp"
+#include "io/lines/read_waiting.hpp"
 #include "io/uplink/tls_uplink.hpp"
 
 namespace mbgate::io {
@@ -80,7 +81,7 @@ class TcpLine final : public Line {
   /// connection is closed.
   unsigned generation_ = 0;
   std::vector<std::uint8_t> rest_;  ///< not taken by the kernel yet
-  std::array<std::uint8_t, 2048> buffer_{};
+  std::array<std::uint8_t, kLineReadSize> buffer_{};
 };
 
 }  // namespace mbgate::io

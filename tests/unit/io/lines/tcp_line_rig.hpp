@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -70,6 +71,7 @@ class TcpLineTest : public testing::Test, public LineEvents {
   }
   void line_bytes(drive::BusId /*bus*/, modbus::Bytes bytes) override {
     received_.append(bytes.begin(), bytes.end());
+    longest_piece_ = std::max(longest_piece_, bytes.size());
   }
   void line_lost(drive::BusId /*bus*/, const std::string& why) override { lost_.push_back(why); }
   void line_closed(drive::BusId /*bus*/, const std::string& why) override {
@@ -102,6 +104,7 @@ class TcpLineTest : public testing::Test, public LineEvents {
   std::vector<std::string> closed_;
   bus::ConnectionTimes times_;
   std::string received_;
+  std::size_t longest_piece_ = 0;
 };
 
 }  // namespace mbgate::io

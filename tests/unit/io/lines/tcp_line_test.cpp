@@ -5,6 +5,7 @@
 
 #include <boost/asio/write.hpp>
 
+#include "bus/serial/received_bytes.hpp"
 #include "tcp_line_rig.hpp"
 
 namespace mbgate::io {
@@ -27,6 +28,19 @@ TEST_F(TcpLineTest, CarriesBytesBothWays) {
   ASSERT_TRUE(wait_for([&] { return received_.size() >= kFrame.size(); }));
   EXPECT_EQ(received_, kFrameText);
   EXPECT_TRUE(lost_.empty());
+}
+
+// What is at the beginning may be an answer: a framer drops what it has no room for, all of it.
+TEST_F(TcpLineTest, HandsOverNoMoreAtOnceThanAFramerHasRoomFor) {
+  FarEnd far(context_);
+  make_line("127.0.0.1", far.port());
+  tcp::socket* const peer = connect(far);
+  ASSERT_NE(peer, nullptr);
+  const std::string noise(3000, '\xFF');
+  boost::asio::write(*peer, boost::asio::buffer(noise));
+  ASSERT_TRUE(wait_for([&] { return received_.size() >= noise.size(); }));
+  EXPECT_EQ(received_, noise);
+  EXPECT_LE(longest_piece_, bus::kMostBuffered / 2);
 }
 
 TEST_F(TcpLineTest, ReportsNothingFromWithinOpen) {
