@@ -108,8 +108,10 @@ TEST_F(Broadcasts, AValueNeedsOneWordOrderAmongAllReceivers) {
 }
 
 TEST_F(Broadcasts, AValueMustBeOneToAllWhoHearIt) {
-  devices = {moons(1, WordOrder::big), aic()};
-  devices[1].profile.broadcast.allowed->push_back({Table::holding_registers, 28, 8});
+  devices = {aic(), moons(1, WordOrder::big)};
+  devices[0].profile.broadcast.allowed->push_back({Table::holding_registers, 28, 8});
+  EXPECT_EQ(sent("10 001E 0002 04 0001 0002"), Texts{kIllegalValue});
+  std::swap(devices[0], devices[1]);
   EXPECT_EQ(sent("10 001E 0002 04 0001 0002"), Texts{kIllegalValue});
   devices[1].profile.values.add({Table::holding_registers, 30});
   EXPECT_EQ(sent("10 001E 0002 04 0001 0002"), (Texts{"0: 10 00 1E 00 02 04 00 01 00 02",
@@ -170,6 +172,9 @@ TEST_F(Broadcasts, SoIsItOnARouteToTheBus) {
   routes[0].access = routing::Access::read_write;
   routes[1].access = routing::Access::read_only;
   EXPECT_EQ(sent("05 000B FF00", 129), Texts{kNotAllowed}) << "who may not broadcast";
+  routes[1].access = routing::Access::read_write;
+  routes[1].buses = {BusId{1}};
+  EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no resolved"}) << "unit 0 is another bus";
 }
 
 TEST_F(Broadcasts, WhoeverMayListenIsAsked) {
