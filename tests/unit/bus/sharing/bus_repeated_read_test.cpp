@@ -109,21 +109,38 @@ TEST_F(BusRepeatedRead, NoBroadcastComesBetweenThePartsOfAJobThatIsHeldBack) {
   EXPECT_EQ(frames_[2], kOtherDevice);
 }
 
-TEST_F(BusRepeatedRead, WhoInheritsItHasTheTriesThatAreLeft) {
-  auto retrying = settings();
-  retrying.timing.retries = 2;
-  retrying.coalesce = true;
-  open(retrying);
-  submit(job_of(9, "03 0010 0001", 2));
-  submit(job_of(0, kRead));
-  submit(job_of(1, kRead));  // both wait, and go as one
-  line("02 03 02 12 34 F1 33");
+/// Two clients want the same, and it was transmitted for both.
+class BusSharedRetries : public BusRepeatedRead {
+ protected:
+  void send_for_both(unsigned retries) {
+    auto retrying = settings();
+    retrying.timing.retries = retries;
+    retrying.coalesce = true;
+    open(retrying);
+    submit(job_of(9, "03 0010 0001", 2));
+    submit(job_of(0, kRead));
+    submit(job_of(1, kRead));  // both wait, and go as one
+    line("02 03 02 12 34 F1 33");
+  }
+};
+
+TEST_F(BusSharedRetries, WhoInheritsThemHasThoseThatAreLeft) {
+  send_for_both(2);
   advance(150ms);
   ASSERT_THAT(frames_, ElementsAre("02 03 00 10 00 01 85 FC", kReadFrame, kReadFrame));
   jobs_[1].abandoned = true;
   advance(1s);
   EXPECT_THAT(frames_, SizeIs(4));
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::cancelled, Ending::no_answer));
+}
+
+TEST_F(BusSharedRetries, GoOnForTheOtherWhenTheDeadlineOfTheFirstIsOver) {
+  send_for_both(1);
+  jobs_[1].deadline = now_ + 50ms;
+  advance(150ms);
+  EXPECT_THAT(frames_, SizeIs(3));
+  line(kAnswer);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::expired, Ending::answered));
 }
 
 }  // namespace

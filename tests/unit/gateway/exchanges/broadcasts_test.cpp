@@ -50,6 +50,26 @@ TEST(Gateway, BroadcastsToSeveralBusesAndAnswersWhenAllHaveTransmitted) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 00 86 0A"));
 }
 
+TEST(Gateway, ABroadcastThatOneLineHasGotAndAnotherOneCouldNotHadNoPath) {
+  Settings settings = one_bus();
+  settings.buses.push_back(settings.buses[0]);
+  settings.routes.clear();
+  settings.routes.emplace_back().buses = {BusId{0}, BusId{1}};
+  auto& route = settings.routes.emplace_back();
+  route.first_unit = route.last_unit = route.first_address = 7;
+  route.buses = {BusId{1}};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 07 03 0000 0001");
+  rig.receive(1, "0002 0000 0006 00 06 007C 00E1");
+  rig.advance(5ms);
+  EXPECT_EQ(rig.take_transmitted(0).size(), 1U);
+  EXPECT_EQ(rig.take_transmitted(1).size(), 1U) << "the read";
+  rig.lose_line(1);
+  EXPECT_THAT(rig.take_sent(1), testing::UnorderedElementsAre("00 01 00 00 00 03 07 83 0B",
+                                                              "00 02 00 00 00 03 00 86 0A"));
+}
+
 // Its write is to be repeated when the quarantine is over, and nobody may broadcast before.
 TEST(Gateway, BroadcastsAsSoonAsTheClientOfARepeatedWriteHasGone) {
   Settings settings = one_bus();
