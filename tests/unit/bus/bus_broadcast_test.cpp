@@ -72,6 +72,16 @@ TEST_F(BusBroadcast, OfAStopAllFormsGoBeforeOtherStops) {
               ElementsAre(StartsWith("00 06 00 7C"), StartsWith("81 86 00 7C"), kStopFrame));
 }
 
+TEST_F(BusBroadcast, ThatReachesADriveByItsSecondFormIsCancelledByTheStopOfThatDrive) {
+  drive::Device aic = axis(settings());
+  aic.profile.broadcast.form = drive::BroadcastForm::autonics;
+  open(settings(), {aic});
+  submit(job_of(1, kRead, 2));
+  submit(both_forms("06 0000 0001"));
+  submit(job_of(2, kStop));
+  EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
+}
+
 TEST_F(BusBroadcast, AStopIsNotJoinedToOneOfWhichAFormHasLeft) {
   open(settings(), {axis(settings())});
   submit(both_forms(kStop));

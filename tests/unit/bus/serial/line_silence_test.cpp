@@ -80,11 +80,14 @@ TEST_F(LineSilenceTest, TakesOtherTimes) {
   BusSettings others = settings();
   others.frame_gap.reset();
   others.turnaround = 50ms;
+  others.settle = 70ms;
   silence_.update(others, 0ms);
   EXPECT_EQ(silence_.ready_for_stop_at(), at(2005209ns));  // 38.5 bits, rounded up
   EXPECT_EQ(silence_.turnaround(), 50ms);
   silence_.open(at(1s));
   EXPECT_FALSE(silence_.is_listening(at(1s)));
+  silence_.note_unanswered(at(2s));
+  EXPECT_EQ(silence_.ready_at(0ms), at(2070ms));
 }
 
 }  // namespace

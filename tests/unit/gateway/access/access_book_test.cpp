@@ -49,6 +49,8 @@ TEST(AccessBook, CountsEachClientAndEachRuleApart) {
   EXPECT_FALSE(book.take({true, &rules[1], &rules[0]}, address_of(1), Instant{}));
   EXPECT_TRUE(book.take({true, &rules[1]}, address_of(1), Instant{}));
   EXPECT_TRUE(book.take({true, nullptr}, address_of(1), Instant{}));
+  EXPECT_TRUE(book.take({true, &rules[0], &rules[1]}, address_of(3), Instant{}));
+  EXPECT_FALSE(book.take({true, &rules[1]}, address_of(3), Instant{}));
 }
 
 TEST(AccessBook, HasRoomForSoManyClientsASecond) {

@@ -26,6 +26,18 @@ TEST(ReloadMemory, WritesThatAreOlderThanAStopDoNotFollowIt) {
   EXPECT_THAT(rig.take_sent(2), ElementsAre("00 0A 00 00 00 05 01 03 02 00 01", busy(11)));
 }
 
+TEST(ReloadMemory, WhatWaitsIsNotSentWhereItsUnitLeadsToTheSameAddressOfAnotherLine) {
+  Settings settings = stop_plant(16);
+  settings.buses.push_back(settings.buses[0]);
+  settings.buses[1].name = "line-b";
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1) + write_request(2));
+  settings.routes[0].buses = {BusId{1}};
+  rig.reload(settings);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(busy(2)));
+}
+
 /// Unit 1 leads to address 2.
 Settings moved(Settings settings) {
   settings.routes[0].first_address = 2;
