@@ -49,7 +49,8 @@ void Oracle::note_silent(std::size_t bus) {
     return;
   }
   Lane& lane = book.lanes[last->address];
-  if (is_damaged_answer(plan_, book, *last)) {
+  // A stop may have ended the wait for it before it came.
+  if (is_damaged_answer(plan_, book, *last) && book.use.first_read < deadline_of(*last)) {
     lane.unanswered -= lane.unanswered > 0 ? 1U : 0U;
     ++book.count.damaged;
     ++lane.count.damaged;
