@@ -24,8 +24,7 @@ void Oracle::stalled(Instant since) {
           asked.waits_in_pause = true;
           // A reload may have come up to a beat before the process stopped. What then meant
           // something else is no stop any more, and takes no place ahead of others.
-          asked.written = since;
-          Withdrawals(*this).refuse_outdated(asked);
+          Withdrawals(*this).refuse_outdated(asked, since);
           asked.written = std::max(since, session.read_empty);
         }
       }

@@ -137,9 +137,9 @@ bool Withdrawals::must_wait(const std::deque<std::uint64_t>& backlog, const Aske
 }
 
 // What came before its unit came to mean something else is carried out neither there nor here.
-void Withdrawals::refuse_outdated(Asked& asked) const {
+void Withdrawals::refuse_outdated(Asked& asked, Instant came) const {
   if (asked.is_accepted || asked.door == nullptr || !asked.door->device ||
-      oracle_.meanings_.change_of(asked.door->listener, asked.unit).surely <= asked.written) {
+      oracle_.meanings_.change_of(asked.door->listener, asked.unit).surely <= came) {
     return;
   }
   asked.refused = asked.refused.value_or(kNotNow);
@@ -182,7 +182,7 @@ void Withdrawals::refuse_outdated() const {
         asked.door != nullptr &&
         oracle_.meanings_.change_of(asked.door->listener, asked.unit).surely == now;
     if (has_changed && has_come_before(asked, now)) {
-      refuse_outdated(asked);
+      refuse_outdated(asked, asked.written);
     }
   }
 }

@@ -25,8 +25,8 @@ class Withdrawals {
   [[nodiscard]] bool must_wait(const std::deque<std::uint64_t>& backlog, const Asked& stop) const;
   /// A reload has given units another meaning.
   void refuse_outdated() const;
-  /// It counts as older than it is: perhaps than a reload.
-  void refuse_outdated(Asked& asked) const;
+  /// It counts as having come at `came`: perhaps before a reload.
+  void refuse_outdated(Asked& asked, Instant came) const;
   /// Of a request that is refused anyway: it may have been withdrawn before that was seen.
   [[nodiscard]] bool may_come_before(const Asked& refused, std::uint8_t code) const;
   [[nodiscard]] bool is_older_broadcast(const Asked& asked) const;
