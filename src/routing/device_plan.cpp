@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "routing/device_plan.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "modbus/make_request.hpp"
@@ -194,24 +195,22 @@ Result<DevicePlan, ExceptionCode> Planner::plan_multiple_write() {
   return plan;
 }
 
-// One 06 a register; the registers of a value stay together in one 16 unless they may be split.
+// One 06 a register; the registers of a value, as many as are written, stay together in one 16
+// unless they may be split.
 void Planner::run_of_singles(const TableRange& range, modbus::Bytes data,
                              Requests& requests) const {
   for (std::uint32_t at = range.first; at < drive::end_of(range);) {
     const std::size_t offset = std::size_t{count_between(range.first, at)} * 2;
     const Value* value = profile_.values.at(range.table, at);
-    const bool whole = value != nullptr && value->first == at &&
-                       value->end() <= drive::end_of(range) &&
-                       (value->motion || !device_.split_values);
-    if (whole) {
-      requests.push_back(modbus::make_multiple_write(
-          value->range(), data.subspan(offset, std::size_t{value->registers} * 2)));
-      at = value->end();
-    } else {
-      requests.push_back(modbus::make_single_write(range.table, static_cast<std::uint16_t>(at),
-                                                   modbus::load_be16(data, offset)));
-      ++at;
-    }
+    const bool may_be_split = value == nullptr || (device_.split_values && !value->motion);
+    const std::uint32_t end = may_be_split ? at + 1 : std::min(value->end(), drive::end_of(range));
+    const auto first = static_cast<std::uint16_t>(at);
+    const auto count = static_cast<std::uint16_t>(end - at);
+    requests.push_back(
+        count > 1 ? modbus::make_multiple_write({range.table, first, count},
+                                                data.subspan(offset, std::size_t{count} * 2))
+                  : modbus::make_single_write(range.table, first, modbus::load_be16(data, offset)));
+    at = end;
   }
 }
 

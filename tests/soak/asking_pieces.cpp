@@ -110,18 +110,17 @@ void Asking::add_writes(Asked& asked, unsigned first, const Words& words, bool t
   }
 }
 
-// A run of 06; a whole value goes by one 16.
+// A run of 06; as much of a value as is written goes by one 16.
 void Asking::add_singles(Asked& asked, unsigned first, const Words& words) const {
   const auto end = static_cast<unsigned>(first + words.size());
   for (unsigned at = first; at < end;) {
-    const bool starts =
-        is_in_value(Table::holding_registers, at) && value_begin(at) == at && value_end(at) <= end;
-    const bool whole =
-        starts && (is_motion(Table::holding_registers, at) || !device_of(asked).split_values);
-    const unsigned stop = whole ? value_end(at) : at + 1;
-    add_piece(asked, whole ? multiple_pdu(
-                                 at, {words.begin() + (at - first), words.begin() + (stop - first)})
-                           : fields(6, at, words[at - first]));
+    const bool stays_together =
+        is_in_value(Table::holding_registers, at) &&
+        (is_motion(Table::holding_registers, at) || !device_of(asked).split_values);
+    const unsigned stop = stays_together ? std::min(value_end(at), end) : at + 1;
+    add_piece(asked, stop - at > 1 ? multiple_pdu(at, {words.begin() + (at - first),
+                                                       words.begin() + (stop - first)})
+                                   : fields(6, at, words[at - first]));
     at = stop;
   }
 }

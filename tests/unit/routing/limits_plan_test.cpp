@@ -119,6 +119,18 @@ TEST(LimitsPlan, TurnsOneWriteIntoARunOfSingles) {
   EXPECT_EQ(Planned(device, "10 0000 0001 02 0001").answer({"06 0000 0001"}), "10 00 00 00 01");
 }
 
+TEST(LimitsPlan, ARunOfSinglesKeepsTogetherWhatIsWrittenOfAValue) {
+  drive::Device device;
+  device.write_function = 0x06;
+  device.profile.values.add({Table::holding_registers, 0, 4, false});
+  device.profile.values.add({Table::holding_registers, 4, 4, false});
+  EXPECT_EQ(Planned(device, "10 0003 0003 06 0333 0444 0555", {}).requests(),
+            (Texts{"06 00 03 03 33", "10 00 04 00 02 04 04 44 05 55"}));
+  device.split_values = true;
+  EXPECT_EQ(Planned(device, "10 0004 0002 04 0444 0555", {}).requests(),
+            (Texts{"06 00 04 04 44", "06 00 05 05 55"}));
+}
+
 TEST(LimitsPlan, TurnsASingleWriteIntoAMultipleOne) {
   auto device = small_drive();
   device.write_function = 0x10;
