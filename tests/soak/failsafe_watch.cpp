@@ -39,15 +39,50 @@ void FailsafeWatch::note_activity(Watch& watch, Instant now) {
 }
 
 void FailsafeWatch::came(ClientId client, std::size_t listener, unsigned host) {
+  if (!watches_.empty()) {
+    clients_[client] = {listener, host, watches_of(listener, host)};
+  }
+}
+
+std::vector<std::size_t> FailsafeWatch::watches_of(std::size_t listener, unsigned host) const {
+  std::vector<std::size_t> found;
+  const auto& readers = plan_.readers[listener];
+  if (std::ranges::find(readers, host) != readers.end()) {
+    return found;
+  }
   for (std::size_t at = 0; at < watches_.size(); ++at) {
-    Watch& watch = watches_[at];
+    const Watch& watch = watches_[at];
     const bool listed =
         !watch.is_listed || std::ranges::find(watch.hosts, host) != watch.hosts.end();
     if (watch.listeners[listener] && listed &&
         lets_write_by_rules(plan_, listener, host, *watch.door.device)) {
-      clients_[client].watches.push_back(at);
+      found.push_back(at);
     }
   }
+  return found;
+}
+
+// Who may only read by now has gone, as far as writing goes; who may write by now has not asked
+// yet.
+void FailsafeWatch::after_reload() {
+  std::vector<bool> were_any(watches_.size());
+  for (std::size_t at = 0; at < watches_.size(); ++at) {
+    were_any[at] = std::exchange(watches_[at].clients, 0) > 0;
+    watches_[at].waiting = 0;
+  }
+  for (auto& [id, client] : clients_) {
+    client.watches = watches_of(client.listener, client.host);
+    for (const std::size_t at : client.watches) {
+      watches_[at].clients += client.has_asked ? 1U : 0U;
+      watches_[at].waiting += client.waits ? 1U : 0U;
+    }
+  }
+  for (std::size_t at = 0; at < watches_.size(); ++at) {
+    Watch& watch = watches_[at];
+    watch.due = watch.due || (were_any[at] && watch.clients == 0 && !watch.sent);
+    watch.sent = watch.sent || watch.due;
+  }
+  next_ = Instant::min();
 }
 
 std::vector<std::size_t> FailsafeWatch::asked(ClientId client, Instant now) {

@@ -27,7 +27,7 @@ class FailsafeWatch {
   /// Is there nothing of it that is due, or under way? Then other writes may be set.
   [[nodiscard]] bool is_armed(std::size_t device) const;
   /// By the settings in force.
-  void after_reload() { next_ = Instant::min(); }
+  void after_reload();
   /// What is sent because the gateway stops.
   std::vector<Asked> take_at_exit(Instant now);
 
@@ -45,11 +45,14 @@ class FailsafeWatch {
   };
 
   struct Client {
-    std::vector<std::size_t> watches;
+    std::size_t listener = 0;
+    unsigned host = 0;
+    std::vector<std::size_t> watches{};
     bool has_asked = false;
     bool waits = false;
   };
 
+  [[nodiscard]] std::vector<std::size_t> watches_of(std::size_t listener, unsigned host) const;
   void note_activity(Watch& watch, Instant now);
   void add_writes(std::vector<Asked>& due, const Watch& watch, Instant now) const;
   [[nodiscard]] Duration quiet_of(const Watch& watch) const {

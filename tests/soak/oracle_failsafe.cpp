@@ -30,9 +30,10 @@ void Oracle::begin_failsafe() {
   }
 }
 
-// Of those that are repeated, and were due more than once, nobody can tell which is sent.
+// Of those that are repeated, and were due more than once, nobody can tell which is sent; nor of
+// those that let writes go between them, and so are not sent as one.
 unsigned Oracle::failsafes_like(const Asked& asked, const Piece& piece) const {
-  if (!asked.is_repeated) {
+  if (!asked.is_repeated && !lets_writes_go(asked)) {
     return 1;
   }
   return static_cast<unsigned>(std::ranges::count_if(

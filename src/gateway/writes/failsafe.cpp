@@ -167,9 +167,7 @@ void Failsafe::carry(std::size_t device, const Failsafe& old, bool same_writes) 
     }
     due_.push_back(device);  // other settings may have brought its line back
   }
-  if (before->second.clients == 0) {
-    return;
-  }
+  // Who may write only by these settings has not asked since they were due.
   watch.active = before->second.active;
   watch.armed = before->second.armed;
   earliest_ = bus::earlier(earliest_, silent_at(watch));

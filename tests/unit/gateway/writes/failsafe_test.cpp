@@ -116,6 +116,23 @@ TEST(Failsafe, IsDueAgainIfItCouldNotBeSentAndNobodyAsks) {
   EXPECT_THAT(due(failsafe, Instant(1h)), IsEmpty());
 }
 
+// Nobody has asked since they were due, whoever may write by now.
+TEST(Failsafe, IsDueAgainThoughOtherSettingsLetSomebodyWriteWhoAskedBefore) {
+  Failsafe old;
+  old.watch(7, 0ms);
+  come(old, 1, {7});
+  old.client_gone(ClientId{1});
+  const auto sent = old.take_due(Instant{});
+  ASSERT_TRUE(sent);
+  Failsafe next;
+  next.watch(7, 0ms);
+  come(next, 2, {7}, Instant(1s));
+  next.carry(7, old, true);
+  EXPECT_TRUE(next.put_back(*sent));
+  EXPECT_THAT(due(next, Instant(2s)), IsEmpty());
+  EXPECT_THAT(due(next, Instant(1h)), ElementsAre(7));
+}
+
 TEST(Failsafe, LooksAtEachDeviceAlone) {
   Failsafe failsafe;
   failsafe.watch(7, 100ms);
