@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import threading
 
 CONFIGURATION = pathlib.Path(__file__).parents[2] / "conf"
@@ -150,10 +151,13 @@ class DemoPlant(Plant):
         self._processes.append(drives)
         drives.wait_for("^ready")
         self.start_gateway()
-        # A line listens before it first transmits, and a write may not wait for long; a read may.
+        # A line listens before it first transmits, and a write may not wait for long; a read may. On a busy machine a
+        # drive may answer late.
         for table, unit in (("holding", 1), ("coils", 17)):
             read = [program("mbgatectl"), "read", table, "0", "--unit", str(unit), "--port", str(self.port)]
-            subprocess.run(read, stdout=subprocess.DEVNULL, timeout=PATIENCE, check=True)
+            latest = time.monotonic() + PATIENCE
+            while subprocess.run(read, stdout=subprocess.DEVNULL, timeout=PATIENCE, check=False).returncode != 0:
+                assert time.monotonic() < latest, f"unit {unit} does not answer"
 
     def start_gateway(self, given=None):
         gateway = Process(self.configuration.parent, "mbgated", "--config", self.configuration, given=given)
