@@ -27,7 +27,8 @@ def python_tests():
 def ctest_names():
     text = (ROOT / "tests/CMakeLists.txt").read_text(encoding="utf-8")
     worlds = re.search(r"foreach\(world ([\w ]+)\)", text).group(1).split()
-    return {"soak.slice", *(f"explore.slice_{world}" for world in worlds)} if "soak.slice" in text else set()
+    seeds = re.search(r"foreach\(first ([\d ]+)\)\n *add_test\(NAME soak.slice_", text).group(1).split()
+    return {*(f"soak.slice_{first}" for first in seeds), *(f"explore.slice_{world}" for world in worlds)}
 
 
 def fuzzers():

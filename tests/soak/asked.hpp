@@ -59,6 +59,7 @@ struct Asked {
   bool failsafe = false;      ///< the gateway's own, sent as a stop
   bool is_unwanted = false;   ///< of these: a client that may write has asked since
   bool stops_all = false;     ///< a broadcast that is a stop
+  bool for_some = false;      ///< of these: it stops only the drives that know it
   bool identity = false;      ///< it asks the device who it is
   bool is_shared = false;     ///< a stop that is like others
   bool is_repeated = false;   ///< a stop of the drive's, which is repeated without a fitting echo
@@ -81,12 +82,15 @@ struct Asked {
   bool is_accepted = false;
   bool ordered = false;        ///< its answer may be held back for those before it
   bool ahead = false;          ///< it may have been accepted later
+  bool for_dead = false;       ///< its device was surely offline then
   bool perhaps_older = false;  ///< a broadcast: than what its unit has come to mean
   bool client_gone = false;
   bool dropped = false;               ///< a waiting write of a half-closed connection
   bool found_no_room = false;         ///< a stop that came when there was room for no more
   std::optional<Instant> doomed;      ///< a stop has taken it back
   std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
+  Duration held{0};                   ///< so long nothing else went while it waited
+  int let_go = 0;                     ///< so much went before it
   PduBytes last_sent;                 ///< as it looked on the wire
   std::uint64_t last_alone = 0;       ///< its last flight, if that was surely for it; else 0
   unsigned flights = 0;               ///< that it was among

@@ -12,6 +12,7 @@ constexpr std::uint64_t kSeldomChance = 0x464F524D53ULL;  // apart from the clie
 constexpr std::uint64_t kNearChance = 0x4E454152ULL;
 constexpr std::uint64_t kBootsChance = 0x424F4F5453ULL;
 constexpr std::uint64_t kRareChance = 0x52415245ULL;
+constexpr std::uint64_t kPeculiarChance = 0x50454355ULL;
 constexpr unsigned kByAutonics = 200;  // permille of broadcasts, where there is such a door
 
 }  // namespace
@@ -26,7 +27,8 @@ Asking::Asking(const SoakPlan& plan, Random& random)
       forms_(plan.seed ^ kSeldomChance),
       near_(plan.seed ^ kNearChance),
       boots_(plan.seed ^ kBootsChance),
-      rare_(plan.seed ^ kRareChance) {
+      rare_(plan.seed ^ kRareChance),
+      peculiar_(plan.seed ^ kPeculiarChance) {
   for (const Door& door : plan.doors) {
     auto& doors = door.device          ? device_doors_
                   : door.only_autonics ? autonics_doors_
@@ -179,6 +181,11 @@ Asked Asking::own() {
 Asked Asking::malformed(const Door& door) {
   Asked asked = begin(door, Kind::read);
   const unsigned address = door.holding_at;
+  if (door.windowed && rare_.chance(150)) {  // what is read there cannot be written
+    asked.refused = 1;
+    asked.pdu = fields(6, door.input_at + rare_.below(kInputs), 1);
+    return asked;
+  }
   asked.refused = 3;
   switch (random_.between(0U, 10U)) {
     case 0: asked.pdu = fields(3, address, 0); break;

@@ -90,6 +90,11 @@ class Asking {
   [[nodiscard]] Receivers listeners(std::size_t bus, bool autonics) const;
   Receivers add_forms(Asked& asked) const;
   [[nodiscard]] bool verifies(const Door& door) const;
+  // asking_peculiar.cpp: the same, that some drives take for a stop or a value.
+  void pick_peculiar(Asked& asked);
+  [[nodiscard]] bool is_stop_on_all(const Asked& asked) const;
+  void exchange_peculiar(Asked& asked, const Receivers& receivers) const;
+  [[nodiscard]] const Peculiarity& peculiarity(const drive::Device& device) const;
   [[nodiscard]] bool hears_autonics(const Door& door) const;
   void exchange_for(Asked& asked, const Receivers& receivers) const;
   void add_piece(Asked& asked, PduBytes pdu) const;
@@ -110,10 +115,11 @@ class Asking {
   std::vector<std::vector<const Door*>> device_doors_;  // by listener
   std::vector<std::vector<const Door*>> broadcast_doors_;
   std::vector<std::vector<const Door*>> autonics_doors_;  // address 129
-  Random forms_;  // what is asked seldom: with a chance of its own
-  Random near_;   // likewise: reads that meet each other
-  Random boots_;  // likewise: broadcasts after which drives boot
-  Random rare_;   // likewise: what looks like something else
+  Random forms_;     // what is asked seldom: with a chance of its own
+  Random near_;      // likewise: reads that meet each other
+  Random boots_;     // likewise: broadcasts after which drives boot
+  Random rare_;      // likewise: what looks like something else
+  Random peculiar_;  // likewise: broadcasts that drives take differently
   std::uint16_t broadcasts_ = 0;
   bool may_only_read_ = false;  // who asks at present
 };

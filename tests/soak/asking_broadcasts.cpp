@@ -31,7 +31,8 @@ bool is_for_autonics(const PduBytes& pdu, const spec::Range& range) {
     return is_within(range, kStopCoil, kCoils);
   }
   return (is_within(range, kStopRegister, kStopRegister + 3U) ||
-          is_within(range, kBroadcastRun, kBroadcastRun + kMostOfBroadcastRun)) &&
+          is_within(range, kBroadcastRun, kBroadcastRun + kMostOfBroadcastRun) ||
+          is_within(range, kValueOfSome, kValueOfSome + 2U)) &&
          (pdu[0] != 0x10 || range.count <= kMostOfAutonics);
 }
 
@@ -74,6 +75,7 @@ Asked Asking::broadcast(const Door& door) {
     pick_broadcast(asked);
   }
   pick_boot(asked);
+  pick_peculiar(asked);
   const bool may_be_for_all =
       asked.pdu[0] == 5 || asked.pdu[0] == 6 || asked.pdu[0] == 0x0F || asked.pdu[0] == 0x10;
   if (door.is_closed) {
@@ -81,7 +83,9 @@ Asked Asking::broadcast(const Door& door) {
   } else if (may_only_read_ || door.read_only || !may_be_for_all) {
     asked.refused = 1;
   } else {
-    exchange_for(asked, add_forms(asked));
+    const Receivers receivers = add_forms(asked);
+    exchange_for(asked, receivers);
+    exchange_peculiar(asked, receivers);
   }
   if (asked.refused) {
     asked.stops_all = false;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "gateway/limits.hpp"
+#include "soak/certificates.hpp"
 
 namespace mbgate::soak {
 
@@ -54,8 +55,9 @@ void Client::connect() {
   is_connecting_ = true;
   tools_.full = crowd();
   tools_.harness.handle(
-      gateway::ClientConnected{
-          number_, {*listener, address_of(manners_.host), socket_.size(), manners_.role}},
+      gateway::ClientConnected{number_,
+                               {*listener, address_of(manners_.host), socket_.size(),
+                                read_in_certificate(manners_.role, manners_.host)}},
       tools_.schedule.now());
   tools_.drain();
   tools_.full = {};

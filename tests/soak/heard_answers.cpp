@@ -109,7 +109,8 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
   if (frame.began >= flight.deadline) {
     return "late";
   }
-  if (!book.open_stops.empty()) {
+  const bool is_by_06 = flight.is_stop && flight.pdu.front() == 0x06;
+  if (book.open_stops.size() > (is_by_06 ? 1U : 0U)) {
     return "beside_stop";
   }
   const bool is_in_one = line.framing == bus::Framing::ascii
@@ -124,6 +125,17 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
     return "beside_noise";
   }
   return oracle_.reloaded_ >= flight.begin || flight.begin < book.opened ? "reload" : nullptr;
+}
+
+std::optional<Instant> HeardAnswers::stuck_until(const Flight& last) const {
+  const Book& book = oracle_.books_[last.bus];
+  if (last.stuck.of == 0 || book.came != last.stuck.come || book.read != book.came ||
+      may_echo(oracle_.plan_, book, last.bus) || book.touched >= last.begin) {
+    return std::nullopt;
+  }
+  const auto& settings = oracle_.bus_settings(last.bus);
+  return std::max(last.due, book.use.first_read + spec::WireTimes(settings.line).of(last.stuck.of) +
+                                spec::slack_of(settings));
 }
 
 // Its last try has ended as late as an answer could have that began in time, though the line is

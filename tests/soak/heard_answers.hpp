@@ -25,6 +25,8 @@ class HeardAnswers {
   [[nodiscard]] const char* why_unsure(const Flight& flight, const HeardFrame& frame) const;
   /// A request was told that nothing has answered it.
   void judge_end(const Asked& asked) const;
+  /// When the wait for an answer ends that has broken off; none if that is not known.
+  [[nodiscard]] std::optional<Instant> stuck_until(const Flight& last) const;
 
  private:
   [[nodiscard]] bool is_behind_echo(const Flight& flight) const;

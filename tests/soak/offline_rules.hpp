@@ -34,6 +34,7 @@ class OfflineRules {
   void check_share(const Flight& probe) const;
   [[nodiscard]] bool somebody_waits(const Flight& probe) const;
   [[nodiscard]] Instant share_ends(std::size_t bus) const;
+  [[nodiscard]] bool is_idle(std::size_t bus) const;
   [[nodiscard]] bool may_go_first(std::size_t bus, const Lane& other, const Lane& lane) const;
   [[nodiscard]] bool are_all_given_up(std::size_t bus, const Lane& lane) const;
   void check_stop(const Flight& stop, const Flight* before) const;

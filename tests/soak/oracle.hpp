@@ -101,8 +101,7 @@ class Oracle {
   /// An answer of the device may still be taken for one to the gateway.
   [[nodiscard]] bool owes(std::size_t bus, std::uint8_t address);
   // oracle_reload.cpp
-  /// What is known only by the settings that end now.
-  void before_reload();
+  void before_reload();  ///< what is known only by the settings that end now
   /// The bus's line is given up, or the bus itself: the next one under its name begins anew.
   void line_given_up(std::size_t bus);
   /// Of the bus or a device on it other times or rules hold now.
@@ -138,6 +137,7 @@ class Oracle {
   [[nodiscard]] const FailsafeWatch& failsafe() const { return failsafe_; }
 
  private:
+  friend class BehindStops;
   friend class HeardAnswers;
   friend class OfflineRules;
   friend class BootRules;
@@ -244,7 +244,7 @@ class Oracle {
   [[nodiscard]] Duration lateness() const;
 
   // oracle_bounds.cpp
-  void check_bounds(const Flight& flight);
+  void check_bounds(const Flight& flight, const Flight* before);
   void judge_expiry(const Asked& asked);
   void judge_eviction(const Asked& asked);
   void note_loss(std::size_t bus);

@@ -3,15 +3,21 @@
 // the rules allow for what happened on the wire.
 #include <algorithm>
 
+#include "soak/behind_stops.hpp"
 #include "soak/heard_answers.hpp"
 #include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
+#include "soak/own_identity.hpp"
 #include "soak/refusals.hpp"
 #include "soak/shared_reads.hpp"
 #include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
 namespace {
+
+bool is_own_identity(const Asked& asked) {
+  return asked.kind == Kind::own && asked.pdu[0] == 0x2B && asked.pdu.size() == 4;
+}
 
 constexpr std::uint8_t kFailure = 0x04;
 constexpr std::uint8_t kBusy = 0x06;
@@ -61,10 +67,15 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
   ++report_.answers;
   if (pdu[0] != function) {
     violation("wrong_function", "function " + std::to_string(pdu[0]) + " for " + name(asked));
-  } else if (asked.refused || asked.other_order) {
+  } else if (asked.refused || asked.other_order || !asked.replies) {
     violation("not_refused", name(asked));
   } else if (asked.kind == Kind::own) {
     own_answer_.assign(pdu.begin(), pdu.end());
+    if (const std::string objection =
+            is_own_identity(asked) ? objection_to_identity(asked.pdu, pdu) : "";
+        !objection.empty()) {
+      violation("own_identity", objection);
+    }
     OfflineRules(*this).judge_shown(asked, own_answer_);
   } else {
     judge_content(asked, pdu);
@@ -85,6 +96,7 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     }
     well_ = std::max(well_, std::optional(asked.id));
   }
+  BehindStops(*this).note_done(asked);
   close(asked, "after_answer");
 }
 
@@ -97,7 +109,8 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     return;
   }
   if (asked.kind == Kind::own) {
-    if (asked.any_code || (code == kBusy && rates_.is_refused(asked, schedule_.now()))) {
+    const bool fits = !is_own_identity(asked) || may_refuse_identity(asked.pdu, code);
+    if ((asked.any_code && fits) || (code == kBusy && rates_.is_refused(asked, schedule_.now()))) {
       return;
     }
     violation("wrong_refusal", code_text(code) + " of the status unit");

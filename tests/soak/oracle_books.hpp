@@ -90,6 +90,7 @@ struct Lane {
   Instant emptied_for = Instant::min();  ///< if it was read before then
   Instant boots_until = Instant::min();  ///< at the earliest: it was told what it never answers
   std::uint64_t stop_sent = 0;           ///< the last one sent to it
+  std::uint64_t stopped_after = 0;       ///< what was accepted before: a stop was surely sent since
 
   /// Something of it was heard, or is not known any more.
   void forget_silence() {
@@ -105,6 +106,7 @@ struct LineUse {
   Duration pause{0};                    ///< the longest between two readings of it
   Instant ends = Instant::min();        ///< at the latest, of the wait for the answer to it
   bool is_answered = false;             ///< that answer was read, and met no fault
+  Instant fitting = Instant::min();     ///< it was read; a stop may have ended the wait before
   Instant waits_from = Instant::min();  ///< before, something else may have held back what waits
 };
 
@@ -148,12 +150,13 @@ struct Book {
   std::vector<std::uint64_t> flying;    ///< on TCP buses
   std::vector<std::uint64_t> unheard;   ///< the same, as if no stop cut anything
   std::uint64_t last_flight = 0;
-  std::uint64_t last_other = 0;         ///< the last one that was no stop
-  std::uint64_t last_probe = 0;         ///< the last one to a device that was surely offline
-  Instant busy_since = Instant::min();  ///< no silence since then
-  std::uint64_t answered = 0;           ///< by a frame that fits
-  std::size_t room = 0;                 ///< more than the queue's limit may still wait from before
-  Instant last_merge = Instant::min();  ///< reads accepted until then may be merged
+  std::uint64_t last_other = 0;          ///< the last one that was no stop
+  std::uint64_t last_probe = 0;          ///< the last one to a device that was surely offline
+  Instant others_gone = Instant::min();  ///< when a request to one that perhaps was not ended last
+  Instant busy_since = Instant::min();   ///< no silence since then
+  std::uint64_t answered = 0;            ///< by a frame that fits
+  std::size_t room = 0;                  ///< more than the queue's limit may still wait from before
+  Instant last_merge = Instant::min();   ///< reads accepted until then may be merged
   Duration stop_wait_before{0};
   Instant stop_wait_from = Instant::min();  ///< it is what it is
   BusCount count;

@@ -11,11 +11,22 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
-void Oracle::check_bounds(const Flight& flight) {
-  if (!is_tcp(flight.bus) && !flight.is_stop && flight.begin < books_[flight.bus].listens_until) {
+// A line is listened to when it was opened, and left alone for a while when an answer did not come.
+void Oracle::check_bounds(const Flight& flight, const Flight* before) {
+  SharedReads(*this).check_bounds(flight);
+  if (is_tcp(flight.bus) || flight.is_stop) {
+    return;
+  }
+  const Book& book = books_[flight.bus];
+  if (flight.begin < book.listens_until) {
     violation("listened_too_short", name(flight));
   }
-  SharedReads(*this).check_bounds(flight);
+  const bool was_silent = before != nullptr && before->expects_answer && !before->beside_stop &&
+                          !before->meets_stop && book.came == 0 &&
+                          before->begin > std::max(book.opened, reloaded_);
+  if (was_silent && flight.begin < before->deadline + bus_settings(flight.bus).settle) {
+    violation("not_settled", name(flight));
+  }
 }
 
 // Of what was never transmitted, or was and can be no more: as soon as the deadline is over, or the

@@ -185,6 +185,7 @@ void Oracle::close(Asked& asked, const std::string& how) {
   for (Piece& piece : asked.pieces) {
     Book& book = books_[piece.bus];
     leave_queue(piece);
+    book.others_gone = present && !asked.for_dead ? schedule_.now() : book.others_gone;
     if (present && !asked.is_stop() && is_first_on_its_bus(asked, piece)) {
       book.note_size(bus_settings(piece.bus).queue, schedule_.now());
       --book.present;
@@ -246,13 +247,15 @@ void Oracle::answered(ClientId client, Bytes adu) {
   }
   const auto place = session.by_transaction.find(transaction);
   if (place == session.by_transaction.end()) {
-    if (std::erase(session.silent, transaction) > 0) {
-      ++session.outstanding;
-      return;
-    }
+    const bool is_silent = std::erase(session.silent, transaction) > 0;
     const bool again = std::ranges::find(session.answered, transaction) != session.answered.end();
-    violation(again ? "second_answer" : "unknown_answer",
-              "transaction " + std::to_string(transaction));
+    session.outstanding += is_silent ? 1U : 0U;
+    if (!is_silent || (adu[7] & 0x80U) == 0) {
+      violation(is_silent ? "not_silent"
+                : again   ? "second_answer"
+                          : "unknown_answer",
+                "transaction " + std::to_string(transaction));
+    }
     return;
   }
   Asked& asked = *open_.at(place->second);

@@ -52,6 +52,12 @@ bool Oracle::was_idle(std::size_t bus) const {
 void Oracle::line_replaced(std::size_t bus) {
   Book& book = books_[bus];
   if (!is_tcp(bus)) {
+    const auto waits = [&](const Asked* stop) {
+      return stop->accepted < schedule_.now() && is_surely_open(*stop);
+    };
+    if (std::ranges::any_of(book.stops, waits)) {
+      violation("hung_line", bus_settings(bus).name + ": opened again before a stop");
+    }
     const Reopening before = book.reopening;
     rest(book);
     book.reopening = before;

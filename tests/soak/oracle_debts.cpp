@@ -34,9 +34,11 @@ bool has_answered_since(const Lane& lane, const Flight& flight) {
              *lane.answered_at + std::max<Duration>(kAdapterHolds, kAnswerTimes * lane.took);
 }
 
-// The first that is owed and may be what was answered is owed no more. False: there is none.
+// The first that is owed and may be what was answered is owed no more; nor is the next one, where
+// the gateway may have forgotten the first. False: there is none.
 template <typename Find, typename MayBe>
-bool settle_first(Lane& lane, const Flight& asked, bool is_nobodys, Find find, MayBe may_be) {
+bool settle_first(Lane& lane, const Flight& asked, bool is_nobodys, Instant now, Find find,
+                  MayBe may_be) {
   const auto settled = std::ranges::find_if(lane.owed, [&](std::uint64_t number) {
     const Flight* it = find(number);
     return it == nullptr || may_be(*it);
@@ -47,10 +49,16 @@ bool settle_first(Lane& lane, const Flight& asked, bool is_nobodys, Find find, M
   // What is owed no more, as a second copy or later than the quarantine, settles what may still be
   // answered.
   const bool is_owed = std::ranges::find(lane.owed, asked.number) != lane.owed.end();
-  if (Flight* it = find(*settled); it != nullptr && (is_nobodys || !is_owed)) {
+  Flight* it = find(*settled);
+  if (it != nullptr && (is_nobodys || !is_owed)) {
     it->is_uncertain = true;
   }
   lane.owed.erase(settled);
+  const bool may_be_forgotten =
+      it == nullptr || now >= it->deadline + spec::quarantine_of(it->timing);
+  if (may_be_forgotten) {
+    settle_first(lane, asked, is_nobodys, now, find, may_be);
+  }
   return true;
 }
 
@@ -146,7 +154,7 @@ void Oracle::settle(std::size_t bus, const HeardFrame& frame) {
   Lane& lane = book.lanes[frame.address];
   const auto find = [this](std::uint64_t number) { return flight(number); };
   const auto settle = [&](const auto& may_be) {
-    return settle_first(lane, asked, frame.is_nobodys, find, may_be);
+    return settle_first(lane, asked, frame.is_nobodys, schedule_.now(), find, may_be);
   };
   if (frame.is_refused) {
     if (stands_for_echo(book) && is_for_last(book, frame) && !lane.answered_at) {

@@ -2,7 +2,9 @@
 // Nothing is needlessly late on a serial line: what may go goes as soon as the wire is silent. Only
 // what nothing from outside this line can hold back is judged.
 #include <algorithm>
+#include <string_view>
 
+#include "soak/behind_stops.hpp"
 #include "soak/heard_answers.hpp"
 #include "soak/oracle.hpp"
 
@@ -43,7 +45,15 @@ void Oracle::note_whole(std::size_t bus, HeardFrame& frame) const {
   const auto& owed = book.lanes[frame.address].owed;
   frame.ended = schedule_.now();
   frame.came = book.came;
-  frame.is_only_debt = owed.size() == 1 && owed.front() == frame.flight;
+  // Each try of a stop does the same, and by 06 its echo shows which stop that was.
+  const Flight* last = flight(book.last_flight);
+  const auto is_try_of_last = [&](std::uint64_t number) {
+    const Flight* it = flight(number);
+    return it != nullptr && it->asked.size() == 1 && it->asked == last->asked;
+  };
+  frame.is_only_debt = (owed.size() == 1 && owed.front() == frame.flight) ||
+                       (last != nullptr && last->is_stop && last->pdu.front() == 0x06 &&
+                        std::ranges::all_of(owed, is_try_of_last));
   const Flight* from = flight(frame.flight);
   frame.is_late = from != nullptr && std::ranges::count(owed, frame.flight) > 0 &&
                   std::ranges::all_of(owed, [&](std::uint64_t number) {
@@ -70,6 +80,9 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   last->unsure = HeardAnswers(*this).why_unsure(*last, frame);
+  if (last->unsure == nullptr || last->unsure == std::string_view("beside_stop")) {
+    book.use.fitting = schedule_.now();
+  }
   if (last->unsure != nullptr) {
     return;
   }
@@ -143,22 +156,27 @@ void Oracle::check_idle(const Flight& flight, const Flight* before) {
   const Book& book = books_[flight.bus];
   const auto from = could_go(flight);
   const auto& settings = bus_settings(flight.bus);
-  // Until lately other settings may have asked for other pauses.
-  if (!from || flight.begin < std::max(book.opened, book.touched + 1s)) {
-    return;
-  }
-  const Duration silence = spec::silence_of(settings) + longest_gap(devices_, plan_, flight.bus);
+  const Duration gap = longest_gap(devices_, plan_, flight.bus);
+  const Duration silence = spec::silence_of(settings) + gap;
   // Until then an answer may have been on its way.
   Instant ends = book.use.ends;
   Instant read = book.last_handed_in;
   if (before != nullptr && !book.use.is_answered && is_damaged_answer(plan_, book, *before)) {
     ends = book.last_handed_in + std::max(spec::slack_of(settings), silence) + settings.settle;
+  } else if (const auto until =
+                 before == nullptr ? std::nullopt : HeardAnswers(*this).stuck_until(*before)) {
+    ends = *until + settings.settle;
   } else if (!book.use.is_answered && book.came > 0) {
     read = std::max(ends, read) + rest_of_answer(flight);
   }
   const Instant free = std::max({book.own_end, book.turnaround_end, book.held_until,
                                  book.opened + settings.listen_first.value_or(1s), read, ends}) +
                        silence;
+  BehindStops(*this).note_held(flight, free - gap);
+  // Until lately other settings may have asked for other pauses.
+  if (!from || flight.begin < std::max(book.opened, book.touched + 1s)) {
+    return;
+  }
   const Duration late = flight.begin - std::max(free, *from);
   if (late > lateness() * (book.use.is_answered ? 1 : 2)) {
     violation("idle_wire", name(flight) + " " + std::to_string(late / 1us) + " us late");

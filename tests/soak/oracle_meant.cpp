@@ -2,6 +2,7 @@
 // Which request a transmission is for, and whether it may be transmitted now.
 #include <algorithm>
 
+#include "soak/behind_stops.hpp"
 #include "soak/oracle.hpp"
 #include "soak/shared_reads.hpp"
 
@@ -141,6 +142,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   if (alone && is_part_of_merged && asked.pieces.size() == 1 && !is_tcp(flight.bus)) {
     check_order(asked, flight);
   }
+  BehindStops(*this).check(asked, flight, alone);
   if (alone && !asked.maybe_on_wire && !asked.is_stop()) {
     check_order(asked, flight);
     if (const std::string owner = writers_.sent(asked, schedule_.now()); !owner.empty()) {
@@ -155,8 +157,13 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   }
   mine.surely_repeats =
       alone && mine.repeats_read && asked.last_alone != 0 && asked.pieces.size() == 1;
-  if (mine.surely_repeats) {
+  if (mine.surely_repeats || (alone && asked.kind == Kind::stop && !asked.is_shared)) {
     check_answered(asked);
+  }
+  if (mine.surely_repeats && !is_tcp(flight.bus) && asked.last_alone != 0) {
+    if (const Flight* before = this->flight(asked.last_alone)) {
+      TurnRules(*this).check_repeat(flight, *before);
+    }
   }
   asked.last_alone = alone ? flight.number : 0;
   asked.flights_alone += alone ? 1U : 0U;

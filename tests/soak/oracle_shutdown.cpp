@@ -28,20 +28,29 @@ void Oracle::begin_shutdown() {
   }
 }
 
-// Nobody cuts an answer that has begun: it may last until the end, and keep the line from the
-// failsafe writes that are left. That none waited while the wire was idle is judged elsewhere.
+// Nobody cuts an answer that has begun, or a request that is being sent, or sends before a silence:
+// that may last until the end, and keep the line from the failsafe writes that are left. That none
+// waited while the wire was idle is judged elsewhere.
 void Oracle::finished() {
   finished_ = true;
   if (!stopping_ || schedule_.now() > *stopping_ + kGrace + kLatestEnd) {
     violation("finished_late", "the gateway");
     return;
   }
-  const auto is_still_answered = [&](const Book& book) {
+  const auto is_busy = [&](const Book& book) {
     const Flight* last = flight(book.last_flight);
-    if (last == nullptr || is_tcp(last->bus) || book.came == 0) {
+    if (last == nullptr || is_tcp(last->bus)) {
       return false;
     }
     const auto& settings = bus_settings(last->bus);
+    const bool is_silent = schedule_.now() > book.last_byte + spec::silence_of(settings);
+    if (schedule_.now() <= last->end + settings.stop_wait + lateness() ||
+        (!is_silent && schedule_.now() < *stopping_ + stop_deadline(last->bus))) {
+      return true;
+    }
+    if (book.came == 0) {
+      return false;
+    }
     const Duration pause =
         settings.line.framing == bus::Framing::ascii ? 1s : spec::slack_of(settings);
     return book.use.first_read < last->due &&
@@ -59,7 +68,7 @@ void Oracle::finished() {
     const bool could_go = book.open && book.last_down < *stopping_ &&
                           book.stops_at_end <= kFewStops && !is_late &&
                           plan_.rates[bus].babbles_every == Duration{0};
-    if (could_go && !is_still_answered(book)) {
+    if (could_go && !is_busy(book)) {
       violation("failsafe_missing", name(*asked) + " at the end");
     }
   }

@@ -132,7 +132,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
   check_idle(flight, before);
   TurnRules(*this).check(flight);
-  check_bounds(flight);
+  check_bounds(flight, before);
   OfflineRules(*this).check(flight, before);
   BootRules(*this).take(flight);
   set_times(flight);

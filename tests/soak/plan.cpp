@@ -239,6 +239,7 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   if (!plan.silence) {
     draw_stops(plan.driver, seed);
   }
+  draw_broadcasts(plan, seed);
   draw_theme(plan, seed);
   draw_own_routes(plan, seed);
   return plan;

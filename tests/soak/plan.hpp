@@ -65,7 +65,9 @@ struct FaultRates {
   unsigned damaged = 0;      ///< bits flipped, bytes lost or doubled on the way to the gateway
   unsigned late_pieces = 0;  ///< of late ones: with pauses
   unsigned pieces = 0;
-  unsigned glitch = 0;  ///< bytes before it that are no part of it
+  bool are_quick = false;  ///< its drives answer within a millisecond
+  unsigned stuck = 0;      ///< it pauses, goes on, and breaks off
+  unsigned glitch = 0;     ///< bytes before it that are no part of it
   unsigned too_long = 0;
   unsigned too_short = 0;   ///< fewer data than were asked for
   unsigned wrong_echo = 0;  ///< a good frame: another address, value or quantity than was written
@@ -73,7 +75,8 @@ struct FaultRates {
   unsigned exception = 0;
   unsigned early = 0;
   unsigned request_damaged = 0;  ///< of requests
-  unsigned echo_damaged = 0;     ///< of requests, as the following
+  unsigned swapped = 0;       ///< of lines that are opened: by an adapter that hears itself, or not
+  unsigned echo_damaged = 0;  ///< of requests, as the following
   unsigned echo_lost = 0;
   unsigned echo_cut = 0;            ///< something of it is missing
   unsigned prompt = 0;              ///< carried out and answered before it has left
@@ -133,6 +136,12 @@ struct Absent {
   std::vector<bool> routes;
 };
 
+/// What only some drives have; whoever reads does not reach it.
+struct Peculiarity {
+  bool stops = false;  ///< kStopOfSome in kBroadcastRegister stops it
+  bool value = false;  ///< at kValueOfSome
+};
+
 /// What a part of the plans is arranged for.
 enum class Theme : std::uint8_t {
   none,
@@ -140,7 +149,8 @@ enum class Theme : std::uint8_t {
                  ///< same
   busy_line,     ///< nothing goes wrong, and whose turn it is decides everything
   shared_reads,  ///< all ask for the same, beside broadcasts, and the line is lost now and then
-  late_drives    ///< they are late again and again, for many minutes
+  late_drives,   ///< they are late again and again, for many minutes
+  stops          ///< drives are stopped while writes to them wait, which some let go first
 };
 
 struct SoakPlan {
@@ -155,6 +165,7 @@ struct SoakPlan {
   std::vector<bool> echoes;                    ///< by bus: its line really hears itself
   std::vector<drive::WordOrder> own_orders;    ///< by device: what the drive itself is set to
   std::vector<bool> sleepers;                  ///< by device: it is silent for long now and then
+  std::vector<Peculiarity> peculiar;           ///< by device
   std::vector<std::vector<unsigned>> writers;  ///< by device, the hosts that its guard lists
   std::vector<std::vector<std::vector<std::uint8_t>>> failsafe;  ///< by device, the PDUs
   std::vector<SpokenRule> rules;
@@ -198,6 +209,8 @@ void draw_limits(SoakPlan& plan, std::uint64_t seed);
 void draw_forms(SoakPlan& plan, std::uint64_t seed);
 /// Of which drives nobody knows the word order.
 void draw_orders(SoakPlan& plan, std::uint64_t seed);
+/// Who often speaks to all, and which drives take what is said for a stop or a value.
+void draw_broadcasts(SoakPlan& plan, std::uint64_t seed);
 /// Who may speak to all, and silence devices; what a stop may be followed by.
 void draw_odds(SoakPlan& plan, std::uint64_t seed);
 /// How late answers come, and what breaks off.

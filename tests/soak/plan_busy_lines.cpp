@@ -22,6 +22,9 @@ void ThemeDraw::wait_for_turns(std::size_t bus) {
 void ThemeDraw::crowd(std::size_t bus) {
   wait_for_turns(bus);
   const auto devices = devices_on(bus);
+  if (random_.chance(400)) {
+    plan_.settings.devices[devices.front()].timing.gap = random_.duration(5ms, 20ms);
+  }
   for (unsigned count = random_.between(3U, 6U); count > 0; --count) {
     Manners reads = client(bus, devices);
     reads.burst = reads.outstanding = random_.between(2U, 8U);
@@ -61,6 +64,7 @@ void ThemeDraw::share(std::size_t bus) {
   settings.listen_first = random_.duration(0ms, 20ms);
   auto devices = devices_on(bus);
   devices.resize(random_.between(1U, 2U));
+  plan_.rates[bus].exception = random_.one_of({0U, 0U, 100U});
   if (random_.chance(500)) {
     plan_.rates[bus].lost_every = random_.duration(500ms, 2s);
     for (const std::size_t index : devices) {
@@ -75,6 +79,47 @@ void ThemeDraw::share(std::size_t bus) {
     asks.broadcasts = random_.one_of({0U, 0U, 200U});
     plan_.clients.push_back(asks);
   }
+}
+
+// Whoever waits for a drive with a gap waits for longer than others, and so do stops that let
+// writes to it go first. Answers come slowly, some late, some not at all.
+void ThemeDraw::stop_much(std::size_t bus) {
+  bus::BusSettings& settings = plan_.settings.buses[bus];
+  settings.stop_wait = random_.duration(25ms, 60ms);
+  settings.coalesce = settings.merge = random_.chance(200);
+  plan_.rates[bus].never = random_.one_of({0U, 50U, 200U});
+  plan_.rates[bus].late = random_.one_of({0U, 0U, 300U});
+  auto devices = devices_on(bus);
+  devices.resize(random_.between(1U, 3U));
+  const bool have_gaps = random_.chance(700);
+  for (const std::size_t index : devices) {
+    drive::Device& device = plan_.settings.devices[index];
+    set_times(device.timing);
+    device.timing.response_timeout = random_.duration(60ms, 120ms);
+    device.timing.gap = have_gaps ? random_.duration(10ms, 40ms) : 0ms;
+    device.timing.offline_after = random_.one_of({0U, 3U, 20U});
+    device.stop_cancels = random_.chance(300);
+  }
+  if (random_.chance(500)) {
+    plan_.rates[bus].sleeps = 3s;
+    plan_.sleepers[devices.front()] = true;
+  }
+  const auto add = [&](unsigned writes, unsigned stops) {
+    Manners manners = client(bus, devices);
+    manners.writes = writes;
+    manners.stops = stops;
+    manners.burst = manners.outstanding = random_.between(1U, 6U);
+    plan_.clients.push_back(manners);
+  };
+  for (unsigned count = random_.between(1U, 3U); count > 0; --count) {
+    add(900, random_.one_of({0U, 50U}));
+  }
+  for (unsigned count = random_.between(1U, 2U); count > 0; --count) {
+    add(0, random_.one_of({100U, 1000U}));
+    plan_.clients.back().burst = plan_.clients.back().outstanding = 1;
+    plan_.clients.back().pause = 400ms;
+  }
+  add(0, 0);
 }
 
 // They ask for the same at the same time and are often not answered. Some wait for a little while

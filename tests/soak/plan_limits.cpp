@@ -12,6 +12,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::uint64_t kLimitsChance = 0x4C494D495453ULL;
+constexpr std::uint64_t kReadersChance = 0x5245414445ULL;
 constexpr std::uint64_t kAddressChance = 0x41444452455353ULL;
 constexpr std::uint64_t kCrowdsChance = 0x43524F574453ULL;
 
@@ -35,13 +36,30 @@ void draw_listener(SoakPlan& plan, gateway::ListenerSettings& listener, Random& 
     listener.frame_timeout = random.duration(kLeastFrameTimeout, 3s);
   }
   std::vector<unsigned>& readers = plan.readers.emplace_back();
-  // Who is gone, of those that may write, is a question of its own.
+  // Who is gone, of those that may write, is a question of its own: draw_readers().
   const bool is_guarded =
       std::ranges::any_of(plan.failsafe, [](const auto& it) { return !it.empty(); });
   for (unsigned host = 0; !is_guarded && host < kMostHosts && random.chance(300); host += 3) {
     readers.push_back(host);
   }
   listener.read_only = networks_of(readers);
+}
+
+// They hold off no failsafe writes.
+void draw_readers(SoakPlan& plan, Random& random) {
+  const bool is_guarded =
+      std::ranges::any_of(plan.failsafe, [](const auto& it) { return !it.empty(); });
+  if (!is_guarded || !random.chance(400)) {
+    return;
+  }
+  for (std::size_t listener = 0; listener < plan.readers.size(); ++listener) {
+    for (unsigned host = 0; host < kMostHosts; ++host) {
+      if (random.chance(200)) {
+        plan.readers[listener].push_back(host);
+      }
+    }
+    plan.settings.listeners[listener].read_only = networks_of(plan.readers[listener]);
+  }
 }
 
 }  // namespace
@@ -51,6 +69,8 @@ void draw_limits(SoakPlan& plan, std::uint64_t seed) {
   for (gateway::ListenerSettings& listener : plan.settings.listeners) {
     draw_listener(plan, listener, random);
   }
+  Random of_readers(seed ^ kReadersChance);
+  draw_readers(plan, of_readers);
   Random of_addresses(seed ^ kAddressChance);
   for (gateway::ListenerSettings& listener : plan.settings.listeners) {
     if (of_addresses.chance(200)) {

@@ -48,6 +48,7 @@ void ThemeDraw::pick(unsigned which) {
                 : which < 360 ? Theme::late_drives
                 : which < 480 ? Theme::busy_line
                 : which < 600 ? Theme::shared_reads
+                : which < 720 ? Theme::stops
                               : Theme::none;
   part_ = which < 360 ? Part::usual : which < 480 ? Part::writers : Part::deserters;
 }
@@ -58,6 +59,7 @@ void ThemeDraw::arrange(std::size_t bus) {
     case Theme::busy_line: return part_ == Part::writers ? write_much(bus) : crowd(bus);
     case Theme::shared_reads: return part_ == Part::deserters ? desert(bus) : share(bus);
     case Theme::late_drives: return be_late(bus);
+    case Theme::stops: return stop_much(bus);
     case Theme::none: return;
   }
 }
@@ -193,12 +195,17 @@ void ThemeDraw::let_die(std::size_t bus) {
     stops.stops = random_.one_of({300U, 900U});
     plan_.clients.push_back(stops);
   }
+  if (random_.chance(250)) {  // nobody asks for those that are there
+    std::erase_if(plan_.clients, [&](const Manners& it) { return it.devices == living; });
+  }
 }
 
 // They are asked all of the time, but slowly: what was learned of one minute is needed in the next.
 void ThemeDraw::be_late(std::size_t bus) {
   FaultRates& rates = plan_.rates[bus];
   rates.late = random_.one_of({200U, 400U});
+  rates.late_pieces = random_.one_of({0U, 300U});
+  rates.are_quick = random_.chance(500);
   rates.never = random_.one_of({0U, 100U});
   auto devices = devices_on(bus);
   devices.resize(random_.between(1U, 2U));

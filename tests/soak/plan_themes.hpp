@@ -39,6 +39,7 @@ class ThemeDraw {
   void crowd(std::size_t bus);
   void write_much(std::size_t bus);
   void share(std::size_t bus);
+  void stop_much(std::size_t bus);
   void desert(std::size_t bus);
 
   SoakPlan& plan_;

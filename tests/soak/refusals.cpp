@@ -101,50 +101,13 @@ bool Refusals::found_no_room(const Asked& asked, std::size_t bus) const {
   return is_new && (book.last_full >= since || book.present > oracle_.bus_settings(bus).queue);
 }
 
-bool Refusals::is_away(const Asked& asked) const {
-  return std::ranges::any_of(asked.pieces, [&](const Piece& piece) {
-    const Book& book = oracle_.books_[piece.bus];
-    return (!book.open && !book.starting) || book.last_down >= asked.accepted;
-  });
-}
-
-// One form of a broadcast was transmitted, and its line was lost before another one. Where nothing
-// was transmitted there was no path.
-bool Refusals::was_cut_short(const Asked& broadcast) const {
-  return std::ranges::any_of(broadcast.pieces, [&](const Piece& piece) {
-    return piece.sent > 0 && oracle_.books_[piece.bus].last_down >= broadcast.accepted;
-  });
-}
-
-// One of its lines has been away since before it came: whatever became of it on others.
-bool Refusals::found_no_path(const Asked& broadcast) const {
-  return std::ranges::any_of(broadcast.pieces, [&](const Piece& piece) {
-    const Book& book = oracle_.books_[piece.bus];
-    const bool is_sent = std::ranges::any_of(
-        broadcast.pieces, [&](const Piece& it) { return it.bus == piece.bus && it.sent > 0; });
-    return !is_sent && !book.open && !book.starting && book.last_down < broadcast.accepted;
-  });
-}
-
-void Refusals::judge_no_path(const Asked& asked) const {
-  if (asked.surely_on_wire && asked.kind != Kind::broadcast) {
-    oracle_.violation("no_path_after_wire", oracle_.name(asked));
-  } else if (const char* reason = why_no_path(asked); reason != nullptr) {
-    note("0A", reason);
-  } else {
-    oracle_.violation("no_path_without_reason", oracle_.name(asked));
-  }
-}
-
-const char* Refusals::why_no_path(const Asked& asked) const {
-  if (is_away(asked)) {
-    return "line_away";
-  }
-  return !asked.is_read() && oracle_.may_be_offline(asked) ? "offline" : nullptr;
-}
-
 void Refusals::judge_no_response(const Asked& asked) const {
-  if (!asked.maybe_on_wire && !(asked.is_read() && oracle_.may_be_offline(asked))) {
+  const bool was_asked_only =
+      asked.changes() && std::ranges::none_of(asked.pieces, [](const Piece& it) {
+        return it.sent > 0 && !it.asks_order;
+      });
+  if ((!asked.maybe_on_wire || was_asked_only) &&
+      !(asked.is_read() && oracle_.may_be_offline(asked))) {
     oracle_.violation("no_response_without_wire", oracle_.name(asked));
     return;
   }

@@ -12,6 +12,7 @@ namespace {
 constexpr int kUnitOfNobody = 250;
 constexpr std::uint64_t kLinesChance = 0x4C494E4553ULL;
 constexpr std::uint64_t kGuardsChance = 0x475541524453ULL;
+constexpr std::uint64_t kPatienceChance = 0x50415449ULL;
 constexpr std::uint64_t kOwnChance = 0x52454C4F4144ULL;  // apart from the plant's
 
 }  // namespace
@@ -23,6 +24,7 @@ Reloads::Reloads(SoakPlan& plan, Oracle::Devices& devices, const Oracle& oracle,
       random_(seed ^ kOwnChance),
       lines_(seed ^ kLinesChance),
       guards_(seed ^ kGuardsChance),
+      patience_(seed ^ kPatienceChance),
       arrangement_(plan) {
   is_guarded_ = std::ranges::any_of(plan.settings.guards, [](const gateway::DeviceGuard& guard) {
     return guard.writer != gateway::WriterRule::any || !guard.failsafe.empty();
@@ -73,8 +75,14 @@ Reload Reloads::draw() {
     perhaps(200, "reload_idle", listeners, &Reloads::change_idle);
     perhaps(300, "reload_deadline", routes, &Reloads::change_deadline);
     perhaps(60, "reload_line", buses, &Reloads::change_line);
+    if (patience_.chance(400) && change_patience(patience_.below(buses))) {
+      reload_.kinds.push_back("reload_patience");
+    }
     if (is_guarded_) {  // who may write, and whether anybody is left, stays as it is
       perhaps(300, "reload_failsafe", devices, &Reloads::change_failsafe);
+      if (guards_.chance(400) && change_rights(guards_.below(listeners))) {
+        reload_.kinds.push_back("reload_rights");
+      }
       if (guards_.chance(150) && switch_unwatched(guards_.below(devices))) {
         reload_.kinds.push_back("reload_owned_device");
       }

@@ -52,6 +52,7 @@ class Reloads {
   bool change_timing(std::size_t index);
   void draw_timing(drive::DeviceTiming& timing);
   bool change_rules(std::size_t bus);
+  bool change_patience(std::size_t bus);
   bool change_listener(std::size_t index);
   bool change_idle(std::size_t listener);
   bool change_deadline(std::size_t route);
@@ -90,6 +91,7 @@ class Reloads {
   Random random_;
   Random lines_;
   Random guards_;
+  Random patience_;
   Duration every_{0};
   bool is_guarded_ = false;
   Reload reload_;

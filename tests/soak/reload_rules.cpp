@@ -89,6 +89,28 @@ bool Reloads::change_rules(std::size_t index) {
   return true;
 }
 
+// How long a line is waited for, in its answers and when it is away. A pause that is within an
+// answer stays within it.
+bool Reloads::change_patience(std::size_t index) {
+  bus::BusSettings& bus = plan_.settings.buses[index];
+  reload_.touched.push_back(index);
+  switch (patience_.between(0U, 3U)) {
+    case 0: bus.reopen_max = patience_.duration(bus.reopen_min, 1s); break;
+    case 1: bus.probe_share = patience_.between(10U, 40U); break;
+    case 2:
+      if (bus.line.framing == bus::Framing::rtu) {
+        const Duration slack = spec::slack_of(bus);
+        bus.frame_slack = patience_.duration(slack, std::max<Duration>(slack, 250ms));
+      }
+      break;
+    default:
+      if (bus.replace_after > 0) {
+        bus.replace_after = patience_.between(1U, 8U);
+      }
+  }
+  return true;
+}
+
 bool Reloads::change_listener(std::size_t index) {
   auto& listener = plan_.settings.listeners[index];
   listener.pipeline = random_.one_of<std::size_t>({1, 4, 16, 64});

@@ -120,20 +120,6 @@ void SerialWire::heard(std::uint64_t number) {
   answer(*device, *flight, *request);
 }
 
-// Each device hears the form of its kind.
-void SerialWire::carry_out_all(const Flight& flight) {
-  const bool is_for_autonics = flight.address != 0;
-  std::vector<std::uint8_t> pdu = flight.pdu;
-  pdu[0] = static_cast<std::uint8_t>(is_for_autonics ? pdu[0] & 0x7FU : pdu[0]);
-  for (SoakDevice* device : devices_) {
-    const bool listens = is_for_autonics == (device->settings().profile.broadcast.form ==
-                                             drive::BroadcastForm::autonics);
-    if (listens && !device->is_dead(around_.schedule.now())) {
-      device->carry_out(*Pdu::from(pdu), around_.schedule.now());
-    }
-  }
-}
-
 void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& request) {
   Random& random = around_.random;
   const drive::DeviceTiming& timing = flight.timing;
@@ -156,7 +142,8 @@ void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& req
   if (!pdu || happens(rates_.never, "never")) {
     return;
   }
-  Duration wait = timing.response_wait + 300us + random.duration(0us, timing.response_timeout / 2);
+  const Duration longest = rates_.are_quick ? 700us : timing.response_timeout / 2;
+  Duration wait = timing.response_wait + 300us + random.duration(0us, longest);
   if (slow) {
     wait += random.duration(0us, timing.response_timeout);
     wait = std::min<Duration>(wait, (flight.deadline - flight.end) / 2);
@@ -184,6 +171,9 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
       frame = encode(address, Pdu::exception(pdu.function(), modbus::ExceptionCode{kFailure}));
     }
     answer_late(device, flight, frame, begin);
+    return;
+  }
+  if (gets_stuck(flight, frame, begin)) {
     return;
   }
   const bool excess = happens(rates_.twice, "twice");

@@ -109,6 +109,8 @@ class SerialWire {
   void answer(SoakDevice& device, const Flight& flight, const modbus::Pdu& request);
   void answer_with_fault(SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu,
                          Instant begin);
+  /// wire_stuck.cpp: nothing more of the answer comes.
+  [[nodiscard]] bool gets_stuck(const Flight& flight, const Frame& frame, Instant begin);
   void answer_late(SoakDevice& device, const Flight& flight, const Frame& frame, Instant begin);
   Spoilt spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
   // wire_strangers.cpp

@@ -12,6 +12,8 @@ namespace mbgate::soak {
 namespace {
 
 constexpr std::ptrdiff_t kMostTurns = 5;  // of any weight that is drawn
+constexpr Duration kLongestGap = std::chrono::seconds(1);
+constexpr unsigned kPassedOver = 2;  // once, and by who had the turn already
 
 // What was granted by the weight that a reload has changed comes first.
 std::optional<Instant> weight_holds_from(const std::vector<Instant>& reads, Instant touched) {
@@ -105,37 +107,17 @@ bool TurnRules::is_clear(const Flight& flight) const {
              book.lanes, [&](const Lane& lane) { return std::ranges::all_of(lane.open, is_done); });
 }
 
-std::vector<const Asked*> TurnRules::others_that_may_go(const Flight& flight) const {
+std::vector<const Asked*> TurnRules::others_that_may_go(const Flight& flight,
+                                                        Duration most_gap) const {
   std::vector<const Asked*> others;
   for (const Lane& lane : oracle_.books_[flight.bus].lanes) {
     for (const Asked* asked : lane.open) {
-      if (asked->id != flight.asked.front() && may_go(*asked, lane, flight)) {
+      if (asked->id != flight.asked.front() && may_go(*asked, lane, flight, most_gap)) {
         others.push_back(asked);
       }
     }
   }
   return others;
-}
-
-const Asked* TurnRules::waiting_for_room(const Flight& stop, Instant since) const {
-  const Book& book = oracle_.books_[stop.bus];
-  for (const Lane& lane : book.lanes) {
-    // A stop may let the writes before it go, and then nothing goes before these.
-    const bool may_be_held = &lane == &book.lanes[stop.address];
-    const bool is_clear = std::ranges::all_of(lane.open, [&](const Asked* asked) {
-      return asked->is_stop() || (!asked->maybe_on_wire && asked->kind != Kind::broadcast &&
-                                  !(may_be_held && asked->changes()));
-    });
-    if (!is_clear) {
-      return nullptr;
-    }
-  }
-  const auto others = others_that_may_go(stop);
-  const auto other = std::ranges::find_if(others, [&](const Asked* asked) {
-    return asked->pieces.front().address != stop.address && asked->accepted < since &&
-           asked->waited_until < since;
-  });
-  return other == others.end() ? nullptr : *other;
 }
 
 bool TurnRules::waits_for_its_turn(const Asked& asked, const Flight& flight) {
@@ -145,12 +127,17 @@ bool TurnRules::waits_for_its_turn(const Asked& asked, const Flight& flight) {
          flight.begin < asked.deadline - (asked.written - asked.earliest);
 }
 
+Duration TurnRules::gap_for(const Asked& asked) const {
+  return oracle_.devices_[*asked.door->device].settings().timing.gap;
+}
+
 // It waits for nothing but its turn: the oldest of its client to a device that owes nothing, is
-// there, and needs no gap.
-bool TurnRules::may_go(const Asked& asked, const Lane& lane, const Flight& flight) const {
+// there, and needs no gap that is longer.
+bool TurnRules::may_go(const Asked& asked, const Lane& lane, const Flight& flight,
+                       Duration most_gap) const {
   if (!waits_for_its_turn(asked, flight) || !lane.device || lane.held_until >= flight.begin ||
       oracle_.is_past_offline(flight.bus, lane) ||
-      oracle_.devices_[*lane.device].settings().timing.gap > Duration{0}) {
+      oracle_.devices_[*lane.device].settings().timing.gap > most_gap) {
     return false;
   }
   return std::ranges::none_of(lane.open, [&](const Asked* other) {
@@ -173,7 +160,9 @@ void TurnRules::judge(const Flight& flight, const Asked& asked, const Turns& tur
     if (write != others.end() && turns.most_writes < burst) {
       oracle_.violation("write_overtaken", oracle_.name(**write) + " by " + oracle_.name(asked));
     }
-    judge_reads(flight, asked, turns, others);
+    // Where others write, they go between.
+    const bool all_read = oracle_.plan_.theme == Theme::busy_line;
+    judge_reads(flight, asked, turns, all_read ? others_that_may_go(flight, kLongestGap) : others);
     judge_weight(asked, turns, others);
     return;
   }
@@ -185,7 +174,8 @@ void TurnRules::judge(const Flight& flight, const Asked& asked, const Turns& tur
   }
 }
 
-// While a read of one client waits for its turn, each other client has as many as its weight says.
+// While a read of one client waits for its turn, each other client has as many as its weight says,
+// and some more where it waits for its device's gap too: then it is passed over once.
 void TurnRules::judge_reads(const Flight& flight, const Asked& read, const Turns& turns,
                             const std::vector<const Asked*>& others) const {
   const auto mine = turns.reads.find(read.host);
@@ -205,7 +195,8 @@ void TurnRules::judge_reads(const Flight& flight, const Asked& read, const Turns
                                     last == turns.last.end() ? Instant::min() : last->second});
     const auto count = 1U + static_cast<unsigned>(std::ranges::count_if(
                                 mine->second, [&](Instant at) { return at > since; }));
-    if (count > weight_of(read.host)) {
+    const unsigned passed = gap_for(*other) > Duration{0} ? kPassedOver : 0;
+    if (count > weight_of(read.host) + passed) {
       oracle_.violation("unfair", oracle_.name(*other) + " while host " +
                                       std::to_string(read.host) + " had " + std::to_string(count) +
                                       " turns");

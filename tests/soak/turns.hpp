@@ -36,15 +36,21 @@ class TurnRules {
 
   /// To be called when it is known for whom it is, and before it counts.
   void check(const Flight& flight) const;
+  /// The read is repeated and its last try, which was the last transmission, left unanswered.
+  void check_repeat(const Flight& read, const Flight& before) const;
   /// A request to another device that could have gone since then; none if nobody can tell.
   [[nodiscard]] const Asked* waiting_for_room(const Flight& stop, Instant since) const;
 
  private:
   [[nodiscard]] const Asked* only_one(const Flight& flight) const;
   [[nodiscard]] bool is_clear(const Flight& flight) const;
-  [[nodiscard]] std::vector<const Asked*> others_that_may_go(const Flight& flight) const;
+  /// `most_gap`: those to devices with a gap too, up to so long a one.
+  [[nodiscard]] std::vector<const Asked*> others_that_may_go(const Flight& flight,
+                                                             Duration most_gap = Duration{0}) const;
   [[nodiscard]] static bool waits_for_its_turn(const Asked& asked, const Flight& flight);
-  [[nodiscard]] bool may_go(const Asked& asked, const Lane& lane, const Flight& flight) const;
+  [[nodiscard]] bool may_go(const Asked& asked, const Lane& lane, const Flight& flight,
+                            Duration most_gap) const;
+  [[nodiscard]] Duration gap_for(const Asked& asked) const;
   [[nodiscard]] unsigned weight_of(unsigned host) const;
   void judge(const Flight& flight, const Asked& asked, const Turns& turns) const;
   void judge_weight(const Asked& read, const Turns& turns,

@@ -12,6 +12,12 @@ constexpr std::uint8_t kDenied = 0x01;
 constexpr std::uint8_t kNotNow = 0x06;
 constexpr std::uint8_t kNoPath = 0x0A;
 
+bool goes_out(const Asked& broadcast, std::size_t bus, std::uint8_t form) {
+  return std::ranges::any_of(broadcast.pieces, [&](const Piece& piece) {
+    return piece.bus == bus && piece.address == form;
+  });
+}
+
 }  // namespace
 
 void Withdrawals::take_back_for(const Asked& stop) const {
@@ -27,7 +33,7 @@ void Withdrawals::take_back_for(const Asked& stop) const {
     }
     for (std::size_t address = 0; address < book.lanes.size(); ++address) {
       Lane& lane = book.lanes.at(address);
-      if (address != piece.address && !stop.stops_all) {
+      if (stop.stops_all ? !stops_at(stop, piece.bus, address) : address != piece.address) {
         continue;
       }
       lane.last_stop = now;
@@ -52,14 +58,31 @@ void Withdrawals::take_back_writes(const Lane& lane) const {
   }
 }
 
+// Is the device at the address one that a stop for all is for?
+bool Withdrawals::stops_at(const Asked& stop, std::size_t bus, std::size_t address) const {
+  if (!stop.for_some) {
+    return true;
+  }
+  const auto device = oracle_.books_[bus].lanes.at(address).device;
+  return device && oracle_.plan_.peculiar[*device].stops && goes_out(stop, bus, form_of(*device));
+}
+
+std::uint8_t Withdrawals::form_of(std::size_t device) const {
+  const auto& broadcast = oracle_.devices_[device].settings().profile.broadcast;
+  return broadcast.form == drive::BroadcastForm::autonics ? kAutonicsAddress : std::uint8_t{0};
+}
+
 // Does a device that the stop is for hear broadcasts of this form?
 bool Withdrawals::reaches(const Asked& stop, std::size_t bus, std::uint8_t form) const {
-  if (stop.stops_all) {
-    return std::ranges::any_of(
-        stop.pieces, [&](const Piece& piece) { return piece.bus == bus && piece.address == form; });
+  if (!stop.stops_all) {
+    return form_of(*stop.door->device) == form;
   }
-  const auto& broadcast = oracle_.devices_[*stop.door->device].settings().profile.broadcast;
-  return (broadcast.form == drive::BroadcastForm::autonics) == (form == kAutonicsAddress);
+  const auto& lanes = oracle_.books_[bus].lanes;
+  const auto is_meant = [&](const Lane& lane) {
+    return lane.device && oracle_.plan_.peculiar[*lane.device].stops &&
+           form_of(*lane.device) == form;
+  };
+  return goes_out(stop, bus, form) && (!stop.for_some || std::ranges::any_of(lanes, is_meant));
 }
 
 // They are writes to every device of the bus; on other buses they go on.
@@ -80,7 +103,8 @@ bool Withdrawals::is_for(const Asked& stop, const Asked& write) const {
     return std::ranges::any_of(stop.pieces, [&](const Piece& target) {
       return piece.bus == target.bus &&
              (write.kind == Kind::broadcast ? reaches(stop, piece.bus, piece.address)
-                                            : stop.stops_all || piece.address == target.address);
+              : stop.stops_all              ? stops_at(stop, piece.bus, piece.address)
+                                            : piece.address == target.address);
     });
   });
 }

@@ -35,6 +35,8 @@ class Withdrawals {
   void take_back_writes(const Lane& lane) const;
   void take_back_broadcasts(const Asked& stop, std::size_t bus) const;
   void take_back_read_ahead(const Asked& stop) const;
+  [[nodiscard]] bool stops_at(const Asked& stop, std::size_t bus, std::size_t address) const;
+  [[nodiscard]] std::uint8_t form_of(std::size_t device) const;
   [[nodiscard]] bool reaches(const Asked& stop, std::size_t bus, std::uint8_t form) const;
   [[nodiscard]] bool is_for(const Asked& stop, const Asked& write) const;
 

@@ -19,6 +19,7 @@ constexpr Duration kPlace = 10ms;
 constexpr unsigned kMostInPlace = 200'000;
 constexpr const char* kEndlessActions = "the gateway's actions have no end";
 constexpr std::uint64_t kDriversChance = 0x445249564552ULL;  // apart from the plant's
+constexpr std::uint64_t kSwapsChance = 0x535741505050ULL;
 
 }  // namespace
 
@@ -33,6 +34,7 @@ Oracle::Devices World::make_devices(const SoakPlan& plan, Random& random) {
 
 World::World(std::uint64_t seed, bool trace)
     : random_(seed),
+      swaps_(seed ^ kSwapsChance),
       plan_(draw_plan(random_, seed)),
       devices_(make_devices(plan_, random_)),
       oracle_(plan_, devices_, schedule_, report_),

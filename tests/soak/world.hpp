@@ -52,6 +52,7 @@ class World {
   [[nodiscard]] bool take(const gateway::Action& action);
   void carry_out(const gateway::Action& action);
   void open(std::size_t bus);
+  void swap_adapter(std::size_t bus);
   void opened(std::size_t bus, bool refused);
   void lose(std::size_t bus);
   void hang_up(std::size_t bus, bool answered);
@@ -92,6 +93,7 @@ class World {
   void clear_counters_some_time();
 
   Random random_;
+  Random swaps_;  // of adapters
   SoakPlan plan_;
   Report report_;
   Schedule schedule_;

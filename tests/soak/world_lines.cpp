@@ -47,6 +47,7 @@ void World::open(std::size_t bus) {
     if (refused) {
       report_.fault("open_refused");
     } else {
+      swap_adapter(bus);
       state.open = true;
       state.framing_lost = false;
       state.end = End::lost;
@@ -61,6 +62,16 @@ void World::open(std::size_t bus) {
       }
     });
   });
+}
+
+// Nobody has said whether it hears itself: that must be found out anew.
+void World::swap_adapter(std::size_t bus) {
+  const bus::LineSettings& line = plan_.settings.buses[bus].line;
+  const bool may_differ = line.framing != bus::Framing::tcp && !line.remote && !line.echo;
+  if (may_differ && plan_.theme == Theme::none && swaps_.chance(plan_.rates[bus].swapped)) {
+    report_.fault("adapter_swapped");
+    plan_.echoes[bus] = !plan_.echoes[bus];
+  }
 }
 
 void World::opened(std::size_t bus, bool refused) {

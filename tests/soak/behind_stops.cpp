@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "soak/behind_stops.hpp"
+
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+// A write that was to go before a stop does not go after it, nor does a part of one.
+void BehindStops::check(const Asked& asked, const Flight& flight, bool alone) const {
+  Lane& lane = oracle_.books_[flight.bus].lanes[flight.address];
+  if (asked.ordered || asked.ahead || !alone || !asked.door->device) {
+    return;
+  }
+  if (asked.kind == Kind::stop && !asked.is_shared && !asked.failsafe) {
+    lane.stopped_after = std::max(lane.stopped_after, asked.sequence);
+  } else if (asked.kind == Kind::write && asked.sequence < lane.stopped_after) {
+    oracle_.violation("write_behind_stop", oracle_.name(flight));
+  }
+}
+
+// Its client was told that it is done: the writes before it are not sent any more.
+void BehindStops::note_done(const Asked& asked) const {
+  if (asked.kind == Kind::stop && !asked.ordered && !asked.ahead) {
+    Lane& lane = oracle_.books_[asked.pieces.front().bus].lanes[asked.pieces.front().address];
+    lane.stopped_after = std::max(lane.stopped_after, asked.sequence);
+  }
+}
+
+// Writes that go before it, and wait for something themselves, hold a stop up for `stop_wait` in
+// all. `free`: since then nothing on the line itself has held the transmission up.
+void BehindStops::note_held(const Flight& flight, Instant free) const {
+  const Book& book = oracle_.books_[flight.bus];
+  if (book.open_stops.size() != 1 || book.stops.size() != 1 || oracle_.reloaded_ >= book.opened) {
+    return;
+  }
+  Asked& stop = *book.stops.front();
+  if (!stop.waits_from || !oracle_.lets_writes_go(stop) || !oracle_.is_surely_open(stop)) {
+    return;
+  }
+  const auto& settings = oracle_.bus_settings(flight.bus);
+  const Instant since = book.use.fitting > book.own_end
+                            ? std::max({book.turnaround_end, book.held_until, book.use.fitting}) +
+                                  spec::silence_of(settings)
+                            : free;
+  stop.held += std::max<Duration>(flight.begin - std::max(since, *stop.waits_from), Duration{0});
+  ++stop.let_go;
+  if (stop.held > settings.stop_wait + (stop.let_go + 1) * oracle_.lateness()) {
+    oracle_.violation("stop_held", oracle_.name(stop) + " for " + std::to_string(stop.held / 1us) +
+                                       " us by " + oracle_.name(flight));
+    stop.held = Duration{0};
+  }
+}
+
+}  // namespace mbgate::soak

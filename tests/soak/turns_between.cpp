@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who goes between two tries of a stop, or of a read, that nobody answered.
+#include <algorithm>
+
+#include "soak/oracle.hpp"
+#include "soak/turns.hpp"
+
+namespace mbgate::soak {
+
+const Asked* TurnRules::waiting_for_room(const Flight& stop, Instant since) const {
+  const Book& book = oracle_.books_[stop.bus];
+  for (const Lane& lane : book.lanes) {
+    // A stop may let the writes before it go, and then nothing goes before these.
+    const bool may_be_held = &lane == &book.lanes[stop.address];
+    const bool is_clear = std::ranges::all_of(lane.open, [&](const Asked* asked) {
+      return asked->is_stop() || (!asked->maybe_on_wire && asked->kind != Kind::broadcast &&
+                                  !(may_be_held && asked->changes()));
+    });
+    if (!is_clear) {
+      return nullptr;
+    }
+  }
+  const auto others = others_that_may_go(stop);
+  const auto other = std::ranges::find_if(others, [&](const Asked* asked) {
+    return asked->pieces.front().address != stop.address && asked->accepted < since &&
+           asked->waited_until < since;
+  });
+  return other == others.end() ? nullptr : *other;
+}
+
+// Others that waited when it was not answered go first.
+void TurnRules::check_repeat(const Flight& read, const Flight& before) const {
+  const Book& book = oracle_.books_[read.bus];
+  const bool is_clear = book.came == 0 && book.open_stops.empty() && book.lanes[0].open.empty() &&
+                        book.lanes[kAutonicsAddress].open.empty() && !oracle_.stopping_ &&
+                        before.begin > std::max(book.opened, oracle_.reloaded_);
+  if (!is_clear || before.number != book.last_flight) {
+    return;
+  }
+  for (const Asked* other : others_that_may_go(read)) {
+    if (other->pieces.front().address != read.address && !other->maybe_on_wire &&
+        std::max(other->accepted, other->waited_until) < before.deadline) {
+      oracle_.violation("repeated_first", oracle_.name(read) + " before " + oracle_.name(*other));
+      return;
+    }
+  }
+}
+
+}  // namespace mbgate::soak
