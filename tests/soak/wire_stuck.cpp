@@ -11,13 +11,15 @@ bool SerialWire::gets_stuck(const Flight& flight, const Frame& frame, Instant be
   constexpr std::size_t kHead = 4;  // by then its length is known
   constexpr std::size_t kCrc = 2;
   const Duration pause = spec::slack_of(settings_) - 5ms - silence_;
-  if (ascii_ || opaque_ || is_prompt_ || frame.size() < kHead + kCrc + 1 || pause < 5ms ||
+  if (ascii_ || opaque_ || is_prompt_ || frame.size() < kHead + kCrc + 2 || pause < 5ms ||
       !happens_to_echo(rates_.stuck, "stuck")) {
     return false;
   }
   Frame head(frame.begin(), frame.begin() + kHead);
-  Frame rest(frame.begin() + kHead,
-             frame.end() - static_cast<std::ptrdiff_t>(echo_random_.between(std::size_t{1}, kCrc)));
+  // Of the CRC nothing comes: one byte that is missing might stand by chance at the front of what
+  // is heard next.
+  const auto missing = static_cast<std::ptrdiff_t>(echo_random_.between(kCrc, kCrc + 1));
+  Frame rest(frame.begin() + kHead, frame.end() - missing);
   if (Flight* known = around_.oracle.flight(flight.number)) {
     known->stuck = {head.size() + rest.size(), frame.size()};
   }
