@@ -42,10 +42,11 @@ void BehindStops::note_held(const Flight& flight, Instant free) const {
     return;
   }
   const auto& settings = oracle_.bus_settings(flight.bus);
-  const Instant since = book.use.fitting > book.own_end
-                            ? std::max({book.turnaround_end, book.held_until, book.use.fitting}) +
-                                  spec::silence_of(settings)
-                            : free;
+  const Instant since =
+      book.use.fitting > book.own_end
+          ? std::max({book.turnaround_end, book.held_until, book.last_handed_in}) +
+                spec::silence_of(settings)
+          : free;
   stop.held += std::max<Duration>(flight.begin - std::max(since, *stop.waits_from), Duration{0});
   ++stop.let_go;
   if (stop.held > settings.stop_wait + (stop.let_go + 1) * oracle_.lateness()) {
