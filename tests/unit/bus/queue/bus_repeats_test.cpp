@@ -111,6 +111,34 @@ TEST_F(BusRepeats, ABroadcastOfAnotherClientMayGoBetweenTwoTriesItsOwnMayNot) {
   }
 }
 
+TEST_F(BusRepeats, NorMayTheBroadcastOfAClientThatSharesTheRead) {
+  auto sharing = settings();
+  sharing.timing.retries = 1;
+  sharing.coalesce = true;
+  open(sharing);
+  submit(job_of(2, kRead, 2));
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, kRead, 1));
+  submit(job_of(1, kWrite, 0));
+  EXPECT_EQ(answer(), 2);
+  EXPECT_THAT(served(600ms), ElementsAre(1, 1, 0));
+}
+
+TEST_F(BusRepeats, AStopIsNotTheTurnOfItsDevice) {
+  auto retrying = settings();
+  retrying.timing.retries = 1;
+  retrying.timing.stop_retries = 0;
+  open(retrying);
+  submit(job_of(0, kRead, 1));
+  submit(job_of(1, kRead, 2));
+  EXPECT_EQ(answer(), 1);
+  advance(60ms);
+  bus::Job& stop = job_of(2, kWrite, 2);
+  stop.job_class = bus::JobClass::stop;
+  submit(stop);
+  EXPECT_THAT(served(600ms), ElementsAre(2, 2, 1));
+}
+
 // The write may be repeated 20 ms after its timeout; the read has waited for longer.
 TEST_F(BusRepeats, AWriteThatIsRepeatedHasOneTurnBetweenTwoTriesOfAReadToo) {
   auto repeating = settings();
