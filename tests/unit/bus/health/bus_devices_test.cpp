@@ -197,6 +197,18 @@ TEST_F(BusSettings, AreAskedForOnceAndAgainAfterSilenceOrAnotherLine) {
   EXPECT_TRUE(is_asked());
 }
 
+TEST_F(BusSettings, AreAskedForAgainWhenABroadcastMayHaveChangedThem) {
+  auto told = stated();
+  told.profile.broadcast.form = drive::BroadcastForm::standard;
+  told.profile.communication = {{modbus::Table::holding_registers, 0, 1}};
+  open(settings(), {told});
+  EXPECT_TRUE(is_asked());
+  EXPECT_FALSE(is_asked());
+  submit(job("06 0000 0001", 0));
+  advance(1s);
+  EXPECT_TRUE(is_asked());
+}
+
 TEST_F(BusSettings, AnUnansweredWriteBehindItsQuestionMakesItUncertain) {
   open(settings(), {stated()});
   submit(asking());

@@ -110,6 +110,20 @@ TEST_F(BusStops, OfAWriteInPartsNoFurtherPartIsSent) {
   EXPECT_THAT(frames_, ElementsAre("01 06 00 7C 00 66 C8 38", kStopFrame));
 }
 
+TEST_F(BusStops, OfAWriteInPartsNoFurtherPartIsSentThoughAnotherDeviceIsStoppedToo) {
+  open(settings(), {moons(1), moons(2)});
+  bus::Job& run = job(kMove);
+  add(run, "06 0001 0001");
+  submit(run);
+  advance(10ms);
+  submit(job_of(1, kStop));
+  submit(job_of(1, kStop, 2));
+  line("01 06 00 7C 00 66 C8 38");
+  advance(5ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
+  EXPECT_THAT(frames_, ElementsAre("01 06 00 7C 00 66 C8 38", kStopFrame));
+}
+
 TEST_F(BusStops, WithoutStopCancelsTheWritesGoFirst) {
   auto patient = moons();
   patient.stop_cancels = false;

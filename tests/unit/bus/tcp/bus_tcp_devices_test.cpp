@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Several transactions at a time on a connection: who shares a device, who has it alone.
+#include "bus/tcp/tcp_discipline.hpp"
 #include "bus_tcp_rig.hpp"
 
 namespace mbgate::test {
@@ -32,6 +33,21 @@ TEST_F(BusTcp, WhoAnswersWhatWasAskedLaterIsNotOffline) {
   advance(breaking.timing.response_timeout);
   EXPECT_FALSE(bus_->devices()[1].health.is_offline());
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
+}
+
+TEST_F(BusTcp, OfManyThatWereNotAnsweredTheNewestMayStillBe) {
+  constexpr auto kMany = static_cast<unsigned>(bus::kMostExpired) + 1;
+  auto breaking = tcp();
+  breaking.timing.offline_after = kMany;
+  breaking.replace_after = 0;
+  open(breaking);
+  for (unsigned times = 0; times < kMany; ++times) {
+    submit(job(kRead));
+    advance(breaking.timing.response_timeout);
+  }
+  EXPECT_TRUE(bus_->devices()[1].health.is_offline());
+  answer(kMany - 1, "01 03 02 12 34");
+  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
 }
 
 TEST_F(BusTcp, WhatWasAskedBeforeAStopIsNotRemembered) {

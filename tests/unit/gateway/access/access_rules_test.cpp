@@ -225,6 +225,22 @@ TEST(AccessInTheMachine, OnlyWhoMayWriteKeepsFailsafeWritesBack) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
+TEST(AccessInTheMachine, WhoseRoleMayOnlyReadKeepsNoFailsafeWritesBack) {
+  Settings settings = watched_plant();
+  AccessRule operators = rule(true, "operators");
+  operators.roles = {"operator"};
+  AccessRule viewers = reading();
+  viewers.roles = {"viewer"};
+  settings.rules = {operators, viewers};
+  MachineRig rig(settings);
+  rig.connect(1, "192.0.2.1", 0, 0, {ClientRole::Kind::named, "operator"});
+  rig.connect(2, "192.0.2.2", 0, 0, {ClientRole::Kind::named, "viewer"});
+  ask(rig, 1);
+  ask(rig, 2);
+  rig.disconnect(1);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+}
+
 TEST(AccessInTheMachine, RulesKeepTheirDevicesWhenAReloadNumbersThemAnew) {
   AccessRule second = rule(true, "axis-y");
   second.devices = {1};

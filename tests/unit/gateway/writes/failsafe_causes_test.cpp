@@ -111,6 +111,27 @@ TEST(SilentWriters, AreThoseToWhomNoAnswerIsOwed) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
+TEST(SilentWriters, AreNotThoseWhoseRequestsWaitForTheirTurn) {
+  Settings settings = watched_plant();
+  settings.guards[0].quiet = 300ms;
+  settings.listeners[0].max_requests_per_second = 1;
+  settings.listeners[0].pipeline = 4;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1, 2) + read_request(2, 2));
+  EXPECT_THAT(take_requests(rig), testing::SizeIs(1));
+  rig.respond("02 03 02 00 01");
+  rig.advance(900ms);
+  EXPECT_THAT(take_requests(rig), IsEmpty());
+  rig.advance(100ms);
+  EXPECT_THAT(take_requests(rig), testing::SizeIs(1));
+  rig.respond("02 03 02 00 01");
+  rig.advance(299ms);
+  EXPECT_THAT(take_requests(rig), IsEmpty());
+  rig.advance(1ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+}
+
 // Nothing else needs to happen first.
 TEST(DisplacedWriter, HasGoneAsSoonAsAnotherHasItsPlace) {
   Settings settings = watched_plant();
