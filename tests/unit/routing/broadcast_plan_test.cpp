@@ -199,6 +199,13 @@ TEST_F(Broadcasts, VerifiedReceiversAreAskedForTheirWordOrderFirst) {
   EXPECT_EQ(sent("10 001E 0002 04 0001 0002"),
             (Texts{"2: 03 00 05 00 01", "0: 10 00 1E 00 02 04 00 02 00 01"}));
   EXPECT_EQ(sent("06 0001 0002"), Texts{"0: 06 00 01 00 02"});
+  devices.push_back(devices[1]);  // and on each line
+  devices[2].bus = BusId{1};
+  devices[2].address = 3;
+  routes[0].buses = {BusId{0}, BusId{1}};
+  EXPECT_EQ(sent("10 001E 0002 04 0001 0002"),
+            (Texts{"2: 03 00 05 00 01", "0: 10 00 1E 00 02 04 00 02 00 01", "3: 03 00 05 00 01",
+                   "0: 10 00 1E 00 02 04 00 02 00 01"}));
 }
 
 TEST_F(Broadcasts, DevicesWhoseManualStatesNoneAreNotMeant) {

@@ -96,21 +96,8 @@ TEST_F(BusStops, WritesToTheSameDeviceThatWaitAreTakenBack) {
   EXPECT_EQ(bus_->counters().overtaken_writes, 1U);
 }
 
+// Whatever else is stopped.
 TEST_F(BusStops, OfAWriteInPartsNoFurtherPartIsSent) {
-  open_with(moons());
-  bus::Job& run = job(kMove);
-  add(run, "06 0001 0001");
-  submit(run);
-  advance(10ms);
-  submit(job_of(1, kStop));
-  line("01 06 00 7C 00 66 C8 38");
-  advance(5ms);
-  EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
-  EXPECT_TRUE(run.was_on_wire);
-  EXPECT_THAT(frames_, ElementsAre("01 06 00 7C 00 66 C8 38", kStopFrame));
-}
-
-TEST_F(BusStops, OfAWriteInPartsNoFurtherPartIsSentThoughAnotherDeviceIsStoppedToo) {
   open(settings(), {moons(1), moons(2)});
   bus::Job& run = job(kMove);
   add(run, "06 0001 0001");
@@ -121,6 +108,7 @@ TEST_F(BusStops, OfAWriteInPartsNoFurtherPartIsSentThoughAnotherDeviceIsStoppedT
   line("01 06 00 7C 00 66 C8 38");
   advance(5ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
+  EXPECT_TRUE(run.was_on_wire);
   EXPECT_THAT(frames_, ElementsAre("01 06 00 7C 00 66 C8 38", kStopFrame));
 }
 
