@@ -10,8 +10,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
 import threading
+import time
 
 CONFIGURATION = pathlib.Path(__file__).parents[2] / "conf"
 PATIENCE = 30  # seconds until a program must have said what it has to say

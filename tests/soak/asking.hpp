@@ -90,9 +90,10 @@ class Asking {
   [[nodiscard]] Receivers listeners(std::size_t bus, bool autonics) const;
   Receivers add_forms(Asked& asked) const;
   [[nodiscard]] bool verifies(const Door& door) const;
+  [[nodiscard]] static bool speak_alike(const Receivers& receivers);
+  [[nodiscard]] const drive::WordOrder* order_seen(const Door& door) const;
   // asking_peculiar.cpp: the same, that some drives take for a stop or a value.
   void pick_peculiar(Asked& asked);
-  [[nodiscard]] bool is_stop_on_all(const Asked& asked) const;
   void exchange_peculiar(Asked& asked, const Receivers& receivers) const;
   [[nodiscard]] const Peculiarity& peculiarity(const drive::Device& device) const;
   [[nodiscard]] bool hears_autonics(const Door& door) const;

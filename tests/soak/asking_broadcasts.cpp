@@ -130,6 +130,18 @@ Asking::Receivers Asking::add_forms(Asked& asked) const {
   return receivers;
 }
 
+// In one order, as far as is known.
+bool Asking::speak_alike(const Receivers& receivers) {
+  const auto& order = receivers.front()->word_order;
+  return (order || receivers.size() == 1) &&
+         std::ranges::all_of(receivers, [&](const Device* it) { return it->word_order == order; });
+}
+
+// None if its clients name none.
+const WordOrder* Asking::order_seen(const Door& door) const {
+  return door.names_order ? &*plan_.settings.routes[*door.route].word_order : nullptr;
+}
+
 // What drives get is worked out by now; this is what their client must have written for it, or why
 // nobody gets it.
 void Asking::exchange_for(Asked& asked, const Receivers& receivers) const {
@@ -145,14 +157,12 @@ void Asking::exchange_for(Asked& asked, const Receivers& receivers) const {
   if (asked.refused || range.table == Table::coils) {
     return;
   }
-  const WordOrder* seen =
-      asked.door->names_order ? &*plan_.settings.routes[*asked.door->route].word_order : nullptr;
+  const WordOrder* seen = order_seen(*asked.door);
   const Device& first = *receivers.front();
   const auto all = [&](const auto& are_alike) { return std::ranges::all_of(receivers, are_alike); };
   const unsigned end = range.first + range.count;
   if (touches_value(range.first, end)) {
-    const bool is_known = first.word_order || receivers.size() == 1;
-    if (!is_known || !all([&](const Device* it) { return it->word_order == first.word_order; })) {
+    if (!speak_alike(receivers)) {
       asked.refused = 3;
     } else if (seen != nullptr && *seen != *first.word_order) {
       asked.pdu = multiple_pdu(range.first, exchanged(fields.words, range.first));

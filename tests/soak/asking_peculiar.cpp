@@ -54,18 +54,14 @@ void Asking::exchange_peculiar(Asked& asked, const Receivers& receivers) const {
   if (asked.refused || receivers.empty() || !range || range->first != kValueOfSome) {
     return;
   }
-  const Device& first = *receivers.front();
   const auto has_value = [&](const Device* it) { return peculiarity(*it).value; };
   if (std::ranges::none_of(receivers, has_value)) {
     return;
   }
-  const bool is_known = first.word_order || receivers.size() == 1;
-  if (!is_known || !std::ranges::all_of(receivers, has_value) ||
-      !std::ranges::all_of(receivers,
-                           [&](const Device* it) { return it->word_order == first.word_order; })) {
+  const drive::WordOrder* seen = order_seen(*asked.door);
+  if (!speak_alike(receivers) || !std::ranges::all_of(receivers, has_value)) {
     asked.refused = 3;
-  } else if (asked.door->names_order &&
-             *plan_.settings.routes[*asked.door->route].word_order != *first.word_order) {
+  } else if (seen != nullptr && *seen != *receivers.front()->word_order) {
     asked.pdu = multiple_pdu(kValueOfSome, {0x5A5A, broadcasts_});
   }
 }

@@ -111,7 +111,7 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
   }
   const bool is_by_06 = flight.is_stop && flight.pdu.front() == 0x06;
   if (book.open_stops.size() > (is_by_06 ? 1U : 0U)) {
-    return "beside_stop";
+    return kBesideStop.data();
   }
   const bool is_in_one = line.framing == bus::Framing::ascii
                              ? book.use.pause <= 1s

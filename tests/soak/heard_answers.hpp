@@ -2,6 +2,9 @@
 // Which of the answers that a serial line has brought the gateway must take.
 #pragma once
 
+#include <optional>
+#include <string_view>
+
 #include "soak/flight.hpp"
 
 namespace mbgate::soak {
@@ -9,6 +12,9 @@ namespace mbgate::soak {
 struct Book;
 class Oracle;
 struct SoakPlan;
+
+/// Why a fitting answer may not have been taken: a stop may have ended the wait for it.
+constexpr std::string_view kBesideStop = "beside_stop";
 
 /// The gateway may take what it hears for the echo of its own request.
 bool may_echo(const SoakPlan& plan, const Book& book, std::size_t bus);

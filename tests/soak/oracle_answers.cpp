@@ -15,10 +15,6 @@
 namespace mbgate::soak {
 namespace {
 
-bool is_own_identity(const Asked& asked) {
-  return asked.kind == Kind::own && asked.pdu[0] == 0x2B && asked.pdu.size() == 4;
-}
-
 constexpr std::uint8_t kFailure = 0x04;
 constexpr std::uint8_t kBusy = 0x06;
 constexpr std::uint8_t kNoPath = 0x0A;
@@ -71,9 +67,7 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     violation("not_refused", name(asked));
   } else if (asked.kind == Kind::own) {
     own_answer_.assign(pdu.begin(), pdu.end());
-    if (const std::string objection =
-            is_own_identity(asked) ? objection_to_identity(asked.pdu, pdu) : "";
-        !objection.empty()) {
+    if (const auto objection = objection_to_identity(asked.pdu, pdu); !objection.empty()) {
       violation("own_identity", objection);
     }
     OfflineRules(*this).judge_shown(asked, own_answer_);
@@ -109,8 +103,8 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     return;
   }
   if (asked.kind == Kind::own) {
-    const bool fits = !is_own_identity(asked) || may_refuse_identity(asked.pdu, code);
-    if ((asked.any_code && fits) || (code == kBusy && rates_.is_refused(asked, schedule_.now()))) {
+    if ((asked.any_code && may_refuse_identity(asked.pdu, code)) ||
+        (code == kBusy && rates_.is_refused(asked, schedule_.now()))) {
       return;
     }
     violation("wrong_refusal", code_text(code) + " of the status unit");

@@ -120,6 +120,11 @@ struct Reopening {
 struct Book {
   void note_size(std::size_t queue, Instant now) { last_full = present >= queue ? now : last_full; }
 
+  /// No stop and no broadcast waits or goes on, nor may one.
+  [[nodiscard]] bool has_only_usual() const {
+    return open_stops.empty() && lanes[0].open.empty() && lanes[kAutonicsAddress].open.empty();
+  }
+
   /// Whether what was said last was heard to its end is not known.
   void forget_boots() {
     for (Lane& lane : lanes) {

@@ -2,7 +2,6 @@
 // Nothing is needlessly late on a serial line: what may go goes as soon as the wire is silent. Only
 // what nothing from outside this line can hold back is judged.
 #include <algorithm>
-#include <string_view>
 
 #include "soak/behind_stops.hpp"
 #include "soak/heard_answers.hpp"
@@ -80,7 +79,7 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   last->unsure = HeardAnswers(*this).why_unsure(*last, frame);
-  if (last->unsure == nullptr || last->unsure == std::string_view("beside_stop")) {
+  if (last->unsure == nullptr || last->unsure == kBesideStop) {
     book.use.fitting = schedule_.now();
   }
   if (last->unsure != nullptr) {
@@ -129,8 +128,7 @@ void Oracle::note_use(const Flight& flight) {
 std::optional<Instant> Oracle::could_go(const Flight& flight) const {
   const Book& book = books_[flight.bus];
   const Lane& lane = book.lanes[flight.address];
-  if (flight.is_broadcast || flight.is_stop || flight.asked.empty() || !book.open_stops.empty() ||
-      !book.lanes[0].open.empty() || !book.lanes[kAutonicsAddress].open.empty() ||
+  if (flight.is_broadcast || flight.is_stop || flight.asked.empty() || !book.has_only_usual() ||
       is_past_offline(flight.bus, lane)) {
     return std::nullopt;
   }

@@ -160,7 +160,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   if (mine.surely_repeats || (alone && asked.kind == Kind::stop && !asked.is_shared)) {
     check_answered(asked);
   }
-  if (mine.surely_repeats && !is_tcp(flight.bus) && asked.last_alone != 0) {
+  if (mine.surely_repeats && !is_tcp(flight.bus)) {
     if (const Flight* before = this->flight(asked.last_alone)) {
       TurnRules(*this).check_repeat(flight, *before);
     }

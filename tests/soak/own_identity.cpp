@@ -11,9 +11,14 @@ constexpr std::size_t kHead = 7;  // function, MEI type, code, conformity, more,
 constexpr std::uint8_t kOne = 4;  // the code that asks for one object
 constexpr std::uint8_t kLastBasic = 2;
 
+bool asks_for_objects(spec::Bytes request) { return request.size() == 4 && request[0] == 0x2B; }
+
 }  // namespace
 
 std::string objection_to_identity(spec::Bytes request, spec::Bytes answer) {
+  if (!asks_for_objects(request)) {
+    return "";
+  }
   const std::uint8_t code = request[2];
   const std::uint8_t first = request[3];
   if (code < 1 || code > kOne) {
@@ -42,6 +47,9 @@ std::string objection_to_identity(spec::Bytes request, spec::Bytes answer) {
 }
 
 bool may_refuse_identity(spec::Bytes request, std::uint8_t exception) {
+  if (!asks_for_objects(request)) {
+    return true;
+  }
   const std::uint8_t code = request[2];
   switch (exception) {
     case 0x02: return code == kOne;

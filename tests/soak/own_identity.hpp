@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who the gateway says that it is: 43/14 of its own unit.
+// Who the gateway says that it is: 43/14 of its own unit. Of what else that is asked nothing is
+// said.
 #pragma once
 
 #include <string>

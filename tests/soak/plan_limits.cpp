@@ -37,9 +37,7 @@ void draw_listener(SoakPlan& plan, gateway::ListenerSettings& listener, Random& 
   }
   std::vector<unsigned>& readers = plan.readers.emplace_back();
   // Who is gone, of those that may write, is a question of its own: draw_readers().
-  const bool is_guarded =
-      std::ranges::any_of(plan.failsafe, [](const auto& it) { return !it.empty(); });
-  for (unsigned host = 0; !is_guarded && host < kMostHosts && random.chance(300); host += 3) {
+  for (unsigned host = 0; !is_guarded(plan) && host < kMostHosts && random.chance(300); host += 3) {
     readers.push_back(host);
   }
   listener.read_only = networks_of(readers);
@@ -47,9 +45,7 @@ void draw_listener(SoakPlan& plan, gateway::ListenerSettings& listener, Random& 
 
 // They hold off no failsafe writes.
 void draw_readers(SoakPlan& plan, Random& random) {
-  const bool is_guarded =
-      std::ranges::any_of(plan.failsafe, [](const auto& it) { return !it.empty(); });
-  if (!is_guarded || !random.chance(400)) {
+  if (!is_guarded(plan) || !random.chance(400)) {
     return;
   }
   for (std::size_t listener = 0; listener < plan.readers.size(); ++listener) {

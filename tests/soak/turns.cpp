@@ -101,10 +101,9 @@ bool TurnRules::is_clear(const Flight& flight) const {
   };
   return book.use.is_answered && book.open && book.opened < flight.begin &&
          flight.begin > book.touched + std::chrono::seconds(1) && !oracle_.stopping_ &&
-         book.open_stops.empty() && book.lanes[0].open.empty() &&
-         book.lanes[kAutonicsAddress].open.empty() &&
-         std::ranges::all_of(
-             book.lanes, [&](const Lane& lane) { return std::ranges::all_of(lane.open, is_done); });
+         book.has_only_usual() && std::ranges::all_of(book.lanes, [&](const Lane& lane) {
+           return std::ranges::all_of(lane.open, is_done);
+         });
 }
 
 std::vector<const Asked*> TurnRules::others_that_may_go(const Flight& flight,
@@ -127,8 +126,8 @@ bool TurnRules::waits_for_its_turn(const Asked& asked, const Flight& flight) {
          flight.begin < asked.deadline - (asked.written - asked.earliest);
 }
 
-Duration TurnRules::gap_for(const Asked& asked) const {
-  return oracle_.devices_[*asked.door->device].settings().timing.gap;
+Duration TurnRules::gap_at(const Lane& lane) const {
+  return oracle_.devices_[*lane.device].settings().timing.gap;
 }
 
 // It waits for nothing but its turn: the oldest of its client to a device that owes nothing, is
@@ -136,8 +135,7 @@ Duration TurnRules::gap_for(const Asked& asked) const {
 bool TurnRules::may_go(const Asked& asked, const Lane& lane, const Flight& flight,
                        Duration most_gap) const {
   if (!waits_for_its_turn(asked, flight) || !lane.device || lane.held_until >= flight.begin ||
-      oracle_.is_past_offline(flight.bus, lane) ||
-      oracle_.devices_[*lane.device].settings().timing.gap > most_gap) {
+      oracle_.is_past_offline(flight.bus, lane) || gap_at(lane) > most_gap) {
     return false;
   }
   return std::ranges::none_of(lane.open, [&](const Asked* other) {
@@ -195,7 +193,7 @@ void TurnRules::judge_reads(const Flight& flight, const Asked& read, const Turns
                                     last == turns.last.end() ? Instant::min() : last->second});
     const auto count = 1U + static_cast<unsigned>(std::ranges::count_if(
                                 mine->second, [&](Instant at) { return at > since; }));
-    const unsigned passed = gap_for(*other) > Duration{0} ? kPassedOver : 0;
+    const unsigned passed = gap_at(lane) > Duration{0} ? kPassedOver : 0;
     if (count > weight_of(read.host) + passed) {
       oracle_.violation("unfair", oracle_.name(*other) + " while host " +
                                       std::to_string(read.host) + " had " + std::to_string(count) +

@@ -50,7 +50,7 @@ class TurnRules {
   [[nodiscard]] static bool waits_for_its_turn(const Asked& asked, const Flight& flight);
   [[nodiscard]] bool may_go(const Asked& asked, const Lane& lane, const Flight& flight,
                             Duration most_gap) const;
-  [[nodiscard]] Duration gap_for(const Asked& asked) const;
+  [[nodiscard]] Duration gap_at(const Lane& lane) const;
   [[nodiscard]] unsigned weight_of(unsigned host) const;
   void judge(const Flight& flight, const Asked& asked, const Turns& turns) const;
   void judge_weight(const Asked& read, const Turns& turns,

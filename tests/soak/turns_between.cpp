@@ -31,8 +31,7 @@ const Asked* TurnRules::waiting_for_room(const Flight& stop, Instant since) cons
 // Others that waited when it was not answered go first.
 void TurnRules::check_repeat(const Flight& read, const Flight& before) const {
   const Book& book = oracle_.books_[read.bus];
-  const bool is_clear = book.came == 0 && book.open_stops.empty() && book.lanes[0].open.empty() &&
-                        book.lanes[kAutonicsAddress].open.empty() && !oracle_.stopping_ &&
+  const bool is_clear = book.came == 0 && book.has_only_usual() && !oracle_.stopping_ &&
                         before.begin > std::max(book.opened, oracle_.reloaded_);
   if (!is_clear || before.number != book.last_flight) {
     return;

@@ -13,6 +13,12 @@ class BusRepeats : public Bus {
   std::vector<int> served(Duration limit) {
     return Bus::served(limit, [this] { return answer(); });
   }
+  void open_sharing() {
+    auto sharing = settings();
+    sharing.timing.retries = 1;
+    sharing.coalesce = true;
+    open(sharing);
+  }
   int answer() {
     const auto request = unhex(frames_.back());
     if (request[0] != 1 && request[0] != 8 && request[0] != 0) {
@@ -112,10 +118,7 @@ TEST_F(BusRepeats, ABroadcastOfAnotherClientMayGoBetweenTwoTriesItsOwnMayNot) {
 }
 
 TEST_F(BusRepeats, NorMayTheBroadcastOfAClientThatSharesTheRead) {
-  auto sharing = settings();
-  sharing.timing.retries = 1;
-  sharing.coalesce = true;
-  open(sharing);
+  open_sharing();
   submit(job_of(2, kRead, 2));
   submit(job_of(0, kRead, 1));
   submit(job_of(1, kRead, 1));
@@ -206,10 +209,7 @@ TEST_F(BusRepeats, ADeadlineThatPassesWhileAStopWaitsEndsTheRead) {
 }
 
 TEST_F(BusRepeats, EachOfThoseThatShareTheReadHasItsOwnDeadline) {
-  auto sharing = settings();
-  sharing.timing.retries = 1;
-  sharing.coalesce = true;
-  open(sharing);
+  open_sharing();
   submit(job_of(0, kRead, 8));
   submit(job_of(1, kRead, 1));
   bus::Job& other = job_of(2, kRead, 1);
