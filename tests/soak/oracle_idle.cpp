@@ -172,11 +172,13 @@ void Oracle::check_idle(const Flight& flight, const Flight* before) {
                        silence;
   BehindStops(*this).note_held(flight, free - gap);
   // Until lately other settings may have asked for other pauses.
-  if (!from || flight.begin < std::max(book.opened, book.touched + 1s)) {
+  if (flight.begin < std::max(book.opened, book.touched + 1s)) {
     return;
   }
-  const Duration late = flight.begin - std::max(free, *from);
-  if (late > lateness() * (book.use.is_answered ? 1 : 2)) {
+  const Duration most = lateness() * (book.use.is_answered ? 1 : 2);
+  TurnRules(*this).check_idle(flight, free, most);
+  const Duration late = from ? flight.begin - std::max(free, *from) : Duration{0};
+  if (late > most) {
     violation("idle_wire", name(flight) + " " + std::to_string(late / 1us) + " us late");
   }
 }

@@ -38,6 +38,8 @@ class TurnRules {
   void check(const Flight& flight) const;
   /// The read is repeated and its last try, which was the last transmission, left unanswered.
   void check_repeat(const Flight& read, const Flight& before) const;
+  /// Nothing on the line held anything up since `free`: what could go has gone within `lateness`.
+  void check_idle(const Flight& flight, Instant free, Duration lateness) const;
   /// A request to another device that could have gone since then; none if nobody can tell.
   [[nodiscard]] const Asked* waiting_for_room(const Flight& stop, Instant since) const;
 

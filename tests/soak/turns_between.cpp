@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who goes between two tries of a stop, or of a read, that nobody answered.
+// Who goes between two tries of a stop, or of a read, that nobody answered, and while a device is
+// left alone.
 #include <algorithm>
 
 #include "soak/oracle.hpp"
 #include "soak/turns.hpp"
 
 namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+namespace {
+constexpr Duration kAnyGap = 1h;
+}
 
 const Asked* TurnRules::waiting_for_room(const Flight& stop, Instant since) const {
   const Book& book = oracle_.books_[stop.bus];
@@ -26,6 +33,26 @@ const Asked* TurnRules::waiting_for_room(const Flight& stop, Instant since) cons
            asked->waited_until < since;
   });
   return other == others.end() ? nullptr : *other;
+}
+
+// Others do not wait for a device that is left alone. What is read may share a transmission that is
+// to be repeated.
+void TurnRules::check_idle(const Flight& flight, Instant free, Duration lateness) const {
+  const Book& book = oracle_.books_[flight.bus];
+  if (flight.asked.empty() || !book.has_only_usual() || oracle_.stopping_) {
+    return;
+  }
+  for (const Asked* other : others_that_may_go(flight, kAnyGap)) {
+    const Lane& lane = book.lanes[other->pieces.front().address];
+    const Instant from = std::max({free, lane.held_until, book.use.waits_from, oracle_.reloaded_,
+                                   other->accepted, other->waited_until});
+    if (flight.begin - from > lateness && std::ranges::none_of(lane.open, &Asked::maybe_on_wire)) {
+      oracle_.violation("idle_beside", oracle_.name(*other) + " for " +
+                                           std::to_string((flight.begin - from) / 1us) +
+                                           " us, then " + oracle_.name(flight));
+      return;
+    }
+  }
 }
 
 // Others that waited when it was not answered go first.
