@@ -239,6 +239,7 @@ class Oracle {
   void note_answered(std::size_t bus, const HeardFrame& frame);
   void note_use(const Flight& flight);
   void check_idle(const Flight& flight, const Flight* before);
+  void check_idle_connection(const Flight& flight);
   [[nodiscard]] std::optional<Instant> could_go(const Flight& flight) const;
   [[nodiscard]] Duration rest_of_answer(const Flight& flight) const;
   [[nodiscard]] Duration lateness() const;

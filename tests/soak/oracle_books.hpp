@@ -108,6 +108,7 @@ struct LineUse {
   bool is_answered = false;             ///< that answer was read, and met no fault
   Instant fitting = Instant::min();     ///< it was read; a stop may have ended the wait before
   Instant waits_from = Instant::min();  ///< before, something else may have held back what waits
+  bool closes = false;  ///< its server has closed a connection, perhaps right after an answer
 };
 
 /// When a line that could not be opened, or died, is opened again.

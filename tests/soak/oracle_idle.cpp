@@ -16,6 +16,7 @@ namespace {
 constexpr Duration kLate = 20ms;
 constexpr Duration kStall = 520ms;
 constexpr Duration kStop = 1520ms;
+constexpr Duration kTimeToClose = 50ms;  // for a server that closes after each answer
 
 // The wire may be kept free for who has waited for its device's gap before, and then expires.
 Duration longest_gap(const Oracle::Devices& devices, const SoakPlan& plan, std::size_t bus) {
@@ -147,9 +148,30 @@ std::optional<Instant> Oracle::could_go(const Flight& flight) const {
   return flight.surely_repeats ? from : std::max(from, lane.held_until);
 }
 
+// What finds a place goes at once.
+void Oracle::check_idle_connection(const Flight& flight) {
+  Book& book = books_[flight.bus];
+  const auto& settings = bus_settings(flight.bus);
+  const Instant heard = book.last_handed_in + (book.use.closes ? kTimeToClose : 0ms);
+  const Instant free = std::max({book.use.ends, book.opened, heard}) + settings.settle +
+                       longest_gap(devices_, plan_, flight.bus);
+  book.use.ends = std::max(book.use.ends, flight.begin);
+  if (flight.begin < book.touched + 1s) {
+    return;
+  }
+  TurnRules(*this).check_idle(flight, free, lateness());
+  const auto from = could_go(flight);
+  if (from && flight.begin - std::max(free, *from) > lateness() &&
+      !TurnRules(*this).is_in_use(flight.address, flight)) {
+    violation("idle_connection", name(flight) + " " +
+                                     std::to_string((flight.begin - std::max(free, *from)) / 1us) +
+                                     " us late");
+  }
+}
+
 void Oracle::check_idle(const Flight& flight, const Flight* before) {
   if (is_tcp(flight.bus)) {
-    return;
+    return check_idle_connection(flight);
   }
   const Book& book = books_[flight.bus];
   const auto from = could_go(flight);

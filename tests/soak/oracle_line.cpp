@@ -141,9 +141,12 @@ void Oracle::cut_flying(const Book& book) {
 
 void Oracle::check_tcp(const Flight& flight) {
   auto& flying = books_[flight.bus].flying;
+  Instant& ends = books_[flight.bus].use.ends;
   std::erase_if(flying, [&](std::uint64_t number) {
     const Flight* other = this->flight(number);
-    return other == nullptr || schedule_.now() >= other->deadline;
+    const bool is_over = other == nullptr || schedule_.now() >= other->deadline;
+    ends = other != nullptr && is_over ? std::max(ends, other->due) : ends;
+    return is_over;
   });
   for (const std::uint64_t number : flying) {
     const Flight& other = *this->flight(number);
@@ -212,6 +215,7 @@ void Oracle::tcp_answer_came(std::uint64_t number) {
     answered->deadline = deadline_of(*answered);
     answered->is_answered = schedule_.now() < answered->deadline && reloaded_ < answered->begin;
     books_[answered->bus].unread_answers.push_back(number);
+    books_[answered->bus].use.ends = schedule_.now();
     std::erase(books_[answered->bus].flying, number);
     std::erase(books_[answered->bus].unheard, number);
   }

@@ -40,6 +40,8 @@ class TurnRules {
   void check_repeat(const Flight& read, const Flight& before) const;
   /// Nothing on the line held anything up since `free`: what could go has gone within `lateness`.
   void check_idle(const Flight& flight, Instant free, Duration lateness) const;
+  /// Something is on the wire for its device besides this transmission, or may be.
+  [[nodiscard]] bool is_in_use(std::uint8_t address, const Flight& beside) const;
   /// A request to another device that could have gone since then; none if nobody can tell.
   [[nodiscard]] const Asked* waiting_for_room(const Flight& stop, Instant since) const;
 

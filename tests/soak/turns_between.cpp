@@ -35,6 +35,21 @@ const Asked* TurnRules::waiting_for_room(const Flight& stop, Instant since) cons
   return other == others.end() ? nullptr : *other;
 }
 
+// What is on the wire, or waits for its next try.
+bool TurnRules::is_in_use(std::uint8_t address, const Flight& beside) const {
+  const Book& book = oracle_.books_[beside.bus];
+  return std::ranges::any_of(book.lanes[address].open,
+                             [&](const Asked* asked) {
+                               return asked->maybe_on_wire &&
+                                      std::ranges::find(beside.asked, asked->id) ==
+                                          beside.asked.end();
+                             }) ||
+         std::ranges::any_of(book.unheard, [&](std::uint64_t number) {
+           const Flight* other = oracle_.flight(number);
+           return number != beside.number && other != nullptr && other->address == address;
+         });
+}
+
 // Others do not wait for a device that is left alone. What is read may share a transmission that is
 // to be repeated.
 void TurnRules::check_idle(const Flight& flight, Instant free, Duration lateness) const {
@@ -43,10 +58,11 @@ void TurnRules::check_idle(const Flight& flight, Instant free, Duration lateness
     return;
   }
   for (const Asked* other : others_that_may_go(flight, kAnyGap)) {
-    const Lane& lane = book.lanes[other->pieces.front().address];
-    const Instant from = std::max({free, lane.held_until, book.use.waits_from, oracle_.reloaded_,
-                                   other->accepted, other->waited_until});
-    if (flight.begin - from > lateness && std::ranges::none_of(lane.open, &Asked::maybe_on_wire)) {
+    const std::uint8_t address = other->pieces.front().address;
+    const Instant from = std::max({free, book.lanes[address].held_until, book.use.waits_from,
+                                   oracle_.reloaded_, other->accepted, other->waited_until});
+    if (flight.begin - from > lateness && address != flight.address &&
+        !is_in_use(address, flight)) {
       oracle_.violation("idle_beside", oracle_.name(*other) + " for " +
                                            std::to_string((flight.begin - from) / 1us) +
                                            " us, then " + oracle_.name(flight));
