@@ -13,6 +13,7 @@ constexpr std::uint64_t kNearChance = 0x4E454152ULL;
 constexpr std::uint64_t kBootsChance = 0x424F4F5453ULL;
 constexpr std::uint64_t kRareChance = 0x52415245ULL;
 constexpr std::uint64_t kPeculiarChance = 0x50454355ULL;
+constexpr std::uint64_t kGatewayChance = 0x4F574E4552ULL;
 constexpr unsigned kByAutonics = 200;  // permille of broadcasts, where there is such a door
 
 }  // namespace
@@ -28,7 +29,8 @@ Asking::Asking(const SoakPlan& plan, Random& random)
       near_(plan.seed ^ kNearChance),
       boots_(plan.seed ^ kBootsChance),
       rare_(plan.seed ^ kRareChance),
-      peculiar_(plan.seed ^ kPeculiarChance) {
+      peculiar_(plan.seed ^ kPeculiarChance),
+      gateway_(plan.seed ^ kGatewayChance) {
   for (const Door& door : plan.doors) {
     auto& doors = door.device          ? device_doors_
                   : door.only_autonics ? autonics_doors_
@@ -66,6 +68,9 @@ const Door& Asking::door_for(const Manners& manners) {
 Asked Asking::make(const Manners& manners) {
   if (manners.watches > 0 && forms_.chance(manners.watches)) {
     return health();
+  }
+  if (manners.asks_gateway > 0 && gateway_.chance(manners.asks_gateway)) {
+    return of_gateway(manners);
   }
   const auto& readers = plan_.readers[manners.listener];
   may_only_read_ = std::ranges::find(readers, manners.host) != readers.end();
@@ -159,6 +164,21 @@ void Asking::check_functions(Asked& asked) const {
 Asked Asking::health() {
   const std::size_t device = forms_.below(plan_.settings.devices.size());
   return own_read(static_cast<std::uint16_t>(kDevicesAt + kDeviceSize * device), kShownOfHealth);
+}
+
+// Who is denied everything does not set its counters to 0 either.
+Asked Asking::of_gateway(const Manners& manners) {
+  constexpr unsigned kClear = 10;
+  if (gateway_.chance(500)) {
+    return own_read(0, 4);
+  }
+  const bool is_denied = manners.role.kind == routing::ClientRole::Kind::unreadable;
+  Asked asked = own_read(0, 4);
+  asked.any_code = true;
+  asked.pdu = is_denied && gateway_.chance(500)
+                  ? fields(8, kClear, 0)
+                  : gateway_.one_of<PduBytes>({{0x2B, 0x0E, 1, 0}, fields(8, 0, 0x1234)});
+  return asked;
 }
 
 // The gateway answers itself, rightly or with an exception, and passes nothing on.

@@ -40,6 +40,7 @@ class Asking {
   Asked for_nobody(const Door& door);
   Asked own();
   Asked health();
+  Asked of_gateway(const Manners& manners);
   void refuse_if_read_only(Asked& asked) const;
   [[nodiscard]] bool may_be_silenced(const Door& door, unsigned sub_function) const;
   void check_functions(Asked& asked) const;
@@ -121,6 +122,7 @@ class Asking {
   Random boots_;     // likewise: broadcasts after which drives boot
   Random rare_;      // likewise: what looks like something else
   Random peculiar_;  // likewise: broadcasts that drives take differently
+  Random gateway_;   // likewise: what only the gateway answers
   std::uint16_t broadcasts_ = 0;
   bool may_only_read_ = false;  // who asks at present
 };

@@ -14,7 +14,26 @@ namespace {
 
 constexpr std::uint64_t kCloseChance = 0x434C4F5345ULL;
 constexpr std::uint64_t kRatesChance = 0x5241544553ULL;
+constexpr std::uint64_t kAloneChance = 0x414C4F4E45ULL;
 constexpr std::uint8_t kBothAtOnce = 0x17;
+
+// On a listener with TLS everybody has a role, and the host alone decides which.
+void give_roles(SoakPlan& plan, std::size_t listener, unsigned permille, Random& random) {
+  using enum routing::ClientRole::Kind;
+  plan.settings.listeners[listener].tls = 0;
+  std::vector<routing::ClientRole> roles;
+  for (unsigned host = 0; host < kMostHosts; ++host) {
+    roles.push_back(
+        random.chance(permille)
+            ? routing::ClientRole{unreadable}
+            : routing::ClientRole{named, random.one_of<std::string>({"", "operator", "viewer"})});
+  }
+  for (Manners& manners : plan.clients) {
+    if (manners.listener == listener) {
+      manners.role = roles[manners.host];
+    }
+  }
+}
 
 // Rules about devices, registers, listeners, groups and roles, in any combination.
 class CloseAccess {
@@ -72,25 +91,11 @@ class CloseAccess {
   Random rates_;  // and what is said of units
 };
 
-// On some listeners with TLS everybody has a role, and the host alone decides which.
 void CloseAccess::draw_roles() {
   const std::size_t listeners = plan_.settings.listeners.size();
   plan_.settings.tls.push_back({.name = "plant"});
   for (const std::size_t listener : some_of(listeners, 350)) {
-    plan_.settings.listeners[listener].tls = 0;
-    std::vector<routing::ClientRole> roles;
-    for (unsigned host = 0; host < kMostHosts; ++host) {
-      using enum routing::ClientRole::Kind;
-      roles.push_back(random_.chance(30)
-                          ? routing::ClientRole{unreadable}
-                          : routing::ClientRole{
-                                named, random_.one_of<std::string>({"", "operator", "viewer"})});
-    }
-    for (Manners& manners : plan_.clients) {
-      if (manners.listener == listener) {
-        manners.role = roles[manners.host];
-      }
-    }
+    give_roles(plan_, listener, 30, random_);
   }
 }
 
@@ -203,5 +208,24 @@ void CloseAccess::draw_rates() {
 }  // namespace
 
 void draw_close_access(SoakPlan& plan, std::uint64_t seed) { CloseAccess(plan, seed).draw(); }
+
+// Whose role cannot be read may do nothing, also where there is no rule at all.
+void draw_roles_alone(SoakPlan& plan, std::uint64_t seed) {
+  Random random(seed ^ kAloneChance);
+  if (is_guarded(plan) || plan.theme != Theme::none || !plan.rules.empty() ||
+      !plan.settings.tls.empty() || !random.chance(200)) {
+    return;
+  }
+  plan.settings.tls.push_back({.name = "plant"});
+  for (std::size_t listener = 0; listener < plan.settings.listeners.size(); ++listener) {
+    if (random.chance(500)) {
+      give_roles(plan, listener, 400, random);
+    }
+  }
+  for (Manners& manners : plan.clients) {
+    const bool has_role = manners.role.kind != routing::ClientRole::Kind::none;
+    manners.asks_gateway = has_role ? random.one_of({50U, 200U}) : 0U;
+  }
+}
 
 }  // namespace mbgate::soak

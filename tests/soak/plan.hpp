@@ -124,6 +124,7 @@ struct Manners {
   bool waits_at_start = false;         ///< it has written before the gateway was ready
   bool never_asks = false;             ///< a probe: it connects, and goes again
   std::vector<std::size_t> devices{};  ///< that it asks; none: all
+  unsigned asks_gateway = 0;  ///< thousandths of its requests, for what only the gateway answers
   unsigned watches = 0;  ///< thousandths of its requests, for what the gateway shows of devices
   routing::ClientRole role{};  ///< by its certificate
 };
@@ -223,6 +224,8 @@ void draw_clients(SoakPlan& plan, Random& random);
 void draw_own_routes(SoakPlan& plan, std::uint64_t seed);
 /// Has a route of its listener's own taken its unit?
 [[nodiscard]] bool is_hidden(const SoakPlan& plan, const Door& door);
+/// Roles in certificates where no rule names any; some cannot be read.
+void draw_roles_alone(SoakPlan& plan, std::uint64_t seed);
 /// Arranges some plans so that what seldom happens happens often.
 void draw_theme(SoakPlan& plan, std::uint64_t seed);
 
