@@ -114,6 +114,11 @@ struct Asked {
   Duration cache{0};
   std::optional<drive::WordOrder> word_order;  ///< that its route asked for
   std::vector<std::size_t> rated;              ///< rules with a rate that permit it
+  // Of hosts that may ask so often only:
+  std::optional<Instant> begun;       ///< the gateway has read its first byte
+  std::optional<Instant> held_until;  ///< at the latest, if nothing else held it up
+  std::uint64_t held_in_order = 0;    ///< that is known only as long as this is so
+  bool passes_hold = false;           ///< a stop behind it waits for it
 
   /// One device is stopped, or all on its buses.
   [[nodiscard]] bool is_stop() const { return kind == Kind::stop || stops_all; }

@@ -53,7 +53,10 @@ void Client::connect() {
   tools_.oracle.connect(number_, manners_.listener, manners_.host);
   write_before_the_start();
   is_connecting_ = true;
-  tools_.full = crowd();
+  const auto lets_in =
+      tools_.oracle.client_rates().lets_in(manners_.listener, manners_.host, tools_.schedule.now());
+  may_be_refused_ = lets_in != true;
+  tools_.full = lets_in == false ? Crowded{} : crowd();
   tools_.harness.handle(
       gateway::ClientConnected{number_,
                                {*listener, address_of(manners_.host), socket_.size(),
@@ -61,7 +64,13 @@ void Client::connect() {
       tools_.schedule.now());
   tools_.drain();
   tools_.full = {};
-  is_connecting_ = false;
+  is_connecting_ = may_be_refused_ = false;
+  if (connected_) {
+    tools_.oracle.client_rates().let_in(manners_.listener, manners_.host, tools_.schedule.now());
+  }
+  if (connected_ && lets_in == false) {
+    tools_.oracle.violation("let_in", "a client that connects too often");
+  }
   if (connected_ && (!is_welcome() || tools_.is_stopping)) {
     tools_.oracle.violation("let_in", "a client that is not allowed");
   }
@@ -265,19 +274,6 @@ void Client::closed_by_gateway() {
   // Who was never let in may have written something all the same.
   is_excused || !is_welcome() ? tools_.oracle.gone(number_, kClosed)
                               : tools_.oracle.closed(number_);
-  reconnect_later();
-}
-
-bool Client::is_welcome() const {
-  const auto& allowed = tools_.plan.allowed[manners_.listener];
-  return tools_.listener(manners_.listener) &&
-         lets_in_by_rules(tools_.plan, manners_.listener, manners_.host, manners_.role) &&
-         (allowed.empty() || std::ranges::find(allowed, manners_.host) != allowed.end());
-}
-
-void Client::give_up() {
-  connected_ = false;
-  tools_.oracle.gone(number_);
   reconnect_later();
 }
 

@@ -127,6 +127,7 @@ class Client {
   bool framing_lost_ = false;
   bool straddles_ = false;              ///< what it writes always ends within a request
   bool is_connecting_ = false;          ///< at this instant
+  bool may_be_refused_ = false;         ///< then: its host connects too often
   std::optional<Instant> hangs_since_;  ///< the gateway may have the beginning of a request
   Duration frame_timeout_{0};           ///< as it was then
   Instant active_ = Instant::min();     ///< when the gateway read something or saw it taken

@@ -94,6 +94,19 @@ void Client::be_closed_after(Duration time, const char* kind) {
   tools_.schedule.after(time + kLatestClose, look);
 }
 
+bool Client::is_welcome() const {
+  const auto& allowed = tools_.plan.allowed[manners_.listener];
+  return tools_.listener(manners_.listener) &&
+         lets_in_by_rules(tools_.plan, manners_.listener, manners_.host, manners_.role) &&
+         (allowed.empty() || std::ranges::find(allowed, manners_.host) != allowed.end());
+}
+
+void Client::give_up() {
+  connected_ = false;
+  tools_.oracle.gone(number_);
+  reconnect_later();
+}
+
 bool Client::is_idle() const { return unconfirmed_ == 0 && tools_.oracle.is_idle(number_); }
 
 bool Client::is_kept() const {
@@ -109,7 +122,7 @@ bool Client::may_be_closed() const {
                           !tools_.oracle.has_outstanding(number_);
   const bool has_hung = hangs_since_ && *hangs_since_ != Instant::max() &&
                         now >= *hangs_since_ + std::min(frame_timeout_, kLeastFrameTimeout);
-  return framing_lost_ || has_hung || is_resting || tools_.is_stopping ||
+  return framing_lost_ || may_be_refused_ || has_hung || is_resting || tools_.is_stopping ||
          (tools_.full.listener == manners_.listener && may_be_displaced());
 }
 

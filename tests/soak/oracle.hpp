@@ -10,6 +10,7 @@
 
 #include "gateway/event.hpp"
 #include "soak/asked.hpp"
+#include "soak/client_rates.hpp"
 #include "soak/device.hpp"
 #include "soak/failsafe_watch.hpp"
 #include "soak/flight.hpp"
@@ -135,6 +136,7 @@ class Oracle {
   [[nodiscard]] std::uint64_t accepted() const { return sequence_ - failsafes_; }
   [[nodiscard]] std::uint64_t perhaps_accepted() const { return perhaps_accepted_; }
   [[nodiscard]] const FailsafeWatch& failsafe() const { return failsafe_; }
+  [[nodiscard]] ClientRates& client_rates() { return client_rates_; }
 
  private:
   friend class BehindStops;
@@ -174,7 +176,6 @@ class Oracle {
   void map_lanes();
   void take_back(Asked& asked, std::size_t bus);
   [[nodiscard]] bool is_outdated(const Asked& asked) const;
-
   // oracle_answers.cpp
   void judge(Asked& asked, Bytes pdu);
   void device_answered(const Asked& asked);
@@ -233,7 +234,6 @@ class Oracle {
   [[nodiscard]] Duration stop_deadline(std::size_t bus) const;
   [[nodiscard]] bool may_break_silence(const Flight& flight);
   void check_stops_waiting(std::size_t bus);
-
   // oracle_idle.cpp
   void note_whole(std::size_t bus, HeardFrame& frame) const;
   void note_answered(std::size_t bus, const HeardFrame& frame);
@@ -243,7 +243,6 @@ class Oracle {
   [[nodiscard]] std::optional<Instant> could_go(const Flight& flight) const;
   [[nodiscard]] Duration rest_of_answer(const Flight& flight) const;
   [[nodiscard]] Duration lateness() const;
-
   // oracle_bounds.cpp
   void check_bounds(const Flight& flight, const Flight* before);
   void judge_expiry(const Asked& asked);
@@ -278,6 +277,7 @@ class Oracle {
   Report& report_;
   WriterRules writers_;
   RuleRates rates_;
+  ClientRates client_rates_;
   Meanings meanings_;
   FailsafeWatch failsafe_;
   std::map<ClientId, Session> sessions_;

@@ -13,6 +13,7 @@ namespace mbgate::soak {
 void Oracle::delivered(ClientId client, std::uint64_t id) {
   Session& session = sessions_.at(client);
   session.backlog.push_back(id);
+  Withdrawals(*this).let_pass(session, *open_.at(id));
   accept_backlog(session);
 }
 
@@ -81,6 +82,7 @@ void Oracle::accept(Asked& asked) {
   asked.is_accepted = true;
   asked.accepted = schedule_.now();
   asked.sequence = ++sequence_;
+  client_rates_.accepted(asked, schedule_.now());
   asked.perhaps_older = Withdrawals(*this).is_older_broadcast(asked);
   rates_.accepted(asked, schedule_.now());
   if (asked.door == nullptr) {
@@ -150,7 +152,8 @@ std::vector<Asked*> Oracle::broadcasts_on(std::size_t bus) {
 
 // What was on the wire was surely accepted, and so was what has waited.
 void Oracle::note_write_event(const Asked& asked, std::optional<std::size_t> bus) {
-  const bool waited = asked.kind != Kind::broadcast && asked.accepted < schedule_.now();
+  const bool waited =
+      asked.kind != Kind::broadcast && !asked.ahead && asked.accepted < schedule_.now();
   if (!asked.changes() || asked.refused || asked.ordered || !(asked.surely_on_wire || waited)) {
     return;
   }
@@ -169,6 +172,29 @@ void Oracle::note_write_event(const Asked& asked, std::optional<std::size_t> bus
       }
     }
   }
+}
+
+bool Oracle::is_open(ClientId client, std::uint16_t transaction) const {
+  const auto entry = sessions_.find(client);
+  return entry != sessions_.end() && entry->second.by_transaction.contains(transaction);
+}
+
+std::size_t Oracle::open_of(ClientId client) const {
+  const auto entry = sessions_.find(client);
+  return entry == sessions_.end() ? 0 : entry->second.by_transaction.size();
+}
+
+bool Oracle::is_idle(ClientId client) const {
+  const auto entry = sessions_.find(client);
+  return entry != sessions_.end() && entry->second.by_transaction.empty() &&
+         entry->second.outstanding == 0 && schedule_.now() >= entry->second.ahead_until;
+}
+
+bool Oracle::has_outstanding(ClientId client) const {
+  const auto entry = sessions_.find(client);
+  return entry != sessions_.end() &&
+         std::ranges::any_of(entry->second.order,
+                             [&](std::uint64_t id) { return !open_.at(id)->refused; });
 }
 
 bool Oracle::is_surely_open(const Asked& asked) const {

@@ -49,6 +49,10 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
       violation("over_rate", broken + ": " + name(asked));
     }
   }
+  if (const std::string broken = client_rates_.answered(asked, lateness(), schedule_.now());
+      !broken.empty() && !stopping_) {
+    violation(broken, name(asked));
+  }
   // What was read while a write waited that was then never sent is what the device holds.
   if (std::ranges::any_of(asked.pieces, [](const Piece& it) { return it.sent > 0; })) {
     note_write_event(asked);
@@ -195,7 +199,7 @@ Span Oracle::span_of(const Asked& asked) const {
     first = std::max(asked.accepted - cache, last_write);
     first = lane.emptied_at < asked.accepted ? std::max(first, lane.emptied_for) : first;
     for (const Asked* write : lane.open) {
-      if (write->changes() && !write->ordered && !write->client_gone &&
+      if (write->changes() && !write->ordered && !write->ahead && !write->client_gone &&
           write->accepted < asked.accepted) {
         first = std::max(first, write->accepted);  // it waits: it was taken, and nothing kept since
       }

@@ -43,6 +43,7 @@ Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& sch
       report_(report),
       writers_(plan),
       rates_(plan),
+      client_rates_(plan),
       meanings_(plan),
       failsafe_(plan),
       books_(plan.settings.buses.size()) {
@@ -52,6 +53,7 @@ Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& sch
 void Oracle::connect(ClientId client, std::size_t listener, unsigned host) {
   begin_failsafe();
   failsafe_.came(client, listener, host);
+  client_rates_.came(client, listener, host);
   Session& session = sessions_[client];
   session.read_empty = schedule_.now();
   session.listener = listener;
@@ -87,6 +89,7 @@ void Oracle::begun(std::uint64_t id) {
   }
   Asked& asked = *entry->second;
   asked.has_begun = true;
+  client_rates_.begun(asked, schedule_.now());
   if (!asked.waits_in_pause) {
     asked.written = schedule_.now();
   }
@@ -125,6 +128,7 @@ void Oracle::gone(ClientId client, const char* how) {
   if (entry == sessions_.end()) {
     return;
   }
+  client_rates_.gone(client);
   std::vector<std::uint64_t> ids;
   for (const auto& [transaction, id] : entry->second.by_transaction) {
     ids.push_back(id);
@@ -206,30 +210,8 @@ void Oracle::close(Asked& asked, const std::string& how) {
   if (asked.kind == Kind::broadcast && asked.is_accepted) {
     let_go_behind(asked, open_, schedule_.now());
   }
+  client_rates_.closed(asked, schedule_.now());
   open_.erase(asked.id);
-}
-
-bool Oracle::is_open(ClientId client, std::uint16_t transaction) const {
-  const auto entry = sessions_.find(client);
-  return entry != sessions_.end() && entry->second.by_transaction.contains(transaction);
-}
-
-std::size_t Oracle::open_of(ClientId client) const {
-  const auto entry = sessions_.find(client);
-  return entry == sessions_.end() ? 0 : entry->second.by_transaction.size();
-}
-
-bool Oracle::is_idle(ClientId client) const {
-  const auto entry = sessions_.find(client);
-  return entry != sessions_.end() && entry->second.by_transaction.empty() &&
-         entry->second.outstanding == 0 && schedule_.now() >= entry->second.ahead_until;
-}
-
-bool Oracle::has_outstanding(ClientId client) const {
-  const auto entry = sessions_.find(client);
-  return entry != sessions_.end() &&
-         std::ranges::any_of(entry->second.order,
-                             [&](std::uint64_t id) { return !open_.at(id)->refused; });
 }
 
 void Oracle::answered(ClientId client, Bytes adu) {

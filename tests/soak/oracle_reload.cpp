@@ -153,6 +153,7 @@ void Oracle::after_reload() {
   }
   failsafe_.after_reload();
   rates_.after_reload();
+  client_rates_.after_reload(schedule_.now());
   meanings_.after_reload(schedule_.now());
   reloaded_ = schedule_.now();
   Withdrawals(*this).refuse_outdated();
@@ -163,6 +164,7 @@ void Oracle::after_reload() {
   }
   for (const auto& entry : open_) {
     Asked& asked = *entry.second;
+    client_rates_.lifted(asked, schedule_.now());
     if (asked.is_accepted && asked.door != nullptr) {
       note_allowed(asked);
       // Its client sees other word orders by now, or its unit leads elsewhere.

@@ -243,6 +243,7 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   draw_theme(plan, seed);
   draw_own_routes(plan, seed);
   draw_roles_alone(plan, seed);
+  draw_client_rates(plan, seed);
   return plan;
 }
 

@@ -180,6 +180,7 @@ struct SoakPlan {
   std::vector<std::vector<unsigned>> kept;     ///< by listener, those that make room for nobody
   std::vector<std::vector<unsigned>> allowed;  ///< by listener, those that it lets in; none: all
   std::vector<Instant> idle_from;              ///< by listener, when its idle timeout was set
+  bool limits_hosts = false;                   ///< each may connect and ask only so often
   bool stops_early = false;  ///< the gateway is told to stop in the midst of everything
   bool beyond = false;  ///< devices are later than the quarantine: misdeliveries are counted apart
 };
@@ -224,6 +225,9 @@ void draw_clients(SoakPlan& plan, Random& random);
 void draw_own_routes(SoakPlan& plan, std::uint64_t seed);
 /// Has a route of its listener's own taken its unit?
 [[nodiscard]] bool is_hidden(const SoakPlan& plan, const Door& door);
+/// How often one host may connect and ask, where that is limited; and who does so more often.
+void draw_client_rates(SoakPlan& plan, std::uint64_t seed);
+void draw_client_limits(gateway::ListenerSettings& listener, Random& random);
 /// Roles in certificates where no rule names any; some cannot be read.
 void draw_roles_alone(SoakPlan& plan, std::uint64_t seed);
 /// Arranges some plans so that what seldom happens happens often.

@@ -13,6 +13,7 @@ constexpr int kUnitOfNobody = 250;
 constexpr std::uint64_t kLinesChance = 0x4C494E4553ULL;
 constexpr std::uint64_t kGuardsChance = 0x475541524453ULL;
 constexpr std::uint64_t kPatienceChance = 0x50415449ULL;
+constexpr std::uint64_t kHostLimitsChance = 0x484F535453ULL;
 constexpr std::uint64_t kOwnChance = 0x52454C4F4144ULL;  // apart from the plant's
 
 }  // namespace
@@ -25,6 +26,7 @@ Reloads::Reloads(SoakPlan& plan, Oracle::Devices& devices, const Oracle& oracle,
       lines_(seed ^ kLinesChance),
       guards_(seed ^ kGuardsChance),
       patience_(seed ^ kPatienceChance),
+      host_limits_(seed ^ kHostLimitsChance),
       arrangement_(plan) {
   is_guarded_ = std::ranges::any_of(plan.settings.guards, [](const gateway::DeviceGuard& guard) {
     return guard.writer != gateway::WriterRule::any || !guard.failsafe.empty();
@@ -78,6 +80,11 @@ Reload Reloads::draw() {
     if (patience_.chance(400) && change_patience(patience_.below(buses))) {
       reload_.kinds.push_back("reload_patience");
     }
+    // Not so often that nothing can be told of any limit.
+    if (plan_.limits_hosts && host_limits_.chance(every_ < 1s ? 30 : 300) &&
+        change_host_limits(host_limits_.below(listeners))) {
+      reload_.kinds.push_back("reload_host_limits");
+    }
     if (is_guarded_) {  // who may write, and whether anybody is left, stays as it is
       perhaps(300, "reload_failsafe", devices, &Reloads::change_failsafe);
       if (guards_.chance(400) && change_rights(guards_.below(listeners))) {
@@ -107,6 +114,9 @@ Reload Reloads::draw() {
 Reload Reloads::restore() {
   reload_ = {};
   bring_back();
+  for (gateway::ListenerSettings& listener : plan_.settings.listeners) {
+    listener.max_connects_per_second = listener.max_requests_per_second = 0;
+  }
   refresh_doors();
   note_changed();
   arrangement_ = Arrangement(plan_, random_);

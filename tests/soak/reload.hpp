@@ -54,6 +54,7 @@ class Reloads {
   bool change_rules(std::size_t bus);
   bool change_patience(std::size_t bus);
   bool change_listener(std::size_t index);
+  bool change_host_limits(std::size_t listener);
   bool change_idle(std::size_t listener);
   bool change_deadline(std::size_t route);
   bool change_failsafe(std::size_t device);
@@ -92,6 +93,7 @@ class Reloads {
   Random lines_;
   Random guards_;
   Random patience_;
+  Random host_limits_;
   Duration every_{0};
   bool is_guarded_ = false;
   Reload reload_;

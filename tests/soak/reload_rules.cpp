@@ -119,6 +119,17 @@ bool Reloads::change_listener(std::size_t index) {
   return true;
 }
 
+// Where the last of them are lifted, what was held up goes on.
+bool Reloads::change_host_limits(std::size_t index) {
+  gateway::ListenerSettings& listener = plan_.settings.listeners[index];
+  if (listener.max_requests_per_second > 0 && host_limits_.chance(400)) {
+    listener.max_requests_per_second = 0;
+  } else {
+    draw_client_limits(listener, host_limits_);
+  }
+  return true;
+}
+
 bool Reloads::change_idle(std::size_t index) {
   plan_.settings.listeners[index].idle_timeout =
       random_.chance(300) ? 0ms : random_.duration(300ms, 3s);

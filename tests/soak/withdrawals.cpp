@@ -12,6 +12,11 @@ constexpr std::uint8_t kDenied = 0x01;
 constexpr std::uint8_t kNotNow = 0x06;
 constexpr std::uint8_t kNoPath = 0x0A;
 
+// It came at this instant, and the gateway has perhaps not taken it yet, but the stop.
+bool may_come_behind(const Asked& write, Instant stopped) {
+  return write.ahead && write.written >= stopped;
+}
+
 bool goes_out(const Asked& broadcast, std::size_t bus, std::uint8_t form) {
   return std::ranges::any_of(broadcast.pieces, [&](const Piece& piece) {
     return piece.bus == bus && piece.address == form;
@@ -52,7 +57,8 @@ void Withdrawals::take_back_for(const Asked& stop) const {
 
 void Withdrawals::take_back_writes(const Lane& lane) const {
   for (Asked* asked : lane.open) {
-    if (asked->kind == Kind::write && !asked->doomed) {
+    if (asked->kind == Kind::write && !asked->doomed &&
+        !may_come_behind(*asked, oracle_.schedule_.now())) {
       asked->doomed = oracle_.schedule_.now();
     }
   }
@@ -91,7 +97,7 @@ void Withdrawals::take_back_broadcasts(const Asked& stop, std::size_t bus) const
     for (Piece& piece : asked->pieces) {
       const bool stopped = asked->kind == Kind::broadcast && !asked->stops_all &&
                            piece.bus == bus && reaches(stop, bus, piece.address);
-      if (stopped && !piece.doomed) {
+      if (stopped && !piece.doomed && !may_come_behind(*asked, oracle_.schedule_.now())) {
         piece.doomed = oracle_.schedule_.now();
       }
     }
@@ -145,6 +151,16 @@ void Withdrawals::give_back(const Asked& stop) const {
   for (const auto& entry : oracle_.open_) {
     give_back(entry.second->doomed);
     std::ranges::for_each(entry.second->pieces, give_back, &Piece::doomed);
+  }
+}
+
+void Withdrawals::let_pass(const Session& session, const Asked& stop) const {
+  if (!stop.is_stop() || !oracle_.lets_writes_go(stop)) {
+    return;
+  }
+  for (const auto& [transaction, id] : session.by_transaction) {
+    Asked& asked = *oracle_.open_.at(id);
+    asked.passes_hold = asked.passes_hold || id < stop.id;
   }
 }
 

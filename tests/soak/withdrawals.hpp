@@ -10,6 +10,7 @@
 namespace mbgate::soak {
 
 struct Lane;
+struct Session;
 class Oracle;
 
 class Withdrawals {
@@ -23,6 +24,8 @@ class Withdrawals {
   void give_back(const Asked& stop) const;
   /// Does it let a write go first that lies in front of it?
   [[nodiscard]] bool must_wait(const std::deque<std::uint64_t>& backlog, const Asked& stop) const;
+  /// What lies in front of a stop that lets it go first is not held up, however much its host asks.
+  void let_pass(const Session& session, const Asked& stop) const;
   /// A reload has given units another meaning.
   void refuse_outdated() const;
   /// It counts as having come at `came`: perhaps before a reload.

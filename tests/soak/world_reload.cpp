@@ -24,7 +24,7 @@ void World::begin_reloads() {
 }
 
 void World::restore() {
-  if (!reloads_.are_any()) {
+  if (!reloads_.are_any() && !plan_.limits_hosts) {
     return;
   }
   const std::vector<bool> before = plan_.absent.buses;
