@@ -72,7 +72,7 @@ SoakDevice::Outcome SoakDevice::carry_out(const Pdu& pdu, Instant now) {
     write(request, *fields, now);
     if (is_silent(*fields)) {
       die_until(now + settings_.profile.unanswered.front().after);
-      return {};
+      return {.answer = {}, .parting = acknowledgement(request)};
     }
   }
   if (is_listen_only(request) || command_of(request) == kUnheardCommand) {

@@ -37,6 +37,7 @@ class SoakDevice {
   struct Outcome {
     std::optional<modbus::Pdu> answer;  ///< none: it is never answered
     bool slow = false;
+    std::optional<modbus::Pdu> parting{};  ///< what some say before they boot
   };
   Outcome carry_out(const modbus::Pdu& request, Instant now);
 

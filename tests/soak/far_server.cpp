@@ -113,8 +113,12 @@ void FarServer::heard(std::uint64_t number) {
   if (flight->expects_answer && !flight->is_stop && happens(rates_.exception, "exception")) {
     pdu = Pdu::exception(request.function(), modbus::ExceptionCode{0x11});
   } else {
-    pdu = device.carry_out(request, now).answer;
+    const SoakDevice::Outcome outcome = device.carry_out(request, now);
+    pdu = outcome.answer;
     around_.oracle.executed(*flight);
+    if (outcome.parting && break_random_.chance(rates_.boots_answered)) {
+      part(*flight, *outcome.parting);
+    }
   }
   if (pdu && pdu->is_exception()) {
     around_.oracle.excepted(*flight, pdu->bytes()[1]);
@@ -134,6 +138,18 @@ void FarServer::heard(std::uint64_t number) {
                                                       return happens(permille, kind);
                                                     });
   around_.schedule.after(wait, [this, epoch = epoch_, answer] {
+    if (epoch == epoch_) {
+      say(answer);
+    }
+  });
+}
+
+// At once: then its device is gone.
+void FarServer::part(const Flight& flight, const Pdu& pdu) {
+  around_.report.fault("boots_answered");
+  const Answer answer{
+      flight.number, flight.identifier, flight.address, {pdu.bytes().begin(), pdu.bytes().end()}};
+  around_.schedule.after(break_random_.duration(100us, 3ms), [this, epoch = epoch_, answer] {
     if (epoch == epoch_) {
       say(answer);
     }

@@ -32,6 +32,7 @@ class FarServer {
     bool fits = true;  ///< it is what was asked for
   };
   void heard(std::uint64_t number);
+  void part(const Flight& flight, const modbus::Pdu& pdu);
   void say(const Answer& answer);
   void break_framing();
   void flush(std::size_t bytes);

@@ -240,6 +240,7 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
     draw_stops(plan.driver, seed);
   }
   draw_broadcasts(plan, seed);
+  draw_rare_faults(plan, seed);
   draw_theme(plan, seed);
   draw_own_routes(plan, seed);
   draw_roles_alone(plan, seed);

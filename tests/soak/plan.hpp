@@ -74,6 +74,9 @@ struct FaultRates {
   unsigned babble = 0;
   unsigned exception = 0;
   unsigned early = 0;
+  unsigned boots_answered = 0;   ///< of what makes a device boot: it answers first
+  unsigned straddles = 0;        ///< of late ASCII answers: a request is sent within one
+  unsigned other_length = 0;     ///< of ASCII answers: a damaged one of another length goes before
   unsigned request_damaged = 0;  ///< of requests
   unsigned swapped = 0;       ///< of lines that are opened: by an adapter that hears itself, or not
   unsigned echo_damaged = 0;  ///< of requests, as the following
@@ -217,6 +220,8 @@ void draw_broadcasts(SoakPlan& plan, std::uint64_t seed);
 void draw_odds(SoakPlan& plan, std::uint64_t seed);
 /// How late answers come, and what breaks off.
 void draw_late(SoakPlan& plan, std::uint64_t seed);
+/// What goes wrong on few lines only.
+void draw_rare_faults(SoakPlan& plan, std::uint64_t seed);
 /// Reads that meet each other, and for how long they are kept.
 void draw_reads(SoakPlan& plan, std::uint64_t seed);
 /// Its last step but for lines and limits: who asks, and how.

@@ -14,6 +14,7 @@ using modbus::Pdu;
 
 namespace {
 constexpr std::uint64_t kEchoChance = 0x57495245ULL;  // apart from the plant's
+constexpr std::uint64_t kRareChance = 0x52415245574952ULL;
 constexpr std::uint8_t kNobodyFrom = 60;
 constexpr std::uint8_t kNobodyTo = 240;
 constexpr unsigned kRefusesLate = 300;  // permille of writes that are answered late
@@ -29,7 +30,8 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
       ascii_(settings_.line.framing == bus::Framing::ascii),
       adapter_(around.plan.adapters[bus], around.schedule, around.random,
                [this](const Heard& heard) { hand_over(heard); }),
-      echo_random_(around.plan.seed ^ (kEchoChance + bus)) {
+      echo_random_(around.plan.seed ^ (kEchoChance + bus)),
+      rare_random_(around.plan.seed ^ (kRareChance + bus)) {
   for (SoakDevice& device : around.devices) {
     if (static_cast<std::size_t>(device.settings().bus) == bus) {
       devices_.push_back(&device);
@@ -46,6 +48,7 @@ void SerialWire::reset() {
   own_end_ = Instant::min();
   overheard_.forget();
   echo_.reset();
+  straddling_.reset();
   babbles_until_ = Instant::min();
   deaf_until_ = is_hung() && goes_on_hanging() ? Instant::max() : Instant::min();
   timing_ = spec::WireTimes(settings_.line);
@@ -73,6 +76,7 @@ SoakDevice* SerialWire::device_at(std::uint8_t address) {
 
 void SerialWire::transmit(const Flight& flight, Bytes frame) {
   own_damaged_ = false;
+  meet_straddling(flight);
   opaque_ = !flight.pdu.empty() && spec::is_opaque(flight.pdu);
   own_end_ = flight.end;
   asked_ = flight.address;
@@ -134,6 +138,9 @@ void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& req
     const SoakDevice::Outcome outcome = device.carry_out(request, now);
     pdu = outcome.answer;
     slow = outcome.slow;
+    if (outcome.parting && happens_rarely(rates_.boots_answered, "boots_answered")) {
+      part(device, flight, *outcome.parting);
+    }
     around_.oracle.executed(flight);
     if (pdu && pdu->is_exception()) {
       around_.oracle.excepted(flight, pdu->bytes()[1]);
@@ -192,8 +199,10 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
     return;
   }
   const bool may_glitch = !excess && (ascii_ || (!opaque_ && !pdu.is_exception()));
-  const std::size_t lead =
-      may_glitch && happens(rates_.glitch, "glitch") ? begin_with_glitch(frame, flight.pdu) : 0;
+  const bool glitches = may_glitch && happens(rates_.glitch, "glitch");
+  const std::size_t lead = glitches ? begin_with_glitch(frame, flight.pdu)
+                           : excess ? 0
+                                    : begin_with_other_length(frame, flight, pdu);
   const bool paused = !excess && happens(rates_.pieces, "pieces");
   const Duration slack = spec::slack_of(settings_);
   const Instant over = begin + timing_.of(frame.size()) + slack + 20ms;
@@ -227,6 +236,9 @@ void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Fra
     after = around_.random.chance(300) ? near : last - first - near;
   }
   const Instant at = first + after;
+  if (straddles(flight, frame, at)) {
+    return;
+  }
   const bool pauses = happens_to_echo(rates_.late_pieces, "late_pieces");
   const Duration paused = pauses ? last - at : Duration{0};
   auto& busy = talks_until_[device.settings().address];
@@ -257,9 +269,7 @@ SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t 
     return Spoilt::misfit;
   }
   if (happens(rates_.bad_crc, "bad_crc")) {
-    // Before CR LF in ASCII: a digit of the LRC becomes another one.
-    std::uint8_t& check = frame[frame.size() - (ascii_ ? 3 : 1)];
-    check = ascii_ ? (check == '0' ? '1' : '0') : static_cast<std::uint8_t>(check ^ 0x40U);
+    lose_check(frame);
     return Spoilt::unreadable;
   }
   if (happens(rates_.damaged, "damaged")) {

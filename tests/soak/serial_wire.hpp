@@ -57,6 +57,19 @@ class SerialWire {
     std::uint64_t flight = 0;             ///< that they answer; none if a stranger asked
     std::size_t lead = 0;                 ///< bytes before them
     Duration most_paused = Duration::max();
+    std::optional<Instant> began{};  ///< the part of it that came before
+    std::size_t before = 0;          ///< its bytes
+  };
+  /// A late answer, of which only the beginning was said.
+  struct Straddling {
+    std::uint64_t head;  ///< its message
+    std::uint64_t flight;
+    std::uint8_t address;
+    std::size_t size;
+    Instant began;
+    Instant rests_from;
+    Frame rest;
+    bool meets = false;  ///< another request meanwhile
   };
   struct OwnEcho {
     std::uint64_t flight = 0;
@@ -111,6 +124,15 @@ class SerialWire {
                          Instant begin);
   /// wire_stuck.cpp: nothing more of the answer comes.
   [[nodiscard]] bool gets_stuck(const Flight& flight, const Frame& frame, Instant begin);
+  // wire_rare.cpp
+  [[nodiscard]] bool happens_rarely(unsigned permille, const char* kind);
+  void part(const SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu);
+  void lose_check(Frame& frame) const;
+  [[nodiscard]] bool straddles(const Flight& flight, const Frame& whole, Instant begin);
+  void begin_to_straddle(std::uint64_t flight, std::uint8_t address, const Frame& frame);
+  void meet_straddling(const Flight& flight);
+  void end_straddling(Instant at);
+  std::size_t begin_with_other_length(Frame& frame, const Flight& flight, const modbus::Pdu& pdu);
   void answer_late(SoakDevice& device, const Flight& flight, const Frame& frame, Instant begin);
   Spoilt spoil(Frame& frame, const modbus::Pdu& pdu, std::uint8_t address);
   // wire_strangers.cpp
@@ -157,6 +179,8 @@ class SerialWire {
   bool own_damaged_ = false;
   bool is_prompt_ = false;  ///< what was transmitted last is answered before it has left
   Random echo_random_;
+  Random rare_random_;
+  std::optional<Straddling> straddling_;
   std::optional<OwnEcho> echo_;  ///< of what was transmitted last
   unsigned echoes_lost_ = 0;     ///< one after the other
   Instant babbles_until_ = Instant::min();

@@ -141,6 +141,7 @@ void SerialWire::babble_on(std::uint64_t epoch) {
     return;
   }
   const Instant now = around_.schedule.now();
+  straddling_.reset();
   std::optional<std::uint8_t> lost;
   own_damaged_ = own_damaged_ || own_end_ > now;
   for (auto& [id, message] : messages_) {

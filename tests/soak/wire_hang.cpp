@@ -20,6 +20,7 @@ void SerialWire::begin_hang() {
   if (may_hang && !is_hung() && !is_busy() && !echo_) {
     around_.report.fault("adapter_hangs");
     deaf_until_ = Instant::max();
+    straddling_.reset();
     swallows_ = echo_random_.chance(500);
   }
 }

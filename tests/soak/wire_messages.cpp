@@ -57,6 +57,9 @@ void SerialWire::say(Frame bytes, Instant begin, Chunks chunks, const Content& c
 void SerialWire::begin_message(std::uint64_t id) {
   const Instant now = around_.schedule.now();
   Message& message = messages_.at(id);
+  if (straddling_ && straddling_->head != id) {
+    straddling_.reset();
+  }
   std::optional<std::uint8_t> lost;
   bool collides = (own_end_ > now && !is_prompt_) || is_babbling();
   own_damaged_ = own_damaged_ || (own_end_ > now && !is_prompt_);
@@ -150,9 +153,9 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
   for (std::size_t frame = 0; frame < frames; ++frame) {
     if (content.address) {
       const bool is_nobodys = content.flight == 0 || message.copies_heard > 0;
-      heard.frames.push_back(
-          {*content.address, content.fits, is_nobodys, content.flight, message.frame_began});
-      heard.frames.back().size = message.frame;
+      heard.frames.push_back({*content.address, content.fits, is_nobodys, content.flight,
+                              content.began.value_or(message.frame_began)});
+      heard.frames.back().size = message.frame + content.before;
       heard.frames.back().lead = lead;
     }
     ++message.copies_heard;

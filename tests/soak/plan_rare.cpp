@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// What goes wrong on few lines only: drives that answer before they boot, late answers in ASCII
+// within which a request is sent. With a chance of its own, so that plants and clients stay those
+// of the seed.
+#include <algorithm>
+
+#include "soak/plan.hpp"
+
+namespace mbgate::soak {
+
+namespace {
+
+constexpr std::uint64_t kRareChance = 0x52415245ULL;  // apart from the plant's
+
+// On a line that hears nothing else, and at once.
+void straddle(SoakPlan& plan, std::size_t bus, Random& random) {
+  FaultRates& rates = plan.rates[bus];
+  rates.straddles = 800;
+  rates.late = std::max(rates.late, 200U);
+  rates.noise_every = rates.foreign_every = rates.babbles_every = {};
+  plan.adapters[bus] = AdapterKind::uart;
+  plan.echoes[bus] = false;
+  plan.settings.buses[bus].line.echo = random.chance(500) ? std::optional(false) : std::nullopt;
+}
+
+}  // namespace
+
+void draw_rare_faults(SoakPlan& plan, std::uint64_t seed) {
+  Random random(seed ^ kRareChance);
+  for (std::size_t bus = 0; bus < plan.rates.size(); ++bus) {
+    FaultRates& rates = plan.rates[bus];
+    rates.boots_answered = random.one_of({0U, 0U, 0U, 600U});
+    if (plan.settings.buses[bus].line.framing == bus::Framing::ascii) {
+      rates.other_length = random.one_of({0U, 0U, 60U});
+      if (random.chance(500)) {
+        straddle(plan, bus, random);
+      }
+    }
+  }
+}
+
+}  // namespace mbgate::soak
