@@ -41,8 +41,9 @@ void BootRules::note(const Flight& flight) const {
     if (!flight.is_broadcast || is_autonics == (flight.address == kAutonicsAddress)) {
       // Its echo, which may be all that is heard, comes before the computed end of the frame.
       lane.boots_until = told + profile.unanswered.front().after - kAdapterHolds;
-      lane.held_until =
-          std::max(lane.held_until, told + turnaround + kLongestBoot + oracle_.lateness());
+      const Instant until = told + turnaround + kLongestBoot + oracle_.lateness();
+      lane.held_until = std::max(lane.held_until, until);
+      lane.holds.note_boots(until);
       oracle_.report_.fault(flight.is_broadcast ? "boots_by_broadcast" : "boots");
     }
   }

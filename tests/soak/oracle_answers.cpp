@@ -157,9 +157,14 @@ void Oracle::device_answered(const Asked& asked) {
   if (asked.ordered || is_tcp(piece.bus)) {
     return;  // held back perhaps, and much may have happened since; of connections it is read
   }
+  const Book& book = books_[piece.bus];
   Lane& lane = books_[piece.bus].lanes[piece.address];
   note_alive(piece.bus, lane);
   lane.unanswered = 0;
+  if (asked.surely_on_wire && asked.last_flight == book.last_flight && asked.pieces.size() == 1 &&
+      book.last_handed_in == schedule_.now()) {
+    lane.holds.note_answered(schedule_.now());
+  }
 }
 
 bool Oracle::may_be_offline(const Asked& asked) const {

@@ -10,6 +10,7 @@
 
 #include "soak/asked.hpp"
 #include "soak/flight.hpp"
+#include "soak/function_holds.hpp"
 #include "soak/turns.hpp"
 
 namespace mbgate::soak {
@@ -74,6 +75,7 @@ struct Lane {
   bool stays_offline = false;            ///< it was perhaps offline when other settings came
   Instant held_until = Instant::min();   ///< at the latest: it owes an answer, or boots
   Instant held_before = Instant::min();  ///< the same without its last transmission
+  FunctionHolds holds{};                 ///< the same of each function
   // Transmissions in a row that were certainly unanswered, at least:
   unsigned silent = 0;
   std::map<PduBytes, unsigned> silent_stops;  ///< tries of each that nothing was heard of, offline

@@ -95,6 +95,7 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
   // By a quarantine that has grown an earlier one is still owed: then this may be the answer to it.
   if (Lane& lane = book.lanes[frame.address]; lane.held_before <= last->begin) {
     lane.held_until = lane.held_before;
+    lane.holds.note_paid(lane.held_before);
   }
 }
 
@@ -116,7 +117,9 @@ void Oracle::note_use(const Flight& flight) {
       std::max({spec::quarantine_of(flight.timing), flight.timing.quarantine_max, kLongestBoot});
   const Duration held =
       flight.is_broadcast ? kLongestBoot : quarantine + kAdapterHolds + lateness();
-  lane.held_until = std::max(lane.held_until, book.use.ends + held + rest_of_answer(flight));
+  const Instant until = book.use.ends + held + rest_of_answer(flight);
+  lane.held_until = std::max(lane.held_until, until);
+  lane.holds.note_sent(flight.pdu.front(), flight.begin, until);
   if (flight.is_stop) {
     book.use.waits_from = book.use.ends;
   }
@@ -145,7 +148,8 @@ std::optional<Instant> Oracle::could_go(const Flight& flight) const {
     }
     from = std::max({from, asked.accepted, asked.waited_until});
   }
-  return flight.surely_repeats ? from : std::max(from, lane.held_until);
+  const Instant held = lane.holds.until(flight.pdu.front(), lane.held_until);
+  return flight.surely_repeats ? from : std::max(from, held);
 }
 
 // What finds a place goes at once.

@@ -85,6 +85,9 @@ void Oracle::bytes_handed_in(std::size_t bus) {
   const auto& settings = bus_settings(bus);
   const Duration silence = spec::silence_of(settings);
   const Instant now = schedule_.now();
+  if (const Flight* last = flight(book.last_flight)) {
+    book.lanes[last->address].holds.note_took(now - last->end);
+  }
   if (now >= book.last_handed_in + std::max(silence, spec::WireTimes(settings.line).silence())) {
     book.before_pause = book.read;
   }

@@ -154,7 +154,8 @@ enum class Theme : std::uint8_t {
   busy_line,     ///< nothing goes wrong, and whose turn it is decides everything
   shared_reads,  ///< all ask for the same, beside broadcasts, and the line is lost now and then
   late_drives,   ///< they are late again and again, for many minutes
-  stops          ///< drives are stopped while writes to them wait, which some let go first
+  stops,         ///< drives are stopped while writes to them wait, which some let go first
+  omissions      ///< drives are quick, and leave out an answer now and then
 };
 
 struct SoakPlan {

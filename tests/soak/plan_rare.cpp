@@ -29,7 +29,7 @@ void draw_rare_faults(SoakPlan& plan, std::uint64_t seed) {
   Random random(seed ^ kRareChance);
   for (std::size_t bus = 0; bus < plan.rates.size(); ++bus) {
     FaultRates& rates = plan.rates[bus];
-    rates.boots_answered = random.one_of({0U, 0U, 0U, 600U});
+    rates.boots_answered = random.one_of({0U, 0U, 800U});
     if (plan.settings.buses[bus].line.framing == bus::Framing::ascii) {
       rates.other_length = random.one_of({0U, 0U, 60U});
       if (random.chance(500)) {

@@ -49,7 +49,8 @@ void ThemeDraw::pick(unsigned which) {
                 : which < 480 ? Theme::busy_line
                 : which < 600 ? Theme::shared_reads
                 : which < 720 ? Theme::stops
-                              : Theme::none;
+                : which < 920 ? Theme::none
+                              : Theme::omissions;
   part_ = which < 360 ? Part::usual : which < 480 ? Part::writers : Part::deserters;
 }
 
@@ -60,6 +61,7 @@ void ThemeDraw::arrange(std::size_t bus) {
     case Theme::shared_reads: return part_ == Part::deserters ? desert(bus) : share(bus);
     case Theme::late_drives: return be_late(bus);
     case Theme::stops: return stop_much(bus);
+    case Theme::omissions: return omit(bus);
     case Theme::none: return;
   }
 }
@@ -221,6 +223,30 @@ void ThemeDraw::be_late(std::size_t bus) {
     asks.least_pause = 500ms;
     asks.pause = random_.one_of<Duration>({4s, 8s});
     asks.writes = random_.one_of({0U, 200U});
+    plan_.clients.push_back(asks);
+  }
+}
+
+// Somebody else always waits, for the same drive too, and wants something else.
+void ThemeDraw::omit(std::size_t bus) {
+  bus::BusSettings& settings = plan_.settings.buses[bus];
+  settings.coalesce = settings.merge = false;
+  settings.settle = 0ms;
+  plan_.rates[bus].are_quick = true;
+  plan_.rates[bus].never = random_.one_of({50U, 150U});
+  auto devices = devices_on(bus);
+  devices.resize(random_.between(1U, 3U));
+  for (const std::size_t index : devices) {
+    drive::Device& device = plan_.settings.devices[index];
+    device.cache = 0ms;
+    device.timing.response_timeout = random_.duration(kShortestTimeout, 60ms);
+    device.timing.quarantine = random_.duration(50ms, 400ms);
+    device.timing.offline_after = 0;
+  }
+  for (unsigned count = random_.between(2U, 4U); count > 0; --count) {
+    Manners asks = client(bus, devices);
+    asks.outstanding = random_.between(2U, 4U);
+    asks.writes = random_.one_of({100U, 300U, 600U});
     plan_.clients.push_back(asks);
   }
 }

@@ -32,6 +32,7 @@ class ThemeDraw {
   void let_die(std::size_t bus);
   void set_times(drive::DeviceTiming& timing);
   void be_late(std::size_t bus);
+  void omit(std::size_t bus);
   Manners client(std::size_t bus, std::vector<std::size_t> devices);
 
   // plan_busy_lines.cpp

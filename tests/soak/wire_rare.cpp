@@ -8,7 +8,7 @@ using namespace std::chrono_literals;
 using modbus::Pdu;
 
 namespace {
-constexpr unsigned kDamagedParting = 200;  // permille
+constexpr unsigned kDamagedParting = 350;  // permille
 }  // namespace
 
 bool SerialWire::happens_rarely(unsigned permille, const char* kind) {
