@@ -84,6 +84,7 @@ void Client::plan_next() {
   if (const Duration step = manners_.in_step; step > Duration{0}) {
     pause += step - (tools_.schedule.now().time_since_epoch() + pause) % step;
   }
+  pause += tools_.plan.calm.left(tools_.schedule.now());
   tools_.schedule.after(pause, [this, life = life_] {
     if (life == life_ && asking_) {
       act();

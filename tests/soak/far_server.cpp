@@ -33,6 +33,7 @@ void FarServer::reset() {
   ++epoch_;
   stream_.clear();
   ends_.clear();
+  in_bout_ = 0;
 }
 
 void FarServer::begin_connection() {
@@ -100,6 +101,9 @@ void FarServer::heard(std::uint64_t number) {
   if (flight == nullptr || flight->pdu.empty() || swallows_) {
     return;
   }
+  if (drops()) {
+    return;
+  }
   const auto found = std::ranges::find(devices_, flight->address,
                                        [](const SoakDevice* it) { return it->settings().address; });
   const Instant now = around_.schedule.now();
@@ -128,7 +132,9 @@ void FarServer::heard(std::uint64_t number) {
   }
   const Duration limit = flight->deadline - flight->end;
   Duration wait = around_.random.duration(100us, limit / 2);
-  if (happens(rates_.late, "late")) {
+  if (in_bout_ > 0) {
+    wait = limit + break_random_.duration(2ms, 100ms);
+  } else if (happens(rates_.late, "late")) {
     wait = around_.random.duration(limit, 5 * limit);
   }
   Answer answer{number, flight->identifier, flight->address, {}};
@@ -142,6 +148,18 @@ void FarServer::heard(std::uint64_t number) {
       say(answer);
     }
   });
+}
+
+// Of so many requests nothing is done; for a while what follows is answered late.
+bool FarServer::drops() {
+  constexpr unsigned kLate = 30;
+  if (rates_.overload == 0) {
+    return false;
+  }
+  in_bout_ = in_bout_ == rates_.overload + kLate ? 1 : in_bout_ + 1;
+  const bool drops = in_bout_ <= rates_.overload;
+  around_.report.fault(drops ? "overloaded" : "overloaded_late");
+  return drops;
 }
 
 // At once: then its device is gone.

@@ -20,6 +20,7 @@ class FarServer {
   void calm_down() {
     rates_ = FaultRates{};
     swallows_ = false;
+    in_bout_ = 0;
   }
   void begin_trouble();
 
@@ -32,6 +33,7 @@ class FarServer {
     bool fits = true;  ///< it is what was asked for
   };
   void heard(std::uint64_t number);
+  [[nodiscard]] bool drops();
   void part(const Flight& flight, const modbus::Pdu& pdu);
   void say(const Answer& answer);
   void break_framing();
@@ -54,6 +56,7 @@ class FarServer {
   std::deque<std::pair<std::size_t, std::uint64_t>> ends_;  ///< of answers in the stream
   std::uint64_t epoch_ = 0;
   bool swallows_ = false;
+  unsigned in_bout_ = 0;   ///< requests, since it was well
   bool answered_ = false;  ///< in time, on this connection
   bool unsure_ = false;    ///< late: the gateway may not remember the request
   Instant last_byte_;      ///< in either direction

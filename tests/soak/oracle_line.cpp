@@ -103,23 +103,6 @@ void Oracle::bytes_handed_in(std::size_t bus) {
   book.last_handed_in = now;
 }
 
-// Of a connection: what was asked before comes no more.
-void Oracle::read_answers(std::size_t bus) {
-  Book& book = books_[bus];
-  for (const std::uint64_t number : std::exchange(book.unread_answers, {})) {
-    const Flight* answered = flight(number);
-    if (answered == nullptr || !answered->is_answered) {
-      continue;
-    }
-    Lane& lane = book.lanes[answered->address];
-    note_alive(bus, lane);
-    std::erase_if(lane.unheard, [&](std::uint64_t asked) {
-      const Flight* it = flight(asked);
-      return it == nullptr || it->begin <= answered->begin;
-    });
-  }
-}
-
 // A stop that waits long enough cuts what is in its way: what goes to the same device, and what has
 // the last place. From outside nobody sees whether one that is open waits: for the writes before
 // it, or once more because it had no answer.

@@ -2,6 +2,7 @@
 // Which devices are certainly offline: enough transmissions in a row on serial lines on which not a
 // single byte was heard in answer. And what answers that were surely late show.
 #include <algorithm>
+#include <utility>
 
 #include "soak/heard_answers.hpp"
 #include "soak/offline_rules.hpp"
@@ -92,6 +93,34 @@ void Oracle::note_alive(std::size_t bus, Lane& lane) const {
     lane.last_offline = schedule_.now();
   }
   lane.stays_offline = false;
+}
+
+// Of a connection: what was asked before comes no more. A late one is known if not many others have
+// had no answer since, and its device was asked for nothing else.
+void Oracle::read_answers(std::size_t bus) {
+  constexpr std::ptrdiff_t kRemembered = 64;
+  Book& book = books_[bus];
+  for (const std::uint64_t number : std::exchange(book.unread_answers, {})) {
+    const Flight* answered = flight(number);
+    if (answered == nullptr) {
+      continue;
+    }
+    Lane& lane = book.lanes[answered->address];
+    const auto is_later = [&](const auto& it) { return it->bus == bus && it->number > number; };
+    const bool is_known = has_table(answered->pdu) && !lane.unheard.empty() &&
+                          lane.unheard.back() == number &&
+                          answered->begin >= std::max(book.opened, reloaded_) &&
+                          schedule_.now() <= answered->deadline + answered->timing.quarantine_max &&
+                          std::ranges::count_if(flights_, is_later) < kRemembered;
+    if (!answered->is_answered && !is_known) {
+      continue;
+    }
+    note_alive(bus, lane);
+    std::erase_if(lane.unheard, [&](std::uint64_t asked) {
+      const Flight* it = flight(asked);
+      return it == nullptr || it->begin <= answered->begin;
+    });
+  }
 }
 
 void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {

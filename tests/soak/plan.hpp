@@ -90,6 +90,8 @@ struct FaultRates {
   unsigned breaks_off = 0;          ///< within one: what has come of it is lost
   unsigned breaks_framing = 0;      ///< of answers of TCP servers: what follows is no MBAP header
   unsigned swallows = 0;            ///< of TCP connections: nothing ever comes from the server
+  unsigned overload = 0;            ///< TCP: so many requests a server drops, and then it is late
+  unsigned echo_flickers = 0;       ///< of requests on lines that have shown an echo: none comes
   Duration idle_close{0};           ///< TCP: it closes a connection that is idle for so long
   Duration noise_every{0};          ///< 0: never
   Duration foreign_every{0};
@@ -158,6 +160,15 @@ enum class Theme : std::uint8_t {
   omissions      ///< drives are quick, and leave out an answer now and then
 };
 
+/// Nobody asks for anything, and nothing happens.
+struct Calm {
+  [[nodiscard]] Duration left(Instant now) const {
+    return now >= from && now < until ? until - now : Duration{0};
+  }
+  Instant from = Instant::max();
+  Instant until = Instant::max();
+};
+
 struct SoakPlan {
   std::uint64_t seed = 0;
   Theme theme = Theme::none;
@@ -176,6 +187,7 @@ struct SoakPlan {
   std::vector<SpokenRule> rules;
   std::vector<Manners> clients;
   DriverManners driver;
+  Calm calm;
   /// Silence of the clients is a reason for failsafe writes. It counts from when a request was
   /// taken, and nobody outside knows when that was of stops that were read ahead, and behind
   /// broadcasts without an answer: nobody sends any in these plants, and their driver is punctual.

@@ -23,6 +23,24 @@ void straddle(SoakPlan& plan, std::size_t bus, Random& random) {
   plan.settings.buses[bus].line.echo = random.chance(500) ? std::optional(false) : std::nullopt;
 }
 
+// It keeps its connection for long, and so does the gateway.
+void overload(SoakPlan& plan, std::size_t bus) {
+  FaultRates rates;
+  rates.overload = 70;
+  rates.boots_answered = plan.rates[bus].boots_answered;
+  plan.rates[bus] = rates;
+  plan.settings.buses[bus].replace_after = 0;
+}
+
+// Only where its echo is looked for, and where nothing else makes it doubtful.
+void flicker(SoakPlan& plan, std::size_t bus) {
+  FaultRates& rates = plan.rates[bus];
+  rates.echo_flickers = 500;
+  rates.echo_lost = rates.echo_cut = rates.echo_damaged = rates.prompt = 0;
+  rates.noise_every = rates.foreign_every = rates.babbles_every = rates.hangs_every = {};
+  rates.lost_every = {};
+}
+
 }  // namespace
 
 void draw_rare_faults(SoakPlan& plan, std::uint64_t seed) {
@@ -30,7 +48,14 @@ void draw_rare_faults(SoakPlan& plan, std::uint64_t seed) {
   for (std::size_t bus = 0; bus < plan.rates.size(); ++bus) {
     FaultRates& rates = plan.rates[bus];
     rates.boots_answered = random.one_of({0U, 0U, 800U});
-    if (plan.settings.buses[bus].line.framing == bus::Framing::ascii) {
+    const bus::LineSettings& line = plan.settings.buses[bus].line;
+    if (line.framing == bus::Framing::tcp && random.chance(400)) {
+      overload(plan, bus);
+    }
+    if (plan.echoes[bus] && !line.echo && random.chance(400)) {
+      flicker(plan, bus);
+    }
+    if (line.framing == bus::Framing::ascii) {
       rates.other_length = random.one_of({0U, 0U, 60U});
       if (random.chance(500)) {
         straddle(plan, bus, random);

@@ -13,12 +13,13 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::uint64_t kThemesChance = 0x5448454D45ULL;  // apart from the plant's
+constexpr std::uint64_t kCalmChance = 0x43414C4DULL;
 constexpr std::size_t kLeastDrives = 4;
 
 }  // namespace
 
 ThemeDraw::ThemeDraw(SoakPlan& plan, std::uint64_t seed)
-    : plan_(plan), random_(seed ^ kThemesChance) {}
+    : plan_(plan), random_(seed ^ kThemesChance), calm_(seed ^ kCalmChance) {}
 
 void ThemeDraw::arrange() {
   // Where silence of the clients is judged, everything else is kept out already.
@@ -216,6 +217,13 @@ void ThemeDraw::be_late(std::size_t bus) {
     timing.quarantine = random_.duration(0ms, 100ms);
     timing.quarantine_max = random_.duration(300ms, 600ms);
     timing.offline_after = 0;
+  }
+  if (calm_.chance(400)) {  // what they were is forgotten by then, and they are late again
+    const FaultRates own = rates;
+    std::ranges::fill(plan_.rates, FaultRates{});
+    rates = own;
+    plan_.calm.from = Instant{} + calm_.duration(90s, 150s);
+    plan_.calm.until = plan_.calm.from + calm_.duration(61min, 120min);
   }
   for (unsigned count = random_.between(2U, 3U); count > 0; --count) {
     Manners asks = client(bus, devices);

@@ -45,6 +45,7 @@ class ThemeDraw {
 
   SoakPlan& plan_;
   Random random_;
+  Random calm_;
   Part part_ = Part::usual;
   unsigned hosts_ = 0;
 };

@@ -49,6 +49,7 @@ void SerialWire::reset() {
   overheard_.forget();
   echo_.reset();
   straddling_.reset();
+  echo_shown_ = false;
   babbles_until_ = Instant::min();
   deaf_until_ = is_hung() && goes_on_hanging() ? Instant::max() : Instant::min();
   timing_ = spec::WireTimes(settings_.line);

@@ -183,6 +183,7 @@ class SerialWire {
   std::optional<Straddling> straddling_;
   std::optional<OwnEcho> echo_;  ///< of what was transmitted last
   unsigned echoes_lost_ = 0;     ///< one after the other
+  bool echo_shown_ = false;      ///< one came whole that can be nothing else
   Instant babbles_until_ = Instant::min();
   Instant deaf_until_ = Instant::min();  ///< what began before is not heard
   bool swallows_ = false;                ///< while it hangs, nothing is transmitted

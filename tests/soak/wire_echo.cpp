@@ -22,7 +22,9 @@ void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {
   }
   // Many that are lost in a row would show that there is none.
   if (is_hung() ||
-      (echoes_lost_ < kMostLostInRow && happens_to_echo(rates_.echo_lost, "echo_lost"))) {
+      (echoes_lost_ < kMostLostInRow && happens_to_echo(rates_.echo_lost, "echo_lost")) ||
+      (echoes_lost_ < kMostLostInRow && echo_shown_ &&
+       happens_rarely(rates_.echo_flickers, "echo_flickers"))) {
     ++echoes_lost_;
     around_.oracle.echo_lost(flight);
     return;
@@ -96,6 +98,8 @@ void SerialWire::hear_echo(std::uint64_t number, std::size_t until) {
       overheard_.forget();  // it can be told
     }
     heard.echo = HeardEcho{number, until, echo.is_whole, echo.began, in_one};
+    const Flight* flight = around_.oracle.flight(number);
+    echo_shown_ |= echo.is_whole && flight != nullptr && !looks_like_answer(*flight);
     echo_.reset();
   }
   adapter_.take(std::move(heard), arrival);

@@ -12,7 +12,9 @@ void World::begin_reloads() {
   if (const auto pause = reloads_.pause()) {
     schedule_.after(*pause, [this] {
       driver_.post([this] {
-        if (trouble_ && !is_stopping_) {
+        if (plan_.calm.left(schedule_.now()) > Duration{0}) {
+          begin_reloads();
+        } else if (trouble_ && !is_stopping_) {
           const std::vector<bool> before = plan_.absent.buses;
           oracle_.before_reload();
           reload(reloads_.draw(), before);
