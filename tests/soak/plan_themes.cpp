@@ -218,7 +218,7 @@ void ThemeDraw::be_late(std::size_t bus) {
     timing.quarantine_max = random_.duration(300ms, 600ms);
     timing.offline_after = 0;
   }
-  if (calm_.chance(400)) {  // what they were is forgotten by then, and they are late again
+  if (calm_.chance(800)) {  // what they were is forgotten by then, and they are late again
     const FaultRates own = rates;
     std::ranges::fill(plan_.rates, FaultRates{});
     rates = own;
