@@ -65,6 +65,8 @@ struct SpokenRule {
 void draw_access(SoakPlan& plan, std::uint64_t seed);
 /// What only few rules name: devices, registers, listeners, groups and roles. After the clients.
 void draw_close_access(SoakPlan& plan, std::uint64_t seed);
+/// Drives that show the same registers in two tables, and a rule that denies one of these.
+void draw_tables(SoakPlan& plan, std::uint64_t seed);
 /// Of the devices that one may ask.
 std::vector<std::uint8_t> draw_units(const SoakPlan& plan, Random& random);
 std::vector<unsigned> draw_hosts(Random& random, unsigned permille);

@@ -14,6 +14,8 @@ constexpr std::uint64_t kBootsChance = 0x424F4F5453ULL;
 constexpr std::uint64_t kRareChance = 0x52415245ULL;
 constexpr std::uint64_t kPeculiarChance = 0x50454355ULL;
 constexpr std::uint64_t kGatewayChance = 0x4F574E4552ULL;
+constexpr std::uint64_t kEndsChance = 0x454E4453ULL;
+constexpr unsigned kBeyond = 30;  // permille of requests, where any end behind the last address
 constexpr unsigned kByAutonics = 200;  // permille of broadcasts, where there is such a door
 
 }  // namespace
@@ -30,7 +32,9 @@ Asking::Asking(const SoakPlan& plan, Random& random)
       boots_(plan.seed ^ kBootsChance),
       rare_(plan.seed ^ kRareChance),
       peculiar_(plan.seed ^ kPeculiarChance),
-      gateway_(plan.seed ^ kGatewayChance) {
+      gateway_(plan.seed ^ kGatewayChance),
+      ends_(plan.seed ^ kEndsChance) {
+  goes_beyond_ = plan.theme == Theme::none && ends_.chance(250);
   for (const Door& door : plan.doors) {
     auto& doors = door.device          ? device_doors_
                   : door.only_autonics ? autonics_doors_
@@ -78,6 +82,9 @@ Asked Asking::make(const Manners& manners) {
   if (door.absent) {
     return door.route ? for_nobody(door) : own_read(0, 4);
   }
+  if (goes_beyond_ && ends_.chance(kBeyond)) {
+    return beyond_last(door);
+  }
   if (random_.chance(manners.malformed)) {
     return random_.chance(200) ? own() : malformed(door);
   }
@@ -92,7 +99,7 @@ Asked Asking::make(const Manners& manners) {
     }
   }
   if (random_.chance(manners.stops)) {
-    return stop(door);
+    return stop(door, manners.same_stops);
   }
   if (random_.chance(manners.writes)) {
     return write(door);

@@ -44,6 +44,8 @@ class Asking {
   void refuse_if_read_only(Asked& asked) const;
   [[nodiscard]] bool may_be_silenced(const Door& door, unsigned sub_function) const;
   void check_functions(Asked& asked) const;
+  // asking_ends.cpp: what ends behind the last address.
+  Asked beyond_last(const Door& door);
   // asking_reads.cpp
   Asked read(const Door& door, bool popular);
   Asked near_read(const Door& door);
@@ -72,7 +74,7 @@ class Asking {
   void file_record(Asked& asked);
   void diagnostics(Asked& asked);
   void add_whole(Asked& asked) const;
-  Asked stop(const Door& door);
+  Asked stop(const Door& door, bool are_alike);
   // asking_rare.cpp: what looks like something else, and what is as long as can be.
   [[nodiscard]] bool writes_one_by_one(const Door& door) const;
   void rare(Asked& asked);
@@ -123,6 +125,8 @@ class Asking {
   Random rare_;      // likewise: what looks like something else
   Random peculiar_;  // likewise: broadcasts that drives take differently
   Random gateway_;   // likewise: what only the gateway answers
+  Random ends_;      // likewise: what ends behind the last address
+  bool goes_beyond_ = false;
   std::uint16_t broadcasts_ = 0;
   bool may_only_read_ = false;  // who asks at present
 };

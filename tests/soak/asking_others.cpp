@@ -98,12 +98,17 @@ void Asking::add_whole(Asked& asked) const {
 }
 
 // By a register or a coil. Those of a coil are all alike, and so are some of the others.
-Asked Asking::stop(const Door& door) {
+Asked Asking::stop(const Door& door, bool are_alike) {
   if (door.read_only || may_only_read_) {
     return read(door, false);
   }
   Asked asked = begin(door, Kind::stop);
   asked.is_repeated = true;
+  if (are_alike) {
+    asked.is_shared = true;
+    single(asked, kStopRegister, 0x5FFF);
+    return asked;
+  }
   const unsigned form = random_.between(0U, 9U);
   if (form < 2 && door.shows_coils) {
     const auto pdu = [&](unsigned at) { return form == 0 ? fields(5, at, kOn) : one_of_coils(at); };

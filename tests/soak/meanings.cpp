@@ -19,6 +19,7 @@ Meanings::Meaning Meanings::of(const Door& door) const {
   Meaning meaning = door.buses;
   const auto order = door.route ? plan_.settings.routes[*door.route].word_order : std::nullopt;
   meaning.push_back(order ? 1U + static_cast<std::size_t>(*order) : 0U);
+  meaning.push_back(door.moves);
   if (door.device) {
     add_device(meaning, *door.device);
     return meaning;

@@ -235,6 +235,7 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   draw_late(plan, seed);
   draw_access(plan, seed);
   draw_close_access(plan, seed);
+  draw_tables(plan, seed);
   draw_reads(plan, seed);
   if (!plan.silence) {
     draw_stops(plan.driver, seed);
@@ -242,6 +243,7 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   draw_broadcasts(plan, seed);
   draw_rare_faults(plan, seed);
   draw_theme(plan, seed);
+  draw_windows(plan, seed);
   draw_own_routes(plan, seed);
   draw_roles_alone(plan, seed);
   draw_client_rates(plan, seed);

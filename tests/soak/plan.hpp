@@ -14,7 +14,8 @@
 
 namespace mbgate::soak {
 
-inline constexpr std::uint16_t kInputs = 100;  ///< input registers that a window shows
+inline constexpr std::uint16_t kInputs = 100;    ///< input registers that a window shows
+inline constexpr unsigned kAddresses = 0x10000;  ///< of a table
 inline constexpr Duration kLeastFrameTimeout = std::chrono::seconds(1);
 
 /// A unit of a listener, as its clients see it.
@@ -30,6 +31,7 @@ struct Door {
   unsigned holding_at = 0;
   unsigned input_at = 0;
   unsigned coils_at = 0;
+  unsigned moves = 0;        ///< of its windows, by reloads
   bool names_order = false;  ///< of words: no value may be cut by a write
   bool swapped = false;      ///< the client sees the words of values the other way round
   bool read_only = false;
@@ -120,6 +122,7 @@ struct Manners {
   unsigned vanishes = 0;
   unsigned half_closes = 0;
   std::uint16_t same_reads = 0;  ///< thousandths that ask for what everybody asks for
+  bool same_stops = false;       ///< its stops of one drive are all alike
   std::uint16_t near_reads = 0;  ///< thousandths of its reads that are near those of others
   Duration in_step{0};           ///< it asks whenever so much time has gone by, as others do
   Duration patience{0};          ///< it goes if there is no answer by then; 0: never
@@ -197,7 +200,8 @@ struct SoakPlan {
   std::vector<std::vector<unsigned>> allowed;  ///< by listener, those that it lets in; none: all
   std::vector<Instant> idle_from;              ///< by listener, when its idle timeout was set
   bool limits_hosts = false;                   ///< each may connect and ask only so often
-  bool stops_early = false;  ///< the gateway is told to stop in the midst of everything
+  bool moves_windows = false;  ///< reloads move the windows of its routes again and again
+  bool stops_early = false;    ///< the gateway is told to stop in the midst of everything
   bool beyond = false;  ///< devices are later than the quarantine: misdeliveries are counted apart
 };
 
@@ -213,6 +217,8 @@ bool is_for_all(const SoakPlan& plan, std::size_t bus, std::uint8_t address);
 void draw_doors(SoakPlan& plan, Random& random);
 /// The default deadlines, or those of its route.
 void set_deadlines(const SoakPlan& plan, Door& door);
+/// The windows of a route as its door knows them.
+void set_windows(routing::Route& route, const Door& door);
 /// The unit of a door as it would lead to another device, which a reload may bring about.
 void add_twin(SoakPlan& plan, Door door, std::size_t device);
 /// What is written to a device when nobody is left, and after how long a silence.
@@ -248,6 +254,8 @@ void draw_client_rates(SoakPlan& plan, std::uint64_t seed);
 void draw_client_limits(gateway::ListenerSettings& listener, Random& random);
 /// Roles in certificates where no rule names any; some cannot be read.
 void draw_roles_alone(SoakPlan& plan, std::uint64_t seed);
+/// Windows that reloads move while much waits behind full pipelines.
+void draw_windows(SoakPlan& plan, std::uint64_t seed);
 /// Arranges some plans so that what seldom happens happens often.
 void draw_theme(SoakPlan& plan, std::uint64_t seed);
 

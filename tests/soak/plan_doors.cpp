@@ -122,21 +122,16 @@ void Doors::add_routes(std::size_t index) {
 
 // Anywhere, up to the last address; input registers are shown as holding registers.
 void Doors::add_windows(routing::Route& route, Door& door) {
-  constexpr unsigned kEnd = 0x10000;
+  constexpr unsigned kEnd = kAddresses;
   constexpr unsigned kMiddle = kEnd / 2;
   door.windowed = true;
   door.holding_at = random_.one_of({0U, random_.between(1U, kMiddle - kRegisters)});
   door.input_at = random_.one_of({kEnd - kInputs, random_.between(kMiddle, kEnd - kInputs)});
-  route.windows = {{Table::holding_registers, static_cast<std::uint16_t>(door.holding_at),
-                    kRegisters, Table::holding_registers, 0},
-                   {Table::holding_registers, static_cast<std::uint16_t>(door.input_at), kInputs,
-                    Table::input_registers, 0}};
   door.shows_coils = random_.chance(500);
   if (door.shows_coils) {
     door.coils_at = random_.one_of({kEnd - kCoils, random_.between(0U, kEnd - kCoils)});
-    route.windows.push_back(
-        {Table::coils, static_cast<std::uint16_t>(door.coils_at), kCoils, Table::coils, 0});
   }
+  set_windows(route, door);
   route.functions = routing::FunctionRules::rewritable();
 }
 
@@ -205,6 +200,17 @@ void Doors::add_broadcasts() {
 }
 
 }  // namespace
+
+void set_windows(routing::Route& route, const Door& door) {
+  route.windows = {{Table::holding_registers, static_cast<std::uint16_t>(door.holding_at),
+                    kRegisters, Table::holding_registers, 0},
+                   {Table::holding_registers, static_cast<std::uint16_t>(door.input_at), kInputs,
+                    Table::input_registers, 0}};
+  if (door.shows_coils) {
+    route.windows.push_back(
+        {Table::coils, static_cast<std::uint16_t>(door.coils_at), kCoils, Table::coils, 0});
+  }
+}
 
 void draw_doors(SoakPlan& plan, Random& random) { Doors(plan, random).add(); }
 

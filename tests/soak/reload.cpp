@@ -14,6 +14,7 @@ constexpr std::uint64_t kLinesChance = 0x4C494E4553ULL;
 constexpr std::uint64_t kGuardsChance = 0x475541524453ULL;
 constexpr std::uint64_t kPatienceChance = 0x50415449ULL;
 constexpr std::uint64_t kHostLimitsChance = 0x484F535453ULL;
+constexpr std::uint64_t kWindowsChance = 0x57494E444F57ULL;
 constexpr std::uint64_t kOwnChance = 0x52454C4F4144ULL;  // apart from the plant's
 
 }  // namespace
@@ -27,6 +28,7 @@ Reloads::Reloads(SoakPlan& plan, Oracle::Devices& devices, const Oracle& oracle,
       guards_(seed ^ kGuardsChance),
       patience_(seed ^ kPatienceChance),
       host_limits_(seed ^ kHostLimitsChance),
+      windows_(seed ^ kWindowsChance),
       arrangement_(plan) {
   is_guarded_ = std::ranges::any_of(plan.settings.guards, [](const gateway::DeviceGuard& guard) {
     return guard.writer != gateway::WriterRule::any || !guard.failsafe.empty();
@@ -36,6 +38,9 @@ Reloads::Reloads(SoakPlan& plan, Oracle::Devices& devices, const Oracle& oracle,
   }
   if (plan.theme != Theme::none) {
     every_ = plan.theme == Theme::busy_line ? 5s : 0ms;
+  }
+  if (plan.moves_windows) {
+    every_ = windows_.one_of<Duration>({50ms, 200ms, 500ms});
   }
   for (const Door& door : plan_.doors) {
     buses_of_.push_back(door.buses);
@@ -103,6 +108,9 @@ Reload Reloads::draw() {
       perhaps(30, "reload_bus_gone", buses, &Reloads::switch_bus);
       perhaps(30, "reload_listener_gone", listeners, &Reloads::switch_listener);
       perhaps(30, "reload_allow", listeners, &Reloads::switch_allowed);
+      if (plan_.moves_windows && move_windows(windows_.below(routes))) {
+        reload_.kinds.push_back("reload_windows");
+      }
     }
     refresh_doors();
     note_changed();

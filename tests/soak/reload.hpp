@@ -59,6 +59,10 @@ class Reloads {
   bool change_deadline(std::size_t route);
   bool change_failsafe(std::size_t device);
 
+  // reload_windows.cpp
+  bool move_windows(std::size_t index);
+  bool redraw_windows(Door& door);
+
   // reload_meaning.cpp: what changes where requests go, or what they say
   bool change_route(std::size_t index);
   bool change_device(std::size_t index);
@@ -94,6 +98,7 @@ class Reloads {
   Random guards_;
   Random patience_;
   Random host_limits_;
+  Random windows_;
   Duration every_{0};
   bool is_guarded_ = false;
   Reload reload_;
