@@ -14,12 +14,16 @@ namespace {
 
 constexpr std::uint64_t kThemesChance = 0x5448454D45ULL;  // apart from the plant's
 constexpr std::uint64_t kCalmChance = 0x43414C4DULL;
+constexpr std::uint64_t kMoreChance = 0x4D4F5245ULL;
 constexpr std::size_t kLeastDrives = 4;
 
 }  // namespace
 
 ThemeDraw::ThemeDraw(SoakPlan& plan, std::uint64_t seed)
-    : plan_(plan), random_(seed ^ kThemesChance), calm_(seed ^ kCalmChance) {}
+    : plan_(plan),
+      random_(seed ^ kThemesChance),
+      calm_(seed ^ kCalmChance),
+      more_(seed ^ kMoreChance) {}
 
 void ThemeDraw::arrange() {
   // Where silence of the clients is judged, everything else is kept out already.
@@ -36,6 +40,7 @@ void ThemeDraw::arrange() {
   for (const std::size_t bus : lines) {
     calm(bus);
     arrange(bus);
+    add_more(bus);
   }
   for (Door& door : plan_.doors) {
     set_deadlines(plan_, door);
@@ -53,6 +58,10 @@ void ThemeDraw::pick(unsigned which) {
                 : which < 920 ? Theme::none
                               : Theme::omissions;
   part_ = which < 360 ? Part::usual : which < 480 ? Part::writers : Part::deserters;
+  if (plan_.theme == Theme::none && more_.chance(600)) {
+    plan_.theme = Theme::stops;
+    part_ = more_.one_of({Part::let_go, Part::alike, Part::between, Part::several});
+  }
 }
 
 void ThemeDraw::arrange(std::size_t bus) {
@@ -61,9 +70,16 @@ void ThemeDraw::arrange(std::size_t bus) {
     case Theme::busy_line: return part_ == Part::writers ? write_much(bus) : crowd(bus);
     case Theme::shared_reads: return part_ == Part::deserters ? desert(bus) : share(bus);
     case Theme::late_drives: return be_late(bus);
-    case Theme::stops: return stop_much(bus);
     case Theme::omissions: return omit(bus);
+    case Theme::stops: break;
     case Theme::none: return;
+  }
+  switch (part_) {
+    case Part::let_go: return stop_behind_writes(bus);
+    case Part::alike: return stop_alike(bus);
+    case Part::between: return stop_between(bus);
+    case Part::several: return stop_several(bus);
+    default: return stop_much(bus);
   }
 }
 

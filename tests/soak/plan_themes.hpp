@@ -19,8 +19,12 @@ class ThemeDraw {
   /// What of a theme some of its plans are about.
   enum class Part : std::uint8_t {
     usual,
-    writers,   ///< of busy lines: reads wait behind writes
-    deserters  ///< of shared reads: who asked goes, and others still want to know
+    writers,    ///< of busy lines: reads wait behind writes
+    deserters,  ///< of shared reads: who asked goes, and others still want to know
+    let_go,     ///< of stops: writes go first, each after its device's gap
+    alike,      ///< of stops: identical ones to drives that often do not answer
+    between,    ///< of stops: of those that wait between two tries to a dead drive
+    several     ///< of stops: of several drives at once, in the midst of runs of writes
   };
 
   void pick(unsigned which);
@@ -43,9 +47,18 @@ class ThemeDraw {
   void stop_much(std::size_t bus);
   void desert(std::size_t bus);
 
+  // plan_stops.cpp
+  void stop_behind_writes(std::size_t bus);
+  void stop_alike(std::size_t bus);
+  void stop_between(std::size_t bus);
+  void stop_several(std::size_t bus);
+  void add_more(std::size_t bus);
+  void set_slow(std::size_t device);
+
   SoakPlan& plan_;
   Random random_;
   Random calm_;
+  Random more_;  // what was added to themes later
   Part part_ = Part::usual;
   unsigned hosts_ = 0;
 };
