@@ -30,6 +30,44 @@ void BehindStops::note_done(const Asked& asked) const {
   }
 }
 
+// Nothing but the stop that it should have gone before has kept it from going: with the pauses
+// before it that stop would not have been held up for too long.
+void BehindStops::judge_not_sent(const Asked& write) const {
+  const Piece& piece = write.pieces.front();
+  const Book& book = oracle_.books_[piece.bus];
+  const Lane& lane = book.lanes[piece.address];
+  const Instant now = oracle_.schedule_.now();
+  const bool is_plain = write.kind == Kind::write && write.is_accepted && write.door->device &&
+                        !write.doomed && !write.dropped && !write.ordered && !write.ahead &&
+                        write.earliest == write.written;
+  if (!is_plain || book.open_stops.size() != 1 || book.stops.size() != 1 || !book.open ||
+      oracle_.stopping_ || oracle_.reloaded_ >= book.opened || oracle_.is_tcp(piece.bus) ||
+      now >= write.deadline || book.last_full >= write.accepted || lane.held_until >= now ||
+      oracle_.is_past_offline(piece.bus, lane)) {
+    return;
+  }
+  const Asked& stop = *book.stops.front();
+  if (!stop.waits_from || !oracle_.lets_writes_go(stop) || !oracle_.is_surely_open(stop) ||
+      stop.pieces.front().address != piece.address || stop.sequence < write.sequence) {
+    return;
+  }
+  // Between two tries of something it may have had its turn; a pause after a timeout counts from
+  // when the stop came.
+  const auto& settings = oracle_.bus_settings(piece.bus);
+  const bool is_clear = (book.use.is_answered || settings.settle == Duration{0}) &&
+                        book.lanes[0].open.empty() && book.lanes[kAutonicsAddress].open.empty() &&
+                        std::ranges::all_of(book.lanes, [](const Lane& it) {
+                          return std::ranges::none_of(
+                              it.open, [](const Asked* asked) { return asked->maybe_on_wire; });
+                        });
+  const Duration pause = oracle_.devices_[*lane.device].settings().timing.gap;
+  const Duration held = stop.held + pause + (stop.let_go + 2) * oracle_.lateness();
+  if (is_clear && held <= settings.stop_wait &&
+      now < std::max(*stop.waits_from, book.busy_since) + oracle_.stop_deadline(piece.bus)) {
+    oracle_.violation("not_let_go", oracle_.name(write) + " before " + oracle_.name(stop));
+  }
+}
+
 // Writes that go before it, and wait for something themselves, hold a stop up for `stop_wait` in
 // all. `free`: since then nothing on the line itself has held the transmission up.
 void BehindStops::note_held(const Flight& flight, Instant free) const {

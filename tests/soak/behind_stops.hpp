@@ -18,6 +18,8 @@ class BehindStops {
   void check(const Asked& asked, const Flight& flight, bool alone) const;
   /// The client of a stop was told that it is done.
   void note_done(const Asked& asked) const;
+  /// A write that nobody has cancelled was answered 06.
+  void judge_not_sent(const Asked& write) const;
   /// `free`: since then nothing on the line itself has held the transmission up.
   void note_held(const Flight& flight, Instant free) const;
 

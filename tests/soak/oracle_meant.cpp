@@ -145,6 +145,9 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   BehindStops(*this).check(asked, flight, alone);
   if (alone && !asked.maybe_on_wire && !asked.is_stop()) {
     check_order(asked, flight);
+    if (asked.kind == Kind::broadcast && !asked.ordered && !asked.ahead) {
+      SharedReads(*this).check_overtaken(asked, flight);
+    }
     if (const std::string owner = writers_.sent(asked, schedule_.now()); !owner.empty()) {
       violation("writer", name(asked) + ", but " + owner);
     }

@@ -146,6 +146,32 @@ bool SharedReads::joins_for_certain(const Asked& asked, const Flight& flight,
              [&](const Asked* other) { return other->host != asked.host || joins(other); });
 }
 
+// It waits for its turn or its next try: nothing is in flight now.
+bool SharedReads::surely_waits_before(const Asked& read, const Asked& broadcast,
+                                      const Book& book) const {
+  const Instant now = oracle_.schedule_.now();
+  const Piece& piece = read.pieces.front();
+  const bool is_before = read.client == broadcast.client ? read.sequence < broadcast.sequence
+                                                         : read.accepted < broadcast.accepted;
+  return read.is_read() && read.host == broadcast.host && is_before && !read.ordered &&
+         !read.ahead && !read.client_gone && read.earliest == read.written &&
+         read.accepted > std::max(book.opened, oracle_.reloaded_) && now < read.deadline &&
+         !oracle_.is_past_offline(piece.bus, book.lanes[piece.address]);
+}
+
+// It is a write to every drive of the bus: what its client address asked for before goes first.
+void SharedReads::check_overtaken(const Asked& broadcast, const Flight& flight) const {
+  const Book& book = oracle_.books_[flight.bus];
+  for (const Lane& lane : book.lanes) {
+    for (const Asked* read : lane.open) {
+      if (surely_waits_before(*read, broadcast, book)) {
+        oracle_.violation("order", oracle_.name(broadcast) + " before " + oracle_.name(*read));
+        return;
+      }
+    }
+  }
+}
+
 // Two that one transmission has answered were accepted with a write between them that waited.
 void SharedReads::judge_joined(const Asked& asked) const {
   Flight* flight = asked.tries.size() == 1 ? oracle_.flight(asked.tries.front()) : nullptr;

@@ -11,6 +11,7 @@
 namespace mbgate::soak {
 
 class Oracle;
+struct Book;
 
 class SharedReads {
  public:
@@ -24,6 +25,8 @@ class SharedReads {
   /// The same: which writes wait while it is transmitted for several, and whether it surely is for
   /// each of these.
   void note_writes(Flight& flight, const Meant& meant) const;
+  /// The broadcast is transmitted: no read that its client address asked for before waits.
+  void check_overtaken(const Asked& broadcast, const Flight& flight) const;
   /// A read has got its data.
   void judge_joined(const Asked& asked) const;
 
@@ -31,6 +34,8 @@ class SharedReads {
   [[nodiscard]] bool is_for_each(const Flight& flight, const Meant& meant) const;
   [[nodiscard]] bool joins_for_certain(const Asked& asked, const Flight& flight,
                                        const Meant& meant) const;
+  [[nodiscard]] bool surely_waits_before(const Asked& read, const Asked& broadcast,
+                                         const Book& book) const;
   [[nodiscard]] bool surely_waits(const Asked& write, std::size_t bus) const;
 
   Oracle& oracle_;

@@ -5,6 +5,7 @@
 // broadcast waits.
 #pragma once
 
+#include <bitset>
 #include <map>
 #include <optional>
 #include <vector>
@@ -46,6 +47,8 @@ class TurnRules {
   [[nodiscard]] const Asked* waiting_for_room(const Flight& stop, Instant since) const;
 
  private:
+  [[nodiscard]] std::optional<std::bitset<256>> turns_taken(const Flight& read,
+                                                            const Flight& before) const;
   [[nodiscard]] const Asked* only_one(const Flight& flight) const;
   [[nodiscard]] bool is_clear(const Flight& flight) const;
   /// `most_gap`: those to devices with a gap too, up to so long a one.

@@ -71,16 +71,44 @@ void TurnRules::check_idle(const Flight& flight, Instant free, Duration lateness
   }
 }
 
+// Whose turns were taken between two tries of a read: stops take none. None if what was transmitted
+// between them may leave something to repeat.
+std::optional<std::bitset<256>> TurnRules::turns_taken(const Flight& read,
+                                                       const Flight& before) const {
+  std::bitset<256> taken;
+  for (std::uint64_t number = before.number + 1; number < read.number; ++number) {
+    const Flight* other = oracle_.flight(number);
+    const bool is_here = other != nullptr && other->bus == read.bus;
+    if (other == nullptr || (is_here && (!other->is_answered || other->is_broadcast))) {
+      return std::nullopt;
+    }
+    taken[other->address] = taken[other->address] || (is_here && !other->is_stop);
+  }
+  return taken;
+}
+
 // Others that waited when it was not answered go first.
 void TurnRules::check_repeat(const Flight& read, const Flight& before) const {
   const Book& book = oracle_.books_[read.bus];
-  const bool is_clear = book.came == 0 && book.has_only_usual() && !oracle_.stopping_ &&
+  const bool is_next = before.number == book.last_flight;
+  // Whoever was passed over for its gap is waited for.
+  const bool is_alone =
+      is_next || std::ranges::all_of(book.lanes, [&](const Lane& lane) {
+        return std::ranges::all_of(lane.open, [&](const Asked* asked) {
+          return asked->id == read.asked.front() ||
+                 (!asked->maybe_on_wire && lane.device && gap_at(lane) == Duration{0});
+        });
+      });
+  const bool is_clear = is_alone && (is_next ? book.came == 0 : book.use.is_answered) &&
+                        book.has_only_usual() && !oracle_.stopping_ &&
                         before.begin > std::max(book.opened, oracle_.reloaded_);
-  if (!is_clear || before.number != book.last_flight) {
+  const auto taken = is_clear ? turns_taken(read, before) : std::nullopt;
+  if (!taken) {
     return;
   }
   for (const Asked* other : others_that_may_go(read)) {
     if (other->pieces.front().address != read.address && !other->maybe_on_wire &&
+        !taken->test(other->pieces.front().address) &&
         std::max(other->accepted, other->waited_until) < before.deadline) {
       oracle_.violation("repeated_first", oracle_.name(read) + " before " + oracle_.name(*other));
       return;
