@@ -17,9 +17,11 @@ Instant room_at(Instant counted_until, unsigned rate, Instant now) {
   return std::max(counted_until, now) + kSecond / static_cast<int>(rate) - kSecond;
 }
 
-// The gateway itself answers it, at once.
+// The gateway itself answers it, at once; 06 may come of what it met later.
 bool is_answered_at_once(const Asked& asked) {
-  return (asked.refused || asked.kind == Kind::own) && !asked.ordered && !asked.dropped;
+  constexpr std::uint8_t kBusy = 6;
+  return (asked.refused.value_or(kBusy) != kBusy || asked.kind == Kind::own) && !asked.ordered &&
+         !asked.dropped;
 }
 
 }  // namespace
@@ -130,10 +132,14 @@ void ClientRates::lifted(Asked& asked, Instant now) const {
 }
 
 std::string ClientRates::answered(const Asked& asked, Duration lateness, Instant now) {
-  if (!asked.begun || asked.is_stop()) {
+  if (!asked.begun) {
     return "";
   }
   Bucket& bucket = bucket_of(asked);
+  if (asked.is_stop()) {
+    bucket.stopped = std::min(bucket.stopped, *asked.begun);
+    return "";
+  }
   const bool is_late = asked.held_until && now > *asked.held_until + 2 * lateness;
   if (is_late && asked.held_in_order == bucket.order && is_answered_at_once(asked)) {
     return "held_too_long";
@@ -146,9 +152,11 @@ std::string ClientRates::answered(const Asked& asked, Duration lateness, Instant
 }
 
 // As if all that were answered by now had been taken as soon as they came, in the best of orders.
+// A place that was given to a stop, which needs none, is that of whatever came behind it.
 bool ClientRates::is_too_soon(Bucket& bucket, const Asked& asked, unsigned rate, Instant now) {
   auto& times = bucket.let_through;
-  times.insert(std::ranges::upper_bound(times, *asked.begun), *asked.begun);
+  const Instant begun = std::min(*asked.begun, bucket.stopped);
+  times.insert(std::ranges::upper_bound(times, begun), begun);
   Instant counted_until = Instant::min();
   for (const Instant at : times) {
     counted_until = room_at(counted_until, rate, at) + kSecond;
@@ -156,6 +164,7 @@ bool ClientRates::is_too_soon(Bucket& bucket, const Asked& asked, unsigned rate,
   const bool is_too_soon = counted_until - kSecond > now + kOneNanosecondEach;
   if (bucket.open <= 1 && counted_until <= now) {
     times.clear();  // as after a pause
+    bucket.stopped = Instant::max();
   }
   return is_too_soon;
 }

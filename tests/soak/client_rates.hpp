@@ -52,6 +52,7 @@ class ClientRates {
     bool was_changed = false;        ///< meanwhile: what is given back may be less than was taken
     Instant since = Instant::min();  ///< what came before may have been taken by another limit
     std::uint64_t order = 0;         ///< it changes when what was known of that is not so any more
+    Instant stopped = Instant::max();  ///< when the first stop began to come, of those meanwhile
     std::vector<Instant> let_through;  ///< when those that were surely taken began to come
   };
   struct Limits {

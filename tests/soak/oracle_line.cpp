@@ -201,7 +201,8 @@ void Oracle::tcp_answer_came(std::uint64_t number) {
     answered->deadline = deadline_of(*answered);
     answered->is_answered = schedule_.now() < answered->deadline && reloaded_ < answered->begin;
     books_[answered->bus].unread_answers.push_back(number);
-    books_[answered->bus].use.ends = schedule_.now();
+    Instant& ends = books_[answered->bus].use.ends;
+    ends = std::max(ends, schedule_.now());
     note_excused(*answered);
     std::erase(books_[answered->bus].flying, number);
     std::erase(books_[answered->bus].unheard, number);

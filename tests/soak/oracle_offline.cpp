@@ -118,7 +118,8 @@ void Oracle::read_answers(std::size_t bus) {
     note_alive(bus, lane);
     std::erase_if(lane.unheard, [&](std::uint64_t asked) {
       const Flight* it = flight(asked);
-      return it == nullptr || it->begin <= answered->begin;
+      const bool still_waits = it != nullptr && !answered->is_answered && schedule_.now() < it->due;
+      return it == nullptr || (it->begin <= answered->begin && !still_waits);
     });
   }
 }
