@@ -67,11 +67,12 @@ void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& 
   // pipeline is full: ahead, partial_since, timer_armed_at, pauses, and where in the stream it is:
   // position, read_position, unread.
   const auto& [input, ahead, answers, has_asked, is_closed, is_leaving, speaks_rtu_reported,
-               requests, refused, last_activity, partial_since, held_until, has_turn,
+               requests, refused, last_activity, partial_since, held_until, has_turn, turn_rate,
                timer_armed_at, turns, exchanges, id, info, listener, rights, position, paused,
                half_closed, pauses, read_position, unread] = session;
   // Settings: ordered. Not ordered: first_held.
   const auto& [ordered, open, unsent, held, first_held] = answers;
+  // turn_rate: without a meaning while there is no turn.
   explore::require(input.empty() && !session.is_full() && held.empty() && pauses.empty() &&
                        !partial_since && !held_until && !has_turn && !timer_armed_at && unread == 0,
                    "nothing is read ahead");
@@ -94,15 +95,14 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
   }
   // One for all: snapshot; of that and the unit: route. Of its client: listener, address. Unordered
   // answers have no place: answer. For the trace: ended_as.
-  const auto& [snapshot, route, client, listener, address, client_gone, is_stop, left_out, answer,
-               header, plan, parts, response, failed, was_on_wire, wrong_word_order, had_no_path,
+  const auto& [snapshot, route, client, listener, address, client_gone, left_out, answer, header,
+               plan, parts, response, failed, was_on_wire, wrong_word_order, had_no_path,
                ended_as] = exchange;
   explore::require(plan && left_out.empty(), "a request of a client");
   hash.add(client);
   hash.add(header.transaction);
   hash.add(header.unit);
-  for (const bool flag :
-       {client_gone, is_stop, failed, had_no_path, was_on_wire, wrong_word_order}) {
+  for (const bool flag : {client_gone, failed, had_no_path, was_on_wire, wrong_word_order}) {
     hash.add(flag);
   }
   hash.add(response.has_value());

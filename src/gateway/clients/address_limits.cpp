@@ -31,9 +31,8 @@ void AddressLimits::came(const ClientInfo& info, const ListenerSettings& listene
 void AddressLimits::left(const ClientSession& session) {
   const auto known = entries_.find(key_of(session.info()));
   Entry& entry = known->second;
-  const unsigned most = session.listener().max_requests_per_second;
-  if (most > 0 && (session.held_until || session.has_turn)) {
-    entry.requests.give_back(most);
+  if (session.held_until || session.has_turn) {
+    entry.requests.give_back(session.turn_rate);
   }
   if (--entry.connections == 0) {
     const Instant rested = std::max(entry.connects.rested_at(), entry.requests.rested_at());
@@ -69,6 +68,7 @@ bool AddressLimits::may_ask(ClientSession& session, Instant now) {
     return false;
   }
   const Instant turn = entries_.at(key_of(session.info())).requests.take(most, now);
+  session.turn_rate = most;
   session.held_until = turn;
   session.end_hold(now);
   return session.has_turn;

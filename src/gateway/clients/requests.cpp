@@ -72,7 +72,6 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   exchange.address = session.info().address;
   exchange.header = request.adu.header;
   exchange.route = request.route;
-  exchange.is_stop = request.is_stop;
   exchange.left_out = std::move(request.left_out);
   exchange.plan = *std::move(request.plan);
   if (trace_.is_on()) {

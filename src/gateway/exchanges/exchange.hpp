@@ -30,7 +30,6 @@ struct Exchange {
   ListenerId listener{};  ///< its number in the settings in force
   routing::ClientAddress address;
   bool client_gone = false;
-  bool is_stop = false;  ///< one of its parts is a stop, which goes on without its client
   /// Of a request that is a stop on some of its buses only: the buses on which its part may not be
   /// sent.
   BusList left_out;

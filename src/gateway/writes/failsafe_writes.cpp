@@ -57,7 +57,6 @@ void FailsafeWrites::send(Failsafe::Due due, Instant now) {
     }
     const std::uint32_t index = exchanges_.open();
     exchanges_[index].client_gone = true;
-    exchanges_[index].is_stop = true;
     bus::Job& job = exchanges_.add_job(index, device.bus, {}, now);
     job.job_class = bus::JobClass::stop;
     job.transactions.emplace_back(device.address, writes[place]);

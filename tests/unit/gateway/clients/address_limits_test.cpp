@@ -264,6 +264,16 @@ TEST_F(HeldUp, AReloadThatLiftsTheLimitLetsThemGo) {
   EXPECT_THAT(rig_.take_sent(1), ElementsAre(no_route(3)));
 }
 
+TEST_F(HeldUp, OneThatGoesGivesBackWhatItTookByTheLimitOfBefore) {
+  rig_.connect(2);
+  rig_.receive(2, unrouted(1));  // half a second
+  rig_.reload(slow_plant(10));
+  rig_.disconnect(2);
+  rig_.receive(1, unrouted(3));
+  rig_.advance(100ms);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(no_route(3)));
+}
+
 TEST_F(HeldUp, AreAnsweredWhenTheGatewayStops) {
   rig_.receive(1, read_request(3));
   rig_.shutdown();

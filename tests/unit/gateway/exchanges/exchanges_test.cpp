@@ -18,7 +18,6 @@ class ExchangesAlone : public testing::Test {
     exchanges_[index].route = route;
     exchanges_[index].header = {1, 1};
     exchanges_[index].plan = *routing::Plan::make(*route, 1, {}, *modbus::Pdu::from(unhex(pdu)));
-    exchanges_[index].is_stop = rules_.is_stop(*exchanges_[index].plan);
     exchanges_.start(index, {}, {}, {});
     return index;
   }
@@ -27,7 +26,6 @@ class ExchangesAlone : public testing::Test {
   ActionQueue actions_;
   gateway::Exchanges exchanges_{settings_, buses_, actions_};
   gateway::BusSet buses_{settings_.settings()};
-  gateway::WriteRules rules_{settings_.in_force()};
 };
 
 TEST_F(ExchangesAlone, AreCompletedWhenAllTheirJobsHaveEnded) {
