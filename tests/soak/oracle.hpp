@@ -254,7 +254,6 @@ class Oracle {
   [[nodiscard]] bool is_surely_offline(const Lane& lane) const;
   void note_silent(std::size_t bus);
   void note_late(std::size_t bus, const HeardFrame& frame);
-
   // oracle_tries.cpp
   void check_answered(const Asked& asked);
   void judge_tries(const Asked& asked);

@@ -192,7 +192,8 @@ struct Book {
   Instant opened = Instant::min();
   bool is_unused = true;  ///< nothing was transmitted
   bool echo_proven = false;
-  bool echo_lost = false;  ///< one that would have proven it did not come at all
+  bool echo_lost = false;   ///< one that would have proven it did not come at all
+  unsigned since_echo = 0;  ///< transmissions since a whole echo came
   bool told_unproven = false;
   bool told_while_sending = false;
   bool must_tell_unproven = false;

@@ -13,6 +13,7 @@ void Oracle::note_counts(const Flight& flight) {
     count->stops += flight.is_stop ? 1U : 0U;
     count->asking += flight.expects_answer ? 1U : 0U;
   }
+  ++book.since_echo;
   lane.unanswered += flight.expects_answer ? 1U : 0U;
   if (is_tcp(flight.bus) && flight.expects_answer) {
     lane.unheard.push_back(flight.number);

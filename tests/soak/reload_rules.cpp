@@ -7,6 +7,10 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
+namespace {
+constexpr unsigned kAlways = 1000;  // permille
+}
+
 // A device that owes an answer is not left alone for a shorter time than before: the answer that
 // may still come would be one beyond the quarantine in force.
 bool Reloads::change_timing(std::size_t index) {
@@ -89,12 +93,12 @@ bool Reloads::change_rules(std::size_t index) {
   return true;
 }
 
-// How long a line is waited for, in its answers and when it is away. A pause that is within an
-// answer stays within it.
+// How long a line is waited for, in its answers and when it is away, and what its server's answers
+// have to name. A pause that is within an answer stays within it.
 bool Reloads::change_patience(std::size_t index) {
   bus::BusSettings& bus = plan_.settings.buses[index];
   reload_.touched.push_back(index);
-  switch (patience_.between(0U, 3U)) {
+  switch (patience_.between(0U, 4U)) {
     case 0: bus.reopen_max = patience_.duration(bus.reopen_min, 1s); break;
     case 1: bus.probe_share = patience_.between(10U, 40U); break;
     case 2:
@@ -102,6 +106,11 @@ bool Reloads::change_patience(std::size_t index) {
         const Duration slack = spec::slack_of(bus);
         bus.frame_slack = patience_.duration(slack, std::max<Duration>(slack, 250ms));
       }
+      break;
+    case 3:
+      bus.check_unit = !bus.check_unit && plan_.rates[index].other_unit < kAlways;
+      bus.stop_deadline.reset();
+      bus.stop_deadline = spec::stop_deadline_of(bus) + patience_.duration(0ms, 1s);
       break;
     default:
       if (bus.replace_after > 0) {
