@@ -51,17 +51,16 @@ void BehindStops::judge_not_sent(const Asked& write) const {
       stop.pieces.front().address != piece.address || stop.sequence < write.sequence) {
     return;
   }
-  // Between two tries of something it may have had its turn; a pause after a timeout counts from
-  // when the stop came.
+  // Between two tries of something it may have had its turn.
   const auto& settings = oracle_.bus_settings(piece.bus);
-  const bool is_clear = (book.use.is_answered || settings.settle == Duration{0}) &&
-                        book.lanes[0].open.empty() && book.lanes[kAutonicsAddress].open.empty() &&
+  const bool is_clear = book.lanes[0].open.empty() && book.lanes[kAutonicsAddress].open.empty() &&
                         std::ranges::all_of(book.lanes, [](const Lane& it) {
                           return std::ranges::none_of(
                               it.open, [](const Asked* asked) { return asked->maybe_on_wire; });
                         });
   const Duration pause = oracle_.devices_[*lane.device].settings().timing.gap;
-  const Duration held = stop.held + pause + (stop.let_go + 2) * oracle_.lateness();
+  const Duration held =
+      stop.held + std::max(pause, settings.settle) + (stop.let_go + 2) * oracle_.lateness();
   if (is_clear && held <= settings.stop_wait &&
       now < std::max(*stop.waits_from, book.busy_since) + oracle_.stop_deadline(piece.bus)) {
     oracle_.violation("not_let_go", oracle_.name(write) + " before " + oracle_.name(stop));

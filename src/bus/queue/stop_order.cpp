@@ -38,16 +38,19 @@ bool was_passed(const Parts& parts, const Job& stop) {
   return parts.devices[address].last_stop_turn < parts.turns.last_but_to(address);
 }
 
-// What goes between two tries of a stop, if it can begin soon enough. For how long the stop waited
-// behind another one that nobody answered does not count: two stops in turn to a dead drive, and a
+// When nothing but what is let go before it holds the stop any more. For how long it waited behind
+// a transmission that nobody answered does not count: two stops in turn to a dead drive, and a
 // pause after each (`settle`), would leave no turn to others.
+Instant could_go_at(const Parts& parts, const Transmission& stop) {
+  return std::max({stop.waits_since, parts.line.ready_for_stop_at(), parts.turns.last_end()});
+}
+
+// What goes between two tries of a stop, if it can begin soon enough.
 std::optional<Choice> turn_before(Parts& parts, const Transmission& stop, Instant now) {
   const Transmission* waits = parts.stops.find(
       [&](const Transmission& it) { return must_let_writes_go(parts, *it.leader); });
   const Bounds bounds{waits == nullptr ? nullptr : waits->leader, true};
-  const Instant could_go =
-      std::max({stop.waits_since, parts.line.ready_for_stop_at(), parts.turns.last_end()});
-  const Instant limit = could_go + parts.settings.stop_wait;
+  const Instant limit = could_go_at(parts, stop) + parts.settings.stop_wait;
   std::optional<Choice> turn;
   const auto running = parts.transmissions.running();
   const auto part = std::ranges::find_if(running, [&](const Transmission* transmission) {
@@ -101,8 +104,7 @@ bool must_let_writes_go(const Parts& parts, const Job& stop) {
 }
 
 Duration held_by(const Parts& parts, const Transmission& stop, Instant ready) {
-  const Instant could_go = std::max(stop.waits_since, parts.line.ready_for_stop_at());
-  return std::max(ready - could_go, Duration{0});
+  return std::max(ready - could_go_at(parts, stop), Duration{0});
 }
 
 Transmission* in_the_way_of(const Parts& parts, const Job& stop) {

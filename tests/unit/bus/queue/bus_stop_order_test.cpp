@@ -132,6 +132,20 @@ TEST_F(BusStopOrder, WritesThatAreHeldBackHoldAStopNoLongerThanStopWaitInAll) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::cancelled, Ending::cancelled));
 }
 
+TEST_F(BusStopOrder, ForHowLongAnotherDeviceWasWaitedForIsNoHoldOfTheWrites) {
+  auto settling = slow();
+  settling.settle = 60ms;
+  open_patient(settling);
+  submit(job_of(9, kRead, 2));
+  submit(job(kMove));
+  submit(job(kStop));
+  EXPECT_EQ(until_next_frame(160ms), 160ms);  // stop_wait, and then only `settle`
+  EXPECT_EQ(frames_.back(), kMoveFrame);
+  answer_after(10ms, kMoveFrame);
+  EXPECT_EQ(until_next_frame(60ms), kT35);
+  EXPECT_EQ(frames_.back(), kStopFrame);
+}
+
 TEST_F(BusStopOrder, OfARunThatIsHeldBackTooLongNoFurtherPartIsSent) {
   auto gapped = settings();
   gapped.timing.gap = 200ms;
