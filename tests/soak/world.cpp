@@ -13,6 +13,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr Duration kLongestRun = std::chrono::hours(20);
+constexpr std::uint64_t kMostRequests = 100;  // for each transmission that is to be seen
 // A gateway that is well does a few thousand things in so short a time, however many clients it
 // has.
 constexpr Duration kPlace = 10ms;
@@ -96,7 +97,9 @@ World::World(std::uint64_t seed, bool trace)
 
 Report World::run(std::uint64_t transmissions) {
   const Instant begun = schedule_.now();
-  while (report_.transmissions < transmissions && schedule_.now() < begun + kLongestRun) {
+  const std::uint64_t requests = kMostRequests * transmissions;
+  while (report_.transmissions < transmissions && report_.requests < requests &&
+         schedule_.now() < begun + kLongestRun) {
     if (!step()) {
       break;
     }

@@ -91,6 +91,7 @@ TEST_F(Broadcasts, TheAicTakesOnlyWhatItsManualLists) {
   EXPECT_EQ(sent("05 0009 FF00"), Texts{kIllegalAddress});
   EXPECT_EQ(sent("10 0033 0003 06 0001 0002 0003"), Texts{kIllegalAddress});
   EXPECT_EQ(sent("10 0033 0002 04 0001 0002"), Texts{"129 OR 80: 10 00 33 00 02 04 00 01 00 02"});
+  EXPECT_EQ(sent("10 0031 0002 04 0001 0002"), Texts{kIllegalAddress}) << "one of them alone";
 }
 
 TEST_F(Broadcasts, AValueNeedsOneWordOrderAmongAllReceivers) {
@@ -175,6 +176,18 @@ TEST_F(Broadcasts, SoIsItOnARouteToTheBus) {
   routes[1].access = routing::Access::read_write;
   routes[1].buses = {BusId{1}};
   EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no resolved"}) << "unit 0 is another bus";
+}
+
+TEST_F(Broadcasts, SoIsItUnderWhateverUnit) {
+  routing::Route range;
+  range.first_address = 100;
+  range.first_unit = 1;
+  range.last_unit = 40;
+  range.buses = {BusId{0}};
+  devices = {aic()};
+  routes = {range};
+  EXPECT_EQ(sent("05 000B FF00", 30), Texts{"no resolved"});
+  EXPECT_EQ(sent("05 000B FF00", 29), Texts{"128: 05 00 0B FF 00"});
 }
 
 TEST_F(Broadcasts, WhoeverMayListenIsAsked) {

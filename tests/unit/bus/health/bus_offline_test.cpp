@@ -81,6 +81,22 @@ TEST_F(BusOffline, OneResponseBringsItBack) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
+TEST_F(BusOffline, WhatFollowsTheProbeInItsJobIsRepeatedAsEver) {
+  auto retrying = breaking();
+  open(retrying);
+  lose_device();
+  retrying.timing.retries = 1;
+  update(retrying, {});
+  advance(2s);
+  bus::Job& both = job(kRead);
+  add(both, kRead);
+  submit(both);
+  advance(20ms);
+  line(kAnswer);
+  advance(500ms);
+  EXPECT_THAT(frames_, SizeIs(3));
+}
+
 TEST_F(BusOffline, AnAnswerThatComesAfterTheProbesTimeBringsItBackToo) {
   open(breaking());
   lose_device();

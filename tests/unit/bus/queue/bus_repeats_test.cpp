@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// While a read of one device waits for its next try, the others go on.
+// While something to one device waits for its next try, the others go on.
+#include "stop_axis.hpp"
 #include "unit/bus/bus_rig.hpp"
 
 namespace mbgate::test {
@@ -230,6 +231,18 @@ TEST_F(BusRepeats, AfterStopNothingIsRepeated) {
   drain();
   advance(1s);
   EXPECT_THAT(frames_, SizeIs(2));
+}
+
+TEST_F(BusRepeats, ARepeatedStopHasAsMuchTimeAsTheFirst) {
+  open(settings(), {axis(settings(), 1), axis(settings(), 2), axis(settings(), 3)});
+  for (const auto address : {1, 2, 3}) {
+    submit(job_of(static_cast<std::uint32_t>(address), kStop, static_cast<std::uint8_t>(address)));
+  }
+  advance(2s);
+  ASSERT_THAT(frames_, SizeIs(12));
+  for (std::size_t at = 1; at < 12; ++at) {
+    EXPECT_GE(frame_times_[at] - frame_times_[at - 1], 100ms) << at;
+  }
 }
 
 }  // namespace

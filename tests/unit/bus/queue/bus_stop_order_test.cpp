@@ -269,18 +269,6 @@ TEST_F(BusStopOrder, EveryFrameOfAStopGoesLikeTheFirst) {
   EXPECT_THAT(endings_, ElementsAre(Ending::transmitted));
 }
 
-TEST_F(BusStopOrder, ARepeatedStopHasAsMuchTimeAsTheFirst) {
-  open(settings(), {axis(settings(), 1), axis(settings(), 2), axis(settings(), 3)});
-  for (const auto address : {1, 2, 3}) {
-    submit(job_of(static_cast<std::uint32_t>(address), kStop, static_cast<std::uint8_t>(address)));
-  }
-  advance(2s);
-  ASSERT_THAT(frames_, SizeIs(12));
-  for (std::size_t at = 1; at < 12; ++at) {
-    EXPECT_GE(frame_times_[at] - frame_times_[at - 1], 100ms) << at;
-  }
-}
-
 TEST_F(BusStopOrder, OneThatWaitedForTheTryOfAnotherToItsDriveGivesWayToo) {
   open_settling();
   submit(job(kStop));

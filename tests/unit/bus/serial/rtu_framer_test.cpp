@@ -62,6 +62,11 @@ TEST_F(RtuFramer, IgnoresAnswersOfOtherUnitsAndFunctions) {
   EXPECT_EQ(counters_.unsolicited_frames, 2U);
 }
 
+TEST_F(RtuFramer, LooksBehindThemAtOnce) {
+  expect(kRead);
+  EXPECT_EQ(add("02 03 04 00 03 0D 40 3C 53" + std::string(kAnswer)), Verdict::response);
+}
+
 TEST_F(RtuFramer, IgnoresAnswersOfAnotherLength) {
   expect(kRead);
   EXPECT_EQ(add("01 03 02 12 34 B5 33"), Verdict::none);

@@ -143,6 +143,16 @@ TEST_F(BusTcp, TheUnitOfAnAnswerMattersIfAskedFor) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
+TEST_F(BusTcp, AReloadMayAskForTheUnit) {
+  auto checking = tcp();
+  open(checking);
+  checking.check_unit = true;
+  update(checking, {});
+  submit(job(kRead, 7));
+  answer(0, "FF 03 02 12 34");
+  EXPECT_THAT(endings_, IsEmpty());
+}
+
 TEST_F(BusTcp, ALengthThatCannotBeEndsTheConnection) {
   open(tcp(2));
   submit(job(kRead, 1));
