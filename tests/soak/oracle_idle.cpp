@@ -100,10 +100,13 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
 }
 
 void Oracle::note_use(const Flight& flight) {
+  Book& book = books_[flight.bus];
   if (is_tcp(flight.bus)) {
+    if (!flight.expects_answer) {  // its drive boots then
+      book.lanes[flight.address].held_until = flight.due + kLongestBoot + lateness();
+    }
     return;
   }
-  Book& book = books_[flight.bus];
   const Duration turnaround = bus_settings(flight.bus).turnaround;
   book.use.first_read = Instant::min();
   book.use.is_answered = flight.is_broadcast;
@@ -163,9 +166,10 @@ void Oracle::check_idle_connection(const Flight& flight) {
   if (flight.begin < book.touched + 1s) {
     return;
   }
-  TurnRules(*this).check_idle(flight, free, lateness());
+  const Duration most = 2 * lateness();  // to note that one is over, and to transmit the next
+  TurnRules(*this).check_idle(flight, free, most);
   const auto from = could_go(flight);
-  if (from && flight.begin - std::max(free, *from) > lateness() &&
+  if (from && flight.begin - std::max(free, *from) > most &&
       !TurnRules(*this).is_in_use(flight.address, flight)) {
     violation("idle_connection", name(flight) + " " +
                                      std::to_string((flight.begin - std::max(free, *from)) / 1us) +

@@ -141,7 +141,7 @@ void Oracle::check_stops_waiting(std::size_t bus) {
                                    is_patient ? last->due + rest : Instant::min()});
     const Instant limit =
         std::max(from, book.last_handed_in + rest) + settings.stop_wait + silence + 1us + turn;
-    const Instant deadline = std::max(from, book.busy_since) + stop_deadline(bus) +
+    const Instant deadline = std::max({from, book.busy_since, book.touched}) + stop_deadline(bus) +
                              settings.stop_wait + rest + times.of(spec::kRtuFrame);
     const bool is_overdue = now > deadline && now <= book.last_handed_in + silence;
     if ((now > limit || is_overdue) && !stop->overdue_reported && !lets_writes_go(*stop) &&

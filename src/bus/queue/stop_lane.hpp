@@ -21,6 +21,13 @@ class StopLane {
   [[nodiscard]] bool has_room() const { return stops_.size() < kRoomForStops; }
   /// Behind the others.
   void push(Transmission& stop) { stops_.push_back(stop); }
+  /// Before those that were accepted later and were not tried yet.
+  void push_in_order(Transmission& stop) {
+    const auto later = std::ranges::find_if(stops_, [&](const Transmission& other) {
+      return other.tries == 0 && other.leader->sequence > stop.leader->sequence;
+    });
+    stops_.insert(later, stop);
+  }
   /// In front of them.
   void push_front(Transmission& stop) { stops_.push_front(stop); }
   void remove(Transmission& stop) { stops_.erase(List::s_iterator_to(stop)); }

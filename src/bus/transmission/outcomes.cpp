@@ -224,7 +224,7 @@ void Outcomes::part_from_untried(Transmission& stop) {
   Transmission& heir = parts_.transmissions.lead(*untried.front());
   heir.followers.assign(untried.begin() + 1, untried.end());
   stop.followers.erase(untried.begin(), untried.end());
-  parts_.stops.push(heir);
+  parts_.stops.push_in_order(heir);
 }
 
 void Outcomes::go_offline(DeviceEntry& entry, std::uint8_t address, Instant now) {
