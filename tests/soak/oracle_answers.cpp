@@ -154,15 +154,16 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
 
 void Oracle::device_answered(const Asked& asked) {
   const Piece& piece = asked.pieces.front();
-  if (asked.ordered || is_tcp(piece.bus)) {
-    return;  // held back perhaps, and much may have happened since; of connections it is read
-  }
   const Book& book = books_[piece.bus];
+  // What is held back says nothing of now, and what was kept nothing of the device; of connections
+  // it is read.
+  if (asked.ordered || asked.last_flight != book.last_flight || is_tcp(piece.bus)) {
+    return;
+  }
   Lane& lane = books_[piece.bus].lanes[piece.address];
   note_alive(piece.bus, lane);
   lane.unanswered = 0;
-  if (asked.surely_on_wire && asked.last_flight == book.last_flight && asked.pieces.size() == 1 &&
-      book.last_handed_in == schedule_.now()) {
+  if (asked.surely_on_wire && asked.pieces.size() == 1 && book.last_handed_in == schedule_.now()) {
     lane.holds.note_answered(schedule_.now());
   }
 }
