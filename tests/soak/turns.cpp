@@ -12,8 +12,7 @@ namespace mbgate::soak {
 namespace {
 
 constexpr std::ptrdiff_t kMostTurns = 5;  // of any weight that is drawn
-constexpr Duration kLongestGap = std::chrono::seconds(1);
-constexpr unsigned kPassedOver = 2;  // once, and by who had the turn already
+constexpr unsigned kPassedOver = 2;       // once, and by who had the turn already
 
 // What was granted by the weight that a reload has changed comes first.
 std::optional<Instant> weight_holds_from(const std::vector<Instant>& reads, Instant touched) {

@@ -47,6 +47,8 @@ class TurnRules {
   [[nodiscard]] const Asked* waiting_for_room(const Flight& stop, Instant since) const;
 
  private:
+  static constexpr Duration kLongestGap = std::chrono::seconds(1);  ///< longer than plans draw
+
   [[nodiscard]] std::optional<std::bitset<256>> turns_taken(const Flight& read,
                                                             const Flight& before) const;
   [[nodiscard]] const Asked* only_one(const Flight& flight) const;

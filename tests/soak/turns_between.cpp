@@ -10,10 +10,6 @@ namespace mbgate::soak {
 
 using namespace std::chrono_literals;
 
-namespace {
-constexpr Duration kAnyGap = 1h;
-}
-
 const Asked* TurnRules::waiting_for_room(const Flight& stop, Instant since) const {
   const Book& book = oracle_.books_[stop.bus];
   for (const Lane& lane : book.lanes) {
@@ -57,7 +53,7 @@ void TurnRules::check_idle(const Flight& flight, Instant free, Duration lateness
   if (flight.asked.empty() || !book.has_only_usual() || oracle_.stopping_) {
     return;
   }
-  for (const Asked* other : others_that_may_go(flight, kAnyGap)) {
+  for (const Asked* other : others_that_may_go(flight, kLongestGap)) {
     const std::uint8_t address = other->pieces.front().address;
     const Instant from = std::max({free, book.lanes[address].held_until, book.use.waits_from,
                                    oracle_.reloaded_, other->accepted, other->waited_until});
