@@ -101,9 +101,8 @@ void ClientRates::begun(Asked& asked, Instant now) {
   asked.begun = now;
 }
 
-// The place for it was given when it was the next one of its connection, and something of it had
-// come. A stop has none when it finds the others held up; that it counts all the same errs to the
-// permissive side.
+// The place for it is given when it is the next one of its connection. A stop has none when it
+// finds the others held up; that it counts all the same errs to the permissive side.
 void ClientRates::accepted(Asked& asked, Instant now) {
   const unsigned rate = asked.begun ? rate_of(asked) : 0;
   if (rate == 0) {
@@ -114,7 +113,7 @@ void ClientRates::accepted(Asked& asked, Instant now) {
     asked.ahead = asked.ahead || !asked.is_stop();
     return;
   }
-  const Instant next = std::max(*asked.begun, bucket.taken_until);
+  const Instant next = std::max(now, bucket.taken_until);
   const Instant place = room_at(bucket.counted_until, rate, next);
   bucket.counted_until = place + kSecond;
   bucket.taken_until = std::max({place, bucket.taken_until, now});
@@ -123,6 +122,13 @@ void ClientRates::accepted(Asked& asked, Instant now) {
     asked.held_in_order = bucket.order;
   }
   asked.ahead = asked.ahead || (bucket.taken_until > now && !asked.is_stop());
+}
+
+Instant ClientRates::waits_since(const Asked& asked) const {
+  const auto client = clients_.find(asked.client);
+  const bool may_be_held = plan_.limits_hosts && client != clients_.end();
+  const auto bucket = may_be_held ? buckets_.find(client->second) : buckets_.end();
+  return bucket == buckets_.end() ? Instant::min() : bucket->second.answered;
 }
 
 void ClientRates::lifted(Asked& asked, Instant now) const {
@@ -136,6 +142,7 @@ std::string ClientRates::answered(const Asked& asked, Duration lateness, Instant
     return "";
   }
   Bucket& bucket = bucket_of(asked);
+  bucket.answered = now;
   if (asked.is_stop()) {
     bucket.stopped = std::min(bucket.stopped, *asked.begun);
     return "";
@@ -182,7 +189,7 @@ void ClientRates::closed(const Asked& asked, Instant now) {
 }
 
 // Those that are held up have their places by the old limit; nobody says whether what was counted
-// is forgotten.
+// is forgotten. Behind a pipeline that has become shorter they wait for that too.
 void ClientRates::after_reload(Instant now) {
   for (std::size_t listener = 0; listener < limits_.size(); ++listener) {
     const Limits before = std::exchange(limits_[listener], limits_of(listener));
@@ -196,7 +203,9 @@ void ClientRates::after_reload(Instant now) {
       bucket.connected_anew = Instant::min();
       bucket.let_through.clear();
       bucket.since = now;
-      if (bucket.open > 0 && limits_[listener].requests > 0) {
+      const bool may_wait =
+          limits_[listener].requests > 0 || limits_[listener].pipeline < before.pipeline;
+      if (bucket.open > 0 && may_wait) {
         share(bucket);
         bucket.was_changed = true;
       }

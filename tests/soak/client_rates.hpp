@@ -29,6 +29,8 @@ class ClientRates {
   void begun(Asked& asked, Instant now);
   /// It has the request, and room for it. Notes whether it may be held up, and until when.
   void accepted(Asked& asked, Instant now);
+  /// Its host has waited for its turn since then, if the gateway holds it up.
+  [[nodiscard]] Instant waits_since(const Asked& asked) const;
   /// Nothing is held up any more by this limit, where there is none now.
   void lifted(Asked& asked, Instant now) const;
   /// Its answer comes. What is wrong with that; nothing if nothing is.
@@ -46,6 +48,7 @@ class ClientRates {
     // Of requests: at the latest, while they come from one connection only.
     Instant counted_until = Instant::min();
     Instant taken_until = Instant::min();
+    Instant answered = Instant::min();  ///< the last one
     std::size_t open = 0;
     std::optional<ClientId> only;
     bool is_shared = false;          ///< nobody can tell in which order they are taken

@@ -24,8 +24,8 @@ FailsafeWatch::FailsafeWatch(const SoakPlan& plan) : plan_(plan) {
     for (const Door& door : plan.doors) {
       const bool leads = door.device ? door.device == device
                                      : std::ranges::find(door.buses, bus) != door.buses.end();
-      watch.listeners[door.listener] =
-          watch.listeners[door.listener] || (leads && !door.read_only && !door.absent);
+      const bool is_open = !door.read_only && !door.absent && !door.is_closed;
+      watch.listeners[door.listener] = watch.listeners[door.listener] || (leads && is_open);
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "soak/oracle.hpp"
+#include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
 namespace {
@@ -73,13 +74,14 @@ void Oracle::drop_unwanted(std::size_t bus) {
   }
 }
 
-// What could not be sent yet goes now.
+// What could not be sent yet goes now, and takes back what has come meanwhile.
 void Oracle::failsafe_line_back(Book& book) {
   for (const Lane& lane : book.lanes) {
     for (Asked* asked : lane.open) {
       const bool is_due = asked->failsafe && asked->flights == 0 && !asked->dropped;
       if (is_due && std::ranges::find(book.stops, asked) == book.stops.end()) {
-        asked->waits_from = schedule_.now();
+        asked->waits_from = asked->accepted = schedule_.now();
+        Withdrawals(*this).take_back_for(*asked);
         book.stops.push_back(asked);
         if (std::ranges::find(book.open_stops, asked) == book.open_stops.end()) {
           book.open_stops.push_back(asked);

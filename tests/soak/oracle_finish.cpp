@@ -16,7 +16,9 @@ void Oracle::check_overdue() {
   forget_gone_stops();
   std::vector<Asked*> late;
   for (const auto& [id, asked] : open_) {
-    const Instant since = asked->deadline == Instant::max() ? asked->accepted : asked->deadline;
+    const Instant since =
+        std::max(asked->deadline == Instant::max() ? asked->accepted : asked->deadline,
+                 client_rates_.waits_since(*asked));
     if (asked->is_accepted && !asked->client_gone && !asked->overdue_reported &&
         now > since + (asked->is_stop() || asked->ordered ? kStopLife : kOverdue)) {
       late.push_back(asked.get());

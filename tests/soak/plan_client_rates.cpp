@@ -31,7 +31,9 @@ void draw_manners(const SoakPlan& plan, Manners& manners, Random& random) {
   manners.malformed = random.one_of({50U, 200U});
   if (plan.silence) {
     manners.vanishes = manners.never_asks ? manners.vanishes : 0;
-    manners.splits = manners.half_closes = 0;
+    // Behind answers that it does not take it is silent, and nobody outside knows which of its
+    // requests were held up before these filled the pipeline.
+    manners.splits = manners.half_closes = manners.stalls = 0;
   }
   if (rate == 0 || manners.never_asks) {
     return;

@@ -28,12 +28,10 @@ void AddressLimits::came(const ClientInfo& info, const ListenerSettings& listene
   }
 }
 
-void AddressLimits::left(const ClientSession& session) {
+void AddressLimits::left(ClientSession& session) {
+  give_back(session);
   const auto known = entries_.find(key_of(session.info()));
   Entry& entry = known->second;
-  if (session.held_until || session.has_turn) {
-    entry.requests.give_back(session.turn_rate);
-  }
   if (--entry.connections == 0) {
     const Instant rested = std::max(entry.connects.rested_at(), entry.requests.rested_at());
     leaving_.emplace_back(rested, known->first);
@@ -72,6 +70,14 @@ bool AddressLimits::may_ask(ClientSession& session, Instant now) {
   session.held_until = turn;
   session.end_hold(now);
   return session.has_turn;
+}
+
+void AddressLimits::give_back(ClientSession& session) {
+  if (session.held_until || session.has_turn) {
+    entries_.at(key_of(session.info())).requests.give_back(session.turn_rate);
+    session.held_until.reset();
+    session.has_turn = false;
+  }
 }
 
 bool AddressLimits::is_news(const ClientInfo& info, Instant now) {

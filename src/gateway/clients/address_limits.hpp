@@ -28,11 +28,13 @@ class AddressLimits {
                                      Instant now) const;
   /// A connection was let in, or is gone.
   void came(const ClientInfo& info, const ListenerSettings& listener, Instant now);
-  void left(const ClientSession& session);
+  void left(ClientSession& session);
 
   /// May the next request of the client be taken? If not, its turn is at `session.held_until`. The
   /// connections of an address take turns. What a stop waits for is never held up.
   bool may_ask(ClientSession& session, Instant now);
+  /// It has no request that its turn could be for.
+  void give_back(ClientSession& session);
   /// To be told to the operator now, that requests of this address are held up? Once a minute.
   bool is_news(const ClientInfo& info, Instant now);
 

@@ -72,6 +72,7 @@ bool ClientDoor::may_ask(ClientSession& session, Instant now) {
   const bool was_held = session.held_until.has_value();
   const bool has_turn = limits_.may_ask(session, now);
   if (session.held_until && !was_held) {
+    failsafe_.client_asked(session.id(), now);
     ++sessions_.counters(session.info().listener).held_up;
     if (limits_.is_news(session.info(), now)) {
       actions_.push(Report{ClientHeldUp{session.info().listener, session.info().address}});

@@ -68,7 +68,7 @@ class ClientSession {
   }
   /// Nothing that it has asked for is left to do.
   [[nodiscard]] bool is_at_rest() const {
-    return answers.outstanding() == 0 && !held_until && (!has_turn || input.empty());
+    return answers.outstanding() == 0 && !held_until && !has_turn;
   }
 
   /// Which timeout of the client has passed.

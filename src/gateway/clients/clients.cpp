@@ -102,19 +102,22 @@ bool Clients::serve_one(Instant now) {
 }
 
 void Clients::serve(ClientSession& session, Instant now) {
-  while (!session.input.empty() && may_take(session, now)) {
-    const auto next = intake_.next(session, now);
-    if (next.request != nullptr) {
+  Intake::Front front = intake_.front(session);
+  for (; front.frame && may_take(session, now); front = intake_.front(session)) {
+    const auto taken = intake_.take(session, *front.frame, now);
+    if (taken.request != nullptr) {
       session.has_turn = false;
-      requests_.accept(session, *next.request, now);
-    } else if (next.stop != nullptr) {
-      requests_.pass_early(session, *next.stop);
-    } else if (next.framing_lost) {
-      door_.close(session);
-      return;
+      requests_.accept(session, *taken.request, now);
     } else {
-      break;
+      requests_.pass_early(session, *taken.stop);
     }
+  }
+  if (front.framing_lost) {
+    door_.close(session);
+    return;
+  }
+  if (!front.frame && !session.is_full()) {
+    door_.give_turn_back(session);
   }
   if (session.is_held_up()) {
     take_early_stops(session, now);

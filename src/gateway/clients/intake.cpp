@@ -10,10 +10,13 @@ namespace mbgate::gateway {
 
 using modbus::ExceptionCode;
 
-Intake::Next Intake::next(ClientSession& session, Instant now) {
+Intake::Front Intake::front(ClientSession& session) {
   // When the gateway stops, what was read ahead is answered too.
   while (phase_ != Phase::running || !session.is_full()) {
-    const modbus::MbapScan scan = modbus::scan_mbap(session.input.bytes());
+    modbus::MbapScan scan = modbus::scan_mbap(session.input.bytes());
+    if (auto* frame = std::get_if<modbus::MbapFrame>(&scan)) {
+      return {.frame = std::move(*frame)};
+    }
     if (const auto* lost = std::get_if<modbus::MbapLost>(&scan)) {
       notice_rtu(session, session.input.bytes());
       ++counters_.framing_lost;
@@ -23,30 +26,30 @@ Intake::Next Intake::next(ClientSession& session, Instant now) {
       }
       return {.framing_lost = true};
     }
-    if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
-      notice_rtu(session, session.input.bytes());
-      ++counters_.foreign_adus;
-      session.pass(foreign->size);
-      continue;
-    }
-    const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
-    if (frame == nullptr) {
+    const auto* foreign = std::get_if<modbus::MbapForeign>(&scan);
+    if (foreign == nullptr) {
       break;
     }
-    const std::uint64_t position = session.position();
-    if (session.ahead.has(position)) {
-      stop_ = session.ahead.take(position);
-      session.pass(frame->size);
-      return {.stop = &*stop_};
-    }
-    Request& request = understand(session, frame->adu, position, session.input.arrival_at(0));
-    judge(session, request, now);
-    session.pass(frame->size);
-    session.has_asked = true;
-    ++counters_.requests;
-    return {.request = &request};
+    notice_rtu(session, session.input.bytes());
+    ++counters_.foreign_adus;
+    session.pass(foreign->size);
   }
   return {};
+}
+
+Intake::Taken Intake::take(ClientSession& session, const modbus::MbapFrame& frame, Instant now) {
+  const std::uint64_t position = session.position();
+  if (session.ahead.has(position)) {
+    stop_ = session.ahead.take(position);
+    session.pass(frame.size);
+    return {.stop = &*stop_};
+  }
+  Request& request = understand(session, frame.adu, position, session.input.arrival_at(0));
+  judge(session, request, now);
+  session.pass(frame.size);
+  session.has_asked = true;
+  ++counters_.requests;
+  return {.request = &request};
 }
 
 Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu& adu,

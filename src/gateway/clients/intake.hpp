@@ -49,14 +49,19 @@ class Intake {
   Intake(const SettingsHistory& settings, const WriteRules& rules, ActionQueue& actions)
       : settings_(settings), rules_(rules), actions_(actions) {}
 
-  /// What comes next in a client's stream; nothing if there is no complete request, or the pipeline
-  /// has no room.
-  struct Next {
-    Request* request = nullptr;              ///< until the next call: both are large
-    const EarlyStops::Stop* stop = nullptr;  ///< that was taken early; as long
-    bool framing_lost = false;               ///< it is not known any more where requests begin
+  /// What comes next in a client's stream.
+  struct Front {
+    std::optional<modbus::MbapFrame> frame{};  ///< none: it is not whole, or the pipeline is full
+    bool framing_lost = false;                 ///< it is not known any more where requests begin
   };
-  [[nodiscard]] Next next(ClientSession& session, Instant now);
+  [[nodiscard]] Front front(ClientSession& session);
+  /// Takes what front() has found: a request, or a stop that was taken early. Both are large, and
+  /// valid until the next call.
+  struct Taken {
+    Request* request = nullptr;
+    const EarlyStops::Stop* stop = nullptr;
+  };
+  [[nodiscard]] Taken take(ClientSession& session, const modbus::MbapFrame& frame, Instant now);
   /// Begins to look for stops behind a full pipeline. What was searched before is not searched
   /// again, unless the client is leaving: it can send nothing more, so all its stops are taken,
   /// however many there are.

@@ -32,11 +32,11 @@ class Failsafe {
   /// The client may write to these devices, which are watched. It counts once it has sent a
   /// request.
   void client_came(ClientId client, const DevicePlaces& devices);
-  /// The client has sent a request, of any kind. Returns the devices whose writes were reported as
-  /// not yet sent and are now no longer due.
+  /// The client has sent a whole request, of any kind. Returns the devices whose writes were
+  /// reported as not yet sent and are now no longer due.
   DevicePlaces client_asked(ClientId client, Instant now);
-  /// `waits`: the client waits for an answer. Then it is not silent. Its silence begins when it has
-  /// all its answers.
+  /// `waits`: the client waits for an answer, or for its turn. Then it is not silent. Its silence
+  /// begins when it has all its answers.
   void client_waits(ClientId client, bool waits, Instant now);
   [[nodiscard]] bool does_wait(ClientId client) const;
   void client_gone(ClientId client);

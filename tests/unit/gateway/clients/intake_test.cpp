@@ -15,10 +15,12 @@ using gateway::Request;
 class IntakeAlone : public testing::Test {
  protected:
   void come(std::string_view bytes) { session_.input.append(unhex(bytes), Instant{1s}); }
-  Intake::Next next() { return intake_.next(session_, Instant{1s}); }
-  Request request() { return *next().request; }
-  static bool is_nothing(const Intake::Next& next) {
-    return next.request == nullptr && !next.stop && !next.framing_lost;
+  bool has_nothing() {
+    const Intake::Front front = intake_.front(session_);
+    return !front.frame && !front.framing_lost;
+  }
+  Request request() {
+    return *intake_.take(session_, *intake_.front(session_).frame, Instant{1s}).request;
   }
 
   SettingsHistory settings_{stop_plant(1)};
@@ -37,7 +39,7 @@ TEST_F(IntakeAlone, GivesOneRequestAfterTheOtherAndSkipsOtherProtocols) {
   const auto write = request();
   EXPECT_EQ(write.adu.header.transaction, 3);
   EXPECT_EQ(write.position, 20U);
-  EXPECT_TRUE(is_nothing(next()));
+  EXPECT_TRUE(has_nothing());
   EXPECT_EQ(intake_.counters().requests, 2U);
   EXPECT_EQ(intake_.counters().foreign_adus, 1U);
 }
@@ -48,20 +50,20 @@ TEST_F(IntakeAlone, SaysWhyARequestIsRefused) {
   EXPECT_EQ(reports<gateway::UnitNotRouted>(actions_).size(), 1U);
   intake_.set_phase(gateway::Phase::only_stops);
   come("0003 0000 0006 01 06 0000 0001  0004 0000 0006 01 06 007C 00E1");
-  static_cast<void>(next());
+  static_cast<void>(request());
   EXPECT_EQ(request().refused, modbus::ExceptionCode::server_device_busy);
   EXPECT_EQ(request().refused, std::nullopt);
 }
 
 TEST_F(IntakeAlone, EndsWhereFramingIsLost) {
   come("0001 0000 FFFF 01 03 0000 0001");
-  EXPECT_TRUE(next().framing_lost);
+  EXPECT_TRUE(intake_.front(session_).framing_lost);
 }
 
 TEST_F(IntakeAlone, BehindAFullPipelineOnlyStopsAreFound) {
   session_.answers.open();
   come("0001 0000 0006 01 06 0000 0001  0002 0000 0006 01 06 007C 00E1");
-  EXPECT_TRUE(is_nothing(next()));
+  EXPECT_TRUE(has_nothing());
   intake_.begin_early(session_);
   const Request* stop = intake_.next_early(session_, Instant{1s});
   ASSERT_TRUE(stop != nullptr && stop->is_stop && stop->is_early);

@@ -132,6 +132,20 @@ TEST(SilentWriters, AreNotThoseWhoseRequestsWaitForTheirTurn) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
+TEST(SilentWriters, AreThoseOfWhomOnlyAPartOfARequestHasComeWhoeverIsHeldUp) {
+  Settings settings = watched_plant();
+  settings.guards[0].quiet = 300ms;
+  settings.listeners[0].max_requests_per_second = 1;
+  MachineRig rig(settings);
+  rig.connect(1);
+  ask(rig, 1);
+  rig.receive(1, "00 01 00");
+  rig.advance(289ms);
+  EXPECT_THAT(take_requests(rig), IsEmpty());
+  rig.advance(1ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+}
+
 // Nothing else needs to happen first.
 TEST(DisplacedWriter, HasGoneAsSoonAsAnotherHasItsPlace) {
   Settings settings = watched_plant();
