@@ -115,7 +115,7 @@ void StateReader::read(const bus::ReceivedBytes& received, Duration reach, Hash&
 // What is kept is thrown away when it is older than `slack` and more bytes come; but what stands in
 // the buffer may be put behind it before.
 void StateReader::read(const bus::CutFrame& cut, bool is_last, Duration slack, Hash& hash) {
-  const auto& [kept, pieces, last] = cut;
+  const auto& [kept, begins, last] = cut;
   const bool is_over = is_last && hash.now() - last > slack;
   if (kept.empty() || is_over) {
     hash.add(false);
@@ -123,8 +123,8 @@ void StateReader::read(const bus::CutFrame& cut, bool is_last, Duration slack, H
   }
   hash.add(true);
   hash.add(std::span(kept.data(), kept.size()));
-  for (const std::size_t piece : pieces) {
-    hash.add(piece);
+  for (std::size_t at = 0; at < kept.size(); ++at) {
+    hash.add(begins.test(at));
   }
   hash.since(last, explore::kFarPast);
 }

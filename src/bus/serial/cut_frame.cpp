@@ -9,7 +9,7 @@ namespace mbgate::bus {
 
 void CutFrame::clear() {
   kept_.clear();
-  pieces_.clear();
+  begins_.reset();
 }
 
 void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack) {
@@ -17,16 +17,14 @@ void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last, Duration s
     clear();
   }
   if (bytes.size() <= kept_.capacity()) {
-    if (pieces_.size() < pieces_.capacity()) {
-      pieces_.push_back(kept_.size());
-    }
+    begins_.set(kept_.size());
     kept_.insert(kept_.end(), bytes.begin(), bytes.end());
     last_ = last;
   }
   while (!kept_.empty() && !may_begin_frame({kept_.data(), kept_.size()})) {
     kept_.erase(kept_.begin());
-    std::ranges::for_each(pieces_,
-                          [](std::size_t& piece) { piece -= std::min<std::size_t>(piece, 1); });
+    begins_ >>= 1;
+    begins_.set(0);
   }
 }
 
@@ -47,21 +45,20 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
   auto joined = kept_;
   joined.insert(joined.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(more));
   const std::size_t before = kept_.size();
-  for (const std::size_t piece : pieces_) {
-    const std::size_t last = std::min({piece + kMostNoise, before - 1, joined.size() - 2});
-    for (std::size_t at = piece; at <= last; ++at) {
-      const modbus::Bytes all = modbus::Bytes(joined.data(), joined.size()).subspan(at);
-      const auto frame = good_frame(all);
-      if (!frame || (at > piece && is_exception(all))) {
-        continue;
-      }
-      clear();
-      if (at + frame->size <= before) {
-        return std::nullopt;  // it was whole already, and was seen or given up
-      }
-      return Joined{*modbus::decode_rtu(all.first(frame->size)), at + frame->size - before,
-                    frame->is_response, at > piece};
+  std::size_t noise = 0;  // since a piece began
+  for (std::size_t at = 0; at < before && at + 1 < joined.size(); ++at) {
+    noise = begins_[at] ? 0 : noise + 1;
+    const modbus::Bytes all = modbus::Bytes(joined.data(), joined.size()).subspan(at);
+    const auto frame = noise > kMostNoise ? std::nullopt : good_frame(all);
+    if (!frame || (noise > 0 && is_exception(all))) {
+      continue;
     }
+    clear();
+    if (at + frame->size <= before) {
+      return std::nullopt;  // it was whole already, and was seen or given up
+    }
+    return Joined{*modbus::decode_rtu(all.first(frame->size)), at + frame->size - before,
+                  frame->is_response, noise > 0};
   }
   return std::nullopt;
 }

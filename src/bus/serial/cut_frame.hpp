@@ -3,6 +3,7 @@
 // between. The latency timer of an FTDI can split a late answer like any other frame.
 #pragma once
 
+#include <bitset>
 #include <boost/container/static_vector.hpp>
 
 #include "bus/instant.hpp"
@@ -33,11 +34,9 @@ class CutFrame {
   friend struct mbgate::StateReader;
   void clear();
 
-  static constexpr std::size_t kMostPieces = 16;
-
   boost::container::static_vector<std::uint8_t, modbus::kMaxRtuSize> kept_;
-  /// Where each given-up piece begins in `kept_`: a frame may begin with any of them.
-  boost::container::static_vector<std::size_t, kMostPieces> pieces_;
+  /// Where in `kept_` a piece begins that was given up: a frame may begin with any of them.
+  std::bitset<modbus::kMaxRtuSize> begins_;
   Instant last_;
 };
 

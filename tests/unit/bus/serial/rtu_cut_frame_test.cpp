@@ -108,6 +108,22 @@ TEST_F(RtuCutFrame, NorIsWhatCameShortlyBefore) {
   EXPECT_FALSE(unsolicited->after_noise);
 }
 
+// One that has lost bytes, in as many pieces as it has: each is given up.
+TEST_F(RtuCutFrame, NorIsWhatCameBeforeInManyPieces) {
+  framer_.listen();
+  for (int byte = 0; byte < 40; ++byte) {
+    add(byte == 0 ? "18" : byte == 1 ? "04" : "2A");
+    after(16ms);
+  }
+  add("01 03 04 00");
+  after(16ms);
+  add("03 0D 40 0F 53");
+  const auto unsolicited = framer_.take_unsolicited();
+  ASSERT_TRUE(unsolicited);
+  EXPECT_EQ(unsolicited->address, 1);
+  EXPECT_FALSE(unsolicited->after_noise);
+}
+
 // An identification that never ends: there is no room for its rest.
 TEST_F(RtuCutFrame, AFrameLongerThanAnyIsNotCompleted) {
   std::vector<std::uint8_t> endless = unhex("01 2B 0E 01 01 00 00 FF");
