@@ -33,14 +33,25 @@ std::map<unsigned, Waiting> waiting_on(const Book& book, std::size_t bus, Instan
   return hosts;
 }
 
+// Each may have taken one back, which is told after this.
+std::size_t came_since(const Book& book, Instant since) {
+  std::size_t count = 0;
+  for (const Lane& lane : book.lanes) {
+    count += static_cast<std::size_t>(
+        std::ranges::count_if(lane.open, [&](const Asked* it) { return it->accepted >= since; }));
+  }
+  return count;
+}
+
 }  // namespace
 
 bool had_another_more(const Book& book, std::size_t bus, const Asked& evicted, std::size_t taken,
-                      Instant now) {
+                      Duration lateness, Instant now) {
   const auto hosts = waiting_on(book, bus, now);
   const auto own = hosts.find(evicted.host);
+  const std::size_t spared = taken + came_since(book, now - lateness);
   return own != hosts.end() && std::ranges::any_of(hosts, [&](const auto& other) {
-           return other.second.surely > own->second.at_most + taken;
+           return other.second.surely > own->second.at_most + spared;
          });
 }
 

@@ -7,7 +7,8 @@
 namespace mbgate::soak {
 
 /// Surely another client address than the request's own had more waiting than that.
-/// `taken`: so many requests may have their turn, and wait no more.
+/// `taken`: so many requests may have their turn, and wait no more. `lateness`: so long before it
+/// is told who has made room.
 bool had_another_more(const Book& book, std::size_t bus, const Asked& evicted, std::size_t taken,
-                      Instant now);
+                      Duration lateness, Instant now);
 }  // namespace mbgate::soak

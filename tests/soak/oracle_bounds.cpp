@@ -81,7 +81,7 @@ void Oracle::judge_eviction(const Asked& asked) {
     return;
   }
   if (had_another_more(books_[bus], bus, asked, is_tcp(bus) ? bus_settings(bus).outstanding : 1,
-                       now)) {
+                       lateness(), now)) {
     violation("evicted_of_another", name(asked));
   }
   for (const std::uint64_t id : session->second.order) {
