@@ -15,6 +15,7 @@ Intake::Front Intake::front(ClientSession& session) {
   while (phase_ != Phase::running || !session.is_full()) {
     modbus::MbapScan scan = modbus::scan_mbap(session.input.bytes());
     if (auto* frame = std::get_if<modbus::MbapFrame>(&scan)) {
+      session.has_asked = true;
       return {.frame = std::move(*frame)};
     }
     if (const auto* lost = std::get_if<modbus::MbapLost>(&scan)) {
@@ -47,7 +48,6 @@ Intake::Taken Intake::take(ClientSession& session, const modbus::MbapFrame& fram
   Request& request = understand(session, frame.adu, position, session.input.arrival_at(0));
   judge(session, request, now);
   session.pass(frame.size);
-  session.has_asked = true;
   ++counters_.requests;
   return {.request = &request};
 }

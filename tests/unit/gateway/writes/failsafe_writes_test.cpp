@@ -128,21 +128,39 @@ TEST_F(FailsafeWrites, AreNotDueAnyMoreWhenAWriterAsksAgain) {
   EXPECT_THAT(answer_all(), ElementsAre(kStop1, kSecond));
 }
 
-TEST(HeldUpWriter, HasAskedThoughItsRequestWaitsForItsTurn) {
-  Settings settings = watched_plant();
-  settings.listeners[0].max_requests_per_second = 1;
-  MachineRig rig(settings);
-  rig.connect(1);
-  ask(rig, 1);
-  rig.lose_line();
-  rig.disconnect(1);
-  rig.connect(2);
-  EXPECT_THAT(rig.events, ElementsAre(kLost, kNotYet));
-  rig.receive(2, read_request(1, 2));
-  EXPECT_THAT(rig.events, testing::Contains(kBack));
-  rig.open_line();
-  rig.advance(100ms);
-  EXPECT_THAT(take_requests(rig), IsEmpty());
+/// A client of this address has gone, and used up its second.
+class HeldUpWriter : public testing::Test {
+ protected:
+  HeldUpWriter() {
+    rig_.connect(1);
+    ask(rig_, 1);
+  }
+  static Settings settings() {
+    Settings settings = watched_plant();
+    settings.listeners[0].max_requests_per_second = 1;
+    return settings;
+  }
+  MachineRig rig_{settings()};
+};
+
+TEST_F(HeldUpWriter, HasAskedThoughItsRequestWaitsForItsTurn) {
+  rig_.lose_line();
+  rig_.disconnect(1);
+  rig_.connect(2);
+  EXPECT_THAT(rig_.events, ElementsAre(kLost, kNotYet));
+  rig_.receive(2, read_request(1, 2));
+  EXPECT_THAT(rig_.events, testing::Contains(kBack));
+  rig_.open_line();
+  rig_.advance(100ms);
+  EXPECT_THAT(take_requests(rig_), IsEmpty());
+}
+
+TEST_F(HeldUpWriter, IsThereStillAfterAReload) {
+  rig_.connect(2);
+  rig_.receive(2, read_request(1, 2));
+  rig_.disconnect(1);
+  rig_.reload(settings());
+  EXPECT_THAT(take_requests(rig_), IsEmpty());
 }
 
 TEST_F(FailsafeWrites, StayDueWhileOtherSettingsComeAndTheLineIsReplaced) {
