@@ -113,6 +113,9 @@ void ClientRates::accepted(Asked& asked, Instant now) {
     asked.ahead = asked.ahead || !asked.is_stop();
     return;
   }
+  if (asked.is_stop() && bucket.open >= limits_[clients_.at(asked.client).first].pipeline) {
+    ++bucket.order;  // those that are held up may have to wait until it is answered
+  }
   const Instant next = std::max(now, bucket.taken_until);
   const Instant place = room_at(bucket.counted_until, rate, next);
   bucket.counted_until = place + kSecond;

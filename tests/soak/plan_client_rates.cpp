@@ -26,14 +26,12 @@ bool fits(const SoakPlan& plan) {
 
 void draw_manners(const SoakPlan& plan, Manners& manners, Random& random) {
   const unsigned rate = plan.settings.listeners[manners.listener].max_requests_per_second;
-  // Of what is no request nobody can tell whether it has taken a place.
-  manners.foreign = manners.hangs = manners.loses_framing = 0;
   manners.malformed = random.one_of({50U, 200U});
   if (plan.silence) {
     manners.vanishes = manners.never_asks ? manners.vanishes : 0;
     // Behind answers that it does not take it is silent, and nobody outside knows which of its
     // requests were held up before these filled the pipeline.
-    manners.splits = manners.half_closes = manners.stalls = 0;
+    manners.half_closes = manners.stalls = 0;
   }
   if (rate == 0 || manners.never_asks) {
     return;
