@@ -49,7 +49,8 @@ class Intake {
   Intake(const SettingsHistory& settings, const WriteRules& rules, ActionQueue& actions)
       : settings_(settings), rules_(rules), actions_(actions) {}
 
-  /// What comes next in a client's stream.
+  /// What comes next in a client's stream. Skips other protocols; a client with a whole request
+  /// there has asked.
   struct Front {
     std::optional<modbus::MbapFrame> frame{};  ///< none: it is not whole, or the pipeline is full
     bool framing_lost = false;                 ///< it is not known any more where requests begin

@@ -128,7 +128,7 @@ TEST_F(FailsafeWrites, AreNotDueAnyMoreWhenAWriterAsksAgain) {
   EXPECT_THAT(answer_all(), ElementsAre(kStop1, kSecond));
 }
 
-/// A client of this address has gone, and used up its second.
+/// A client has used up the second of its address.
 class HeldUpWriter : public testing::Test {
  protected:
   HeldUpWriter() {
