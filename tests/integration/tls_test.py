@@ -3,6 +3,7 @@
 """Modbus/TCP Security over mbgated's own listeners, with Python's ssl (OpenSSL) as the client: handshakes, roles,
 resumption, revocation, and what a reload does. tests/README.md says which clause of MB-TCP-Security v36 each shows."""
 
+import contextlib
 import datetime
 import os
 import signal
@@ -22,16 +23,31 @@ VERSIONS = (ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3)
 DENIED = b"\x84\x01"
 
 
-def has_in_memory(pid, wanted):
-    """Among what the program has written itself; the shadow of a sanitizer is terabytes, and no part of it."""
-    with open(f"/proc/{pid}/maps", encoding="utf-8") as maps, open(f"/proc/{pid}/mem", "rb", buffering=0) as memory:
+@contextlib.contextmanager
+def stopped(process):
+    """What a program that runs maps and unmaps between two looks at it does not change here."""
+    process.signal(signal.SIGSTOP)
+    try:
+        os.waitid(os.P_PID, process.pid, os.WSTOPPED)  # the signal is on its way until then
+        yield
+    finally:
+        process.signal(signal.SIGCONT)
+
+
+def has_in_memory(process, wanted):
+    """Whether one of `wanted` is among what the program has written itself; the shadow of a sanitizer is terabytes, and
+    no part of it."""
+    found = False
+    with stopped(process), open(f"/proc/{process.pid}/maps", encoding="utf-8") as maps, open(
+            f"/proc/{process.pid}/mem", "rb", buffering=0) as memory:
         for line in maps:
             begin, end = (int(number, 16) for number in line.split()[0].split("-"))
             if line.split()[1].startswith("rw") and end - begin < 1 << 26:
                 memory.seek(begin)
-                if wanted in memory.read(end - begin):
-                    return True
-    return False
+                held = memory.read(end - begin)
+                assert len(held) == end - begin, f"only {len(held)} bytes can be read of {line}"
+                found = found or any(form in held for form in wanted)
+    return found
 
 
 class Handshake(TlsCase):
@@ -374,8 +390,8 @@ class Signer(TlsCase):
         text = (self.plant.keys / "ec.key").read_bytes()
         secret = serialization.load_pem_private_key(text, None).private_numbers().private_value.to_bytes(32, "big")
         forms = (secret, secret[::-1], text.splitlines()[1])  # OpenSSL's numbers begin with their last bytes
-        self.assertTrue(any(has_in_memory(self.plant.signer.pid, form) for form in forms))
-        self.assertFalse(any(has_in_memory(self.plant.gateway.pid, form) for form in forms))
+        self.assertTrue(has_in_memory(self.plant.signer, forms))
+        self.assertFalse(has_in_memory(self.plant.gateway, forms))
 
 
 @unittest.skipUnless(os.geteuid() == 0, "only root can start programs as other users")
