@@ -2,9 +2,22 @@
 #include "routing/route.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cstdint>
+
+#include "modbus/function_code.hpp"
 
 namespace mbgate::routing {
+namespace {
+
+/// Does a request with this function move something? Unknown functions may; diagnostics and
+/// identification (08, 43) do not, though they are no reads in every form.
+bool may_move(std::uint8_t function) {
+  return modbus::is_request_function(function) && !modbus::is_read({&function, 1}) &&
+         function != static_cast<std::uint8_t>(modbus::FunctionCode::diagnostics) &&
+         function != static_cast<std::uint8_t>(modbus::FunctionCode::encapsulated_interface);
+}
+
+}  // namespace
 
 FunctionRules FunctionRules::all() {
   FunctionRules rules;
@@ -22,10 +35,15 @@ FunctionRules FunctionRules::rewritable() {
 }
 
 bool Route::may_write() const {
-  constexpr std::array kWriting{0x05U, 0x06U, 0x0FU, 0x10U, 0x16U, 0x17U};
-  return access == Access::read_write && std::ranges::any_of(kWriting, [this](unsigned function) {
-           return functions.allowed.test(function);
-         });
+  if (access == Access::read_only) {
+    return false;
+  }
+  for (std::uint8_t function = 0; function < functions.allowed.size(); ++function) {
+    if (functions.allowed.test(function) && may_move(function)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 bool Route::leads_to(const drive::Device& server) const {

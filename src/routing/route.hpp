@@ -76,7 +76,8 @@ struct Route {
   [[nodiscard]] std::uint8_t address_of(std::uint8_t unit) const {
     return static_cast<std::uint8_t>(first_address + (unit - first_unit));
   }
-  /// Does the route let any function through that writes to a table?
+  /// Does the route let any function through that may set something going? Unknown ones may;
+  /// diagnostics and identification (08, 43) do not.
   [[nodiscard]] bool may_write() const;
   /// Is the device one of those that the route leads to?
   [[nodiscard]] bool leads_to(const drive::Device& server) const;

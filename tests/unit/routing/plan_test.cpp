@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <initializer_list>
 
 #include "routing/address_window.hpp"
 #include "routing/route_table.hpp"
@@ -178,6 +179,30 @@ TEST(RouteTable, TransparentListenersHaveRoutesOfTheirOwnOnly) {
   EXPECT_EQ(table.find(ListenerId{0}, 250), nullptr);
   EXPECT_TRUE(table.find(ListenerId{0}, 0)->is_broadcast());
   EXPECT_EQ(table.find(ListenerId{0}, 247)->route.buses[0], BusId{1});
+}
+
+/// Does a route that lets these functions through count as one that may write?
+bool may_write(std::initializer_list<std::size_t> functions) {
+  Route route;
+  route.functions = {};
+  for (const std::size_t function : functions) {
+    route.functions.allowed.set(function);
+  }
+  return route.may_write();
+}
+
+TEST(Route, MayWriteByWhateverIsNoRead) {
+  EXPECT_TRUE(may_write({3, 6}));
+  EXPECT_TRUE(may_write({3, 0x15}));  // file records
+  EXPECT_TRUE(may_write({3, 0x65}));  // a maker's own
+  EXPECT_TRUE(may_write({0x7F}));
+  EXPECT_FALSE(may_write({1, 2, 3, 4, 7, 11, 12, 17, 20, 24}));
+  EXPECT_FALSE(may_write({3, 8, 43}));  // diagnosis sets nothing going
+  EXPECT_FALSE(may_write({}));
+  Route reading;
+  EXPECT_TRUE(reading.may_write());
+  reading.access = routing::Access::read_only;
+  EXPECT_FALSE(reading.may_write());
 }
 
 }  // namespace
