@@ -144,6 +144,8 @@ class DemoPlant(Plant):
         folder = pathlib.Path(self._folder.name)
         text = (CONFIGURATION / "demo.toml").read_text(encoding="utf-8")
         text = re.sub(r"(?m)^port *=.*$", "port = 0", text)
+        # On a busy machine the simulator may answer late.
+        text = text.replace('response_timeout = "300ms"', 'response_timeout = "3s"\nlisten_first = "300ms"')
         self.control = folder / "control"
         self.configuration = folder / "demo.toml"
         self.configuration.write_text(f'{text}\n[http]\nsocket = "{self.control}"\n', encoding="utf-8")
