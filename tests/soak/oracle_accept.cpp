@@ -27,6 +27,10 @@ void Oracle::answer_sent(ClientId client) {
 
 void Oracle::accept_backlog(Session& session) {
   const std::size_t pipeline = plan_.settings.listeners[session.listener].pipeline;
+  const auto takes_perhaps_no_place = [this](std::uint64_t id) {
+    const Asked& stop = *open_.at(id);
+    return stop.is_accepted && stop.perhaps_older;
+  };
   while (session.outstanding < pipeline || stopping_) {
     std::erase_if(session.taken, [&](std::uint64_t id) {
       return session.backlog.empty() || id <= session.backlog.front();
@@ -40,7 +44,8 @@ void Oracle::accept_backlog(Session& session) {
     session.order.push_back(asked.id);
     asked.dropped = session.half_closed && asked.changes() && !asked.is_stop();
     asked.ordered = session.ordered;
-    asked.ahead = schedule_.now() < session.ahead_until;
+    asked.ahead = schedule_.now() < session.ahead_until ||
+                  std::ranges::any_of(session.backlog, takes_perhaps_no_place);
     if (!asked.is_accepted) {
       accept(asked);
     }
@@ -49,7 +54,9 @@ void Oracle::accept_backlog(Session& session) {
 }
 
 // Stops are taken out of what waits behind a full pipeline, so many at a time, unless they let a
-// write go first that waits there too; on an ordered listener the answer keeps its place.
+// write go first that waits there too; on an ordered listener the answer keeps its place. A
+// broadcast that may be older than what its unit has come to mean is perhaps none any more, and
+// takes none.
 void Oracle::look_ahead(Session& session) {
   const std::deque<std::uint64_t> backlog = session.backlog;
   for (const std::uint64_t id : backlog) {
@@ -63,7 +70,7 @@ void Oracle::look_ahead(Session& session) {
     session.taken.push_back(id);
     asked.ordered = session.ordered;
     accept(asked);
-    if (!asked.ordered) {
+    if (!asked.ordered && !asked.perhaps_older) {
       std::erase(session.backlog, id);
       ++session.outstanding;
       session.order.push_back(id);
