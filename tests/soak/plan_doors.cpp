@@ -71,7 +71,6 @@ void Doors::add_doors() {
     for (std::size_t listener = 0; listener < settings.listeners.size(); ++listener) {
       if (settings.listeners[listener].bus == settings.devices[index].bus) {
         Door door{listener, settings.devices[index].address, index, {bus}};
-        set_deadlines(plan_, door);
         plan_.doors.push_back(door);
       }
     }
@@ -108,7 +107,6 @@ void Doors::add_routes(std::size_t index) {
     door.swapped = route.word_order && *route.word_order != *device.word_order;
     door.read_only = route.access == routing::Access::read_only;
     door.route = plan_.settings.routes.size() - 1;
-    set_deadlines(plan_, door);
     const bool has_twin = index > 0 && random_.chance(300);
     const std::size_t other = has_twin ? random_.below(index) : 0;
     for (; !plan_.settings.listeners[door.listener].bus; ++door.listener) {
@@ -159,7 +157,6 @@ void Doors::add_range(std::size_t bus) {
     Door door{0, static_cast<std::uint8_t>(route.first_unit + (address - first)), index, {bus}};
     door.route = plan_.settings.routes.size() - 1;
     door.in_range = true;
-    set_deadlines(plan_, door);
     for (; !plan_.settings.listeners[door.listener].bus; ++door.listener) {
       plan_.doors.push_back(door);
     }
@@ -180,7 +177,6 @@ void Doors::add_broadcasts() {
       random_.chance(700) ? routing::BroadcastReply::echo : routing::BroadcastReply::none;
   all.replies = route.broadcast_reply == routing::BroadcastReply::echo;
   all.route = settings.routes.size() - 1;
-  set_deadlines(plan_, all);
   if (all.buses.empty()) {
     settings.routes.pop_back();
     return;
@@ -193,7 +189,6 @@ void Doors::add_broadcasts() {
     if (listener.bus && !is_tcp(static_cast<std::size_t>(*listener.bus))) {
       Door door{at, 0, std::nullopt, {static_cast<std::size_t>(*listener.bus)}};
       door.replies = listener.broadcast_reply == routing::BroadcastReply::echo;
-      set_deadlines(plan_, door);
       plan_.doors.push_back(door);
     }
   }

@@ -38,7 +38,6 @@ void add_autonics_route(SoakPlan& plan, Random& random) {
   door.buses = {*bus};
   const bool only_reads = random.chance(500);
   door.read_only = all->read_only || only_reads;
-  set_deadlines(plan, door);
   routing::Route& route = plan.settings.routes.emplace_back();
   route.first_unit = route.last_unit = route.first_address = kAutonicsAddress;
   route.buses = {drive::BusId{static_cast<std::uint32_t>(*bus)}};

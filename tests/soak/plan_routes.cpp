@@ -113,7 +113,6 @@ void OwnRoutes::add(std::uint8_t unit, std::size_t device, routing::Access acces
   door.routed = true;
   door.read_only = access == routing::Access::read_only;
   door.route = plan_.settings.routes.size() - 1;
-  set_deadlines(plan_, door);
   plan_.absent.routes.push_back(false);
   plan_.doors.push_back(door);
 }

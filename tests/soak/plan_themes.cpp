@@ -42,9 +42,6 @@ void ThemeDraw::arrange() {
     arrange(bus);
     add_more(bus);
   }
-  for (Door& door : plan_.doors) {
-    set_deadlines(plan_, door);
-  }
 }
 
 void ThemeDraw::pick(unsigned which) {
