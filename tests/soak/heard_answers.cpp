@@ -19,6 +19,17 @@ bool looks_like_bits(const PduBytes& pdu) {
          (spec::word_at(pdu, 3) + 7U) / 8U == kBytes;
 }
 
+// The address is among these bytes, and behind it the function, or nothing yet.
+bool may_begin_answer(Bytes bytes, const Flight& asked) {
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    const bool is_function = at + 1 == bytes.size() || (bytes[at + 1] & 0x7FU) == asked.pdu.front();
+    if (bytes[at] == asked.address && is_function) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 bool may_echo(const SoakPlan& plan, const Book& book, std::size_t bus) {
@@ -134,8 +145,14 @@ std::optional<Instant> HeardAnswers::stuck_until(const Flight& last) const {
     return std::nullopt;
   }
   const auto& settings = oracle_.bus_settings(last.bus);
-  return std::max(last.due, book.use.first_read + spec::WireTimes(settings.line).of(last.stuck.of) +
-                                spec::slack_of(settings));
+  const Instant over = book.use.first_read + spec::WireTimes(settings.line).of(last.stuck.of) +
+                       spec::slack_of(settings);
+  // What goes on when that is over, because an adapter kept it, may begin another answer.
+  const Bytes rest = Bytes(book.heard).subspan(last.stuck.head);
+  if (book.last_handed_in >= over && may_begin_answer(rest, last)) {
+    return std::nullopt;
+  }
+  return std::max(last.due, over);
 }
 
 // Its last try has ended as late as an answer could have that began in time, though the line is
