@@ -43,7 +43,8 @@ struct Flight {
   /// alone; the numbers in which they were accepted.
   std::vector<std::uint64_t> waiting_writes{};
   std::vector<std::uint64_t> answered{};
-  bool is_for_each = false;     ///< a read that was surely sent for all of `asked`
+  std::vector<std::uint64_t> merged_for{};  ///< of `asked`, who surely have a part of it
+  bool is_for_each = false;                 ///< a read that was surely sent for all of `asked`
   bool has_whole_echo = false;  ///< it was read; another one may look like a damaged answer
   bool echo_pauses = false;     ///< it was read in two parts, the first of which ended as an answer
   bool is_crowded = false;      ///< all places on its connection were taken beside it

@@ -57,18 +57,41 @@ void SharedReads::check_bounds(const Flight& flight) const {
   }
 }
 
-// What was surely merged is not merged again when that failed as often as it may be tried.
-void SharedReads::count_tries(const Flight& flight, const Meant& meant) const {
+// What was surely merged is not merged again when that failed as often as it may be tried. It is
+// repeated as long as it was, also when who asked for its begin or its end has gone: who asks for
+// them then joins it no more.
+void SharedReads::count_tries(Flight& flight, const Meant& meant) const {
   if (oracle_.is_tcp(flight.bus)) {
     return;
   }
+  const Flight* before = last_like(flight, meant);
   for (const auto& [asked, piece] : meant) {
-    const bool is_merged = asked->is_read() && piece->pdu != flight.pdu;
-    if (is_merged && is_needed(piece->pdu, flight, meant) &&
-        ++asked->merged_tries > 1 + asked->retries) {
+    const bool was_there =
+        before == nullptr || std::ranges::count(before->merged_for, asked->id) > 0;
+    const bool is_merged = asked->is_read() && piece->pdu != flight.pdu && was_there;
+    if (!is_merged || !is_needed(piece->pdu, flight, meant)) {
+      continue;
+    }
+    flight.merged_for.push_back(asked->id);
+    if (++asked->merged_tries > 1 + asked->retries) {
       oracle_.violation("merged_too_often", oracle_.name(*asked));
     }
   }
+}
+
+// The last one that it may repeat.
+const Flight* SharedReads::last_like(const Flight& flight, const Meant& meant) const {
+  const Flight* last = nullptr;
+  for (const auto& [asked, piece] : meant) {
+    for (const std::uint64_t number : asked->tries) {
+      const Flight* other = oracle_.flight(number);
+      if (other != nullptr && other->pdu == flight.pdu &&
+          (last == nullptr || last->number < number)) {
+        last = other;
+      }
+    }
+  }
+  return last;
 }
 
 // It was accepted, and nothing can have ended it.

@@ -21,7 +21,7 @@ class SharedReads {
 
   void check_bounds(const Flight& flight) const;
   /// To be called before it is noted for whom the flight is.
-  void count_tries(const Flight& flight, const Meant& meant) const;
+  void count_tries(Flight& flight, const Meant& meant) const;
   /// The same: which writes wait while it is transmitted for several, and whether it surely is for
   /// each of these.
   void note_writes(Flight& flight, const Meant& meant) const;
@@ -31,6 +31,7 @@ class SharedReads {
   void judge_joined(const Asked& asked) const;
 
  private:
+  [[nodiscard]] const Flight* last_like(const Flight& flight, const Meant& meant) const;
   [[nodiscard]] bool is_for_each(const Flight& flight, const Meant& meant) const;
   [[nodiscard]] bool joins_for_certain(const Asked& asked, const Flight& flight,
                                        const Meant& meant) const;
