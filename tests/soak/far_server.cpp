@@ -187,6 +187,9 @@ void FarServer::say(const Answer& answer) {
   append(answer.identifier);
   if (answer.fits && (!is_other || !around_.plan.settings.buses[bus_].check_unit)) {
     ends_.emplace_back(stream_.size(), answer.number);
+    if (is_other) {
+      around_.oracle.misnamed(bus_, answer.number);
+    }
   } else {
     unsure_ = true;  // late, it is a sign of life as others are
   }

@@ -99,6 +99,9 @@ class Oracle {
   void line_news(std::size_t bus, bus::LineFault fault);
   /// The TCP answer with the identifier was handed to it.
   void tcp_answer_came(std::uint64_t number);
+  /// The server begins an answer that names another unit, and the gateway has not read it yet.
+  void misnamed(std::size_t bus, std::uint64_t number) { books_[bus].misnamed.push_back(number); }
+  [[nodiscard]] bool has_misnamed(std::size_t bus) const { return !books_[bus].misnamed.empty(); }
   /// An answer of the device may still be taken for one to the gateway.
   [[nodiscard]] bool owes(std::size_t bus, std::uint8_t address);
   // oracle_reload.cpp
@@ -194,7 +197,6 @@ class Oracle {
   [[nodiscard]] bool is_apart(const Asked& asked, const char* what) const;
   void wrong_data(const Asked& asked, const std::string& text);
   [[nodiscard]] bool may_be_offline(const Asked& asked) const;
-
   // oracle_wire.cpp
   bool take_apart(Bytes frame, Flight& flight);
   void check_silence(const Flight& flight);
@@ -212,7 +214,6 @@ class Oracle {
   void set_times(Flight& flight);
   void settle(std::size_t bus, const HeardFrame& frame);
   void note_uncertain(std::size_t bus, const HeardFrame& frame);
-
   // oracle_echo.cpp
   void read_frames(std::size_t bus);
   void read_answers(std::size_t bus);
@@ -225,7 +226,6 @@ class Oracle {
   void judge_heard(const Asked& asked);
   [[nodiscard]] bool is_excused(const Asked& asked);
   void check_told(const Book& book, std::size_t bus) const;
-
   // oracle_stops.cpp
   [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
   void check_stops_first(const Flight& flight);

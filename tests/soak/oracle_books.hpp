@@ -177,6 +177,7 @@ struct Book {
   Instant read_while_sending = Instant::min();  ///< when bytes were read last before its end
   std::vector<HeardFrame> unread;               ///< good frames in the kernel
   std::vector<std::uint64_t> unread_answers;    ///< the same on a connection, to these
+  std::vector<std::uint64_t> misnamed;          ///< their answers name another unit, unread
   std::optional<HeardEcho> unread_echo;
   int stops_at_end = 0;  ///< transmitted since the gateway was told to stop
   Instant first_stop_at_end{};
@@ -208,6 +209,7 @@ struct Book {
   void forget_line() {
     unread.clear();
     unread_answers.clear();
+    misnamed.clear();
     unread_echo.reset();
     echo_proven = echo_lost = echo_found = false;
     told_unproven = told_while_sending = must_tell_unproven = false;

@@ -101,6 +101,7 @@ void Oracle::read_answers(std::size_t bus) {
   constexpr std::ptrdiff_t kRemembered = 64;
   Book& book = books_[bus];
   for (const std::uint64_t number : std::exchange(book.unread_answers, {})) {
+    std::erase(book.misnamed, number);
     const Flight* answered = flight(number);
     if (answered == nullptr) {
       continue;

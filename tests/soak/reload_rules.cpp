@@ -94,7 +94,8 @@ bool Reloads::change_rules(std::size_t index) {
 }
 
 // How long a line is waited for, in its answers and when it is away, and what its server's answers
-// have to name. A pause that is within an answer stays within it.
+// have to name. A pause that is within an answer stays within it, and no answer that is on its way
+// becomes a wrong one.
 bool Reloads::change_patience(std::size_t index) {
   bus::BusSettings& bus = plan_.settings.buses[index];
   reload_.touched.push_back(index);
@@ -108,7 +109,8 @@ bool Reloads::change_patience(std::size_t index) {
       }
       break;
     case 3:
-      bus.check_unit = !bus.check_unit && plan_.rates[index].other_unit < kAlways;
+      bus.check_unit = !bus.check_unit && plan_.rates[index].other_unit < kAlways &&
+                       !oracle_.has_misnamed(index);
       bus.stop_deadline.reset();
       bus.stop_deadline = spec::stop_deadline_of(bus) + patience_.duration(0ms, 1s);
       break;
