@@ -12,11 +12,23 @@ void CutFrame::clear() {
   begins_.reset();
 }
 
+// The oldest pieces go: a frame that begins so far back would be longer than any.
+void CutFrame::make_room(std::size_t size) {
+  const std::size_t room = kept_.capacity() - size;
+  std::size_t count = kept_.size() - std::min(kept_.size(), room);
+  while (count > 0 && count < kept_.size() && !begins_[count]) {
+    ++count;
+  }
+  kept_.erase(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(count));
+  begins_ >>= count;
+}
+
 void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack) {
-  if (began - last_ > slack || kept_.size() + bytes.size() > kept_.capacity()) {
+  if (began - last_ > slack || bytes.size() > kept_.capacity()) {
     clear();
   }
   if (bytes.size() <= kept_.capacity()) {
+    make_room(bytes.size());
     begins_.set(kept_.size());
     kept_.insert(kept_.end(), bytes.begin(), bytes.end());
     last_ = last;
@@ -41,14 +53,16 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
     clear();
     return std::nullopt;
   }
-  const std::size_t more = std::min(bytes.size(), kept_.capacity() - kept_.size());
-  auto joined = kept_;
-  joined.insert(joined.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(more));
+  boost::container::static_vector<std::uint8_t, 2 * modbus::kMaxRtuSize> joined(kept_.begin(),
+                                                                                kept_.end());
+  const modbus::Bytes rest = bytes.first(std::min(bytes.size(), modbus::kMaxRtuSize));
+  joined.insert(joined.end(), rest.begin(), rest.end());
   const std::size_t before = kept_.size();
   std::size_t noise = 0;  // since a piece began
   for (std::size_t at = 0; at < before && at + 1 < joined.size(); ++at) {
     noise = begins_[at] ? 0 : noise + 1;
-    const modbus::Bytes all = modbus::Bytes(joined.data(), joined.size()).subspan(at);
+    const modbus::Bytes all = modbus::Bytes(joined.data(), joined.size())
+                                  .subspan(at, std::min(joined.size() - at, modbus::kMaxRtuSize));
     const auto frame = noise > kMostNoise ? std::nullopt : good_frame(all);
     if (!frame || (noise > 0 && is_exception(all))) {
       continue;

@@ -16,7 +16,8 @@ class CutFrame {
  public:
   /// The bytes (at least one) were given up as a frame. The first of them came at `began`, the last
   /// at `last`. They are appended to what is kept, unless they began more than `slack` after it:
-  /// then that is dropped first. Only what may be the beginning of a frame is kept.
+  /// then that is dropped first. Only what may be the beginning of a frame is kept; where there is
+  /// no room for all of it, the oldest pieces are dropped.
   void keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack);
   /// A valid frame that begins in what was kept and ends in the new bytes.
   struct Joined {
@@ -33,6 +34,7 @@ class CutFrame {
  private:
   friend struct mbgate::StateReader;
   void clear();
+  void make_room(std::size_t size);
 
   boost::container::static_vector<std::uint8_t, modbus::kMaxRtuSize> kept_;
   /// Where in `kept_` a piece begins that was given up: a frame may begin with any of them.

@@ -124,6 +124,30 @@ TEST_F(RtuCutFrame, NorIsWhatCameBeforeInManyPieces) {
   EXPECT_FALSE(unsolicited->after_noise);
 }
 
+// Long ones: together they are longer than any frame.
+TEST_F(RtuCutFrame, NorIsALongOneThatCameBefore) {
+  std::vector<std::uint8_t> answer(226);
+  answer[0] = 3;
+  answer[1] = 224;
+  const auto late = modbus::encode_rtu(1, *modbus::Pdu::from(answer));
+  framer_.listen();
+  for (int piece = 0; piece < 17; ++piece) {
+    add("18 04 F0 00 00 00 00 00 00 00");
+    after(16ms);
+  }
+  std::size_t begin = 0;
+  for (const std::size_t end : {std::size_t{12}, std::size_t{84}, std::size_t{156}, late.size()}) {
+    EXPECT_FALSE(framer_.take_unsolicited());
+    FramerRig::add(modbus::Bytes(late.data() + begin, end - begin));
+    after(16ms);
+    begin = end;
+  }
+  const auto unsolicited = framer_.take_unsolicited();
+  ASSERT_TRUE(unsolicited);
+  EXPECT_EQ(unsolicited->address, 1);
+  EXPECT_FALSE(unsolicited->after_noise);
+}
+
 // An identification that never ends: there is no room for its rest.
 TEST_F(RtuCutFrame, AFrameLongerThanAnyIsNotCompleted) {
   std::vector<std::uint8_t> endless = unhex("01 2B 0E 01 01 00 00 FF");
