@@ -134,6 +134,12 @@ Instant ClientRates::waits_since(const Asked& asked) const {
   return bucket == buckets_.end() ? Instant::min() : bucket->second.answered;
 }
 
+bool ClientRates::may_hold(const Asked& asked, Duration lateness, Instant now) {
+  const bool may_be_held =
+      asked.ahead || (asked.held_until && now <= *asked.held_until + 2 * lateness);
+  return asked.begun && may_be_held && !asked.surely_on_wire;
+}
+
 void ClientRates::lifted(Asked& asked, Instant now) const {
   if (asked.held_until && rate_of(asked) == 0) {
     asked.held_until = std::min(*asked.held_until, now);

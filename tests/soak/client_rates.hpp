@@ -31,6 +31,8 @@ class ClientRates {
   void accepted(Asked& asked, Instant now);
   /// Its host has waited for its turn since then, if the gateway holds it up.
   [[nodiscard]] Instant waits_since(const Asked& asked) const;
+  /// The gateway may not have taken it yet: it holds it up, or others before it.
+  [[nodiscard]] static bool may_hold(const Asked& asked, Duration lateness, Instant now);
   /// Nothing is held up any more by this limit, where there is none now.
   void lifted(Asked& asked, Instant now) const;
   /// Its answer comes. What is wrong with that; nothing if nothing is.

@@ -71,10 +71,17 @@ std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   const Session& session = sessions_.at(client);
   asked.waits_in_pause = session.paused_since.has_value();
   asked.earliest = session.paused_since.value_or(schedule_.now());
-  // Each piece of what is read ahead has a mark, and a request may come in several.
+  // Each piece of what is read ahead has a mark, and a request may come in several. What its host
+  // may ask only later is read ahead, too.
   constexpr std::size_t kPieces = 4;
-  if (session.backlog.size() + 1 >= gateway::kArrivalMarks / kPieces) {
-    asked.earliest = std::min(asked.earliest, open_.at(session.backlog.front())->earliest);
+  const auto is_held = [&](std::uint64_t id) {
+    return client_rates_.may_hold(*open_.at(id), lateness(), schedule_.now());
+  };
+  const auto held = static_cast<std::size_t>(std::ranges::count_if(session.order, is_held));
+  if (held + session.backlog.size() + 1 >= gateway::kArrivalMarks / kPieces) {
+    const auto first = std::ranges::find_if(session.order, is_held);
+    const auto oldest = first != session.order.end() ? *first : session.backlog.front();
+    asked.earliest = std::min(asked.earliest, open_.at(oldest)->earliest);
   }
   sessions_.at(client).by_transaction[asked.transaction] = asked.id;
   open_.emplace(ids_, std::make_unique<Asked>(std::move(asked)));
