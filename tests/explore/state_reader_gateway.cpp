@@ -67,14 +67,14 @@ void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& 
   // pipeline is full: ahead, partial_since, timer_armed_at, pauses, and where in the stream it is:
   // position, read_position, unread.
   const auto& [input, ahead, answers, has_asked, is_closed, is_leaving, speaks_rtu_reported,
-               requests, refused, last_activity, partial_since, held_until, has_turn, turn_rate,
+               requests, refused, last_activity, partial_since, held_until, has_turn, is_in_line,
                timer_armed_at, turns, exchanges, id, info, listener, rights, position, paused,
                half_closed, pauses, read_position, unread] = session;
   // Settings: ordered. Not ordered: first_held.
   const auto& [ordered, open, unsent, held, first_held] = answers;
-  // turn_rate: without a meaning while there is no turn.
   explore::require(input.empty() && !session.is_full() && held.empty() && pauses.empty() &&
-                       !partial_since && !held_until && !has_turn && !timer_armed_at && unread == 0,
+                       !partial_since && !held_until && !has_turn && !is_in_line &&
+                       !timer_armed_at && unread == 0,
                    "nothing is read ahead");
   explore::require(listener->idle_timeout == Duration{0}, "idle clients stay");
   explore::require(!is_closed, "closed clients are gone");

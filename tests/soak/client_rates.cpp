@@ -68,15 +68,6 @@ void ClientRates::came(ClientId client, std::size_t listener, unsigned host) {
   clients_[client] = {listener, host};
 }
 
-// It gives the place back that it has not used.
-void ClientRates::gone(ClientId client) {
-  if (const auto entry = clients_.find(client); entry != clients_.end()) {
-    if (Bucket& bucket = buckets_[entry->second]; bucket.open > 0) {
-      bucket.let_through.clear();
-    }
-  }
-}
-
 unsigned ClientRates::rate_of(const Asked& asked) const {
   return limits_[clients_.at(asked.client).first].requests;
 }

@@ -23,7 +23,6 @@ class ClientRates {
   [[nodiscard]] std::optional<bool> lets_in(std::size_t listener, unsigned host, Instant now) const;
   void let_in(std::size_t listener, unsigned host, Instant now);
   void came(ClientId client, std::size_t listener, unsigned host);
-  void gone(ClientId client);
 
   /// The gateway has the first byte of the request.
   void begun(Asked& asked, Instant now);

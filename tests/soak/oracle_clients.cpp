@@ -135,7 +135,6 @@ void Oracle::gone(ClientId client, const char* how) {
   if (entry == sessions_.end()) {
     return;
   }
-  client_rates_.gone(client);
   std::vector<std::uint64_t> ids;
   for (const auto& [transaction, id] : entry->second.by_transaction) {
     ids.push_back(id);

@@ -2,6 +2,7 @@
 #include "gateway/clients/address_limits.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "gateway/limits.hpp"
 
@@ -28,8 +29,7 @@ void AddressLimits::came(const ClientInfo& info, const ListenerSettings& listene
   }
 }
 
-void AddressLimits::left(ClientSession& session) {
-  give_back(session);
+void AddressLimits::left(const ClientSession& session) {
   const auto known = entries_.find(key_of(session.info()));
   Entry& entry = known->second;
   if (--entry.connections == 0) {
@@ -55,7 +55,7 @@ void AddressLimits::forget(Instant now) {
 bool AddressLimits::may_ask(ClientSession& session, Instant now) {
   const unsigned most = session.listener().max_requests_per_second;
   if (most == 0) {
-    session.held_until.reset();
+    give_back(session, now);
     return true;
   }
   session.end_hold(now);
@@ -65,19 +65,52 @@ bool AddressLimits::may_ask(ClientSession& session, Instant now) {
   if (session.held_until) {
     return false;
   }
-  const Instant turn = entries_.at(key_of(session.info())).requests.take(most, now);
-  session.turn_rate = most;
+  Entry& entry = entries_.at(key_of(session.info()));
+  const Instant turn = entry.requests.take(most, now);
+  if (turn <= now) {
+    return true;
+  }
   session.held_until = turn;
-  session.end_hold(now);
-  return session.has_turn;
+  session.is_in_line = true;
+  entry.line.push_back({&session, turn, most});
+  return false;
 }
 
-void AddressLimits::give_back(ClientSession& session) {
-  if (session.held_until || session.has_turn) {
-    entries_.at(key_of(session.info())).requests.give_back(session.turn_rate);
-    session.held_until.reset();
-    session.has_turn = false;
+void AddressLimits::use_turn(ClientSession& session) {
+  if (std::exchange(session.has_turn, false) && std::exchange(session.is_in_line, false)) {
+    auto& line = entries_.at(key_of(session.info())).line;
+    line.erase(std::ranges::find(line, &session, &Waiting::session));
   }
+}
+
+// Who waits behind it moves up: otherwise the next one to come would get the turn of the last. A
+// turn that has come is over: later ones may have been used.
+std::vector<ClientSession*> AddressLimits::give_back(ClientSession& session, Instant now) {
+  session.held_until.reset();
+  session.has_turn = false;
+  if (!std::exchange(session.is_in_line, false)) {
+    return {};
+  }
+  Entry& entry = entries_.at(key_of(session.info()));
+  const auto own = std::ranges::find(entry.line, &session, &Waiting::session);
+  const Waiting given_back = *own;
+  auto next = entry.line.erase(own);
+  if (given_back.turn <= now) {
+    return {};
+  }
+  entry.requests.give_back(given_back.per_second, given_back.turn);
+  const unsigned most = session.listener().max_requests_per_second;
+  std::vector<ClientSession*> moved;
+  for (; next != entry.line.end(); ++next) {
+    const Instant turn = most == 0 ? next->turn : entry.requests.next(most, now);
+    if (turn < next->turn) {
+      *next = {next->session, turn, most};
+      next->session->held_until = turn;
+      moved.push_back(next->session);
+    }
+    entry.requests.take(next->turn);
+  }
+  return moved;
 }
 
 bool AddressLimits::is_news(const ClientInfo& info, Instant now) {

@@ -12,6 +12,7 @@
 #include <deque>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "bus/state_reader.hpp"
 #include "gateway/clients/client_session.hpp"
@@ -28,23 +29,31 @@ class AddressLimits {
                                      Instant now) const;
   /// A connection was let in, or is gone.
   void came(const ClientInfo& info, const ListenerSettings& listener, Instant now);
-  void left(ClientSession& session);
+  void left(const ClientSession& session);
 
   /// May the next request of the client be taken? If not, its turn is at `session.held_until`. The
   /// connections of an address take turns. What a stop waits for is never held up.
   bool may_ask(ClientSession& session, Instant now);
-  /// It has no request that its turn could be for.
-  void give_back(ClientSession& session);
+  /// It has taken a request.
+  void use_turn(ClientSession& session);
+  /// It has no request that its turn could be for. Returns whose turn comes earlier now.
+  std::vector<ClientSession*> give_back(ClientSession& session, Instant now);
   /// To be told to the operator now, that requests of this address are held up? Once a minute.
   bool is_news(const ClientInfo& info, Instant now);
 
  private:
   friend struct mbgate::StateReader;
   using Key = std::pair<ListenerId, routing::ClientAddress>;
+  struct Waiting {
+    ClientSession* session;
+    Instant turn;
+    unsigned per_second;  ///< it was taken by that limit
+  };
   struct Entry {
     std::size_t connections = 0;
     SecondRate connects;
     SecondRate requests;
+    std::vector<Waiting> line;  ///< in the order of their turns
     std::optional<Instant> told_at;
   };
   static Key key_of(const ClientInfo& info) { return {info.listener, info.address}; }

@@ -22,10 +22,10 @@ bool ClientDoor::admit(const ClientInfo& info, Phase phase, Instant now) {
     return false;  // it was let in before a reload, and told after it
   }
   auto reason = objection(info, phase, now);
-  if (!reason && limits_.is_full(info, listener) && !make_room(info, &info.address)) {
+  if (!reason && limits_.is_full(info, listener) && !make_room(info, &info.address, now)) {
     reason = RefusalReason::address_full;
   }
-  if (!reason && sessions_.is_full(info.listener) && !make_room(info, nullptr)) {
+  if (!reason && sessions_.is_full(info.listener) && !make_room(info, nullptr, now)) {
     reason = RefusalReason::full;
   }
   if (reason) {
@@ -52,14 +52,15 @@ std::optional<RefusalReason> ClientDoor::objection(const ClientInfo& info, Phase
 
 // Of the same address, or of any. A client that comes back after its line was cut finds its old
 // connections in the way.
-bool ClientDoor::make_room(const ClientInfo& info, const routing::ClientAddress* address) {
+bool ClientDoor::make_room(const ClientInfo& info, const routing::ClientAddress* address,
+                           Instant now) {
   ClientSession* idlest = sessions_.idlest(info.listener, address);
   if (idlest == nullptr) {
     return false;
   }
   actions_.push(Report{ClientDisplaced{info.listener, idlest->info().address}});
   ++sessions_.counters(info.listener).displaced;
-  close(*idlest);
+  close(*idlest, now);
   return true;
 }
 
@@ -88,15 +89,22 @@ void ClientDoor::drop_requests(ClientSession& session) {
   }
 }
 
-void ClientDoor::close(ClientSession& session) {
-  actions_.push(Close{session.id()});
-  forget(session);
+void ClientDoor::give_turn_back(ClientSession& session, Instant now) {
+  for (const ClientSession* moved : limits_.give_back(session, now)) {
+    sessions_.wake(*moved);
+  }
 }
 
-void ClientDoor::forget(ClientSession& session) {
+void ClientDoor::close(ClientSession& session, Instant now) {
+  actions_.push(Close{session.id()});
+  forget(session, now);
+}
+
+void ClientDoor::forget(ClientSession& session, Instant now) {
   drop_requests(session);
   failsafe_.client_gone(session.id());
   rules_.client_gone(session.id());
+  give_turn_back(session, now);
   limits_.left(session);
   sessions_.close(session);
 }

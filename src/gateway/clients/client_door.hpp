@@ -34,20 +34,23 @@ class ClientDoor {
   /// `session.held_until`, and it counts as sent already.
   [[nodiscard]] bool may_ask(ClientSession& session, Instant now);
   /// A stop that took no turn was its next request, and nothing whole has come behind it.
-  void give_turn_back(ClientSession& session) { limits_.give_back(session); }
+  void give_turn_back(ClientSession& session, Instant now);
+  /// Its next request was taken.
+  void use_turn(ClientSession& session) { limits_.use_turn(session); }
   /// Nobody is told what becomes of its requests.
   void drop_requests(ClientSession& session);
   /// Closes its connection.
-  void close(ClientSession& session);
+  void close(ClientSession& session, Instant now);
   /// Its connection is gone.
-  void forget(ClientSession& session);
+  void forget(ClientSession& session, Instant now);
 
  private:
   friend struct mbgate::StateReader;
   [[nodiscard]] bool admit(const ClientInfo& info, Phase phase, Instant now);
   [[nodiscard]] std::optional<RefusalReason> objection(const ClientInfo& info, Phase phase,
                                                        Instant now) const;
-  [[nodiscard]] bool make_room(const ClientInfo& info, const routing::ClientAddress* address);
+  [[nodiscard]] bool make_room(const ClientInfo& info, const routing::ClientAddress* address,
+                               Instant now);
   void refuse(const ClientInfo& info, RefusalReason reason);
 
   const SettingsHistory& settings_;

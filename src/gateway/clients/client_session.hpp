@@ -95,7 +95,7 @@ class ClientSession {
   /// Its address has sent too many requests: the next one is taken then.
   std::optional<Instant> held_until;
   bool has_turn = false;                  ///< the next request is within the rate of its address
-  unsigned turn_rate = 0;                 ///< by which that turn, or the one to come, was taken
+  bool is_in_line = false;                ///< it has waited for that turn, or still does
   std::optional<Instant> timer_armed_at;  ///< its entry in ClientTimers
   const Turns* turns = nullptr;           ///< of its address, until it is closed
   boost::container::small_vector<std::uint32_t, 4> exchanges;

@@ -60,7 +60,7 @@ void Clients::half_closed(ClientId client) {
 void Clients::disconnected(ClientId client, Instant now) {
   if (ClientSession* session = sessions_.find(client)) {
     leave(*session, now);
-    door_.forget(*session);
+    door_.forget(*session, now);
   }
 }
 
@@ -74,9 +74,9 @@ void Clients::handle_deadline(Instant now) {
       case ClientSession::Overdue::within_request:
         actions_.push(
             Report{ClientFrameTimedOut{session->info().listener, session->info().address}});
-        door_.close(*session);
+        door_.close(*session, now);
         break;
-      case ClientSession::Overdue::idle: door_.close(*session); break;
+      case ClientSession::Overdue::idle: door_.close(*session, now); break;
       case ClientSession::Overdue::nothing:
         session->end_hold(now);
         if (session->has_turn) {
@@ -106,18 +106,18 @@ void Clients::serve(ClientSession& session, Instant now) {
   for (; front.frame && may_take(session, now); front = intake_.front(session)) {
     const auto taken = intake_.take(session, *front.frame, now);
     if (taken.request != nullptr) {
-      session.has_turn = false;
+      door_.use_turn(session);
       requests_.accept(session, *taken.request, now);
     } else {
       requests_.pass_early(session, *taken.stop);
     }
   }
   if (front.framing_lost) {
-    door_.close(session);
+    door_.close(session, now);
     return;
   }
   if (!front.frame && !session.is_full()) {
-    door_.give_turn_back(session);
+    door_.give_turn_back(session, now);
   }
   if (session.is_held_up()) {
     take_early_stops(session, now);
@@ -128,7 +128,7 @@ void Clients::serve(ClientSession& session, Instant now) {
   }
   failsafe_.client_waits(session.id(), !session.exchanges.empty() || session.held_until, now);
   if (session.is_finished()) {
-    door_.close(session);
+    door_.close(session, now);
     return;
   }
   if (const auto reading = session.update_reading(now)) {
@@ -181,7 +181,7 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
       actions_.push(Report{ClientRefused{number, address, reason}});
     }
     leave(session, now);
-    door_.close(session);
+    door_.close(session, now);
   });
 }
 

@@ -90,7 +90,7 @@ TEST_F(ClientDoorAlone, TheIdlestMakesRoomAndWhoWaitsDoesNot) {
 TEST_F(ClientDoorAlone, OneThatIsGoneIsNotClosedAndItsPlaceIsFree) {
   come(1, "192.0.2.1");
   come(2, "192.0.2.2");
-  door_.forget(*sessions_.find(ClientId{1}));
+  door_.forget(*sessions_.find(ClientId{1}), Instant{2s});
   come(3, "192.0.2.3");
   EXPECT_THAT(closed(), IsEmpty());
   EXPECT_THAT(told_, IsEmpty());
@@ -101,7 +101,7 @@ TEST_F(ClientDoorAlone, WhoAsksTooOftenWaitsForItsTurnAndThatIsTold) {
   come(1, "192.0.2.1");
   ClientSession& session = *sessions_.find(ClientId{1});
   EXPECT_TRUE(door_.may_ask(session, Instant{1s}));
-  session.has_turn = false;  // it was taken
+  door_.use_turn(session);
   EXPECT_FALSE(door_.may_ask(session, Instant{1s}));
   EXPECT_FALSE(door_.may_ask(session, Instant{1500ms}));
   EXPECT_EQ(reports<gateway::ClientHeldUp>(actions_).size(), 1U);

@@ -91,6 +91,53 @@ TEST_F(HeldUp, OneThatGoesGivesItsTurnBack) {
   EXPECT_THAT(rig_.take_sent(1), ElementsAre(no_route(3)));
 }
 
+TEST_F(HeldUp, WhoWaitsBehindOneThatGoesMovesUp) {
+  rig_.connect(2);
+  rig_.receive(2, unrouted(1));
+  rig_.receive(1, unrouted(3));
+  rig_.disconnect(2);
+  rig_.connect(3);
+  rig_.receive(3, unrouted(1));
+  rig_.advance(500ms);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(no_route(3)));
+  EXPECT_THAT(rig_.take_sent(3), IsEmpty());
+  rig_.advance(499ms);
+  EXPECT_THAT(rig_.take_sent(3), IsEmpty());
+  rig_.advance(1ms);
+  EXPECT_THAT(rig_.take_sent(3), ElementsAre(no_route(1)));
+}
+
+TEST_F(HeldUp, WhoMovesUpWaitsByTheLimitInForce) {
+  rig_.connect(2);
+  rig_.connect(3);
+  rig_.receive(2, unrouted(1));
+  rig_.receive(1, unrouted(3));
+  rig_.receive(3, unrouted(1));
+  rig_.reload(slow_plant(10));
+  rig_.disconnect(2);
+  rig_.advance(100ms);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(no_route(3)));
+  EXPECT_THAT(rig_.take_sent(3), IsEmpty());
+  rig_.advance(100ms);
+  EXPECT_THAT(rig_.take_sent(3), ElementsAre(no_route(1)));
+}
+
+TEST_F(HeldUp, AReloadThatLowersTheLimitLeavesThemTheirTurns) {
+  rig_.connect(2);
+  rig_.connect(3);
+  rig_.receive(2, unrouted(1));
+  rig_.receive(1, unrouted(3));
+  rig_.reload(slow_plant(1));
+  rig_.disconnect(2);
+  rig_.receive(3, unrouted(1));
+  rig_.advance(1s);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(no_route(3)));
+  rig_.advance(999ms);
+  EXPECT_THAT(rig_.take_sent(3), IsEmpty());
+  rig_.advance(1ms);
+  EXPECT_THAT(rig_.take_sent(3), ElementsAre(no_route(1)));
+}
+
 TEST_F(HeldUp, AStopIsTakenAtOnce) {
   rig_.receive(1, write_request(3) + stop_request(4));
   EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
