@@ -17,6 +17,19 @@ Instant room_at(Instant counted_until, unsigned rate, Instant now) {
   return std::max(counted_until, now) + kSecond / static_cast<int>(rate) - kSecond;
 }
 
+void add(std::vector<Instant>& times, Instant time) {
+  times.insert(std::ranges::upper_bound(times, time), time);
+}
+
+// Until when so many count that came then.
+Instant counted(const std::vector<Instant>& times, unsigned rate) {
+  Instant until = Instant::min();
+  for (const Instant at : times) {
+    until = room_at(until, rate, at) + kSecond;
+  }
+  return until;
+}
+
 // The gateway itself answers it, at once; 06 may come of what it met later.
 bool is_answered_at_once(const Asked& asked) {
   constexpr std::uint8_t kBusy = 6;
@@ -162,18 +175,25 @@ std::string ClientRates::answered(const Asked& asked, Duration lateness, Instant
 // A place that was given to a stop, which needs none, is that of whatever came behind it.
 bool ClientRates::is_too_soon(Bucket& bucket, const Asked& asked, unsigned rate, Instant now) {
   auto& times = bucket.let_through;
-  const Instant begun = std::min(*asked.begun, bucket.stopped);
-  times.insert(std::ranges::upper_bound(times, begun), begun);
-  Instant counted_until = Instant::min();
-  for (const Instant at : times) {
-    counted_until = room_at(counted_until, rate, at) + kSecond;
-  }
+  add(times, std::min(*asked.begun, bucket.stopped));
+  const Instant counted_until = counted(times, rate);
   const bool is_too_soon = counted_until - kSecond > now + kOneNanosecondEach;
   if (bucket.open <= 1 && counted_until <= now) {
     times.clear();  // as after a pause
     bucket.stopped = Instant::max();
   }
   return is_too_soon;
+}
+
+bool ClientRates::may_have_its_turn(const Asked& asked, Instant now) {
+  const unsigned rate = asked.begun && !asked.is_stop() ? rate_of(asked) : 0;
+  if (rate == 0) {
+    return false;
+  }
+  const Bucket& bucket = bucket_of(asked);
+  auto times = bucket.let_through;
+  add(times, std::min(*asked.begun, bucket.stopped));
+  return counted(times, rate) - kSecond <= now + kOneNanosecondEach;
 }
 
 // Once nothing of the host is left in the gateway, all of it was taken by now.

@@ -36,6 +36,8 @@ class ClientRates {
   void lifted(Asked& asked, Instant now) const;
   /// Its answer comes. What is wrong with that; nothing if nothing is.
   [[nodiscard]] std::string answered(const Asked& asked, Duration lateness, Instant now);
+  /// Its host may ask so often only, and it may be its turn by now.
+  [[nodiscard]] bool may_have_its_turn(const Asked& asked, Instant now);
   void closed(const Asked& asked, Instant now);
   void after_reload(Instant now);
 

@@ -71,6 +71,9 @@ class Oracle {
   [[nodiscard]] bool was_idle(std::size_t bus) const;
   void bus_lost(std::size_t bus);
   void bus_opening(std::size_t bus);
+  /// It rests, and may be opened now for a request whose host may ask so often only: its turn may
+  /// have come without that the gateway was told so.
+  [[nodiscard]] bool may_be_wanted(std::size_t bus);
   /// The server has closed a connection on which it has answered: what waits goes on waiting.
   void tcp_closed(std::size_t bus);
   /// The gateway gives a connection up because nothing comes, or opens such a line again.
@@ -249,7 +252,6 @@ class Oracle {
   void judge_eviction(const Asked& asked);
   void note_loss(std::size_t bus);
   void check_reopening(std::size_t bus);
-
   // oracle_offline.cpp
   [[nodiscard]] bool is_surely_offline(const Lane& lane) const;
   void note_silent(std::size_t bus);
@@ -259,7 +261,6 @@ class Oracle {
   void judge_tries(const Asked& asked);
   void check_tries(const Asked& asked) const;
   void judge_cached(const Asked& asked);
-
   // oracle_counts.cpp
   void note_counts(const Flight& flight);
   void note_excused(const Flight& flight);

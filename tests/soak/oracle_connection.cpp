@@ -45,6 +45,15 @@ void Oracle::tcp_closed(std::size_t bus) {
   rest(book);
 }
 
+bool Oracle::may_be_wanted(std::size_t bus) {
+  return books_[bus].rests && std::ranges::any_of(open_, [&](const auto& entry) {
+           const Asked& asked = *entry.second;
+           return asked.is_accepted && !asked.maybe_on_wire &&
+                  std::ranges::find(asked.pieces, bus, &Piece::bus) != asked.pieces.end() &&
+                  client_rates_.may_have_its_turn(asked, schedule_.now());
+         });
+}
+
 bool Oracle::was_idle(std::size_t bus) const {
   const Book& book = books_[bus];
   return book.is_unused && schedule_.now() >= book.opened + bus_settings(bus).reopen_max;

@@ -95,7 +95,9 @@ void World::check_order_only(const gateway::Action& action) {
     // The line hangs, or what a look at it has brought cannot be followed.
     order_only_ = order_only_ && !hangs_.is_due(bus, schedule_.now()) && !buses_[bus].framing_lost;
   }
-  if (order_only_ && gives_up) {
+  const auto* open = std::get_if<gateway::Open>(&action);
+  const bool is_due = open != nullptr && oracle_.may_be_wanted(static_cast<std::size_t>(open->bus));
+  if (order_only_ && gives_up && !is_due) {
     oracle_.violation("reload_disturbs", gateway::to_text(action, harness_.settings()));
   }
 }
