@@ -75,7 +75,7 @@ struct Asked {
   Instant accepted;  ///< as early as can be
   Instant deadline = Instant::max();
   std::uint64_t sequence = 0;  ///< of acceptance
-  /// A broadcast of the same client address was to go before it.
+  /// Another one of the same client address, to the same device or to all, was to go before it.
   Instant waited_until = Instant::min();
   bool has_begun = false;       ///< its first byte was read
   bool waits_in_pause = false;  ///< it lay in the socket while the gateway did not read

@@ -13,14 +13,18 @@ constexpr std::size_t kAnsweredKept = 256;
 constexpr std::size_t kDoneKept = 400;
 constexpr Duration kLongestBroadcast = std::chrono::seconds(6);  // on a slow line, in ASCII
 
-// A broadcast is a write to every device: what its client address asked for later went behind it.
-void let_go_behind(const Asked& broadcast, const auto& open, Instant now) {
-  const auto is_on_its_bus = [&](const Piece& piece) {
-    return std::ranges::find(broadcast.pieces, piece.bus, &Piece::bus) != broadcast.pieces.end();
+// What its client address asked for later of the same device went behind it. A broadcast is a write
+// to every device.
+void let_go_behind(const Asked& first, const auto& open, Instant now) {
+  const auto goes_behind = [&](const Piece& piece) {
+    return std::ranges::any_of(first.pieces, [&](const Piece& own) {
+      return own.bus == piece.bus &&
+             (first.kind == Kind::broadcast || own.address == piece.address);
+    });
   };
   for (const auto& [id, asked] : open) {
-    if (asked->host == broadcast.host && asked->sequence > broadcast.sequence &&
-        std::ranges::any_of(asked->pieces, is_on_its_bus)) {
+    if (asked->host == first.host && asked->sequence > first.sequence &&
+        std::ranges::any_of(asked->pieces, goes_behind)) {
       asked->waited_until = now;
     }
   }
@@ -213,7 +217,9 @@ void Oracle::close(Asked& asked, const std::string& how) {
   while (done_.size() > kDoneKept) {
     done_.pop_front();
   }
-  if (asked.kind == Kind::broadcast && asked.is_accepted) {
+  const bool has_waited =
+      present && !asked.maybe_on_wire && !asked.is_stop() && asked.accepted < schedule_.now();
+  if (has_waited || (asked.kind == Kind::broadcast && asked.is_accepted)) {
     let_go_behind(asked, open_, schedule_.now());
   }
   client_rates_.closed(asked, schedule_.now());
