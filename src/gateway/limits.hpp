@@ -19,9 +19,14 @@ inline constexpr std::size_t kReadAhead = 4096;
 /// read-ahead.
 inline constexpr std::size_t kClientReadSize = 2048;
 
-/// Arrival times that are kept for the read-ahead. Beyond that, later bytes count as old as the
-/// last piece with a time. This is the safe side: a request can only look older than it is.
+/// Arrival times that are kept for the read-ahead: of its first pieces, from which requests are
+/// taken next, and of its last. What lies between counts as old as the piece before it. This is the
+/// safe side: a request can only look older than it is.
 inline constexpr std::size_t kArrivalMarks = 32;
+
+/// So many of them are of the last pieces. A stop is taken as soon as its last piece is there, and
+/// must not look older than a reload before it: it comes in fewer.
+inline constexpr std::size_t kLastMarks = 8;
 
 /// Stops of a connection that may be taken from the read-ahead while earlier requests wait there:
 /// more than an operator presses a button while a pipeline is stuck, too few to crowd out the stops

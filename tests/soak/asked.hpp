@@ -83,7 +83,7 @@ struct Asked {
   bool ordered = false;        ///< its answer may be held back for those before it
   bool ahead = false;          ///< it may have been accepted later
   bool for_dead = false;       ///< its device was surely offline then
-  bool perhaps_older = false;  ///< a broadcast: than what its unit has come to mean
+  bool perhaps_older = false;  ///< a stop: than what its unit has come to mean
   bool client_gone = false;
   bool dropped = false;               ///< a waiting write of a half-closed connection
   bool found_no_room = false;         ///< a stop that came when there was room for no more

@@ -54,9 +54,9 @@ void Oracle::accept_backlog(Session& session) {
 }
 
 // Stops are taken out of what waits behind a full pipeline, so many at a time, unless they let a
-// write go first that waits there too; on an ordered listener the answer keeps its place. A
-// broadcast that may be older than what its unit has come to mean is perhaps none any more, and
-// takes none.
+// write go first that waits there too; on an ordered listener the answer keeps its place. One that
+// may be older than what its unit has come to mean is perhaps none any more, and takes none: a
+// broadcast, or what was not taken as it came and has lost its own time since.
 void Oracle::look_ahead(Session& session) {
   const std::deque<std::uint64_t> backlog = session.backlog;
   for (const std::uint64_t id : backlog) {
@@ -70,6 +70,7 @@ void Oracle::look_ahead(Session& session) {
     session.taken.push_back(id);
     asked.ordered = session.ordered;
     accept(asked);
+    asked.perhaps_older = asked.perhaps_older || (id != backlog.back() && is_outdated(asked));
     if (!asked.ordered && !asked.perhaps_older) {
       std::erase(session.backlog, id);
       ++session.outstanding;

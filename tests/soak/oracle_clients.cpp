@@ -75,14 +75,15 @@ std::uint64_t Oracle::ask(ClientId client, Asked asked) {
   const Session& session = sessions_.at(client);
   asked.waits_in_pause = session.paused_since.has_value();
   asked.earliest = session.paused_since.value_or(schedule_.now());
-  // Each piece of what is read ahead has a mark, and a request may come in several. What its host
-  // may ask only later is read ahead, too.
+  // The first pieces of what is read ahead have a mark each, and a request may come in several.
+  // What its host may ask only later is read ahead, too.
   constexpr std::size_t kPieces = 4;
+  constexpr std::size_t kFirstMarks = gateway::kArrivalMarks - gateway::kLastMarks;
   const auto is_held = [&](std::uint64_t id) {
     return client_rates_.may_hold(*open_.at(id), lateness(), schedule_.now());
   };
   const auto held = static_cast<std::size_t>(std::ranges::count_if(session.order, is_held));
-  if (held + session.backlog.size() + 1 >= gateway::kArrivalMarks / kPieces) {
+  if (held + session.backlog.size() + 1 >= kFirstMarks / kPieces) {
     const auto first = std::ranges::find_if(session.order, is_held);
     const auto oldest = first != session.order.end() ? *first : session.backlog.front();
     asked.earliest = std::min(asked.earliest, open_.at(oldest)->earliest);

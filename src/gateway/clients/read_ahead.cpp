@@ -12,11 +12,16 @@ void ReadAhead::append(modbus::Bytes bytes, bus::Instant arrival) {
   bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(consumed_));
   consumed_ = 0;
   bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-  if (marks_.size() < kArrivalMarks && (marks_.empty() || marks_.back().arrival != arrival)) {
-    marks_.push_back({bytes.size(), arrival});
-  } else {
+  if (!marks_.empty() && marks_.back().arrival == arrival) {
     marks_.back().bytes += bytes.size();
+    return;
   }
+  if (marks_.size() == kArrivalMarks) {
+    const auto between = marks_.end() - kLastMarks;
+    (between - 1)->bytes += between->bytes;
+    marks_.erase(between);
+  }
+  marks_.push_back({bytes.size(), arrival});
 }
 
 bus::Instant ReadAhead::arrival_at(std::size_t offset) const {

@@ -119,6 +119,28 @@ TEST(ReloadMemory, AStopBehindAFullPipelineDoesNotStopAnotherDrive) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1));
 }
 
+// However many pieces lie before it, it is no older than it is.
+TEST(ReloadMemory, AStopThatComesAfterwardsIsTakenFromBehindAFullPipeline) {
+  MachineRig rig(stop_plant());
+  rig.connect(1);
+  for (unsigned transaction = 1; transaction <= 40; ++transaction) {
+    rig.receive(1, read_request(transaction));
+    rig.advance(100us);
+  }
+  rig.reload(moved(stop_plant()));
+  rig.advance(1ms);
+  rig.receive(1, read_request(41));
+  rig.advance(1ms);
+  rig.receive(1, "00 2A 00");
+  rig.advance(1ms);
+  rig.receive(1, "00 00 06 01 06 00");
+  rig.advance(1ms);
+  rig.receive(1, "7C 00 E1");
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop2));
+}
+
 TEST(ReloadMemory, ClientsThatAreThereHaveTheirNewWeights) {
   Settings settings = stop_plant(8);
   MachineRig rig(settings);
