@@ -62,11 +62,11 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
 
 void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& gateway,
                        Hash& hash) {
-  // Settings: id, info, listener, rights, turns. Told only: speaks_rtu_reported, has_asked,
+  // Settings: id, info, listener, rights, turns. Told only: speaks_rtu_reported, has_asked, waits,
   // requests, refused. Counts for idle clients only: last_activity. Nothing is read ahead and no
   // pipeline is full: ahead, partial_since, timer_armed_at, pauses, and where in the stream it is:
   // position, read_position, unread.
-  const auto& [input, ahead, answers, has_asked, is_closed, is_leaving, speaks_rtu_reported,
+  const auto& [input, ahead, answers, has_asked, waits, is_closed, is_leaving, speaks_rtu_reported,
                requests, refused, last_activity, partial_since, held_until, has_turn, is_in_line,
                timer_armed_at, turns, exchanges, id, info, listener, rights, position, paused,
                half_closed, pauses, read_position, unread] = session;

@@ -32,7 +32,6 @@ FailsafeWatch::FailsafeWatch(const SoakPlan& plan) : plan_(plan) {
 
 void FailsafeWatch::note_activity(Watch& watch, Instant now) {
   watch.active = now;
-  watch.sent = false;
   if (quiet_of(watch) > Duration{0}) {
     next_ = std::min(next_, now + quiet_of(watch));
   }
@@ -91,6 +90,7 @@ std::vector<std::size_t> FailsafeWatch::asked(ClientId client, Instant now) {
     const bool is_first = !std::exchange(entry->second.has_asked, true);
     for (const std::size_t at : entry->second.watches) {
       watches_[at].clients += is_first ? 1U : 0U;
+      watches_[at].sent = false;
       note_activity(watches_[at], now);
       devices.push_back(*watches_[at].door.device);
     }

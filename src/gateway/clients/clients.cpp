@@ -126,7 +126,8 @@ void Clients::serve(ClientSession& session, Instant now) {
   if (may_go_on && session.ahead.goes_on(session.position())) {
     sessions_.wake(session);  // as far as to the last of these stops
   }
-  failsafe_.client_waits(session.id(), !session.exchanges.empty() || session.held_until, now);
+  session.waits = !session.exchanges.empty() || session.held_until;
+  failsafe_.client_waits(session.id(), session.waits, now);
   if (session.is_finished()) {
     door_.close(session, now);
     return;

@@ -29,6 +29,7 @@ DevicePlaces Failsafe::client_asked(ClientId client, Instant now) {
     }
     watch.pending.reset();
     watch.again_at.reset();
+    watch.armed = true;
     note_activity(watch, now);
   }
   return not_sent;
@@ -49,11 +50,6 @@ void Failsafe::client_waits(ClientId client, bool waits, Instant now) {
       note_activity(watch, now);
     }
   }
-}
-
-bool Failsafe::does_wait(ClientId client) const {
-  const auto known = clients_.find(client);
-  return known != clients_.end() && known->second.waits;
 }
 
 void Failsafe::client_gone(ClientId client) {
@@ -178,7 +174,6 @@ void Failsafe::carry(std::size_t device, const Failsafe& old, bool same_writes) 
 
 void Failsafe::note_activity(Watch& watch, Instant now) {
   watch.active = now;
-  watch.armed = true;
   earliest_ = bus::earlier(earliest_, silent_at(watch));
 }
 

@@ -38,7 +38,6 @@ class Failsafe {
   /// `waits`: the client waits for an answer, or for its turn. Then it is not silent. Its silence
   /// begins when it has all its answers.
   void client_waits(ClientId client, bool waits, Instant now);
-  [[nodiscard]] bool does_wait(ClientId client) const;
   void client_gone(ClientId client);
 
   /// The next device whose failsafe writes are due; nothing if there is none.

@@ -170,7 +170,7 @@ void FailsafeWrites::adopt(const SettingsSnapshot& before, const Sessions& clien
       watch_.client_asked(client.id(), now);
     }
     // Its answers may have come of this reload: its silence begins then.
-    watch_.client_waits(client.id(), old_watch.does_wait(client.id()), now);
+    watch_.client_waits(client.id(), client.waits, now);
   });
   for (std::size_t device = 0; device < before.settings.devices.size(); ++device) {
     if (keeps_place(before.settings, next.settings, device)) {

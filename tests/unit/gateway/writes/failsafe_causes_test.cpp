@@ -95,6 +95,29 @@ TEST(SilentWriters, AreSilentFromTheAnswerThatAReloadGivesThem) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
+/// A screen, which may write from the reload on that also gives up the line.
+TEST(SilentWriters, AreSilentFromThatAnswerThoughTheyMayWriteOnlySinceThen) {
+  Settings settings = watched_plant();
+  settings.guards[0].quiet = 100ms;
+  settings.buses[0].timing.response_timeout = 1s;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.connect(2, "192.0.2.1", 1);
+  ask(rig, 1);
+  rig.receive(2, read_request(1, 2));
+  rig.advance(80ms);
+  take_requests(rig);
+  settings.listeners[1].read_only.clear();
+  settings.buses[0].line.baud = modbus::Baud{9600};
+  rig.reload(settings);
+  EXPECT_THAT(rig.take_sent(2), ElementsAre("00 01 00 00 00 03 02 83 0B"));
+  rig.open_line();
+  rig.advance(99ms);
+  EXPECT_THAT(take_requests(rig), IsEmpty());
+  rig.advance(1ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+}
+
 TEST(SilentWriters, AreThoseToWhomNoAnswerIsOwed) {
   Settings settings = watched_plant();
   settings.guards[0].quiet = 100ms;

@@ -133,6 +133,23 @@ TEST(Failsafe, IsDueAgainThoughOtherSettingsLetSomebodyWriteWhoAskedBefore) {
   EXPECT_THAT(due(next, Instant(1h)), ElementsAre(7));
 }
 
+// What the answer is for it has asked when it was not allowed to write.
+TEST(Failsafe, IsDueAgainThoughSomebodyIsAnsweredWhomOtherSettingsLetWrite) {
+  Failsafe old;
+  old.watch(7, 0ms);
+  come(old, 1, {7});
+  old.client_gone(ClientId{1});
+  const auto sent = old.take_due(Instant{});
+  ASSERT_TRUE(sent);
+  Failsafe next;
+  next.watch(7, 0ms);
+  come(next, 2, {7}, Instant(1s));
+  next.client_waits(ClientId{2}, true, Instant(1s));
+  next.carry(7, old, true);
+  next.client_waits(ClientId{2}, false, Instant(2s));
+  EXPECT_TRUE(next.put_back(*sent));
+}
+
 TEST(Failsafe, LooksAtEachDeviceAlone) {
   Failsafe failsafe;
   failsafe.watch(7, 100ms);
