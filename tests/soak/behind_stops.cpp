@@ -58,9 +58,11 @@ void BehindStops::judge_not_sent(const Asked& write) const {
                           return std::ranges::none_of(
                               it.open, [](const Asked* asked) { return asked->maybe_on_wire; });
                         });
-  const Duration pause = oracle_.devices_[*lane.device].settings().timing.gap;
-  const Duration held =
-      stop.held + std::max(pause, settings.settle) + (stop.let_go + 2) * oracle_.lateness();
+  // A line that was opened just now is listened to, but not for the stop.
+  const Instant could_go = std::max(*stop.waits_from, book.opened + spec::silence_of(settings));
+  const Duration pause = std::max({oracle_.devices_[*lane.device].settings().timing.gap,
+                                   settings.settle, book.listens_until - could_go});
+  const Duration held = stop.held + pause + (stop.let_go + 2) * oracle_.lateness();
   if (is_clear && held <= settings.stop_wait &&
       now < std::max(*stop.waits_from, book.busy_since) + oracle_.stop_deadline(piece.bus)) {
     oracle_.violation("not_let_go", oracle_.name(write) + " before " + oracle_.name(stop));
