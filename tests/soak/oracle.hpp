@@ -71,8 +71,7 @@ class Oracle {
   [[nodiscard]] bool was_idle(std::size_t bus) const;
   void bus_lost(std::size_t bus);
   void bus_opening(std::size_t bus);
-  /// It rests, and may be opened now for a request whose host may ask so often only: its turn may
-  /// have come without that the gateway was told so.
+  /// It rests, and may be opened now: the turn of a request may have come, and nobody was told.
   [[nodiscard]] bool may_be_wanted(std::size_t bus);
   /// The server has closed a connection on which it has answered: what waits goes on waiting.
   void tcp_closed(std::size_t bus);
