@@ -45,7 +45,8 @@ std::map<Meanings::Unit, Meanings::Meaning> Meanings::in_force() const {
   return all;
 }
 
-// Whether the units of a listener that comes back mean what they did is not followed here.
+// Whether the units of a listener that comes back mean what they did is not followed here. Nothing
+// that came before can be there: its connections went with it.
 void Meanings::after_reload(Instant now) {
   const auto before = std::exchange(now_, in_force());
   const auto were_away = std::exchange(are_away_, plan_.absent.listeners);
@@ -55,7 +56,8 @@ void Meanings::after_reload(Instant now) {
       if (other == others.end() || other->second != meaning) {
         Change& change = changes_[unit];
         change.at = now;
-        change.surely = were_away[unit.first] ? change.surely : now;
+        const bool is_away = were_away[unit.first] || are_away_[unit.first];
+        change.surely = is_away ? change.surely : now;
       }
     }
   };
