@@ -449,20 +449,18 @@ class Stopped(TlsCase):
         clients = [self.use(self.plant.client(newest=version)) for version in VERSIONS] + [self.use(self.plant.plain())]
         for client in clients:
             self.write_until_sent(client)
-        self.plant.gateway.signal(signal.SIGSTOP)
-        for client in clients:
-            client.sendall(adu(self.WRITE, unit=1))
-        time.sleep(4)  # a write may wait for 3.5 s
-        self.plant.gateway.signal(signal.SIGCONT)
+        with stopped(self.plant.gateway):
+            for client in clients:
+                client.sendall(adu(self.WRITE, unit=1))
+            time.sleep(4)  # a write may wait for 3.5 s
         self.assertEqual([answer_of(client) for client in clients], [b"\x86\x06"] * 3)
         self.write_until_sent(clients[0])
 
     def test_what_was_sent_while_the_gateway_was_stopped_is_answered(self):
         client = self.use(self.plant.client())
         self.assert_served(client)
-        self.plant.gateway.signal(signal.SIGSTOP)
-        client.sendall(adu(READ))
-        self.plant.gateway.signal(signal.SIGCONT)
+        with stopped(self.plant.gateway):
+            client.sendall(adu(READ))
         self.assertEqual(answer_of(client), self.answer)
 
 
