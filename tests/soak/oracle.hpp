@@ -183,7 +183,7 @@ class Oracle {
   [[nodiscard]] bool is_outdated(const Asked& asked) const;
   // oracle_answers.cpp
   void judge(Asked& asked, Bytes pdu);
-  void device_answered(const Asked& asked);
+  void device_answered(const Asked& asked, bool may_be_kept);
   void judge_exception(const Asked& asked, std::uint8_t code);
   [[nodiscard]] bool may_be_stopped(const Asked& asked) const;
   void judge_cut(const Asked& asked);

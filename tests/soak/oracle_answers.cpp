@@ -83,11 +83,11 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     judge_cached(asked);
     SharedReads(*this).judge_joined(asked);
     if (asked.kind != Kind::broadcast && !asked.silent && asked.maybe_on_wire) {
-      device_answered(asked);
       // Where the transmission may have been for another one, the cache may have answered it.
       const bool cached =
           asked.door->device && !asked.surely_on_wire &&
           std::max(asked.cache, devices_[*asked.door->device].settings().cache) > Duration{0};
+      device_answered(asked, cached);
       if (asked.flights == asked.spoilt && !cached && !is_apart(asked, "after_wrong_echo_")) {
         violation("after_wrong_echo", name(asked));
       }
@@ -149,15 +149,17 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     violation("misdelivered_exception", code_text(code) + " for " + name(asked));
     return;
   }
-  device_answered(asked);
+  device_answered(asked, false);
 }
 
-void Oracle::device_answered(const Asked& asked) {
+void Oracle::device_answered(const Asked& asked, bool may_be_kept) {
   const Piece& piece = asked.pieces.front();
   const Book& book = books_[piece.bus];
   // What is held back says nothing of now, and what was kept nothing of the device; of connections
-  // it is read.
-  if (asked.ordered || asked.last_flight != book.last_flight || is_tcp(piece.bus)) {
+  // it is read. A request that the gateway took later than it could have may seem to be what was
+  // transmitted meanwhile for another one.
+  const bool is_kept = may_be_kept && book.use.fitting != schedule_.now();
+  if (asked.ordered || is_kept || asked.last_flight != book.last_flight || is_tcp(piece.bus)) {
     return;
   }
   Lane& lane = books_[piece.bus].lanes[piece.address];
