@@ -71,6 +71,9 @@ class Client {
   [[nodiscard]] bool shares_listener(const Client& other) const {
     return manners_.listener == other.manners_.listener;
   }
+  /// Its framing is lost behind a request that waited for its turn. That may have come by now, and
+  /// nobody has told the gateway.
+  [[nodiscard]] bool may_be_found_lost() const;
   /// Is there a listener for it, which lets it in?
   [[nodiscard]] bool is_welcome() const;
 

@@ -126,6 +126,11 @@ bool Client::may_be_closed() const {
          (tools_.full.listener == manners_.listener && may_be_displaced());
 }
 
+bool Client::may_be_found_lost() const {
+  return framing_lost_ &&
+         tools_.oracle.client_rates().may_have_held(number_, tools_.schedule.now());
+}
+
 // Where there are too many now, this one among them.
 Crowded Client::crowd() const {
   const auto& limits = tools_.settings.listeners[manners_.listener];

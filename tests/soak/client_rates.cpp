@@ -196,6 +196,13 @@ bool ClientRates::may_have_its_turn(const Asked& asked, Instant now) {
   return counted(times, rate) - kSecond <= now + kOneNanosecondEach;
 }
 
+bool ClientRates::may_have_held(ClientId client, Instant now) const {
+  const Key& key = clients_.at(client);
+  const auto known = buckets_.find(key);
+  return limits_[key.first].requests > 0 && known != buckets_.end() &&
+         (known->second.open > 0 || known->second.answered == now);
+}
+
 // Once nothing of the host is left in the gateway, all of it was taken by now.
 void ClientRates::closed(const Asked& asked, Instant now) {
   if (!asked.begun) {

@@ -38,6 +38,8 @@ class ClientRates {
   [[nodiscard]] std::string answered(const Asked& asked, Duration lateness, Instant now);
   /// Its host may ask so often only, and it may be its turn by now.
   [[nodiscard]] bool may_have_its_turn(const Asked& asked, Instant now);
+  /// The gateway may hold up a request of its host, or may have done so until this instant.
+  [[nodiscard]] bool may_have_held(ClientId client, Instant now) const;
   void closed(const Asked& asked, Instant now);
   void after_reload(Instant now);
 

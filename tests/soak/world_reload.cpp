@@ -96,7 +96,11 @@ void World::check_order_only(const gateway::Action& action) {
     order_only_ = order_only_ && !hangs_.is_due(bus, schedule_.now()) && !buses_[bus].framing_lost;
   }
   const auto* open = std::get_if<gateway::Open>(&action);
-  const bool is_due = open != nullptr && oracle_.may_be_wanted(static_cast<std::size_t>(open->bus));
+  const auto* close = std::get_if<gateway::Close>(&action);
+  const Client* client = close == nullptr ? nullptr : find(close->client);
+  const bool is_due =
+      (open != nullptr && oracle_.may_be_wanted(static_cast<std::size_t>(open->bus))) ||
+      (client != nullptr && client->may_be_found_lost());
   if (order_only_ && gives_up && !is_due) {
     oracle_.violation("reload_disturbs", gateway::to_text(action, harness_.settings()));
   }
