@@ -19,6 +19,12 @@ bool fits(const modbus::Request& asked, modbus::Bytes response) {
   return is_fitting(modbus::check_response(asked, response));
 }
 
+// An owed answer is read so late at most: no quarantine lasts longer, the time for which an adapter
+// keeps bytes included.
+Duration longest_lateness(const DeviceHealth::Timing& timing) {
+  return std::max(timing.quarantine_max, timing.quarantine_or_default()) + kAdapterKeeps;
+}
+
 }  // namespace
 
 bool DeviceHealth::note_unanswered(const modbus::Request& asked, Instant sent, Instant due,
@@ -115,7 +121,7 @@ void DeviceHealth::note_asked(Instant now, const Timing& timing) {
   if (debts_.empty() && !forgotten_due_) {
     return;
   }
-  const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
+  const Duration longest = longest_lateness(timing);
   std::erase_if(debts_, [&](const Debt& debt) { return now > debt.last_due + longest; });
   for (Debt& debt : debts_) {
     debt.due = debt.due_at(now, longest);
@@ -133,7 +139,7 @@ void DeviceHealth::note_written() {
 
 std::optional<DeviceHealth::Late> DeviceHealth::note_unexpected(modbus::Bytes response, Instant now,
                                                                 const Timing& timing) {
-  const Duration longest = std::max(timing.quarantine_max, quarantine(now, timing));
+  const Duration longest = longest_lateness(timing);
   const auto find = [&](bool given_up) {
     return std::ranges::find_if(debts_, [&](const Debt& debt) {
       return debt.given_up == given_up && now <= debt.last_due + longest &&

@@ -85,7 +85,21 @@ TEST_F(Health, ItGrowsNoFurtherThanAllowed) {
   EXPECT_TRUE(health_.note_unexpected(kAnswer, at(390ms), timing_));
   EXPECT_EQ(health_.quarantine(at(390ms), timing_), 300ms);
   unanswered(read_, 1s);
-  EXPECT_FALSE(health_.note_unexpected(kAnswer, at(1301ms), timing_));  // too late to be believed
+  EXPECT_FALSE(health_.note_unexpected(kAnswer, at(1321ms), timing_));  // too late to be believed
+}
+
+// A request of another function, or a stop, may go while it lasts.
+TEST_F(Health, WhatAnAdapterKeepsIsOwedInTheLongestQuarantineToo) {
+  timing_.quarantine = timing_.quarantine_max = 300ms;
+  unanswered(read_, 1s);
+  health_.note_asked(at(1310ms), timing_);
+  EXPECT_EQ(health_.owed(3, at(1319ms), timing_), 1U);
+  EXPECT_FALSE(may_be_asked(1319ms));
+  EXPECT_TRUE(may_be_asked(1320ms));
+  const auto late = health_.note_unexpected(kAnswer, at(1319ms), timing_);
+  ASSERT_TRUE(late);
+  EXPECT_EQ(late->lateness, 319ms);
+  EXPECT_EQ(health_.quarantine(at(1319ms), timing_), 300ms);
 }
 
 TEST_F(Health, MoreAnswersCanBeOwedThanAreDated) {

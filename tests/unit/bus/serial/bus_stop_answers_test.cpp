@@ -105,6 +105,25 @@ TEST_F(BusStopAnswers, TheLateAnswerToAMoveOfADeviceThatIsOfflineIsNone) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
 }
 
+// The quarantine is over but for what an adapter may still keep.
+TEST_F(BusStopAnswers, TheLateAnswerToAMoveThatAnAdapterKeptInTheLongestQuarantineIsNone) {
+  auto longest = settings();
+  longest.timing.quarantine_max = 100ms;  // as long as the quarantine is
+  longest.line.echo = false;
+  open(longest, {axis(longest)});
+  submit(job_of(1, kMoveBy16));
+  advance(kUnanswered + 101ms);
+  submit(job(kStopBy16));
+  ASSERT_THAT(frames_, SizeIs(2));
+  advance(10ms);
+  line(kAnswerBy16);  // of the move
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+  advance(10ms);
+  line(kAnswerBy16);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
 // Of an unknown function only silence ends it.
 TEST_F(BusStopAnswers, NoiseBehindTheAnswerToAnotherRequestDoesNotKeepItForLong) {
   open_axis();
