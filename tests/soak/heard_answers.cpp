@@ -94,13 +94,28 @@ bool HeardAnswers::is_apart_from_noise(const Flight& flight, const HeardFrame& f
          (is_ascii || book.before_pause == before);
 }
 
+// The answer to 15 or 16 names no value: that to a stop may be taken for one that is owed. For how
+// long one is owed follows from what was taken for late before, as this one may be.
+bool HeardAnswers::may_be_for_earlier(const Flight& stop) const {
+  const std::uint8_t function = stop.pdu.front();
+  if (!stop.is_stop || (function != 0x0F && function != 0x10)) {
+    return false;
+  }
+  return std::ranges::any_of(oracle_.flights_, [&](const auto& it) {
+    const Duration longest = std::max(it->timing.quarantine_max, it->quarantine_until - it->due);
+    return it->number < stop.number && it->bus == stop.bus && it->address == stop.address &&
+           it->pdu.front() == function && it->expects_answer && !it->is_answered &&
+           stop.begin < it->due + longest + kAdapterHolds;
+  });
+}
+
 const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& frame) const {
   const Book& book = oracle_.books_[flight.bus];
   const auto& line = oracle_.bus_settings(flight.bus).line;
   if (frame.is_refused || frame.waits) {
     return "hurried";
   }
-  if (!frame.is_only_debt) {
+  if (!frame.is_only_debt || may_be_for_earlier(flight)) {
     return "beside_debts";
   }
   if (flight.is_uncertain) {

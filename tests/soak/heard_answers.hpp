@@ -38,6 +38,7 @@ class HeardAnswers {
   [[nodiscard]] bool is_behind_echo(const Flight& flight) const;
   [[nodiscard]] bool is_apart_from_noise(const Flight& flight, const HeardFrame& frame,
                                          std::size_t echo) const;
+  [[nodiscard]] bool may_be_for_earlier(const Flight& stop) const;
 
   Oracle& oracle_;
 };
