@@ -176,6 +176,20 @@ TEST_F(Health, SilenceAgainHoldsEverythingBack) {
   EXPECT_TRUE(may_be_asked(read_, 420ms));
 }
 
+// The quarantine is the device's: another function makes it last for all.
+TEST_F(Health, SilenceAgainKeepsWhatWasOwed) {
+  const auto echo = unhex("06 0000 0001");
+  unanswered(write_, 100ms);
+  answered(write_, echo, 210ms, 1ms, 120ms);  // the other one is owed until 330 ms
+  health_.note_asked(at(300ms), timing_);
+  health_.note_written();
+  unanswered(request("10 0005 0001 02 0001"), 400ms);
+  health_.note_asked(at(340ms), timing_);  // a stop has ended the wait for it
+  EXPECT_EQ(health_.owed_alike(write_, at(340ms), timing_), 1U);
+  EXPECT_EQ(health_.owed_alike(write_, at(519ms), timing_), 1U);
+  EXPECT_EQ(health_.owed_alike(write_, at(520ms), timing_), 0U);
+}
+
 TEST_F(Health, WhatThereIsNoRoomForHoldsEverythingBack) {
   for (int value = 0; value < 12; ++value) {
     unanswered(request("06 0000 00" + std::to_string(10 + value)), 100ms);
