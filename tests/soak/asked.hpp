@@ -84,6 +84,7 @@ struct Asked {
   bool ahead = false;          ///< it may have been accepted later
   bool for_dead = false;       ///< its device was surely offline then
   bool perhaps_older = false;  ///< a stop: than what its unit has come to mean
+  bool perhaps_later = false;  ///< a stop: than it is accepted here, for want of room
   bool client_gone = false;
   bool dropped = false;               ///< a waiting write of a half-closed connection
   bool found_no_room = false;         ///< a stop that came when there was room for no more

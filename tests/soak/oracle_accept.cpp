@@ -29,7 +29,7 @@ void Oracle::accept_backlog(Session& session) {
   const std::size_t pipeline = plan_.settings.listeners[session.listener].pipeline;
   const auto takes_perhaps_no_place = [this](std::uint64_t id) {
     const Asked& stop = *open_.at(id);
-    return stop.is_accepted && stop.perhaps_older;
+    return stop.is_accepted && (stop.perhaps_older || stop.perhaps_later);
   };
   while (session.outstanding < pipeline || stopping_) {
     std::erase_if(session.taken, [&](std::uint64_t id) {
@@ -56,9 +56,15 @@ void Oracle::accept_backlog(Session& session) {
 // Stops are taken out of what waits behind a full pipeline, so many at a time, unless they let a
 // write go first that waits there too; on an ordered listener the answer keeps its place. One that
 // may be older than what its unit has come to mean is perhaps none any more, and takes none: a
-// broadcast, or what was not taken as it came and has lost its own time since.
+// broadcast, or what was not taken as it came and has lost its own time since. And where the
+// gateway has perhaps not taken yet what is accepted here, it still has more of these stops than
+// are known here: one that had to wait for room may have to wait longer, and takes no place either.
 void Oracle::look_ahead(Session& session) {
   const std::deque<std::uint64_t> backlog = session.backlog;
+  const bool is_unsure = std::ranges::any_of(session.order, [this](std::uint64_t id) {
+    const Asked& asked = *open_.at(id);
+    return asked.ahead && !asked.surely_on_wire;
+  });
   for (const std::uint64_t id : backlog) {
     if (session.taken.size() >= gateway::kStopReserve) {
       return;
@@ -70,8 +76,10 @@ void Oracle::look_ahead(Session& session) {
     session.taken.push_back(id);
     asked.ordered = session.ordered;
     accept(asked);
-    asked.perhaps_older = asked.perhaps_older || (id != backlog.back() && is_outdated(asked));
-    if (!asked.ordered && !asked.perhaps_older) {
+    const bool has_waited = id != backlog.back();
+    asked.perhaps_older = asked.perhaps_older || (has_waited && is_outdated(asked));
+    asked.perhaps_later = has_waited && is_unsure;
+    if (!asked.ordered && !asked.perhaps_older && !asked.perhaps_later) {
       std::erase(session.backlog, id);
       ++session.outstanding;
       session.order.push_back(id);
@@ -206,8 +214,8 @@ bool Oracle::has_outstanding(ClientId client) const {
 }
 
 bool Oracle::is_surely_open(const Asked& asked) const {
-  if (asked.perhaps_older) {
-    return false;  // it may be refused, once its turn comes
+  if (asked.perhaps_older || asked.perhaps_later) {
+    return false;  // it may be refused, once its turn comes, or only taken then
   }
   if (!asked.ordered) {
     return true;
