@@ -84,13 +84,12 @@ class Oracle {
   void excepted(const Flight& flight, std::uint8_t code);
   /// The line heard it differently than it was sent: no answer to it counts.
   void echo_spoilt(const Flight& flight);
-  /// Nothing of it is heard.
-  void echo_lost(const Flight& flight);
+  void echo_lost(const Flight& flight);  ///< nothing of it is heard
   [[nodiscard]] bool takes_answers_for_echoes(std::size_t bus) const;
   /// Bytes have reached the kernel, where the gateway can read them.
   void bytes_came(std::size_t bus, Bytes bytes);
-  /// It has read them.
-  void bytes_handed_in(std::size_t bus);
+  void bytes_handed_in(std::size_t bus);  ///< it has read them
+  void deadline_handed_in() { judged_ = schedule_.now(); }
   /// A whole good frame has reached the kernel.
   void frame_came(std::size_t bus, const HeardFrame& frame);
   /// The request of another client has reached the kernel.
@@ -294,6 +293,7 @@ class Oracle {
   std::optional<Instant> stopping_;  ///< since then
   bool finished_ = false;
   Instant reloaded_ = Instant::min();
+  Instant judged_ = Instant::min();  ///< a deadline was handed in last
   bool traced_ = false;
 };
 

@@ -149,10 +149,12 @@ void Oracle::check_tcp(const Flight& flight) {
     violation("tcp_outstanding", name(flight));
   }
   flying.push_back(flight.number);
+  // The gateway learns that a timeout is over when a deadline is handed in. What it reads before
+  // that may let something else go, or be the end of the connection, which then cuts both.
   auto& unheard = books_[flight.bus].unheard;
   std::erase_if(unheard, [&](std::uint64_t number) {
     const Flight* other = this->flight(number);
-    return other == nullptr || schedule_.now() > other->due;
+    return other == nullptr || judged_ >= other->due;
   });
   unheard.push_back(flight.number);
   if (unheard.size() >= bus_settings(flight.bus).outstanding) {

@@ -125,6 +125,7 @@ Driver::Hands World::hands() {
   return {[this](std::size_t bus, Bytes bytes) { hand_in(bus, bytes); },
           [this](std::size_t bus) { lost(bus); },
           [this] {
+            oracle_.deadline_handed_in();
             harness_.handle(gateway::DeadlineReached{}, schedule_.now());
             drain();
           },
