@@ -2,6 +2,7 @@
 #include "soak/heard_answers.hpp"
 
 #include <algorithm>
+#include <ranges>
 
 #include "soak/identity.hpp"
 #include "soak/oracle.hpp"
@@ -94,19 +95,30 @@ bool HeardAnswers::is_apart_from_noise(const Flight& flight, const HeardFrame& f
          (is_ascii || book.before_pause == before);
 }
 
-// The answer to 15 or 16 names no value: that to a stop may be taken for one that is owed. For how
-// long one is owed follows from what was taken for late before, as this one may be.
+// The answer to a stop by 15 or 16 names no value: it may be taken for any of its function that is
+// owed, and one that names it for that to the same stop of before another write. For how long one
+// is owed follows from what was taken for late before, as this one may be.
 bool HeardAnswers::may_be_for_earlier(const Flight& stop) const {
   const std::uint8_t function = stop.pdu.front();
-  if (!stop.is_stop || (function != 0x0F && function != 0x10)) {
-    return false;
+  const bool names_value = function != 0x0F && function != 0x10;
+  bool is_other_since = !names_value;
+  const auto is_owed = [&](const Flight& it) {
+    const Duration longest = std::max(it.timing.quarantine_max, it.quarantine_until - it.due);
+    return it.expects_answer && !it.is_answered && stop.begin < it.due + longest + kAdapterHolds;
+  };
+  for (const auto& it : oracle_.flights_ | std::views::reverse) {
+    if (!stop.is_stop || it->number >= stop.number || it->bus != stop.bus ||
+        (it->address != stop.address && !it->is_broadcast)) {
+      continue;
+    }
+    const bool is_alike = !it->is_broadcast && (names_value ? may_be_confused(it->pdu, stop.pdu)
+                                                            : it->pdu.front() == function);
+    if (is_alike && is_other_since && is_owed(*it)) {
+      return true;
+    }
+    is_other_since = is_other_since || (it->is_write && !is_alike);
   }
-  return std::ranges::any_of(oracle_.flights_, [&](const auto& it) {
-    const Duration longest = std::max(it->timing.quarantine_max, it->quarantine_until - it->due);
-    return it->number < stop.number && it->bus == stop.bus && it->address == stop.address &&
-           it->pdu.front() == function && it->expects_answer && !it->is_answered &&
-           stop.begin < it->due + longest + kAdapterHolds;
-  });
+  return false;
 }
 
 const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& frame) const {
