@@ -117,9 +117,6 @@ void ClientRates::accepted(Asked& asked, Instant now) {
     asked.ahead = asked.ahead || !asked.is_stop();
     return;
   }
-  if (asked.is_stop() && bucket.open >= limits_[clients_.at(asked.client).first].pipeline) {
-    ++bucket.order;  // those that are held up may have to wait until it is answered
-  }
   const Instant next = std::max(now, bucket.taken_until);
   const Instant place = room_at(bucket.counted_until, rate, next);
   bucket.counted_until = place + kSecond;
@@ -130,6 +127,10 @@ void ClientRates::accepted(Asked& asked, Instant now) {
   }
   asked.ahead = asked.ahead || (bucket.taken_until > now && !asked.is_stop());
 }
+
+// Those that are held up may have to wait until its client has its answer. How late they are taken
+// then nobody can tell, nor when there is room for those behind them.
+void ClientRates::went_ahead(const Asked& stop) { share(bucket_of(stop)); }
 
 Instant ClientRates::waits_since(const Asked& asked) const {
   const auto client = clients_.find(asked.client);

@@ -28,6 +28,8 @@ class ClientRates {
   void begun(Asked& asked, Instant now);
   /// It has the request, and room for it. Notes whether it may be held up, and until when.
   void accepted(Asked& asked, Instant now);
+  /// A stop was taken ahead of others, with a place of the pipeline.
+  void went_ahead(const Asked& stop);
   /// Its host has waited for its turn since then, if the gateway holds it up.
   [[nodiscard]] Instant waits_since(const Asked& asked) const;
   /// The gateway may not have taken it yet: it holds it up, or others before it.
@@ -56,7 +58,7 @@ class ClientRates {
     Instant answered = Instant::min();  ///< the last one
     std::size_t open = 0;
     std::optional<ClientId> only;
-    bool is_shared = false;          ///< nobody can tell in which order they are taken
+    bool is_shared = false;          ///< nobody can tell when they are taken
     bool was_changed = false;        ///< meanwhile: what is given back may be less than was taken
     Instant since = Instant::min();  ///< what came before may have been taken by another limit
     std::uint64_t order = 0;         ///< it changes when what was known of that is not so any more

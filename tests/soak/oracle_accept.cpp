@@ -79,6 +79,9 @@ void Oracle::look_ahead(Session& session) {
     const bool has_waited = id != backlog.back();
     asked.perhaps_older = asked.perhaps_older || (has_waited && is_outdated(asked));
     asked.perhaps_later = has_waited && is_unsure;
+    if (!asked.ordered) {
+      client_rates_.went_ahead(asked);
+    }
     if (!asked.ordered && !asked.perhaps_older && !asked.perhaps_later) {
       std::erase(session.backlog, id);
       ++session.outstanding;
