@@ -33,11 +33,12 @@ bool was_asked_before_reload(const Asked& asked) {
   });
 }
 
-// The acknowledgement of a stop may be that of the same stop a moment ago, which was carried out;
-// nothing that moves comes between.
-bool was_stopped(const Asked& stop, const std::map<PduBytes, Instant>& done) {
-  const auto entry = done.find(stop.pieces.front().pdu);
-  return entry != done.end() && entry->second + kStopMemory >= stop.accepted;
+// The acknowledgement of a stop may be that of the same stop a moment ago, which was carried out.
+// Nothing was written in between that may move again what it stopped.
+bool was_stopped(const Asked& stop, const Lane& lane) {
+  const auto entry = lane.stops_done.find(stop.pieces.front().pdu);
+  return entry != lane.stops_done.end() && entry->second + kStopMemory >= stop.accepted &&
+         entry->second >= lane.written_at;
 }
 
 }  // namespace
@@ -235,8 +236,8 @@ void Oracle::judge_done(const Asked& asked) {
   }
   const Piece& first = asked.pieces.front();
   if (asked.kind == Kind::stop && !done &&
-      !was_stopped(asked, books_[first.bus].lanes[first.address].stops_done) &&
-      !is_excused(asked) && !is_apart(asked, "acknowledged_stop_")) {
+      !was_stopped(asked, books_[first.bus].lanes[first.address]) && !is_excused(asked) &&
+      !is_apart(asked, "acknowledged_stop_")) {
     violation("stop_not_done", name(asked));
   }
 }

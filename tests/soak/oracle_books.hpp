@@ -88,6 +88,7 @@ struct Lane {
   Instant earlier_write_event = Instant::min();  ///< the last one of an earlier instant
   Instant last_stop = Instant::min();
   std::map<PduBytes, Instant> stops_done;  ///< when the device carried each out last
+  Instant written_at = Instant::min();     ///< something that is no stop, to it or to all
   Instant uncertain_at = Instant::min();   ///< nobody can tell what a frame of then answered
   // Nothing is kept of what was read of its device:
   Instant emptied_at = Instant::min();   ///< since then, because it did not answer, or by the line

@@ -32,6 +32,20 @@ void note_done(Asked& asked, const PduBytes& pdu, Instant now) {
   }
 }
 
+// A broadcast is one for those whose form it has.
+void note_written(Book& book, const Oracle::Devices& devices, const Flight& write, Instant now) {
+  const auto has_form = [&](const Lane& lane) {
+    const auto form = devices[*lane.device].settings().profile.broadcast.form;
+    return (form == drive::BroadcastForm::autonics) == (write.address != 0);
+  };
+  for (std::size_t address = 0; address < book.lanes.size(); ++address) {
+    Lane& lane = book.lanes.at(address);
+    if (write.is_broadcast ? lane.device && has_form(lane) : address == write.address) {
+      lane.written_at = now;
+    }
+  }
+}
+
 }  // namespace
 
 std::string Oracle::name(const Flight& flight) const {
@@ -185,6 +199,8 @@ void Oracle::executed(const Flight& flight) {
   lane.knows_order = lane.knows_order || flight.asks_order;
   if (flight.is_stop) {
     lane.stops_done[flight.pdu] = schedule_.now();
+  } else if (flight.is_write) {
+    note_written(books_[flight.bus], devices_, flight, schedule_.now());
   }
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {

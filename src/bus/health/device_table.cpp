@@ -75,6 +75,15 @@ void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {
   }
 }
 
+void DeviceTable::note_written(const Transaction& broadcast) {
+  for (const drive::Device& device : devices_) {
+    if (device.is_addressed_by(broadcast.address, broadcast.broadcast) &&
+        !device.is_stop(broadcast.request)) {
+      entries_.at(device.address).health.note_written();
+    }
+  }
+}
+
 void DeviceTable::note_reconfiguring(const Transaction& transaction) {
   if (!transaction.request.writes()) {
     return;

@@ -95,6 +95,9 @@ class DeviceTable {
                              drive::BroadcastForm broadcast) const;
   /// A broadcast was sent. Devices that it restarts are left alone until they have booted.
   void hold_booting(const Transaction& broadcast, Instant now);
+  /// A broadcast is being sent. For the devices that hear it, and whose stop it is not, it is a
+  /// write like one to them alone (DeviceHealth::note_written).
+  void note_written(const Transaction& broadcast);
   /// A write is being sent that may change a setting of a device.
   void note_reconfiguring(const Transaction& transaction);
   /// The line was reopened: there may be other devices on it, or the same ones with other settings.

@@ -84,6 +84,7 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
   drive::DeviceTiming timing = parts_.settings.timing;
   if (sent.is_broadcast()) {
     ++counters.broadcasts;
+    parts_.devices.note_written(sent);
   } else {
     ++entry.counters.transmissions;
     timing = entry.device->timing_of(sent.request);

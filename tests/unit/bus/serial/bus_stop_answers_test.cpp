@@ -83,6 +83,48 @@ TEST_F(BusStopAnswers, ThatToTheSameStopBeforeAnotherWriteIsNone) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer, Ending::answered));
 }
 
+// A broadcast is a write between, too.
+TEST_F(BusStopAnswers, ThatToTheSameStopBeforeABroadcastIsNone) {
+  auto quick = settings();
+  quick.turnaround = 10ms;
+  quick.line.echo = false;
+  open(quick, {axis(quick)});
+  submit(job(kStop));
+  time_out();
+  advance(10ms);
+  line(kStopFrame);
+  submit(job_of(1, kMove, modbus::kBroadcastAddress));
+  advance(40ms);
+  ASSERT_THAT(frames_, SizeIs(3));
+  submit(job(kStop));
+  ASSERT_THAT(frames_, SizeIs(4));
+  advance(10ms);
+  line(kStopFrame);  // of the first stop
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::transmitted));
+  advance(10ms);
+  line(kStopFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::transmitted, Ending::answered));
+}
+
+// Where it is a stop itself, the axis stands.
+TEST_F(BusStopAnswers, ThatToTheSameStopBeforeABroadcastStopIsOne) {
+  auto quick = settings();
+  quick.turnaround = 10ms;
+  quick.line.echo = false;
+  open(quick, {axis(quick)});
+  submit(job(kStop));
+  time_out();
+  advance(10ms);
+  line(kStopFrame);
+  submit(job_of(1, kStop, modbus::kBroadcastAddress));
+  advance(40ms);
+  submit(job(kStop));
+  ASSERT_THAT(frames_, SizeIs(4));
+  advance(10ms);
+  line(kStopFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::transmitted, Ending::answered));
+}
+
 // Whoever asks an offline device waits for a shorter time; its quarantine is none the shorter for
 // that.
 TEST_F(BusStopAnswers, TheLateAnswerToAMoveOfADeviceThatIsOfflineIsNone) {
