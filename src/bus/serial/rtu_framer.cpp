@@ -51,20 +51,18 @@ void RtuFramer::give_up_buffer() {
   buffer_.clear();
 }
 
-// The rest of a frame whose beginning was given up. One that has lost its last byte must not take
-// that from the answer.
-void RtuFramer::join_cut(Instant now) {
-  const modbus::Bytes bytes = buffer_.bytes();
-  if (bytes.empty() || looker().begins_as_asked(bytes)) {
+// The rest of a frame whose beginning was given up.
+void RtuFramer::join_cut() {
+  if (buffer_.size() == 0) {
     return;
   }
-  if (const auto joined = cut_.complete(bytes, buffer_.came_at(0), silence())) {
+  if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), silence())) {
     const modbus::RtuAdu& frame = joined->frame;
+    const Instant came = buffer_.came_at(joined->taken - 1);
     ++counters_.unsolicited_frames;
-    unsolicited_.add({frame.address, frame.pdu, now, joined->after_noise});
+    unsolicited_.add({frame.address, frame.pdu, came, joined->after_noise});
     discarding_ = answers_another_ =
-        !joined->is_response &&
-        !looker().is_echo(frame.address, frame.pdu.bytes(), buffer_.came_at(joined->taken - 1));
+        !joined->is_response && !looker().is_echo(frame.address, frame.pdu.bytes(), came);
     buffer_.drop(joined->taken);
     answer_ = Answer::not_begun;
   }
@@ -116,7 +114,10 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
     buffer_.clear();
     discard();
   }
-  join_cut(now);
+  // A cut frame that has lost its last byte must not take that from the answer.
+  if (!looker().is_beginning_of_answer()) {
+    join_cut();
+  }
   return discarding_ ? Verdict::none : search(false);
 }
 
@@ -200,6 +201,7 @@ Verdict RtuFramer::handle_deadline(Instant now) {
     return Verdict::damaged;
   }
   discard();
+  join_cut();
   return Verdict::none;
 }
 

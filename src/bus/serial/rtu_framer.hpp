@@ -64,7 +64,7 @@ class RtuFramer {
   /// Counts what is left as stray and forgets it, until the next silence.
   void discard();
   void give_up_buffer();
-  void join_cut(Instant now);
+  void join_cut();
   Verdict search(bool silence);
   void accept(const RtuFind& response);
   void consume(std::size_t at, std::size_t size);

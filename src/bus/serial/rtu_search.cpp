@@ -59,6 +59,14 @@ RtuFind RtuSearch::look_at(const Place& place) const {
   return look_at_stranger(place);
 }
 
+bool RtuSearch::is_beginning_of_answer() const {
+  if (!may_begin_answer(0)) {
+    return false;
+  }
+  const RtuFind find = look_at_candidate({});
+  return find.what != What::nothing && find.answer != Answer::bad_crc;
+}
+
 bool RtuSearch::begins_as_asked(modbus::Bytes bytes) const {
   return transaction_ != nullptr && bytes.size() > 1 && bytes[0] == transaction_->address &&
          (bytes[1] & ~modbus::kExceptionBit) == transaction_->request.function();

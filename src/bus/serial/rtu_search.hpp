@@ -58,8 +58,9 @@ class RtuSearch {
 
   /// The first frame that begins. `silence`: nothing more comes, and what is incomplete stays so.
   [[nodiscard]] RtuFind look(bool silence) const;
-  /// Do the bytes begin with the unit and the function of the request?
-  [[nodiscard]] bool begins_as_asked(modbus::Bytes bytes) const;
+  /// May the first byte be that of the answer? Not if the length or the CRC has shown already that
+  /// it is not, nor if it is all that has come.
+  [[nodiscard]] bool is_beginning_of_answer() const;
   /// The length of the answer that begins with these bytes. While the byte count has not come, it
   /// is the length that the request predicts.
   [[nodiscard]] modbus::PduLength length_of(modbus::Bytes answer) const;
@@ -79,6 +80,7 @@ class RtuSearch {
   [[nodiscard]] RtuFind look_at_candidate(const Place& place) const;
   [[nodiscard]] std::optional<RtuFind> look_at_echo(const Place& place, std::size_t size) const;
   [[nodiscard]] RtuFind look_at_stranger(const Place& place) const;
+  [[nodiscard]] bool begins_as_asked(modbus::Bytes bytes) const;
   [[nodiscard]] bool may_begin_answer(std::size_t at) const;
   [[nodiscard]] modbus::Bytes bytes_from(std::size_t at) const {
     return received_.bytes().subspan(at);

@@ -230,6 +230,33 @@ TEST_F(RtuCutFrame, WhatLooksLikeTheBeginningOfTheAnswerMayBeAPartOfIt) {
   }
 }
 
+// The length, the CRC or a pause shows that it is no answer.
+TEST_F(RtuCutFrame, SoMayItsUnitAndFunction) {
+  constexpr auto kWrite = "06 001E 0D40";
+  struct Late {
+    const char* asked;
+    const char* begin;
+    const char* rest;
+  };
+  for (const Late& late :
+       {Late{kRead, "02 03 04 01 03", "0D 40 3D AF"}, Late{kRead, "02 03 04 01 03", "04 40 3B FF"},
+        Late{kRead, "02 03 04 01 83", "0D 40 3C 47"},
+        Late{kRead, "02 01 07 01 03", "04 00 07 0D 40 C8 29"},
+        Late{kWrite, "02 03 04 01 06", "0D 40 2D AE"}}) {
+    expect(late.asked);
+    EXPECT_EQ(add(late.begin), Verdict::none);
+    EXPECT_EQ(after(16ms), Verdict::none);
+    EXPECT_EQ(add(late.rest), Verdict::none);
+    const Instant came = now_;
+    EXPECT_EQ(after(100ms), Verdict::none);
+    const auto unsolicited = framer_.take_unsolicited();
+    ASSERT_TRUE(unsolicited) << late.begin << ' ' << late.rest;
+    EXPECT_EQ(unsolicited->address, 2);
+    EXPECT_EQ(unsolicited->came, came);
+    EXPECT_FALSE(framer_.in_progress());
+  }
+}
+
 // Five bytes behind noise look like an exception too often, as they do before an answer.
 TEST_F(RtuCutFrame, AnExceptionBehindNoiseIsNone) {
   framer_.listen();
