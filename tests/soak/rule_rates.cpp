@@ -49,15 +49,15 @@ bool RuleRates::is_refused(const Asked& asked, Instant now) {
   if (asked.is_stop() || asked.surely_on_wire) {
     return false;
   }
-  bool is_over = false;
+  // It was perhaps refused before a reload, and its answer was held back.
+  bool is_over = asked.ordered && were_over_.contains(asked.id);
   for (const std::size_t rule : asked.rated) {
     const Key key{rule, asked.host};
     const auto& passed = passed_[key];
     const auto entry = std::ranges::find(passed, asked.id, &Passed::id);
-    // Else it was accepted before a reload, and its answer was held back.
-    const bool is_known = entry != passed.end();
-    const bool is_at_once = is_known && (asked.ordered || entry->unsure || entry->at == now);
-    is_over = is_over || !is_known || (is_at_once && may_be_over(key, *entry));
+    const bool is_at_once =
+        entry != passed.end() && (asked.ordered || entry->unsure || entry->at == now);
+    is_over = is_over || (is_at_once && may_be_over(key, *entry));
   }
   if (is_over) {
     for (const std::size_t rule : asked.rated) {
@@ -96,9 +96,15 @@ std::string RuleRates::let_through(const Asked& asked) {
   return broken;
 }
 
-// Of what was perhaps accepted only now it still counts.
+// What was perhaps accepted only now still counts. But it may as well have been refused before, by
+// what does not count any more.
 void RuleRates::after_reload() {
   for (auto& [key, passed] : passed_) {
+    for (const Passed& it : passed) {
+      if (!it.surely && may_be_over(key, it)) {
+        were_over_.insert(it.id);
+      }
+    }
     std::erase_if(passed, [](const Passed& it) { return !it.unsure || it.surely; });
   }
 }

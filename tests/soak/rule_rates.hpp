@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,7 @@ class RuleRates {
 
   const SoakPlan& plan_;
   std::map<Key, std::vector<Passed>> passed_;  // in the order of acceptance
+  std::set<std::uint64_t> were_over_;          // perhaps, by what counted before a reload
 };
 
 }  // namespace mbgate::soak
