@@ -97,24 +97,26 @@ bool HeardAnswers::is_apart_from_noise(const Flight& flight, const HeardFrame& f
 
 // The answer to a stop by 15 or 16 names no value: it may be taken for any of its function that is
 // owed, and one that names it for that to the same stop of before another write. For how long one
-// is owed follows from what was taken for late before, as this one may be.
+// is owed follows from what was taken for late before, as this one may be. What is answered may
+// have been in place of one like it before, so that it is owed itself.
 bool HeardAnswers::may_be_for_earlier(const Flight& stop) const {
   const std::uint8_t function = stop.pdu.front();
   const bool names_value = function != 0x0F && function != 0x10;
   bool is_other_since = !names_value;
-  const auto is_owed = [&](const Flight& it) {
-    const Duration longest = std::max(it.timing.quarantine_max, it.quarantine_until - it.due);
-    return it.expects_answer && !it.is_answered && stop.begin < it.due + longest + kAdapterHolds;
-  };
+  Instant owed_until = Instant::min();
   for (const auto& it : oracle_.flights_ | std::views::reverse) {
     if (!stop.is_stop || it->number >= stop.number || it->bus != stop.bus ||
         (it->address != stop.address && !it->is_broadcast)) {
       continue;
     }
-    const bool is_alike = !it->is_broadcast && (names_value ? may_be_confused(it->pdu, stop.pdu)
-                                                            : it->pdu.front() == function);
-    if (is_alike && is_other_since && is_owed(*it)) {
-      return true;
+    const bool is_alike = it->expects_answer && (names_value ? may_be_confused(it->pdu, stop.pdu)
+                                                             : it->pdu.front() == function);
+    if (is_alike && is_other_since) {
+      const Duration longest = std::max(it->timing.quarantine_max, it->quarantine_until - it->due);
+      owed_until = std::max(owed_until, it->due + longest + kAdapterHolds);
+      if (!it->is_answered && stop.begin < owed_until) {
+        return true;
+      }
     }
     is_other_since = is_other_since || (it->is_write && !is_alike);
   }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <bitset>
 #include <deque>
 #include <map>
 #include <string>
@@ -65,7 +64,6 @@ struct Lane {
   std::optional<std::size_t> device;
   std::vector<Asked*> open;
   std::deque<std::uint64_t> owed;         ///< transmissions that no good frame has answered
-  std::bitset<256> perhaps_owed;          ///< functions whose own ends are over
   std::optional<Instant> answered_at;     ///< since the last transmission that is to be
   Duration took{0};                       ///< that answer, since the end of the request
   std::vector<LateAnswer> late_answers;   ///< its quarantine covers each

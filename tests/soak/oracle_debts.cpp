@@ -62,40 +62,6 @@ bool settle_first(Lane& lane, const Flight& asked, bool is_nobodys, Instant now,
   return true;
 }
 
-// Nothing is taken for an answer that comes later than any quarantine may last.
-bool is_past(const Flight& owed, Instant now) {
-  const Duration longest =
-      std::max(owed.timing.quarantine_max, owed.quarantine_until - owed.deadline);
-  return now > owed.deadline + longest;
-}
-
-// For what must wait each function has an end of its own: that of its last request. But a
-// quarantine is its device's. As long as anything is owed, the gateway may take an answer for one
-// that is owed of a function whose own end is over.
-template <typename Find>
-void forget_debts(Lane& lane, Instant now, Find find) {
-  const auto before = lane.owed;
-  const auto is_held = [&](std::uint64_t number) {
-    const Flight* owed = find(number);
-    return owed != nullptr && now < owed->quarantine_until;
-  };
-  std::erase_if(lane.owed, [&](std::uint64_t number) {
-    const Flight* owed = find(number);
-    if (owed == nullptr || is_past(*owed, now)) {
-      return true;
-    }
-    const std::uint8_t function = owed->pdu.front();
-    const bool is_over = std::ranges::none_of(before, [&](std::uint64_t other) {
-      return is_held(other) && find(other)->pdu.front() == function;
-    });
-    lane.perhaps_owed[function] = lane.perhaps_owed[function] || is_over;
-    return is_over;
-  });
-  if (std::ranges::none_of(before, is_held)) {
-    lane.perhaps_owed.reset();
-  }
-}
-
 const char* excuse_of(const HeardFrame& frame, bool is_held) {
   if (frame.excuse != nullptr) {
     return frame.excuse;
@@ -133,8 +99,24 @@ bool may_be_confused(const PduBytes& a, const PduBytes& b) {
 
 void Oracle::check_quarantine(const Flight& flight) {
   Lane& lane = books_[flight.bus].lanes[flight.address];
-  forget_debts(lane, schedule_.now(),
-               [this](std::uint64_t number) { return this->flight(number); });
+  // Each function has an end of its own: that of its last request.
+  const auto holds = [&](std::uint64_t number, std::uint8_t function) {
+    const Flight* owed = this->flight(number);
+    return owed != nullptr && owed->pdu.front() == function &&
+           schedule_.now() < owed->quarantine_until;
+  };
+  // Nothing is taken for an answer that comes later than any quarantine may last.
+  const auto is_past = [&](const Flight& owed) {
+    const Duration longest =
+        std::max(owed.timing.quarantine_max, owed.quarantine_until - owed.deadline);
+    return schedule_.now() > owed.deadline + longest;
+  };
+  std::erase_if(lane.owed, [&, before = lane.owed](std::uint64_t number) {
+    const Flight* owed = this->flight(number);
+    return owed == nullptr || is_past(*owed) || std::ranges::none_of(before, [&](auto other) {
+             return holds(other, owed->pdu.front());
+           });
+  });
   const auto blocks = [&](std::uint64_t number) {
     const Flight* owed = this->flight(number);
     return owed != nullptr && schedule_.now() < owed->quarantine_until &&

@@ -42,8 +42,7 @@ Duration Oracle::lateness() const {
 
 void Oracle::note_whole(std::size_t bus, HeardFrame& frame) const {
   const Book& book = books_[bus];
-  const Lane& lane = book.lanes[frame.address];
-  const auto& owed = lane.owed;
+  const auto& owed = book.lanes[frame.address].owed;
   frame.ended = schedule_.now();
   frame.came = book.came;
   // Each try of a stop does the same, and by 06 its echo shows which stop that was.
@@ -52,12 +51,10 @@ void Oracle::note_whole(std::size_t bus, HeardFrame& frame) const {
     const Flight* it = flight(number);
     return it != nullptr && it->asked.size() == 1 && it->asked == last->asked;
   };
-  const bool is_only_one = (owed.size() == 1 && owed.front() == frame.flight) ||
-                           (last != nullptr && last->is_stop && last->pdu.front() == 0x06 &&
-                            std::ranges::all_of(owed, is_try_of_last));
+  frame.is_only_debt = (owed.size() == 1 && owed.front() == frame.flight) ||
+                       (last != nullptr && last->is_stop && last->pdu.front() == 0x06 &&
+                        std::ranges::all_of(owed, is_try_of_last));
   const Flight* from = flight(frame.flight);
-  frame.is_only_debt =
-      is_only_one && (from == nullptr || !lane.perhaps_owed.test(from->pdu.front()));
   frame.is_late = from != nullptr && std::ranges::count(owed, frame.flight) > 0 &&
                   std::ranges::all_of(owed, [&](std::uint64_t number) {
                     const Flight* it = flight(number);

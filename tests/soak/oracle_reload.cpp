@@ -114,7 +114,6 @@ void Oracle::line_given_up(std::size_t bus) {
       lane.last_offline = schedule_.now();
     }
     lane.owed.clear();
-    lane.perhaps_owed.reset();
     lane.late_answers.clear();
     lane.unanswered = 0;
     lane.unheard.clear();
