@@ -184,7 +184,6 @@ class Oracle {
   void judge(Asked& asked, Bytes pdu);
   void device_answered(const Asked& asked, bool may_be_kept);
   void judge_exception(const Asked& asked, std::uint8_t code);
-  [[nodiscard]] bool may_be_stopped(const Asked& asked) const;
   void judge_cut(const Asked& asked);
   void judge_data(const Asked& asked, Bytes pdu);
   void judge_bits(const Asked& asked, Bytes pdu);

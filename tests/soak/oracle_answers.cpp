@@ -179,18 +179,6 @@ bool Oracle::may_be_offline(const Asked& asked) const {
   return lane.last_offline >= asked.accepted || is_past_offline(asked.pieces.front().bus, lane);
 }
 
-// A stop also forbids writes that were read ahead when it came. It may be taken itself a little
-// later, where another one that was read ahead has got the place of its connection that was free.
-bool Oracle::may_be_stopped(const Asked& asked) const {
-  const Instant since = asked.earliest - lateness();
-  return asked.changes() && !asked.is_stop() &&
-         std::ranges::any_of(asked.pieces, [&](const Piece& it) {
-           const Book& book = books_[it.bus];
-           return (asked.kind == Kind::broadcast ? book.last_stop
-                                                 : book.lanes[it.address].last_stop) >= since;
-         });
-}
-
 // Between these instants the device must have held what the answer shows.
 Span Oracle::span_of(const Asked& asked) const {
   if (asked.changes()) {

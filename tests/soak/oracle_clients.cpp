@@ -5,6 +5,7 @@
 
 #include "gateway/limits.hpp"
 #include "soak/oracle.hpp"
+#include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
 namespace {
@@ -152,6 +153,7 @@ void Oracle::gone(ClientId client, const char* how) {
       accept(asked);  // received whole
     }
     if (asked.is_stop() && may_wait(asked, books_)) {
+      Withdrawals(*this).note_taken(asked);
       asked.client_gone = true;  // it goes all the same
       continue;
     }
@@ -196,6 +198,7 @@ void Oracle::closed(ClientId client) {
 }
 
 void Oracle::close(Asked& asked, const std::string& how) {
+  Withdrawals(*this).note_taken(asked);
   const bool present = asked.is_accepted && !asked.refused;
   for (Piece& piece : asked.pieces) {
     Book& book = books_[piece.bus];

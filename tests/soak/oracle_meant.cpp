@@ -5,6 +5,7 @@
 #include "soak/behind_stops.hpp"
 #include "soak/oracle.hpp"
 #include "soak/shared_reads.hpp"
+#include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
 namespace {
@@ -112,8 +113,12 @@ void Oracle::attribute(Flight& flight) {
   SharedReads(*this).count_tries(flight, meant);
   SharedReads(*this).note_writes(flight, meant);
   for (const auto& [asked, piece] : meant) {
+    const bool alone = meant.size() == 1 || flight.is_for_each;
     flight.asked.push_back(asked->id);
-    note_sent(*asked, *piece, flight, meant.size() == 1 || flight.is_for_each);
+    if (alone) {
+      Withdrawals(*this).note_taken(*asked);
+    }
+    note_sent(*asked, *piece, flight, alone);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "soak/behind_stops.hpp"
 #include "soak/identity.hpp"
 #include "soak/oracle.hpp"
+#include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
 
@@ -77,7 +78,7 @@ bool Refusals::goes_at_the_end(const Asked& asked) const {
 
 // It must not be transmitted any more.
 const char* Refusals::why_withdrawn(const Asked& asked) const {
-  if (asked.doomed || oracle_.may_be_stopped(asked)) {
+  if (asked.doomed || Withdrawals(oracle_).may_be_stopped(asked)) {
     return "stopped";
   }
   if (has_expired(asked)) {

@@ -17,6 +17,11 @@ bool may_come_behind(const Asked& write, Instant stopped) {
   return write.ahead && write.written >= stopped;
 }
 
+// The gateway perhaps has no room for it yet among those that it takes ahead.
+bool may_come_later(const Asked& stop) {
+  return stop.is_stop() && stop.perhaps_later && !stop.surely_on_wire && !stop.client_gone;
+}
+
 bool goes_out(const Asked& broadcast, std::size_t bus, std::uint8_t form) {
   return std::ranges::any_of(broadcast.pieces, [&](const Piece& piece) {
     return piece.bus == bus && piece.address == form;
@@ -26,33 +31,70 @@ bool goes_out(const Asked& broadcast, std::size_t bus, std::uint8_t form) {
 }  // namespace
 
 void Withdrawals::take_back_for(const Asked& stop) const {
-  const Instant now = oracle_.schedule_.now();
   // Whether a broadcast that is older than a reload stops anything still, nobody outside can tell.
   const bool is_sure = !stop.stops_all || !oracle_.is_outdated(stop);
   const bool takes_back = is_sure && !oracle_.lets_writes_go(stop);
+  note_stop(stop);
   for (const Piece& piece : stop.pieces) {
-    Book& book = oracle_.books_[piece.bus];
-    book.last_stop = now;
-    if (Flight* last = oracle_.flight(book.last_flight)) {
+    if (Flight* last = oracle_.flight(oracle_.books_[piece.bus].last_flight)) {
       last->meets_stop = true;
     }
-    for (std::size_t address = 0; address < book.lanes.size(); ++address) {
-      Lane& lane = book.lanes.at(address);
-      if (stop.stops_all ? !stops_at(stop, piece.bus, address) : address != piece.address) {
-        continue;
-      }
-      lane.last_stop = now;
-      if (takes_back) {
-        take_back_writes(lane);
-      }
-    }
     if (takes_back) {
+      std::ranges::for_each(stopped_by(stop, piece),
+                            [this](const Lane* lane) { take_back_writes(*lane); });
       take_back_broadcasts(stop, piece.bus);
     }
   }
   if (takes_back) {
     take_back_read_ahead(stop);
   }
+}
+
+std::vector<Lane*> Withdrawals::stopped_by(const Asked& stop, const Piece& piece) const {
+  std::vector<Lane*> found;
+  auto& lanes = oracle_.books_[piece.bus].lanes;
+  for (std::size_t address = 0; address < lanes.size(); ++address) {
+    if (stop.stops_all ? stops_at(stop, piece.bus, address) : address == piece.address) {
+      found.push_back(&lanes.at(address));
+    }
+  }
+  return found;
+}
+
+void Withdrawals::note_stop(const Asked& stop) const {
+  const Instant now = oracle_.schedule_.now();
+  for (const Piece& piece : stop.pieces) {
+    oracle_.books_[piece.bus].last_stop = now;
+    for (Lane* lane : stopped_by(stop, piece)) {
+      lane->last_stop = now;
+    }
+  }
+}
+
+void Withdrawals::note_taken(const Asked& stop) const {
+  if (may_come_later(stop)) {
+    note_stop(stop);
+  }
+}
+
+// A stop also forbids writes that were read ahead when it came. It may be taken itself a little
+// later, where another one that was read ahead has got the place of its connection that was free,
+// and much later for want of room. Of its own connection it takes back what lies in front of it.
+bool Withdrawals::may_be_stopped(const Asked& write) const {
+  const Instant since = write.earliest - oracle_.lateness();
+  const auto is_stopped = [&](const Piece& it) {
+    const Book& book = oracle_.books_[it.bus];
+    return (write.kind == Kind::broadcast ? book.last_stop : book.lanes[it.address].last_stop) >=
+           since;
+  };
+  const auto may_be_now = [&](const auto& entry) {
+    const Asked& stop = *entry.second;
+    return may_come_later(stop) && !oracle_.lets_writes_go(stop) &&
+           (stop.client != write.client || write.id < stop.id) && is_for(stop, write);
+  };
+  return write.changes() && !write.is_stop() &&
+         (std::ranges::any_of(write.pieces, is_stopped) ||
+          std::ranges::any_of(oracle_.open_, may_be_now));
 }
 
 void Withdrawals::take_back_writes(const Lane& lane) const {
@@ -210,7 +252,7 @@ bool Withdrawals::may_come_before(const Asked& refused, std::uint8_t code) const
     default: return has_other_rules && refused.refused == kDenied;
   }
   const bool is_stopped =
-      refused.unlisted && (oracle_.stopping_.has_value() || oracle_.may_be_stopped(refused));
+      refused.unlisted && (oracle_.stopping_.has_value() || may_be_stopped(refused));
   return refused.dropped || is_stopped || is_older_broadcast(refused) || is_outdated;
 }
 

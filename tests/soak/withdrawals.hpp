@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <vector>
 
 #include "soak/asked.hpp"
 
@@ -18,6 +19,10 @@ class Withdrawals {
   explicit Withdrawals(Oracle& oracle) : oracle_(oracle) {}
 
   void take_back_for(const Asked& stop) const;
+  /// By now the gateway has surely taken it: one that had to wait for room perhaps only now.
+  void note_taken(const Asked& stop) const;
+  /// It may have been taken back, or be so now.
+  [[nodiscard]] bool may_be_stopped(const Asked& write) const;
   /// It let the writes before it go, and does so no longer.
   void take_back_for_waiting(const Asked& stop) const;
   /// It turns out to be older than the settings that made it a stop.
@@ -35,6 +40,8 @@ class Withdrawals {
   [[nodiscard]] bool is_older_broadcast(const Asked& asked) const;
 
  private:
+  void note_stop(const Asked& stop) const;
+  [[nodiscard]] std::vector<Lane*> stopped_by(const Asked& stop, const Piece& piece) const;
   void take_back_writes(const Lane& lane) const;
   void take_back_broadcasts(const Asked& stop, std::size_t bus) const;
   void take_back_read_ahead(const Asked& stop) const;
