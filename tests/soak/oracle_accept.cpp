@@ -75,10 +75,10 @@ void Oracle::look_ahead(Session& session) {
     }
     session.taken.push_back(id);
     asked.ordered = session.ordered;
-    accept(asked);
     const bool has_waited = id != backlog.back();
-    asked.perhaps_older = asked.perhaps_older || (has_waited && is_outdated(asked));
     asked.perhaps_later = has_waited && is_unsure;
+    accept(asked);
+    asked.perhaps_older = asked.perhaps_older || (has_waited && is_outdated(asked));
     if (!asked.ordered) {
       client_rates_.went_ahead(asked);
     }

@@ -31,8 +31,9 @@ bool goes_out(const Asked& broadcast, std::size_t bus, std::uint8_t form) {
 }  // namespace
 
 void Withdrawals::take_back_for(const Asked& stop) const {
-  // Whether a broadcast that is older than a reload stops anything still, nobody outside can tell.
-  const bool is_sure = !stop.stops_all || !oracle_.is_outdated(stop);
+  // Whether a broadcast that is older than a reload stops anything still, nobody outside can tell;
+  // nor when one is taken that had to wait.
+  const bool is_sure = (!stop.stops_all || !oracle_.is_outdated(stop)) && !may_come_later(stop);
   const bool takes_back = is_sure && !oracle_.lets_writes_go(stop);
   note_stop(stop);
   for (const Piece& piece : stop.pieces) {
