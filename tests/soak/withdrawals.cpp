@@ -173,14 +173,18 @@ void Withdrawals::take_back_read_ahead(const Asked& stop) const {
   }
 }
 
+// By other settings it lets none go first any more. What its host's rate holds up the gateway has
+// perhaps not accepted yet: that it lets go.
 void Withdrawals::take_back_for_waiting(const Asked& stop) const {
   if (oracle_.lets_writes_go(stop)) {
     return;
   }
   const Piece& piece = stop.pieces.front();
+  const Instant now = oracle_.schedule_.now();
   for (Asked* asked : oracle_.books_[piece.bus].lanes[piece.address].open) {
-    if (asked->kind == Kind::write && asked->sequence < stop.sequence && !asked->doomed) {
-      asked->doomed = oracle_.schedule_.now();
+    if (asked->kind == Kind::write && asked->sequence < stop.sequence && !asked->doomed &&
+        !ClientRates::may_hold(*asked, oracle_.lateness(), now)) {
+      asked->doomed = now;
     }
   }
 }
