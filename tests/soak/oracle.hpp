@@ -208,6 +208,7 @@ class Oracle {
   void note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone);
   void check_order(const Asked& asked, const Flight& flight);
   void check_tcp(const Flight& flight);
+  void note_crowded(std::size_t bus);
   void check_rest(std::size_t bus);
   void cut_flying(const Book& book);
   [[nodiscard]] Instant deadline_of(const Flight& flight) const;

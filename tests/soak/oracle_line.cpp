@@ -157,8 +157,18 @@ void Oracle::check_tcp(const Flight& flight) {
     return other == nullptr || judged_ >= other->due;
   });
   unheard.push_back(flight.number);
-  if (unheard.size() >= bus_settings(flight.bus).outstanding) {
-    std::ranges::for_each(unheard, [&](std::uint64_t it) { this->flight(it)->is_crowded = true; });
+  note_crowded(flight.bus);
+}
+
+// Those on a connection that has no place for one more, by the settings in force.
+void Oracle::note_crowded(std::size_t bus) {
+  const auto& unheard = books_[bus].unheard;
+  if (unheard.size() >= bus_settings(bus).outstanding) {
+    for (const std::uint64_t number : unheard) {
+      if (Flight* it = flight(number)) {
+        it->is_crowded = true;
+      }
+    }
   }
 }
 

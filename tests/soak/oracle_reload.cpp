@@ -180,6 +180,7 @@ void Oracle::after_reload() {
     for (Asked* stop : book.stops) {
       Withdrawals(*this).take_back_for_waiting(*stop);
     }
+    note_crowded(bus);
     cut_flying(book);
   }
   for (auto& [client, session] : sessions_) {
