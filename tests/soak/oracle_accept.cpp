@@ -58,7 +58,8 @@ void Oracle::accept_backlog(Session& session) {
 // may be older than what its unit has come to mean is perhaps none any more, and takes none: a
 // broadcast, or what was not taken as it came and has lost its own time since. And where the
 // gateway has perhaps not taken yet what is accepted here, it still has more of these stops than
-// are known here: one that had to wait for room may have to wait longer, and takes no place either.
+// are known here: one that had to wait for room, or has got one of the last places, may have to
+// wait longer, and takes no place either.
 void Oracle::look_ahead(Session& session) {
   const std::deque<std::uint64_t> backlog = session.backlog;
   const bool is_unsure = std::ranges::any_of(session.order, [this](std::uint64_t id) {
@@ -76,7 +77,8 @@ void Oracle::look_ahead(Session& session) {
     session.taken.push_back(id);
     asked.ordered = session.ordered;
     const bool has_waited = id != backlog.back();
-    asked.perhaps_later = has_waited && is_unsure;
+    const bool is_nearly_full = session.taken.size() > gateway::kStopReserve / 2;
+    asked.perhaps_later = is_unsure && (has_waited || is_nearly_full);
     accept(asked);
     asked.perhaps_older = asked.perhaps_older || (has_waited && is_outdated(asked));
     if (!asked.ordered) {
