@@ -100,12 +100,15 @@ bool HeardAnswers::is_apart_from_noise(const Flight& flight, const HeardFrame& f
 // is owed follows from what was taken for late before, as this one may be. What is answered may
 // have been in place of one like it before, so that it is owed itself.
 bool HeardAnswers::may_be_for_earlier(const Flight& stop) const {
+  if (!stop.is_stop) {
+    return false;
+  }
   const std::uint8_t function = stop.pdu.front();
   const bool names_value = function != 0x0F && function != 0x10;
   bool is_other_since = !names_value;
   Instant owed_until = Instant::min();
   for (const auto& it : oracle_.flights_ | std::views::reverse) {
-    if (!stop.is_stop || it->number >= stop.number || it->bus != stop.bus ||
+    if (it->number >= stop.number || it->bus != stop.bus ||
         (it->address != stop.address && !it->is_broadcast)) {
       continue;
     }

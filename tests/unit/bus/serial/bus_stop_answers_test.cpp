@@ -16,8 +16,17 @@ class BusStopAnswers : public Bus {
   void open_axis() {
     auto other_times = settings();
     other_times.timing.stop_retries = 1;
+    other_times.turnaround = 10ms;
     other_times.line.echo = false;
     open(other_times, {axis(other_times)});
+  }
+  /// The stop is repeated and answered once, so that its other answer may still come.
+  void open_with_stop_answered_once() {
+    open_axis();
+    submit(job(kStop));
+    time_out();
+    advance(10ms);
+    line(kStopFrame);
   }
 };
 
@@ -61,14 +70,9 @@ TEST_F(BusStopAnswers, ThatToTheSameStopBeforeIsOne) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
-// The first stop was repeated and answered once, so that its other answer may still come; the write
-// between may have set the axis in motion again.
+// The write between may have set the axis in motion again.
 TEST_F(BusStopAnswers, ThatToTheSameStopBeforeAnotherWriteIsNone) {
-  open_axis();
-  submit(job(kStop));
-  time_out();
-  advance(10ms);
-  line(kStopFrame);
+  open_with_stop_answered_once();
   submit(job_of(1, "05 0001 FF00"));
   advance(60ms);
   ASSERT_THAT(frames_, SizeIs(3));
@@ -85,14 +89,7 @@ TEST_F(BusStopAnswers, ThatToTheSameStopBeforeAnotherWriteIsNone) {
 
 // A broadcast is a write between, too.
 TEST_F(BusStopAnswers, ThatToTheSameStopBeforeABroadcastIsNone) {
-  auto quick = settings();
-  quick.turnaround = 10ms;
-  quick.line.echo = false;
-  open(quick, {axis(quick)});
-  submit(job(kStop));
-  time_out();
-  advance(10ms);
-  line(kStopFrame);
+  open_with_stop_answered_once();
   submit(job_of(1, kMove, modbus::kBroadcastAddress));
   advance(40ms);
   ASSERT_THAT(frames_, SizeIs(3));
@@ -108,14 +105,7 @@ TEST_F(BusStopAnswers, ThatToTheSameStopBeforeABroadcastIsNone) {
 
 // Where it is a stop itself, the axis stands.
 TEST_F(BusStopAnswers, ThatToTheSameStopBeforeABroadcastStopIsOne) {
-  auto quick = settings();
-  quick.turnaround = 10ms;
-  quick.line.echo = false;
-  open(quick, {axis(quick)});
-  submit(job(kStop));
-  time_out();
-  advance(10ms);
-  line(kStopFrame);
+  open_with_stop_answered_once();
   submit(job_of(1, kStop, modbus::kBroadcastAddress));
   advance(40ms);
   submit(job(kStop));
