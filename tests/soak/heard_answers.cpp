@@ -20,6 +20,12 @@ bool looks_like_bits(const PduBytes& pdu) {
          (spec::word_at(pdu, 3) + 7U) / 8U == kBytes;
 }
 
+// An answer may be, with its CRC and all, how its own request begins.
+bool begins_like_echo(Bytes bytes, const Flight& asked) {
+  return bytes.size() > 1 && bytes.size() <= asked.pdu.size() && bytes[0] == asked.address &&
+         std::equal(bytes.begin() + 1, bytes.end(), asked.pdu.begin());
+}
+
 // The address is among these bytes, and behind it the function, or nothing yet.
 bool may_begin_answer(Bytes bytes, const Flight& asked) {
   for (std::size_t at = 0; at < bytes.size(); ++at) {
@@ -54,8 +60,7 @@ bool is_damaged_answer(const SoakPlan& plan, const Book& book, const Flight& ask
     return heard[2] == size && heard.size() == size + 5;
   }
   // Where an echo is possible, its rest is waited for.
-  const bool may_be_echo = !settings.line.echo && asked.pdu.size() >= heard.size() &&
-                           std::equal(heard.begin() + 1, heard.end(), asked.pdu.begin());
+  const bool may_be_echo = !settings.line.echo && begins_like_echo(heard, asked);
   return fields && fields->writes && heard.size() == 8 && asked.pdu[0] != 0x16 && !may_be_echo;
 }
 
@@ -145,6 +150,11 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
   if (has_echo && !is_behind_echo(flight)) {
     return "beside_echo";
   }
+  // Even where no echo is expected its rest is waited for.
+  const std::size_t echo = has_echo ? flight.size : 0;
+  if (begins_like_echo(Bytes(book.heard).subspan(std::min(echo, book.heard.size())), flight)) {
+    return "like_its_request";
+  }
   // Before `response_wait` is over it may be taken for one that is owed.
   if (frame.began < flight.end + flight.timing.response_wait) {
     return "early";
@@ -164,7 +174,7 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
   if (!is_in_one) {
     return "paused";
   }
-  if (!is_apart_from_noise(flight, frame, has_echo ? flight.size : 0)) {
+  if (!is_apart_from_noise(flight, frame, echo)) {
     return "beside_noise";
   }
   return oracle_.reloaded_ >= flight.begin || flight.begin < book.opened ? "reload" : nullptr;

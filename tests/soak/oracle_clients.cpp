@@ -227,6 +227,7 @@ void Oracle::close(Asked& asked, const std::string& how) {
     let_go_behind(asked, open_, schedule_.now());
   }
   client_rates_.closed(asked, schedule_.now());
+  rates_.closed(asked, schedule_.now(), lateness());
   open_.erase(asked.id);
 }
 

@@ -152,7 +152,7 @@ void Oracle::after_reload() {
     }
   }
   failsafe_.after_reload();
-  rates_.after_reload();
+  rates_.after_reload(schedule_.now());
   client_rates_.after_reload(schedule_.now());
   meanings_.after_reload(schedule_.now());
   reloaded_ = schedule_.now();

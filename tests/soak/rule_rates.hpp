@@ -23,24 +23,37 @@ class RuleRates {
   [[nodiscard]] bool is_refused(const Asked& asked, Instant now);
   /// It was surely let through. A rule that has let too many through; nothing if none has.
   [[nodiscard]] std::string let_through(const Asked& asked);
-  void after_reload();
+  /// It was answered, or its client has gone; `now` and some lateness later it is not accepted.
+  void closed(const Asked& asked, Instant now, Duration lateness);
+  void after_reload(Instant now);
 
  private:
   struct Passed {
     std::uint64_t id;
     std::uint64_t client;
     std::uint64_t sequence;
-    Instant at;
-    bool unsure = false;  ///< it was perhaps accepted later
+    Instant at;      ///< accepted, at the earliest
+    Instant latest;  ///< accepted, at the latest
+    bool is_open = true;
     bool surely = false;  ///< let through
+
+    [[nodiscard]] bool is_unsure() const { return latest > at; }
+  };
+  /// Of a rule and a host.
+  struct Counted {
+    std::vector<Passed> passed;  ///< in the order of acceptance
+    // What those have left behind that are not in it any more:
+    Instant perhaps_until = Instant::min();
+    Instant surely_until = Instant::min();
   };
   using Key = std::pair<std::size_t, unsigned>;  // rule and host
   [[nodiscard]] Duration every(const Key& key) const;
   [[nodiscard]] bool may_be_over(const Key& key, const Passed& asked) const;
+  void forget_old(const Key& key, Instant now);
 
   const SoakPlan& plan_;
-  std::map<Key, std::vector<Passed>> passed_;  // in the order of acceptance
-  std::set<std::uint64_t> were_over_;          // perhaps, by what counted before a reload
+  std::map<Key, Counted> counted_;
+  std::set<std::uint64_t> were_over_;  // perhaps, by what counted before a reload
 };
 
 }  // namespace mbgate::soak
