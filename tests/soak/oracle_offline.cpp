@@ -119,7 +119,9 @@ void Oracle::read_answers(std::size_t bus) {
     note_alive(bus, lane);
     std::erase_if(lane.unheard, [&](std::uint64_t asked) {
       const Flight* it = flight(asked);
-      const bool still_waits = it != nullptr && !answered->is_answered && schedule_.now() < it->due;
+      // What was heard is judged before a timeout that is over meanwhile.
+      const bool still_waits =
+          it != nullptr && !answered->is_answered && schedule_.now() <= it->due + lateness();
       return it == nullptr || (it->begin <= answered->begin && !still_waits);
     });
   }
