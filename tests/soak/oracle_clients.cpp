@@ -228,6 +228,7 @@ void Oracle::close(Asked& asked, const std::string& how) {
   }
   client_rates_.closed(asked, schedule_.now());
   rates_.closed(asked, schedule_.now(), lateness());
+  writers_.closed(asked, schedule_.now(), lateness());
   open_.erase(asked.id);
 }
 

@@ -42,6 +42,17 @@ void WriterRules::refuse_unlisted(Asked& asked) const {
 void WriterRules::attempted(const Asked& asked, Instant now) {
   for (const std::size_t device : devices_of(asked)) {
     books_[device].attempted[asked.host] = now;
+    if (asked.ahead) {
+      books_[device].perhaps_later.emplace(asked.id, asked.host);
+    }
+  }
+}
+
+void WriterRules::closed(const Asked& asked, Instant now, Duration lateness) {
+  for (Book& book : books_) {
+    if (book.perhaps_later.erase(asked.id) > 0) {
+      book.attempted[asked.host] = now + lateness;
+    }
   }
 }
 
@@ -68,10 +79,15 @@ bool WriterRules::may_be_held(const Asked& asked, Instant now) const {
     const auto own = book.written.find(asked.host);
     const bool is_owner = own != book.written.end() && own->second.sent < asked.accepted &&
                           now < own->second.accepted + hold;
-    return guard(device).writer == WriterRule::first && !is_owner &&
-           std::ranges::any_of(book.attempted, [&](const auto& other) {
-             return other.first != asked.host && other.second + hold > asked.accepted;
-           });
+    const bool has_attempted = std::ranges::any_of(book.attempted,
+                                                   [&](const auto& other) {
+                                                     return other.first != asked.host &&
+                                                            other.second + hold > asked.accepted;
+                                                   }) ||
+                               std::ranges::any_of(book.perhaps_later, [&](const auto& other) {
+                                 return other.second != asked.host;
+                               });
+    return guard(device).writer == WriterRule::first && !is_owner && has_attempted;
   });
 }
 

@@ -19,6 +19,8 @@ class WriterRules {
   void refuse_unlisted(Asked& asked) const;
   /// The gateway may have accepted it by now.
   void attempted(const Asked& asked, Instant now);
+  /// It was answered, or its client has gone; `now` and some lateness later it is not accepted.
+  void closed(const Asked& asked, Instant now, Duration lateness);
   /// It was transmitted for the first time. Who owns writing instead of its client; nothing if it
   /// may be its client.
   std::string sent(const Asked& asked, Instant now);
@@ -33,8 +35,9 @@ class WriterRules {
     Instant sent;
   };
   struct Book {
-    std::map<unsigned, Written> written;    ///< by host, what it wrote last
-    std::map<unsigned, Instant> attempted;  ///< by host
+    std::map<unsigned, Written> written;              ///< by host, what it wrote last
+    std::map<unsigned, Instant> attempted;            ///< by host
+    std::map<std::uint64_t, unsigned> perhaps_later;  ///< host, by what is accepted later perhaps
   };
   [[nodiscard]] std::vector<std::size_t> devices_of(const Asked& asked) const;
   [[nodiscard]] const gateway::DeviceGuard& guard(std::size_t device) const {
