@@ -182,8 +182,13 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
 
 std::optional<Instant> HeardAnswers::stuck_until(const Flight& last) const {
   const Book& book = oracle_.books_[last.bus];
-  if (last.stuck.of == 0 || book.came != last.stuck.come || book.read != book.came ||
-      may_echo(oracle_.plan_, book, last.bus) || book.touched >= last.begin) {
+  if (last.stuck.of == 0 || book.heard.size() != last.stuck.come || book.came != last.stuck.come ||
+      book.read != book.came || may_echo(oracle_.plan_, book, last.bus) ||
+      book.touched >= last.begin) {
+    return std::nullopt;
+  }
+  // As much may have come with noise in front, and without the rest.
+  if (book.heard[0] != last.address || (book.heard[1] & 0x7FU) != last.pdu.front()) {
     return std::nullopt;
   }
   const auto& settings = oracle_.bus_settings(last.bus);
