@@ -82,6 +82,7 @@ void FailsafeWatch::after_reload() {
     watch.sent = watch.sent || watch.due;
   }
   next_ = Instant::min();
+  takes_turns_ = true;
 }
 
 std::vector<std::size_t> FailsafeWatch::asked(ClientId client, Instant now) {
@@ -90,7 +91,7 @@ std::vector<std::size_t> FailsafeWatch::asked(ClientId client, Instant now) {
     const bool is_first = !std::exchange(entry->second.has_asked, true);
     for (const std::size_t at : entry->second.watches) {
       watches_[at].clients += is_first ? 1U : 0U;
-      watches_[at].sent = false;
+      watches_[at].sent = watches_[at].due = false;
       note_activity(watches_[at], now);
       devices.push_back(*watches_[at].door.device);
     }
@@ -168,7 +169,7 @@ std::vector<Asked> FailsafeWatch::take_at_exit(Instant now) {
 
 std::vector<Asked> FailsafeWatch::take_due(Instant now) {
   std::vector<Asked> due;
-  if (now < next_) {
+  if (takes_turns_ || now < next_) {
     return due;
   }
   next_ = Instant::max();

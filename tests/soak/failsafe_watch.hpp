@@ -26,8 +26,11 @@ class FailsafeWatch {
   std::vector<Asked> take_due(Instant now);
   /// Is there nothing of it that is due, or under way? Then other writes may be set.
   [[nodiscard]] bool is_armed(std::size_t device) const;
-  /// By the settings in force.
+  /// By the settings in force, and from then on what has been read and has its turn by these: it
+  /// comes before what is due.
   void after_reload();
+  /// All of that was taken.
+  void after_turns() { takes_turns_ = false; }
   /// What is sent because the gateway stops.
   std::vector<Asked> take_at_exit(Instant now);
 
@@ -68,6 +71,7 @@ class FailsafeWatch {
   std::vector<Watch> watches_;
   std::map<ClientId, Client> clients_;
   Instant next_ = Instant::max();  ///< nothing is due before
+  bool takes_turns_ = false;       ///< of what waited for a reload
 };
 
 }  // namespace mbgate::soak

@@ -186,6 +186,7 @@ void Oracle::after_reload() {
   for (auto& [client, session] : sessions_) {
     accept_backlog(session);
   }
+  failsafe_.after_turns();
 }
 
 void Oracle::check_taken_back() {
