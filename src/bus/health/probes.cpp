@@ -63,7 +63,9 @@ void Probes::note_unanswered(const Transmission& probe, Instant now) {
   }
   DeviceEntry& entry = devices_[probe.on_wire().address];
   entry.health.set_probe_at(probe.last_sent + entry.timing().probe_interval);
-  next_at_ = probe.last_sent + (now - probe.last_sent) * kPercent / settings_.probe_share;
+  // A shorter one that went while nobody else asked leaves the share of a longer one.
+  const Duration took = now - probe.last_sent;
+  next_at_ = std::max(next_at_, probe.last_sent + took * kPercent / settings_.probe_share);
 }
 
 }  // namespace mbgate::bus

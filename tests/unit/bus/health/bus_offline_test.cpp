@@ -126,6 +126,27 @@ TEST_F(BusOffline, ProbesTakeTheirShareOfTheTimeAndNoMore) {
   EXPECT_EQ(std::ranges::count(frames_, "01 03 00 00 00 01 84 0A"), 22);
 }
 
+TEST_F(BusOffline, AShorterProbeLeavesTheShareOfALongerOne) {
+  drive::Device quick{"axis", {}, 2, breaking().timing};
+  quick.timing.probe_timeout = 10ms;
+  open(breaking(), {quick});
+  lose_device();
+  for (int times = 0; times < 3; ++times) {
+    submit(job(kRead, 2));
+    advance(300ms);
+  }
+  advance(10s);  // nobody else asks
+  submit(job(kRead));
+  submit(job(kRead, 2));
+  advance(2190ms);
+  submit(job_of(1, kRead, 3));
+  advance(10ms);
+  line("03 03 02 12 34 CC F3");
+  EXPECT_THAT(endings_.back(), Ending::answered);
+  submit(job(kRead));  // 55 ms and 2 percent: not before 2.7 s
+  EXPECT_THAT(endings_.back(), Ending::offline);
+}
+
 TEST_F(BusOffline, OfflineDevicesTakeTurns) {
   auto one = breaking();
   one.timing.offline_after = 1;
