@@ -8,24 +8,25 @@
 namespace mbgate::soak {
 
 // What lies in a socket then may have come at any time since, but not before the socket was seen
-// empty: it is as old as that. What comes until it is seen empty again may count as old, too; a
-// part may still be with the client.
+// empty, or its connection came: it is as old as that. What comes until it is seen empty again may
+// count as old, too; a part may still be with the client.
 void Oracle::stalled(Instant since) {
   for (auto& [client, session] : sessions_) {
     if (session.paused_since) {
       continue;
     }
-    session.paused_since = since;
+    const Instant from = std::max(since, session.read_empty);
+    session.paused_since = from;
     for (const auto& [transaction, id] : session.by_transaction) {
       Asked& asked = *open_.at(id);
       if (!asked.has_begun && !asked.waits_in_pause) {
-        asked.earliest = std::min(asked.earliest, since);
+        asked.earliest = std::min(asked.earliest, from);
         if (asked.written <= schedule_.now()) {
           asked.waits_in_pause = true;
-          // A reload may have come up to a beat before the process stopped. What then meant
+          // A reload may have come meanwhile, before the process stopped. What then meant
           // something else is no stop any more, and takes no place ahead of others.
-          Withdrawals(*this).refuse_outdated(asked, since);
-          asked.written = std::max(since, session.read_empty);
+          Withdrawals(*this).refuse_outdated(asked, from);
+          asked.written = from;
         }
       }
     }

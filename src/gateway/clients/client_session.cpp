@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/client_session.hpp"
 
+#include <algorithm>
+
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
@@ -12,7 +14,8 @@ ClientSession::ClientSession(ClientId id, const ClientInfo& info, const Listener
       id_(id),
       info_(info),
       listener_(&listener),
-      rights_{routing::contains(listener.read_only, info.address)} {}
+      rights_{routing::contains(listener.read_only, info.address)},
+      seen_empty_(now) {}
 
 void ClientSession::adopt(const ListenerSettings& listener) {
   listener_ = &listener;
@@ -28,6 +31,7 @@ Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant
   }
   if (unread == 0) {
     pauses_.clear();
+    seen_empty_ = now;
   }
   return arrival;
 }
@@ -35,7 +39,7 @@ Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant
 void ClientSession::stall(Instant since) {
   const bool is_read_to_the_end = half_closed_ && !paused_;
   if (pauses_.empty() && !is_read_to_the_end) {
-    pauses_.push_back({read_position_, since});
+    pauses_.push_back({read_position_, std::max(since, seen_empty_)});
   }
 }
 

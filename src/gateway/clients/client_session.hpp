@@ -38,8 +38,8 @@ class ClientSession {
   /// they count as having arrived at the beginning of the pause. `unread`: bytes that can still be
   /// read from the socket.
   Instant arrival_of(std::size_t bytes, std::size_t unread, Instant now);
-  /// Nothing was read since then, and what comes next may have waited as long. What waited already
-  /// is older still.
+  /// Nothing was read since then, and what comes next may have waited as long: but no longer than
+  /// since the socket was seen empty. What waited already is older still.
   void stall(Instant since);
   /// Where in the client's stream the next request begins.
   [[nodiscard]] std::uint64_t position() const { return position_; }
@@ -121,6 +121,7 @@ class ClientSession {
   boost::container::small_vector<PauseMark, 1> pauses_;  // until the socket was seen empty
   std::uint64_t read_position_ = 0;
   std::size_t unread_ = 0;  // in the socket, after the last reading
+  Instant seen_empty_;      // when nothing lay there, or the connection was let in
 };
 
 }  // namespace mbgate::gateway

@@ -44,5 +44,19 @@ TEST_F(PausedSession, WhatLayThereBeforeALaterPauseIsAsOldAsTheFirst) {
   EXPECT_EQ(session_.arrival_of(10, 0, start_ + 3s), start_ + 3s);
 }
 
+TEST_F(PausedSession, NothingIsOlderThanTheConnection) {
+  session_.stall(start_ - 1s);
+  EXPECT_EQ(session_.arrival_of(50, 0, start_ + 2s), start_);
+}
+
+TEST_F(PausedSession, NorThanTheTimeAtWhichTheSocketWasSeenEmpty) {
+  session_.arrival_of(50, 0, start_ + 1s);
+  session_.arrival_of(50, 30, start_ + 3s);
+  session_.stall(start_ + 500ms);
+  EXPECT_EQ(session_.arrival_of(30, 0, start_ + 4s), start_ + 1s);
+  session_.stall(start_ + 5s);
+  EXPECT_EQ(session_.arrival_of(50, 0, start_ + 6s), start_ + 5s);
+}
+
 }  // namespace
 }  // namespace mbgate::gateway

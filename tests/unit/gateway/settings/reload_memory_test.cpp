@@ -141,6 +141,19 @@ TEST(ReloadMemory, AStopThatComesAfterwardsIsTakenFromBehindAFullPipeline) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop2));
 }
 
+// The process notices by up to a beat too much how long it stood still.
+TEST(ReloadMemory, NorIsAStopThatIsReadAfterAStallOlderThanItsConnection) {
+  MachineRig rig(stop_plant());
+  rig.advance(1s);
+  rig.reload(moved(stop_plant()));
+  rig.advance(10ms);
+  rig.connect(1);
+  rig.advance(600ms);
+  rig.harness.handle(gateway::Stalled{700ms});
+  rig.receive(1, stop_request(1));
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop2));
+}
+
 TEST(ReloadMemory, ClientsThatAreThereHaveTheirNewWeights) {
   Settings settings = stop_plant(8);
   MachineRig rig(settings);
