@@ -117,10 +117,13 @@ void GatewayDriver::accept_failed(ListenerId listener, const boost::system::erro
   observer_.on_accept_failure(listener, error.message());
 }
 
+// It may have stood still since it looked into the socket, and more may have come.
 void GatewayDriver::client_bytes(ClientId client, modbus::Bytes bytes, std::size_t unread) {
   const auto* const connection = is_tls_behind_ ? clients_.find(client) : nullptr;
-  const bool more_is_old = connection != nullptr && connection->is_relayed();
-  feed(gateway::ClientBytes{client, bytes, more_is_old ? unread + kStillBehind : unread});
+  const bool is_relay_behind = connection != nullptr && connection->is_relayed();
+  const gateway::Instant at = reading_at_.value_or(now());
+  const bool more_is_old = notice_stall(at) || is_relay_behind;
+  hand_in(gateway::ClientBytes{client, bytes, more_is_old ? unread + kStillBehind : unread}, at);
   carry_out_actions();
 }
 
@@ -193,15 +196,16 @@ void GatewayDriver::hand_in(const gateway::Input& input, gateway::Instant at) {
 }
 
 // Before anything of a client is read.
-void GatewayDriver::notice_stall(gateway::Instant at) {
+bool GatewayDriver::notice_stall(gateway::Instant at) {
   const auto missed = heartbeat_.missed(at);
   if (!missed) {
-    return;
+    return false;
   }
   behind_until_ = at + kBehind;
   hand_in(gateway::Stalled{*missed}, at);
   observer_.on_stall(*missed);
   boost::asio::post(context_, [this] { clients_.read_all(); });
+  return true;
 }
 
 bool GatewayDriver::is_behind() const { return behind_until_ && now() < *behind_until_; }

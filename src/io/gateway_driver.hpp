@@ -104,8 +104,8 @@ class GatewayDriver final : public AcceptEvents,
   /// The only way into the machine. A recording has exactly the inputs that pass here.
   void feed(const gateway::Input& input);
   void hand_in(const gateway::Input& input, gateway::Instant at);
-  /// What clients have sent while this did not run is old.
-  void notice_stall(gateway::Instant at);
+  /// What clients have sent while this did not run is old. True if it has not run for too long.
+  bool notice_stall(gateway::Instant at);
   /// May connections still come that have waited for it to run?
   [[nodiscard]] bool is_behind() const;
   void connected(gateway::ClientId id, const gateway::ClientInfo& info);

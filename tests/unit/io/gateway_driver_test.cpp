@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <thread>
 
 #include "io/clients/listening_socket.hpp"
 #include "run_until.hpp"
@@ -51,14 +52,15 @@ class GatewayDriverTest : public testing::Test, public DriverObserver {
   void on_status_changed() override {}
   void on_finished() override { finished_ = true; }
 
-  void make_driver(const std::string& path) {
+  void make_driver(const std::string& path, bus::Duration timeout = std::chrono::seconds(10)) {
     bus::LineSettings line;
     line.device = path;
     line.format = {8, modbus::Parity::none, 1};
-    make_driver(line);
+    make_driver(line, timeout);
   }
   /// A transparent listener of one bus.
-  void make_driver(const bus::LineSettings& attached) {
+  void make_driver(const bus::LineSettings& attached,
+                   bus::Duration timeout = std::chrono::seconds(10)) {
     gateway::Settings settings;
     settings.listeners.push_back(loopback_listener());
     settings.listeners[0].bus = BusId{0};
@@ -67,7 +69,7 @@ class GatewayDriverTest : public testing::Test, public DriverObserver {
     line.line = attached;
     line.frame_gap = bus::Duration::zero();
     line.listen_first = bus::Duration::zero();
-    line.timing.response_timeout = std::chrono::seconds(10);
+    line.timing.response_timeout = timeout;
     settings.buses.push_back(line);
     tcp::acceptor acceptor = *bind_listener(context_, settings.listeners[0]);
     address_ = acceptor.local_endpoint();
@@ -209,6 +211,25 @@ TEST_F(GatewayDriverTest, FinishesAndClosesItsClients) {
   client.receive(&ended);
   EXPECT_TRUE(ended);
   EXPECT_THROW(TestClient(context_, address_), boost::system::system_error);
+}
+
+// It has seen an empty socket; then the process is stopped, before it has looked at its clock.
+TEST_F(GatewayDriverTest, WhatComesWhileItStandsStillBehindAReadingIsOld) {
+  const PseudoTerminal terminal;
+  make_driver(terminal.path(), std::chrono::milliseconds(10));
+  driver_->start();
+  ASSERT_TRUE(wait_for([&] { return opened_ == 1; }));
+  TestClient client(context_, address_);
+  ASSERT_TRUE(wait_for([&] { return driver_->status().clients == 1; }));
+  // Unit 5: write 1 to register 0x0010. A write waits 530 ms.
+  const std::string write{"\x00\x01\x00\x00\x00\x06\x05\x06\x00\x10\x00\x01", 12};
+  ASSERT_TRUE(client.send(write));
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  ConnectionEvents& events = *driver_;
+  events.client_bytes(gateway::ClientId{0}, {}, 0);
+  const std::string expected{"\x00\x01\x00\x00\x00\x03\x05\x86\x06", 9};
+  EXPECT_EQ(receive(client, expected.size()), expected);
+  EXPECT_EQ(terminal.read(), "");
 }
 
 TEST_F(GatewayDriverTest, AcceptsWhatWaitedBeforeTheStart) {
