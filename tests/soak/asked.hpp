@@ -99,6 +99,7 @@ struct Asked {
   std::uint64_t last_flight = 0;      ///< that it was among last
   std::vector<std::uint64_t> tries;   ///< the flights that it was among
   unsigned merged_tries = 0;          ///< of these, surely, as a part of a longer read
+  bool was_stopped = false;           ///< by the same one before, when its answer came
   bool echoed = false;                ///< what looks like its answer was its echo
   bool hurried = false;               ///< its answer began before it had left a paced line
   unsigned spoilt = 0;                ///< of these, heard differently than they were sent

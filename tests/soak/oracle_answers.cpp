@@ -34,7 +34,8 @@ bool was_asked_before_reload(const Asked& asked) {
 }
 
 // The acknowledgement of a stop may be that of the same stop a moment ago, which was carried out.
-// Nothing was written in between that may move again what it stopped.
+// Nothing was written in between that may move again what it stopped. What is written afterwards,
+// while `ordered` keeps the answer from its client, says nothing of that.
 bool was_stopped(const Asked& stop, const Lane& lane) {
   const auto entry = lane.stops_done.find(stop.pieces.front().pdu);
   return entry != lane.stops_done.end() && entry->second + kStopMemory >= stop.accepted &&
@@ -42,6 +43,27 @@ bool was_stopped(const Asked& stop, const Lane& lane) {
 }
 
 }  // namespace
+
+void Oracle::note_heard(Book& book, const HeardFrame& frame) {
+  if (!is_for_last(book, frame)) {
+    return;
+  }
+  const Flight* last = flight(book.last_flight);
+  for (const std::uint64_t id : last->asked) {
+    const auto entry = open_.find(id);
+    if (entry == open_.end()) {
+      continue;
+    }
+    Asked& asked = *entry->second;
+    asked.hurried = asked.hurried || frame.is_refused;
+    for (Piece& piece : asked.pieces) {
+      if ((!frame.is_refused || stands_for_echo(book)) && fits(asked, piece, *last)) {
+        piece.answered = true;
+        asked.was_stopped = was_stopped(asked, book.lanes[frame.address]);
+      }
+    }
+  }
+}
 
 void Oracle::judge(Asked& asked, Bytes pdu) {
   const std::uint8_t function = asked.pdu.front();
@@ -222,9 +244,7 @@ void Oracle::judge_done(const Asked& asked) {
     }
     violation("write_not_done", name(asked));
   }
-  const Piece& first = asked.pieces.front();
-  if (asked.kind == Kind::stop && !done &&
-      !was_stopped(asked, books_[first.bus].lanes[first.address]) && !is_excused(asked) &&
+  if (asked.kind == Kind::stop && !done && !asked.was_stopped && !is_excused(asked) &&
       !is_apart(asked, "acknowledged_stop_")) {
     violation("stop_not_done", name(asked));
   }

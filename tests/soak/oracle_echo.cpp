@@ -112,26 +112,6 @@ bool Oracle::stands_for_echo(const Book& book) {
          bus_settings(last->bus).line.echo.value_or(true);
 }
 
-void Oracle::note_heard(Book& book, const HeardFrame& frame) {
-  if (!is_for_last(book, frame)) {
-    return;
-  }
-  const Flight* last = flight(book.last_flight);
-  for (const std::uint64_t id : last->asked) {
-    const auto entry = open_.find(id);
-    if (entry == open_.end()) {
-      continue;
-    }
-    Asked& asked = *entry->second;
-    asked.hurried = asked.hurried || frame.is_refused;
-    for (Piece& piece : asked.pieces) {
-      if ((!frame.is_refused || stands_for_echo(book)) && fits(asked, piece, *last)) {
-        piece.answered = true;
-      }
-    }
-  }
-}
-
 void Oracle::read_echo(std::size_t bus) {
   Book& book = books_[bus];
   const auto echo = std::exchange(book.unread_echo, std::nullopt);
