@@ -70,13 +70,15 @@ bool Reloads::change_device(std::size_t index) {
   return true;
 }
 
-// To an address that no device has and none owes an answer from.
+// To one that no device has. No answer may be owed from either: the line leaves one alone for less.
 bool Reloads::move(drive::Device& device) {
   const auto address = random_.between<std::uint8_t>(kMovedFrom, kMovedTo);
   const bool taken = std::ranges::any_of(plan_.settings.devices, [&](const drive::Device& other) {
     return other.bus == device.bus && other.address == address;
   });
-  if (taken || oracle_.is_quarantined(static_cast<std::size_t>(device.bus), address)) {
+  const auto bus = static_cast<std::size_t>(device.bus);
+  if (taken || oracle_.is_quarantined(bus, address) ||
+      oracle_.is_quarantined(bus, device.address)) {
     return false;
   }
   device.address = address;
