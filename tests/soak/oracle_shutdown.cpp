@@ -23,6 +23,12 @@ void Oracle::begin_shutdown() {
     accept(*entry->second);
   }
   stopping_ = schedule_.now();
+  // Nobody waits any more for a line that is away.
+  for (const auto& [id, asked] : open_) {
+    const std::size_t bus = asked->failsafe ? asked->pieces.front().bus : 0;
+    const bool is_away = !books_[bus].open && !books_[bus].starting && !is_tcp(bus);
+    asked->dropped = asked->dropped || (asked->failsafe && asked->flights == 0 && is_away);
+  }
   for (auto& [client, session] : sessions_) {
     accept_backlog(session);
   }
