@@ -60,7 +60,7 @@ class Client {
   void take(Bytes adu);
   void pause() {
     paused_ = true;
-    tools_.oracle.paused(number_, true);
+    tools_.oracle.paused(number_);
   }
   void resume();
   /// The process looks whether there is anything in its socket.
@@ -134,6 +134,7 @@ class Client {
   std::optional<Instant> hangs_since_;  ///< the gateway may have the beginning of a request
   Duration frame_timeout_{0};           ///< as it was then
   Instant active_ = Instant::min();     ///< when the gateway read something or saw it taken
+  Instant looked_ = Instant::min();     ///< when the gateway looked into its socket
   std::uint64_t life_ = 0;              ///< of the connection; events of an earlier one are void
   std::uint16_t transactions_ = 0;
   std::size_t unconfirmed_ = 0;

@@ -35,7 +35,7 @@ void Client::feed() {
     read_some();
   }
   if (connected_ && !paused_ && socket_.empty()) {
-    tools_.oracle.paused(number_, false);
+    tools_.oracle.seen_empty(number_, looked_);
   }
   if (connected_ && !paused_ && half_closed_ && !fin_read_ && socket_.empty()) {
     fin_read_ = true;
@@ -67,8 +67,8 @@ void Client::read_some() {
     tools_.oracle.delivered(number_, marks_.front().id);
     marks_.pop_front();
   }
-  tools_.harness.handle(gateway::ClientBytes{number_, piece, socket_.size()},
-                        tools_.schedule.now());
+  looked_ = tools_.schedule.now();
+  tools_.harness.handle(gateway::ClientBytes{number_, piece, socket_.size()}, looked_);
   tools_.drain();
 }
 
@@ -94,7 +94,8 @@ void Client::look_at_socket() {
     return;
   }
   if (socket_.empty()) {
-    tools_.harness.handle(gateway::ClientBytes{number_, {}, 0}, tools_.schedule.now());
+    looked_ = tools_.schedule.now();
+    tools_.harness.handle(gateway::ClientBytes{number_, {}, 0}, looked_);
     tools_.drain();
   }
   feed();

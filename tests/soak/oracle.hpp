@@ -33,14 +33,15 @@ class Oracle {
 
   // oracle_clients.cpp
   void connect(ClientId client, std::size_t listener, unsigned host);
-  /// The request's first byte was put into the socket at `written`. Returns its number.
+  /// The first byte was put into the socket at `written`. Returns its number.
   std::uint64_t ask(ClientId client, Asked asked);
   /// The gateway has its first byte, and its last.
   void begun(std::uint64_t id);
   void delivered(ClientId client, std::uint64_t id);
   void answer_sent(ClientId client);
   /// What it writes from then on counts as old as the pause, until its socket was seen empty.
-  void paused(ClientId client, bool is_paused);
+  void paused(ClientId client);  // oracle_stalls.cpp
+  void seen_empty(ClientId client, Instant at);
   /// The process did not run since then, and says so to the gateway.
   void stalled(Instant since);
   void half_closed(ClientId client);
@@ -96,8 +97,7 @@ class Oracle {
   void stranger_asked(std::size_t bus) { books_[bus].unread_stranger = true; }
   /// The end of an echo has reached the kernel.
   void echo_came(std::size_t bus, const HeardEcho& echo) { books_[bus].unread_echo = echo; }
-  /// The gateway says something about the line.
-  void line_news(std::size_t bus, bus::LineFault fault);
+  void line_news(std::size_t bus, bus::LineFault fault);  ///< what the gateway says of the line
   /// The TCP answer with the identifier was handed to it.
   void tcp_answer_came(std::uint64_t number);
   /// The server begins an answer that names another unit, and the gateway has not read it yet.

@@ -108,23 +108,6 @@ void Oracle::begun(std::uint64_t id) {
   }
 }
 
-void Oracle::paused(ClientId client, bool is_paused) {
-  if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
-    auto& since = entry->second.paused_since;
-    for (const auto& [transaction, id] : entry->second.by_transaction) {
-      Asked& asked = *open_.at(id);
-      if (is_paused && !since && !asked.has_begun && !asked.waits_in_pause) {
-        asked.waits_in_pause = true;
-        asked.written = std::max(asked.written, schedule_.now());
-      }
-    }
-    since = is_paused ? since.value_or(schedule_.now()) : std::optional<Instant>();
-    if (!is_paused) {
-      entry->second.read_empty = schedule_.now();
-    }
-  }
-}
-
 void Oracle::half_closed(ClientId client) {
   Session& session = sessions_.at(client);
   session.half_closed = true;

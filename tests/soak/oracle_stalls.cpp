@@ -1,11 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-// The process did not run for a while, and knows it.
+// What a client writes while the gateway does not read it: by choice, or because the process did
+// not run for a while and knows it.
 #include <algorithm>
 
 #include "soak/oracle.hpp"
 #include "soak/withdrawals.hpp"
 
 namespace mbgate::soak {
+
+void Oracle::paused(ClientId client) {
+  const auto entry = sessions_.find(client);
+  if (entry == sessions_.end() || entry->second.paused_since) {
+    return;
+  }
+  entry->second.paused_since = schedule_.now();
+  for (const auto& [transaction, id] : entry->second.by_transaction) {
+    Asked& asked = *open_.at(id);
+    if (!asked.has_begun && !asked.waits_in_pause) {
+      asked.waits_in_pause = true;
+      asked.written = std::max(asked.written, schedule_.now());
+    }
+  }
+}
+
+void Oracle::seen_empty(ClientId client, Instant at) {
+  if (const auto entry = sessions_.find(client); entry != sessions_.end()) {
+    entry->second.paused_since.reset();
+    entry->second.read_empty = std::max(entry->second.read_empty, at);
+  }
+}
 
 // What lies in a socket then may have come at any time since, but not before the socket was seen
 // empty, or its connection came: it is as old as that. What comes until it is seen empty again may
