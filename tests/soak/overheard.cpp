@@ -14,6 +14,7 @@ std::optional<std::size_t> frame_within(spec::Bytes frame) {
 }
 
 void Overheard::add(std::uint8_t byte) {
+  ++count_;
   if (bytes_.size() == spec::kRtuFrame) {
     bytes_.erase(bytes_.begin());
   }

@@ -47,5 +47,17 @@ TEST(Overheard, AFrameIsDamagedThatCompletesAnotherButForItself) {
   EXPECT_NE(same.add(frame[3], kAddress, 2), frame[3]);
 }
 
+// The echo of a read of unit 1 ends in 01; what comes behind it had its own 01 before it.
+TEST(Overheard, WhatWasCutIsNoFrameFromAByteOfAnotherOn) {
+  const spec::Octets frame = spec::rtu_frame(1, spec::Octets{0x03, 0x02, 0x12, 0x34});
+  Overheard line;
+  line.add(frame[0]);
+  const std::uint64_t from = line.count() - 1;
+  hear(line, {0x01, 0x03, 0x00, 0x38, 0x00, 0x04, 0xC4, 0x01});
+  hear(line, {frame.begin() + 1, frame.end() - 1});
+  EXPECT_NE(line.count() + 1 - from, frame.size());
+  EXPECT_NE(line.add(frame.back(), 1, 0), frame.back());
+}
+
 }  // namespace
 }  // namespace mbgate::soak

@@ -100,6 +100,7 @@ class SerialWire {
     std::size_t heard = 0;
     std::size_t copies_heard = 0;
     Instant frame_began{};  ///< when the first byte of the present frame will reach the kernel
+    std::uint64_t frame_from = 0;  ///< the bytes that the line had brought before that
   };
 
   void heard(std::uint64_t number);
