@@ -35,6 +35,9 @@ struct Flight {
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;
+  /// An earlier one whose answer its own came in place of: while this counts as owed, that is what
+  /// still comes. None: its own.
+  std::uint64_t owes_for = 0;
   bool is_answered = false;    ///< for certain: the answer met no fault
   bool needs_silence = false;  ///< behind that, because other bytes stood before it
   /// A whole answer came that fits, and this may have kept it from being taken.

@@ -46,18 +46,28 @@ bool settle_first(Lane& lane, const Flight& asked, bool is_nobodys, Instant now,
   if (settled == lane.owed.end()) {
     return false;
   }
+  // Whose answer it is that still comes while this one counts as owed.
+  const auto real = [&](std::uint64_t number) {
+    const Flight* it = find(number);
+    return it != nullptr && it->owes_for != 0 ? it->owes_for : number;
+  };
+  const std::uint64_t unanswered = real(*settled);
+  const auto own = std::ranges::find(lane.owed, asked.number, real);
+  Flight* mine = own == lane.owed.end() ? nullptr : find(*own);
   // What is owed no more, as a second copy or later than the quarantine, settles what may still be
-  // answered.
-  const bool is_owed = std::ranges::find(lane.owed, asked.number) != lane.owed.end();
-  Flight* it = find(*settled);
-  if (it != nullptr && (is_nobodys || !is_owed)) {
+  // answered; what is owed leaves its place to that.
+  const bool is_extra = is_nobodys || mine == nullptr;
+  if (Flight* it = is_extra ? find(unanswered) : nullptr) {
     it->is_uncertain = true;
   }
-  lane.owed.erase(settled);
+  const Flight* it = find(*settled);
   const bool may_be_forgotten =
       it == nullptr || now >= it->deadline + spec::quarantine_of(it->timing);
-  if (may_be_forgotten) {
-    settle_first(lane, asked, is_nobodys, now, find, may_be);
+  lane.owed.erase(settled);
+  const bool settles_next =
+      may_be_forgotten && settle_first(lane, asked, is_nobodys, now, find, may_be);
+  if (!is_extra && !settles_next) {
+    mine->owes_for = unanswered;
   }
   return true;
 }

@@ -16,7 +16,8 @@
 //   before the line was silent.
 // An adapter that hands bytes over late undoes some of that: what was not silent on the line is so
 // for the kernel. Where a request leaves while the adapter still has such a frame, nobody can tell,
-// and the oracle counts it apart.
+// and the oracle counts it apart; so it does where a second copy looks like the answer that the
+// device still owes to an earlier try.
 #pragma once
 
 #include <map>
