@@ -20,6 +20,19 @@ bool is_behind_failure(const Asked& asked, const Piece& piece, const Lane& lane)
   return !before.executed && !(before.asks_order && (lane.knows_order || piece.sent > 0));
 }
 
+// What the gateway does itself in one instant has no order: it may have been transmitted for those
+// whose connections the gateway has closed since.
+std::vector<std::uint64_t> just_closed(const auto& done, const Flight& flight, Instant now) {
+  std::vector<std::uint64_t> ids;
+  for (const Done& it : done) {
+    if (it.how == kClosed && it.at == now && it.bus == flight.bus && it.address == flight.address &&
+        it.pdu == flight.pdu) {
+      ids.push_back(it.id);
+    }
+  }
+  return ids;
+}
+
 }  // namespace
 
 bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) const {
@@ -112,13 +125,18 @@ void Oracle::attribute(Flight& flight) {
   }
   SharedReads(*this).count_tries(flight, meant);
   SharedReads(*this).note_writes(flight, meant);
+  const auto closed = just_closed(done_, flight, schedule_.now());
+  flight.is_for_each = flight.is_for_each && closed.empty();
   for (const auto& [asked, piece] : meant) {
-    const bool alone = meant.size() == 1 || flight.is_for_each;
+    const bool alone = (meant.size() == 1 && closed.empty()) || flight.is_for_each;
     flight.asked.push_back(asked->id);
     if (alone) {
       Withdrawals(*this).note_taken(*asked);
     }
     note_sent(*asked, *piece, flight, alone);
+  }
+  if (!meant.empty()) {
+    flight.asked.insert(flight.asked.end(), closed.begin(), closed.end());
   }
 }
 
