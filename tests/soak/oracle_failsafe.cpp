@@ -27,19 +27,23 @@ void Oracle::begin_failsafe() {
       report_.fault("failsafe_line_away");
     }
     const auto entry = open_.emplace(due.id, std::make_unique<Asked>(std::move(due))).first;
+    entry->second->let_writes_go = lets_writes_go(*entry->second);
     accept(*entry->second);
   }
 }
 
 // Of those that are repeated, and were due more than once, nobody can tell which is sent; nor of
-// those that let writes go between them, and so are not sent as one.
+// those that let writes go between them, and so are not sent as one. A reload that lets none go any
+// more takes these writes back, but makes no one of two that wait already.
 unsigned Oracle::failsafes_like(const Asked& asked, const Piece& piece) const {
-  if (!asked.is_repeated && !lets_writes_go(asked)) {
-    return 1;
+  const bool are_apart = asked.is_repeated || lets_writes_go(asked);
+  unsigned like = 0;
+  for (const Asked* other : books_[piece.bus].lanes[piece.address].open) {
+    if (other->failsafe && other->pdu == asked.pdu) {
+      like += like == 0 || are_apart || other->let_writes_go ? 1U : 0U;
+    }
   }
-  return static_cast<unsigned>(std::ranges::count_if(
-      books_[piece.bus].lanes[piece.address].open,
-      [&](const Asked* other) { return other->failsafe && other->pdu == asked.pdu; }));
+  return like;
 }
 
 // A client that may write asks again: what could not be sent yet must not be sent any more. What
