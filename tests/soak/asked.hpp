@@ -85,7 +85,8 @@ struct Asked {
   bool ahead = false;          ///< it may have been accepted later
   bool for_dead = false;       ///< its device was surely offline then
   bool perhaps_older = false;  ///< a stop: than what its unit has come to mean
-  bool perhaps_later = false;  ///< a stop: than it is accepted here, for want of room
+  bool perhaps_later = false;  ///< a stop: than it is accepted here, for want of room or held
+  bool perhaps_held = false;   ///< a stop: by writes before it, if they are not outdated
   bool client_gone = false;
   bool dropped = false;               ///< a waiting write of a half-closed connection
   bool found_no_room = false;         ///< a stop that came when there was room for no more

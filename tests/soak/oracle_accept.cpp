@@ -54,31 +54,42 @@ void Oracle::accept_backlog(Session& session) {
 }
 
 // Stops are taken out of what waits behind a full pipeline, so many at a time, unless they let a
-// write go first that waits there too; on an ordered listener the answer keeps its place. One that
-// may be older than what its unit has come to mean is perhaps none any more, and takes none: a
-// broadcast, or what was not taken as it came and has lost its own time since. And where the
-// gateway has perhaps not taken yet what is accepted here, it still has more of these stops than
-// are known here: one that had to wait for room, or has got one of the last places, may have to
-// wait longer, and takes no place either.
+// write go first that waits there too; on an ordered listener the answer keeps its place. Whether
+// such a write is older than what its unit has come to mean, and goes before nothing, is not always
+// known; and a stop that may be older is perhaps none any more, and takes no place: a broadcast, or
+// what was not taken as it came and has lost its own time since. And where the gateway has perhaps
+// not taken yet what is accepted here, it still has more of these stops than are known here: one
+// that had to wait for room, or has got one of the last places, may have to wait longer, and takes
+// no place either.
 void Oracle::look_ahead(Session& session) {
   const std::deque<std::uint64_t> backlog = session.backlog;
   const bool is_unsure = std::ranges::any_of(session.order, [this](std::uint64_t id) {
     const Asked& asked = *open_.at(id);
     return asked.ahead && !asked.surely_on_wire;
   });
+  const auto is_perhaps_held = [this](std::uint64_t id) {
+    const auto stop = open_.find(id);
+    return stop != open_.end() && stop->second->perhaps_held;
+  };
   for (const std::uint64_t id : backlog) {
-    if (session.taken.size() >= gateway::kStopReserve) {
+    const auto perhaps_held = std::ranges::count_if(session.taken, is_perhaps_held);
+    if (std::ssize(session.taken) - perhaps_held >= std::ptrdiff_t{gateway::kStopReserve}) {
       return;
     }
     Asked& asked = *open_.at(id);
-    if (asked.is_accepted || !asked.is_stop() || Withdrawals(*this).must_wait(backlog, asked)) {
+    if (asked.is_accepted || !asked.is_stop()) {
+      continue;
+    }
+    const auto writes = Withdrawals(*this).held_by(backlog, asked);
+    if (!std::ranges::all_of(writes, [this](const Asked* it) { return is_outdated(*it); })) {
       continue;
     }
     session.taken.push_back(id);
+    asked.perhaps_held = !writes.empty();
     asked.ordered = session.ordered;
     const bool has_waited = id != backlog.back();
     const bool is_nearly_full = session.taken.size() > gateway::kStopReserve / 2;
-    asked.perhaps_later = is_unsure && (has_waited || is_nearly_full);
+    asked.perhaps_later = asked.perhaps_held || (is_unsure && (has_waited || is_nearly_full));
     accept(asked);
     asked.perhaps_older = asked.perhaps_older || (has_waited && is_outdated(asked));
     if (!asked.ordered) {

@@ -132,6 +132,7 @@ void Oracle::attribute(Flight& flight) {
     flight.asked.push_back(asked->id);
     if (alone) {
       Withdrawals(*this).note_taken(*asked);
+      Withdrawals(*this).note_passed(*asked);
     }
     note_sent(*asked, *piece, flight, alone);
   }

@@ -211,16 +211,33 @@ void Withdrawals::let_pass(const Session& session, const Asked& stop) const {
   }
 }
 
-bool Withdrawals::must_wait(const std::deque<std::uint64_t>& backlog, const Asked& stop) const {
+std::vector<Asked*> Withdrawals::held_by(const std::deque<std::uint64_t>& backlog,
+                                         const Asked& stop) const {
+  std::vector<Asked*> writes;
   const Piece& target = stop.pieces.front();
-  return oracle_.lets_writes_go(stop) && std::ranges::any_of(backlog, [&](std::uint64_t id) {
-           const Asked& other = *oracle_.open_.at(id);
-           return id < stop.id && other.changes() && !other.is_stop() && !other.refused &&
-                  std::ranges::any_of(other.pieces, [&](const Piece& piece) {
-                    return piece.bus == target.bus &&
-                           (piece.address == target.address || other.kind == Kind::broadcast);
-                  });
-         });
+  for (const std::uint64_t id : backlog) {
+    Asked& other = *oracle_.open_.at(id);
+    const bool goes_first = oracle_.lets_writes_go(stop) && id < stop.id && other.changes() &&
+                            !other.is_stop() && !other.refused;
+    if (goes_first && std::ranges::any_of(other.pieces, [&](const Piece& piece) {
+          return piece.bus == target.bus &&
+                 (piece.address == target.address || other.kind == Kind::broadcast);
+        })) {
+      writes.push_back(&other);
+    }
+  }
+  return writes;
+}
+
+void Withdrawals::note_passed(const Asked& stop) const {
+  const auto session = oracle_.sessions_.find(stop.client);
+  if (!stop.perhaps_held || session == oracle_.sessions_.end()) {
+    return;
+  }
+  for (Asked* write : held_by(session->second.backlog, stop)) {
+    write->refused = kNotNow;
+    oracle_.report_.fault("passed_by_stop");
+  }
 }
 
 // What came before its unit came to mean something else is carried out neither there nor here.

@@ -27,8 +27,11 @@ class Withdrawals {
   void take_back_for_waiting(const Asked& stop) const;
   /// It turns out to be older than the settings that made it a stop.
   void give_back(const Asked& stop) const;
-  /// Does it let a write go first that lies in front of it?
-  [[nodiscard]] bool must_wait(const std::deque<std::uint64_t>& backlog, const Asked& stop) const;
+  /// The writes that lie in front of it and that it lets go first.
+  [[nodiscard]] std::vector<Asked*> held_by(const std::deque<std::uint64_t>& backlog,
+                                            const Asked& stop) const;
+  /// It was transmitted although these lie in front of it: they must be outdated.
+  void note_passed(const Asked& stop) const;
   /// What lies in front of a stop that lets it go first is not held up, however much its host asks.
   void let_pass(const Session& session, const Asked& stop) const;
   /// A reload has given units another meaning.
