@@ -21,11 +21,12 @@ inline constexpr std::size_t kClientReadSize = 2048;
 
 /// Arrival times that are kept for the read-ahead: of its first pieces, from which requests are
 /// taken next, and of its last. What lies between counts as old as the piece before it. This is the
-/// safe side: a request can only look older than it is.
+/// safe side: a request can only look older than it is; than a reload before it only where there
+/// were as many of these as there are such times.
 inline constexpr std::size_t kArrivalMarks = 32;
 
 /// So many of them are of the last pieces. A stop is taken as soon as its last piece is there, and
-/// must not look older than a reload before it: it comes in fewer.
+/// comes in fewer: it does not look older than it is, however many reloads there were.
 inline constexpr std::size_t kLastMarks = 8;
 
 /// Stops of a connection that may be taken from the read-ahead while earlier requests wait there:

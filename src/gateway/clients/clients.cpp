@@ -187,7 +187,7 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
 }
 
 void Clients::adopt(const SettingsSnapshot& before, Instant now) {
-  sessions_.adopt(settings_.settings());
+  sessions_.adopt(settings_.settings(), now);
   intake_.adopt(before, now);
 }
 

@@ -17,11 +17,21 @@ void ReadAhead::append(modbus::Bytes bytes, bus::Instant arrival) {
     return;
   }
   if (marks_.size() == kArrivalMarks) {
-    const auto between = marks_.end() - kLastMarks;
-    (between - 1)->bytes += between->bytes;
-    marks_.erase(between);
+    forget_one();
   }
-  marks_.push_back({bytes.size(), arrival});
+  const bool is_behind_reload =
+      !marks_.empty() && marks_.back().arrival < reloaded_ && arrival >= reloaded_;
+  marks_.push_back({bytes.size(), arrival, is_behind_reload});
+}
+
+// Its bytes look older. If each was the first behind a reload, that is the second of all.
+void ReadAhead::forget_one() {
+  auto between = marks_.end() - kLastMarks;
+  while (between->is_behind_reload && between != marks_.begin() + 1) {
+    --between;
+  }
+  (between - 1)->bytes += between->bytes;
+  marks_.erase(between);
 }
 
 bus::Instant ReadAhead::arrival_at(std::size_t offset) const {

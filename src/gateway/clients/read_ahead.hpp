@@ -13,6 +13,8 @@ namespace mbgate::gateway {
 class ReadAhead {
  public:
   void append(modbus::Bytes bytes, bus::Instant arrival);
+  /// What arrives from now on does not count as older than this.
+  void note_reload(bus::Instant now) { reloaded_ = now; }
   void consume(std::size_t bytes);
   [[nodiscard]] bool empty() const { return size() == 0; }
   [[nodiscard]] std::size_t size() const { return bytes_.size() - consumed_; }
@@ -21,13 +23,16 @@ class ReadAhead {
   [[nodiscard]] bus::Instant arrival_at(std::size_t offset) const;
 
  private:
+  void forget_one();
   struct Mark {
     std::size_t bytes;
     bus::Instant arrival;
+    bool is_behind_reload;  ///< and the one before it is not
   };
   std::vector<std::uint8_t> bytes_;
   std::size_t consumed_ = 0;  // of these, not taken out yet
   std::vector<Mark> marks_;   // oldest first; their sizes add up to size()
+  bus::Instant reloaded_ = bus::Instant::min();
 };
 
 }  // namespace mbgate::gateway

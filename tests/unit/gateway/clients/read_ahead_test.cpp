@@ -40,6 +40,34 @@ TEST(ReadAhead, WhatLiesBetweenIsNeverYounger) {
   }
 }
 
+TEST(ReadAhead, NothingBecomesOlderThanTheReloadBeforeIt) {
+  ReadAhead input = many_pieces();
+  constexpr std::size_t kReloads = 3;
+  for (std::size_t piece = kPieces; piece < (1 + kReloads) * kPieces; ++piece) {
+    if (piece % kPieces == 0) {
+      input.note_reload(time_of(piece));
+    }
+    input.append(modbus::Bytes(std::vector<std::uint8_t>(1)), time_of(piece));
+  }
+  for (std::size_t piece = 0; piece < input.size(); ++piece) {
+    EXPECT_GE(input.arrival_at(piece), time_of(piece / kPieces * kPieces));
+    EXPECT_LE(input.arrival_at(piece), time_of(piece));
+  }
+}
+
+// Each piece is behind one.
+TEST(ReadAhead, UnlessThereAreTooManyReloads) {
+  ReadAhead input;
+  for (std::size_t piece = 0; piece < kPieces; ++piece) {
+    input.note_reload(time_of(piece));
+    input.append(modbus::Bytes(std::vector<std::uint8_t>(1)), time_of(piece));
+  }
+  for (std::size_t piece = 0; piece < kPieces; ++piece) {
+    const bool is_late = piece >= kPieces - (kArrivalMarks - 1);
+    EXPECT_EQ(input.arrival_at(piece), time_of(is_late ? piece : 0));
+  }
+}
+
 TEST(ReadAhead, ThereAreTimesAgainOnceSomeOfItWasTaken) {
   ReadAhead input = many_pieces();
   input.consume(kPieces - kLastMarks);

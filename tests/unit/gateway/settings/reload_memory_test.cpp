@@ -141,6 +141,30 @@ TEST(ReloadMemory, AStopThatComesAfterwardsIsTakenFromBehindAFullPipeline) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop2));
 }
 
+// Nor is the write that goes before it, whatever comes behind them.
+TEST(ReloadMemory, OneThatLetsAWriteGoFirstIsNoOlderEither) {
+  Settings settings = stop_plant();
+  settings.devices[0].stop_cancels = settings.devices[1].stop_cancels = false;
+  MachineRig rig(settings);
+  rig.connect(1);
+  for (unsigned transaction = 1; transaction <= 80; ++transaction) {
+    if (transaction == 41) {
+      rig.reload(moved(settings));
+      rig.receive(1, write_request(101));
+      rig.advance(100us);
+      rig.receive(1, stop_request(102));
+      rig.advance(100us);
+    }
+    rig.receive(1, read_request(transaction));
+    rig.advance(100us);
+  }
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  rig.respond(kWrite2);
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kWrite2, kStop2));
+}
+
 // The process notices by up to a beat too much how long it stood still.
 TEST(ReloadMemory, NorIsAStopThatIsReadAfterAStallOlderThanItsConnection) {
   MachineRig rig(stop_plant());
