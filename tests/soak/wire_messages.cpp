@@ -111,7 +111,9 @@ void SerialWire::damage(Frame& frame) {
             static_cast<std::uint8_t>(byte ^ (1U << (ascii_ ? random.below(5) : random.below(8))));
       }
       return;
-    case 1: frame.erase(frame.begin() + place); return;
+    case 1:  // not the ':', which what was heard before it may have in its place
+      frame.erase(frame.begin() + (ascii_ && place == 0 ? 1 : place));
+      return;
     default: {
       const Frame whole = frame;
       frame.insert(frame.begin() + 1 + place / 2, frame[static_cast<std::size_t>(1 + place / 2)]);
