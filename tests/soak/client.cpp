@@ -50,7 +50,9 @@ void Client::connect() {
   unwritten_.clear();
   socket_.clear();
   marks_.clear();
-  tools_.oracle.connect(number_, manners_.listener, manners_.host);
+  const routing::ClientRole role = read_in_certificate(manners_.role, manners_.host);
+  tools_.oracle.connect(number_, manners_.listener, manners_.host,
+                        role.kind != routing::ClientRole::Kind::none);
   write_before_the_start();
   is_connecting_ = true;
   const auto lets_in =
@@ -59,8 +61,7 @@ void Client::connect() {
   tools_.full = lets_in == false ? Crowded{} : crowd();
   tools_.harness.handle(
       gateway::ClientConnected{number_,
-                               {*listener, address_of(manners_.host), socket_.size(),
-                                read_in_certificate(manners_.role, manners_.host)}},
+                               {*listener, address_of(manners_.host), socket_.size(), role}},
       tools_.schedule.now());
   tools_.drain();
   tools_.full = {};

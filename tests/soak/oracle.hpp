@@ -32,7 +32,7 @@ class Oracle {
   Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& schedule, Report& report);
 
   // oracle_clients.cpp
-  void connect(ClientId client, std::size_t listener, unsigned host);
+  void connect(ClientId client, std::size_t listener, unsigned host, bool has_tls);
   /// The first byte was put into the socket at `written`. Returns its number.
   std::uint64_t ask(ClientId client, Asked asked);
   /// The gateway has its first byte, and its last.

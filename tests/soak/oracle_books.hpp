@@ -39,6 +39,7 @@ struct BusCount {
 /// A connection of a client.
 struct Session {
   std::size_t listener = 0;
+  bool has_tls = false;  ///< what it has sent may lie elsewhere than in its socket
   Instant read_empty;    ///< nothing lay in its socket then
   bool ordered = false;  ///< as it was at the beginning
   bool half_closed = false;

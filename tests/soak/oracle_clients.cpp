@@ -55,11 +55,12 @@ Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& sch
   map_lanes();
 }
 
-void Oracle::connect(ClientId client, std::size_t listener, unsigned host) {
+void Oracle::connect(ClientId client, std::size_t listener, unsigned host, bool has_tls) {
   begin_failsafe();
   failsafe_.came(client, listener, host);
   client_rates_.came(client, listener, host);
   Session& session = sessions_[client];
+  session.has_tls = has_tls;
   session.read_empty = schedule_.now();
   session.listener = listener;
   session.ordered = plan_.settings.listeners[listener].ordered;

@@ -38,7 +38,7 @@ void Oracle::stalled(Instant since) {
     if (session.paused_since) {
       continue;
     }
-    const Instant from = std::max(since, session.read_empty);
+    const Instant from = session.has_tls ? since : std::max(since, session.read_empty);
     session.paused_since = from;
     for (const auto& [transaction, id] : session.by_transaction) {
       Asked& asked = *open_.at(id);
@@ -49,7 +49,7 @@ void Oracle::stalled(Instant since) {
           // A reload may have come meanwhile, before the process stopped. What then meant
           // something else is no stop any more, and takes no place ahead of others.
           Withdrawals(*this).refuse_outdated(asked, from);
-          asked.written = from;
+          asked.written = std::max(since, session.read_empty);
         }
       }
     }

@@ -39,7 +39,9 @@ Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant
 void ClientSession::stall(Instant since) {
   const bool is_read_to_the_end = half_closed_ && !paused_;
   if (pauses_.empty() && !is_read_to_the_end) {
-    pauses_.push_back({read_position_, std::max(since, seen_empty_)});
+    // Of a client with TLS, what was not handed on yet does not lie in this socket.
+    const bool lies_here = info_.role.kind == routing::ClientRole::Kind::none;
+    pauses_.push_back({read_position_, lies_here ? std::max(since, seen_empty_) : since});
   }
 }
 

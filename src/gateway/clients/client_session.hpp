@@ -38,8 +38,8 @@ class ClientSession {
   /// they count as having arrived at the beginning of the pause. `unread`: bytes that can still be
   /// read from the socket.
   Instant arrival_of(std::size_t bytes, std::size_t unread, Instant now);
-  /// Nothing was read since then, and what comes next may have waited as long: but no longer than
-  /// since the socket was seen empty. What waited already is older still.
+  /// Nothing was read since then, and what comes next may have waited as long: without TLS no
+  /// longer than since the socket was seen empty. What waited already is older still.
   void stall(Instant since);
   /// Where in the client's stream the next request begins.
   [[nodiscard]] std::uint64_t position() const { return position_; }

@@ -58,5 +58,14 @@ TEST_F(PausedSession, NorThanTheTimeAtWhichTheSocketWasSeenEmpty) {
   EXPECT_EQ(session_.arrival_of(50, 0, start_ + 6s), start_ + 5s);
 }
 
+TEST_F(PausedSession, BehindTlsItMayHaveWaitedElsewhere) {
+  ClientInfo info;
+  info.role = {routing::ClientRole::Kind::named, "operator"};
+  ClientSession session{{}, info, listener_, start_};
+  session.arrival_of(50, 0, start_ + 1s);
+  session.stall(start_ + 500ms);
+  EXPECT_EQ(session.arrival_of(50, 0, start_ + 2s), start_ + 500ms);
+}
+
 }  // namespace
 }  // namespace mbgate::gateway
