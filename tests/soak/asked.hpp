@@ -92,7 +92,8 @@ struct Asked {
   bool found_no_room = false;         ///< a stop that came when there was room for no more
   std::optional<Instant> doomed;      ///< a stop has taken it back
   std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
-  Duration held{0};                   ///< so long nothing else went while it waited
+  Duration held{0};                   ///< so long nothing else went while it waited, at least
+  Duration longest_held{0};           ///< and at most
   int let_go = 0;                     ///< so much went before it
   PduBytes last_sent;                 ///< as it looked on the wire
   std::uint64_t last_alone = 0;       ///< its last flight, if that was surely for it; else 0

@@ -62,7 +62,7 @@ void BehindStops::judge_not_sent(const Asked& write) const {
   const Instant could_go = std::max(*stop.waits_from, book.opened + spec::silence_of(settings));
   const Duration pause = std::max({oracle_.devices_[*lane.device].settings().timing.gap,
                                    settings.settle, book.listens_until - could_go});
-  const Duration held = stop.held + pause + (stop.let_go + 2) * oracle_.lateness();
+  const Duration held = stop.longest_held + pause + (stop.let_go + 2) * oracle_.lateness();
   if (is_clear && held <= settings.stop_wait &&
       now < std::max(*stop.waits_from, book.busy_since) + oracle_.stop_deadline(piece.bus)) {
     oracle_.violation("not_let_go", oracle_.name(write) + " before " + oracle_.name(stop));
@@ -70,7 +70,9 @@ void BehindStops::judge_not_sent(const Asked& write) const {
 }
 
 // Writes that go before it, and wait for something themselves, hold a stop up for `stop_wait` in
-// all. `free`: since then nothing on the line itself has held the transmission up.
+// all. `free`: since then nothing on the line itself has held the transmission up. Where noise
+// stood before an answer, that may have begun a frame of which more could come: then the wait for
+// the answer was over only with the silence that ends frames.
 void BehindStops::note_held(const Flight& flight, Instant free) const {
   const Book& book = oracle_.books_[flight.bus];
   if (book.open_stops.size() != 1 || book.stops.size() != 1 || oracle_.reloaded_ >= book.opened) {
@@ -81,12 +83,21 @@ void BehindStops::note_held(const Flight& flight, Instant free) const {
     return;
   }
   const auto& settings = oracle_.bus_settings(flight.bus);
+  const bool is_over = book.use.fitting > book.own_end;
   const Instant since =
-      book.use.fitting > book.own_end
-          ? std::max({book.turnaround_end, book.held_until, book.last_handed_in}) +
-                spec::silence_of(settings)
-          : free;
-  stop.held += std::max<Duration>(flight.begin - std::max(since, *stop.waits_from), Duration{0});
+      is_over ? std::max({book.turnaround_end, book.held_until, book.last_handed_in}) +
+                    spec::silence_of(settings)
+              : free;
+  const Instant shown =
+      is_over && book.use.is_behind_noise
+          ? book.last_handed_in +
+                std::max(spec::slack_of(settings), spec::WireTimes(settings.line).silence())
+          : since;
+  const auto held_from = [&](Instant from) {
+    return std::max<Duration>(flight.begin - std::max(from, *stop.waits_from), Duration{0});
+  };
+  stop.held += held_from(std::max(since, shown));
+  stop.longest_held += held_from(since);
   ++stop.let_go;
   if (stop.held > settings.stop_wait + (stop.let_go + 1) * oracle_.lateness()) {
     oracle_.violation("stop_held", oracle_.name(stop) + " for " + std::to_string(stop.held / 1us) +

@@ -111,6 +111,7 @@ struct LineUse {
   Instant ends = Instant::min();        ///< at the latest, of the wait for the answer to it
   bool is_answered = false;             ///< that answer was read, and met no fault
   Instant fitting = Instant::min();     ///< it was read; a stop may have ended the wait before
+  bool is_behind_noise = false;         ///< then perhaps only the silence behind it has shown it
   Instant waits_from = Instant::min();  ///< before, something else may have held back what waits
   bool closes = false;  ///< its server has closed a connection, perhaps right after an answer
 };

@@ -82,6 +82,8 @@ void Oracle::note_answered(std::size_t bus, const HeardFrame& frame) {
   last->unsure = HeardAnswers(*this).why_unsure(*last, frame);
   if (last->unsure == nullptr || last->unsure == kBesideStop) {
     book.use.fitting = schedule_.now();
+    book.use.is_behind_noise =
+        frame.lead > 0 && bus_settings(bus).line.framing == bus::Framing::rtu;
   }
   if (last->unsure != nullptr) {
     return;
