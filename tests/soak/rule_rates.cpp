@@ -11,6 +11,11 @@ using namespace std::chrono_literals;
 constexpr Duration kAtOnce = 1s;  // of a rate, after a pause
 constexpr Duration kRounding = 1us;
 
+// What was accepted at `at` has its turn behind those before it.
+Instant count(Instant counted_until, Instant at, Duration every) {
+  return std::max(counted_until, at) + every;
+}
+
 }  // namespace
 
 Duration RuleRates::every(const Key& key) const {
@@ -48,7 +53,7 @@ bool RuleRates::may_be_over(const Key& key, const Passed& asked) const {
   std::ranges::sort(before);
   Instant counted_until = counted.perhaps_until;
   for (const Instant at : before) {
-    counted_until = std::max(counted_until, at) + every(key);
+    counted_until = count(counted_until, at, every(key));
   }
   return counted_until > asked.at + kAtOnce - every(key) - kRounding;
 }
@@ -98,7 +103,7 @@ std::string RuleRates::let_through(const Asked& asked) {
         broken = "rule " + std::to_string(rule) + " lets host " + std::to_string(asked.host) +
                  " do too much";
       }
-      counted_until = std::max(counted_until, it.at) + every(key);
+      counted_until = count(counted_until, it.at, every(key));
     }
   }
   return broken;
@@ -133,13 +138,13 @@ void RuleRates::forget_old(const Key& key, Instant now) {
     }
     perhaps.push_back(it.latest);
     if (it.surely) {
-      counted.surely_until = std::max(counted.surely_until, it.at) + every(key);
+      counted.surely_until = count(counted.surely_until, it.at, every(key));
     }
     return true;
   });
   std::ranges::sort(perhaps);
   for (const Instant at : perhaps) {
-    counted.perhaps_until = std::max(counted.perhaps_until, at) + every(key);
+    counted.perhaps_until = count(counted.perhaps_until, at, every(key));
   }
   if (!perhaps.empty()) {
     counted.perhaps_until = std::min(counted.perhaps_until, perhaps.back() + kAtOnce);

@@ -79,14 +79,12 @@ bool WriterRules::may_be_held(const Asked& asked, Instant now) const {
     const auto own = book.written.find(asked.host);
     const bool is_owner = own != book.written.end() && own->second.sent < asked.accepted &&
                           now < own->second.accepted + hold;
-    const bool has_attempted = std::ranges::any_of(book.attempted,
-                                                   [&](const auto& other) {
-                                                     return other.first != asked.host &&
-                                                            other.second + hold > asked.accepted;
-                                                   }) ||
-                               std::ranges::any_of(book.perhaps_later, [&](const auto& other) {
-                                 return other.second != asked.host;
-                               });
+    const auto may_hold = [&](const auto& other) {
+      return other.first != asked.host && other.second + hold > asked.accepted;
+    };
+    const auto is_others = [&](const auto& later) { return later.second != asked.host; };
+    const bool has_attempted = std::ranges::any_of(book.attempted, may_hold) ||
+                               std::ranges::any_of(book.perhaps_later, is_others);
     return guard(device).writer == WriterRule::first && !is_owner && has_attempted;
   });
 }
