@@ -5,9 +5,13 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <utility>
 
 namespace mbgate::io {
+
+/// True if a call that failed with this errno can be repeated later: the descriptor has not failed.
+inline bool would_block(int error) { return error == EAGAIN || error == EINTR; }
 
 class UniqueFd {
  public:

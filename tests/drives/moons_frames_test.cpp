@@ -7,7 +7,7 @@
 #include "drives/simulated_maps.hpp"
 #include "sim/drives/moons_drive.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::moons_frames_test {
 namespace {
 
 using sim::MoonsDrive;
@@ -256,4 +256,4 @@ TEST(MoonsDrives, OnlyTheLongIsExchangedInAWriteOf40028To40032ForPr133) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::moons_frames_test

@@ -12,7 +12,7 @@
 #include "sim/drives/moons_drive.hpp"
 #include "sim/drives/stepper_drive.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::profiles_against_maps_test {
 namespace {
 
 using config::ValueAccess;
@@ -277,4 +277,4 @@ TEST(Broadcasts, HaveTheFormThatTheSimulatedDrivesHear) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::profiles_against_maps_test

@@ -2,8 +2,11 @@
 // ASCII: whatever comes from the line, a response is one.
 #include "fuzz/framer.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mbgate;
-  fuzz::FramerScript(bus::Framing::ascii, fuzz::Script(data, size)).run();
+namespace mbgate::fuzz::ascii_framer_target {
+
+MBGATE_FUZZ_TARGET(ascii_framer) {
+  FramerScript(bus::Framing::ascii, Script(data, size)).run();
   return 0;
 }
+
+}  // namespace mbgate::fuzz::ascii_framer_target

@@ -6,9 +6,9 @@
 #include "fuzz/fuzz.hpp"
 #include "support/gateway_harness.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mbgate;
-  using fuzz::require;
+namespace mbgate::fuzz::config_target {
+
+MBGATE_FUZZ_TARGET(config) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   config::ProfileSearch search;
   search.folder = MBGATE_SOURCE_DIR "/tests/config/profiles";
@@ -27,3 +27,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace mbgate::fuzz::config_target

@@ -151,10 +151,10 @@ class Confusable {
 };
 
 }  // namespace
-}  // namespace mbgate::fuzz::confusable
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mbgate::fuzz;
+MBGATE_FUZZ_TARGET(confusable) {
   confusable::Confusable(Script(data, size), confusable::Lateness(data, size)).run();
   return 0;
 }
+
+}  // namespace mbgate::fuzz::confusable

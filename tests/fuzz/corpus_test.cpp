@@ -7,19 +7,20 @@
 #include <iterator>
 #include <map>
 
-#define MBGATE_TARGET(name) extern "C" int fuzz_##name(const std::uint8_t* data, std::size_t size)
-MBGATE_TARGET(mbap);
-MBGATE_TARGET(rtu_framer);
-MBGATE_TARGET(ascii_framer);
-MBGATE_TARGET(plan);
-MBGATE_TARGET(config);
-MBGATE_TARGET(rules);
-MBGATE_TARGET(profile);
-MBGATE_TARGET(machine);
-MBGATE_TARGET(confusable);
-MBGATE_TARGET(role);
-MBGATE_TARGET(http);
-MBGATE_TARGET(recording);
+#include "fuzz/fuzz.hpp"
+
+MBGATE_FUZZ_TARGET(mbap);
+MBGATE_FUZZ_TARGET(rtu_framer);
+MBGATE_FUZZ_TARGET(ascii_framer);
+MBGATE_FUZZ_TARGET(plan);
+MBGATE_FUZZ_TARGET(config);
+MBGATE_FUZZ_TARGET(rules);
+MBGATE_FUZZ_TARGET(profile);
+MBGATE_FUZZ_TARGET(machine);
+MBGATE_FUZZ_TARGET(confusable);
+MBGATE_FUZZ_TARGET(role);
+MBGATE_FUZZ_TARGET(http);
+MBGATE_FUZZ_TARGET(recording);
 
 namespace mbgate::fuzz {
 namespace {

@@ -11,7 +11,15 @@
 
 #include "modbus/bytes.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+/// The head of a target's function. A fuzzer has one, by libFuzzer's name; fuzz_tests has them all,
+/// each by its own.
+#ifdef MBGATE_ALL_FUZZ_TARGETS
+#define MBGATE_FUZZ_TARGET(name) \
+  extern "C" int fuzz_##name(const std::uint8_t* data, std::size_t size)
+#else
+#define MBGATE_FUZZ_TARGET(name) \
+  extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+#endif
 
 namespace mbgate::fuzz {
 

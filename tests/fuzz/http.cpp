@@ -14,11 +14,10 @@
 #include "app/utf8.hpp"
 #include "fuzz/fuzz.hpp"
 
+namespace mbgate::fuzz::http_target {
 namespace {
 
 namespace http = boost::beast::http;
-using namespace mbgate;
-using fuzz::require;
 using HttpRequest = http::request<http::string_body>;
 
 constexpr auto kOwnName = "gateway.plant";
@@ -102,10 +101,12 @@ void ask(const HttpRequest& request) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MBGATE_FUZZ_TARGET(http) {
   if (const auto request = read_request(modbus::Bytes(data, size))) {
     judge(*request);
     ask(*request);
   }
   return 0;
 }
+
+}  // namespace mbgate::fuzz::http_target

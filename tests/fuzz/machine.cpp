@@ -4,7 +4,7 @@
 #include "fuzz/plant_change.hpp"
 #include "fuzz/responses.hpp"
 
-namespace mbgate::fuzz {
+namespace mbgate::fuzz::machine_target {
 namespace {
 
 using Adu = std::vector<std::uint8_t>;
@@ -157,10 +157,8 @@ void step(Driver& driver, Script& script, Rules& rules, std::uint16_t& transacti
 }
 
 }  // namespace
-}  // namespace mbgate::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mbgate::fuzz;
+MBGATE_FUZZ_TARGET(machine) {
   Script script(data, size);
   Rules rules{script.word(), 0};
   Driver driver(plant(rules.choices));
@@ -174,3 +172,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   driver.finish();
   return 0;
 }
+
+}  // namespace mbgate::fuzz::machine_target

@@ -6,7 +6,7 @@
 
 #include "fuzz/fuzz.hpp"
 
-namespace mbgate::fuzz {
+namespace mbgate::fuzz::mbap_target {
 namespace {
 
 using Stream = std::vector<std::uint8_t>;
@@ -64,10 +64,8 @@ Found in_pieces(modbus::Bytes stream, std::size_t piece) {
 }
 
 }  // namespace
-}  // namespace mbgate::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mbgate::fuzz;
+MBGATE_FUZZ_TARGET(mbap) {
   Script script(data, size);
   const std::size_t piece = 1U + script.byte();
   const auto stream = script.rest();
@@ -79,3 +77,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   mbgate::modbus::looks_like_rtu(stream);
   return 0;
 }
+
+}  // namespace mbgate::fuzz::mbap_target

@@ -10,7 +10,7 @@
 #include "fuzz/responses.hpp"
 #include "modbus/response.hpp"
 
-namespace mbgate::fuzz {
+namespace mbgate::fuzz::plan_target {
 namespace {
 
 using modbus::Request;
@@ -242,10 +242,8 @@ void check_plan(const Scene& scene, const Plan& plan, const Request& request, Sc
 }
 
 }  // namespace
-}  // namespace mbgate::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mbgate;
+MBGATE_FUZZ_TARGET(plan) {
   using namespace mbgate::fuzz;
   Script script(data, size);
   Scene scene;
@@ -267,3 +265,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace mbgate::fuzz::plan_target

@@ -8,7 +8,7 @@
 #include "modbus/make_request.hpp"
 #include "routing/plan.hpp"
 
-namespace mbgate::fuzz {
+namespace mbgate::fuzz::profile_target {
 namespace {
 
 void plan(const drive::Device& device, drive::WordOrder seen, const modbus::Request& request) {
@@ -37,11 +37,8 @@ void use(const drive::Device& device, const drive::Value& value) {
 }
 
 }  // namespace
-}  // namespace mbgate::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mbgate;
-  using fuzz::require;
+MBGATE_FUZZ_TARGET(profile) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto loaded = config::load_profile_text("fuzz.toml", text);
   require(loaded.file.has_value() != config::has_errors(loaded.diagnostics),
@@ -54,8 +51,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     device.word_order = device.profile.word_order.value_or(drive::WordOrder::little);
     device.write_function = device.profile.write_function;
     for (const auto& value : device.profile.values.all()) {
-      fuzz::use(device, value);
+      use(device, value);
     }
   }
   return 0;
 }
+
+}  // namespace mbgate::fuzz::profile_target

@@ -9,10 +9,8 @@
 #include "fuzz/fuzz.hpp"
 #include "gateway/recording/record.hpp"
 
+namespace mbgate::fuzz::recording_target {
 namespace {
-
-using namespace mbgate;
-using fuzz::require;
 
 // More would make each run slow: a recording may have any number of buses.
 constexpr std::size_t kMostBuses = 20;
@@ -47,7 +45,7 @@ void check_line(const std::string& line) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+MBGATE_FUZZ_TARGET(recording) {
   const std::string text(reinterpret_cast<const char*>(data), size);
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
@@ -64,3 +62,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           "a difference is one");
   return 0;
 }
+
+}  // namespace mbgate::fuzz::recording_target

@@ -7,7 +7,7 @@
 #include "fuzz/fuzz.hpp"
 #include "routing/role_extension.hpp"
 
-namespace mbgate::fuzz {
+namespace mbgate::fuzz::role_target {
 namespace {
 
 using routing::ClientRole;
@@ -23,10 +23,8 @@ std::vector<std::uint8_t> utf8_string(const std::string& text) {
 }
 
 }  // namespace
-}  // namespace mbgate::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mbgate::fuzz;
+MBGATE_FUZZ_TARGET(role) {
   const mbgate::modbus::Bytes bytes(data, size);
   const ClientRole role = mbgate::routing::role_of(std::array{bytes});
   require(role.kind != ClientRole::Kind::none, "a certificate was shown");
@@ -40,3 +38,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           "nobody has two roles");
   return 0;
 }
+
+}  // namespace mbgate::fuzz::role_target

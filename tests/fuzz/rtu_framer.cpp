@@ -2,8 +2,11 @@
 // RTU: whatever comes from the line, a response is one.
 #include "fuzz/framer.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mbgate;
-  fuzz::FramerScript(bus::Framing::rtu, fuzz::Script(data, size)).run();
+namespace mbgate::fuzz::rtu_framer_target {
+
+MBGATE_FUZZ_TARGET(rtu_framer) {
+  FramerScript(bus::Framing::rtu, Script(data, size)).run();
   return 0;
 }
+
+}  // namespace mbgate::fuzz::rtu_framer_target

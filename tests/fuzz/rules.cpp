@@ -10,7 +10,7 @@
 #include "gateway/access/who.hpp"
 #include "modbus/make_request.hpp"
 
-namespace mbgate::fuzz {
+namespace mbgate::fuzz::rules_target {
 namespace {
 
 constexpr std::string_view kPlant =
@@ -44,25 +44,25 @@ void ask(const gateway::SettingsSnapshot& settings, std::string_view address, un
 }
 
 }  // namespace
-}  // namespace mbgate::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mbgate;
+MBGATE_FUZZ_TARGET(rules) {
   const std::string text =
-      std::string(fuzz::kPlant) + std::string(reinterpret_cast<const char*>(data), size);
+      std::string(kPlant) + std::string(reinterpret_cast<const char*>(data), size);
   config::ProfileSearch search;
   search.folder = MBGATE_SOURCE_DIR "/tests/config/profiles";
   const auto loaded = config::load_settings_text("fuzz.toml", text, search);
-  fuzz::require(loaded.settings.has_value() != config::has_errors(loaded.diagnostics),
-                "settings, or errors that say why not");
+  require(loaded.settings.has_value() != config::has_errors(loaded.diagnostics),
+          "settings, or errors that say why not");
   if (!loaded.settings || loaded.settings->listeners.size() > 4) {
     return 0;
   }
-  fuzz::require(!config::check_summary(*loaded.settings).empty(), "the rules have an end");
+  require(!config::check_summary(*loaded.settings).empty(), "the rules have an end");
   const gateway::SettingsSnapshot settings(*loaded.settings);
   for (const std::string_view address : {"192.168.10.5", "fd00::7"}) {
-    fuzz::ask(settings, address, 0);
-    fuzz::ask(settings, address, 1);
+    ask(settings, address, 0);
+    ask(settings, address, 1);
   }
   return 0;
 }
+
+}  // namespace mbgate::fuzz::rules_target

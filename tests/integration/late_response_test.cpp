@@ -4,7 +4,7 @@
 // so that nothing in the frames tells the answers apart.
 #include "integration/late_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::late_response_test {
 namespace {
 
 constexpr int kLongestLateness = 300;
@@ -81,4 +81,4 @@ TEST_F(LateResponses, AreGivenToAnotherRequestWithoutAQuarantine) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::late_response_test

@@ -8,7 +8,7 @@
 
 #include "integration/plant.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::traffic_test {
 namespace {
 
 constexpr int kClients = 64;
@@ -164,4 +164,4 @@ TEST(Plant, KeepsTheSilenceOnAPacedLine) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::traffic_test

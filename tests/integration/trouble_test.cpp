@@ -10,7 +10,7 @@
 
 #include "integration/plant.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::trouble_test {
 namespace {
 
 constexpr auto kReadPdu = "03 003C 0002";
@@ -256,4 +256,4 @@ TEST(Plant, StopsInOrderAndInTime) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::trouble_test

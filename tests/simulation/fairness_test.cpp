@@ -4,7 +4,7 @@
 
 #include "simulation/polling.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::fairness_test {
 namespace {
 
 constexpr unsigned kClients = 32;
@@ -102,4 +102,4 @@ INSTANTIATE_TEST_SUITE_P(SharedAndNot, Fairness, testing::Bool(), [](const auto&
 });
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::fairness_test

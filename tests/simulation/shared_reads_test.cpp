@@ -5,7 +5,7 @@
 
 #include "simulation/polling.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::shared_reads_test {
 namespace {
 
 constexpr unsigned kClients = 32;
@@ -110,4 +110,4 @@ INSTANTIATE_TEST_SUITE_P(Baud, SharedReads, testing::Values(9600U, 115200U),
                          [](const auto& tested) { return std::to_string(tested.param); });
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::shared_reads_test

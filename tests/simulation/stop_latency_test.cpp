@@ -6,7 +6,7 @@
 #include "config/profiles/profile_file.hpp"
 #include "simulation/traffic.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::stop_latency_test {
 namespace {
 
 constexpr std::uint16_t kOpcode = 0x007C;
@@ -250,4 +250,4 @@ INSTANTIATE_TEST_SUITE_P(Baud, StopLatency, testing::Values(9600U, 115200U),
                          [](const auto& tested) { return std::to_string(tested.param); });
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::stop_latency_test

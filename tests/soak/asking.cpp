@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint64_t kSeldomChance = 0x464F524D53ULL;  // apart from the clients'
 constexpr std::uint64_t kNearChance = 0x4E454152ULL;
 constexpr std::uint64_t kBootsChance = 0x424F4F5453ULL;
-constexpr std::uint64_t kRareChance = 0x52415245ULL;
+constexpr std::uint64_t kRareAsking = 0x52415245ULL;
 constexpr std::uint64_t kPeculiarChance = 0x50454355ULL;
 constexpr std::uint64_t kGatewayChance = 0x4F574E4552ULL;
 constexpr std::uint64_t kEndsChance = 0x454E4453ULL;
@@ -30,7 +30,7 @@ Asking::Asking(const SoakPlan& plan, Random& random)
       forms_(plan.seed ^ kSeldomChance),
       near_(plan.seed ^ kNearChance),
       boots_(plan.seed ^ kBootsChance),
-      rare_(plan.seed ^ kRareChance),
+      rare_(plan.seed ^ kRareAsking),
       peculiar_(plan.seed ^ kPeculiarChance),
       gateway_(plan.seed ^ kGatewayChance),
       ends_(plan.seed ^ kEndsChance) {

@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr Duration kLate = 20ms;
+constexpr Duration kLateness = 20ms;
 constexpr Duration kStall = 500ms;
 constexpr std::uint64_t kWakesForAStall = 5000;
 constexpr std::uint64_t kStopsChance = 0x53544F5053ULL;
@@ -66,10 +66,10 @@ Duration Driver::lateness() {
   }
   if (manners_.stalls && random_.below(kWakesForAStall) == 0) {
     report_.fault("driver_stalled");
-    return random_.duration(kLate, kStall);
+    return random_.duration(kLateness, kStall);
   }
   if (manners_.late > 0 && random_.chance(manners_.late)) {
-    const Duration late = random_.duration(0us, kLate);
+    const Duration late = random_.duration(0us, kLateness);
     if (late > kNoticed) {
       report_.fault("driver_late");
     }

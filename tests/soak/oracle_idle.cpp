@@ -13,8 +13,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr Duration kLate = 20ms;
-constexpr Duration kStall = 520ms;
+constexpr Duration kLongestLate = 20ms;
+constexpr Duration kLongestStall = 520ms;
 constexpr Duration kStop = 1520ms;
 constexpr Duration kTimeToClose = 50ms;  // for a server that closes after each answer
 
@@ -34,9 +34,10 @@ Duration longest_gap(const Oracle::Devices& devices, const SoakPlan& plan, std::
 // The process may come so late to what is due.
 Duration Oracle::lateness() const {
   const DriverManners& driver = plan_.driver;
-  return 1ms + driver.usual + (driver.late > 0 ? kLate : 0ms) + (driver.slow > 0 ? kLate : 0ms) +
+  return 1ms + driver.usual + (driver.late > 0 ? kLongestLate : 0ms) +
+         (driver.slow > 0 ? kLongestLate : 0ms) +
          (driver.stops    ? kStop
-          : driver.stalls ? kStall
+          : driver.stalls ? kLongestStall
                           : 0ms);
 }
 

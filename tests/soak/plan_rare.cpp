@@ -10,7 +10,7 @@ namespace mbgate::soak {
 
 namespace {
 
-constexpr std::uint64_t kRareChance = 0x52415245ULL;  // apart from the plant's
+constexpr std::uint64_t kRarePlan = 0x52415245ULL;  // apart from the plant's
 
 // On a line that hears nothing else, and at once.
 void straddle(SoakPlan& plan, std::size_t bus, Random& random) {
@@ -44,7 +44,7 @@ void flicker(SoakPlan& plan, std::size_t bus) {
 }  // namespace
 
 void draw_rare_faults(SoakPlan& plan, std::uint64_t seed) {
-  Random random(seed ^ kRareChance);
+  Random random(seed ^ kRarePlan);
   for (std::size_t bus = 0; bus < plan.rates.size(); ++bus) {
     FaultRates& rates = plan.rates[bus];
     rates.boots_answered = random.one_of({0U, 0U, 800U});

@@ -14,7 +14,7 @@ using modbus::Pdu;
 
 namespace {
 constexpr std::uint64_t kEchoChance = 0x57495245ULL;  // apart from the plant's
-constexpr std::uint64_t kRareChance = 0x52415245574952ULL;
+constexpr std::uint64_t kRareOnWire = 0x52415245574952ULL;
 constexpr std::uint8_t kNobodyFrom = 60;
 constexpr std::uint8_t kNobodyTo = 240;
 constexpr unsigned kRefusesLate = 300;  // permille of writes that are answered late
@@ -31,7 +31,7 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
       adapter_(around.plan.adapters[bus], around.schedule, around.random,
                [this](const Heard& heard) { hand_over(heard); }),
       echo_random_(around.plan.seed ^ (kEchoChance + bus)),
-      rare_random_(around.plan.seed ^ (kRareChance + bus)) {
+      rare_random_(around.plan.seed ^ (kRareOnWire + bus)) {
   for (SoakDevice& device : around.devices) {
     if (static_cast<std::size_t>(device.settings().bus) == bus) {
       devices_.push_back(&device);

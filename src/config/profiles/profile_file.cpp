@@ -17,7 +17,6 @@ namespace {
 using drive::BroadcastForm;
 using namespace std::chrono_literals;
 
-constexpr IntegerRange kRegisterValues = {0, 0xFFFF};
 /// So that the numbers of all 65536 addresses fit 32 bits.
 constexpr IntegerRange kNumbering = {0, 4'000'000'000};
 

@@ -4,8 +4,6 @@
 namespace mbgate::config {
 namespace {
 
-constexpr IntegerRange kSerialAddresses = {1, 247};
-constexpr IntegerRange kUnits = {0, 255};
 constexpr std::uint8_t kLoneServer = 255;
 constexpr std::uint8_t kAutonicsBroadcast = 129;  // Autonics AiC manual, section 2.13
 

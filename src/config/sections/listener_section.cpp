@@ -10,9 +10,6 @@ using gateway::ListenerSettings;
 using routing::BroadcastReply;
 using routing::ClientAddress;
 
-constexpr std::array kBroadcastReplies = {Word{"echo", BroadcastReply::echo},
-                                          Word{"none", BroadcastReply::none}};
-
 void read_address(TomlTable& table, ListenerSettings& listener) {
   if (const auto address = table.string("address")) {
     listener.address = *address;

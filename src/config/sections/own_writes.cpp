@@ -16,7 +16,6 @@ using drive::Device;
 using modbus::Request;
 using modbus::Table;
 
-constexpr IntegerRange kAddresses = {0, 0xFFFF};
 /// They go before everything else on their bus, one after the other.
 constexpr std::size_t kMostFailsafe = 16;
 
@@ -35,7 +34,7 @@ std::optional<modbus::TableRange> read_place(TomlTable& entry) {
   const bool named = entry.has("table");
   const auto table = entry.word<Table>("table", kWritableTables);
   entry.require("address");
-  const auto address = entry.integer("address", kAddresses);
+  const auto address = entry.integer("address", kRegisterAddresses);
   if ((named && !table) || !address) {
     return std::nullopt;
   }
@@ -106,7 +105,7 @@ std::optional<Request> read_failsafe_write(TomlTable& entry, const Device& devic
   if (range->table == Table::coils) {
     value = read_coil(entry);
   } else {
-    assign(value, entry.integer("value", kAddresses));
+    assign(value, entry.integer("value", kRegisterValues));
   }
   check_place(entry, device, *range);
   if (!value) {

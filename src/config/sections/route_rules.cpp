@@ -15,8 +15,8 @@ using routing::FunctionRules;
 using routing::Route;
 using namespace std::chrono_literals;
 
-constexpr std::array kAccesses = {Word{"read-only", Access::read_only},
-                                  Word{"read-write", Access::read_write}};
+constexpr std::array kRouteAccesses = {Word{"read-only", Access::read_only},
+                                       Word{"read-write", Access::read_write}};
 constexpr std::int64_t kTableSize = 65536;
 constexpr std::int64_t kDiagnostics = 8;
 
@@ -146,7 +146,7 @@ void read_windows(TomlTable& table, Route& route, bool broadcast) {
 }  // namespace
 
 void read_route_rules(TomlTable& table, Route& route, bool broadcast) {
-  assign(route.access, table.word<Access>("access", kAccesses));
+  assign(route.access, table.word<Access>("access", kRouteAccesses));
   if (broadcast && route.access == Access::read_only) {
     table.error("access", "a broadcast is a write: \"read-only\" would let nothing through");
   }

@@ -10,11 +10,7 @@ namespace {
 using routing::BroadcastReply;
 using routing::Route;
 
-constexpr std::array kBroadcastReplies = {Word{"echo", BroadcastReply::echo},
-                                          Word{"none", BroadcastReply::none}};
 constexpr std::array kBroadcastTargets = {Word{"all", true}};
-constexpr IntegerRange kUnits = {0, 255};
-constexpr IntegerRange kAddresses = {1, 247};  // Serial Line V1.02, 2.2
 
 void read_listener(Draft& draft, TomlTable& table, Route& route) {
   const auto listener = find_named(table, "listener", draft.settings.listeners);
@@ -70,14 +66,14 @@ void read_bus(Draft& draft, TomlTable& table, const UnitRange& units, Route& rou
     tcp = is_tcp(draft, route.buses.front());
   }
   if (!table.has("address")) {
-    if (!tcp && units.last > kAddresses.max) {
+    if (!tcp && units.last > kSerialAddresses.max) {
       table.error("unit", "no bus has an address " + std::to_string(units.last) +
                               " (1 to 247): give 'address'");
     }
     route.first_address = units.first;
     return;
   }
-  const auto addresses = read_units(table, "address", tcp ? kUnits : kAddresses);
+  const auto addresses = read_units(table, "address", tcp ? kUnits : kSerialAddresses);
   if (!addresses) {
     return;
   }

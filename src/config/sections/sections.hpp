@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -23,6 +24,13 @@ namespace mbgate::config {
 
 /// Of Modbus/TCP Security (MB-TCP-Security v36).
 inline constexpr std::uint16_t kSecurePort = 802;
+
+inline constexpr IntegerRange kUnits = {0, 255};
+/// Of devices on a serial line (Serial Line V1.02, 2.2).
+inline constexpr IntegerRange kSerialAddresses = {1, 247};
+/// Who confirms a broadcast to its client: the gateway, or nobody.
+inline constexpr std::array kBroadcastReplies = {Word{"echo", routing::BroadcastReply::echo},
+                                                 Word{"none", routing::BroadcastReply::none}};
 
 /// Settings that are being read, and for each entry the table that it was read from.
 struct Draft {

@@ -12,11 +12,11 @@ struct Unit {
   std::int64_t nanoseconds;
 };
 
-constexpr std::array kUnits = {
+constexpr std::array kDurationUnits = {
     Unit{"h", 3'600'000'000'000}, Unit{"m", 60'000'000'000}, Unit{"s", 1'000'000'000},
     Unit{"ms", 1'000'000},        Unit{"us", 1'000},
 };
-constexpr std::int64_t kLongest = 1000 * kUnits[0].nanoseconds;
+constexpr std::int64_t kLongest = 1000 * kDurationUnits[0].nanoseconds;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -29,7 +29,7 @@ std::size_t count_digits(std::string_view text) {
 }
 
 const Unit* find_unit(std::string_view name) {
-  for (const auto& unit : kUnits) {
+  for (const auto& unit : kDurationUnits) {
     if (unit.name == name) {
       return &unit;
     }
@@ -106,9 +106,9 @@ std::string to_text(std::chrono::nanoseconds duration) {
   if (count == 0) {
     return "0s";
   }
-  const Unit& millisecond = kUnits[3];
-  const Unit& microsecond = kUnits[4];
-  for (const auto& unit : kUnits) {
+  const Unit& millisecond = kDurationUnits[3];
+  const Unit& microsecond = kDurationUnits[4];
+  for (const auto& unit : kDurationUnits) {
     if (unit.nanoseconds >= millisecond.nanoseconds && count % unit.nanoseconds == 0) {
       return decimal(count, unit);
     }

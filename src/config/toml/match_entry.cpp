@@ -3,12 +3,13 @@
 
 #include <string>
 
+#include "config/toml/words.hpp"
+
 namespace mbgate::config {
 namespace {
 
 using modbus::Table;
 
-constexpr IntegerRange kRegisterValues = {0, 0xFFFF};
 /// What a function 16 carries besides the stop itself (Application Protocol V1.1b3, 6.12), rounded.
 constexpr std::int64_t kMostParameters = 120;
 

@@ -14,6 +14,9 @@
 
 namespace mbgate::config {
 
+inline constexpr IntegerRange kRegisterValues = {0, 0xFFFF};
+inline constexpr IntegerRange kRegisterAddresses = {0, 0xFFFF};
+
 inline constexpr std::array kTables = {Word{"coils", modbus::Table::coils},
                                        Word{"discrete", modbus::Table::discrete_inputs},
                                        Word{"input", modbus::Table::input_registers},

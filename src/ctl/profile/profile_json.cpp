@@ -6,6 +6,7 @@
 
 #include "config/toml/duration_text.hpp"
 #include "config/toml/words.hpp"
+#include "ctl/profile/profile_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -172,15 +173,6 @@ void add_registers_of_order(json::object& object, const drive::Profile& profile)
                                   {"opcodes", codes(opcodes->opcodes)},
                                   {"position", opcodes->position}};
   }
-}
-
-std::string_view access_text(config::ValueAccess access) {
-  switch (access) {
-    case config::ValueAccess::read: return "r";
-    case config::ValueAccess::write: return "w";
-    case config::ValueAccess::read_write: return "rw";
-  }
-  return {};
 }
 
 json::object entries_json(const ProfileFile& file) {

@@ -110,15 +110,6 @@ void add_opcodes(std::string& text, const ProfileFile& file) {
   }
 }
 
-std::string_view access_text(config::ValueAccess access) {
-  switch (access) {
-    case config::ValueAccess::read: return "r";
-    case config::ValueAccess::write: return "w";
-    case config::ValueAccess::read_write: return "rw";
-  }
-  return {};
-}
-
 void add_values(std::string& text, const ProfileFile& file, Table table, unsigned registers) {
   Rows rows;
   for (const auto& [value, access, source] : file.values) {
@@ -134,6 +125,15 @@ void add_values(std::string& text, const ProfileFile& file, Table table, unsigne
 }
 
 }  // namespace
+
+std::string_view access_text(config::ValueAccess access) {
+  switch (access) {
+    case config::ValueAccess::read: return "r";
+    case config::ValueAccess::write: return "w";
+    case config::ValueAccess::read_write: return "rw";
+  }
+  return {};
+}
 
 std::string columns(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;

@@ -26,9 +26,9 @@ std::optional<unsigned> digit_of(char character) {
 
 /// Takes the words of a line one by one, each after one space; the first wrong one is kept as the
 /// error.
-class Words {
+class LineWords {
  public:
-  explicit Words(std::string_view line) : rest_(line) {}
+  explicit LineWords(std::string_view line) : rest_(line) {}
 
   std::string_view next(std::string_view wanted) {
     if (ended_ && error_.empty()) {
@@ -125,7 +125,7 @@ class Words {
 
 Instant instant_of(std::int64_t nanoseconds) { return Instant(Duration(nanoseconds)); }
 
-ClientConnected connected_of(Words& words) {
+ClientConnected connected_of(LineWords& words) {
   ClientConnected input{words.client(), {}};
   input.info.listener = ListenerId{words.number<std::uint32_t>("the place of a listener")};
   input.info.address = words.address();
@@ -134,7 +134,7 @@ ClientConnected connected_of(Words& words) {
   return input;
 }
 
-ClientBytes bytes_of(Words& words, std::vector<std::uint8_t>& storage) {
+ClientBytes bytes_of(LineWords& words, std::vector<std::uint8_t>& storage) {
   ClientBytes input{words.client(), {}, words.number<std::size_t>("a number of bytes")};
   input.bytes = words.hex(storage);
   if (input.bytes.size() > kClientReadSize) {
@@ -144,11 +144,11 @@ ClientBytes bytes_of(Words& words, std::vector<std::uint8_t>& storage) {
   return input;
 }
 
-Stalled stalled_of(Words& words) {
+Stalled stalled_of(LineWords& words) {
   return {std::chrono::milliseconds(words.number<std::uint32_t>("a number of milliseconds"))};
 }
 
-Input input_of(Words& words, std::vector<std::uint8_t>& storage) {
+Input input_of(LineWords& words, std::vector<std::uint8_t>& storage) {
   const std::string_view kind = words.next("an input");
   if (kind == "connected") {
     return connected_of(words);
@@ -225,7 +225,7 @@ bool ConfigReader::read(std::string_view line) {
 
 Result<RecordedInput, std::string> parse_line(std::string_view line,
                                               std::vector<std::uint8_t>& storage) {
-  Words words(line);
+  LineWords words(line);
   const Instant at = instant_of(words.number<std::int64_t>("an instant in nanoseconds"));
   RecordedInput recorded{at, input_of(words, storage)};
   std::string error = words.error();

@@ -4,13 +4,12 @@
 #include <sys/epoll.h>
 
 #include <array>
-#include <boost/asio/as_tuple.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 #include <span>
 #include <system_error>
 #include <utility>
 
+#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {
@@ -53,8 +52,7 @@ void HangupWatch::forget(int socket) {
 boost::asio::awaitable<void> HangupWatch::run() {
   while (true) {
     const auto [error] =
-        co_await epoll_.async_wait(boost::asio::posix::descriptor_base::wait_read,
-                                   boost::asio::as_tuple(boost::asio::use_awaitable));
+        co_await epoll_.async_wait(boost::asio::posix::descriptor_base::wait_read, kAsTuple);
     if (error) {
       co_return;
     }

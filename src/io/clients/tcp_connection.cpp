@@ -4,22 +4,18 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 #include <utility>
 
+#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
+#include "io/unique_fd.hpp"
 
 namespace mbgate::io {
 namespace {
 
 using boost::system::error_code;
-
-constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
-
-bool would_block(int error) { return error == EAGAIN || error == EINTR; }
 
 /// Bytes sent; nothing if the connection is broken.
 std::optional<std::size_t> try_send(int socket, modbus::Bytes bytes) {
@@ -124,7 +120,7 @@ void TcpConnection::handle_hangup(Hangup hangup) {
 
 boost::asio::awaitable<void> TcpConnection::read_loop(std::shared_ptr<TcpConnection> self) {
   while (!self->paused_ && !self->fin_seen_ && !self->closing_ && self->socket_.is_open()) {
-    const auto [error] = co_await self->socket_.async_wait(ClientSocket::wait_read, kUseTuple);
+    const auto [error] = co_await self->socket_.async_wait(ClientSocket::wait_read, kAsTuple);
     if (error) {
       break;
     }
@@ -182,7 +178,7 @@ void TcpConnection::start_writing() {
 
 boost::asio::awaitable<void> TcpConnection::write_loop(std::shared_ptr<TcpConnection> self) {
   while (self->socket_.is_open() && !self->outbox_.empty()) {
-    const auto [error] = co_await self->socket_.async_wait(ClientSocket::wait_write, kUseTuple);
+    const auto [error] = co_await self->socket_.async_wait(ClientSocket::wait_write, kAsTuple);
     if (error || !self->write_queued()) {
       break;
     }
@@ -219,7 +215,7 @@ boost::asio::awaitable<void> TcpConnection::discard_until_fin(std::shared_ptr<Tc
   error_code ignored;
   self->socket_.shutdown(ClientSocket::shutdown_send, ignored);
   while (!self->fin_seen_ && self->socket_.is_open()) {
-    const auto [error] = co_await self->socket_.async_wait(ClientSocket::wait_read, kUseTuple);
+    const auto [error] = co_await self->socket_.async_wait(ClientSocket::wait_read, kAsTuple);
     if (error) {
       co_return;
     }

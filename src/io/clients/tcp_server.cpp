@@ -6,12 +6,11 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
-#include <boost/asio/as_tuple.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 #include <utility>
 
 #include "gateway/limits.hpp"
+#include "io/as_tuple.hpp"
 #include "io/clients/tcp_connection.hpp"
 #include "io/memory_left.hpp"
 #include "io/supervise.hpp"
@@ -21,8 +20,6 @@ namespace {
 
 using boost::asio::ip::tcp;
 using boost::system::error_code;
-
-constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
 
 /// Accepted in one go, and how long then nobody is: clients that connect without end must not take
 /// the time that lines need.
@@ -92,7 +89,7 @@ void TcpServer::stop() {
 
 boost::asio::awaitable<void> TcpServer::run() {
   while (true) {
-    const auto [error] = co_await acceptor_.async_wait(tcp::acceptor::wait_read, kUseTuple);
+    const auto [error] = co_await acceptor_.async_wait(tcp::acceptor::wait_read, kAsTuple);
     if (error) {
       co_return;
     }
@@ -101,7 +98,7 @@ boost::asio::awaitable<void> TcpServer::run() {
       outcome = accept_one(false);
     }
     pause_.expires_after(outcome == Outcome::failed ? kPause : kBreath);
-    const auto [stopped] = co_await pause_.async_wait(kUseTuple);
+    const auto [stopped] = co_await pause_.async_wait(kAsTuple);
     if (stopped) {
       co_return;
     }

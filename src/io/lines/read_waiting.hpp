@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <span>
 
+#include "io/unique_fd.hpp"
 #include "modbus/bytes.hpp"
 #include "modbus/rtu.hpp"
 
@@ -18,9 +19,6 @@ namespace mbgate::io {
 
 /// So much of a line is read at once: a framer has room for that behind a frame that has begun.
 inline constexpr std::size_t kLineReadSize = 2 * modbus::kMaxRtuSize;
-
-/// True if a call that failed with this errno can be repeated later: the descriptor has not failed.
-inline bool would_block(int error) { return error == EAGAIN || error == EINTR; }
 
 /// Reads at most `left` bytes, in pieces that fit `buffer`. `read` gets the buffer and does what
 /// ::read() does. `hand_over` gets the bytes that came, and returns whether the line is still the

@@ -5,14 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 #include <chrono>
 #include <system_error>
 #include <utility>
 
+#include "io/as_tuple.hpp"
 #include "io/lines/read_waiting.hpp"
 #include "io/lines/tty_direction.hpp"
 #include "io/supervise.hpp"
@@ -22,8 +21,6 @@ namespace {
 
 using boost::asio::error::operation_aborted;
 using boost::asio::posix::descriptor_base;
-
-constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
 
 /// Between two questions whether the transmitter is empty: a fraction of t3.5, so that RTS is
 /// lowered before a device may answer.
@@ -153,7 +150,7 @@ std::optional<std::string> SerialLine::transmit(modbus::Bytes frame) {
 // would hold bytes back from read_now().
 boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
   while (true) {
-    const auto [error] = co_await descriptor_.async_wait(descriptor_base::wait_read, kUseTuple);
+    const auto [error] = co_await descriptor_.async_wait(descriptor_base::wait_read, kAsTuple);
     if (error == operation_aborted || generation != generation_) {
       co_return;
     }
@@ -195,7 +192,7 @@ void SerialLine::read(std::size_t left) {
 
 boost::asio::awaitable<void> SerialLine::write_rest(unsigned generation) {
   while (!rest_.empty()) {
-    const auto [error] = co_await descriptor_.async_wait(descriptor_base::wait_write, kUseTuple);
+    const auto [error] = co_await descriptor_.async_wait(descriptor_base::wait_write, kAsTuple);
     if (error == operation_aborted || generation != generation_) {
       co_return;
     }
@@ -216,7 +213,7 @@ boost::asio::awaitable<void> SerialLine::write_rest(unsigned generation) {
 }
 
 boost::asio::awaitable<void> SerialLine::limit_writing(unsigned generation) {
-  const auto [error] = co_await timer_.async_wait(kUseTuple);
+  const auto [error] = co_await timer_.async_wait(kAsTuple);
   if (!error && generation == generation_ && !rest_.empty()) {
     lose(settings_.device + ": the driver does not take a frame in time");
   }
@@ -226,7 +223,7 @@ boost::asio::awaitable<void> SerialLine::release_rts(unsigned generation) {
   const auto give_up =
       timer_.expiry() + timing_.duration_of(modbus::kMaxRtuSize) + kTransmitterLimit;
   while (true) {
-    const auto [error] = co_await timer_.async_wait(kUseTuple);
+    const auto [error] = co_await timer_.async_wait(kAsTuple);
     if (error == operation_aborted || generation != generation_) {
       co_return;
     }

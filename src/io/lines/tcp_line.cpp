@@ -6,9 +6,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/experimental/awaitable_operators.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 #include <chrono>
 #include <system_error>
@@ -16,6 +14,7 @@
 #include <utility>
 #include <variant>
 
+#include "io/as_tuple.hpp"
 #include "io/denials/advice.hpp"
 #include "io/lines/read_waiting.hpp"
 #include "io/lines/tcp_options.hpp"
@@ -28,8 +27,6 @@ using namespace boost::asio::experimental::awaitable_operators;
 using boost::asio::error::operation_aborted;
 using boost::asio::ip::tcp;
 using boost::system::error_code;
-
-constexpr auto kUseTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
 
 /// A kernel that does not take a frame holds hundreds of others that the far end does not read.
 constexpr std::chrono::milliseconds kTakeLimit{1000};
@@ -100,7 +97,7 @@ boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned 
   for (const auto& address : addresses) {
     timer_.expires_after(times_.connect_timeout);
     const auto ended =
-        co_await (socket_.async_connect(address, kUseTuple) || timer_.async_wait(kUseTuple));
+        co_await (socket_.async_connect(address, kAsTuple) || timer_.async_wait(kAsTuple));
     if (was_aborted(ended) || generation != generation_) {
       co_return;
     }
@@ -169,7 +166,7 @@ std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
 // would hold bytes back from read_now().
 boost::asio::awaitable<void> TcpLine::read_loop(unsigned generation) {
   while (true) {
-    const auto [error] = co_await socket_.async_wait(tcp::socket::wait_read, kUseTuple);
+    const auto [error] = co_await socket_.async_wait(tcp::socket::wait_read, kAsTuple);
     if (error == operation_aborted || generation != generation_) {
       co_return;
     }
@@ -212,8 +209,8 @@ void TcpLine::read_now() {
 boost::asio::awaitable<void> TcpLine::write_rest(unsigned generation) {
   timer_.expires_after(kTakeLimit);
   while (!rest_.empty()) {
-    const auto ended = co_await (socket_.async_wait(tcp::socket::wait_write, kUseTuple) ||
-                                 timer_.async_wait(kUseTuple));
+    const auto ended = co_await (socket_.async_wait(tcp::socket::wait_write, kAsTuple) ||
+                                 timer_.async_wait(kAsTuple));
     if (was_aborted(ended) || generation != generation_) {
       co_return;
     }

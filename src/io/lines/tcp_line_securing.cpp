@@ -2,12 +2,11 @@
 // From a TCP connection to one over TLS.
 #include <sys/socket.h>
 
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/experimental/awaitable_operators.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <utility>
 #include <variant>
 
+#include "io/as_tuple.hpp"
 #include "io/lines/tcp_line.hpp"
 #include "io/lines/tcp_options.hpp"
 
@@ -17,8 +16,6 @@ namespace {
 using namespace boost::asio::experimental::awaitable_operators;
 using boost::asio::ip::tcp;
 using boost::system::error_code;
-
-constexpr auto kTupleOfWait = boost::asio::as_tuple(boost::asio::use_awaitable);
 
 }  // namespace
 
@@ -39,8 +36,8 @@ boost::asio::awaitable<std::optional<std::string>> TcpLine::secure(unsigned gene
   }
   static_cast<void>(line_end.release());
   timer_.expires_after(times_.connect_timeout);
-  const auto ended = co_await (socket_.async_wait(tcp::socket::wait_read, kTupleOfWait) ||
-                               timer_.async_wait(kTupleOfWait));
+  const auto ended = co_await (socket_.async_wait(tcp::socket::wait_read, kAsTuple) ||
+                               timer_.async_wait(kAsTuple));
   const error_code result = std::visit([](const auto& one) { return std::get<0>(one); }, ended);
   if (result == boost::asio::error::operation_aborted || generation != generation_) {
     co_return std::nullopt;

@@ -16,9 +16,9 @@ using std::chrono::system_clock;
 constexpr std::chrono::hours kAhead{30 * 24};
 
 std::string date_text(system_clock::time_point time) {
-  const std::time_t seconds = system_clock::to_time_t(time);
+  const std::time_t count = system_clock::to_time_t(time);
   std::tm parts{};
-  ::gmtime_r(&seconds, &parts);
+  ::gmtime_r(&count, &parts);
   std::array<char, 32> text{};
   const std::size_t size = std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M UTC", &parts);
   return {text.data(), size};

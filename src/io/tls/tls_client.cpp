@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 #include <utility>
 
+#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {
@@ -20,7 +20,6 @@ using boost::asio::ip::tcp;
 using boost::system::error_code;
 using PairSocket = boost::asio::local::stream_protocol::socket;
 
-constexpr auto kAsTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
 constexpr std::size_t kCarriedAtOnce = 2048;
 /// How long a client that was said goodbye to may take for its own. If the socket were closed with
 /// unread bytes, the kernel would reset the connection, and the last answers could be lost.

@@ -3,10 +3,9 @@
 #include <sys/socket.h>
 
 #include <array>
-#include <boost/asio/as_tuple.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 
+#include "io/as_tuple.hpp"
 #include "io/tls/tls_client.hpp"
 
 namespace mbgate::io {
@@ -15,7 +14,6 @@ namespace {
 using boost::asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr auto kHandshakeTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
 constexpr std::size_t kDroppedAtOnce = 2048;
 /// How long a client may take to read why it was refused: a close with unread bytes resets the
 /// connection, and the alert could be lost.
@@ -91,7 +89,7 @@ TlsClient::Step TlsClient::step_after(int result) {
 
 boost::asio::awaitable<bool> TlsClient::wait_for(Step step) {
   const auto what = step == Step::write_more ? tcp::socket::wait_write : tcp::socket::wait_read;
-  const auto [error] = co_await socket_.async_wait(what, kHandshakeTuple);
+  const auto [error] = co_await socket_.async_wait(what, kAsTuple);
   co_return !error && socket_.is_open();
 }
 

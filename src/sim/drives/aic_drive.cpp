@@ -6,8 +6,8 @@ namespace {
 
 using modbus::Table;
 
-constexpr RegisterRules kRules{.most_read = 123, .most_written = 123};  // 2.13
-constexpr std::uint16_t kMostBroadcastRegisters = 2;                    // 2.13
+constexpr RegisterRules kAicRules{.most_read = 123, .most_written = 123};  // 2.13
+constexpr std::uint16_t kMostBroadcastRegisters = 2;                       // 2.13
 
 // Run modes of register 301000.
 constexpr std::uint16_t kWaiting = 0;
@@ -91,22 +91,22 @@ RegisterBank& AicDrive::bank(Table table) {
 
 modbus::Pdu AicDrive::respond(const modbus::Request& request) {
   const modbus::TableRange range = *range_of(request);
-  if (range.count > kRules.most_read) {
-    return exception(request.function(), kRules.too_many);
+  if (range.count > kAicRules.most_read) {
+    return exception(request.function(), kAicRules.too_many);
   }
   const auto in_group = aic_stays_in_group(range);
   if (!in_group) {
-    return exception(request.function(), kRules.no_such_register);
+    return exception(request.function(), kAicRules.no_such_register);
   }
   if (!*in_group) {
-    return exception(request.function(), kRules.too_many);  // 2.13: error code 03
+    return exception(request.function(), kAicRules.too_many);  // 2.13: error code 03
   }
-  return request.reads() ? serve_read(request, bank(range.table), kRules) : write(request);
+  return request.reads() ? serve_read(request, bank(range.table), kAicRules) : write(request);
 }
 
 modbus::Pdu AicDrive::write(const modbus::Request& request) {
   const modbus::TableRange& range = request.writes()->range;
-  const modbus::Pdu response = serve_write(request, bank(range.table), kRules);
+  const modbus::Pdu response = serve_write(request, bank(range.table), kAicRules);
   if (response.is_exception()) {
     return response;
   }

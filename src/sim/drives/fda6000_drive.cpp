@@ -7,7 +7,7 @@ namespace mbgate::sim {
 namespace {
 
 // The manual states no limit of its own, so the protocol's hold.
-constexpr RegisterRules kRules{.most_read = 125, .most_written = 123};
+constexpr RegisterRules kFdaRules{.most_read = 125, .most_written = 123};
 
 constexpr ExceptionByte kIllegalFunction = 0x01;
 constexpr ExceptionByte kIllegalAddress = 0x02;
@@ -48,7 +48,7 @@ Reaction Fda6000Drive::answer(const modbus::Pdu& pdu) {
   if (!request) {
     return {modbus::Pdu::exception(function, request.error())};
   }
-  return function == 0x03 ? Reaction{serve_read(*request, registers_, kRules)} : write(*request);
+  return function == 0x03 ? Reaction{serve_read(*request, registers_, kFdaRules)} : write(*request);
 }
 
 Reaction Fda6000Drive::hear_broadcast(const modbus::Pdu& /*pdu*/) { return {}; }
@@ -56,7 +56,7 @@ Reaction Fda6000Drive::hear_broadcast(const modbus::Pdu& /*pdu*/) { return {}; }
 Reaction Fda6000Drive::write(const modbus::Request& request) {
   const modbus::TableRange& range = request.writes()->range;
   if (const auto refusal = store(range.first, written_words(request))) {
-    return {exception(request.function(), code_of(*refusal, kRules))};
+    return {exception(request.function(), code_of(*refusal, kFdaRules))};
   }
   if (touches(range, kFdaParameterInit) && registers_.get(kFdaParameterInit) == 1) {
     registers_.restore_initial();

@@ -8,13 +8,13 @@ namespace mbgate::sim {
 namespace {
 
 // 5.1 and 5.3 (50 registers), Appendix 2 (codes).
-constexpr RegisterRules kRules{.most_read = 50,
-                               .most_written = 50,
-                               .no_such_register = 0x02,
-                               .not_readable = 0x11,
-                               .not_writable = 0x12,
-                               .out_of_range = 0x13,
-                               .too_many = 0x03};
+constexpr RegisterRules kMoonsRules{.most_read = 50,
+                                    .most_written = 50,
+                                    .no_such_register = 0x02,
+                                    .not_readable = 0x11,
+                                    .not_writable = 0x12,
+                                    .out_of_range = 0x13,
+                                    .too_many = 0x03};
 
 // Section 6.1, in ascending order.
 constexpr std::array<std::uint16_t, 36> kOpcodes{
@@ -64,7 +64,7 @@ Reaction MoonsDrive::answer(const modbus::Pdu& pdu) {
   if (!request) {
     return {modbus::Pdu::exception(function, request.error())};
   }
-  return {function == 0x03 ? serve_read(*request, registers_, kRules) : write(*request)};
+  return {function == 0x03 ? serve_read(*request, registers_, kMoonsRules) : write(*request)};
 }
 
 Reaction MoonsDrive::hear_broadcast(const modbus::Pdu& pdu) {
@@ -76,9 +76,9 @@ Reaction MoonsDrive::hear_broadcast(const modbus::Pdu& pdu) {
 
 modbus::Pdu MoonsDrive::write(const modbus::Request& request) {
   if (!knows_opcode(request)) {
-    return exception(request.function(), kRules.out_of_range);
+    return exception(request.function(), kMoonsRules.out_of_range);
   }
-  const modbus::Pdu response = serve_write(request, registers_, kRules);
+  const modbus::Pdu response = serve_write(request, registers_, kMoonsRules);
   if (response.is_exception()) {
     return response;
   }

@@ -25,6 +25,8 @@ struct Limits {
   std::int64_t lowest;
   std::int64_t highest;
 };
+/// Off or on.
+inline constexpr Limits kSwitch{0, 1};
 
 /// `entries` equal entries, one after the other, from protocol address `first` on.
 struct RegisterRun {

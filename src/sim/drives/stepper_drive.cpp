@@ -9,12 +9,11 @@ namespace {
 
 // The manual states no exceptions; the standard's are answered. A table command carries at most 200
 // bytes (line 1577), a read whatever a frame holds.
-constexpr RegisterRules kRules{.most_read = 125, .most_written = 100};
+constexpr RegisterRules kStepperRules{.most_read = 125, .most_written = 100};
 constexpr RegisterRules kSingleRules{.most_read = 1, .most_written = 0};
 
 constexpr std::array<std::uint32_t, 4> kRunCommands{0, 1, 256, 257};  // line 1866
-constexpr std::uint32_t kRunning = 0x0300;                            // status bits 8 and 9
-constexpr std::uint32_t kInPosition = 0x1000;
+constexpr std::uint32_t kStepperRunning = 0x0300;                     // status bits 8 and 9
 constexpr std::uint32_t kRestartBits = 0xFF00;
 
 }  // namespace
@@ -33,7 +32,7 @@ Reaction StepperDrive::answer(const modbus::Pdu& pdu) {
   if (request->writes()) {
     return write(*request);
   }
-  return {serve_read(*request, registers_, function == 0x04 ? kSingleRules : kRules)};
+  return {serve_read(*request, registers_, function == 0x04 ? kSingleRules : kStepperRules)};
 }
 
 Reaction StepperDrive::hear_broadcast(const modbus::Pdu& pdu) {
@@ -47,13 +46,13 @@ Reaction StepperDrive::hear_broadcast(const modbus::Pdu& pdu) {
 
 Reaction StepperDrive::write(const modbus::Request& request) {
   const modbus::TableRange& written = request.writes()->range;
-  const modbus::Pdu response = serve_write(request, registers_, kRules);
+  const modbus::Pdu response = serve_write(request, registers_, kStepperRules);
   if (response.is_exception()) {
     return {response};
   }
   if (touches(written, kStepperRun) &&
       std::ranges::find(kRunCommands, registers_.get(kStepperRun)) == kRunCommands.end()) {
-    return {exception(request.function(), kRules.out_of_range)};
+    return {exception(request.function(), kStepperRules.out_of_range)};
   }
   if (touches(written, kStepperRestart) && (registers_.get(kStepperRestart) & kRestartBits) != 0) {
     return restart();
@@ -120,8 +119,8 @@ Reaction StepperDrive::restart() {
 }
 
 void StepperDrive::set_running(bool running) {
-  const std::uint32_t others = registers_.get(kStepperStatus) & ~(kRunning | kInPosition);
-  registers_.set(kStepperStatus, others | (running ? kRunning : kInPosition));
+  const std::uint32_t others = registers_.get(kStepperStatus) & ~(kStepperRunning | kAtPosition);
+  registers_.set(kStepperStatus, others | (running ? kStepperRunning : kAtPosition));
   registers_.set(kStepperRealSpeed, running ? registers_.get(kStepperSpeed) : 0);
 }
 

@@ -14,7 +14,7 @@ Duration framing_silence(const WireSettings& wire) {
 }
 
 // A serial device server has one client at a time: two would talk into each other's transactions.
-constexpr std::size_t kMostConnections = 1;
+constexpr std::size_t kSerialServerConnections = 1;
 
 }  // namespace
 
@@ -39,7 +39,7 @@ std::optional<std::string> LiveBus::connect() {
 }
 
 std::optional<std::string> LiveBus::listen() {
-  auto opened = TcpPort::open(*address_, kMostConnections);
+  auto opened = TcpPort::open(*address_, kSerialServerConnections);
   if (!opened) {
     return "bus " + name_ + ": " + opened.error();
   }

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-namespace mbgate::config {
+namespace mbgate::config::load_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -266,4 +266,4 @@ TEST(LoadSettings, TurnsTheOwnUnitOff) {
 }
 
 }  // namespace
-}  // namespace mbgate::config
+}  // namespace mbgate::config::load_test

@@ -10,7 +10,7 @@
 
 #include "config/load.hpp"
 
-namespace mbgate::config {
+namespace mbgate::config::shipped_files_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -199,4 +199,4 @@ std::string example_name(const testing::TestParamInfo<std::string>& info) {
 INSTANTIATE_TEST_SUITE_P(Files, Example, testing::ValuesIn(examples()), example_name);
 
 }  // namespace
-}  // namespace mbgate::config
+}  // namespace mbgate::config::shipped_files_test

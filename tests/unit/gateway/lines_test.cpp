@@ -4,7 +4,7 @@
 
 #include "support/machine_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::lines_test {
 namespace {
 
 using testing::ElementsAre;
@@ -291,4 +291,4 @@ TEST(Gateway, SaysWhetherALineHearsItself) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::lines_test

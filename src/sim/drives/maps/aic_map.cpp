@@ -11,14 +11,13 @@ using modbus::Table;
 using enum Access;
 using enum Width;
 
-constexpr Limits kSwitch{0, 1};
 constexpr Limits kSpeed{1, 600000};
 constexpr Limits kTime{1, 10000};
 constexpr Limits kRamp{0, 10000};
 constexpr Limits kPulseWidth{1, 1000};
 constexpr Limits kCompareMode{0, 3};
 constexpr Limits kSixteen{0, 15};
-constexpr Limits kPercent{20, 100};
+constexpr Limits kTorquePercent{20, 100};
 
 constexpr std::array kCoils{RegisterRun{0x0000, 10, word, read_write, 0, kSwitch},
                             RegisterRun{0x000A, 17, word, write_only, 0, kSwitch},
@@ -61,15 +60,15 @@ constexpr std::array kHoldingRegisters{
     RegisterRun{0x000B, 1, word, read_write, 0, Limits{0, 3}},
     RegisterRun{kAicFirstStep, kAicStepRegisters, word, read_write},
     RegisterRun{kAicSettingBits, 3, word, read_write},
-    RegisterRun{0x13BA, 2, value, read_write, 1000},          // home search speeds
-    RegisterRun{0x13BE, 2, word, read_write, 100, kTime},     // and times
-    RegisterRun{0x13C0, 1, word, read_write, 0, kSwitch},     // direction
-    RegisterRun{0x13C1, 2, value, read_write},                // offset, zero
-    RegisterRun{0x13C5, 1, word, read_write, 0, kSwitch},     // sensor level
-    RegisterRun{0x13C6, 1, word, read_write, 100, kPercent},  // torque
-    RegisterRun{0x13EE, 10, value, read_write, 1000},         // running speeds
-    RegisterRun{0x1402, 5, word, read_write, 100, kTime},     // waiting times
-    RegisterRun{0x1407, 10, word, read_write, 100, kRamp},    // acceleration, deceleration times
+    RegisterRun{0x13BA, 2, value, read_write, 1000},                // home search speeds
+    RegisterRun{0x13BE, 2, word, read_write, 100, kTime},           // and times
+    RegisterRun{0x13C0, 1, word, read_write, 0, kSwitch},           // direction
+    RegisterRun{0x13C1, 2, value, read_write},                      // offset, zero
+    RegisterRun{0x13C5, 1, word, read_write, 0, kSwitch},           // sensor level
+    RegisterRun{0x13C6, 1, word, read_write, 100, kTorquePercent},  // torque
+    RegisterRun{0x13EE, 10, value, read_write, 1000},               // running speeds
+    RegisterRun{0x1402, 5, word, read_write, 100, kTime},           // waiting times
+    RegisterRun{0x1407, 10, word, read_write, 100, kRamp},  // acceleration, deceleration times
     RegisterRun{0x1411, 1, word, read_write, 100, Limits{1, 5000}},
     RegisterRun{0x1412, 2, value, read_write},                  // software limits
     RegisterRun{0x1416, 5, word, read_write, 100, kTime},       // on times
@@ -81,7 +80,7 @@ constexpr std::array kHoldingRegisters{
     RegisterRun{0x1423, 2, value, read_write},
     RegisterRun{0x1427, 1, word, read_write, 0, Limits{0, 9}},  // pulses a turn
     RegisterRun{0x1428, 1, word, read_write, 0, kSixteen},
-    RegisterRun{0x1429, 1, word, read_write, 50, kPercent},
+    RegisterRun{0x1429, 1, word, read_write, 50, kTorquePercent},
     RegisterRun{0x142A, 2, word, read_write, 0, kSixteen},
     RegisterRun{0x142C, 1, word, read_write, 0, Limits{0, 7000}},
     RegisterRun{0x142D, 1, word, read_write, 0, Limits{0, 4000}},

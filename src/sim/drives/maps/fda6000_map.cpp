@@ -10,7 +10,6 @@ namespace {
 using enum Access;
 using enum Width;
 
-constexpr Limits kSwitch{0, 1};
 constexpr Limits kPercent{0, 300};
 constexpr Limits kMilliseconds{0, 10000};
 constexpr Limits kTenthsOfPercent{-1000, 1000};

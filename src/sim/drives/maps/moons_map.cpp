@@ -7,18 +7,18 @@ namespace {
 constexpr MoonsPlaces kWithoutProtocol{};
 constexpr MoonsPlaces kStep{.protocol = 0x0095};   // 40150
 constexpr MoonsPlaces kServo{.protocol = 0x00B0};  // 40177
-constexpr MoonsPlaces kM3{.status = 0x0002,
-                          .encoder_position = 0x000A,
-                          .position = 0x0006,
-                          .position_command = std::nullopt,
-                          .velocity = 0x0010,
-                          .target_velocity = 0x0011,
-                          .relative_distance = 0x0020,
-                          .distance = 0x015E,
-                          .jog_velocity = 0x0156,
-                          .protocol = 0x0120};  // 40289..40290
+constexpr MoonsPlaces kM3Places{.status = 0x0002,
+                                .encoder_position = 0x000A,
+                                .position = 0x0006,
+                                .position_command = std::nullopt,
+                                .velocity = 0x0010,
+                                .target_velocity = 0x0011,
+                                .relative_distance = 0x0020,
+                                .distance = 0x015E,
+                                .jog_velocity = 0x0156,
+                                .protocol = 0x0120};  // 40289..40290
 // Enabled, alarm, jogging, decelerating.
-constexpr MoonsPlaces kBldc{.status_bits = 0x0265};
+constexpr MoonsPlaces kBldcPlaces{.status_bits = 0x0265};
 
 }  // namespace
 
@@ -44,8 +44,8 @@ const MoonsPlaces& moons_places(MoonsSeries series) {
     case MoonsSeries::ssdc: return kStep;
     case MoonsSeries::m2:
     case MoonsSeries::mdx: return kServo;
-    case MoonsSeries::m3: return kM3;
-    case MoonsSeries::bldc: return kBldc;
+    case MoonsSeries::m3: return kM3Places;
+    case MoonsSeries::bldc: return kBldcPlaces;
   }
   return kWithoutProtocol;
 }

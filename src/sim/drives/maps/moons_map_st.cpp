@@ -4,6 +4,7 @@
 // them.
 #include <array>
 
+#include "sim/drives/maps/moons_limits.hpp"
 #include "sim/drives/maps/moons_map.hpp"
 
 namespace mbgate::sim {
@@ -11,10 +12,6 @@ namespace {
 
 using enum Access;
 using enum Width;
-
-// The manual prints no ranges in these tables; what counts here is that a rate of 0 is none.
-constexpr Limits kRate{1, 32000};
-constexpr Limits kProtocol{1, 511};
 
 // Manual lines 1245 to 1339.
 constexpr std::array kSt{

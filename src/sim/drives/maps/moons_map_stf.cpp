@@ -4,6 +4,7 @@
 // them.
 #include <array>
 
+#include "sim/drives/maps/moons_limits.hpp"
 #include "sim/drives/maps/moons_map.hpp"
 
 namespace mbgate::sim {
@@ -11,10 +12,6 @@ namespace {
 
 using enum Access;
 using enum Width;
-
-// The manual prints no ranges in these tables; what counts here is that a rate of 0 is none.
-constexpr Limits kRate{1, 32000};
-constexpr Limits kProtocol{1, 511};
 
 // 40054..55 and 40185..186 are printed as SHORTs (lines 1509, 1613) but are one value each.
 // Manual lines 1461 to 1660.

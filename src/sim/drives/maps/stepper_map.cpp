@@ -13,18 +13,16 @@ using enum Width;
 // 242).
 constexpr std::uint32_t kHardware170 = 0x00303731;
 constexpr std::uint32_t kSoftware105 = 0x00353031;
-constexpr std::uint32_t kInPosition = 0x1000;            // bit 12 of the status register
 constexpr std::uint32_t kFarthest = 0x7FFFFFFF;          // software limits
 constexpr std::uint32_t kNearest = 0x80000000;           // software limits
 constexpr std::uint32_t kPositionReminder = 1073741823;  // 0x00C2 to 0x00C7
 constexpr Limits kTargetSpeed{-999999, 999999};          // 0x00D8, manual line 1844 ff.
-constexpr Limits kSwitch{0, 1};
 
-constexpr std::array kRegisters{
+constexpr std::array kStepperRegisters{
     RegisterRun{0x0000, 1, value, read_only, kHardware170},
     RegisterRun{0x0002, 1, value, read_only, kSoftware105},
     RegisterRun{0x0004, 1, value, read_only},               // position
-    RegisterRun{0x0006, 1, value, read_only, kInPosition},  // status
+    RegisterRun{0x0006, 1, value, read_only, kAtPosition},  // status
     RegisterRun{0x0008, 1, word, read_write},               // serial time-out
     RegisterRun{0x0009, 1, word, read_write, 12},           // communication parameters
     RegisterRun{0x000A, 1, word, read_write, 250},          // smoothing
@@ -93,6 +91,6 @@ constexpr std::array kRegisters{
 
 }  // namespace
 
-RegisterMap stepper_registers() { return kRegisters; }
+RegisterMap stepper_registers() { return kStepperRegisters; }
 
 }  // namespace mbgate::sim

@@ -10,6 +10,9 @@ namespace mbgate::sim {
 
 RegisterMap stepper_registers();
 
+/// Bit 12 of the status register: in position.
+inline constexpr std::uint32_t kAtPosition = 0x1000;
+
 /// Registers that do more than hold a value.
 inline constexpr std::uint16_t kStepperPosition = 0x0004;
 inline constexpr std::uint16_t kStepperStatus = 0x0006;

@@ -3,7 +3,7 @@
 #include "stop_axis.hpp"
 #include "unit/bus/bus_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::bus_repeats_test {
 namespace {
 
 constexpr auto kWrite = "06 0000 0001";
@@ -246,4 +246,4 @@ TEST_F(BusRepeats, ARepeatedStopHasAsMuchTimeAsTheFirst) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::bus_repeats_test

@@ -2,7 +2,7 @@
 // Stops go next, take back what they stop, and are repeated until they are acknowledged.
 #include "unit/bus/bus_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::bus_stops_test {
 namespace {
 
 using Kind = bus::DeviceNotice::Kind;
@@ -292,4 +292,4 @@ TEST_F(BusStops, TwoDeadDevicesDoNotKeepEachOthersStopsWaiting) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::bus_stops_test

@@ -3,7 +3,7 @@
 
 #include "framer_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::ascii_framer_test {
 namespace {
 
 class AsciiFramer : public FramerRig<bus::AsciiFramer> {
@@ -207,4 +207,4 @@ TEST_F(AsciiFramer, WhatBeginsBehindAnAnswerGoesOn) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::ascii_framer_test

@@ -2,7 +2,7 @@
 #include "modbus/crc16.hpp"
 #include "rtu_framer_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::rtu_framer_test {
 namespace {
 
 using RtuFramer = RtuRig;
@@ -196,4 +196,4 @@ TEST_F(RtuFramer, ReadsIdentificationByItsObjects) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::rtu_framer_test

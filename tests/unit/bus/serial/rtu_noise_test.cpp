@@ -3,7 +3,7 @@
 #include "modbus/crc16.hpp"
 #include "rtu_framer_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::rtu_noise_test {
 namespace {
 
 constexpr auto kRead = "03 001E 0002";
@@ -236,4 +236,4 @@ TEST_F(RtuNoise, NeverMakesAnAnswerOfACandidateUnderWay) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::rtu_noise_test

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-namespace mbgate::config {
+namespace mbgate::config::profile_file_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -151,4 +151,4 @@ TEST(ProfileFile, ThatIsNotThereIsReported) {
 }
 
 }  // namespace
-}  // namespace mbgate::config
+}  // namespace mbgate::config::profile_file_test

@@ -9,7 +9,7 @@
 
 #include "config/profiles/profile_library.hpp"
 
-namespace mbgate::config {
+namespace mbgate::config::profiles_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -134,4 +134,4 @@ TEST(GenericProfile, IsTheSameWithAndWithoutItsFile) {
 }
 
 }  // namespace
-}  // namespace mbgate::config
+}  // namespace mbgate::config::profiles_test

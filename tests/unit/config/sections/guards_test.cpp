@@ -5,7 +5,7 @@
 
 #include "config/load.hpp"
 
-namespace mbgate::config {
+namespace mbgate::config::guards_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -145,4 +145,4 @@ TEST(ClientWeights, KeepTheirOrder) {
 }
 
 }  // namespace
-}  // namespace mbgate::config
+}  // namespace mbgate::config::guards_test

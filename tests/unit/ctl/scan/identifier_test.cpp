@@ -8,7 +8,7 @@
 
 #include "profile_device.hpp"
 
-namespace mbgate::ctl {
+namespace mbgate::ctl::identifier_test {
 namespace {
 
 using modbus::TableRange;
@@ -157,4 +157,4 @@ TEST(Identifier, WithoutCandidatesAsksForTheFunctionsOnly) {
 }
 
 }  // namespace
-}  // namespace mbgate::ctl
+}  // namespace mbgate::ctl::identifier_test

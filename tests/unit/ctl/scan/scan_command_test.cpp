@@ -9,7 +9,7 @@
 
 #include <sstream>
 
-namespace mbgate::ctl {
+namespace mbgate::ctl::scan_command_test {
 namespace {
 
 using modbus::Table;
@@ -119,4 +119,4 @@ TEST(CarryOutScan, AsksNobodyIfTheFileIsThere) {
 }
 
 }  // namespace
-}  // namespace mbgate::ctl
+}  // namespace mbgate::ctl::scan_command_test

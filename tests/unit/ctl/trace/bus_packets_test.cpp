@@ -9,7 +9,7 @@
 #include "support/hex.hpp"
 #include "trace_records.hpp"
 
-namespace mbgate::ctl {
+namespace mbgate::ctl::bus_packets_test {
 namespace {
 
 /// A frame with its CRC: address and PDU in hexadecimal.
@@ -116,4 +116,4 @@ TEST(HeardEcho, IsToldFromTheResponseInAsciiToo) {
 }
 
 }  // namespace
-}  // namespace mbgate::ctl
+}  // namespace mbgate::ctl::bus_packets_test

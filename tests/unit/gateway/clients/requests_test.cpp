@@ -4,7 +4,7 @@
 
 #include "support/machine_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::requests_test {
 namespace {
 
 using testing::ElementsAre;
@@ -190,4 +190,4 @@ TEST(Gateway, SilenceAfterListenOnlyIsNoFailure) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::requests_test

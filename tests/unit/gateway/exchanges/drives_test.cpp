@@ -4,7 +4,7 @@
 
 #include "support/machine_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::drives_test {
 namespace {
 
 using drive::WordOrder;
@@ -39,7 +39,7 @@ Settings one_drive() {
 
 std::string without_crc(const std::string& frame) { return frame.substr(0, frame.size() - 6); }
 
-std::vector<std::string> take_requests(MachineRig& rig) {
+std::vector<std::string> take_texts(MachineRig& rig) {
   std::vector<std::string> requests;
   for (const auto& frame : rig.take_transmitted()) {
     requests.push_back(without_crc(frame));
@@ -59,12 +59,12 @@ TEST(Drives, SpeakTheirOwnWordOrder) {
   MachineRig rig(one_drive());
   rig.connect(1);
   rig.receive(1, "0001 0000 000B 01 10 001E 0002 04 0003 0D40");
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 10 00 1E 00 02 04 0D 40 00 03"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 10 00 1E 00 02 04 0D 40 00 03"));
   rig.respond("01 10 00 1E 00 02");
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 10 00 1E 00 02"));
   rig.advance(10ms);
   rig.receive(1, "0002 0000 0006 01 03 001E 0002");
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 1E 00 02"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 1E 00 02"));
   rig.respond("01 03 04 0D40 0003");
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 03 04 00 03 0D 40"));
 }
@@ -75,16 +75,16 @@ TEST(Drives, NothingComesBetweenTheTransactionsOfOneRequest) {
   rig.connect(2, "192.0.2.2");
   rig.receive(1, "0001 0000 0006 01 03 001B 000A");
   rig.receive(2, "0001 0000 0006 02 03 0000 0001");
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 1B 00 05"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 1B 00 05"));
   rig.respond("01 03 0A 0001 0002 0003 0D40 0003");
   rig.advance(30ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 20 00 05"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 20 00 05"));
   EXPECT_THAT(take_answers(rig, 1), IsEmpty());
   rig.respond("01 03 0A 0006 0007 0008 0009 000A");
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 03 14 00 01 00 02 00 03 00 03 0D 40 00 06 "
                                                 "00 07 00 08 00 09 00 0A"));
   rig.advance(30ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre("02 03 00 00 00 01"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("02 03 00 00 00 01"));
 }
 
 TEST(Drives, AnExceptionOfAPartEndsTheRequest) {
@@ -94,7 +94,7 @@ TEST(Drives, AnExceptionOfAPartEndsTheRequest) {
   rig.respond("01 83 11");
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 83 11"));
   rig.advance(1s);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 1B 00 05"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 1B 00 05"));
 }
 
 Settings splitting_drive() {
@@ -142,7 +142,7 @@ TEST(Drives, AWriteOfCommunicationRegistersIsRefusedOrJournaled) {
   refusing.connect(1);
   refusing.receive(1, "0001 0000 0006 01 06 0032 0085");
   EXPECT_THAT(take_answers(refusing, 1), ElementsAre("01 86 01"));
-  EXPECT_THAT(take_requests(refusing), IsEmpty());
+  EXPECT_THAT(take_texts(refusing), IsEmpty());
   Settings settings = one_drive();
   settings.devices[0].allow_reconfigure = true;
   MachineRig rig(settings);
@@ -171,7 +171,7 @@ TEST(Drives, ABusAndAddressRouteExchangesNothing) {
   MachineRig rig(settings);
   rig.connect(1);
   rig.receive(1, "0001 0000 0006 02 03 001E 0001");
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 1E 00 01"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 1E 00 01"));
   rig.respond("01 03 02 0D40");
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("02 03 02 0D 40"));
 }
@@ -190,20 +190,20 @@ TEST(Drives, TheirOwnWordOrderIsReadBeforeTheFirstValueIsWritten) {
   MachineRig rig(verified_drive());
   rig.connect(1);
   rig.receive(1, kValueWrite);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 32 00 01"));
   rig.respond("01 03 02 0185");
   rig.advance(30ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 10 00 1E 00 02 04 0D 40 00 03"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 10 00 1E 00 02 04 0D 40 00 03"));
   rig.respond("01 10 00 1E 00 02");
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 10 00 1E 00 02"));
   rig.advance(30ms);
   rig.receive(1, kValueWrite);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 10 00 1E 00 02 04 0D 40 00 03"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 10 00 1E 00 02 04 0D 40 00 03"));
   // An answer that did not come: the drive may have been set otherwise meanwhile.
   rig.advance(300ms);
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 90 0B"));
   rig.receive(1, kValueWrite);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 32 00 01"));
 }
 
 TEST(Drives, TheirWordOrderIsReadAgainAfterItWasWritten) {
@@ -219,9 +219,9 @@ TEST(Drives, TheirWordOrderIsReadAgainAfterItWasWritten) {
   rig.receive(1, "0002 0000 0006 01 06 0032 0005");
   rig.respond("01 06 00 32 00 05");
   rig.advance(30ms);
-  take_requests(rig);
+  take_texts(rig);
   rig.receive(1, kValueWrite);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 32 00 01"));
   rig.respond("01 03 02 0005");
   EXPECT_EQ(take_answers(rig, 1).back(), "01 90 04");
 }
@@ -236,11 +236,11 @@ TEST(Drives, AWriteThatWaitsBehindAChangeOfTheWordOrderAsksAgain) {
   rig.advance(30ms);
   rig.respond("01 10 00 1E 00 02");
   rig.advance(30ms);
-  take_requests(rig);
+  take_texts(rig);
   rig.receive(1, std::string("0002 0000 0006 01 06 0032 0005") + kValueWrite);
   rig.respond("01 06 00 32 00 05");
   rig.advance(30ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 06 00 32 00 05", "01 03 00 32 00 01"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 06 00 32 00 05", "01 03 00 32 00 01"));
 }
 
 TEST(Drives, ValuesAreNotWrittenToADriveOfAnotherWordOrder) {
@@ -253,12 +253,12 @@ TEST(Drives, ValuesAreNotWrittenToADriveOfAnotherWordOrder) {
   EXPECT_THAT(rig.events, ElementsAre("device axis-x: its own word order is not the one "
                                       "configured; values are not written to it"));
   rig.advance(30ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01", "01 06 00 00 00 01"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 32 00 01", "01 06 00 00 00 01"));
   rig.respond("01 06 00 00 00 01");
   take_answers(rig, 1);
   rig.advance(30ms);
   rig.receive(1, kValueWrite);
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));  // it may be right by now
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 32 00 01"));  // it may be right by now
   rig.respond("01 83 02");
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 90 04"));
 }
@@ -269,8 +269,8 @@ TEST(Drives, AWriteBehindAnUnansweredQuestionWasNeverTransmitted) {
   rig.receive(1, kValueWrite);
   rig.advance(200ms);
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 90 06"));
-  EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 32 00 01"));
+  EXPECT_THAT(take_texts(rig), ElementsAre("01 03 00 32 00 01"));
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::drives_test

@@ -11,7 +11,7 @@
 #include "pseudo_terminal.hpp"
 #include "unit/io/run_until.hpp"
 
-namespace mbgate::io {
+namespace mbgate::io::serial_line_test {
 namespace {
 
 class SerialLineTest : public testing::Test, public LineEvents {
@@ -235,4 +235,4 @@ TEST_F(SerialLineTest, DoesNotTransmitWhileClosed) {
 }
 
 }  // namespace
-}  // namespace mbgate::io
+}  // namespace mbgate::io::serial_line_test

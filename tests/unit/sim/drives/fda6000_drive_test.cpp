@@ -10,7 +10,7 @@
 #include "sim/drives/device.hpp"
 #include "unit/sim/drives/drive_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::fda6000_drive_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -139,4 +139,4 @@ TEST_F(Fda6000Model, ObeysNoBroadcast) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::fda6000_drive_test

@@ -6,7 +6,7 @@
 
 #include "unit/sim/drives/drive_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::moons_drive_test {
 namespace {
 
 using drive::WordOrder;
@@ -109,4 +109,4 @@ TEST_F(MoonsModel, ChangesItsWordOrderWithItsProtocolRegister) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::moons_drive_test

@@ -11,7 +11,7 @@
 #include "sim/drives/moons_drive.hpp"
 #include "unit/sim/drives/drive_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::moons_map_test {
 namespace {
 
 using drive::WordOrder;
@@ -188,4 +188,4 @@ TEST(MoonsMaps, AnswerThePrintedRequests) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::moons_map_test

@@ -10,7 +10,7 @@
 #include "modbus/rtu.hpp"
 #include "unit/sim/drives/drive_rig.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::stepper_drive_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -162,4 +162,4 @@ TEST_F(StepperModel, HearsBroadcastWritesOnly) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::stepper_drive_test

@@ -7,7 +7,7 @@
 #include "manuals/vectors.hpp"
 #include "support/hex.hpp"
 
-namespace mbgate::test {
+namespace mbgate::test::tcp_bus_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -133,4 +133,4 @@ TEST_F(PrintedUnits, AnswerThePrintedWritesAsPrinted) {
 }
 
 }  // namespace
-}  // namespace mbgate::test
+}  // namespace mbgate::test::tcp_bus_test
