@@ -2,10 +2,9 @@
 #include "app/listeners.hpp"
 
 #include <algorithm>
-#include <boost/asio/as_tuple.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <utility>
 
+#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -203,8 +202,7 @@ boost::asio::awaitable<void> Listeners::try_on() {
   auto wait = waits_.first;
   while (!waiting_.empty()) {
     timer_.expires_after(wait);
-    const auto [error] =
-        co_await timer_.async_wait(boost::asio::as_tuple(boost::asio::use_awaitable));
+    const auto [error] = co_await timer_.async_wait(io::kAsTuple);
     if (error) {
       break;
     }

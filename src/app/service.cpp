@@ -4,8 +4,6 @@
 #include <sysexits.h>
 
 #include <algorithm>
-#include <boost/asio/as_tuple.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -18,6 +16,7 @@
 #include "app/journal/event_topic.hpp"
 #include "app/systemd.hpp"
 #include "app/text.hpp"
+#include "io/as_tuple.hpp"
 #include "io/clients/descriptors.hpp"
 #include "io/supervise.hpp"
 
@@ -144,8 +143,7 @@ int Service::run() {
 
 boost::asio::awaitable<void> Service::wait_for_signal() {
   while (true) {
-    const auto [error, signal] =
-        co_await signals_.async_wait(boost::asio::as_tuple(boost::asio::use_awaitable));
+    const auto [error, signal] = co_await signals_.async_wait(io::kAsTuple);
     if (error || signal != SIGHUP) {
       break;
     }

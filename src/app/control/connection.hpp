@@ -2,17 +2,13 @@
 // A client's connection to the HTTP interface, be it over the Unix socket or over TCP.
 #pragma once
 
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/generic/stream_protocol.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/basic_stream.hpp>
 #include <chrono>
 
 namespace mbgate::app {
 
 using ControlStream = boost::beast::basic_stream<boost::asio::generic::stream_protocol>;
-
-inline constexpr auto kNoThrow = boost::asio::as_tuple(boost::asio::use_awaitable);
 
 /// How long a client may take for its request, or for taking what is sent to it.
 inline constexpr std::chrono::seconds kClientLimit{10};

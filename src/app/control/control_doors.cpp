@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "gateway/settings.hpp"
+#include "io/as_tuple.hpp"
 #include "io/memory_left.hpp"
 #include "io/supervise.hpp"
 
@@ -113,7 +114,7 @@ template <typename Socket, typename Acceptor>
 asio::awaitable<void> ControlDoors::accept(Acceptor acceptor, std::function<void(Socket)> let_in,
                                            int kept_back) {
   while (acceptor->is_open()) {
-    auto [error, socket] = co_await acceptor->async_accept(kNoThrow);
+    auto [error, socket] = co_await acceptor->async_accept(io::kAsTuple);
     if (!acceptor->is_open()) {
       break;  // whoever came at the last moment, too
     }
@@ -126,7 +127,7 @@ asio::awaitable<void> ControlDoors::accept(Acceptor acceptor, std::function<void
       boost::system::error_code ignored;
       socket.close(ignored);
       asio::steady_timer pause(*home_, kAcceptPause);
-      co_await pause.async_wait(kNoThrow);
+      co_await pause.async_wait(io::kAsTuple);
     }
   }
 }

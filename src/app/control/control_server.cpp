@@ -18,6 +18,7 @@
 #include "app/metrics/metrics.hpp"
 #include "app/page/page_answer.hpp"
 #include "app/utf8.hpp"
+#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -150,7 +151,7 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
     parser.header_limit(kLongestHeader);
     parser.body_limit(kLongestBody);
     stream.expires_after(kClientLimit);
-    const auto [read_error, got] = co_await http::async_read(stream, buffer, parser, kNoThrow);
+    const auto [read_error, got] = co_await http::async_read(stream, buffer, parser, io::kAsTuple);
     if (read_error) {
       break;
     }
@@ -171,7 +172,7 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
     }
     goes_on = response.keep_alive();
     stream.expires_after(kClientLimit);
-    const auto [write_error, sent] = co_await http::async_write(stream, response, kNoThrow);
+    const auto [write_error, sent] = co_await http::async_write(stream, response, io::kAsTuple);
     goes_on = goes_on && !write_error;
   }
   co_return std::nullopt;

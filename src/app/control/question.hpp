@@ -2,17 +2,17 @@
 // A question from one thread to another: who asks waits in a coroutine, for so long at most.
 #pragma once
 
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
+
+#include "io/as_tuple.hpp"
 
 namespace mbgate::app {
 
@@ -39,7 +39,7 @@ class Question {
 
   boost::asio::awaitable<std::optional<Value>> wait(std::chrono::seconds limit) {
     state_->timer.expires_after(limit);
-    co_await state_->timer.async_wait(boost::asio::as_tuple(boost::asio::use_awaitable));
+    co_await state_->timer.async_wait(io::kAsTuple);
     co_return std::move(state_->value);
   }
 

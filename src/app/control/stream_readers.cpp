@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "io/as_tuple.hpp"
+
 namespace mbgate::app {
 namespace {
 
@@ -68,7 +70,7 @@ boost::asio::awaitable<std::string> StreamReaders::wait_for_news(
   std::string text;
   while (text.empty() && !reader.has_gone && std::chrono::steady_clock::now() < until) {
     reader.news.expires_at(until);
-    co_await reader.news.async_wait(kNoThrow);
+    co_await reader.news.async_wait(io::kAsTuple);
     text = next();
   }
   co_return text;
@@ -83,7 +85,7 @@ boost::asio::awaitable<void> StreamReaders::feed(ControlStream& stream,
   while (!reader->has_gone) {
     stream.expires_after(kClientLimit);
     const auto [error, sent] =
-        co_await boost::asio::async_write(stream, boost::asio::buffer(text), kNoThrow);
+        co_await boost::asio::async_write(stream, boost::asio::buffer(text), io::kAsTuple);
     if (error) {
       break;
     }

@@ -25,6 +25,7 @@ namespace mbgate::config {
 /// Of Modbus/TCP Security (MB-TCP-Security v36).
 inline constexpr std::uint16_t kSecurePort = 802;
 
+/// Unit identifiers, and addresses behind a server (MBAP has a byte for them).
 inline constexpr IntegerRange kUnits = {0, 255};
 /// Of devices on a serial line (Serial Line V1.02, 2.2).
 inline constexpr IntegerRange kSerialAddresses = {1, 247};
