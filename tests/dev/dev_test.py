@@ -154,11 +154,20 @@ class DevInstalls(unittest.TestCase):
     def test_the_tools_that_only_a_command_needs(self):
         for command, tool in (("test", "codespell"), ("format", "clang-format-14"), ("coverage", "gcovr"),
                               ("fuzz", "clang-19"), ("bench", "gnuplot-nox"), ("soak", "dpkg-dev"),
-                              ("screenshots", "python3-selenium"), ("test", "chromium-driver"),
-                              ("system --deb x", "mmdebstrap")):
+                              ("screenshots", "python3-selenium"), ("system --deb x", "mmdebstrap")):
             machine = Machine(self)
             machine.run(*command.split(), MISSING=tool)
             self.assertIn(f"apt-get install --no-remove --no-install-recommends -y {tool}", machine.noted())
+
+    def test_the_browser_while_the_tests_are_built(self):
+        machine = Machine(self)
+        machine.add("cmake", NOTE)
+        status, output = machine.run("test", MISSING="chromium-driver", APT_STATUS="100")
+        self.assertEqual(status, 1)
+        self.assertIn("apt-get install --no-remove --no-install-recommends -y chromium-driver", machine.noted())
+        self.assertTrue(any(note.startswith("cmake --build --preset asan ") for note in machine.noted()))
+        self.assertIn("dev: without a browser the status page cannot be tested: ", output)
+        self.assertIn("apt-get could not install what is missing", output)
 
     def test_nothing_more_once_that_failed(self):
         machine = Machine(self)

@@ -25,7 +25,7 @@ from machine_faults_test import resident
 ARGUMENTS = dict(zip(sys.argv[1::2], map(float, sys.argv[2::2]), strict=False))
 ROUNDS = int(ARGUMENTS.get("--rounds", 2))
 QUIET = ARGUMENTS.get("--quiet", 2)  # seconds
-NOISY = ARGUMENTS.get("--noisy", 8)
+NOISY = ARGUMENTS.get("--noisy", 4)
 RATIO = ARGUMENTS.get("--ratio")
 # What many connections need at most, with what the allocator keeps: 64 of each abuser with its read-ahead, and HTTP.
 MEMORY = 48 * 1024 * 1024

@@ -2,6 +2,7 @@
 """Certificates for tests of TLS, made anew for each: an authority, those that it signs, its list of revoked ones."""
 
 import datetime
+import functools
 import ipaddress
 import sys
 
@@ -25,10 +26,14 @@ def utf8(text):
     return bytes([0x0C, len(data)]) + data
 
 
-def new_key(kind="ec"):
-    if kind == "ec":
-        return ec.generate_private_key(ec.SECP256R1())
+@functools.cache
+def rsa_key():
+    """One for all of a program: to make one takes a processor half a second."""
     return rsa.generate_private_key(public_exponent=65537, key_size=2048)
+
+
+def new_key(kind="ec"):
+    return ec.generate_private_key(ec.SECP256R1()) if kind == "ec" else rsa_key()
 
 
 def name_of(text):

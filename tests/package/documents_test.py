@@ -36,27 +36,27 @@ def look_at(package):
 
 
 class Documents(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.package = make_documents(pathlib.Path(self.folder.name))
-
-    def readme(self):
-        return self.package / "usr/share/doc/mbgate/README.md"
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.package = make_documents(pathlib.Path(folder.name))
+        cls.readme = cls.package / "usr/share/doc/mbgate/README.md"
 
     def test_link_only_to_what_is_in_the_package(self):
         done = look_at(self.package)
         self.assertEqual(0, done.returncode, done.stdout)
 
     def test_still_link_to_what_is(self):
-        text = self.readme().read_text(encoding="utf-8")
+        text = self.readme.read_text(encoding="utf-8")
         for link in ("(/etc/mbgate/mbgate.toml)", "(examples/demo.toml)", "(examples)", "(docs/api.yaml)",
                      "(copyright)", "(profiles/README.md)", "(bench/README.md)"):
             self.assertIn(link, text)
 
     def test_a_link_to_nothing_is_seen(self):
-        with open(self.readme(), "a", encoding="utf-8") as file:
-            file.write("[nothing](src/README.md)\n")
+        text = self.readme.read_text(encoding="utf-8")
+        self.addCleanup(self.readme.write_text, text, encoding="utf-8")
+        self.readme.write_text(text + "[nothing](src/README.md)\n", encoding="utf-8")
         done = look_at(self.package)
         self.assertEqual(1, done.returncode)
         self.assertIn("README.md: src/README.md is not there\n", done.stdout)
