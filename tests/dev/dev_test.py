@@ -169,6 +169,14 @@ class DevInstalls(unittest.TestCase):
         self.assertIn("dev: without a browser the status page cannot be tested: ", output)
         self.assertIn("apt-get could not install what is missing", output)
 
+    def test_what_it_began_even_if_the_build_fails(self):
+        machine = Machine(self)
+        machine.add("cmake", "#!/bin/bash\n[[ $1 != --build ]]\n")
+        machine.add("apt-get", '#!/bin/bash\nsleep 0.5\necho "$1 ended" >>"$NOTES"\n')
+        status, _ = machine.run("test", MISSING="chromium")
+        self.assertEqual(status, 1)
+        self.assertIn("install ended", machine.noted())
+
     def test_nothing_more_once_that_failed(self):
         machine = Machine(self)
         status, output = machine.run("test", MISSING="libboost1.81-dev", APT_STATUS="100")
