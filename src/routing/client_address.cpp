@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t kV4Offset = 12;  // ::ffff:a.b.c.d
 constexpr unsigned kV4Prefix = 96;
 constexpr unsigned kAllBits = 128;
+constexpr std::ptrdiff_t kNetworkOctets = 8;  // of an IPv6 address; the others are the interface's
 
 bool bits_beyond(const ClientAddress::Octets& octets, unsigned prefix) {
   for (unsigned bit = prefix; bit < kAllBits; ++bit) {
@@ -64,6 +65,15 @@ std::string ClientAddress::to_text() const {
     inet_ntop(AF_INET6, octets_.data(), text, sizeof text);
   }
   return text;
+}
+
+ClientAddress ClientAddress::counted_as() const {
+  if (is_v4()) {
+    return *this;
+  }
+  Octets octets = octets_;
+  std::fill(octets.begin() + kNetworkOctets, octets.end(), std::uint8_t{0});
+  return ClientAddress(octets);
 }
 
 std::optional<Network> Network::parse(std::string_view text) {

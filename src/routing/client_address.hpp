@@ -25,6 +25,9 @@ class ClientAddress {
   [[nodiscard]] const Octets& octets() const { return octets_; }
   [[nodiscard]] bool is_v4() const;
   [[nodiscard]] std::string to_text() const;
+  /// What limits and turns are counted by: an IPv4 address as it is; of an IPv6 address the first
+  /// 64 bits, because whoever has one has all the others of its network (RFC 4291, 2.5.4).
+  [[nodiscard]] ClientAddress counted_as() const;
   friend auto operator<=>(const ClientAddress&, const ClientAddress&) = default;
 
  private:

@@ -105,6 +105,17 @@ TEST(Network, MappedFormIsCountedIn128Bits) {
   EXPECT_FALSE(network("::ffff:10.0.0.0/104").contains(address("11.1.2.3")));
 }
 
+TEST(ClientAddress, IsCountedByTheFirst64BitsOfIpv6) {
+  EXPECT_EQ(address("2001:db8:0:7::1").counted_as(), address("2001:db8:0:7:9:9:9:9").counted_as());
+  EXPECT_NE(address("2001:db8:0:7::1").counted_as(), address("2001:db8:0:8::1").counted_as());
+  EXPECT_EQ(address("2001:db8:0:7::1").counted_as().to_text(), "2001:db8:0:7::");
+}
+
+TEST(ClientAddress, IsCountedByTheWholeAddressOfIpv4) {
+  EXPECT_EQ(address("192.168.10.5").counted_as(), address("192.168.10.5"));
+  EXPECT_EQ(address("::ffff:192.168.10.5").counted_as(), address("192.168.10.5"));
+}
+
 TEST(Network, RefusesBitsBeyondThePrefix) {
   EXPECT_FALSE(Network::parse("192.168.10.5/24").has_value());
   EXPECT_FALSE(Network::parse("10.0.0.1/0").has_value());
