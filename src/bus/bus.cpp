@@ -20,6 +20,7 @@ void Bus::handle_opened(Instant now, LineKind kind) {
   parts_.link.note_opened(now);
   parts_.adapter.open(kind, now);
   parts_.devices.forget_what_was_read();
+  parts_.acknowledged.forget_all();
   diagnosis_.note_opened();
   parts_.line.open(now, kind);
   dispatch_.pump(now);

@@ -14,6 +14,7 @@
 #include "bus/health/probes.hpp"
 #include "bus/line_discipline.hpp"
 #include "bus/link_state.hpp"
+#include "bus/queue/acknowledged_stops.hpp"
 #include "bus/queue/bus_queue.hpp"
 #include "bus/queue/stop_lane.hpp"
 #include "bus/queue/turn_book.hpp"
@@ -37,6 +38,7 @@ struct Parts {
   Addresses update(const BusSettings& in_force, std::span<const drive::Device> known) {
     settings = in_force;
     const Addresses others = devices.update(settings, known);
+    acknowledged.forget_all();
     line.update(settings, listening_time());
     queue.set_limit(settings.queue);
     transmissions.set_room(most_in_flight());
@@ -54,6 +56,7 @@ struct Parts {
   BusQueue queue;
   Transmissions transmissions;
   StopLane stops;  // links transmissions: destroyed before them
+  AcknowledgedStops acknowledged;
   TurnBook turns;
   Probes probes;
   AdapterWatch adapter;

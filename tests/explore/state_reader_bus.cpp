@@ -12,8 +12,8 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   auto& [parts, ends, diagnosis, outcomes, dispatch, admission] = bus;
   // Settings: settings. Counted only: counters. Watches real adapters only: adapter. For the trace:
   // is_traced. Empty when the machine was asked for its actions: actions.
-  auto& [settings, devices, counters, line, queue, transmissions, stops, turns, probes, adapter,
-         link, stopping, is_traced, pumped_at, actions] = parts;
+  auto& [settings, devices, counters, line, queue, transmissions, stops, acknowledged, turns,
+         probes, adapter, link, stopping, is_traced, pumped_at, actions] = parts;
   // Told only: diagnosis. They know nothing of their own: ends, outcomes.
   const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, next_start, looking] = dispatch;
   const auto& [of_admission, ends_too, sequence] = admission;
@@ -58,6 +58,12 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   hash.add(waiting_stops.size());
   for (const bus::Transmission& stop : waiting_stops) {
     read(stop, devices, gateway, hash);
+  }
+  for (const auto& [address, broadcast, request, at] : acknowledged.stops_) {
+    hash.add(address);
+    hash.add(broadcast);
+    hash.add(request.bytes());
+    hash.since(at, bus::kStopCountsFor);
   }
   read(devices, sight, hash);
   read(line, sight, hash);

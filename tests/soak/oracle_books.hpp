@@ -90,11 +90,12 @@ struct Lane {
   Instant written_at = Instant::min();     ///< something that is no stop, to it or to all
   Instant uncertain_at = Instant::min();   ///< nobody can tell what a frame of then answered
   // Nothing is kept of what was read of its device:
-  Instant emptied_at = Instant::min();   ///< since then, because it did not answer, or by the line
-  Instant emptied_for = Instant::min();  ///< if it was read before then
-  Instant boots_until = Instant::min();  ///< at the earliest: it was told what it never answers
-  std::uint64_t stop_sent = 0;           ///< the last one sent to it
-  std::uint64_t stopped_after = 0;       ///< what was accepted before: a stop was surely sent since
+  Instant emptied_at = Instant::min();    ///< since then, because it did not answer, or by the line
+  Instant emptied_for = Instant::min();   ///< if it was read before then
+  Instant boots_until = Instant::min();   ///< at the earliest: it was told what it never answers
+  std::uint64_t stop_sent = 0;            ///< the last one sent to it
+  std::optional<Instant> stop_sent_at{};  ///< of a broadcast too
+  std::uint64_t stopped_after = 0;  ///< what was accepted before: a stop was surely sent since
 
   /// Something of it was heard, or is not known any more.
   void forget_silence() {

@@ -32,6 +32,13 @@ bool may_give_way(const Book& book, const Flight* last) {
              book.lanes, [&](const Lane& lane) { return std::ranges::any_of(lane.open, waits); });
 }
 
+/// A stop like one that was acknowledged within a second lets one other go between them. Whether it
+/// was acknowledged, whether a write came meanwhile, and how many went is not asked here.
+bool may_repeat(const Lane& lane, Instant now) {
+  constexpr auto kPerhapsAcknowledged = 3s;
+  return lane.stop_sent_at && now < *lane.stop_sent_at + kPerhapsAcknowledged;
+}
+
 }  // namespace
 
 // With `stop_cancels = false` the writes that were accepted before it go first.
@@ -55,8 +62,10 @@ void Oracle::check_stops_first(const Flight& flight) {
   const Instant before = flight.is_stop ? *flight.stop_from : schedule_.now();
   for (const Asked* stop : book.stops) {
     const std::uint8_t address = stop->pieces.front().address;
-    const bool gives_way = !stop->stops_all && (flight.is_stop || address != flight.address) &&
-                           book.lanes[address].stop_sent > book.last_other;
+    const bool repeats = may_repeat(book.lanes[address], flight.begin);
+    const bool gives_way =
+        repeats || (!stop->stops_all && (flight.is_stop || address != flight.address) &&
+                    book.lanes[address].stop_sent > book.last_other);
     const bool may_be_behind =
         flight.is_stop && (stop->failsafe || stop->stops_all || stop->pieces.front().sent > 0);
     if (stop->accepted < before && !lets_writes_go(*stop) && is_surely_open(*stop) && !gives_way &&
@@ -77,11 +86,13 @@ void Oracle::note_stops(Flight& flight) {
     return std::ranges::find(flight.asked, stop->id) != flight.asked.end();
   });
   flight.beside_stop = book.open_stops.size() > (is_for_one ? 1U : 0U);
+  Lane& lane = book.lanes[flight.address];
   if (!flight.is_stop) {
     book.last_other = flight.number;
-  } else if (flight.expects_answer) {
-    book.lanes[flight.address].stop_sent = flight.number;
+    return;
   }
+  lane.stop_sent_at = flight.begin;
+  lane.stop_sent = flight.expects_answer ? flight.number : lane.stop_sent;
 }
 
 // Between two tries of a read each other device has one turn at most; several parts that stay
@@ -129,14 +140,16 @@ void Oracle::check_stops_waiting(std::size_t bus) {
   const Duration rest = settings.line.framing == bus::Framing::ascii
                             ? 1s
                             : spec::slack_of(settings) + times.of(missing);
-  // From the end of the last try on that turn has so long to begin.
-  const Duration turn = may_give_way(book, last) ? settings.stop_wait + lateness() : Duration{0};
   const Instant held = std::max({book.own_end, book.turnaround_end, book.held_until});
   for (Asked* stop : book.stops) {
     const Lane& lane = book.lanes[stop->pieces.front().address];
-    // To a device that was given up: nothing that runs is cut.
-    const bool is_patient =
-        !stop->stops_all && lane.stop_sent != 0 && is_past_offline(bus, lane) && last != nullptr;
+    // To a device that was given up, or once more: nothing that runs is cut.
+    const bool repeats = last != nullptr && may_repeat(lane, now);
+    const bool is_patient = repeats || (!stop->stops_all && lane.stop_sent != 0 &&
+                                        is_past_offline(bus, lane) && last != nullptr);
+    // From the end of the last try on that turn has so long to begin.
+    const Duration turn =
+        repeats || may_give_way(book, last) ? settings.stop_wait + lateness() : Duration{0};
     const Instant from = std::max({held, *stop->waits_from, book.stop_wait_from,
                                    is_patient ? last->due + rest : Instant::min()});
     const Instant limit =

@@ -46,6 +46,7 @@ Admitted Admission::admit(Job& job, Instant now) {
   if (job.job_class != JobClass::read) {
     parts_.devices.begin_write(job);
   }
+  note_changed(job);
   if (!parts_.probes.note_accepted(job, now)) {
     ends_.end_free_probes(now);
   }
@@ -53,19 +54,31 @@ Admitted Admission::admit(Job& job, Instant now) {
 }
 
 void Admission::classify(Job& job) const {
-  const auto is_part_of_stop = [&](const Transaction& transaction) {
-    return parts_.devices.is_stop(transaction.address, transaction.request, transaction.broadcast);
-  };
   if (job.job_class == JobClass::stop) {
     return;  // its owner knows better
   }
-  // The forms of a broadcast are one command: it is a stop if any device takes it for one.
-  const bool stops = job.is_broadcast() ? std::ranges::any_of(job.transactions, is_part_of_stop)
-                                        : std::ranges::all_of(job.transactions, is_part_of_stop);
-  if (stops) {
+  if (is_stop(job)) {
     job.job_class = JobClass::stop;
   } else {
     job.job_class = job.is_read() ? JobClass::read : JobClass::write;
+  }
+}
+
+// The forms of a broadcast are one command: it is a stop if any device takes it for one.
+bool Admission::is_stop(const Job& job) const {
+  const auto is_part = [&](const Transaction& transaction) {
+    return parts_.devices.is_stop(transaction.address, transaction.request, transaction.broadcast);
+  };
+  return job.is_broadcast() ? std::ranges::any_of(job.transactions, is_part)
+                            : std::ranges::all_of(job.transactions, is_part);
+}
+
+// A stop that comes behind it goes first again.
+void Admission::note_changed(const Job& job) {
+  if (job.is_broadcast()) {
+    is_stop(job) ? parts_.acknowledged.forget_single() : parts_.acknowledged.forget_all();
+  } else if (job.job_class != JobClass::read && !is_stop(job)) {
+    parts_.acknowledged.forget(job.address());
   }
 }
 

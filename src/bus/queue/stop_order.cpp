@@ -22,13 +22,15 @@ std::optional<Instant> next_before(Parts& parts, const Job& stop, Instant now) {
 }
 
 // A device that left its last stop unanswered does not get the next one before another device had a
-// turn: a client that repeats a stop to a dead drive would have the bus for itself. But on a line
+// turn: a client that repeats a stop to a dead drive would have the bus for itself. Nor does a stop
+// go that only repeats an acknowledged one, while the last transmission was a stop. But on a line
 // that is never silent that turn would never come.
 bool gives_way(const Parts& parts, const Transmission& stop, Instant now) {
   const Job& job = *stop.leader;
-  return !job.is_broadcast() &&
-         parts.devices[job.address()].last_stop_turn > parts.turns.last_but_stops() &&
-         now < stop_overdue_at(parts, stop);
+  const bool was_unanswered = !job.is_broadcast() && parts.devices[job.address()].last_stop_turn >
+                                                         parts.turns.last_but_stops();
+  const bool repeats = parts.turns.was_stop_last() && parts.acknowledged.has(job, now);
+  return (was_unanswered || repeats) && now < stop_overdue_at(parts, stop);
 }
 
 // Since its device left its last stop unanswered, something else was transmitted, if only another
@@ -56,7 +58,7 @@ std::optional<Choice> turn_before(Parts& parts, const Transmission& stop, Instan
   const auto part = std::ranges::find_if(running, [&](const Transmission* transmission) {
     return parts.transmissions.may_go_on(*transmission) && !transmission->is_between_tries() &&
            !is_held_back(parts, *transmission->leader, now) &&
-           is_within(parts, bounds, *transmission->leader);
+           is_within(parts, bounds, *transmission->leader, now);
   });
   if (part != running.end()) {
     turn = Choice{(*part)->leader, std::max(now, ready_at(parts, *(*part)->leader))};
@@ -134,18 +136,22 @@ bool is_held_too_long(Parts& parts, const Transmission& stop, Instant now) {
          stop.held_by_writes + held_by(parts, stop, *next) > parts.settings.stop_wait;
 }
 
-bool waits_patiently(const Parts& parts, const Transmission& stop) {
+bool is_given_up(const Parts& parts, const Transmission& stop) {
   const DeviceEntry& entry = parts.devices[stop.leader->address()];
   return !stop.leader->is_broadcast() && stop.tries == 0 && entry.stops_given_up &&
          entry.health.is_offline();
 }
 
-Transmission* next_stop(Parts& parts) {
+bool waits_patiently(const Parts& parts, const Transmission& stop, Instant now) {
+  return is_given_up(parts, stop) || parts.acknowledged.has(*stop.leader, now);
+}
+
+Transmission* next_stop(Parts& parts, Instant now) {
   const auto may_go = [&](const Transmission& it) {
     return !must_let_writes_go(parts, *it.leader);
   };
   const auto cuts = [&](const Transmission& it) {
-    return may_go(it) && !waits_patiently(parts, it);
+    return may_go(it) && !waits_patiently(parts, it, now);
   };
   Transmission* stop = parts.stops.find(cuts);
   stop = stop != nullptr ? stop : parts.stops.find(may_go);
@@ -167,7 +173,8 @@ std::optional<StopChoice> choose_stop(Parts& parts, Instant now) {
     return can_go(stop) && !gives_way(parts, stop, now);
   };
   const auto goes_first = [&](const Transmission& stop) {
-    return is_new(stop) || (can_go(stop) && was_passed(parts, *stop.leader));
+    return is_new(stop) || (can_go(stop) && !parts.acknowledged.has(*stop.leader, now) &&
+                            was_passed(parts, *stop.leader));
   };
   const bool others_wait = parts.stops.find(is_new) != nullptr;
   Transmission* stop = others_wait ? parts.stops.find(goes_first) : parts.stops.find(can_go);

@@ -32,13 +32,15 @@ namespace mbgate::bus {
 /// a device with a write outstanding, and no write to a device with a read outstanding. If all
 /// places (`outstanding`) are taken, it is the oldest transmission.
 [[nodiscard]] Transmission* in_the_way_of(const Parts& parts, const Job& stop);
-/// Is the device of the stop offline, with an earlier stop and all its repetitions unanswered? No
-/// running transaction is cut short for such a stop.
-[[nodiscard]] bool waits_patiently(const Parts& parts, const Transmission& stop);
+/// Is the device of the stop offline, with an earlier stop and all its repetitions unanswered?
+[[nodiscard]] bool is_given_up(const Parts& parts, const Transmission& stop);
+/// Is no running transaction cut short for the stop? Its device was given up, or the stop only
+/// repeats an acknowledged one.
+[[nodiscard]] bool waits_patiently(const Parts& parts, const Transmission& stop, Instant now);
 /// The stop that has the line next: preferably one that has no writes to let go first and cuts a
 /// running transaction short, then one that has no writes to let go first, then any; nullptr if
 /// none waits.
-[[nodiscard]] Transmission* next_stop(Parts& parts);
+[[nodiscard]] Transmission* next_stop(Parts& parts, Instant now);
 /// When the stop is transmitted although the line was never silent (`stop_deadline`). Only the time
 /// in which an open line is not silent counts.
 [[nodiscard]] Instant stop_overdue_at(const Parts& parts, const Transmission& stop);

@@ -28,6 +28,8 @@ class TurnBook {
   [[nodiscard]] Instant last_end() const { return last_end_; }
   /// The last one that was no stop.
   [[nodiscard]] std::uint64_t last_but_stops() const { return other_turn_; }
+  /// Was the last one of all a stop?
+  [[nodiscard]] bool was_stop_last() const { return turn_ > other_turn_; }
   /// The last turn before the latest uninterrupted run of transmissions to this address.
   [[nodiscard]] std::uint64_t last_but_to(std::uint8_t address) const {
     return last_address_ == address ? turn_of_others_ : turn_;

@@ -50,7 +50,7 @@ bool had_its_turn(const Parts& parts, const Job& job, Instant now) {
 void look_for(Parts& parts, JobClass job_class, Search& search, Instant now) {
   parts.queue.visit_candidates(job_class, [&](Job& job) {
     const std::uint8_t address = job.transaction().address;
-    if (!is_within(parts, search.bounds, job) || had_its_turn(parts, job, now)) {
+    if (!is_within(parts, search.bounds, job, now) || had_its_turn(parts, job, now)) {
       return false;
     }
     if (search.claimed[address] || !may_join(parts, job)) {
@@ -76,7 +76,8 @@ Job* next_repeated(Parts& parts, const Bounds& bounds, Instant now) {
   const Transmission* next = nullptr;
   for (const Transmission* running : parts.transmissions.running()) {
     if (running->is_between_tries() && !is_held_back(parts, *running->leader, now) &&
-        parts.transmissions.may_go_on(*running) && is_within(parts, bounds, *running->leader) &&
+        parts.transmissions.may_go_on(*running) &&
+        is_within(parts, bounds, *running->leader, now) &&
         (next == nullptr || running->turn < next->turn)) {
       next = running;
     }
@@ -127,14 +128,15 @@ bool has_place(const Parts& parts, Instant now) {
   return static_cast<std::size_t>(occupied) < parts.transmissions.room();
 }
 
-bool is_within(Parts& parts, const Bounds& bounds, const Job& job) {
+bool is_within(Parts& parts, const Bounds& bounds, const Job& job, Instant now) {
   if (bounds.before != nullptr) {
     return (job.transaction().address == bounds.before->address() || job.is_broadcast()) &&
            job.sequence < bounds.before->sequence;
   }
   return !bounds.beside_stops ||
          (!job.is_broadcast() && parts.stops.find([&](const Transmission& stop) {
-           return stop.leader->address() == job.address() || stop.leader->is_broadcast();
+           return (stop.leader->address() == job.address() || stop.leader->is_broadcast()) &&
+                  !parts.acknowledged.has(*stop.leader, now);
          }) == nullptr);
 }
 

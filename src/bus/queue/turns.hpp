@@ -18,7 +18,9 @@ struct Choice {
 /// Which jobs may be sent while a stop waits. By default all: no stop waits.
 struct Bounds {
   const Job* before = nullptr;  ///< only those for its device that were accepted before it
-  bool beside_stops = false;    ///< only those for devices that no waiting stop is for
+  /// Only those for devices that no waiting stop is for, unless it only repeats an acknowledged
+  /// one.
+  bool beside_stops = false;
 };
 
 /// The next turn among queued jobs and jobs that wait for their next try.
@@ -32,7 +34,7 @@ struct Bounds {
 /// be left alone meanwhile or a stop waits. A job with a single transaction that is to be repeated
 /// blocks no other job.
 [[nodiscard]] bool has_place(const Parts& parts, Instant now);
-[[nodiscard]] bool is_within(Parts& parts, const Bounds& bounds, const Job& job);
+[[nodiscard]] bool is_within(Parts& parts, const Bounds& bounds, const Job& job, Instant now);
 
 /// Until then the device of the job boots, or may send a late answer that could be mistaken for the
 /// answer to the job's request.

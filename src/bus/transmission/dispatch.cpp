@@ -159,9 +159,9 @@ bool Dispatch::serve_stops(Instant now) {
   if (!send_stops(now)) {
     return true;
   }
-  const Transmission* stop = next_stop(parts_);
+  const Transmission* stop = next_stop(parts_, now);
   const Transmission* other = stop != nullptr ? in_the_way_of(parts_, *stop->leader) : nullptr;
-  if (other != nullptr && !waits_patiently(parts_, *stop)) {
+  if (other != nullptr && !waits_patiently(parts_, *stop, now)) {
     const bool has_own_time =
         other->is_stop() || other->is_let_by ||
         (lets_writes_go(parts_, *stop->leader) && goes_before(*other->leader, *stop->leader));

@@ -38,8 +38,8 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   check_allowed(transmission, now);
   const Job& job = *transmission.leader;
   Transmission* stop =
-      transmission.is_stop() ? nullptr : parts_.stops.find([this](const Transmission& it) {
-        return !waits_patiently(parts_, it);
+      transmission.is_stop() ? nullptr : parts_.stops.find([&](const Transmission& it) {
+        return !waits_patiently(parts_, it, now);
       });
   if (stop != nullptr) {
     stop->held_by_writes += held_by(parts_, *stop, ready_at(parts_, job));
@@ -105,7 +105,7 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
   }
   parts_.devices.note_reconfiguring(sent);
   if (transmission.is_stop() && transmission.tries == 0) {
-    transmission.is_one_try = waits_patiently(parts_, transmission);
+    transmission.is_one_try = is_given_up(parts_, transmission);
   }
   transmission.turn = parts_.turns.note(job.job_class, sent.address);
   entry.last_turn = transmission.is_stop() ? entry.last_turn : transmission.turn;

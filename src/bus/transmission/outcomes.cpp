@@ -55,6 +55,7 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
       break;
     case LineEnd::How::sent:
       parts_.devices.hold_booting(sent, now);
+      note_stopped(transmission, now);
       ends_.advance(transmission, Ending::transmitted);
       break;
     case LineEnd::How::no_response: handle_silence(transmission, end, now); break;
@@ -112,12 +113,29 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
     return;
   }
   if (exception) {
+    parts_.acknowledged.forget(asked.address);
     ends_.finish(transmission, Ending::answered);
     return;
   }
+  note_stopped(transmission, now);
   entry.hold_booting(own.boot_time, now);  // though it has answered before
   remember(leader, transmission);
   ends_.advance(transmission, Ending::answered);
+}
+
+// Not beside a write on a Modbus TCP connection, which the server may carry out after the stop.
+void Outcomes::note_stopped(const Transmission& transmission, Instant now) {
+  const Transaction& sent = transmission.on_wire();
+  const auto may_undo = [&](const Transmission* other) {
+    return other->in_flight && other->leader->job_class == JobClass::write &&
+           other->leader->address() == sent.address;
+  };
+  const bool stops =
+      sent.is_broadcast() || parts_.devices.is_stop(sent.address, sent.request, sent.broadcast);
+  if (transmission.is_stop() && stops &&
+      std::ranges::none_of(parts_.transmissions.running(), may_undo)) {
+    parts_.acknowledged.note(sent, now);
+  }
 }
 
 // Other settings, which came meanwhile, may expect the question's register to hold something else,
@@ -173,6 +191,7 @@ void Outcomes::handle_damaged(Transmission& transmission, const LineEnd& end, In
 }
 
 void Outcomes::handle_failure(Transmission& transmission, Instant now) {
+  parts_.acknowledged.forget(transmission.on_wire().address);
   const DeviceEntry& entry = parts_.devices[transmission.on_wire().address];
   if (transmission.is_stop()) {
     handle_stop_failure(transmission, now);
