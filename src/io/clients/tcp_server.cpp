@@ -12,6 +12,7 @@
 #include "gateway/limits.hpp"
 #include "io/as_tuple.hpp"
 #include "io/clients/tcp_connection.hpp"
+#include "io/clock.hpp"
 #include "io/memory_left.hpp"
 #include "io/supervise.hpp"
 
@@ -21,9 +22,11 @@ namespace {
 using boost::asio::ip::tcp;
 using boost::system::error_code;
 
-/// Accepted in one go, and how long then nobody is: clients that connect without end must not take
-/// the time that lines need.
+/// Accepted in one go at least, how long a go may take beyond that, and how long then nobody is:
+/// clients that connect without end must not take the time that lines need. In that time many more
+/// can be refused than let in, so that those who may not connect do not fill the backlog.
 constexpr int kBatch = 4;
+constexpr std::chrono::microseconds kGo{250};
 constexpr std::chrono::milliseconds kBreath{1};
 /// Turned away in one go for want of descriptors.
 constexpr int kMostShed = 64;
@@ -94,7 +97,8 @@ boost::asio::awaitable<void> TcpServer::run() {
       co_return;
     }
     Outcome outcome = Outcome::accepted;
-    for (int i = 0; i < kBatch && outcome == Outcome::accepted; ++i) {
+    const bus::Instant end = now() + kGo;
+    for (int i = 0; outcome == Outcome::accepted && (i < kBatch || now() < end); ++i) {
       outcome = accept_one(false);
     }
     pause_.expires_after(outcome == Outcome::failed ? kPause : kBreath);
