@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who a client is by its certificate: the role in the X.509v3 extension 1.3.6.1.4.1.50316.802.1
-// (MB-TCP-Security v36, 8.3).
+// (MB-TCP-Security v36, 8.3), and the name that the certificate was made out to.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +16,9 @@ struct ClientRole {
   };
   Kind kind = Kind::none;
   std::string name{};
+  /// The common name of the certificate's subject (RFC 5280, 4.1.2.6), in UTF-8; empty: it has none,
+  /// or there is no certificate.
+  std::string certificate{};
 
   friend bool operator==(const ClientRole&, const ClientRole&) = default;
 };

@@ -59,6 +59,10 @@ struct Words {
         word("role").hex(std::vector<std::uint8_t>(role.name.begin(), role.name.end()));
         break;
     }
+    if (!role.certificate.empty()) {
+      const std::string& name = role.certificate;
+      word("certificate").hex(std::vector<std::uint8_t>(name.begin(), name.end()));
+    }
   }
   Words& client(ClientId id) { return number(static_cast<std::uint64_t>(id)); }
   Words& bus(BusId id) { return number(static_cast<std::uint64_t>(id)); }

@@ -92,17 +92,29 @@ class LineWords {
     if (ended_) {
       return {};
     }
+    routing::ClientRole role{Kind::unreadable};
     const std::string_view word = next("role or no-role");
-    if (word == "no-role") {
-      return {Kind::unreadable, {}};
-    }
-    if (word != "role") {
+    if (word == "role") {
+      role = {Kind::named, text()};
+    } else if (word != "no-role") {
       wrong("role or no-role", word);
       return {};
     }
-    std::vector<std::uint8_t> name;
-    hex(name);
-    return {Kind::named, std::string(name.begin(), name.end())};
+    if (!ended_) {
+      const std::string_view more = next("certificate");
+      if (more == "certificate") {
+        role.certificate = text();
+      } else {
+        wrong("certificate", more);
+      }
+    }
+    return role;
+  }
+  /// Bytes of UTF-8.
+  std::string text() {
+    std::vector<std::uint8_t> bytes;
+    hex(bytes);
+    return {bytes.begin(), bytes.end()};
   }
   void wrong(std::string_view wanted, std::string_view found) {
     if (error_.empty()) {

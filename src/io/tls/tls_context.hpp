@@ -65,7 +65,7 @@ class TlsContext {
   TlsDates dates_{};
 };
 
-/// The role in this certificate.
+/// The role in this certificate, and its name.
 routing::ClientRole role_in(const X509* certificate);
 
 }  // namespace mbgate::io

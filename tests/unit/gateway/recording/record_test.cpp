@@ -46,6 +46,10 @@ TEST(Record, EveryInputIsALineThatCanBeReadAgain) {
   of_null_role.role.kind = routing::ClientRole::Kind::named;
   ClientInfo without_rights = info;
   without_rights.role.kind = routing::ClientRole::Kind::unreadable;
+  ClientInfo with_certificate = of_role;
+  with_certificate.role.certificate = "PLC 1";
+  ClientInfo null_role_with_certificate = of_null_role;
+  null_role_with_certificate.role.certificate = "PLC 1";
   const std::vector<std::pair<Input, std::string>> all{
       {ClientConnected{ClientId{7}, info}, "1234567890123 connected 7 2 192.0.2.1 12"},
       {ClientConnected{ClientId{7}, of_role},
@@ -54,6 +58,10 @@ TEST(Record, EveryInputIsALineThatCanBeReadAgain) {
        "1234567890123 connected 7 2 192.0.2.1 12 role "},
       {ClientConnected{ClientId{7}, without_rights},
        "1234567890123 connected 7 2 192.0.2.1 12 no-role"},
+      {ClientConnected{ClientId{7}, with_certificate},
+       "1234567890123 connected 7 2 192.0.2.1 12 role 4F702031 certificate 504C432031"},
+      {ClientConnected{ClientId{7}, null_role_with_certificate},
+       "1234567890123 connected 7 2 192.0.2.1 12 role  certificate 504C432031"},
       {ClientBytes{ClientId{7}, bytes, 5}, "1234567890123 read 7 5 0001AB"},
       {ClientBytes{ClientId{7}, {}, 0}, "1234567890123 read 7 0 "},
       {ClientSent{ClientId{7}}, "1234567890123 sent 7"},
@@ -100,6 +108,8 @@ TEST(Record, SaysWhatIsWrongWithALine) {
   EXPECT_EQ(again("12 line 0 012"), "expected hexadecimal bytes, found \"012\"");
   EXPECT_EQ(again("12 connected 1 0 here 0"), "expected an address, found \"here\"");
   EXPECT_EQ(again("12 connected 1 0 192.0.2.1 0 boss"), "expected role or no-role, found \"boss\"");
+  EXPECT_EQ(again("12 connected 1 0 192.0.2.1 0 role 41 boss"),
+            "expected certificate, found \"boss\"");
   EXPECT_EQ(again("12 connected 1 0 192.0.2.1 0 role 4"),
             "expected hexadecimal bytes, found \"4\"");
   EXPECT_EQ(again("12 read 1 0 " + std::string(4098, '0')),
