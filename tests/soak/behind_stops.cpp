@@ -79,7 +79,9 @@ void BehindStops::note_held(const Flight& flight, Instant free) const {
     return;
   }
   Asked& stop = *book.stops.front();
-  if (!stop.waits_from || !oracle_.lets_writes_go(stop) || !oracle_.is_surely_open(stop)) {
+  const Lane& lane = book.lanes[stop.pieces.front().address];
+  if (!stop.waits_from || !oracle_.lets_writes_go(stop) || !oracle_.is_surely_open(stop) ||
+      lane.may_repeat_stop(flight.begin)) {
     return;
   }
   const auto& settings = oracle_.bus_settings(flight.bus);

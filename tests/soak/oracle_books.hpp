@@ -97,6 +97,12 @@ struct Lane {
   std::optional<Instant> stop_sent_at{};  ///< of a broadcast too
   std::uint64_t stopped_after = 0;  ///< what was accepted before: a stop was surely sent since
 
+  /// A stop like one that was acknowledged within a second lets one other go first. Whether it was
+  /// acknowledged, whether a write came meanwhile, and how many others went is not asked here.
+  [[nodiscard]] bool may_repeat_stop(Instant now) const {
+    constexpr auto kPerhapsAcknowledged = std::chrono::seconds(3);
+    return stop_sent_at && now < *stop_sent_at + kPerhapsAcknowledged;
+  }
   /// Something of it was heard, or is not known any more.
   void forget_silence() {
     silent = 0;

@@ -32,13 +32,6 @@ bool may_give_way(const Book& book, const Flight* last) {
              book.lanes, [&](const Lane& lane) { return std::ranges::any_of(lane.open, waits); });
 }
 
-/// A stop like one that was acknowledged within a second lets one other go between them. Whether it
-/// was acknowledged, whether a write came meanwhile, and how many went is not asked here.
-bool may_repeat(const Lane& lane, Instant now) {
-  constexpr auto kPerhapsAcknowledged = 3s;
-  return lane.stop_sent_at && now < *lane.stop_sent_at + kPerhapsAcknowledged;
-}
-
 }  // namespace
 
 // With `stop_cancels = false` the writes that were accepted before it go first.
@@ -62,7 +55,7 @@ void Oracle::check_stops_first(const Flight& flight) {
   const Instant before = flight.is_stop ? *flight.stop_from : schedule_.now();
   for (const Asked* stop : book.stops) {
     const std::uint8_t address = stop->pieces.front().address;
-    const bool repeats = may_repeat(book.lanes[address], flight.begin);
+    const bool repeats = book.lanes[address].may_repeat_stop(flight.begin);
     const bool gives_way =
         repeats || (!stop->stops_all && (flight.is_stop || address != flight.address) &&
                     book.lanes[address].stop_sent > book.last_other);
@@ -144,7 +137,7 @@ void Oracle::check_stops_waiting(std::size_t bus) {
   for (Asked* stop : book.stops) {
     const Lane& lane = book.lanes[stop->pieces.front().address];
     // To a device that was given up, or once more: nothing that runs is cut.
-    const bool repeats = last != nullptr && may_repeat(lane, now);
+    const bool repeats = last != nullptr && lane.may_repeat_stop(now);
     const bool is_patient = repeats || (!stop->stops_all && lane.stop_sent != 0 &&
                                         is_past_offline(bus, lane) && last != nullptr);
     // From the end of the last try on that turn has so long to begin.
