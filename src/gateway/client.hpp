@@ -27,6 +27,15 @@ struct ClientInfo {
   routing::ClientRole role{};
 };
 
+/// What limits and turns count a client by: its address, of IPv6 the first 64 bits.
+struct ClientKey {
+  routing::ClientAddress network;
+  friend auto operator<=>(const ClientKey&, const ClientKey&) = default;
+};
+[[nodiscard]] inline ClientKey key_of(const ClientInfo& info) {
+  return {info.address.counted_as()};
+}
+
 /// The place of an answer among those of its connection.
 enum class AnswerId : std::uint64_t {};
 

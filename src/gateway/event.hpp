@@ -15,7 +15,7 @@ namespace mbgate::gateway {
 
 enum class RefusalReason : std::uint8_t {
   not_allowed,   ///< not in the listener's allow list
-  full,          ///< max_connections reached and no idle connection could make room
+  full,          ///< max_connections reached, and no other connection may be closed for this one
   stopping,      ///< the gateway is stopping
   no_rule,       ///< no access rule can permit anything to its address
   address_full,  ///< max_connections_per_address reached, and none of these is idle
@@ -47,6 +47,7 @@ struct ClientRefused {
 struct ClientDisplaced {
   ListenerId listener;
   routing::ClientAddress address;
+  RefusalReason limit;  ///< full or address_full
 };
 /// Its address sends more than max_requests_per_second: requests wait for their turn. Reported once
 /// a minute for each address.

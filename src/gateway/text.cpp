@@ -43,7 +43,9 @@ std::string client_text(const Settings& settings, const ClientEvent& event) {
 std::string_view reason_text(RefusalReason reason) {
   switch (reason) {
     case RefusalReason::not_allowed: return "not in the allow list";
-    case RefusalReason::full: return "max_connections is reached and no connection is idle";
+    case RefusalReason::full:
+      return "max_connections is reached, and each other client has one connection, which it uses, "
+             "or is in the keep list";
     case RefusalReason::stopping: return "the gateway is stopping";
     case RefusalReason::no_rule: return "no access rule permits its address anything";
     case RefusalReason::address_full:
@@ -182,7 +184,15 @@ struct EventText {
     return client_text(settings, e) + " refused: " + std::string(reason_text(e.reason));
   }
   std::string operator()(const ClientDisplaced& e) const {
-    return client_text(settings, e) + " closed: idle, and its place was needed";
+    const ListenerSettings& listener = settings.listener(e.listener);
+    return client_text(settings, e) +
+           (e.limit == RefusalReason::full
+                ? " closed for a newcomer: max_connections (" +
+                      std::to_string(listener.max_connections) +
+                      ") is reached, and it had the most connections or had never asked anything"
+                : " closed for a newer connection of the same client: max_connections_per_address "
+                  "(" +
+                      std::to_string(listener.max_connections_per_address) + ") is reached");
   }
   std::string operator()(const ClientHeldUp& e) const {
     return client_text(settings, e) + " sends more than max_requests_per_second (" +

@@ -145,15 +145,19 @@ Crowded Client::crowd() const {
   return {is_full ? manners_.listener : kNoListener};
 }
 
-// The one that is idle for longest makes room; who comes when there is none is refused.
+// Of a host that has too many, the one that is idle for longest makes room; who comes when there is
+// none is refused. Which goes where the listener is full is not asked: any that is not kept.
 bool Client::may_be_displaced() const {
   const auto& host = tools_.full.host;
-  if (host && *host != manners_.host) {
+  if (!host) {
+    return is_connecting_ || !is_kept();
+  }
+  if (*host != manners_.host) {
     return false;
   }
   const auto waits_longer = [&](const Client& other) {
     return &other != this && other.connected_ && other.shares_listener(*this) &&
-           (!host || *host == other.manners_.host) && !other.is_kept() && other.is_idle() &&
+           *host == other.manners_.host && !other.is_kept() && other.is_idle() &&
            other.active_ < active_;
   };
   const bool has_outstanding = unconfirmed_ > 0 || tools_.oracle.has_outstanding(number_);

@@ -163,6 +163,21 @@ object device_json(const DeviceStatus& device, const std::vector<BusStatus>& bus
           {"exceptions", exceptions_json(counters.exceptions_by_code)}};
 }
 
+object listener_json(const gateway::ListenerStatus& listener) {
+  const auto& counters = listener.counters;
+  object refused;
+  for (std::size_t place = 0; place < gateway::kRefusalNames.size(); ++place) {
+    refused[gateway::kRefusalNames.at(place)] = counters.refused_connections.at(place);
+  }
+  return {{"name", listener.name},
+          {"connections", listener.connections},
+          {"let_in", counters.connections},
+          {"displaced",
+           {{"max_connections", counters.displaced_full},
+            {"max_connections_per_address", counters.displaced_address_full}}},
+          {"refused", std::move(refused)}};
+}
+
 object client_json(const gateway::ClientStatus& client) {
   return {{"address", client.address},
           {"listener", client.listener},
@@ -213,6 +228,7 @@ object status_json(const gateway::StatusReport& report, const ProcessStatus& pro
           {"devices",
            array_of(report.devices,
                     [&](const DeviceStatus& device) { return device_json(device, report.buses); })},
+          {"listeners", array_of(report.listeners, listener_json)},
           {"clients", array_of(report.clients, client_json)}};
 }
 

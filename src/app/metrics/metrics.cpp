@@ -60,15 +60,17 @@ void add_listener(MetricBook& book, const gateway::ListenerStatus& listener,
              static_cast<double>(listener.connections));
   book.counter({"mbgate_listener_connections_total", "Connections that were let in."}, labels(),
                static_cast<double>(counters.connections));
-  book.counter({"mbgate_listener_displaced_connections_total",
-                "Idle connections closed to make room for others."},
-               labels(), static_cast<double>(counters.displaced));
-  constexpr std::array kReasons = {"not_allowed", "full",         "stopping",
-                                   "no_rule",     "address_full", "too_often"};
-  for (std::size_t place = 0; place < kReasons.size(); ++place) {
+  for (const auto& [limit, displaced] :
+       {std::pair("max_connections", counters.displaced_full),
+        std::pair("max_connections_per_address", counters.displaced_address_full)}) {
+    book.counter({"mbgate_listener_displaced_connections_total",
+                  "Connections closed to make room for others, by the limit that was reached."},
+                 labels({{"limit", limit}}), static_cast<double>(displaced));
+  }
+  for (std::size_t place = 0; place < gateway::kRefusalNames.size(); ++place) {
     book.counter({"mbgate_listener_refused_connections_total",
                   "Connections that were not let in, by reason."},
-                 labels({{"reason", kReasons.at(place)}}),
+                 labels({{"reason", gateway::kRefusalNames.at(place)}}),
                  static_cast<double>(counters.refused_connections.at(place)));
   }
   const auto failures = tls_failures.find(listener.name);

@@ -8,7 +8,7 @@
 
 namespace mbgate::gateway {
 bool AddressLimits::is_full(const ClientInfo& info, const ListenerSettings& listener) const {
-  const auto known = entries_.find(key_of(info));
+  const auto known = entries_.find(place_of(info));
   return known != entries_.end() &&
          known->second.connections >= listener.max_connections_per_address;
 }
@@ -16,13 +16,13 @@ bool AddressLimits::is_full(const ClientInfo& info, const ListenerSettings& list
 bool AddressLimits::comes_too_often(const ClientInfo& info, const ListenerSettings& listener,
                                     Instant now) const {
   const unsigned most = listener.max_connects_per_second;
-  const auto known = entries_.find(key_of(info));
+  const auto known = entries_.find(place_of(info));
   return most > 0 && known != entries_.end() && known->second.connects.next(most, now) > now;
 }
 
 void AddressLimits::came(const ClientInfo& info, const ListenerSettings& listener, Instant now) {
   forget(now);
-  Entry& entry = entries_[key_of(info)];
+  Entry& entry = entries_[place_of(info)];
   ++entry.connections;
   if (listener.max_connects_per_second > 0) {
     entry.connects.take(listener.max_connects_per_second, now);
@@ -30,7 +30,7 @@ void AddressLimits::came(const ClientInfo& info, const ListenerSettings& listene
 }
 
 void AddressLimits::left(const ClientSession& session) {
-  const auto known = entries_.find(key_of(session.info()));
+  const auto known = entries_.find(place_of(session));
   Entry& entry = known->second;
   if (--entry.connections == 0) {
     const Instant rested = std::max(entry.connects.rested_at(), entry.requests.rested_at());
@@ -65,7 +65,7 @@ bool AddressLimits::may_ask(ClientSession& session, Instant now) {
   if (session.held_until) {
     return false;
   }
-  Entry& entry = entries_.at(key_of(session.info()));
+  Entry& entry = entries_.at(place_of(session));
   const Instant turn = entry.requests.take(most, now);
   if (turn <= now) {
     return true;
@@ -78,7 +78,7 @@ bool AddressLimits::may_ask(ClientSession& session, Instant now) {
 
 void AddressLimits::use_turn(ClientSession& session) {
   if (std::exchange(session.has_turn, false) && std::exchange(session.is_in_line, false)) {
-    auto& line = entries_.at(key_of(session.info())).line;
+    auto& line = entries_.at(place_of(session)).line;
     line.erase(std::ranges::find(line, &session, &Waiting::session));
   }
 }
@@ -91,7 +91,7 @@ std::vector<ClientSession*> AddressLimits::give_back(ClientSession& session, Ins
   if (!std::exchange(session.is_in_line, false)) {
     return {};
   }
-  Entry& entry = entries_.at(key_of(session.info()));
+  Entry& entry = entries_.at(place_of(session));
   const auto own = std::ranges::find(entry.line, &session, &Waiting::session);
   const Waiting given_back = *own;
   auto next = entry.line.erase(own);
@@ -114,7 +114,7 @@ std::vector<ClientSession*> AddressLimits::give_back(ClientSession& session, Ins
 }
 
 bool AddressLimits::is_news(const ClientInfo& info, Instant now) {
-  std::optional<Instant>& told_at = entries_.at(key_of(info)).told_at;
+  std::optional<Instant>& told_at = entries_.at(place_of(info)).told_at;
   if (told_at && now < *told_at + kHeldToldEvery) {
     return false;
   }

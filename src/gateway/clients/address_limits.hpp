@@ -43,7 +43,7 @@ class AddressLimits {
 
  private:
   friend struct mbgate::StateReader;
-  using Key = std::pair<ListenerId, routing::ClientAddress>;
+  using Key = std::pair<ListenerId, ClientKey>;
   struct Waiting {
     ClientSession* session;
     Instant turn;
@@ -56,7 +56,10 @@ class AddressLimits {
     std::vector<Waiting> line;  ///< in the order of their turns
     std::optional<Instant> told_at;
   };
-  static Key key_of(const ClientInfo& info) { return {info.listener, info.address}; }
+  static Key place_of(const ClientInfo& info) { return {info.listener, key_of(info)}; }
+  static Key place_of(const ClientSession& session) {
+    return {session.info().listener, session.key()};
+  }
   void forget(Instant now);
 
   std::map<Key, Entry> entries_;

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "gateway/clients/room.hpp"
+
 namespace mbgate::gateway {
 
 void ClientDoor::connected(ClientId client, const ClientInfo& info, Phase phase, Instant now) {
@@ -22,11 +24,13 @@ bool ClientDoor::admit(const ClientInfo& info, Phase phase, Instant now) {
     return false;  // it was let in before a reload, and told after it
   }
   auto reason = objection(info, phase, now);
-  if (!reason && limits_.is_full(info, listener) && !make_room(info, &info.address, now)) {
-    reason = RefusalReason::address_full;
+  if (!reason && limits_.is_full(info, listener)) {
+    reason = make_room(to_replace(sessions_, info.listener, key_of(info)),
+                       RefusalReason::address_full, now);
   }
-  if (!reason && sessions_.is_full(info.listener) && !make_room(info, nullptr, now)) {
-    reason = RefusalReason::full;
+  if (!reason && sessions_.is_full(info.listener)) {
+    reason =
+        make_room(to_displace(sessions_, info.listener, key_of(info)), RefusalReason::full, now);
   }
   if (reason) {
     refuse(info, *reason);
@@ -50,18 +54,17 @@ std::optional<RefusalReason> ClientDoor::objection(const ClientInfo& info, Phase
                                                       : std::nullopt;
 }
 
-// Of the same address, or of any. A client that comes back after its line was cut finds its old
-// connections in the way.
-bool ClientDoor::make_room(const ClientInfo& info, const routing::ClientAddress* address,
-                           Instant now) {
-  ClientSession* idlest = sessions_.idlest(info.listener, address);
-  if (idlest == nullptr) {
-    return false;
+// A client that comes back after its line was cut finds its old connections in the way.
+std::optional<RefusalReason> ClientDoor::make_room(ClientSession* displaced, RefusalReason limit,
+                                                   Instant now) {
+  if (displaced == nullptr) {
+    return limit;
   }
-  actions_.push(Report{ClientDisplaced{info.listener, idlest->info().address}});
-  ++sessions_.counters(info.listener).displaced;
-  close(*idlest, now);
-  return true;
+  const ClientInfo info = displaced->info();
+  actions_.push(Report{ClientDisplaced{info.listener, info.address, limit}});
+  sessions_.counters(info.listener).note_displaced(limit);
+  close(*displaced, now);
+  return std::nullopt;
 }
 
 void ClientDoor::refuse(const ClientInfo& info, RefusalReason reason) {

@@ -49,8 +49,9 @@ class ClientDoor {
   [[nodiscard]] bool admit(const ClientInfo& info, Phase phase, Instant now);
   [[nodiscard]] std::optional<RefusalReason> objection(const ClientInfo& info, Phase phase,
                                                        Instant now) const;
-  [[nodiscard]] bool make_room(const ClientInfo& info, const routing::ClientAddress* address,
-                               Instant now);
+  /// Closes the connection, if there is one; else the limit is why nobody is let in.
+  [[nodiscard]] std::optional<RefusalReason> make_room(ClientSession* displaced,
+                                                       RefusalReason limit, Instant now);
   void refuse(const ClientInfo& info, RefusalReason reason);
 
   const SettingsHistory& settings_;

@@ -13,6 +13,7 @@ ClientSession::ClientSession(ClientId id, const ClientInfo& info, const Listener
       last_activity(now),
       id_(id),
       info_(info),
+      key_(key_of(info)),
       listener_(&listener),
       rights_{routing::contains(listener.read_only, info.address)},
       seen_empty_(now) {}

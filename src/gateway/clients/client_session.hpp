@@ -22,6 +22,8 @@ class ClientSession {
 
   [[nodiscard]] ClientId id() const { return id_; }
   [[nodiscard]] const ClientInfo& info() const { return info_; }
+  /// For the whole connection.
+  [[nodiscard]] const ClientKey& key() const { return key_; }
   [[nodiscard]] const ListenerSettings& listener() const { return *listener_; }
   [[nodiscard]] routing::ClientRights rights() const { return rights_; }
   /// New settings of the listener.
@@ -108,6 +110,7 @@ class ClientSession {
 
   ClientId id_;
   ClientInfo info_;
+  ClientKey key_;
   const ListenerSettings* listener_;
   routing::ClientRights rights_;
   std::uint64_t position_ = 0;

@@ -10,19 +10,29 @@
 
 namespace mbgate::gateway {
 
+/// The reasons for metrics and status, by RefusalReason.
+inline constexpr std::array kRefusalNames = {"not_allowed", "full",         "stopping",
+                                             "no_rule",     "address_full", "too_often"};
+
 struct ListenerCounters {
   std::uint64_t connections = 0;  ///< let in
-  std::uint64_t displaced = 0;    ///< of these, closed to make room for others
+  /// Of these, closed to make room for others, because of max_connections and of
+  /// max_connections_per_address.
+  std::uint64_t displaced_full = 0;
+  std::uint64_t displaced_address_full = 0;
   std::uint64_t requests = 0;
   std::uint64_t held_up = 0;  ///< how often a request had to wait for its address's rate
   /// Requests that the gateway itself has answered with an exception.
   bus::ExceptionCounts refused_reads;
   bus::ExceptionCounts refused_writes;
   /// Connections that were not let in, by RefusalReason.
-  std::array<std::uint64_t, 6> refused_connections{};
+  std::array<std::uint64_t, kRefusalNames.size()> refused_connections{};
 
   void note_refused(bool is_read, std::uint8_t code) {
     (is_read ? refused_reads : refused_writes).note(code);
+  }
+  void note_displaced(RefusalReason limit) {
+    ++(limit == RefusalReason::full ? displaced_full : displaced_address_full);
   }
   void note_refused(RefusalReason reason) {
     ++refused_connections.at(static_cast<std::size_t>(reason));

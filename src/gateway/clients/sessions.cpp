@@ -5,24 +5,9 @@
 #include <utility>
 
 namespace mbgate::gateway {
-
 bool Sessions::is_full(ListenerId listener) const {
   return on_listener_[static_cast<std::size_t>(listener)] >=
          settings_->listener(listener).max_connections;
-}
-
-ClientSession* Sessions::idlest(ListenerId listener, const routing::ClientAddress* address) {
-  ClientSession* idlest = nullptr;
-  for_each([&](ClientSession& session) {
-    const bool is_asked_for = session.info().listener == listener &&
-                              (address == nullptr || session.info().address == *address);
-    const bool may_go = is_asked_for && session.is_at_rest() &&
-                        !routing::contains(session.listener().keep, session.info().address);
-    if (may_go && (idlest == nullptr || session.last_activity < idlest->last_activity)) {
-      idlest = &session;
-    }
-  });
-  return idlest;
 }
 
 ClientSession* Sessions::add(ClientId client, const ClientInfo& info, Instant now) {
@@ -34,7 +19,7 @@ ClientSession* Sessions::add(ClientId client, const ClientInfo& info, Instant no
   ++on(info.listener);
   ++counters(info.listener).connections;
   ClientSession& session = entry->second;
-  session.turns = &add_connection(info.address);
+  session.turns = &add_connection(session);
   look_at(session, session.next_look(now));
   return &session;
 }
@@ -47,7 +32,7 @@ ClientSession* Sessions::find(ClientId client) {
 const routing::ClientAddress* Sessions::address_of(bus::FairnessKey key) const {
   const auto found = std::ranges::find_if(
       addresses_, [key](const auto& it) { return it.second.turns.key == key; });
-  return found == addresses_.end() ? nullptr : &found->first;
+  return found == addresses_.end() ? nullptr : &found->second.first;
 }
 
 void Sessions::close(ClientSession& session) {
@@ -55,7 +40,7 @@ void Sessions::close(ClientSession& session) {
   closed_.push_back(session.id());
   timers_.cancel(session.id(), session.timer_armed_at);
   --on(session.info().listener);
-  const auto address = addresses_.find(session.info().address);
+  const auto address = addresses_.find(session.key());
   if (--address->second.connections == 0) {
     free_keys_.push_back(address->second.turns.key);
     addresses_.erase(address);
@@ -98,14 +83,15 @@ ClientSession* Sessions::take_due(Instant now) {
   return &session;
 }
 
-// Connections from one address share its turns. Key 0 is the gateway's.
-const Turns& Sessions::add_connection(const routing::ClientAddress& address) {
+// Connections of one client share its turns. Key 0 is the gateway's.
+const Turns& Sessions::add_connection(const ClientSession& session) {
   const bus::FairnessKey unused_key{static_cast<std::uint32_t>(addresses_.size() + 1)};
-  const auto [known, is_new] = addresses_.try_emplace(address);
+  const auto [known, is_new] = addresses_.try_emplace(session.key());
   Turns& turns = known->second.turns;
   ++known->second.connections;
   if (is_new) {
-    turns = {unused_key, weight_of(address)};
+    known->second.first = session.info().address;
+    turns = {unused_key, weight_of(session.info().address)};
     if (!free_keys_.empty()) {
       turns.key = free_keys_.back();
       free_keys_.pop_back();
@@ -138,8 +124,8 @@ void Sessions::adopt(const Settings& next, Instant now) {
     ++on(listener);
     wake(session);  // to be served, and looked at by its new times
   });
-  for (auto& [address, known] : addresses_) {
-    known.turns.weight = weight_of(address);
+  for (auto& [key, known] : addresses_) {
+    known.turns.weight = weight_of(known.first);
   }
 }
 

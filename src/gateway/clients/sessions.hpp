@@ -26,10 +26,6 @@ class Sessions {
         counters_(settings.listeners.size()) {}
 
   [[nodiscard]] bool is_full(ListenerId listener) const;
-  /// Of the connections that may make room on the listener, or for another of the same address, the
-  /// one that has been idle longest; nullptr if there is none.
-  [[nodiscard]] ClientSession* idlest(ListenerId listener,
-                                      const routing::ClientAddress* address = nullptr);
   /// nullptr if there is one with this number.
   ClientSession* add(ClientId client, const ClientInfo& info, Instant now);
   /// nullptr if it is closed or was never there.
@@ -79,13 +75,14 @@ class Sessions {
  private:
   friend struct mbgate::StateReader;
   struct Address {
+    routing::ClientAddress first;  ///< of those that are counted as one
     Turns turns;
     std::size_t connections = 0;
   };
   [[nodiscard]] std::size_t& on(ListenerId listener) {
     return on_listener_[static_cast<std::size_t>(listener)];
   }
-  const Turns& add_connection(const routing::ClientAddress& address);
+  const Turns& add_connection(const ClientSession& session);
   [[nodiscard]] unsigned weight_of(const routing::ClientAddress& address) const;
 
   const Settings* settings_;
@@ -95,7 +92,7 @@ class Sessions {
   ClientTimers timers_;
   std::vector<std::size_t> on_listener_;
   std::vector<ListenerCounters> counters_;
-  std::map<routing::ClientAddress, Address> addresses_;
+  std::map<ClientKey, Address> addresses_;
   std::vector<bus::FairnessKey> free_keys_;
 };
 

@@ -24,7 +24,9 @@ TEST(AddressLimits, TheIdlestConnectionOfTheSameAddressMakesRoom) {
   EXPECT_THAT(rig.closed, ElementsAre(2));
   EXPECT_THAT(
       rig.events,
-      ElementsAre("listener plant: client 192.0.2.1 closed: idle, and its place was needed"));
+      ElementsAre(
+          "listener plant: client 192.0.2.1 closed for a newer connection of the same client: "
+          "max_connections_per_address (2) is reached"));
 }
 
 TEST(AddressLimits, WhereNoneIsIdleTheNewConnectionIsRefused) {

@@ -74,19 +74,6 @@ TEST_F(ClientDoorAlone, LetsNobodyInWhenTheGatewayStops) {
   EXPECT_EQ(refused(RefusalReason::stopping), 1U);
 }
 
-TEST_F(ClientDoorAlone, TheIdlestMakesRoomAndWhoWaitsDoesNot) {
-  come(1, "192.0.2.1");
-  come(2, "192.0.2.2");
-  sessions_.find(ClientId{1})->answers.open();  // it waits for one
-  come(3, "192.0.2.3");
-  EXPECT_THAT(closed(), ElementsAre(2));
-  sessions_.find(ClientId{3})->answers.open();
-  come(4, "192.0.2.4");
-  EXPECT_THAT(closed(), ElementsAre(4));
-  EXPECT_EQ(refused(RefusalReason::full), 1U);
-  EXPECT_EQ(sessions_.counters(ListenerId{0}).displaced, 1U);
-}
-
 TEST_F(ClientDoorAlone, OneThatIsGoneIsNotClosedAndItsPlaceIsFree) {
   come(1, "192.0.2.1");
   come(2, "192.0.2.2");

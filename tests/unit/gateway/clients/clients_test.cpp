@@ -156,29 +156,6 @@ TEST(Gateway, ClosesIdleClientsAfterTheIdleTimeout) {
   EXPECT_TRUE(rig.closed.contains(1));
 }
 
-TEST(Gateway, MakesRoomByClosingTheLongestIdleConnection) {
-  Settings settings = one_bus();
-  settings.listeners[0].max_connections = 3;
-  settings.listeners[0].keep = {*routing::Network::parse("192.0.2.1")};
-  MachineRig rig(settings);
-  rig.connect(1, "192.0.2.1");
-  rig.advance(1s);
-  rig.connect(2, "192.0.2.2");
-  rig.advance(1s);
-  rig.connect(3, "192.0.2.3");
-  rig.receive(2, read_request(1));  // outstanding work
-  rig.connect(4, "192.0.2.4");
-  EXPECT_THAT(rig.closed, ElementsAre(3));
-  rig.receive(4, read_request(1));
-  rig.connect(5, "192.0.2.5");
-  EXPECT_THAT(rig.closed, ElementsAre(3, 5));
-  EXPECT_THAT(
-      rig.events,
-      ElementsAre("listener plant: client 192.0.2.3 closed: idle, and its place was needed",
-                  "listener plant: client 192.0.2.5 refused: max_connections is reached and "
-                  "no connection is idle"));
-}
-
 TEST(Gateway, RefusesClientsThatAreNotInTheAllowList) {
   Settings settings = one_bus();
   settings.listeners[0].allow = {*routing::Network::parse("10.0.0.0/8")};

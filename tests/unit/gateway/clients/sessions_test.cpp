@@ -55,14 +55,6 @@ TEST_F(ConnectionsAlone, ThoseOfOneAddressShareItsTurnsAndTheLastGivesThemBack) 
   EXPECT_EQ(come(4, "192.0.2.3").turns->key, shared);
 }
 
-TEST_F(ConnectionsAlone, TheOneThatWasIdleForLongestMakesRoom) {
-  come(1, "192.0.2.1", Instant{2s});
-  ClientSession& idle = come(2, "192.0.2.2", Instant{1s});
-  EXPECT_EQ(sessions().idlest(ListenerId{0}), &idle);
-  idle.answers.open();  // it waits for one
-  EXPECT_EQ(sessions().idlest(ListenerId{0}), sessions().find(ClientId{1}));
-}
-
 TEST_F(ConnectionsAlone, AreLookedAtWhenTheirTimeHasCome) {
   settings_.listeners[0].idle_timeout = 10s;
   ClientSession& session = come(1, "192.0.2.1", Instant{1s});

@@ -176,7 +176,7 @@ TEST(DisplacedWriter, HasGoneAsSoonAsAnotherHasItsPlace) {
   MachineRig rig(settings);
   rig.connect(1);
   ask(rig, 1);
-  rig.connect(2);
+  rig.connect(2);  // of the same client
   EXPECT_THAT(take_requests(rig), testing::ElementsAre(kStop1));
 }
 
