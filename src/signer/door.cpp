@@ -27,6 +27,20 @@ Octets refusal(std::string_view why) {
   return answer_of(Answer::refused, Octets(why.begin(), why.end()));
 }
 
+/// The journal says what was not signed: mbgated asks for nothing of the kind by itself.
+Octets signature_or_refusal(const std::optional<KeyFile>& key, Question how,
+                            std::span<const std::uint8_t> bytes) {
+  if (!key) {
+    return refusal("no key was opened");
+  }
+  if (const auto why = key->objection(how, bytes); !why.empty()) {
+    std::cerr << key->name() << ": not signed: " << bytes.size() << " bytes, " << why << '\n';
+    return refusal(why);
+  }
+  const auto signature = key->sign(how, bytes);
+  return signature ? answer_of(Answer::signature, *signature) : refusal("OpenSSL does not sign it");
+}
+
 }  // namespace
 
 Door::~Door() {
@@ -95,7 +109,7 @@ Octets Door::answer_to(Connection& connection, std::span<const std::uint8_t> sai
   const auto rest = said.subspan(1);
   switch (question) {
     case Question::open: {
-      auto opened = KeyFile::open(folder_, std::string(rest.begin(), rest.end()));
+      auto opened = KeyFile::open(store_, std::string(rest.begin(), rest.end()));
       connection.key = std::move(opened.key);
       if (!connection.key) {
         std::cerr << opened.why << '\n';
@@ -105,11 +119,7 @@ Octets Door::answer_to(Connection& connection, std::span<const std::uint8_t> sai
     }
     case Question::rsa_pkcs1:
     case Question::rsa_padded:
-    case Question::ecdsa: {
-      const auto signature = connection.key ? connection.key->sign(question, rest) : std::nullopt;
-      return signature ? answer_of(Answer::signature, *signature)
-                       : refusal("this cannot be signed with the key of this connection");
-    }
+    case Question::ecdsa: return signature_or_refusal(connection.key, question, rest);
   }
   return refusal("the question is not understood");
 }

@@ -6,6 +6,8 @@
 
 #include <csignal>
 #include <cstddef>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "signer/key_file.hpp"
@@ -17,8 +19,8 @@ class Door {
   /// Connections at a time. mbgated has one for each key, and for a moment twice as many.
   static constexpr std::size_t kMostConnections = 32;
 
-  /// Both descriptors stay the caller's. The socket is one of SOCK_SEQPACKET that listens.
-  Door(int listening, int folder) : listening_(listening), folder_(folder) {}
+  /// The socket, one of SOCK_SEQPACKET that listens, stays the caller's.
+  Door(int listening, KeyStore store) : listening_(listening), store_(std::move(store)) {}
   Door(const Door&) = delete;
   Door& operator=(const Door&) = delete;
   ~Door();
@@ -38,7 +40,7 @@ class Door {
   [[nodiscard]] Octets answer_to(Connection& connection, std::span<const std::uint8_t> said) const;
 
   int listening_;
-  int folder_;
+  KeyStore store_;
   std::vector<Connection> connections_;
 };
 

@@ -2,6 +2,7 @@
 #include "signer/key_file.hpp"
 
 #include <fcntl.h>
+#include <fnmatch.h>
 #include <openssl/bio.h>
 #include <openssl/crypto.h>
 #include <openssl/err.h>
@@ -11,9 +12,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <system_error>
+
+#include "signer/authority.hpp"
 
 namespace mbgate::signer {
 namespace {
@@ -33,9 +37,20 @@ struct Descriptor {
   }
 };
 
-bool is_plain_name(std::string_view name) {
-  return !name.empty() && name.front() != '.' && name.find('/') == std::string_view::npos &&
-         name.find('\0') == std::string_view::npos;
+/// Why no file of this name may be used; empty: it may.
+std::string objection(const KeyStore& store, const std::string& name) {
+  if (name.empty() || name.front() == '.' || name.find_first_of({"/\0", 2}) != std::string::npos) {
+    return "a key is named by its file in the folder, without '/'";
+  }
+  std::string known;
+  for (const std::string& pattern : store.names) {
+    if (::fnmatch(pattern.c_str(), name.c_str(), 0) == 0) {
+      return {};
+    }
+    known += (known.empty() ? "" : ", ") + pattern;
+  }
+  return name + ": mbgate-signer may use " + known + ": give --key " + name +
+         " in its unit (systemctl edit mbgate-signer)";
 }
 
 /// Why the file must not be used as it is; empty: it may.
@@ -70,7 +85,7 @@ std::optional<Octets> finish(EVP_PKEY_CTX* context, std::span<const std::uint8_t
 
 }  // namespace
 
-std::optional<KeyFile> KeyFile::read(std::string_view pem) {
+std::optional<KeyFile> KeyFile::read(std::string_view pem, const std::string& name) {
   BIO* const source = BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size()));
   EVP_PKEY* const key = PEM_read_bio_PrivateKey(source, nullptr, no_password, nullptr);
   BIO_free(source);
@@ -78,34 +93,40 @@ std::optional<KeyFile> KeyFile::read(std::string_view pem) {
   if (key == nullptr) {
     return std::nullopt;
   }
-  KeyFile file(key);
+  KeyFile file(key, name);
   const int kind = EVP_PKEY_get_base_id(key);
   return kind == EVP_PKEY_RSA || kind == EVP_PKEY_EC ? std::optional(std::move(file))
                                                      : std::nullopt;
 }
 
-KeyFile::Opened KeyFile::open(int folder, std::string_view name) {
-  if (!is_plain_name(name)) {
-    return {std::nullopt, "a key is named by its file in the folder, without '/'"};
+KeyFile::Opened KeyFile::open(const KeyStore& store, const std::string& name) {
+  if (std::string why = signer::objection(store, name); !why.empty()) {
+    return {std::nullopt, std::move(why)};
   }
-  const std::string text(name);
   // Not to wait where somebody has put a named pipe.
   const Descriptor file(
-      ::openat(folder, text.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+      ::open((store.folder + "/" + name).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   struct stat facts {};
   if (file.fd < 0 || ::fstat(file.fd, &facts) != 0) {
-    return {std::nullopt, errno == ELOOP ? text + ": it is a link"
-                                         : text + ": " + std::generic_category().message(errno)};
+    return {std::nullopt, errno == ELOOP ? name + ": it is a link"
+                                         : name + ": " + std::generic_category().message(errno)};
   }
-  if (const std::string why = objection(facts); !why.empty()) {
-    return {std::nullopt, text + ": " + why};
+  if (const std::string why = signer::objection(facts); !why.empty()) {
+    return {std::nullopt, name + ": " + why};
   }
   std::array<char, kLargestFile> pem{};
   const ssize_t size = ::read(file.fd, pem.data(), pem.size());
-  auto key = size > 0 ? read({pem.data(), static_cast<std::size_t>(size)}) : std::nullopt;
+  auto key = size > 0 ? read({pem.data(), static_cast<std::size_t>(size)}, name) : std::nullopt;
   OPENSSL_cleanse(pem.data(), pem.size());
   if (!key) {
-    return {std::nullopt, text + ": expected a private key of RSA or EC in PEM, without password"};
+    return {std::nullopt, name + ": expected a private key of RSA or EC in PEM, without password"};
+  }
+  for (const std::string& folder : {store.folder, store.certificates}) {
+    const auto certificate = authority_certificate(folder, name, key->key_.get());
+    if (!certificate.empty()) {
+      return {std::nullopt, name + ": is the key of an authority, whose certificate is " +
+                                certificate.string() + ": it does not belong on a gateway"};
+    }
   }
   return {std::move(key), {}};
 }
@@ -121,19 +142,24 @@ Octets KeyFile::public_key() const {
   return bytes;
 }
 
+std::string_view KeyFile::objection(signing::Question how,
+                                    std::span<const std::uint8_t> bytes) const {
+  if (is_rsa() == (how == signing::Question::ecdsa)) {
+    return is_rsa() ? "the key is one of RSA" : "the key is one of EC";
+  }
+  return objection_to_signing(how, bytes, EVP_PKEY_get_bits(key_.get()));
+}
+
 std::optional<Octets> KeyFile::sign(signing::Question how,
                                     std::span<const std::uint8_t> bytes) const {
-  const bool is_rsa = EVP_PKEY_get_base_id(key_.get()) == EVP_PKEY_RSA;
-  if (how == signing::Question::open || is_rsa == (how == signing::Question::ecdsa)) {
-    return std::nullopt;
-  }
   struct FreeContext {
     void operator()(EVP_PKEY_CTX* context) const { EVP_PKEY_CTX_free(context); }
   };
   const std::unique_ptr<EVP_PKEY_CTX, FreeContext> context(EVP_PKEY_CTX_new(key_.get(), nullptr));
   const bool begun = context && EVP_PKEY_sign_init(context.get()) > 0;
   const int padding = how == signing::Question::rsa_pkcs1 ? RSA_PKCS1_PADDING : RSA_NO_PADDING;
-  const bool ready = begun && (!is_rsa || EVP_PKEY_CTX_set_rsa_padding(context.get(), padding) > 0);
+  const bool ready =
+      begun && (!is_rsa() || EVP_PKEY_CTX_set_rsa_padding(context.get(), padding) > 0);
   auto signature = ready ? finish(context.get(), bytes) : std::nullopt;
   ERR_clear_error();
   return signature;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A private key out of the folder of keys, and what it is good for: to hand out its public half,
-// and to sign.
+// and to sign digests.
 #pragma once
 
 #include <openssl/evp.h>
@@ -14,24 +14,36 @@
 #include <vector>
 
 #include "base/signing.hpp"
+#include "signer/padding.hpp"
 
 namespace mbgate::signer {
 
-using Octets = std::vector<std::uint8_t>;
+/// Which keys may be used.
+struct KeyStore {
+  std::string folder;
+  std::vector<std::string> names;  ///< of its files, or patterns of them (glob(7))
+  std::string certificates;        ///< a folder; those of authorities are looked for in both
+};
 
 class KeyFile {
  public:
   /// What open() came to: the key, or why there is none, in one line.
   struct Opened;
 
-  /// Opens a file of this folder, which `folder` is a descriptor of. Refused: a name with '/' or a
-  /// '.' in front, links, what is no ordinary file, what group or others may write or others may
-  /// read, and what is no RSA or EC key without a password.
-  static Opened open(int folder, std::string_view name);
+  /// Opens a file of the store. Refused: a name that is not the store's, one with '/' or a '.' in
+  /// front, links, what is no ordinary file, what group or others may write or others may read,
+  /// what is no RSA or EC key without a password, and the key of an authority.
+  static Opened open(const KeyStore& store, const std::string& name);
+
+  /// That of the file.
+  [[nodiscard]] const std::string& name() const { return name_; }
 
   /// A SubjectPublicKeyInfo in DER.
   [[nodiscard]] Octets public_key() const;
-  /// Nothing if the question does not fit the key, or its bytes do not.
+  /// Why this must not be signed with this key (objection_to_signing()); empty: it may.
+  [[nodiscard]] std::string_view objection(signing::Question how,
+                                           std::span<const std::uint8_t> bytes) const;
+  /// Only without objection. Nothing if OpenSSL does not sign it.
   [[nodiscard]] std::optional<Octets> sign(signing::Question how,
                                            std::span<const std::uint8_t> bytes) const;
 
@@ -39,10 +51,12 @@ class KeyFile {
   struct Free {
     void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
   };
-  explicit KeyFile(EVP_PKEY* key) : key_(key) {}
-  static std::optional<KeyFile> read(std::string_view pem);
+  KeyFile(EVP_PKEY* key, std::string name) : key_(key), name_(std::move(name)) {}
+  static std::optional<KeyFile> read(std::string_view pem, const std::string& name);
+  [[nodiscard]] bool is_rsa() const { return EVP_PKEY_get_base_id(key_.get()) == EVP_PKEY_RSA; }
 
   std::unique_ptr<EVP_PKEY, Free> key_;
+  std::string name_;
 };
 
 struct KeyFile::Opened {

@@ -24,8 +24,10 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: mbgate-signer [--keys DIR] [--socket PATH]\n"
-    "Signs for mbgated with the private keys in DIR (default: /etc/mbgate/tls).\n"
+    "usage: mbgate-signer [--keys DIR] [--key NAME]... [--certificates DIR] [--socket PATH]\n"
+    "Signs for mbgated with the private keys in DIR (default: /etc/mbgate/tls) whose files\n"
+    "have one of these names or patterns (default: *.key), but with no key of an authority\n"
+    "whose certificate is there or among the certificates (default: /etc/mbgate/certs).\n"
     "Listens at the socket that systemd hands over, or at PATH.\n";
 /// Of systemd (sd_listen_fds(3)).
 constexpr int kFirstHandedOver = 3;
@@ -36,7 +38,7 @@ volatile std::sig_atomic_t ended = 0;
 void end(int /*signal*/) { ended = 1; }
 
 struct Options {
-  std::string keys = "/etc/mbgate/tls";
+  mbgate::signer::KeyStore keys{"/etc/mbgate/tls", {}, "/etc/mbgate/certs"};
   std::string socket{};
 };
 
@@ -47,7 +49,11 @@ std::optional<Options> options_of(int argc, char** argv, int& status) {
     const std::string_view word = argv[i];
     const bool has_value = i + 1 < argc;
     if (word == "--keys" && has_value) {
-      options.keys = argv[++i];
+      options.keys.folder = argv[++i];
+    } else if (word == "--key" && has_value) {
+      options.keys.names.emplace_back(argv[++i]);
+    } else if (word == "--certificates" && has_value) {
+      options.keys.certificates = argv[++i];
     } else if (word == "--socket" && has_value) {
       options.socket = argv[++i];
     } else if (word == "--version") {
@@ -60,6 +66,9 @@ std::optional<Options> options_of(int argc, char** argv, int& status) {
       status = asked ? EXIT_SUCCESS : EX_USAGE;
       return std::nullopt;
     }
+  }
+  if (options.keys.names.empty()) {
+    options.keys.names = {"*.key"};
   }
   return options;
 }
@@ -92,8 +101,8 @@ int listen_at(const std::string& path) {
   std::memcpy(address.sun_path, path.c_str(), path.size());
   const int listening = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   ::unlink(path.c_str());
-  // Its folder says who may come near; this, who may ask.
-  const mode_t before = ::umask(0117);
+  // As that of mbgate-signer.socket: only its owner may ask.
+  const mode_t before = ::umask(0177);
   const bool bound =
       ::bind(listening, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
       ::listen(listening, kBacklog) == 0;
@@ -118,9 +127,8 @@ int main(int argc, char** argv) {
     return status;
   }
   protect();
-  const int folder = ::open(options->keys.c_str(), O_DIRECTORY | O_CLOEXEC | O_RDONLY);
-  if (folder < 0) {
-    fail(options->keys, errno);
+  if (::access(options->keys.folder.c_str(), R_OK | X_OK) != 0) {
+    fail(options->keys.folder, errno);
     return EX_NOINPUT;
   }
   const int listening = options->socket.empty() ? handed_over() : listen_at(options->socket);
@@ -143,6 +151,6 @@ int main(int argc, char** argv) {
   if (!options->socket.empty()) {
     std::cerr << "listening " << options->socket << std::endl;
   }
-  mbgate::signer::Door(listening, folder).run(waiting, ended);
+  mbgate::signer::Door(listening, options->keys).run(waiting, ended);
   return EXIT_SUCCESS;
 }

@@ -123,7 +123,8 @@ class TlsPlant(Plant):
         (self.folder / "ca.crl").write_bytes(self.authority.crl(**arguments) + self.root.crl())
 
     def start_signer(self):
-        signer = Process(self.folder, "mbgate-signer", "--keys", self.keys, "--socket", self.folder / "signer")
+        signer = Process(self.folder, "mbgate-signer", "--keys", self.keys, "--certificates", self.folder,
+                         "--socket", self.folder / "signer")
         self._processes.append(signer)
         signer.wait_for("^listening")
         return signer

@@ -409,7 +409,7 @@ class Accounts(TlsCase):
         self.assertEqual(plant.gateway.end(), 0)
         plant.keys.chmod(0o700)
         plant.folder.chmod(0o777)
-        os.chown(plant.folder / "signer", 0, self.NOBODY)
+        os.chown(plant.folder / "signer", self.NOBODY, self.NOBODY)
         for command in (["cat", plant.keys / "ec.key"], ["ls", plant.keys]):
             tried = subprocess.run(command, capture_output=True, text=True, preexec_fn=self.become_nobody, check=False)
             self.assertIn("Permission denied", tried.stderr)

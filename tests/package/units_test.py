@@ -132,6 +132,24 @@ class Sockets(unittest.TestCase):
         self.assertEqual(str(listener["keepalive_probes"]), socket["KeepAliveProbes"][0])
 
 
+class Signer(unittest.TestCase):
+    def test_has_the_socket_that_its_page_and_the_configuration_say(self):
+        path = section("mbgate-signer.socket", "Socket")["ListenSequentialPacket"][0]
+        user, mode = (section("mbgate-signer.socket", "Socket")[key][0] for key in ("SocketUser", "SocketMode"))
+        page = (ROOT / "debian/man/mbgate-signer.8").read_text(encoding="utf-8").replace("\\-", "-")
+        said = re.search(rf"\.I {path}\n(?:[^.].*\n|\.B.*\n)+", page)
+        self.assertIsNotNone(said, "the page has another socket than the unit")
+        self.assertIn(f"for the user {user} alone, {user}:{user} {mode}.", said.group())
+        configuration = tomllib.loads((ROOT / "conf/mbgate.toml").read_text(encoding="utf-8"))
+        self.assertEqual(path, configuration["gateway"]["signer"])
+        self.assertEqual(user, section("mbgated.service", "Service")["User"][0])
+
+    def test_has_the_folders_that_its_page_says(self):
+        page = (ROOT / "debian/man/mbgate-signer.8").read_text(encoding="utf-8").replace("\\-", "-")
+        for word in section("mbgate-signer.service", "Service")["ExecStart"][0].split()[1:]:
+            self.assertIn(word, page)
+
+
 if __name__ == "__main__":
     if shutil.which("systemd-analyze") is None:
         print("skipped: systemd-analyze is not installed")
