@@ -12,6 +12,7 @@
 #include <ctime>
 
 #include "ctl/cert/role_extension.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -132,7 +133,7 @@ std::string name_text(const X509_NAME& name) {
   X509_NAME_print_ex(memory.get(), &name, 0, XN_FLAG_RFC2253 & ~ASN1_STRFLGS_ESC_MSB);
   char* text = nullptr;
   const long size = BIO_get_mem_data(memory.get(), &text);
-  return {text, static_cast<std::size_t>(size)};
+  return visible_text({text, static_cast<std::size_t>(size)});
 }
 
 }  // namespace mbgate::ctl

@@ -11,6 +11,7 @@
 #include "ctl/control/watch.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/interruption.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -50,7 +51,7 @@ int reload(const ReloadCommand& command, std::ostream& out, std::ostream& errors
   }
   const bool is_done = answer->status == kControlOk;
   for (const auto& message : messages->get_array()) {
-    (is_done ? out : errors) << std::string_view(message.as_string()) << '\n';
+    (is_done ? out : errors) << visible_text(message.as_string(), "\n\t") << '\n';
   }
   return is_done ? kExitDone : kExitNotDone;
 }
@@ -72,7 +73,7 @@ int follow_events(const EventsCommand& command, std::ostream& out, std::ostream&
   EventReader reader;
   const auto print = [&](std::string_view piece) {
     for (const ServerEvent& event : reader.take(piece)) {
-      out << (command.json ? event.data : event_line(event)) << '\n';
+      out << (command.json ? visible_text(event.data) : event_line(event)) << '\n';
     }
     return out.flush().good();
   };

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "ctl/control/connection_shell.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -171,7 +172,7 @@ std::string follow_body(EndlessAnswer& answer, http::response_parser<http::buffe
 std::string error_of(const ControlAnswer& answer) {
   const auto* const error = answer.json.if_contains("error");
   return error != nullptr && error->is_string()
-             ? std::string(error->get_string())
+             ? visible_text(error->get_string())
              : "unexpected answer, HTTP status " + std::to_string(answer.status);
 }
 

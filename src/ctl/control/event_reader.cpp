@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ctl/visible_text.hpp"
+
 namespace mbgate::ctl {
 namespace {
 
@@ -66,7 +68,7 @@ std::string event_line(const ServerEvent& event) {
     return std::to_string(lost) + (lost == 1 ? " line is" : " lines are") +
            " missing here: mbgated does not keep them any more";
   }
-  const auto word = [&](const char* key) { return std::string(data.at(key).as_string()); };
+  const auto word = [&](const char* key) { return visible_text(data.at(key).as_string()); };
   return local_time(word("at")) + " " + word("level") + " " + word("text");
 }
 

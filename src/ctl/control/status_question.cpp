@@ -8,6 +8,7 @@
 #include "ctl/control/control_shell.hpp"
 #include "ctl/control/status_text.hpp"
 #include "ctl/request/carry_out.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -26,7 +27,7 @@ StatusAnswer ask_status(const StatusCommand& command, const std::function<bool()
     return Failure{kExitNotDone, error_of(*answer)};
   }
   if (command.json) {
-    return boost::json::serialize(answer->json) + "\n";
+    return visible_text(boost::json::serialize(answer->json)) + "\n";
   }
   try {
     return status_text(answer->json);

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "ctl/visible_text.hpp"
 #include "modbus/exception_code.hpp"
 
 namespace mbgate::ctl {
@@ -22,7 +23,7 @@ using Row = std::vector<std::string>;
 
 std::string text(const object& from, const char* key) {
   const value& found = from.at(key);
-  return found.is_null() ? "-" : std::string(found.as_string());
+  return found.is_null() ? "-" : visible_text(found.as_string());
 }
 
 double number(const object& from, const char* key) { return from.at(key).to_number<double>(); }
@@ -152,7 +153,7 @@ std::string exceptions_text(const object& exceptions) {
       constexpr int kHexadecimal = 16;
       const auto name = modbus::exception_name(
           static_cast<std::uint8_t>(std::stoul(std::string(code), nullptr, kHexadecimal)));
-      all += std::string(code) + (name.empty() ? "" : " (" + std::string(name) + ")");
+      all += visible_text(code) + (name.empty() ? "" : " (" + std::string(name) + ")");
     }
     all += ": " + std::to_string(count.to_number<std::uint64_t>());
   }

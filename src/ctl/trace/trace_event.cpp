@@ -13,6 +13,8 @@
 #include <string_view>
 #include <utility>
 
+#include "ctl/visible_text.hpp"
+
 namespace mbgate::ctl {
 namespace {
 
@@ -20,13 +22,13 @@ using boost::json::object;
 using boost::json::value;
 
 std::string word_in(const object& json, std::string_view key) {
-  return std::string(json.at(key).as_string());
+  return visible_text(json.at(key).as_string());
 }
 
 /// A word, or "" for null.
 std::string word_or_none(const object& json, std::string_view key) {
   const value& it = json.at(key);
-  return it.is_null() ? std::string() : std::string(it.as_string());
+  return it.is_null() ? std::string() : visible_text(it.as_string());
 }
 
 std::uint64_t number_in(const object& json, std::string_view key) {
@@ -116,7 +118,7 @@ TracedFrame frame_of(const object& json) {
   frame.not_kept = number_in(json, "heard_not_kept");
   frame.heard_text = word_in(json, "heard_text");
   if (const value& response = json.at("response"); !response.is_null()) {
-    frame.response = bytes_from_hex(response.as_string());
+    frame.response = bytes_from_hex(word_in(json, "response"));
   }
   frame.outcome = meaning_in(json, "outcome", kOutcomes);
   frame.ended_at = instant_in(json, "ended_at");

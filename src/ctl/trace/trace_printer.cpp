@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "ctl/trace/trace_lines.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -20,7 +21,7 @@ std::string with_name(const ServerEvent& event) {
   for (const auto& [key, value] : data.as_object()) {
     whole[key] = value;
   }
-  return boost::json::serialize(whole);
+  return visible_text(boost::json::serialize(whole));
 }
 
 }  // namespace
