@@ -363,6 +363,15 @@ class Reload(TlsCase):
             self.assertEqual(ask(client), self.answer)
 
 
+class Revocation(TlsCase):
+    def test_a_section_without_a_list_is_told_of_at_the_start(self):
+        told = [line for line in self.plant.gateway.printed if "without crl a certificate that was lost" in line]
+        self.assertEqual(len(told), 1, self.plant.gateway.printed)
+        text = self.plant.configuration.read_text(encoding="utf-8").splitlines()
+        section = text.index('name = "rsa"')
+        self.assertIn(f"mbgate.toml:{section}:1: warning: [[tls]]: ", told[0])
+
+
 class Signer(TlsCase):
     def test_keys_that_others_can_change_or_read_are_refused(self):
         for mode, why in ((0o660, "others than its owner may write it"), (0o604, "everybody may read it")):

@@ -55,6 +55,14 @@ void read_tls(Draft& draft) {
     read_private_key(table, tls);
     read_certificates(table, "authorities", tls.authorities);
     read_certificates(table, "crl", tls.crl);
+    // After an error it may be the smaller worry.
+    if (tls.crl.empty() && !draft.document.failed()) {
+      draft.document.warning(table.position(),
+                             "[[tls]]: without crl a certificate that was lost or stolen is "
+                             "accepted until it expires: name a list of revoked certificates "
+                             "(mbgatectl cert ca makes an empty one, mbgatectl cert revoke adds "
+                             "to it)");
+    }
     draft.settings.tls.push_back(std::move(tls));
   }
 }
