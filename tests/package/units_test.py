@@ -132,6 +132,57 @@ class Sockets(unittest.TestCase):
         self.assertEqual(str(listener["keepalive_probes"]), socket["KeepAliveProbes"][0])
 
 
+class Sandbox(unittest.TestCase):
+    SERVICES = {"mbgated.service": ["mbgated", "mbgatectl"], "mbgate-signer.service": ["mbgate-signer"]}
+    # Mounts as systemd makes them, with the programs of this build in the place of the installed ones.
+    ALONE = """
+        mount --make-rprivate /
+        for path in $EXEC_PATHS; do mount --bind "$path" "$path"; done
+        mount -o remount,bind,noexec /
+        exec "$@"
+    """
+
+    def test_nothing_but_their_programs_can_be_run(self):
+        for service, programs in self.SERVICES.items():
+            settings = section(service, "Service")
+            self.assertEqual(["/"], settings["NoExecPaths"])
+            allowed = settings["ExecPaths"][0].split()
+            run = [words[0].split()[0] for key, words in settings.items() if re.fullmatch("Exec[SR][a-z]+", key)]
+            self.assertEqual(programs, [pathlib.Path(path).name for path in run])
+            self.assertLessEqual(set(run), set(allowed))
+            others = set(allowed) - set(run) - {"/usr/lib", "-/usr/lib64", "/usr/bin/kill"}
+            self.assertEqual(set(), others)
+
+    def test_their_programs_can_be_run(self):
+        if subprocess.run(["unshare", "-m", "true"], check=False, stderr=subprocess.DEVNULL).returncode != 0:
+            self.skipTest("only root makes mounts")
+        folder = os.environ.get("MBGATE_PROGRAMS", os.environ.get("PATH", "") + ":/usr/sbin")
+        for service, programs in self.SERVICES.items():
+            if not (built := {name: shutil.which(name, path=folder) for name in programs}) or None in built.values():
+                self.skipTest("the programs are not there")
+            allowed = [built.get(path.rpartition("/")[2], path) for path in
+                       section(service, "Service")["ExecPaths"][0].split() if not path.startswith("-")]
+
+            def alone(*command, allowed=tuple(allowed)):
+                return subprocess.run(["unshare", "-m", "sh", "-ec", self.ALONE, "sh", *command], check=False, text=True,
+                                      capture_output=True, env=os.environ | {"EXEC_PATHS": " ".join(allowed)})
+
+            for name, path in built.items():
+                done = alone(path, "--version")
+                self.assertEqual((0, f"{name} "), (done.returncode, done.stdout[:len(name) + 1]), done.stderr)
+            self.assertIn("Permission denied", alone("/bin/sh", "-c", "echo out of it").stderr)
+
+    def test_listen_for_tcp_alone_and_ask_no_other_service(self):
+        for service in self.SERVICES:
+            settings = section(service, "Service")
+            self.assertEqual(["any"], settings["SocketBindDeny"])
+            self.assertEqual(["tcp"] if service == "mbgated.service" else None, settings.get("SocketBindAllow"))
+            self.assertEqual(["-/run/dbus"], settings["InaccessiblePaths"])
+
+    def test_mbgated_waits_for_the_time(self):
+        self.assertIn("time-set.target", " ".join(section("mbgated.service", "Unit")["After"]))
+
+
 class Signer(unittest.TestCase):
     def test_has_the_socket_that_its_page_and_the_configuration_say(self):
         path = section("mbgate-signer.socket", "Socket")["ListenSequentialPacket"][0]
