@@ -63,6 +63,7 @@ std::string differences(const Settings& old, const Settings& next, std::size_t n
   found.compare("allow", a.allow, b.allow);
   found.compare("read_only", a.read_only, b.read_only);
   found.compare("keep", a.keep, b.keep);
+  found.compare("identity", a.counts_certificates, b.counts_certificates);
   found.compare("tls", tls_of(old, a), tls_of(next, b));
   found.compare("bus", a.bus, b.bus);
   found.compare("broadcast_reply", a.broadcast_reply, b.broadcast_reply);
@@ -136,7 +137,8 @@ std::string differences(const Settings& old, const Settings& next, std::size_t n
   found.compare(config::device_keys(), a, b);
   found.compare(config::timing_keys(), a.timing, times_after(old, next, number));
   found.compare("writer", guarded.writer, guards.writer);
-  found.compare("writer's addresses", guarded.writers, guards.writers);
+  found.compare("writer's clients", guarded.writers, guards.writers);
+  found.compare("failsafe_clients", guarded.failsafe_clients, guards.failsafe_clients);
   found.compare("failsafe", pdus(guarded.failsafe), pdus(guards.failsafe));
   found.compare(config::guard_keys(), guarded, guards);
   return found.text();

@@ -27,13 +27,17 @@ struct ClientInfo {
   routing::ClientRole role{};
 };
 
-/// What limits and turns count a client by: its address, of IPv6 the first 64 bits.
+/// What limits and turns count a client by: its address, of IPv6 the first 64 bits; or the name of
+/// its certificate, where its listener counts certificates and it has one.
 struct ClientKey {
-  routing::ClientAddress network;
+  routing::ClientAddress network{};
+  std::string certificate{};
   friend auto operator<=>(const ClientKey&, const ClientKey&) = default;
 };
-[[nodiscard]] inline ClientKey key_of(const ClientInfo& info) {
-  return {info.address.counted_as()};
+[[nodiscard]] inline ClientKey key_of(const ClientInfo& info, const ListenerSettings& listener) {
+  const std::string& name = info.role.certificate;
+  return listener.counts_certificates && !name.empty() ? ClientKey{{}, name}
+                                                       : ClientKey{info.address.counted_as()};
 }
 
 /// The place of an answer among those of its connection.

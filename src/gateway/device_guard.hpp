@@ -7,20 +7,23 @@
 
 #include "bus/instant.hpp"
 #include "modbus/request.hpp"
-#include "routing/client_address.hpp"
+#include "routing/client_list.hpp"
 
 namespace mbgate::gateway {
 
 enum class WriterRule : std::uint8_t {
   any,
-  first,  ///< the client address that wrote last owns writing for `writer_hold`
-  listed  ///< the addresses in `writers` and no others
+  first,  ///< the client that wrote last owns writing for `writer_hold`
+  listed  ///< the clients in `writers` and no others
 };
 
 struct DeviceGuard {
   WriterRule writer = WriterRule::any;
-  routing::NetworkList writers;
+  routing::ClientList writers;
   bus::Duration writer_hold = std::chrono::seconds(5);
+  /// Whose leaving and silence counts for the failsafe writes; empty: every client's that may write
+  /// to the device.
+  routing::ClientList failsafe_clients;
   /// Failsafe writes, with the function code that the device takes. They are sent once, started in
   /// order, as stops, when the last client that may write to the device has disconnected, or when
   /// all of them have been silent for `quiet`.

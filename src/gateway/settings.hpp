@@ -12,6 +12,7 @@
 #include "gateway/device_guard.hpp"
 #include "routing/access_rules.hpp"
 #include "routing/client_address.hpp"
+#include "routing/client_list.hpp"
 #include "routing/listen_address.hpp"
 #include "routing/route.hpp"
 
@@ -73,8 +74,10 @@ struct ListenerSettings {
   Duration idle_timeout{0};                 ///< 0: never
   Duration frame_timeout = std::chrono::seconds(10);
   routing::NetworkList allow;      ///< empty: everyone
-  routing::NetworkList read_only;  ///< clients that may not write
-  routing::NetworkList keep;  ///< clients whose connection is never closed in favour of another
+  routing::ClientList read_only;  ///< clients that may not write
+  routing::ClientList keep;  ///< clients whose connection is never closed in favour of another
+  /// Limits and turns count clients by the names of their certificates instead of their addresses.
+  bool counts_certificates = false;
   std::optional<BusId> bus;   ///< set: a transparent listener of this bus
   bool broadcast = false;     ///< transparent listeners: unit 0 is sent to the bus
   routing::BroadcastReply broadcast_reply = routing::BroadcastReply::echo;

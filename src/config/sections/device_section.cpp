@@ -98,7 +98,7 @@ void read_devices(Draft& draft) {
     read_drive(draft, table, device);
     read_timing(draft, table, device);
     check_address_of_profile(draft, table, device);
-    draft.settings.guards.push_back(read_guard(table, device));
+    draft.settings.guards.push_back(read_guard(draft, table, device));
     draft.settings.devices.push_back(std::move(device));
   }
   check_broadcast_address(draft);

@@ -10,7 +10,7 @@ namespace {
 using gateway::DeviceGuard;
 using gateway::WriterRule;
 
-void read_writer(TomlTable& table, DeviceGuard& guard) {
+void read_writer(Draft& draft, TomlTable& table, DeviceGuard& guard) {
   constexpr std::array kRules = {Word{"any", WriterRule::any}, Word{"first", WriterRule::first}};
   const auto* found = table.value("writer");
   if (found == nullptr) {
@@ -27,7 +27,7 @@ void read_writer(TomlTable& table, DeviceGuard& guard) {
                 "nobody write");
   } else if (std::holds_alternative<std::vector<TomlValue>>(found->data)) {
     guard.writer = WriterRule::listed;
-    guard.writers = read_networks(table, "writer");
+    guard.writers = read_clients(draft, table, "writer");
   } else {
     table.report_expected("writer", *found,
                           R"("any", "first", or a list of addresses such as ["192.168.10.5"])");
@@ -43,6 +43,9 @@ void check_hold(TomlTable& table, const DeviceGuard& guard) {
 void check_occasions(TomlTable& table) {
   const auto* writes = table.value("failsafe");
   const bool has_writes = writes != nullptr && !is_empty_list(*writes);
+  if (table.has("failsafe_clients") && !has_writes) {
+    table.error("failsafe_clients", "needs 'failsafe': what is written when these clients have gone");
+  }
   if (table.has("quiet") && !has_writes) {
     table.error("quiet", "needs 'failsafe': what is written after so long a silence");
   }
@@ -53,11 +56,12 @@ void check_occasions(TomlTable& table) {
 
 }  // namespace
 
-gateway::DeviceGuard read_guard(TomlTable& table, const drive::Device& device) {
+gateway::DeviceGuard read_guard(Draft& draft, TomlTable& table, const drive::Device& device) {
   DeviceGuard guard;
   read_keys(table, guard_keys(), guard);
-  read_writer(table, guard);
+  read_writer(draft, table, guard);
   check_hold(table, guard);
+  guard.failsafe_clients = read_clients(draft, table, "failsafe_clients");
   guard.failsafe = read_failsafe(table, device);
   check_occasions(table);
   return guard;

@@ -50,10 +50,19 @@ void check_open(Draft& draft, TomlTable& table, const ListenerSettings& listener
   }
 }
 
-void read_access(TomlTable& table, ListenerSettings& listener) {
+void read_identity(TomlTable& table, ListenerSettings& listener) {
+  constexpr std::array kIdentities = {Word{"address", false}, Word{"certificate", true}};
+  assign(listener.counts_certificates, table.word<bool>("identity", kIdentities));
+  if (listener.counts_certificates && !table.has("tls")) {
+    table.error("identity", "\"certificate\" belongs to a listener with 'tls'");
+  }
+}
+
+void read_access(Draft& draft, TomlTable& table, ListenerSettings& listener) {
   listener.allow = read_networks(table, "allow");
-  listener.read_only = read_networks(table, "read_only");
-  listener.keep = read_networks(table, "keep");
+  listener.read_only = read_clients(draft, table, "read_only");
+  listener.keep = read_clients(draft, table, "keep");
+  read_identity(table, listener);
   const auto* allowed = table.value("allow");
   if (allowed != nullptr && is_empty_list(*allowed)) {
     table.error("allow", "expected at least one address; leave the key out to let everyone in");
@@ -122,7 +131,7 @@ void read_listeners(Draft& draft) {
     read_address(table, listener);
     read_handshakes(draft, table, listener);
     check_port(draft, listener);
-    read_access(table, listener);
+    read_access(draft, table, listener);
     check_open(draft, table, listener);
     read_transparent(draft, table, listener);
     draft.settings.listeners.push_back(std::move(listener));

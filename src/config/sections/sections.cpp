@@ -128,6 +128,31 @@ routing::NetworkList read_networks(TomlTable& table, std::string_view key) {
   return networks;
 }
 
+routing::ClientList read_clients(Draft& draft, TomlTable& table, std::string_view key) {
+  constexpr std::string_view kRole = "role:";
+  constexpr std::string_view kCertificate = "certificate:";
+  routing::ClientList clients;
+  for (const auto& [text, position] : table.strings(key).value_or(std::vector<TomlText>())) {
+    const bool is_role = text.starts_with(kRole);
+    const bool is_certificate = text.starts_with(kCertificate) && text != kCertificate;
+    if ((is_role || is_certificate) && draft.settings.tls.empty()) {
+      table.error(key, in_quotes(text) + " is for clients with a certificate: there is no [[tls]]");
+    } else if (is_role) {
+      clients.roles.push_back(text.substr(kRole.size()));
+    } else if (is_certificate) {
+      clients.certificates.push_back(text.substr(kCertificate.size()));
+    } else if (const auto network = routing::Network::parse(text)) {
+      clients.networks.push_back(*network);
+    } else {
+      table.report_expected(key, {position, text},
+                            "an address or a block without bits beyond its prefix, such as "
+                            "\"192.168.10.0/24\", or, of clients with TLS, \"role:NAME\" or "
+                            "\"certificate:NAME\"");
+    }
+  }
+  return clients;
+}
+
 void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,
                   std::string_view what) {
   auto& again = tables.back();

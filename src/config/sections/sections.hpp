@@ -119,7 +119,7 @@ void read_own_stops(TomlTable& table, drive::Device& device);
 std::vector<modbus::Request> read_failsafe(TomlTable& table, const drive::Device& device);
 
 /// `writer`, `failsafe`, ... of a device.
-gateway::DeviceGuard read_guard(TomlTable& table, const drive::Device& device);
+gateway::DeviceGuard read_guard(Draft& draft, TomlTable& table, const drive::Device& device);
 
 /// An address or a block in CIDR form, read from `found` at `key`; nothing if it is neither.
 std::optional<routing::Network> read_network(TomlTable& table, std::string_view key,
@@ -135,6 +135,8 @@ bool stands_nowhere(TomlTable root, std::string_view key);
 
 /// A list of addresses and blocks.
 routing::NetworkList read_networks(TomlTable& table, std::string_view key);
+/// A list of addresses and blocks, "role:NAME" and "certificate:NAME".
+routing::ClientList read_clients(Draft& draft, TomlTable& table, std::string_view key);
 
 /// The device's own values, added to those of its profile. `file` is nullptr if the profile has no
 /// file.

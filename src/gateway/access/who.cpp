@@ -110,7 +110,7 @@ WhoAnswer by_writer(const SettingsSnapshot& settings, const ClientInfo& client,
     for (const std::size_t place : settings.devices.reached_by(transaction)) {
       const DeviceGuard* guard = settings.guard(place);
       if (guard != nullptr && guard->writer == WriterRule::listed &&
-          !routing::contains(guard->writers, client.address)) {
+          !guard->writers.contains(client.address, client.role)) {
         return denied("writer of device " + settings.settings.devices[place].name, code,
                       DenyingKey{KeyName::writer, place});
       }
@@ -153,7 +153,7 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
   if (!may_connect(settings.settings, client)) {
     return refused("the access rules: none permits this address anything here");
   }
-  const routing::ClientRights rights{routing::contains(listener.read_only, client.address)};
+  const routing::ClientRights rights{listener.read_only.contains(client.address, client.role)};
   if (settings.settings.status_unit == unit) {
     return of_own_unit(settings, client, unit, request, rights);
   }

@@ -8,7 +8,7 @@
 
 namespace mbgate::gateway {
 bool AddressLimits::is_full(const ClientInfo& info, const ListenerSettings& listener) const {
-  const auto known = entries_.find(place_of(info));
+  const auto known = entries_.find(place_of(info, listener));
   return known != entries_.end() &&
          known->second.connections >= listener.max_connections_per_address;
 }
@@ -16,16 +16,16 @@ bool AddressLimits::is_full(const ClientInfo& info, const ListenerSettings& list
 bool AddressLimits::comes_too_often(const ClientInfo& info, const ListenerSettings& listener,
                                     Instant now) const {
   const unsigned most = listener.max_connects_per_second;
-  const auto known = entries_.find(place_of(info));
+  const auto known = entries_.find(place_of(info, listener));
   return most > 0 && known != entries_.end() && known->second.connects.next(most, now) > now;
 }
 
-void AddressLimits::came(const ClientInfo& info, const ListenerSettings& listener, Instant now) {
+void AddressLimits::came(const ClientSession& session, Instant now) {
   forget(now);
-  Entry& entry = entries_[place_of(info)];
+  Entry& entry = entries_[place_of(session)];
   ++entry.connections;
-  if (listener.max_connects_per_second > 0) {
-    entry.connects.take(listener.max_connects_per_second, now);
+  if (const unsigned most = session.listener().max_connects_per_second; most > 0) {
+    entry.connects.take(most, now);
   }
 }
 
@@ -113,8 +113,8 @@ std::vector<ClientSession*> AddressLimits::give_back(ClientSession& session, Ins
   return moved;
 }
 
-bool AddressLimits::is_news(const ClientInfo& info, Instant now) {
-  std::optional<Instant>& told_at = entries_.at(place_of(info)).told_at;
+bool AddressLimits::is_news(const ClientSession& session, Instant now) {
+  std::optional<Instant>& told_at = entries_.at(place_of(session)).told_at;
   if (told_at && now < *told_at + kHeldToldEvery) {
     return false;
   }

@@ -28,7 +28,7 @@ class AddressLimits {
   [[nodiscard]] bool comes_too_often(const ClientInfo& info, const ListenerSettings& listener,
                                      Instant now) const;
   /// A connection was let in, or is gone.
-  void came(const ClientInfo& info, const ListenerSettings& listener, Instant now);
+  void came(const ClientSession& session, Instant now);
   void left(const ClientSession& session);
 
   /// May the next request of the client be taken? If not, its turn is at `session.held_until`. The
@@ -39,7 +39,7 @@ class AddressLimits {
   /// It has no request that its turn could be for. Returns whose turn comes earlier now.
   std::vector<ClientSession*> give_back(ClientSession& session, Instant now);
   /// To be told to the operator now, that requests of this address are held up? Once a minute.
-  bool is_news(const ClientInfo& info, Instant now);
+  bool is_news(const ClientSession& session, Instant now);
 
  private:
   friend struct mbgate::StateReader;
@@ -56,7 +56,9 @@ class AddressLimits {
     std::vector<Waiting> line;  ///< in the order of their turns
     std::optional<Instant> told_at;
   };
-  static Key place_of(const ClientInfo& info) { return {info.listener, key_of(info)}; }
+  static Key place_of(const ClientInfo& info, const ListenerSettings& listener) {
+    return {info.listener, key_of(info, listener)};
+  }
   static Key place_of(const ClientSession& session) {
     return {session.info().listener, session.key()};
   }

@@ -13,7 +13,7 @@ void ClientDoor::connected(ClientId client, const ClientInfo& info, Phase phase,
     return;
   }
   if (const ClientSession* session = sessions_.add(client, info, now)) {
-    limits_.came(info, session->listener(), now);
+    limits_.came(*session, now);
     failsafe_.client_came(*session);
   }
 }
@@ -25,12 +25,12 @@ bool ClientDoor::admit(const ClientInfo& info, Phase phase, Instant now) {
   }
   auto reason = objection(info, phase, now);
   if (!reason && limits_.is_full(info, listener)) {
-    reason = make_room(to_replace(sessions_, info.listener, key_of(info)),
+    reason = make_room(to_replace(sessions_, info.listener, key_of(info, listener)),
                        RefusalReason::address_full, now);
   }
   if (!reason && sessions_.is_full(info.listener)) {
     reason =
-        make_room(to_displace(sessions_, info.listener, key_of(info)), RefusalReason::full, now);
+        make_room(to_displace(sessions_, info.listener, key_of(info, listener)), RefusalReason::full, now);
   }
   if (reason) {
     refuse(info, *reason);
@@ -78,7 +78,7 @@ bool ClientDoor::may_ask(ClientSession& session, Instant now) {
   if (session.held_until && !was_held) {
     failsafe_.client_asked(session.id(), now);
     ++sessions_.counters(session.info().listener).held_up;
-    if (limits_.is_news(session.info(), now)) {
+    if (limits_.is_news(session, now)) {
       actions_.push(Report{ClientHeldUp{session.info().listener, session.info().address}});
     }
   }

@@ -13,14 +13,14 @@ ClientSession::ClientSession(ClientId id, const ClientInfo& info, const Listener
       last_activity(now),
       id_(id),
       info_(info),
-      key_(key_of(info)),
+      key_(key_of(info, listener)),
       listener_(&listener),
-      rights_{routing::contains(listener.read_only, info.address)},
+      rights_{listener.read_only.contains(info.address, info.role)},
       seen_empty_(now) {}
 
 void ClientSession::adopt(const ListenerSettings& listener) {
   listener_ = &listener;
-  rights_ = {routing::contains(listener.read_only, info_.address)};
+  rights_ = {listener.read_only.contains(info_.address, info_.role)};
 }
 
 Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant now) {

@@ -27,7 +27,7 @@ std::vector<ClientSession*> displaceable(Sessions& sessions, ListenerId listener
   std::vector<ClientSession*> all;
   sessions.for_each([&](ClientSession& session) {
     if (session.info().listener == listener &&
-        !routing::contains(session.listener().keep, session.info().address)) {
+        !session.listener().keep.contains(session.info().address, session.info().role)) {
       all.push_back(&session);
     }
   });

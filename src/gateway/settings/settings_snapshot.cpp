@@ -77,8 +77,12 @@ DevicePlaces SettingsSnapshot::watched_for(const ClientInfo& client,
   };
   DevicePlaces places = watched_[static_cast<std::size_t>(client.listener)];
   const auto denied = std::ranges::remove_if(places, [&](std::size_t place) {
-    return (guard(place)->writer == WriterRule::listed &&
-            !routing::contains(guard(place)->writers, client.address)) ||
+    const DeviceGuard& rules = *guard(place);
+    const bool counts = rules.failsafe_clients.empty() ||
+                        rules.failsafe_clients.contains(client.address, client.role);
+    return !counts ||
+           (rules.writer == WriterRule::listed &&
+            !rules.writers.contains(client.address, client.role)) ||
            is_denied_by_rules(place);
   });
   places.erase(denied.begin(), denied.end());

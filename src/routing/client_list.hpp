@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// A list of clients in the configuration: by address, by the role in their certificate, or by its
+// name.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "routing/client_address.hpp"
+#include "routing/client_role.hpp"
+
+namespace mbgate::routing {
+
+struct ClientList {
+  ClientList() = default;
+  ClientList(std::initializer_list<Network> blocks) : networks(blocks) {}
+
+  [[nodiscard]] bool empty() const {
+    return networks.empty() && roles.empty() && certificates.empty();
+  }
+  /// Is it the client's address, its role or its certificate? A role that cannot be read is none.
+  [[nodiscard]] bool contains(const ClientAddress& address, const ClientRole& role) const;
+  friend bool operator==(const ClientList&, const ClientList&) = default;
+
+  NetworkList networks{};
+  std::vector<std::string> roles{};         ///< "": the NULL role
+  std::vector<std::string> certificates{};  ///< common names
+};
+
+}  // namespace mbgate::routing
