@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "app/command_line.hpp"
+#include "app/configuration/digest.hpp"
 #include "app/held_signals.hpp"
 #include "app/log.hpp"
 #include "app/recording.hpp"
@@ -66,6 +67,9 @@ Configuration load(const Options& options) {
                          : config::read_config_files(options.config);
   Configuration configuration;
   configuration.loaded = config::load_settings(files, {.folder = options.profiles});
+  configuration.digest = config_digest(files, configuration.loaded.profiles);
+  configuration.digested = options.text ? "these options, --print-config | sha256sum"
+                                        : digest_command(files, configuration.loaded.profiles);
   if (configuration.loaded.settings && !options.print) {
     configuration.tls =
         io::load_tls(*configuration.loaded.settings,
@@ -167,7 +171,8 @@ int print_check(const Configuration& checked, const std::string& file) {
   if (!checked.tls.failures.empty()) {
     return EX_CONFIG;
   }
-  std::cout << config::check_summary(settings) << '\n';
+  std::cout << config::check_summary(settings) << "\nsha256 " << checked.digest << ": "
+            << checked.digested << '\n';
   return EXIT_SUCCESS;
 }
 

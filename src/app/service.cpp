@@ -12,6 +12,7 @@
 #include <utility>
 #include <variant>
 
+#include "app/configuration/digest.hpp"
 #include "app/held_signals.hpp"
 #include "app/journal/event_topic.hpp"
 #include "app/systemd.hpp"
@@ -67,6 +68,7 @@ Service::Service(Configuration first, About about, Read read, Log& log, io::Reco
       read_(std::move(read)),
       signals_(context_, SIGTERM, SIGINT, SIGHUP),
       blocking_(context_),
+      digest_(std::move(first.digest)),
       status_timer_(context_),
       failures_(first.loaded.settings->buses.size()),
       certificates_(context_, log),
@@ -123,6 +125,7 @@ int Service::run() {
   driver_.start();
   control_.set_end(io::end_of_client_descriptors(driver_.settings()));
   start_control();
+  log_.write(Level::info, in_force_text(digest_), {.id = message_id::kConfigurationDigest});
   log_.observe([this](Level level, const std::string& text) { control_.tell(level, text); });
   http_.begin(driver_.settings().http);
   stored_.end_unclaimed();
@@ -241,8 +244,8 @@ gateway::StatusReport Service::report_status(bool with_clients) const {
 }
 
 ProcessStatus Service::process_status() const {
-  return {about_.version, about_.config,          read_at_,
-          is_refused_,    certificates_.status(), certificates_.failures()};
+  return {about_.version,         about_.config,           read_at_, is_refused_, digest_,
+          certificates_.status(), certificates_.failures()};
 }
 
 void Service::clear_counters() {

@@ -32,8 +32,10 @@ namespace mbgate::app {
 struct Configuration {
   config::Loaded loaded;
   std::vector<gateway::ConfigFile> files;
-  io::LoadedTls tls{};  ///< if there are settings
-  std::string failure;  ///< why it could not be read; else empty
+  std::string digest{};    ///< config_digest()
+  std::string digested{};  ///< digest_command()
+  io::LoadedTls tls{};     ///< if there are settings
+  std::string failure;     ///< why it could not be read; else empty
 };
 
 /// What the process is and runs with, for those who ask.
@@ -116,6 +118,7 @@ class Service final : public io::DriverObserver, public ControlTarget {
   bool reloading_ = false;   ///< from the reading on
   bool read_again_ = false;  ///< a reload was requested meanwhile
   bool is_refused_ = false;  ///< the last reload
+  std::string digest_;       ///< of the configuration in force
   std::vector<std::string> reload_messages_;
   std::vector<ReloadEnded> reload_asked_;    ///< to be told of the next reading
   std::vector<ReloadEnded> reload_waiting_;  ///< of the one that runs

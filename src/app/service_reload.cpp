@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "app/changes.hpp"
+#include "app/configuration/digest.hpp"
 #include "app/service.hpp"
 #include "app/systemd.hpp"
 #include "gateway/settings/numbering.hpp"
@@ -159,6 +160,9 @@ bool Service::change(const Configuration& read) {
   }
   say_of_reload(Level::info, changes.empty() ? "reload: nothing has changed" : "reload: done",
                 message_id::kConfigurationInForce);
+  const std::string digest_before = std::exchange(digest_, read.digest);
+  say_of_reload(Level::info, in_force_text(digest_, digest_before),
+                message_id::kConfigurationDigest);
   if (before.lock_memory != next.lock_memory) {
     say_of_reload(Level::warning, "reload: lock_memory takes effect at the next start",
                   message_id::kConfigurationNextStart);

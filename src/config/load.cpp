@@ -31,6 +31,7 @@ Loaded read(TomlDocument document, ProfileSearch search) {
     }
     loaded.settings = std::move(draft.settings);
     of_profiles = draft.library.diagnostics();
+    loaded.profiles = draft.library.files();
   }
   loaded.diagnostics = document.finish();
   std::ranges::move(of_profiles, std::back_inserter(loaded.diagnostics));

@@ -24,6 +24,8 @@ struct Loaded {
   /// that they name.
   std::vector<Diagnostic> diagnostics;
   KeyPlaces places{};  ///< beside the settings
+  /// The files of the profiles that the devices use, by the names of the profiles.
+  std::vector<TextFile> profiles{};
 };
 
 /// Where to look for the profiles that a configuration names.

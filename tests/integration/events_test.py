@@ -37,7 +37,7 @@ class Events(ControlCase):
     def test_events_go_on_after_the_last_one(self):
         first = self.events()
         self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
-        had = first.find("reload: nothing has changed")[-1]
+        had = first.find("configuration in force")[-1]
         first.close()
         self.edit("baud = 9600", "baud = 0")
         self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 422)

@@ -159,6 +159,7 @@ class JournalTest(unittest.TestCase):
 
     def test_without_a_journal_there_are_lines_with_their_priority(self):
         self.start()
+        self.assertRegex(self.lines.get(timeout=PATIENCE), "^<6>configuration in force: sha256 [0-9a-f]{64}$")
         self.assertRegex(self.lines.get(timeout=PATIENCE), r"^listening plant 127\.0\.0\.1:\d+$")
         self.assertEqual(self.lines.get(timeout=PATIENCE), "<5>bus axes is open")
         self.assertEqual(self.end(), (0, ["<6>stopping"]))

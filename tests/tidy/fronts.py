@@ -6,6 +6,7 @@ HERE = "tests/tidy/fronts.py"
 # The folders within the modules, and their front headers: those that others may include. The other headers of a folder, and of
 # the folders in it, are its own; its tests see them, and those that stand beside the folders of tests/unit/MODULE.
 FRONTS = {
+    "app/configuration": {"digest"},
     "app/control": {"control"},
     "app/journal": {"entry", "event_topic", "journal"},
     "app/metrics": {"metrics", "process_status"},
@@ -51,7 +52,7 @@ FRONTS = {
     "io/clients": {"client_connections", "descriptors", "hangup_watch", "listening_socket", "open_listeners", "server_set", "tcp_server"},
     "io/denials": {"advice", "denials", "starter"},
     "io/lines": {"line_set"},
-    "io/tls": {"load_tls", "openssl_handles", "pem_files", "remote_key", "signer_client", "tls_door"},
+    "io/tls": {"load_tls", "openssl_handles", "pem_files", "remote_key", "sha256", "signer_client", "tls_door"},
     "io/uplink": {"tls_uplink"},
     "sim/drives": {"device"},
     "sim/program": {"simulator"},

@@ -218,6 +218,7 @@ object status_json(const gateway::StatusReport& report, const ProcessStatus& pro
           {"configuration",
            {{"file", valid_utf8(process.config)},
             {"read_at", utc_second(process.config_read_at) + "Z"},
+            {"sha256", process.config_digest},
             {"reload_refused", process.reload_refused}}},
           {"certificates", array_of(process.certificates, certificate_json)},
           {"requests", report.counters.requests},

@@ -87,6 +87,7 @@ inline constexpr MessageId kStartRefused{"f84cef9840a24f8e8ffccb45a536b8c8"};
 inline constexpr MessageId kConfigurationKept{"682a9774e7134eaab32c70cb334467b2"};
 inline constexpr MessageId kConfigurationChanged{"d215b9b94ba94413b0322aa45a6a9e62"};
 inline constexpr MessageId kConfigurationInForce{"1012fa2b62c74254a46df57d948a5219"};
+inline constexpr MessageId kConfigurationDigest{"4b15b0ab6eed43c5827bc1e56014abf0"};
 inline constexpr MessageId kConfigurationNextStart{"9aa469bf78924912af6a68d864e086cd"};
 inline constexpr MessageId kCertificateWrong{"252fe903f1f44d6a84d74075a127b761"};
 inline constexpr MessageId kCertificateEnds{"ad923bfe738147598f7109d802abb3fc"};

@@ -21,6 +21,8 @@ void add_process(MetricBook& book, const gateway::StatusReport& report,
   book.gauge({"mbgate_config_last_reload_successful",
               "Whether the configuration file was taken when it was last read."},
              {}, process.reload_refused ? 0 : 1);
+  book.gauge({"mbgate_config_info", "The SHA-256 of the files of the configuration in force."},
+             {{"sha256", process.config_digest}}, 1);
   const auto read_at = process.config_read_at.time_since_epoch();
   book.gauge({"mbgate_config_last_reload_success_timestamp_seconds",
               "When the configuration in force was read."},

@@ -24,6 +24,7 @@ struct ProcessStatus {
   std::string config;  ///< path of the configuration file
   std::chrono::system_clock::time_point config_read_at;
   bool reload_refused = false;  ///< the last one: the settings in force are older than the file
+  std::string config_digest{};  ///< config_digest() of the configuration in force
   std::vector<CertificateStatus> certificates{};
   /// By listener: clients without a handshake, and those that a reload ended because of their
   /// certificates. Others: none.

@@ -284,6 +284,10 @@ LoadedProfile load_profile(const std::filesystem::path& path) {
   return read(TomlDocument::load(path));
 }
 
+LoadedProfile load_profile(const TextFile& file) {
+  return read(TomlDocument::parse(std::vector{file}));
+}
+
 LoadedProfile load_profile_text(std::string path, std::string_view text) {
   return read(TomlDocument::parse(std::move(path), text));
 }

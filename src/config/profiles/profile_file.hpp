@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "config/diagnostic.hpp"
+#include "config/text_file.hpp"
 #include "drive/profile.hpp"
 
 namespace mbgate::config {
@@ -75,6 +76,9 @@ struct LoadedProfile {
 
 /// Reads a file; `name` in it must be the name of the file without ".toml".
 LoadedProfile load_profile(const std::filesystem::path& path);
+
+/// The same for a file that was read before.
+LoadedProfile load_profile(const TextFile& file);
 
 /// The same for a text; `path` is the file name in the diagnostics.
 LoadedProfile load_profile_text(std::string path, std::string_view text);

@@ -55,7 +55,8 @@ const ProfileFile* ProfileLibrary::find(std::string_view name) {
   }
   std::unique_ptr<ProfileFile> file;
   if (const auto path = file_of(name); !path.empty()) {
-    auto loaded = load_profile(path);
+    const TextFile& text = files_.emplace(name, read_text_file(path)).first->second;
+    auto loaded = load_profile(text);
     std::ranges::move(loaded.diagnostics, std::back_inserter(diagnostics_));
     if (loaded.file) {
       file = std::make_unique<ProfileFile>(*std::move(loaded.file));
@@ -64,6 +65,14 @@ const ProfileFile* ProfileLibrary::find(std::string_view name) {
     file = generic();
   }
   return read_.emplace(name, std::move(file)).first->second.get();
+}
+
+std::vector<TextFile> ProfileLibrary::files() const {
+  std::vector<TextFile> files;
+  for (const auto& [name, file] : files_) {
+    files.push_back(file);
+  }
+  return files;
 }
 
 std::vector<std::string> ProfileLibrary::names() const {

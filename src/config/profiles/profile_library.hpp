@@ -11,6 +11,7 @@
 
 #include "config/diagnostic.hpp"
 #include "config/profiles/profile_file.hpp"
+#include "config/text_file.hpp"
 
 namespace mbgate::config {
 
@@ -39,6 +40,8 @@ class ProfileLibrary {
   [[nodiscard]] const ProfileFolders& folders() const { return folders_; }
   /// What was wrong in the files read so far, each file once.
   [[nodiscard]] const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
+  /// The files read so far, by the names of their profiles.
+  [[nodiscard]] std::vector<TextFile> files() const;
 
  private:
   [[nodiscard]] std::filesystem::path file_of(std::string_view name) const;
@@ -46,6 +49,7 @@ class ProfileLibrary {
   ProfileFolders folders_;
   std::map<std::string, std::unique_ptr<ProfileFile>, std::less<>> read_;  // nullptr: wrong
   std::vector<Diagnostic> diagnostics_;
+  std::map<std::string, TextFile, std::less<>> files_;
 };
 
 /// "no profile is named "x"; did you mean 'y'?", or which ones there are, or where none was found.

@@ -210,6 +210,9 @@ std::string status_text(const object& status) {
                     age(number(status, "uptime_s")) + ", " + text(configuration, "file") +
                     " as of " + text(configuration, "read_at") + ", " +
                     counted(number(status, "requests"), "request") + "\n";
+  if (configuration.contains("sha256")) {  // not of an mbgated of before an upgrade
+    all += "Configuration: sha256 " + text(configuration, "sha256") + "\n";
+  }
   if (configuration.at("reload_refused").as_bool()) {
     all += "The last reload was refused: the settings in force are older than the file.\n";
   }

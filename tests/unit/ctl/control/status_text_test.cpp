@@ -49,6 +49,23 @@ lift    line-a  1        answering        5         0        0     0      -     
 )");
 }
 
+TEST(StatusText, NamesTheConfigurationByItsDigest) {
+  boost::json::object configuration{{"file", "f"}, {"read_at", "now"}, {"reload_refused", false}};
+  const auto shown = [&configuration] {
+    return status_text({{"version", "1"},
+                        {"uptime_s", 7},
+                        {"configuration", configuration},
+                        {"requests", 5},
+                        {"diagnoses", boost::json::array()},
+                        {"buses", boost::json::array()},
+                        {"devices", boost::json::array()},
+                        {"clients", boost::json::array()}});
+  };
+  EXPECT_EQ(shown().find("sha256"), std::string::npos);
+  configuration["sha256"] = "ba78";
+  EXPECT_NE(shown().find("5 requests\nConfiguration: sha256 ba78\n"), std::string::npos);
+}
+
 TEST(StatusText, SaysForHowLongADeviceIsNotWell) {
   EXPECT_EQ(device_table({listed("axis", "answering", "{}", 9000),
                           listed("fan", "not asked", "{}", nullptr),

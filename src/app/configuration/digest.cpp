@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/configuration/digest.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "io/tls/sha256.hpp"
+
+namespace mbgate::app {
+namespace {
+
+constexpr std::string_view kPlain =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789/._-+,:@%";
+
+/// As a shell takes it for one word.
+std::string word(const std::string& path) {
+  if (!path.empty() && path.find_first_not_of(kPlain) == std::string::npos) {
+    return path;
+  }
+  std::string quoted = "'";
+  for (const char letter : path) {
+    quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
+  }
+  return quoted + "'";
+}
+
+}  // namespace
+
+std::string config_digest(const std::vector<config::TextFile>& files,
+                          const std::vector<config::TextFile>& profiles) {
+  std::vector<std::string_view> texts;
+  for (const auto* const group : {&files, &profiles}) {
+    for (const config::TextFile& file : *group) {
+      texts.emplace_back(file.text);
+    }
+  }
+  return io::sha256(texts);
+}
+
+std::string digest_command(const std::vector<config::TextFile>& files,
+                           const std::vector<config::TextFile>& profiles) {
+  std::string command = "cat";
+  for (const auto* const group : {&files, &profiles}) {
+    for (const config::TextFile& file : *group) {
+      command += " " + word(file.name);
+    }
+  }
+  return command + " | sha256sum";
+}
+
+std::string in_force_text(const std::string& digest, const std::string& before) {
+  return "configuration in force: sha256 " +
+         (before.empty() || before == digest ? digest : before + " -> " + digest);
+}
+
+}  // namespace mbgate::app

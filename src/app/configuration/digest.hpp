@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which configuration it is: the SHA-256 of its files, so that an operator can tell whether what is
+// in force is what lies on the disk, or what was released.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "config/text_file.hpp"
+
+namespace mbgate::app {
+
+/// Of the files one behind the other: the main file, those of conf.d, those of the profiles that it
+/// uses, in the order of digest_command().
+std::string config_digest(const std::vector<config::TextFile>& files,
+                          const std::vector<config::TextFile>& profiles);
+
+/// What says the same in a shell: "cat /etc/mbgate/mbgate.toml ... | sha256sum".
+std::string digest_command(const std::vector<config::TextFile>& files,
+                           const std::vector<config::TextFile>& profiles);
+
+/// For the journal. `before`: of the configuration that was in force until now; empty: there was
+/// none.
+std::string in_force_text(const std::string& digest, const std::string& before = {});
+
+}  // namespace mbgate::app

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tls/sha256.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace mbgate::io {
+namespace {
+
+// FIPS 180-2, appendix B.1.
+constexpr const char* kOfAbc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+
+TEST(Sha256, IsThatOfTheStandard) {
+  EXPECT_EQ(sha256("abc"), kOfAbc);
+  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+}
+
+TEST(Sha256, IsTheSameHoweverTheTextIsCut) {
+  constexpr std::array<std::string_view, 3> kParts = {"a", "", "bc"};
+  EXPECT_EQ(sha256(kParts), kOfAbc);
+}
+
+}  // namespace
+}  // namespace mbgate::io
