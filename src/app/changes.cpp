@@ -2,10 +2,12 @@
 #include "app/changes.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <type_traits>
 
+#include "app/configuration/route_changes.hpp"
 #include "config/keys/keys.hpp"
 
 namespace mbgate::app {
@@ -166,35 +168,36 @@ void compare_all(std::vector<std::string>& changes, const char* kind, const Sett
   }
 }
 
-/// How many of these are not among the others.
-std::size_t count_missing(const std::vector<routing::Route>& these,
-                          std::vector<routing::Route> others) {
-  std::size_t missing = 0;
-  for (const auto& route : these) {
-    const auto same = std::ranges::find(others, route);
-    if (same == others.end()) {
-      ++missing;
-    } else {
-      others.erase(same);
-    }
-  }
-  return missing;
-}
-
-void note_count(std::vector<std::string>& changes, std::size_t count, const char* what) {
-  if (count > 0) {
-    changes.push_back(std::to_string(count) + (count == 1 ? " route " : " routes ") + what);
-  }
-}
-
 /// They may stand at other lines of the file.
-bool same_rules(std::vector<routing::AccessRule> a, std::vector<routing::AccessRule> b) {
-  for (auto* const rules : {&a, &b}) {
-    for (routing::AccessRule& rule : *rules) {
-      rule.place.clear();
+bool is_same(routing::AccessRule a, routing::AccessRule b) {
+  a.place.clear();
+  b.place.clear();
+  return a == b;
+}
+
+/// The titles of those that are not among the others.
+std::string titles_without(const std::vector<routing::AccessRule>& rules,
+                           const std::vector<routing::AccessRule>& others) {
+  std::string titles;
+  for (const routing::AccessRule& rule : rules) {
+    if (std::ranges::none_of(others, [&](const auto& other) { return is_same(rule, other); })) {
+      titles += (titles.empty() ? "" : ", ") + rule.title();
     }
   }
-  return a == b;
+  return titles;
+}
+
+void add_rules(std::vector<std::string>& changes, const std::vector<routing::AccessRule>& old,
+               const std::vector<routing::AccessRule>& next) {
+  if (std::ranges::equal(old, next, is_same)) {
+    return;
+  }
+  const std::string gone = titles_without(old, next);
+  const std::string come = titles_without(next, old);
+  changes.push_back(gone.empty() && come.empty()
+                        ? "access rules: in another order, or twice"
+                        : "access rules: " + (gone.empty() ? "none" : gone) + " -> " +
+                              (come.empty() ? "none" : come));
 }
 
 }  // namespace
@@ -219,11 +222,8 @@ std::vector<std::string> changes_between(const Settings& old, const Settings& ne
   compare_all(changes, "listener", old, next, &Settings::listeners);
   compare_all(changes, "bus", old, next, &Settings::buses);
   compare_all(changes, "device", old, next, &Settings::devices);
-  note_count(changes, count_missing(next.routes, old.routes), "added");
-  note_count(changes, count_missing(old.routes, next.routes), "removed");
-  if (!same_rules(old.rules, next.rules)) {
-    changes.emplace_back("access rules");
-  }
+  std::ranges::move(route_changes(old, next), std::back_inserter(changes));
+  add_rules(changes, old.rules, next.rules);
   if (!(old.weights == next.weights)) {
     changes.emplace_back("clients: weights");
   }

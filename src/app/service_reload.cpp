@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A reload: the configuration is read on a thread that may wait, and put into force if it is good.
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -148,13 +150,14 @@ bool Service::change(const Configuration& read) {
     }
   }
   forget_failures(before, next);
+  auto changes = changes_between(before, next);
+  std::ranges::move(certificates_.changes(read.tls.contexts), std::back_inserter(changes));
   use_certificates(read.tls.contexts, next);
   driver_.reload(*read.loaded.settings, gateway::config_lines(read.files));
   control_.set_end(io::end_of_client_descriptors(next));
   if (!(before.http == next.http)) {
     http_.reload(next.http);
   }
-  const auto changes = changes_between(before, next);
   for (const auto& change : changes) {
     say_of_reload(Level::notice, "reload: " + change, message_id::kConfigurationChanged);
   }

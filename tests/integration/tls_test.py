@@ -5,6 +5,7 @@ resumption, revocation, and what a reload does. tests/README.md says which claus
 
 import contextlib
 import datetime
+import hashlib
 import os
 import signal
 import ssl
@@ -291,6 +292,20 @@ class Reload(TlsCase):
         self.assert_served(stays)
         with self.assertRaisesRegex(ssl.SSLError, "CERTIFICATE_REVOKED"):
             self.plant.connect(context, session=revoked.session)
+
+    def test_a_reload_says_which_list_is_new(self):
+        self.reload("reload: nothing has changed$")
+        self.plant.authority.revoked.append(self.plant.operator)
+        self.plant.write_crl()
+        fingerprint = "(?:[0-9A-F]{2}:){7}[0-9A-F]{2}"
+        before, after = (rf"[-0-9]{{10}} [:0-9]{{8}} UTC, {count} revoked, {fingerprint} and .*" for count in (0, 1))
+        self.reload(rf"^notice: reload: \[\[tls\]\] ec: crl {before} -> {after}$")
+        self.plant.gateway.wait_for("^info: reload: done$")
+        shown = self.plant.authority.issue("ec", server=True, chain=[self.plant.authority.certificate])
+        self.plant.install("ec", shown)
+        said = self.reload(rf"^notice: reload: \[\[tls\]\] ec: certificate ({fingerprint}) -> ({fingerprint})$").group(2)
+        digest = hashlib.sha256(shown.certificate.public_bytes(serialization.Encoding.DER)).hexdigest().upper()
+        self.assertEqual(said, ":".join(digest[at : at + 2] for at in range(0, 16, 2)))
 
     def test_a_client_that_is_revoked_while_it_shakes_hands_is_refused(self):
         context = self.plant.context(self.plant.operator, VERSIONS[0])

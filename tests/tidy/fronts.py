@@ -6,9 +6,9 @@ HERE = "tests/tidy/fronts.py"
 # The folders within the modules, and their front headers: those that others may include. The other headers of a folder, and of
 # the folders in it, are its own; its tests see them, and those that stand beside the folders of tests/unit/MODULE.
 FRONTS = {
-    "app/configuration": {"digest"},
+    "app/configuration": {"digest", "route_changes"},
     "app/control": {"control"},
-    "app/journal": {"entry", "event_topic", "journal"},
+    "app/journal": {"entry", "event_line", "journal"},
     "app/metrics": {"metrics", "process_status"},
     "app/page": {"page_answer"},
     "app/tls": {"certificates"},

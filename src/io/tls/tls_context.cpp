@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/tls/fingerprint.hpp"
 #include "io/tls/pem_files.hpp"
 #include "io/tls/remote_key.hpp"
 #include "routing/role_extension.hpp"
@@ -94,6 +95,7 @@ std::optional<std::string> TlsContext::take_certificate(const std::string& path)
   if (!wrong) {
     const X509* const own = SSL_CTX_get0_certificate(context_.get());
     dates_.certificate_ends = time_of(X509_get0_notAfter(own));
+    contents_.certificate = fingerprint(*own);
   }
   return wrong;
 }
@@ -108,6 +110,8 @@ std::optional<std::string> TlsContext::take_trust(const gateway::TlsSettings& se
       return settings.authorities + ": " + take_openssl_error();
     }
   }
+  contents_.authorities = fingerprints(trusted->authorities);
+  contents_.lists = lists_text(trusted->lists);
   for (const auto& list : trusted->lists) {
     if (const ASN1_TIME* const ends = X509_CRL_get0_nextUpdate(list.get())) {
       const auto time = time_of(ends);

@@ -29,6 +29,13 @@ struct TlsDates {
   std::optional<std::chrono::system_clock::time_point> crl_ends{};  ///< none: there is no list
 };
 
+/// What of the files is in use, in words (io/tls/fingerprint).
+struct TlsContents {
+  std::string certificate;
+  std::string authorities;
+  std::string lists;  ///< of revoked certificates
+};
+
 class TlsContext {
  public:
   /// Reads the files, and asks mbgate-signer at this socket for the key; an empty socket: all but
@@ -45,6 +52,7 @@ class TlsContext {
   /// `chain` may be nullptr.
   std::optional<std::string> objection(X509* certificate, STACK_OF(X509) * chain) const;
   [[nodiscard]] const TlsDates& dates() const { return dates_; }
+  [[nodiscard]] const TlsContents& contents() const { return contents_; }
   /// Its session must not be taken up again.
   void forget_session_of(const SSL* ssl);
 
@@ -63,6 +71,7 @@ class TlsContext {
   ContextHandle context_;
   ResumableSessions sessions_;
   TlsDates dates_{};
+  TlsContents contents_{};
 };
 
 /// The role in this certificate, and its name.

@@ -88,12 +88,13 @@ TEST(Changes, NameWhatComesAndGoes) {
   next.devices.clear();
   next.routes[0].device.reset();
   next.routes.push_back(next.routes[0]);
-  next.routes[1].first_unit = 2;
+  next.routes[1].first_unit = next.routes[1].last_unit = 2;
   next.weights.push_back({*routing::Network::parse("10.0.0.1"), 4});
   EXPECT_THAT(changes(plant(), next),
               ElementsAre("listener plant removed", "listener office added", "bus line-b added",
-                          "device axis-x removed", "2 routes added", "1 route removed",
-                          "clients: weights"));
+                          "device axis-x removed",
+                          "route of unit 1: device axis-x -> bus line-a from address 0",
+                          "route of unit 2 added: bus line-a from address 0", "clients: weights"));
 }
 
 TEST(Changes, OfGuardsStandAtTheirDevice) {
@@ -112,7 +113,13 @@ TEST(Changes, OfRulesAreNotTheirLines) {
   next.rules[0].place = "mbgate.toml:13";
   EXPECT_THAT(changes(old, next), testing::IsEmpty());
   next.rules[0].permits = false;
-  EXPECT_THAT(changes(old, next), ElementsAre("access rules"));
+  EXPECT_THAT(changes(old, next), ElementsAre("access rules: mbgate.toml:12 -> mbgate.toml:13"));
+  EXPECT_THAT(changes(old, plant()), ElementsAre("access rules: mbgate.toml:12 -> none"));
+  next = old;
+  next.rules.emplace_back().permits = false;
+  old = next;
+  std::swap(next.rules[0], next.rules[1]);
+  EXPECT_THAT(changes(old, next), ElementsAre("access rules: in another order, or twice"));
 }
 
 }  // namespace

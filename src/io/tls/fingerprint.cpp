@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tls/fingerprint.hpp"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+
+namespace mbgate::io {
+namespace {
+
+/// Enough to tell one from another.
+constexpr std::size_t kShown = 8;
+
+using Digest = std::array<unsigned char, EVP_MAX_MD_SIZE>;
+
+std::string hex_pairs(const Digest& digest, std::size_t size) {
+  constexpr const char* kDigits = "0123456789ABCDEF";
+  std::string text;
+  for (std::size_t at = 0; at < std::min(size, kShown); ++at) {
+    text += at == 0 ? "" : ":";
+    text += kDigits[digest[at] >> 4U];
+    text += kDigits[digest[at] & 0xFU];
+  }
+  return text;
+}
+
+std::string made_at(const X509_CRL& list) {
+  std::tm parts{};
+  if (ASN1_TIME_to_tm(X509_CRL_get0_lastUpdate(&list), &parts) != 1) {
+    return "";
+  }
+  std::array<char, 32> text{};
+  const auto size = std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC, ", &parts);
+  return {text.data(), size};
+}
+
+std::string list_text(X509_CRL& list) {
+  Digest digest{};
+  unsigned size = 0;
+  X509_CRL_digest(&list, EVP_sha256(), digest.data(), &size);
+  const STACK_OF(X509_REVOKED)* const revoked = X509_CRL_get_REVOKED(&list);
+  const int count = revoked == nullptr ? 0 : sk_X509_REVOKED_num(revoked);
+  return made_at(list) + std::to_string(count) + " revoked, " + hex_pairs(digest, size);
+}
+
+}  // namespace
+
+std::string fingerprint(const X509& certificate) {
+  Digest digest{};
+  unsigned size = 0;
+  X509_digest(&certificate, EVP_sha256(), digest.data(), &size);
+  return hex_pairs(digest, size);
+}
+
+std::string fingerprints(const std::vector<CertificateHandle>& certificates) {
+  std::string text;
+  for (const CertificateHandle& certificate : certificates) {
+    text += (text.empty() ? "" : " and ") + fingerprint(*certificate);
+  }
+  return text;
+}
+
+std::string lists_text(const std::vector<CrlHandle>& lists) {
+  std::string text;
+  for (const CrlHandle& list : lists) {
+    text += (text.empty() ? "" : " and ") + list_text(*list);
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace mbgate::io
