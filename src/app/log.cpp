@@ -53,6 +53,10 @@ void Log::write(Level level, const std::string& text, const Topic& topic) {
   give(level, text, log_line(level, text, for_journal_), topic);
 }
 
+void Log::write_unobserved(Level level, const std::string& text, const Topic& topic) {
+  give(level, text, log_line(level, text, for_journal_), topic, false);
+}
+
 void Log::write_limited(Level level, const std::string& kind, const std::string& text,
                         const Topic& topic) {
   const auto verdict = limit_.count(kind, io::now());
@@ -74,7 +78,8 @@ void Log::print(std::string line, const Topic& topic) {
   give(Level::info, text, std::move(line), topic);
 }
 
-void Log::give(Level level, const std::string& text, std::string line, const Topic& topic) {
+void Log::give(Level level, const std::string& text, std::string line, const Topic& topic,
+               bool is_observed) {
   if (waiting_ >= kMostWaiting) {
     ++lost_;
     return;
@@ -95,7 +100,9 @@ void Log::give(Level level, const std::string& text, std::string line, const Top
     --waiting_;
   });
   if (observer_) {
-    observer_(level, text);
+    if (is_observed) {
+      observer_(level, text);
+    }
     if (!missing.empty()) {
       observer_(Level::warning, missing);
     }

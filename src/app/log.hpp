@@ -28,8 +28,8 @@ std::string log_line(Level level, const std::string& text, bool for_journal);
 
 class Log {
  public:
-  /// Told of every line that is given to the writer, on the thread that hands it in. What print()
-  /// takes is info: so the journal has it.
+  /// Told of every line that is given to the writer (but write_unobserved()), on the thread that
+  /// hands it in. What print() takes is info: so the journal has it.
   using Observer = std::function<void(Level, const std::string& text)>;
 
   /// send_to_journal(), or a test's replacement for it.
@@ -46,6 +46,9 @@ class Log {
   /// is written.
   void write_limited(Level level, const std::string& kind, const std::string& text,
                      const Topic& topic = {});
+  /// For the journal alone: the observer is not told, because those who read along keep what
+  /// somebody has to act on, and this may come many times a second.
+  void write_unobserved(Level level, const std::string& text, const Topic& topic = {});
   /// One at a time; an empty one ends it.
   void observe(Observer observer) { observer_ = std::move(observer); }
   /// The line exactly as it is; for the journal it is info.
@@ -56,7 +59,8 @@ class Log {
 
  private:
   /// `line` is `text` as it is written on standard error.
-  void give(Level level, const std::string& text, std::string line, const Topic& topic);
+  void give(Level level, const std::string& text, std::string line, const Topic& topic,
+            bool is_observed = true);
   /// Made on the thread that hands it in, so that the writer needs no memory.
   struct Entry {
     std::vector<std::string> fields;  ///< empty if it is not for the journal

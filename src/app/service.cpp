@@ -8,13 +8,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>
-#include <type_traits>
 #include <utility>
 #include <variant>
 
 #include "app/configuration/digest.hpp"
 #include "app/held_signals.hpp"
-#include "app/journal/event_topic.hpp"
+#include "app/journal/event_line.hpp"
 #include "app/systemd.hpp"
 #include "app/text.hpp"
 #include "io/as_tuple.hpp"
@@ -30,35 +29,6 @@ using gateway::ListenerId;
 
 /// systemd shows the status text; nobody reads it faster than this.
 constexpr std::chrono::seconds kStatusInterval{1};
-
-Level level_of(const gateway::Event& event) {
-  return std::visit(
-      [](const auto& value) {
-        using Kind = std::decay_t<decltype(value)>;
-        constexpr bool kOrdinary = std::is_same_v<Kind, gateway::BusOpened> ||
-                                   std::is_same_v<Kind, gateway::ClientDisplaced> ||
-                                   std::is_same_v<Kind, gateway::ClientFrameTimedOut>;
-        return kOrdinary ? Level::notice : Level::warning;
-      },
-      event);
-}
-
-/// Events of one kind at one place share a rate limit: a bus that flaps must not hide another.
-std::string kind_of(const gateway::Event& event) {
-  return std::visit(
-      [&](const auto& value) {
-        std::string kind = std::to_string(event.index());
-        if constexpr (requires { value.bus, value.address; }) {
-          return kind + " bus " + std::to_string(static_cast<std::uint32_t>(value.bus)) +
-                 " address " + std::to_string(value.address);
-        } else if constexpr (requires { value.bus; }) {
-          return kind + " bus " + std::to_string(static_cast<std::uint32_t>(value.bus));
-        } else {
-          return kind + " listener " + std::to_string(static_cast<std::uint32_t>(value.listener));
-        }
-      },
-      event);
-}
 
 }  // namespace
 
@@ -171,8 +141,7 @@ void Service::on_event(const gateway::Event& event) {
   if (const auto* const opened = std::get_if<gateway::BusOpened>(&event)) {
     failures_[static_cast<std::size_t>(opened->bus)].clear();
   }
-  log_.write_limited(level_of(event), kind_of(event), to_text(event, driver_.settings()),
-                     topic_of(event, driver_.settings()));
+  write_event(log_, event, driver_.settings());
 }
 
 void Service::on_line_warning(BusId bus, const std::string& warning) {

@@ -5,10 +5,12 @@
 
 #include <bitset>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "bus/bus.hpp"
+#include "gateway/asked.hpp"
 #include "gateway/settings.hpp"
 
 namespace mbgate::gateway {
@@ -141,21 +143,44 @@ struct UnitNotRouted {
   std::uint8_t unit;
   std::bitset<256> routed;  ///< the units that have a route on this listener
 };
-/// An access rule denies a request. Reported once a minute for each client.
-struct RequestDenied {
-  ListenerId listener;
-  routing::ClientAddress address;
-  std::uint8_t unit;
-  std::uint8_t function;
-  std::string by;          ///< which rule, or that none permits it
-  std::uint64_t left_out;  ///< that were denied since the last report
+/// Why a request was not done, and how many of the same client and kind were not reported before.
+struct Denied : Asked {
+  std::string by{};  ///< "denied by rule ...", "denied by read_only of listener plant"
+  std::uint64_t left_out = 0;
+};
+/// A read that its client may not make. Reported once a minute for each client.
+struct ReadDenied : Denied {};
+/// The same of a write.
+struct WriteDenied : Denied {};
+/// The same of a stop; ten times a minute for each client.
+struct StopDenied : Denied {};
+/// A write or a stop was accepted (`audit = true`): what becomes of it is not known yet. Each is
+/// reported.
+struct WriteAccepted : Asked {
+  bool is_stop = false;
+  /// Where all of it goes; nothing: to several.
+  struct Target {
+    BusId bus;
+    std::uint8_t address;
+    friend bool operator==(const Target&, const Target&) = default;
+  };
+  std::optional<Target> target{};
+};
+/// A client has set all counters to 0 (08/0A at the status unit).
+struct CountersCleared : Asked {
+  std::uint64_t left_out = 0;
+};
+/// A client has shown a certificate, and was let in.
+struct ClientLoggedIn : Asker {
+  std::uint64_t left_out = 0;
 };
 
-using Event = std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
-                           ClientDisplaced, ClientHeldUp, ClientFramingLost, ClientSpeaksRtu,
-                           ClientFrameTimedOut, LineNews, LineNeverSilent, Reconfigured,
-                           WriteEndedEarly, WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews,
-                           UnitNotRouted, RequestDenied>;
+using Event =
+    std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
+                 ClientDisplaced, ClientHeldUp, ClientFramingLost, ClientSpeaksRtu,
+                 ClientFrameTimedOut, LineNews, LineNeverSilent, Reconfigured, WriteEndedEarly,
+                 WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews, UnitNotRouted, ReadDenied,
+                 WriteDenied, StopDenied, WriteAccepted, CountersCleared, ClientLoggedIn>;
 
 /// One line for the journal. The names are taken from the settings.
 std::string to_text(const Event& event, const Settings& settings);

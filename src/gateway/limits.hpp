@@ -61,11 +61,28 @@ inline constexpr std::size_t kUnroutedTold = 256;
 /// a second after its last request, so that only a flood comes so far. Then others get 06.
 inline constexpr std::size_t kRatedClients = 4096;
 
-/// What access rules deny is told once for each client in this time, and counted between.
-inline constexpr bus::Duration kDenialTold = std::chrono::minutes(1);
+/// What a client does that the journal is told of is counted anew after this time: so often it is
+/// reported for each client (the limits below), and how often it was not is said with the next one.
+inline constexpr bus::Duration kReportedEvery = std::chrono::minutes(1);
 
-/// Clients that are remembered because their denials were told: as kUnroutedTold.
-inline constexpr std::size_t kDeniedClients = 256;
+/// Denied reads, and denied writes: a program that may not do something tries again and again.
+inline constexpr unsigned kDenialsReported = 1;
+
+/// What has to be found afterwards (denied stops, cleared counters, logins): as many as the log
+/// takes of one kind.
+inline constexpr unsigned kActsReported = 10;
+
+/// Clients for which that is counted apart, for each kind: as kUnroutedTold. Others are counted as
+/// one.
+inline constexpr std::size_t kReportedClients = 256;
+
+/// Values of a write that the journal is told: a position, a speed and their like; a recording has
+/// all of them.
+inline constexpr std::size_t kToldValues = 8;
+
+/// Letters of a name in a certificate that the journal is told: the longest common name has as many
+/// (RFC 5280, ub-common-name).
+inline constexpr std::size_t kToldName = 64;
 
 /// That requests of a client address are held up is told so often: who is too fast is so for hours.
 inline constexpr bus::Duration kHeldToldEvery = std::chrono::minutes(1);

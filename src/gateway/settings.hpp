@@ -106,6 +106,7 @@ struct Settings {
   /// The identifier of the status unit on every listener; none turns it off.
   std::optional<std::uint8_t> status_unit = 255;
   bool lock_memory = false;  ///< nothing of the process is ever swapped out
+  bool audit = false;        ///< the journal is told of every write that is accepted
   /// Path of the Unix socket of the HTTP interface; empty: there is none.
   std::string control_socket = "/run/mbgate/control";
   HttpSettings http{};

@@ -1,21 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text forms of events and actions.
+// The text forms of events.
 #include <algorithm>
 #include <bitset>
 #include <string_view>
 #include <vector>
 
-#include "gateway/action.hpp"
+#include "gateway/event.hpp"
 #include "gateway/status/quality_text.hpp"
-#include "modbus/describe.hpp"
 
 namespace mbgate::gateway {
 namespace {
-
-template <typename... Handlers>
-struct Overloaded : Handlers... {
-  using Handlers::operator()...;
-};
 
 std::string bus_text(const Settings& settings, BusId bus) {
   return "bus " + settings.bus(bus).name;
@@ -40,6 +34,16 @@ std::string client_text(const Settings& settings, const ClientEvent& event) {
          event.address.to_text();
 }
 
+std::string asker_text(const Settings& settings, const Asker& asker) {
+  return client_text(settings, asker) + identity_text(asker);
+}
+
+std::string left_out_text(std::uint64_t left_out, const char* what) {
+  return left_out == 0 ? std::string()
+                       : "; " + std::to_string(left_out) + " more " + what +
+                             " since this was last said of the client";
+}
+
 std::string_view reason_text(RefusalReason reason) {
   switch (reason) {
     case RefusalReason::not_allowed: return "not in the allow list";
@@ -53,10 +57,6 @@ std::string_view reason_text(RefusalReason reason) {
     case RefusalReason::too_often: return "more than max_connects_per_second";
   }
   return "";
-}
-
-std::string client_number(ClientId client) {
-  return "client " + std::to_string(static_cast<std::uint64_t>(client));
 }
 
 std::string seconds(Duration duration) {
@@ -245,12 +245,28 @@ struct EventText {
     return client_text(settings, e) + " asks for unit " + std::to_string(e.unit) + "; " +
            routed_text(e.routed);
   }
-  std::string operator()(const RequestDenied& e) const {
-    return client_text(settings, e) + ": function " + std::to_string(e.function) + " at unit " +
-           std::to_string(e.unit) + " denied: " + e.by +
-           (e.left_out == 0 ? std::string()
-                            : "; " + std::to_string(e.left_out) +
-                                  " more were denied since this was last said of the client");
+  std::string operator()(const ReadDenied& e) const { return denied_text(e, ": "); }
+  std::string operator()(const WriteDenied& e) const { return denied_text(e, ": "); }
+  std::string operator()(const StopDenied& e) const { return denied_text(e, ": a stop, "); }
+  std::string operator()(const WriteAccepted& e) const {
+    return asker_text(settings, e) + (e.is_stop ? " stops" : " writes") +
+           (e.target ? " (" + device_text(settings, e.target->bus, e.target->address) + "): "
+                     : std::string(": ")) +
+           request_text(e);
+  }
+  std::string operator()(const CountersCleared& e) const {
+    return asker_text(settings, e) + " has cleared all counters: " + request_text(e) +
+           left_out_text(e.left_out, "times");
+  }
+  std::string operator()(const ClientLoggedIn& e) const {
+    return asker_text(settings, e) + " has logged in with its certificate" +
+           left_out_text(e.left_out, "logins");
+  }
+
+ private:
+  [[nodiscard]] std::string denied_text(const Denied& e, const char* kind) const {
+    return asker_text(settings, e) + kind + request_text(e) + ", " + e.by +
+           left_out_text(e.left_out, "were denied");
   }
 };
 
@@ -258,29 +274,6 @@ struct EventText {
 
 std::string to_text(const Event& event, const Settings& settings) {
   return std::visit(EventText{settings}, event);
-}
-
-std::string to_text(const Action& action, const Settings& settings) {
-  return std::visit(
-      Overloaded{[&](const Send& a) {
-                   return client_number(a.client) + " < " +
-                          modbus::describe_mbap({a.adu.data(), a.adu.size()},
-                                                modbus::Direction::response);
-                 },
-                 [&](const Pause& a) { return client_number(a.client) + ": pause reading"; },
-                 [&](const Resume& a) { return client_number(a.client) + ": resume reading"; },
-                 [&](const Close& a) { return client_number(a.client) + ": close"; },
-                 [&](const Open& a) { return bus_text(settings, a.bus) + ": open the line"; },
-                 [&](const Look& a) { return bus_text(settings, a.bus) + ": look at the line"; },
-                 [&](const Transmit& a) {
-                   return bus_text(settings, a.bus) + " > " +
-                          modbus::describe_rtu({a.frame.data(), a.frame.size()},
-                                               modbus::Direction::request);
-                 },
-                 [&](const Shut& a) { return bus_text(settings, a.bus) + ": close the line"; },
-                 [&](const Report& a) { return to_text(a.event, settings); },
-                 [&](const Finished&) { return std::string("finished"); }},
-      action);
 }
 
 }  // namespace mbgate::gateway

@@ -38,6 +38,11 @@ Result<Plan, ExceptionCode> Plan::make(const ResolvedRoute& resolved, std::uint8
   if (denial_of(resolved, rights, pdu)) {
     return ExceptionCode::illegal_function;
   }
+  return make_denied(resolved, unit, pdu);
+}
+
+Result<Plan, ExceptionCode> Plan::make_denied(const ResolvedRoute& resolved, std::uint8_t unit,
+                                              const modbus::Pdu& pdu) {
   const auto client_request = Request::parse(pdu);
   if (!client_request) {
     return client_request.error();

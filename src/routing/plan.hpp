@@ -39,6 +39,11 @@ class Plan {
   static Result<Plan, modbus::ExceptionCode> make(const ResolvedRoute& resolved, std::uint8_t unit,
                                                   ClientRights rights, const modbus::Pdu& pdu);
 
+  /// What the request would be if neither the route nor the client's rights denied it: to know what
+  /// was denied.
+  static Result<Plan, modbus::ExceptionCode> make_denied(const ResolvedRoute& resolved,
+                                                         std::uint8_t unit, const modbus::Pdu& pdu);
+
   /// In their order; those of one bus stand together.
   [[nodiscard]] const auto& transactions() const { return transactions_; }
   /// The client's answer, made of the responses of the device: all of them, or those up to an

@@ -41,13 +41,14 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
   // beyond these.
   auto& [settings, exchanges, failsafe, actions, sessions, intake, door, requests] = clients;
   // Beyond these too: clients come at the start only, and may ask as often as they like: limits.
+  // Told only: logins.
   [[maybe_unused]] auto& [door_settings, door_exchanges, door_rules, door_failsafe, door_sessions,
-                          door_actions, limits] = door;
+                          door_actions, limits, logins] = door;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
-  // unrouted_told. Dealt with: request, stop. The same settings all the time: changed_at. No rules:
-  // access.
+  // denials, unrouted_told. Dealt with: request, stop. The same settings all the time: changed_at.
+  // No rules: access.
   [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, stop, counters, access,
-                          unrouted_told, changed_at] = intake;
+                          denials, unrouted_told, changed_at] = intake;
   explore::require(changed_at.empty(), "the settings stay the same");
   // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,
   // addresses, free_keys. Counted only: of_listeners.

@@ -111,7 +111,8 @@ class Roles(RulesCase):
                                     ([utf8("Guest")], "----"), ([utf8("operator")], "----")):  # fmt: skip
                 with self.subTest(version=version, roles=roles):
                     self.assertEqual(self.answers_to(roles, version), expected)
-        self.plant.gateway.wait_for(r"client 127\.0\.0\.1: function 8 at unit 255 denied: no rule permits it")
+        self.plant.gateway.wait_for(r'client 127\.0\.0\.1 \(role "Viewer".*\): function 8 at unit 255, sub-function 10, denied by '
+                                    "the access rules: no rule permits it$")
 
     def test_a_denied_request_gets_01_alone_and_the_session_goes_on(self):
         permitted = struct.pack(">BHH", 4, 1, 1)
@@ -149,7 +150,7 @@ class Roles(RulesCase):
         client = self.use(self.plant.client())
         client.sendall(adu(last, unit=LINE))
         self.assertEqual(answer_of(client), exception(last, 1))
-        self.plant.gateway.wait_for(r'denied: rule "nobody-writes-the-last" \(')
+        self.plant.gateway.wait_for(r'denied by rule "nobody-writes-the-last" \(')
 
     def test_a_reload_holds_for_sessions_that_are_open(self):
         client = self.use(self.plant.client())

@@ -130,6 +130,11 @@ class Roles(TlsCase):
         self.assertEqual(self.ask_as([utf8("Operator")])[1], self.answer)
         self.assertEqual(self.ask_as([])[1], self.answer)
 
+    def test_a_login_is_journaled(self):
+        with self.plant.client():
+            self.plant.gateway.wait_for(r'^notice: listener secure: client 127\.0\.0\.1 \(role "Operator", certificate "operator"\) '
+                                        "has logged in with its certificate$")
+
     def test_a_role_that_cannot_be_read_shakes_hands_and_gets_01_for_every_request(self):
         for roles in ([utf8("")], [b"\x13\x08Operator"], [utf8("Operator"), utf8("Viewer")], [b"\x0c\x03ab"], [b""]):
             with self.subTest(roles=roles):

@@ -22,7 +22,9 @@ void World::check_report(const gateway::Event& event) {
   const auto bus_of = [](gateway::BusId bus) { return static_cast<std::size_t>(bus); };
   if (const auto* news = std::get_if<gateway::LineNews>(&event)) {
     oracle_.line_news(bus_of(news->bus), news->fault);
-  } else if (std::holds_alternative<gateway::RequestDenied>(event)) {
+  } else if (std::holds_alternative<gateway::ReadDenied>(event) ||
+             std::holds_alternative<gateway::WriteDenied>(event) ||
+             std::holds_alternative<gateway::StopDenied>(event)) {
     report_.fault("denied");
   } else if (const auto* silent = std::get_if<gateway::AdapterSilent>(&event)) {
     object(bus_of(silent->bus), hangs_.told(bus_of(silent->bus)));

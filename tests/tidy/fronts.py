@@ -41,7 +41,7 @@ FRONTS = {
     "ctl/serial": {"heard", "line_mode", "serial_client", "serial_port"},
     "ctl/tls": {"openssl", "tls_identity", "tls_tunnel"},
     "ctl/trace": {"trace_command"},
-    "gateway/access": {"access_book", "rule_verdict", "who"},
+    "gateway/access": {"access_book", "denial_reports", "report_limit", "rule_verdict", "who"},
     "gateway/clients": {"clients", "sessions"},
     "gateway/exchanges": {"exchanges"},
     "gateway/recording": {"record"},

@@ -20,6 +20,10 @@ std::vector<std::string> journal_fields(Level level, const std::string& text, co
   add("MBGATE_ADDRESS", topic.address);
   add("MBGATE_CLIENT", topic.client);
   add("MBGATE_LISTENER", topic.listener);
+  add("MBGATE_ROLE", topic.role);
+  add("MBGATE_CERTIFICATE", topic.certificate);
+  add("MBGATE_UNIT", topic.unit);
+  add("MBGATE_FUNCTION", topic.function);
   return fields;
 }
 

@@ -22,6 +22,10 @@ struct Topic {
   std::string address{};  ///< of the device on its bus
   std::string client{};   ///< its address
   std::string listener{};
+  std::string role{};         ///< of the client's certificate
+  std::string certificate{};  ///< its name
+  std::string unit{};         ///< that it asks
+  std::string function{};
 };
 
 /// "MESSAGE=text" and the others; those of the topic that are empty are left out.

@@ -129,8 +129,30 @@ struct EventTopic {
   Topic operator()(const gateway::UnitNotRouted& e) const {
     return of_client(message_id::kUnitNotRouted, e);
   }
-  Topic operator()(const gateway::RequestDenied& e) const {
-    return of_client(message_id::kRequestDenied, e);
+  Topic operator()(const gateway::ReadDenied& e) const {
+    return of_request(message_id::kRequestDenied, e);
+  }
+  Topic operator()(const gateway::WriteDenied& e) const {
+    return of_request(message_id::kRequestDenied, e);
+  }
+  Topic operator()(const gateway::StopDenied& e) const {
+    return of_request(message_id::kStopDenied, e);
+  }
+  Topic operator()(const gateway::WriteAccepted& e) const {
+    Topic topic = of_request(message_id::kWriteAccepted, e);
+    if (e.target) {
+      const Topic target = of_device({}, e.target->bus, e.target->address);
+      topic.bus = target.bus;
+      topic.device = target.device;
+      topic.address = target.address;
+    }
+    return topic;
+  }
+  Topic operator()(const gateway::CountersCleared& e) const {
+    return of_request(message_id::kCountersCleared, e);
+  }
+  Topic operator()(const gateway::ClientLoggedIn& e) const {
+    return of_asker(message_id::kClientLoggedIn, e);
   }
 
  private:
@@ -141,6 +163,18 @@ struct EventTopic {
     return {.id = id,
             .client = event.address.to_text(),
             .listener = settings.listener(event.listener).name};
+  }
+  [[nodiscard]] Topic of_asker(MessageId id, const gateway::Asker& asker) const {
+    Topic topic = of_client(id, asker);
+    topic.role = asker.role.name;
+    topic.certificate = asker.role.certificate;
+    return topic;
+  }
+  [[nodiscard]] Topic of_request(MessageId id, const gateway::Asked& asked) const {
+    Topic topic = of_asker(id, asked);
+    topic.unit = std::to_string(asked.unit);
+    topic.function = std::to_string(asked.pdu.front());
+    return topic;
   }
   [[nodiscard]] Topic of_device(MessageId id, gateway::BusId bus, std::uint8_t address) const {
     const auto device = std::ranges::find_if(settings.devices, [&](const drive::Device& candidate) {

@@ -73,6 +73,9 @@ inline constexpr MessageId kTlsRefused{"b09994b755ed4845bd74d6bf8afc7649"};
 inline constexpr MessageId kUnitNotRouted{"a61c22f76a8144eea5feafe89de90622"};
 inline constexpr MessageId kClientNotRuled{"3ef95af9bd0e4950be05f3620d21fd72"};
 inline constexpr MessageId kRequestDenied{"95f5507ea336491e96a948d64fe89b2c"};
+inline constexpr MessageId kStopDenied{"51b69766f9324c17a7681457ac59a2b5"};
+inline constexpr MessageId kWriteAccepted{"ab1d9f362ddb40b886ff39db96850340"};
+inline constexpr MessageId kClientLoggedIn{"3d74485defe64f36946b37ed31700a4c"};
 
 // The process and its configuration.
 inline constexpr MessageId kListening{"e4d522ae5037425a8db3b8e5fc337ca8"};

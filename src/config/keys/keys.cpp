@@ -45,6 +45,7 @@ constexpr IntegerRange kKeepaliveProbes = {1, 127};
 
 constexpr std::array kGatewayKeys = {
     plain<&Settings::lock_memory>("lock_memory", Truth{}),
+    plain<&Settings::audit>("audit", Truth{}),
     plain<&Settings::wake_early>("wake_early", DurationRange{0us, 1ms}),
 };
 

@@ -44,25 +44,4 @@ void AccessBook::count(const routing::AccessRule* rule, const routing::ClientAdd
   }
 }
 
-std::optional<std::uint64_t> AccessBook::note_denied(const routing::ClientAddress& client,
-                                                     Instant now) {
-  const auto is_over = [now](const Told& told) { return now - told.at >= kDenialTold; };
-  const auto known = told_.find(client);
-  if (known != told_.end() && !is_over(known->second)) {
-    ++known->second.left_out;
-    return std::nullopt;
-  }
-  if (known != told_.end()) {
-    return std::exchange(known->second, Told{now}).left_out;
-  }
-  if (told_.size() >= kDeniedClients) {
-    std::erase_if(told_, [&](const auto& entry) { return is_over(entry.second); });
-  }
-  if (told_.size() >= kDeniedClients) {
-    return std::nullopt;
-  }
-  told_.emplace(client, Told{now});
-  return 0;
-}
-
 }  // namespace mbgate::gateway

@@ -15,6 +15,15 @@ void ClientDoor::connected(ClientId client, const ClientInfo& info, Phase phase,
   if (const ClientSession* session = sessions_.add(client, info, now)) {
     limits_.came(*session, now);
     failsafe_.client_came(*session);
+    notice_login(info, now);
+  }
+}
+
+void ClientDoor::notice_login(const ClientInfo& info, Instant now) {
+  if (info.role.kind != routing::ClientRole::Kind::none) {
+    if (const auto left_out = logins_.note(info, now)) {
+      actions_.push(Report{ClientLoggedIn{asker_of(info), *left_out}});
+    }
   }
 }
 

@@ -6,10 +6,12 @@
 #include <optional>
 
 #include "bus/state_reader.hpp"
+#include "gateway/access/report_limit.hpp"
 #include "gateway/clients/address_limits.hpp"
 #include "gateway/clients/intake.hpp"
 #include "gateway/clients/sessions.hpp"
 #include "gateway/exchanges/exchanges.hpp"
+#include "gateway/limits.hpp"
 #include "gateway/reports.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
 #include "gateway/writes/failsafe_writes.hpp"
@@ -53,6 +55,8 @@ class ClientDoor {
   [[nodiscard]] std::optional<RefusalReason> make_room(ClientSession* displaced,
                                                        RefusalReason limit, Instant now);
   void refuse(const ClientInfo& info, RefusalReason reason);
+  /// The journal is told of a client that has shown a certificate.
+  void notice_login(const ClientInfo& info, Instant now);
 
   const SettingsHistory& settings_;
   Exchanges& exchanges_;
@@ -61,6 +65,7 @@ class ClientDoor {
   Sessions& sessions_;
   ActionQueue& actions_;
   AddressLimits limits_;
+  ReportLimit logins_{kActsReported};
 };
 
 }  // namespace mbgate::gateway

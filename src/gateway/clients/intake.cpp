@@ -101,10 +101,11 @@ void Intake::judge(const ClientSession& session, Request& request, Instant now) 
     request.for_gateway = request.is_stop = false;
     request.plan.reset();
     request.refused = ExceptionCode::server_device_busy;
-  } else if (!request.verdict.permitted) {
+  } else {
+    if (request.plan) {
+      request.refused = objection(session, request, now);
+    }
     notice_denied(session, request, now);
-  } else if (request.plan) {
-    request.refused = objection(session, request, now);
   }
   const bool is_limited = (request.plan || request.for_gateway) && !request.is_stop;
   if (is_limited && !request.refused &&
@@ -181,12 +182,37 @@ void Intake::notice_unrouted(const ClientSession& session, const Request& reques
   }
 }
 
+// Is it refused because somebody has said that this client may not do it? Not: because of what it
+// is, or because it cannot be done now.
+bool Intake::is_denied(const ClientSession& session, const Request& request, Instant now) const {
+  if (!request.verdict.permitted) {
+    return true;
+  }
+  const modbus::Pdu& pdu = request.adu.pdu;
+  const bool is_read = modbus::is_read(pdu.bytes());
+  if (request.for_gateway) {
+    return session.rights().read_only && !is_read;
+  }
+  if (!request.refused || request.route == nullptr ||
+      !modbus::is_request_function(pdu.function())) {
+    return false;
+  }
+  if (request.plan) {
+    return !is_read && rules_.is_denied_by_writer(*request.plan, request.origin(session), now);
+  }
+  const bool is_outside = request.refused == ExceptionCode::illegal_data_address &&
+                          !request.route->route.windows.empty();
+  return is_read ? routing::denial_of(*request.route, session.rights(), pdu).has_value()
+                 : request.refused == ExceptionCode::illegal_function || is_outside;
+}
+
 void Intake::notice_denied(const ClientSession& session, const Request& request, Instant now) {
-  const ClientInfo& info = session.info();
-  if (const auto left_out = access_.note_denied(info.address, now)) {
-    actions_.push(Report{RequestDenied{info.listener, info.address, request.adu.header.unit,
-                                       request.adu.pdu.function(),
-                                       denied_by_text(request.verdict, info), *left_out}});
+  if (is_denied(session, request, now)) {
+    const auto event =
+        denials_.note(settings_.in_force(), rules_, session.info(), request.adu, now);
+    if (event) {
+      actions_.push(Report{*event});
+    }
   }
 }
 
@@ -221,6 +247,9 @@ Request* Intake::next_early(ClientSession& session, Instant now) {
       continue;
     }
     Request& request = understand(session, frame->adu, position, session.input.arrival_at(offset));
+    if (session.is_leaving && !is_outdated(session, request)) {
+      notice_denied(session, request, now);  // its turn does not come any more
+    }
     if (request.plan && !is_outdated(session, request) && is_taken_early(session, request, now)) {
       request.is_early = true;
       request.left_out = left_out_of(session, request, now);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "gateway/access/access_book.hpp"
+#include "gateway/access/denial_reports.hpp"
 #include "gateway/clients/client_session.hpp"
 #include "gateway/reports.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
@@ -95,6 +96,8 @@ class Intake {
   [[nodiscard]] bool is_taken_early(ClientSession& session, const Request& request,
                                     Instant now) const;
   void notice_unrouted(const ClientSession& session, const Request& request);
+  [[nodiscard]] bool is_denied(const ClientSession& session, const Request& request,
+                               Instant now) const;
   void notice_denied(const ClientSession& session, const Request& request, Instant now);
 
   const SettingsHistory& settings_;
@@ -105,6 +108,7 @@ class Intake {
   std::optional<EarlyStops::Stop> stop_;  // the last one
   ClientCounters counters_;
   AccessBook access_;
+  DenialReports denials_;
   std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_told_;
   /// When a unit of a listener came to mean something else.
   std::map<std::pair<ListenerId, std::uint8_t>, Instant> changed_at_;

@@ -22,6 +22,19 @@ std::optional<modbus::MbapAdu> adu_of(const Exchange& exchange) {
   return pdu ? std::optional(modbus::MbapAdu{exchange.header, *pdu}) : std::nullopt;
 }
 
+/// Where all of a write goes; nothing: to several.
+std::optional<WriteAccepted::Target> target_of(const routing::Plan& plan) {
+  std::optional<WriteAccepted::Target> found;
+  for (const auto& part : plan.transactions()) {
+    const WriteAccepted::Target target{part.bus, part.address};
+    if (found && *found != target) {
+      return std::nullopt;
+    }
+    found = target;
+  }
+  return found;
+}
+
 AskedTrace trace_of(const ClientSession& session, const Request& request) {
   AskedTrace asked;
   asked.connection = session.id();
@@ -40,7 +53,7 @@ void Requests::accept(ClientSession& session, Request& request, Instant now) {
   ListenerCounters& counters = sessions_.counters(session.info().listener);
   ++counters.requests;
   if (request.for_gateway) {
-    answer_at_once(session, request, answer_of_gateway(session, request.adu.pdu, now), now);
+    answer_at_once(session, request, answer_of_gateway(session, request, now), now);
   } else if (request.refused) {
     const auto answer = modbus::Pdu::exception(request.adu.pdu.function(), *request.refused);
     ++session.refused;
@@ -65,6 +78,7 @@ void Requests::answer_at_once(ClientSession& session, const Request& request,
 
 void Requests::begin(ClientSession& session, Request& request, Instant now) {
   const WriteOrigin origin = request.origin(session);
+  audit(session, request);
   const std::uint32_t index = exchanges_.open();
   Exchange& exchange = exchanges_[index];
   exchange.client = session.id();
@@ -85,6 +99,13 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   exchanges_.start(index, *session.turns, origin.arrival, now);
 }
 
+void Requests::audit(const ClientSession& session, const Request& request) {
+  if (settings_.settings().audit && !request.plan->is_read()) {
+    actions_.push(Report{WriteAccepted{asked_of(session.info(), request.adu), request.is_stop,
+                                       target_of(*request.plan)}});
+  }
+}
+
 void Requests::place_answer(ClientSession& session, const Request& request, std::uint32_t index) {
   if (session.is_leaving) {
     exchanges_[index].client_gone = true;
@@ -101,8 +122,9 @@ void Requests::place_answer(ClientSession& session, const Request& request, std:
   }
 }
 
-modbus::Pdu Requests::answer_of_gateway(const ClientSession& session, const modbus::Pdu& request,
+modbus::Pdu Requests::answer_of_gateway(const ClientSession& session, const Request& asked,
                                         Instant now) {
+  const modbus::Pdu& request = asked.adu.pdu;
   if (session.rights().read_only && !modbus::is_read(request.bytes())) {
     return modbus::Pdu::exception(request.function(), modbus::ExceptionCode::illegal_function);
   }
@@ -118,6 +140,9 @@ modbus::Pdu Requests::answer_of_gateway(const ClientSession& session, const modb
   const StatusUnit::Answer answer = status_unit_.answer(request, view);
   if (answer.clear_counters) {
     clear_counters();
+    if (const auto left_out = clears_.note(session.info(), now)) {
+      actions_.push(Report{CountersCleared{asked_of(session.info(), asked.adu), *left_out}});
+    }
   }
   return answer.pdu;
 }

@@ -3,6 +3,7 @@
 // buses and answers it when all its jobs have ended.
 #pragma once
 
+#include "gateway/access/report_limit.hpp"
 #include "gateway/clients/intake.hpp"
 #include "gateway/clients/sessions.hpp"
 #include "gateway/exchanges/exchanges.hpp"
@@ -43,9 +44,12 @@ class Requests {
   void answer_at_once(ClientSession& session, const Request& request, const modbus::Pdu& answer,
                       Instant now);
   void begin(ClientSession& session, Request& request, Instant now);
+  /// `audit = true`: the journal is told of a write. Not of what is asked of the status unit: only
+  /// 08/0A changes anything there, and that is always told.
+  void audit(const ClientSession& session, const Request& request);
   void place_answer(ClientSession& session, const Request& request, std::uint32_t index);
-  [[nodiscard]] modbus::Pdu answer_of_gateway(const ClientSession& session,
-                                              const modbus::Pdu& request, Instant now);
+  [[nodiscard]] modbus::Pdu answer_of_gateway(const ClientSession& session, const Request& request,
+                                              Instant now);
   void send(ClientSession& session, AnswerId answer, const std::optional<modbus::MbapAdu>& adu);
 
   const SettingsHistory& settings_;
@@ -58,6 +62,7 @@ class Requests {
   TraceBook& trace_;
   ActionQueue& actions_;
   StatusUnit status_unit_;
+  ReportLimit clears_{kActsReported};
   Instant started_;
 };
 

@@ -96,6 +96,17 @@ std::optional<ExceptionCode> WriteRules::objection(const routing::PlannedTransac
   return found;
 }
 
+bool WriteRules::is_denied_by_writer(const routing::Plan& write, const WriteOrigin& origin,
+                                     Instant now) const {
+  return std::ranges::any_of(write.transactions(), [&](const auto& transaction) {
+    const DevicePlaces places = settings_->devices.reached_by(transaction);
+    return std::ranges::any_of(places, [&](std::size_t place) {
+      const DeviceGuard* guard = settings_->guard(place);
+      return guard != nullptr && writers_.objection(place, *guard, origin.address, now).has_value();
+    });
+  });
+}
+
 BusList WriteRules::left_out_of(const routing::Plan& stop, const WriteOrigin& origin,
                                 bool may_write, Instant now) const {
   BusList left_out;

@@ -37,6 +37,9 @@ class WriteRules {
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(const routing::Plan& write,
                                                                const WriteOrigin& origin,
                                                                Instant now) const;
+  /// Does the `writer` of one of its devices not let this client write, or not now?
+  [[nodiscard]] bool is_denied_by_writer(const routing::Plan& write, const WriteOrigin& origin,
+                                         Instant now) const;
   /// Of a broadcast that is a stop on some buses only: the other buses, on which it is an ordinary
   /// write, if that write may not be sent. Either objection() forbids it there, or the client may
   /// not write (`may_write` is false).

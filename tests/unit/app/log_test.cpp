@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <future>
@@ -103,6 +104,19 @@ TEST_F(LogTest, TellsItsObserverNothingOfLinesThatAreNotWritten) {
   EXPECT_GE(told, 1000);
   EXPECT_LT(told, 3000);
   read_end_.reset();  // the writer gets an error instead of waiting
+}
+
+// What is written however often it comes would take the room of all else from those who read along.
+TEST_F(LogTest, HasLinesForTheJournalAlone) {
+  Log log(false, write_end_.get());
+  int told = 0;
+  log.observe([&](Level, const std::string&) { ++told; });
+  for (int i = 0; i < 30; ++i) {
+    log.write_unobserved(Level::notice, "write " + std::to_string(i));
+  }
+  ASSERT_TRUE(log.flush(kLimit));
+  EXPECT_EQ(told, 0);
+  EXPECT_EQ(std::ranges::count(written(), '\n'), 30);
 }
 
 TEST_F(LogTest, SendsEntriesToTheJournal) {

@@ -100,6 +100,7 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   const auto& settings = *loaded.settings;
   EXPECT_EQ(settings.status_unit, 200);
   EXPECT_TRUE(settings.lock_memory);
+  EXPECT_TRUE(settings.audit);
   EXPECT_EQ(settings.wake_early, 20us);
   EXPECT_EQ(settings.control_socket, "/run/other/control");
   EXPECT_EQ(settings.http,

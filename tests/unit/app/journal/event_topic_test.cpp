@@ -53,6 +53,10 @@ std::string subject_of(const Topic& topic) {
   add("address", topic.address);
   add("client", topic.client);
   add("listener", topic.listener);
+  add("role", topic.role);
+  add("certificate", topic.certificate);
+  add("unit", topic.unit);
+  add("function", topic.function);
   return text;
 }
 
@@ -140,7 +144,22 @@ std::vector<Case> events_of_clients() {
       {gateway::ClientFrameTimedOut{kPlant, client}, kClientFrameTimedOut},
       {gateway::UnitNotRouted{kPlant, client, 9, {}}, kUnitNotRouted},
       {gateway::ClientRefused{kPlant, client, Reason::no_rule}, kClientNotRuled},
-      {gateway::RequestDenied{kPlant, client, 9, 6, "no rule", 0}, kRequestDenied},
+  };
+}
+
+gateway::Asker operator_at_panel() {
+  return {kPlant, address_of_client(), {routing::ClientRole::Kind::named, "operator", "panel 3"}};
+}
+
+std::vector<Case> events_of_requests() {
+  using namespace message_id;
+  const gateway::Asked asked{operator_at_panel(), 9, {6, 0, 1, 0, 2}};
+  return {
+      {gateway::ReadDenied{{asked, "by", 0}}, kRequestDenied},
+      {gateway::WriteDenied{{asked, "by", 0}}, kRequestDenied},
+      {gateway::StopDenied{{asked, "by", 0}}, kStopDenied},
+      {gateway::WriteAccepted{asked}, kWriteAccepted},
+      {gateway::CountersCleared{asked}, kCountersCleared},
   };
 }
 
@@ -161,6 +180,19 @@ TEST(EventTopic, OfADeviceHasItsNameAndWhereItIs) {
 
 TEST(EventTopic, OfAClientHasItsAddressAndTheListener) {
   expect_topics(events_of_clients(), "client=192.168.10.5 listener=plant");
+}
+
+TEST(EventTopic, OfARequestHasWhoMadeItAndForWhat) {
+  const std::string who = "client=192.168.10.5 listener=plant role=operator certificate=panel 3";
+  expect_topics(events_of_requests(), who + " unit=9 function=6");
+  expect_topics({{gateway::ClientLoggedIn{operator_at_panel()}, message_id::kClientLoggedIn}}, who);
+}
+
+TEST(EventTopic, OfAnAcceptedWriteHasWhereItGoes) {
+  const gateway::Asked asked{{kPlant, address_of_client()}, 9, {6, 0, 1, 0, 2}};
+  expect_topics({{gateway::WriteAccepted{asked, true, {{kAxes, 1}}}, message_id::kWriteAccepted}},
+                "bus=axes device=axis-x address=1 client=192.168.10.5 listener=plant unit=9 "
+                "function=6");
 }
 
 TEST(EventTopic, OfADeviceThatAClientHasSetOtherwiseHasBoth) {
@@ -199,7 +231,8 @@ TEST(EventTopic, HasWhatTheCatalogPutsIntoItsText) {
   const auto fields = fields_of_catalog();
   const auto settings = settings_of_plant();
   std::size_t used = 0;
-  for (const auto& cases : {events_of_lines(), events_of_devices(), events_of_clients()}) {
+  for (const auto& cases :
+       {events_of_lines(), events_of_devices(), events_of_clients(), events_of_requests()}) {
     for (const auto& [event, id] : cases) {
       const Topic topic = topic_of(event, settings);
       const auto entry = journal_fields(Level::info, "", topic);

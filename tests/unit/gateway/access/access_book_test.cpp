@@ -66,23 +66,5 @@ TEST(AccessBook, HasRoomForSoManyClientsASecond) {
   EXPECT_TRUE(book.take(verdict, address_of(kRatedClients), Instant{1s}));
 }
 
-TEST(AccessBook, TellsOfADenialOnceAMinute) {
-  AccessBook book;
-  EXPECT_EQ(book.note_denied(address_of(1), Instant{}), 0U);
-  EXPECT_EQ(book.note_denied(address_of(2), Instant{}), 0U);
-  EXPECT_EQ(book.note_denied(address_of(1), Instant{59s}), std::nullopt);
-  EXPECT_EQ(book.note_denied(address_of(1), Instant{60s}), 1U);
-  EXPECT_EQ(book.note_denied(address_of(1), Instant{119s}), std::nullopt);
-}
-
-TEST(AccessBook, TellsOfSoManyClientsAtMost) {
-  AccessBook book;
-  for (std::uint32_t client = 0; client < kDeniedClients; ++client) {
-    ASSERT_EQ(book.note_denied(address_of(client), Instant{}), 0U);
-  }
-  EXPECT_EQ(book.note_denied(address_of(kDeniedClients), Instant{}), std::nullopt);
-  EXPECT_EQ(book.note_denied(address_of(kDeniedClients), Instant{60s}), 0U);
-}
-
 }  // namespace
 }  // namespace mbgate::gateway

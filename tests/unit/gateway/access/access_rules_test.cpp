@@ -21,9 +21,10 @@ TEST(AccessInTheMachine, WhatNoRulePermitsGets01AndNothingIsSent) {
   rig.respond("01 03 02 00 01");
   EXPECT_THAT(rig.take_sent(1), ElementsAre(kDenied, kOne));
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1));
-  EXPECT_THAT(rig.events,
-              ElementsAre("listener plant: client 192.0.2.1: function 6 at unit 1 denied: no rule "
-                          "permits it"));
+  EXPECT_THAT(
+      rig.events,
+      ElementsAre("listener plant: client 192.0.2.1: function 6 at unit 1, holding register 0 "
+                  "= 1, denied by the access rules: no rule permits it"));
 }
 
 TEST(AccessInTheMachine, TheJournalIsToldOnceAMinuteForEachClientAndOfWhichRule) {
@@ -37,18 +38,20 @@ TEST(AccessInTheMachine, TheJournalIsToldOnceAMinuteForEachClientAndOfWhichRule)
   other.connect(2, "192.0.2.2");
   other.receive(1, write_request(2) + write_request(2) + write_request(2));
   other.receive(2, write_request(2));
-  EXPECT_THAT(other.events,
-              ElementsAre("listener plant: client 192.0.2.1: function 6 at unit 1 denied: rule "
-                          "\"locked\" (mbgate.toml:7)",
-                          "listener plant: client 192.0.2.2: function 6 at unit 1 denied: rule "
-                          "\"locked\" (mbgate.toml:7)"));
+  EXPECT_THAT(
+      other.events,
+      ElementsAre("listener plant: client 192.0.2.1: function 6 at unit 1, holding register 0 "
+                  "= 1, denied by rule \"locked\" (mbgate.toml:7)",
+                  "listener plant: client 192.0.2.2: function 6 at unit 1, holding register 0 "
+                  "= 1, denied by rule \"locked\" (mbgate.toml:7)"));
   other.events.clear();
   other.advance(60s);
   other.receive(1, write_request(2));
-  EXPECT_THAT(other.events,
-              ElementsAre("listener plant: client 192.0.2.1: function 6 at unit 1 denied: rule "
-                          "\"locked\" (mbgate.toml:7); 2 more were denied since this was last said "
-                          "of the client"));
+  EXPECT_THAT(
+      other.events,
+      ElementsAre("listener plant: client 192.0.2.1: function 6 at unit 1, holding register 0 "
+                  "= 1, denied by rule \"locked\" (mbgate.toml:7); 2 more were denied since "
+                  "this was last said of the client"));
 }
 
 TEST(AccessInTheMachine, AnAddressThatNoRulePermitsAnythingIsClosedBeforeAByteIsRead) {

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/access/denial_reports.hpp"
+
+#include "gateway/access/who.hpp"
+
+namespace mbgate::gateway {
+namespace {
+
+bool is_stop(const SettingsSnapshot& settings, const WriteRules& rules, const ClientInfo& client,
+             const modbus::MbapAdu& request) {
+  const auto* route = settings.routes.find(client.listener, request.header.unit);
+  if (route == nullptr || settings.settings.status_unit == request.header.unit) {
+    return false;
+  }
+  const auto plan = routing::Plan::make_denied(*route, request.header.unit, request.pdu);
+  return plan && rules.is_stop(*plan);
+}
+
+Denied denial_of(const SettingsSnapshot& settings, const ClientInfo& client,
+                 const modbus::MbapAdu& request, std::uint64_t left_out) {
+  const WhoAnswer answer = who_may(settings, client, request.header.unit, request.pdu);
+  // --who does not know who has written last.
+  return {asked_of(client, request),
+          answer.permitted ? "denied by writer: another client writes now" : answer.by, left_out};
+}
+
+}  // namespace
+
+std::optional<Event> DenialReports::note(const SettingsSnapshot& settings, const WriteRules& rules,
+                                         const ClientInfo& client, const modbus::MbapAdu& request,
+                                         Instant now) {
+  if (modbus::is_read(request.pdu.bytes())) {
+    const auto left_out = reads_.note(client, now);
+    return left_out
+               ? std::optional<Event>(ReadDenied{denial_of(settings, client, request, *left_out)})
+               : std::nullopt;
+  }
+  if (is_stop(settings, rules, client, request)) {
+    const auto left_out = stops_.note(client, now);
+    return left_out
+               ? std::optional<Event>(StopDenied{denial_of(settings, client, request, *left_out)})
+               : std::nullopt;
+  }
+  const auto left_out = writes_.note(client, now);
+  return left_out
+             ? std::optional<Event>(WriteDenied{denial_of(settings, client, request, *left_out)})
+             : std::nullopt;
+}
+
+}  // namespace mbgate::gateway

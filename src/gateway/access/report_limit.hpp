@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// How often the journal is told of one kind of thing that a client does: so many times a minute for
+// each client, whatever the others do. What is left out is counted. Bounded.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "bus/instant.hpp"
+#include "bus/state_reader.hpp"
+#include "gateway/client.hpp"
+
+namespace mbgate::gateway {
+
+class ReportLimit {
+ public:
+  explicit ReportLimit(unsigned per_minute) : per_minute_(per_minute) {}
+
+  /// The client has done it once more. Nothing if that is not to be reported; else how often it was
+  /// left out since the last report of this client.
+  [[nodiscard]] std::optional<std::uint64_t> note(const ClientInfo& client, bus::Instant now);
+
+ private:
+  friend struct mbgate::StateReader;
+  struct Minute {
+    bus::Instant began = bus::Instant::min();
+    unsigned reports = 0;
+    std::uint64_t left_out = 0;
+  };
+  using Client = std::pair<routing::ClientAddress, std::string>;  // with its certificate
+  [[nodiscard]] static bool is_over(const Minute& minute, bus::Instant now);
+  /// That of the client, or the one that those share for whom there is no place.
+  [[nodiscard]] Minute& minute_of(Client client, bus::Instant now);
+
+  unsigned per_minute_;
+  std::map<Client, Minute> minutes_;
+  Minute of_others_;
+};
+
+}  // namespace mbgate::gateway

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/asked.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "gateway/limits.hpp"
+#include "modbus/describe.hpp"
+#include "modbus/request.hpp"
+
+namespace mbgate::gateway {
+namespace {
+
+using modbus::Bytes;
+using modbus::Table;
+
+/// What could write over other lines or colour a terminal is replaced: the name in a certificate is
+/// written by whoever asked for the certificate.
+std::string quoted(std::string_view name) {
+  std::string text = "\"";
+  for (std::size_t at = 0; at < std::min(name.size(), kToldName); ++at) {
+    const auto byte = static_cast<unsigned char>(name[at]);
+    const bool is_control = byte < 0x20 || byte == 0x7F || byte == '"';
+    // U+0080 to U+009F are control characters too.
+    const bool is_late_control = byte >= 0x80 && byte < 0xA0 && at > 0 && name[at - 1] == '\xC2';
+    text += is_control || is_late_control ? '?' : name[at];
+  }
+  return text + (name.size() > kToldName ? "...\"" : "\"");
+}
+
+std::string_view name_of(Table table, bool is_one) {
+  switch (table) {
+    case Table::coils: return is_one ? "coil " : "coils ";
+    case Table::discrete_inputs: return is_one ? "discrete input " : "discrete inputs ";
+    case Table::holding_registers: return is_one ? "holding register " : "holding registers ";
+    case Table::input_registers: return is_one ? "input register " : "input registers ";
+  }
+  return "";
+}
+
+std::string range_text(const modbus::TableRange& range) {
+  std::string text(name_of(range.table, range.count == 1));
+  text += std::to_string(range.first);
+  if (range.count > 1) {
+    text += ".." + std::to_string(std::uint32_t{range.first} + range.count - 1);
+  }
+  return text;
+}
+
+/// 22: the bits of the one stay, those of the other are set where they do not (6.16).
+std::string masks_text(Bytes pdu) {
+  return " and " + std::to_string(modbus::load_be16(pdu, 3)) + " or " +
+         std::to_string(modbus::load_be16(pdu, 5));
+}
+
+std::string values_text(const modbus::Request& request, const modbus::TableRange& range) {
+  if (request.function() == 0x16) {
+    return masks_text(request.pdu().bytes());
+  }
+  std::string text = " =";
+  const auto told = std::min<std::size_t>(range.count, kToldValues);
+  for (std::size_t at = 0; at < told; ++at) {
+    const auto value = request.written(static_cast<std::uint16_t>(range.first + at)).value_or(0);
+    const bool is_set_coil = range.table == Table::coils && value != 0;
+    text += " " + std::to_string(is_set_coil ? 1 : value);
+  }
+  return range.count > told ? text + " and " + std::to_string(range.count - told) + " more" : text;
+}
+
+/// What stands behind the function of a request that names no registers.
+std::string data_text(Bytes pdu) {
+  if (pdu[0] == 0x08 && pdu.size() >= 3) {
+    return ", sub-function " + std::to_string(modbus::load_be16(pdu, 1));
+  }
+  const Bytes data = pdu.subspan(1);
+  const bool is_long = data.size() > kToldValues;
+  return data.empty() ? std::string()
+                      : ", data " + modbus::hex(is_long ? data.first(kToldValues) : data) +
+                            (is_long ? " ..." : "");
+}
+
+std::string registers_text(const modbus::Request& request) {
+  std::string text;
+  if (const auto& reads = request.reads()) {
+    text += ", reads " + range_text(reads->range);
+  }
+  if (const auto& writes = request.writes()) {
+    text += (request.reads() ? ", writes " : ", ") + range_text(writes->range) +
+            values_text(request, writes->range);
+  }
+  return text;
+}
+
+}  // namespace
+
+Asker asker_of(const ClientInfo& client) { return {client.listener, client.address, client.role}; }
+
+Asked asked_of(const ClientInfo& client, const modbus::MbapAdu& adu) {
+  const Bytes pdu = adu.pdu.bytes();
+  return {asker_of(client), adu.header.unit, {pdu.begin(), pdu.end()}};
+}
+
+std::string identity_text(const Asker& asker) {
+  using Kind = routing::ClientRole::Kind;
+  std::string text;
+  switch (asker.role.kind) {
+    case Kind::none: return "";
+    case Kind::named:
+      text = asker.role.name.empty() ? "no role" : "role " + quoted(asker.role.name);
+      break;
+    case Kind::unreadable: text = "its role cannot be read"; break;
+  }
+  if (!asker.role.certificate.empty()) {
+    text += ", certificate " + quoted(asker.role.certificate);
+  }
+  return " (" + text + ")";
+}
+
+std::string request_text(const Asked& asked) {
+  const Bytes bytes(asked.pdu.data(), asked.pdu.size());
+  const std::string text =
+      "function " + std::to_string(bytes[0]) + " at unit " + std::to_string(asked.unit);
+  const auto pdu = modbus::Pdu::from(bytes);
+  const auto request = modbus::Request::parse(*pdu);
+  const bool has_registers = request && (request->reads() || request->writes());
+  return text + (has_registers ? registers_text(*request) : data_text(bytes));
+}
+
+}  // namespace mbgate::gateway
