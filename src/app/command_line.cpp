@@ -61,6 +61,7 @@ const CLI::Option* add_who(CLI::App& app, WhoOptions& who, CLI::Option* check) {
   };
   add("--listener", who.listener, "NAME", "Only on this listener");
   add("--role", who.role, "ROLE", "The role in its certificate, \"\" if there is none");
+  add("--certificate", who.certificate, "NAME", "The name in its certificate");
   asked->needs(add("--unit", who.unit, "N", "The unit that it asks"));
   add("--read", who.read, "TABLE ADDRESS", "It reads coils, discrete, input or holding")
       ->expected(2);

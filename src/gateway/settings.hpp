@@ -73,13 +73,13 @@ struct ListenerSettings {
   bool ordered = false;                     ///< responses in the order of the requests
   Duration idle_timeout{0};                 ///< 0: never
   Duration frame_timeout = std::chrono::seconds(10);
-  routing::NetworkList allow;      ///< empty: everyone
+  routing::NetworkList allow;     ///< empty: everyone
   routing::ClientList read_only;  ///< clients that may not write
-  routing::ClientList keep;  ///< clients whose connection is never closed in favour of another
+  routing::ClientList keep;       ///< clients whose connection is never closed in favour of another
   /// Limits and turns count clients by the names of their certificates instead of their addresses.
   bool counts_certificates = false;
-  std::optional<BusId> bus;   ///< set: a transparent listener of this bus
-  bool broadcast = false;     ///< transparent listeners: unit 0 is sent to the bus
+  std::optional<BusId> bus;  ///< set: a transparent listener of this bus
+  bool broadcast = false;    ///< transparent listeners: unit 0 is sent to the bus
   routing::BroadcastReply broadcast_reply = routing::BroadcastReply::echo;
   TcpSettings tcp;
   std::optional<std::size_t> tls;  ///< index in the same Settings; none: without encryption

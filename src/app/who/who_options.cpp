@@ -79,6 +79,7 @@ std::string client_text(const WhoOptions& options, const routing::ClientRole& ro
     return options.client;
   }
   return options.client +
+         (role.certificate.empty() ? "" : " with certificate \"" + role.certificate + '"') +
          (role.name.empty() ? " with the NULL role" : " as role \"" + role.name + '"');
 }
 
@@ -115,9 +116,9 @@ std::string answer_text(const gateway::WhoAnswer& answer, const config::KeyPlace
 // A client has a role where there is TLS, and nowhere else.
 routing::ClientRole asked_role(const WhoOptions& options,
                                const gateway::ListenerSettings& listener) {
-  return listener.tls
-             ? routing::ClientRole{routing::ClientRole::Kind::named, options.role.value_or("")}
-             : routing::ClientRole{};
+  return listener.tls ? routing::ClientRole{routing::ClientRole::Kind::named,
+                                            options.role.value_or(""), options.certificate}
+                      : routing::ClientRole{};
 }
 
 }  // namespace

@@ -73,6 +73,31 @@ void check_failsafe(Draft& draft) {
   }
 }
 
+/// A client whose place is needed for another one is gone, and that sends the failsafe writes.
+void check_room(Draft& draft) {
+  const auto& settings = draft.settings;
+  bool any_kept = false;
+  for (std::size_t i = 0; i < settings.listeners.size(); ++i) {
+    const auto& listener = settings.listeners[i];
+    any_kept = any_kept || !listener.keep.empty();
+    if (listener.max_connections_per_address >= listener.max_connections) {
+      TomlTable& table = draft.listeners[i];
+      const bool is_stated = table.has("max_connections_per_address");
+      table.warning(is_stated ? "max_connections_per_address" : "max_connections",
+                    "one client may take all " + std::to_string(listener.max_connections) +
+                        " connections: set max_connections_per_address (" +
+                        std::to_string(listener.max_connections_per_address) + ") below it");
+    }
+  }
+  for (std::size_t i = 0; i < settings.devices.size() && !any_kept; ++i) {
+    if (!settings.guards[i].failsafe.empty()) {
+      draft.devices[i].warning("failsafe",
+                               "no listener has 'keep': name there the clients that drive this "
+                               "device, so that none of them is closed to make room for others");
+    }
+  }
+}
+
 void check_ways(Draft& draft) {
   const auto& settings = draft.settings;
   for (std::size_t i = 0; i < settings.buses.size(); ++i) {
@@ -110,6 +135,7 @@ void check_whole(Draft& draft) {
   if (!draft.document.failed()) {
     check_ways(draft);
     check_failsafe(draft);
+    check_room(draft);
     check_rules(draft);
   }
 }

@@ -44,7 +44,8 @@ void check_occasions(TomlTable& table) {
   const auto* writes = table.value("failsafe");
   const bool has_writes = writes != nullptr && !is_empty_list(*writes);
   if (table.has("failsafe_clients") && !has_writes) {
-    table.error("failsafe_clients", "needs 'failsafe': what is written when these clients have gone");
+    table.error("failsafe_clients",
+                "needs 'failsafe': what is written when these clients have gone");
   }
   if (table.has("quiet") && !has_writes) {
     table.error("quiet", "needs 'failsafe': what is written after so long a silence");

@@ -12,8 +12,7 @@ bool has_rate(const routing::AccessRule* rule) { return rule != nullptr && rule-
 
 }  // namespace
 
-bool AccessBook::take(const RuleVerdict& verdict, const routing::ClientAddress& client,
-                      Instant now) {
+bool AccessBook::take(const RuleVerdict& verdict, const ClientKey& client, Instant now) {
   if (!has_room(verdict.rule, client, now) || !has_room(verdict.other, client, now)) {
     return false;
   }
@@ -22,8 +21,7 @@ bool AccessBook::take(const RuleVerdict& verdict, const routing::ClientAddress& 
   return true;
 }
 
-bool AccessBook::has_room(const routing::AccessRule* rule, const routing::ClientAddress& client,
-                          Instant now) {
+bool AccessBook::has_room(const routing::AccessRule* rule, const ClientKey& client, Instant now) {
   if (!has_rate(rule)) {
     return true;
   }
@@ -37,8 +35,7 @@ bool AccessBook::has_room(const routing::AccessRule* rule, const routing::Client
   return rates_.size() < kRatedClients;
 }
 
-void AccessBook::count(const routing::AccessRule* rule, const routing::ClientAddress& client,
-                       Instant now) {
+void AccessBook::count(const routing::AccessRule* rule, const ClientKey& client, Instant now) {
   if (has_rate(rule)) {
     rates_[{rule, client}].take(rule->per_second, now);
   }

@@ -16,20 +16,19 @@ namespace mbgate::gateway {
 
 class AccessBook {
  public:
-  /// A request that the verdict permits is let through, unless the client's address is over the
+  /// A request that the verdict permits is let through, unless the client is over the
   /// rate of a rule: then false. `rate = "10/s"` lets ten through at once, and then one every 100
   /// ms.
-  [[nodiscard]] bool take(const RuleVerdict& verdict, const routing::ClientAddress& client,
-                          Instant now);
+  [[nodiscard]] bool take(const RuleVerdict& verdict, const ClientKey& client, Instant now);
   /// Other rules are in force: what the old ones have let through does not count.
   void forget_rates() { rates_.clear(); }
 
  private:
   friend struct mbgate::StateReader;
-  using Key = std::pair<const routing::AccessRule*, routing::ClientAddress>;
-  [[nodiscard]] bool has_room(const routing::AccessRule* rule, const routing::ClientAddress& client,
+  using Key = std::pair<const routing::AccessRule*, ClientKey>;
+  [[nodiscard]] bool has_room(const routing::AccessRule* rule, const ClientKey& client,
                               Instant now);
-  void count(const routing::AccessRule* rule, const routing::ClientAddress& client, Instant now);
+  void count(const routing::AccessRule* rule, const ClientKey& client, Instant now);
 
   std::map<Key, SecondRate> rates_;
 };

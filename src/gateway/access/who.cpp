@@ -126,7 +126,8 @@ WhoAnswer planned(const SettingsSnapshot& settings, const ClientInfo& client, st
   if (!answer.permitted || plan.is_read() || rules.is_stop(plan)) {
     return answer;
   }
-  const WriteOrigin origin{ClientId{}, client.address, 0, Instant{}};
+  const ClientKey key = key_of(client, settings.settings.listener(client.listener));
+  const WriteOrigin origin{ClientId{}, client, key, 0, Instant{}};
   if (const auto objection = rules.objection(plan, origin, Instant{})) {
     return by_writer(settings, client, plan, *objection);
   }

@@ -38,8 +38,8 @@ bool ClientDoor::admit(const ClientInfo& info, Phase phase, Instant now) {
                        RefusalReason::address_full, now);
   }
   if (!reason && sessions_.is_full(info.listener)) {
-    reason =
-        make_room(to_displace(sessions_, info.listener, key_of(info, listener)), RefusalReason::full, now);
+    reason = make_room(to_displace(sessions_, info.listener, key_of(info, listener)),
+                       RefusalReason::full, now);
   }
   if (reason) {
     refuse(info, *reason);

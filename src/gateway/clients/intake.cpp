@@ -108,8 +108,7 @@ void Intake::judge(const ClientSession& session, Request& request, Instant now) 
     notice_denied(session, request, now);
   }
   const bool is_limited = (request.plan || request.for_gateway) && !request.is_stop;
-  if (is_limited && !request.refused &&
-      !access_.take(request.verdict, session.info().address, now)) {
+  if (is_limited && !request.refused && !access_.take(request.verdict, session.key(), now)) {
     request.for_gateway = false;
     request.refused = ExceptionCode::server_device_busy;
   }

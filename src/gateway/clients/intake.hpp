@@ -42,7 +42,7 @@ struct Request {
   RuleVerdict verdict{};
 
   [[nodiscard]] WriteOrigin origin(const ClientSession& session) const {
-    return {session.id(), session.info().address, position, arrival};
+    return {session.id(), session.info(), session.key(), position, arrival};
   }
 };
 class Intake {

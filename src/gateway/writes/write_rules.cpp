@@ -86,8 +86,9 @@ std::optional<ExceptionCode> WriteRules::objection(const routing::PlannedTransac
   std::optional<ExceptionCode> found;
   for (const std::size_t place : settings_->devices.reached_by(write)) {
     const DeviceGuard* guard = settings_->guard(place);
-    auto denied =
-        guard == nullptr ? std::nullopt : writers_.objection(place, *guard, origin.address, now);
+    auto denied = guard == nullptr
+                      ? std::nullopt
+                      : writers_.objection(place, *guard, origin.info, origin.key, now);
     if (!denied && stop_marks_.forbids(place, origin.client, origin.position, origin.arrival)) {
       denied = ExceptionCode::server_device_busy;
     }
@@ -102,7 +103,8 @@ bool WriteRules::is_denied_by_writer(const routing::Plan& write, const WriteOrig
     const DevicePlaces places = settings_->devices.reached_by(transaction);
     return std::ranges::any_of(places, [&](std::size_t place) {
       const DeviceGuard* guard = settings_->guard(place);
-      return guard != nullptr && writers_.objection(place, *guard, origin.address, now).has_value();
+      return guard != nullptr &&
+             writers_.objection(place, *guard, origin.info, origin.key, now).has_value();
     });
   });
 }
@@ -138,7 +140,7 @@ void WriteRules::note_accepted(const routing::Plan& request, const BusList& left
       continue;
     }
     for (const std::size_t place : settings_->devices.reached_by(part)) {
-      writers_.note(place, origin.address, now);
+      writers_.note(place, origin.key, now);
     }
   }
 }

@@ -14,7 +14,8 @@ namespace mbgate::gateway {
 /// Where a write comes from.
 struct WriteOrigin {
   ClientId client;
-  routing::ClientAddress address;
+  const ClientInfo& info;
+  const ClientKey& key;
   std::uint64_t position;  ///< in the client's stream
   Instant arrival;
 };

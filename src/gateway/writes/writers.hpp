@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "gateway/client.hpp"
 #include "gateway/device_guard.hpp"
 #include "gateway/settings.hpp"
 #include "modbus/pdu.hpp"
@@ -19,10 +20,11 @@ class Writers {
   /// writing. Nothing if it may.
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(std::size_t device,
                                                                const DeviceGuard& guard,
-                                                               const routing::ClientAddress& client,
+                                                               const ClientInfo& client,
+                                                               const ClientKey& key,
                                                                bus::Instant now) const;
   /// A write of the client to the device was accepted.
-  void note(std::size_t device, const routing::ClientAddress& client, bus::Instant now) {
+  void note(std::size_t device, const ClientKey& client, bus::Instant now) {
     owners_[device] = Owner{client, now};
   }
   /// Other settings: nobody owns what is gone.
@@ -37,7 +39,7 @@ class Writers {
 
  private:
   struct Owner {
-    routing::ClientAddress client;
+    ClientKey client;
     bus::Instant wrote;
   };
   std::vector<std::optional<Owner>> owners_;

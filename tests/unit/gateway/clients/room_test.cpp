@@ -131,5 +131,32 @@ TEST_F(Room, AddressesOfOneIpv6NetworkAreOneClient) {
   EXPECT_THAT(rig_->closed, ElementsAre(2));
 }
 
+TEST_F(Room, WhereCertificatesAreCountedEachIsAClient) {
+  Settings settings = one_bus();
+  settings.listeners[0].max_connections = 3;
+  settings.listeners[0].counts_certificates = true;
+  rig_.emplace(settings);
+  const auto named = [](const char* name) {
+    return routing::ClientRole{routing::ClientRole::Kind::named, "operator", name};
+  };
+  rig_->connect(1, kPlc, 0, 0, named("plc"));
+  ask(1);
+  rig_->connect(2, kPlc, 0, 0, named("screen"));
+  rig_->connect(3, kOther, 0, 0, named("screen"));
+  rig_->connect(4, kOther, 0, 0, named("plc 2"));
+  EXPECT_THAT(rig_->closed, ElementsAre(2));
+}
+
+TEST_F(Room, ARoleMayBeKept) {
+  Settings settings = one_bus();
+  settings.listeners[0].max_connections = 2;
+  settings.listeners[0].keep.roles = {"plc"};
+  rig_.emplace(settings);
+  rig_->connect(1, kPlc, 0, 0, {routing::ClientRole::Kind::named, "plc", {}});
+  rig_->connect(2, kPlc, 0, 0, {routing::ClientRole::Kind::named, "screen", {}});
+  rig_->connect(3, kPlc, 0, 0, {routing::ClientRole::Kind::named, "plc", {}});
+  EXPECT_THAT(rig_->closed, ElementsAre(2));
+}
+
 }  // namespace
 }  // namespace mbgate::test::room_test

@@ -193,5 +193,21 @@ TEST(ListedWriter, IsTheOnlyOneThatKeepsFailsafeWritesBack) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
+// A screen that stays keeps nothing back, and one that goes is no reason.
+TEST(FailsafeClients, AreTheOnlyOnesThatCount) {
+  Settings settings = watched_plant();
+  settings.guards[0].failsafe_clients = {*routing::Network::parse("192.0.2.1")};
+  MachineRig rig(settings);
+  rig.connect(1, "192.0.2.1");
+  rig.connect(2, "192.0.2.2");
+  rig.connect(3, "192.0.2.2");
+  ask(rig, 1);
+  ask(rig, 2);
+  rig.disconnect(3);
+  EXPECT_THAT(take_requests(rig), IsEmpty());
+  rig.disconnect(1);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+}
+
 }  // namespace
 }  // namespace mbgate::test

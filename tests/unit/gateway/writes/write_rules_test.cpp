@@ -19,7 +19,9 @@ class WriteRulesAlone : public testing::Test {
                                 *modbus::Pdu::from(bytes));
   }
   static gateway::WriteOrigin from(std::uint64_t client, std::uint64_t position, Instant arrival) {
-    return {ClientId{client}, *routing::ClientAddress::parse("192.0.2.1"), position, arrival};
+    static const gateway::ClientInfo kInfo = info_of("192.0.2.1");
+    static const gateway::ClientKey kKey{kInfo.address};
+    return {ClientId{client}, kInfo, kKey, position, arrival};
   }
   auto objection(const gateway::WriteOrigin& origin, std::uint8_t unit = 1) {
     return rules_.objection(plan("06 00 00 00 01", unit), origin, Instant{10s});
