@@ -4,8 +4,8 @@
 SIGTERM, and prints then how often it did what. It stands for another computer: it has an address of its own, and with
 `--idle` it runs only when this one has nothing else to do.
 
-The kinds of TLS_KINDS are for the port of a TLS listener; `tls_renegotiates` has a certificate (`--identity`), and needs
-openssl."""
+The kinds of TLS_KINDS are for the port of a TLS listener; `tls_renegotiates` and `tls_without_data` have a certificate
+(`--identity`), and the first needs openssl."""
 
 import argparse
 import collections
@@ -23,8 +23,10 @@ import subprocess
 import sys
 import time
 
+from tls_records import VERSIONS, Records
+
 FEW, MANY = 20, 200  # connections of one abuser
-LINES = 1000  # of a program that an abuser has run
+LINES = 1000  # to a program that an abuser has run, or records at once
 UNROUTED, GATEWAY = 250, 255  # units that lead to no device
 PAUSE = 0.005
 HTTP_PATHS = ("/", "/api/v1/status", "/metrics", "/healthz", "/api/v1/trace?client=x", "/api/v1/events", "/%00",
@@ -272,9 +274,30 @@ def tls_renegotiates(abuser):
                 client.kill()
 
 
+def tls_without_data(abuser):
+    """A client with a certificate: new keys (TLS 1.3) or empty handshakes (1.2), as many as the socket takes."""
+    for version in itertools.cycle(VERSIONS):
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        context.check_hostname = False
+        context.verify_mode = ssl.CERT_NONE
+        context.minimum_version = context.maximum_version = version
+        context.load_cert_chain(*abuser.credentials[1::2])
+        connection = abuser.connect()
+        if connection:
+            connection.settimeout(1)
+            try:
+                records = Records(connection, context)
+                while True:
+                    connection.sendall(b"".join(records.without_data() for _ in range(LINES)))
+                    abuser.done["records"] += LINES
+            except OSError:
+                abuser.done["thrown out"] += 1
+            connection.close()
+
+
 KINDS = {kind.__name__: kind for kind in (connects, half_open, pipelines, asks, bytewise, never_read, noise)}
 HTTP_KINDS = {"http": http}
-TLS_KINDS = {kind.__name__: kind for kind in (tls_hellos, tls_silent, tls_noise, tls_renegotiates)}
+TLS_KINDS = {kind.__name__: kind for kind in (tls_hellos, tls_silent, tls_noise, tls_renegotiates, tls_without_data)}
 
 
 class Ended(BaseException):

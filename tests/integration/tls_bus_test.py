@@ -3,14 +3,18 @@
 """A bus that is a Modbus TCP server over TLS: Python's ssl in front of the demo's gateway, and a gateway in front of
 that. The private key is with mbgate-signer."""
 
+import contextlib
 import pathlib
+import socket
 import ssl
 import subprocess
 import tempfile
+import threading
 import unittest
 
 from demo_plant import PATIENCE, DemoPlant, Process, program
 from tls_front import FrontCase, sign
+from tls_records import VERSIONS, Records
 
 USER_REGISTERS = 60  # of the MOONS' drive: any value
 NEAR = """
@@ -127,6 +131,30 @@ class Bus(FrontCase):
     def test_says_that_there_is_no_tls(self):
         gateway = self.near(self.plant.port)
         self.assertEqual("the server closed the connection during the TLS handshake", self.lost(gateway))
+
+    def pump(self, version):
+        """The port of a server that sends its first client records without data, as many as it can."""
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        context.load_cert_chain(self.folder / "gateway.crt", self.folder / "gateway.key")
+        context.minimum_version = context.maximum_version = version
+        listener = self.enterContext(socket.create_server(("127.0.0.1", 0)))
+        listener.settimeout(PATIENCE)
+
+        def serve():
+            with listener.accept()[0] as client, contextlib.suppress(OSError):
+                client.settimeout(PATIENCE)
+                records = Records(client, context, server_side=True)
+                client.sendall(b"".join(records.without_data() for _ in range(5000)))
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        self.addCleanup(thread.join)
+        return listener.getsockname()[1]
+
+    def test_a_server_that_sends_records_without_data_is_left(self):
+        for version in VERSIONS:
+            gateway = self.near(self.pump(version))
+            gateway.wait_for("far.*TLS: the server sends more than 100 records without data within a second")
 
 
 class Signer:

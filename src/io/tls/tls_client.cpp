@@ -38,6 +38,7 @@ TlsClient::TlsClient(TlsClientContext& shared, std::uint64_t key,
       timer_(shared.io),
       down_over_(shared.io) {
   SSL_set_fd(ssl_.get(), socket_.native_handle());
+  records_.watch(*ssl_);
   SSL_set_accept_state(ssl_.get());
 }
 
@@ -106,7 +107,7 @@ TlsClient::Step TlsClient::read_up() {
     return Step::done;
   }
   std::array<std::uint8_t, kCarriedAtOnce> bytes{};
-  ERR_clear_error();
+  prepare_step();
   const int count = SSL_read(ssl_.get(), bytes.data(), static_cast<int>(bytes.size()));
   if (count > 0) {
     up_.assign(bytes.begin(), bytes.begin() + count);
@@ -147,7 +148,7 @@ boost::asio::awaitable<bool> TlsClient::wait_for_room() {
 std::size_t TlsClient::drain() {
   std::size_t drained = 0;
   Step step = Step::done;
-  while (step == Step::done && socket_.is_open() && hand_up()) {
+  while ((step == Step::done || step == Step::again) && socket_.is_open() && hand_up()) {
     step = read_up();
     drained += step == Step::done ? up_.size() : 0;
   }
@@ -186,7 +187,7 @@ boost::asio::awaitable<void> TlsClient::carry_down(std::shared_ptr<TlsClient> se
 boost::asio::awaitable<bool> TlsClient::write_down(std::shared_ptr<TlsClient> self,
                                                    std::span<const std::uint8_t> bytes) {
   while (!bytes.empty() && self->socket_.is_open()) {
-    ERR_clear_error();
+    self->prepare_step();
     const int count = SSL_write(self->ssl_.get(), bytes.data(), static_cast<int>(bytes.size()));
     if (count > 0) {
       bytes = bytes.subspan(static_cast<std::size_t>(count));
@@ -202,7 +203,7 @@ boost::asio::awaitable<bool> TlsClient::write_down(std::shared_ptr<TlsClient> se
 
 // The machine may take its last answers for sent once the kernel has all of them, and a FIN.
 boost::asio::awaitable<void> TlsClient::say_goodbye(std::shared_ptr<TlsClient> self) {
-  ERR_clear_error();
+  self->prepare_step();
   while (self->socket_.is_open() && SSL_shutdown(self->ssl_.get()) < 0) {
     const Step step = self->step_after(-1);
     if (step != Step::write_more || !co_await self->wait_for(step)) {

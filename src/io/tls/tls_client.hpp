@@ -20,6 +20,7 @@
 
 #include "bus/instant.hpp"
 #include "io/clients/hangup_watch.hpp"
+#include "io/tls/record_gate.hpp"
 #include "io/tls/tls_context.hpp"
 #include "io/unique_fd.hpp"
 
@@ -56,9 +57,11 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   /// Why the certificate would not be accepted now; nothing: it would.
   [[nodiscard]] std::optional<std::string> objection(const TlsContext& context) const;
   [[nodiscard]] bool has_pair() const { return pair_.is_open(); }
+  /// What the client did that ended it; empty: nothing that has to be told.
+  [[nodiscard]] const std::string& complaint() const { return complaint_; }
 
  private:
-  enum class Step : std::uint8_t { done, read_more, write_more, finished, broken };
+  enum class Step : std::uint8_t { done, read_more, write_more, again, finished, broken };
 
   static boost::asio::awaitable<void> carry_up(std::shared_ptr<TlsClient> self);
   static boost::asio::awaitable<void> run_down(std::shared_ptr<TlsClient> self);
@@ -68,8 +71,12 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   static boost::asio::awaitable<void> say_goodbye(std::shared_ptr<TlsClient> self);
   boost::asio::awaitable<bool> wait_for(Step step);
   boost::asio::awaitable<bool> wait_for_room();
-  [[nodiscard]] std::string why_no_handshake(Step step) const;
+  /// Before each call of OpenSSL that step_after() is asked about.
+  void prepare_step();
   [[nodiscard]] Step step_after(int result);
+  /// After a call that would have to wait.
+  [[nodiscard]] Step step_to_wait(Step wish);
+  void note_error();
   Step read_up();
   bool hand_up();
 
@@ -77,11 +84,12 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   std::uint64_t key_;
   std::shared_ptr<TlsContext> context_;
   boost::asio::ip::tcp::socket socket_;
+  RecordGate records_;
   SslHandle ssl_;
   boost::asio::local::stream_protocol::socket pair_;
   boost::asio::steady_timer timer_;
   std::vector<std::uint8_t> up_;  ///< read from the client, not yet with the machine
-  bool timed_out_ = false;
+  std::string complaint_;
   bool is_down_ended_ = false;  ///< the machine has said all
   bool is_down_over_ = false;   ///< nothing is carried to the client any more
   boost::asio::steady_timer down_over_;

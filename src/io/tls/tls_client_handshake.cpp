@@ -3,9 +3,12 @@
 #include <sys/socket.h>
 
 #include <array>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 
 #include "io/as_tuple.hpp"
+#include "io/clock.hpp"
 #include "io/tls/tls_client.hpp"
 
 namespace mbgate::io {
@@ -26,25 +29,22 @@ boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
   self->timer_.expires_after(limit);
   self->timer_.async_wait([weak = self->weak_from_this()](const error_code& error) {
     if (const auto client = weak.lock(); client && !error) {
-      client->timed_out_ = true;
+      client->complaint_ = "it took too long";
       client->end();
     }
   });
   while (self->socket_.is_open()) {
-    ERR_clear_error();
+    self->prepare_step();
     const Step step = self->step_after(SSL_do_handshake(self->ssl_.get()));
     if (step == Step::done) {
       self->timer_.cancel();
       co_return std::nullopt;
     }
-    if (step == Step::finished || step == Step::broken) {
-      co_return self->why_no_handshake(step);
-    }
-    if (!co_await self->wait_for(step)) {
+    if (step == Step::finished || step == Step::broken || !co_await self->wait_for(step)) {
       break;
     }
   }
-  co_return self->timed_out_ ? std::string("it took too long") : std::string("it was ended");
+  co_return self->complaint_.empty() ? std::string("the client has gone") : self->complaint_;
 }
 
 boost::asio::awaitable<void> TlsClient::see_out(std::shared_ptr<TlsClient> self) {
@@ -67,27 +67,45 @@ boost::asio::awaitable<void> TlsClient::see_out(std::shared_ptr<TlsClient> self)
   self->end();
 }
 
-std::string TlsClient::why_no_handshake(Step step) const {
-  if (step == Step::finished || ERR_peek_last_error() == 0) {
-    return "the client has gone";
-  }
-  std::string why = take_openssl_error();
-  const long result = SSL_get_verify_result(ssl_.get());
-  return result == X509_V_OK ? why : why + ": " + X509_verify_cert_error_string(result);
+void TlsClient::prepare_step() {
+  ERR_clear_error();
+  records_.open();
 }
 
 TlsClient::Step TlsClient::step_after(int result) {
   switch (SSL_get_error(ssl_.get(), result)) {
     case SSL_ERROR_NONE: return Step::done;
-    case SSL_ERROR_WANT_READ: return Step::read_more;
-    case SSL_ERROR_WANT_WRITE: return Step::write_more;
+    case SSL_ERROR_WANT_READ: return step_to_wait(Step::again);
+    case SSL_ERROR_WANT_WRITE: return step_to_wait(Step::write_more);
     case SSL_ERROR_ZERO_RETURN: return Step::finished;
-    case SSL_ERROR_SSL: context_->forget_session_of(ssl_.get()); return Step::broken;
+    case SSL_ERROR_SSL: note_error(); return Step::broken;
     default: return Step::broken;
   }
 }
 
+TlsClient::Step TlsClient::step_to_wait(Step wish) {
+  switch (records_.turn(now())) {
+    case RecordGate::Turn::again: return wish;
+    case RecordGate::Turn::wait: return wish == Step::again ? Step::read_more : wish;
+    case RecordGate::Turn::too_many: break;
+  }
+  complaint_ = RecordGate::kTooMany;
+  return Step::broken;
+}
+
+void TlsClient::note_error() {
+  context_->forget_session_of(ssl_.get());
+  complaint_ = take_openssl_error();
+  if (const long result = SSL_get_verify_result(ssl_.get()); result != X509_V_OK) {
+    complaint_ += std::string(": ") + X509_verify_cert_error_string(result);
+  }
+}
+
 boost::asio::awaitable<bool> TlsClient::wait_for(Step step) {
+  if (step == Step::again) {
+    co_await boost::asio::post(shared_.io, boost::asio::use_awaitable);  // others go on
+    co_return socket_.is_open();
+  }
   const auto what = step == Step::write_more ? tcp::socket::wait_write : tcp::socket::wait_read;
   const auto [error] = co_await socket_.async_wait(what, kAsTuple);
   co_return !error && socket_.is_open();

@@ -83,6 +83,11 @@ boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, bus::Duration li
     });
   } else if (hand_over(clients_[key])) {
     co_await TlsClient::carry(client);
+    if (!client->complaint().empty()) {
+      tell([place = clients_[key].place, why = client->complaint()](TlsEvents& events) {
+        events.tls_ended(place, "its TLS was ended: " + why);
+      });
+    }
   }
   forget(key);
 }

@@ -16,6 +16,8 @@
 #include <utility>
 
 #include "io/blocking_calls.hpp"
+#include "io/clock.hpp"
+#include "io/tls/record_gate.hpp"
 #include "io/uplink/peer_context.hpp"
 
 namespace mbgate::io {
@@ -47,7 +49,9 @@ enum class Move { done, must_wait, ended };
 class UplinkPump {
  public:
   UplinkPump(SSL& ssl, int server, int line, std::string server_name)
-      : ssl_(ssl), server_(server), line_(line), server_name_(std::move(server_name)) {}
+      : ssl_(ssl), server_(server), line_(line), server_name_(std::move(server_name)) {
+    records_.watch(ssl);
+  }
 
   /// Why it ended; empty: the line or the server closed it.
   std::string run() {
@@ -68,17 +72,18 @@ class UplinkPump {
  private:
   bool shake_hands() {
     for (;;) {
-      ERR_clear_error();
+      prepare();
       events_ = 0;
       const int result = SSL_connect(&ssl_);
       if (result == 1) {
         return ::send(line_, &TlsUplink::kReady, 1, MSG_DONTWAIT | MSG_NOSIGNAL) == 1;
       }
-      if (ask(result) == Move::ended) {
+      const Move move = ask(result);
+      if (move == Move::ended) {
         note_handshake_failure();
         return false;
       }
-      if (!wait()) {
+      if (move == Move::must_wait && !wait()) {
         return false;
       }
     }
@@ -112,7 +117,7 @@ class UplinkPump {
       up_.end = static_cast<std::size_t>(count);
     }
     const auto left = up_.left();
-    ERR_clear_error();
+    prepare();
     const int count = SSL_write(&ssl_, left.data(), static_cast<int>(left.size()));
     if (count > 0) {
       up_.begin += static_cast<std::size_t>(count);
@@ -127,7 +132,7 @@ class UplinkPump {
 
   Move carry_down() {
     if (down_.is_empty()) {
-      ERR_clear_error();
+      prepare();
       const int count = SSL_read(&ssl_, down_.bytes.data(), static_cast<int>(down_.bytes.size()));
       if (count <= 0) {
         return ask(count);
@@ -145,12 +150,16 @@ class UplinkPump {
     return Move::done;
   }
 
+  void prepare() {
+    ERR_clear_error();
+    records_.open();
+  }
+
   Move ask(int result) {
     const int system_error = errno;
     const int wish = SSL_get_error(&ssl_, result);
     if (wish == SSL_ERROR_WANT_READ || wish == SSL_ERROR_WANT_WRITE) {
-      events_ = static_cast<short>(events_ | (wish == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT));
-      return Move::must_wait;
+      return ask_for(wish == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT);
     }
     const bool closed = wish == SSL_ERROR_ZERO_RETURN || is_unexpected_end();
     if (wish == SSL_ERROR_SYSCALL && system_error != 0 && ERR_peek_error() == 0) {
@@ -160,6 +169,17 @@ class UplinkPump {
     }
     ERR_clear_error();
     return Move::ended;
+  }
+
+  /// There may be more records, of which the socket says nothing: `done` is to try again.
+  Move ask_for(short events) {
+    const RecordGate::Turn turn = records_.turn(now());
+    if (turn == RecordGate::Turn::too_many) {
+      why_ = std::string("TLS: the server sends ") + RecordGate::kTooMany;
+      return Move::ended;
+    }
+    events_ = static_cast<short>(events_ | events);
+    return turn == RecordGate::Turn::again && events == POLLIN ? Move::done : Move::must_wait;
   }
 
   static bool is_unexpected_end() {
@@ -203,6 +223,7 @@ class UplinkPump {
     return !has_line_gone_;
   }
 
+  RecordGate records_;
   SSL& ssl_;
   int server_;
   int line_;
