@@ -52,6 +52,7 @@ struct TlsSettings {
 /// Clients of a listener with TLS that are not known yet.
 struct HandshakeSettings {
   Duration timeout = std::chrono::seconds(10);  ///< from the connection to the end of the handshake
+  Duration hello = std::chrono::seconds(2);     ///< from the connection to its ClientHello
   std::size_t at_a_time = 64;                   ///< handshakes under way
   std::size_t for_one_client = 8;               ///< of these, from one client address
   unsigned per_second = 100;                    ///< that begin; 0: any number

@@ -162,19 +162,83 @@ class Endings(TlsCase):
         self.reconfigure('tls = "ec"', 'tls = "ec"\nhandshake_timeout = "100ms"')
         silent = self.use(self.plant.plain("secure"))
         self.assert_ended(silent)
-        self.refusal("no TLS handshake: it took too long")
+        self.refusal(r"no TLS handshake: it took too long \(handshake_timeout\)")
+
+    def greet(self, address):
+        """A client whose ClientHello has come, and what it needs to go on."""
+        raw = self.use(self.plant.plain("secure", address))
+        incoming, outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
+        client = self.plant.context(self.plant.operator).wrap_bio(incoming, outgoing, server_hostname="localhost")
+        with self.assertRaises(ssl.SSLWantReadError):
+            client.do_handshake()
+        raw.sendall(outgoing.read())
+        incoming.write(raw.recv(65536))
+        return raw, client, incoming, outgoing
+
+    def assert_goes_on(self, raw, client, incoming, outgoing):
+        while True:
+            try:
+                client.do_handshake()
+                break
+            except ssl.SSLWantReadError:
+                raw.sendall(outgoing.read())
+                incoming.write(raw.recv(65536))
+        client.write(adu(READ))
+        raw.sendall(outgoing.read())
+        while True:
+            try:
+                self.assertEqual(client.read(300)[7:], self.answer)
+                break
+            except ssl.SSLWantReadError:
+                incoming.write(raw.recv(65536))
+
+    def silent(self, address):
+        """A client that has brought half of its ClientHello."""
+        raw = self.use(self.plant.plain("secure", address))
+        raw.sendall(bytes.fromhex("16 03 01 02 00 01 00 01 fc 03 03"))
+        return raw
 
     def test_only_so_many_shake_hands_at_a_time(self):
-        self.reconfigure('tls = "ec"', 'tls = "ec"\nmax_handshakes = 4\nmax_handshakes_per_client = 2')
-        waiting = [self.use(self.plant.plain("secure")) for _ in range(2)]
-        self.assert_ended(self.use(self.plant.plain("secure")))
-        self.refusal(r"too many handshakes of one client at a time \(max_handshakes_per_client\)")
-        waiting += [self.use(self.plant.plain("secure", "127.0.0.2")) for _ in range(2)]
-        self.assert_ended(self.use(self.plant.plain("secure", "127.0.0.3")))
-        self.plant.gateway.wait_for(r"client 127\.0\.0\.3: .*too many handshakes at a time \(max_handshakes\)")
+        self.reconfigure('tls = "ec"', 'tls = "ec"\nmax_handshakes = 4\nmax_handshakes_per_client = 2\nhandshake_timeout = "2m"')
+        waiting = [self.greet(f"127.0.0.{2 + number // 2}") for number in range(4)]
+        for address, limit in (("127.0.0.2", "max_handshakes_per_client"), ("127.0.0.4", "max_handshakes")):
+            # The second one at the latest comes after all that was said before.
+            self.use(self.plant.plain("secure", address))
+            self.use(self.plant.plain("secure", address))
+            self.plant.gateway.wait_for(rf"client {address}: .*\({limit}\)")
         for client in waiting:
-            client.close()
-        self.refusal("the client has gone")
+            self.assert_goes_on(*client)
+
+    def test_who_is_silent_keeps_nobody_out(self):
+        self.reconfigure('tls = "ec"', 'tls = "ec"\nhello_timeout = "2m"\nhandshake_timeout = "2m"')
+        silent = [self.silent(f"127.0.0.{10 + number % 8}") for number in range(64)]
+        for _ in range(5):
+            with self.plant.client() as client:
+                self.assert_served(client)
+        self.plant.gateway.wait_for(
+            r"client 127\.0\.0\.10: no TLS handshake: no ClientHello had come when another client did \(max_handshakes\)")
+        self.assert_ended(silent[0])
+        connection = UnixConnection(self.plant.folder / "control")
+        self.addCleanup(connection.close)
+        connection.request("GET", "/metrics")
+        self.assertRegex(connection.getresponse().read().decode(), r'tls_failures_total\{listener="secure"\} [1-9]')
+
+    def test_who_is_silent_keeps_its_own_address_not_out(self):
+        self.reconfigure('tls = "ec"', 'tls = "ec"\nhello_timeout = "2m"\nhandshake_timeout = "2m"')
+        silent = [self.silent("127.0.0.1") for _ in range(8)]
+        with self.plant.client() as client:
+            self.assert_served(client)
+        self.refusal(r"no ClientHello had come when another client did \(max_handshakes_per_client\)")
+        self.assert_ended(silent[0])
+
+    def test_a_piece_of_a_client_hello_is_none(self):
+        self.reconfigure('tls = "ec"', 'tls = "ec"\nhello_timeout = "100ms"')
+        self.assert_ended(self.silent("127.0.0.1"))
+        self.refusal(r"no TLS handshake: no ClientHello came in time \(hello_timeout\)")
+        # Who has brought it has the time of a handshake.
+        self.reconfigure('"100ms"', '"30s"')
+        client = self.greet("127.0.0.1")
+        self.assert_goes_on(*client)
 
     def test_only_so_many_begin_within_a_second(self):
         self.reconfigure("second_per_client = 0", "second_per_client = 1\nmax_handshakes_per_client = 60", 1)

@@ -79,6 +79,8 @@ constexpr std::array kListenerKeys = {
     plain<&ListenerSettings::broadcast>("broadcast", Truth{}),
     plain<&ListenerSettings::handshakes, &HandshakeSettings::timeout>("handshake_timeout",
                                                                       DurationRange{100ms, 10min}),
+    plain<&ListenerSettings::handshakes, &HandshakeSettings::hello>("hello_timeout",
+                                                                    DurationRange{100ms, 10min}),
     plain<&ListenerSettings::handshakes, &HandshakeSettings::at_a_time>("max_handshakes",
                                                                         IntegerRange{1, 100'000}),
     plain<&ListenerSettings::handshakes, &HandshakeSettings::for_one_client>(

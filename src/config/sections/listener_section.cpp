@@ -27,8 +27,9 @@ void read_address(TomlTable& table, ListenerSettings& listener) {
 
 void read_handshakes(Draft& draft, TomlTable& table, ListenerSettings& listener) {
   listener.tls = find_named(table, "tls", draft.settings.tls);
-  for (const auto* key : {"handshake_timeout", "max_handshakes", "max_handshakes_per_client",
-                          "max_handshakes_per_second", "max_handshakes_per_second_per_client"}) {
+  for (const auto* key :
+       {"handshake_timeout", "hello_timeout", "max_handshakes", "max_handshakes_per_client",
+        "max_handshakes_per_second", "max_handshakes_per_second_per_client"}) {
     if (!table.has("tls") && table.has(key)) {
       table.error(key, "belongs to a listener with 'tls'");
     }

@@ -225,7 +225,8 @@ boost::asio::awaitable<void> TlsClient::say_goodbye(std::shared_ptr<TlsClient> s
   self->end();
 }
 
-void TlsClient::end() {
+void TlsClient::end(const std::string& why) {
+  complaint_ = complaint_.empty() ? why : complaint_;
   error_code ignored;
   timer_.cancel();
   if (socket_.is_open()) {

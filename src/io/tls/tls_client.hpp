@@ -39,9 +39,10 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   TlsClient(TlsClientContext& shared, std::uint64_t key, std::shared_ptr<TlsContext> context,
             boost::asio::ip::tcp::socket socket);
 
-  /// Nothing: it is done; else why not. `limit`: how long it may take.
+  /// Nothing: it is done; else why not. `greeted` is called when the ClientHello has come.
   static boost::asio::awaitable<std::optional<std::string>> shake_hands(
-      std::shared_ptr<TlsClient> self, bus::Duration limit);
+      std::shared_ptr<TlsClient> self, gateway::HandshakeSettings limits,
+      std::function<void()> greeted);
   /// After a handshake that failed: lets the client have the alert, and ends.
   static boost::asio::awaitable<void> see_out(std::shared_ptr<TlsClient> self);
   /// After the handshake: the end of the pair that is for the machine; closed if there is none.
@@ -50,12 +51,13 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   static boost::asio::awaitable<void> carry(std::shared_ptr<TlsClient> self);
   /// Carries to the machine what can be carried without waiting. How many bytes that were.
   std::size_t drain();
-  /// Ends at once.
-  void end();
+  /// Ends at once. `why`: if that has to be told.
+  void end(const std::string& why = {});
 
   [[nodiscard]] routing::ClientRole role() const;
   /// Why the certificate would not be accepted now; nothing: it would.
   [[nodiscard]] std::optional<std::string> objection(const TlsContext& context) const;
+  [[nodiscard]] bool has_greeted() const { return has_greeted_; }
   [[nodiscard]] bool has_pair() const { return pair_.is_open(); }
   /// What the client did that ended it; empty: nothing that has to be told.
   [[nodiscard]] const std::string& complaint() const { return complaint_; }
@@ -71,6 +73,10 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   static boost::asio::awaitable<void> say_goodbye(std::shared_ptr<TlsClient> self);
   boost::asio::awaitable<bool> wait_for(Step step);
   boost::asio::awaitable<bool> wait_for_room();
+  /// Ends the handshake then.
+  void limit_handshake(boost::asio::steady_timer::time_point until, const char* why);
+  /// All of its ClientHello, of which pieces do not count.
+  [[nodiscard]] bool has_hello() const;
   /// Before each call of OpenSSL that step_after() is asked about.
   void prepare_step();
   [[nodiscard]] Step step_after(int result);
@@ -90,6 +96,7 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   boost::asio::steady_timer timer_;
   std::vector<std::uint8_t> up_;  ///< read from the client, not yet with the machine
   std::string complaint_;
+  bool has_greeted_ = false;
   bool is_down_ended_ = false;  ///< the machine has said all
   bool is_down_over_ = false;   ///< nothing is carried to the client any more
   boost::asio::steady_timer down_over_;

@@ -21,21 +21,27 @@ constexpr std::size_t kDroppedAtOnce = 2048;
 /// How long a client may take to read why it was refused: a close with unread bytes resets the
 /// connection, and the alert could be lost.
 constexpr std::chrono::seconds kAlertLimit{1};
+constexpr const char* kTookTooLong = "it took too long (handshake_timeout)";
 
 }  // namespace
 
 boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
-    std::shared_ptr<TlsClient> self, bus::Duration limit) {
-  self->timer_.expires_after(limit);
-  self->timer_.async_wait([weak = self->weak_from_this()](const error_code& error) {
-    if (const auto client = weak.lock(); client && !error) {
-      client->complaint_ = "it took too long";
-      client->end();
-    }
-  });
+    std::shared_ptr<TlsClient> self, gateway::HandshakeSettings limits,
+    std::function<void()> greeted) {
+  const auto begin = boost::asio::steady_timer::clock_type::now();
+  if (limits.hello < limits.timeout) {
+    self->limit_handshake(begin + limits.hello, "no ClientHello came in time (hello_timeout)");
+  } else {
+    self->limit_handshake(begin + limits.timeout, kTookTooLong);
+  }
   while (self->socket_.is_open()) {
     self->prepare_step();
     const Step step = self->step_after(SSL_do_handshake(self->ssl_.get()));
+    if (!self->has_greeted_ && self->has_hello()) {
+      self->has_greeted_ = true;
+      self->limit_handshake(begin + limits.timeout, kTookTooLong);
+      greeted();
+    }
     if (step == Step::done) {
       self->timer_.cancel();
       co_return std::nullopt;
@@ -45,6 +51,20 @@ boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
     }
   }
   co_return self->complaint_.empty() ? std::string("the client has gone") : self->complaint_;
+}
+
+void TlsClient::limit_handshake(boost::asio::steady_timer::time_point until, const char* why) {
+  timer_.expires_at(until);
+  timer_.async_wait([weak = weak_from_this(), why](const error_code& error) {
+    if (const auto client = weak.lock(); client && !error) {
+      client->end(why);
+    }
+  });
+}
+
+bool TlsClient::has_hello() const {
+  const OSSL_HANDSHAKE_STATE state = SSL_get_state(ssl_.get());
+  return state != TLS_ST_BEFORE && state != TLS_ST_SR_CLNT_HELLO;
 }
 
 boost::asio::awaitable<void> TlsClient::see_out(std::shared_ptr<TlsClient> self) {

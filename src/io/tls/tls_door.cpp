@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tls/tls_door.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -34,7 +35,7 @@ void TlsDoor::use(ListenerContexts contexts) {
 void TlsDoor::take(gateway::ListenerId number, const gateway::Settings& settings,
                    AcceptedClient client) {
   const gateway::ListenerSettings& listener = settings.listener(number);
-  const TlsPlace place{number, client.address()};
+  const TlsPlace place{number, client.address(), next_handshake_++};
   const auto context = contexts_.find(number);
   const std::string why = context == contexts_.end() || !front_ ? "there is no certificate"
                                                                 : begin(place, listener.handshakes);
@@ -43,58 +44,87 @@ void TlsDoor::take(gateway::ListenerId number, const gateway::Settings& settings
     return;
   }
   const auto protocol = client.peer.protocol();
-  front_->take({place, UniqueFd(client.socket.release()), protocol, context->second,
-                listener.handshakes.timeout});
+  front_->take(
+      {place, UniqueFd(client.socket.release()), protocol, context->second, listener.handshakes});
 }
 
+// Who may begin none has nobody else's place: the rates come first.
 std::string TlsDoor::begin(const TlsPlace& place, const gateway::HandshakeSettings& limits) {
   const bus::Instant at = now();
   OfListener& listener = listeners_[place.listener];
   std::erase_if(listener.clients, [at](const auto& it) {
     return it.second.under_way == 0 && it.second.begun.is_rested(at);
   });
-  if (listener.under_way >= limits.at_a_time) {
-    return "too many handshakes at a time (max_handshakes)";
-  }
-  OfClient& client = listener.clients[place.address];
-  if (client.under_way >= limits.for_one_client) {
-    return "too many handshakes of one client at a time (max_handshakes_per_client)";
-  }
+  const routing::ClientAddress counted = place.address.counted_as();
+  OfClient& client = listener.clients[counted];
   if (!has_room(client.begun, limits.per_second_for_one_client, at)) {
     return "too many handshakes of one client (max_handshakes_per_second_per_client)";
   }
   if (!has_room(listener.begun, limits.per_second, at)) {
     return "too many handshakes (max_handshakes_per_second)";
   }
+  if (client.under_way >= limits.for_one_client &&
+      !make_room(listener, &counted, "max_handshakes_per_client")) {
+    return "too many handshakes of one client at a time (max_handshakes_per_client)";
+  }
+  if (listener.under_way.size() >= limits.at_a_time &&
+      !make_room(listener, nullptr, "max_handshakes")) {
+    return "too many handshakes at a time (max_handshakes)";
+  }
   take_place(client.begun, limits.per_second_for_one_client, at);
   take_place(listener.begun, limits.per_second, at);
-  ++client.under_way;
-  ++listener.under_way;
+  note_begun(place);
   return {};
+}
+
+bool TlsDoor::make_room(OfListener& listener, const routing::ClientAddress* client,
+                        const char* limit) {
+  const auto oldest = std::ranges::find_if(listener.under_way, [client](const auto& it) {
+    const Handshake& handshake = it.second;
+    return !handshake.has_greeted && (client == nullptr || handshake.client == *client);
+  });
+  if (oldest == listener.under_way.end()) {
+    return false;
+  }
+  front_->let_go(oldest->first,
+                 std::string("no ClientHello had come when another client did (") + limit + ")");
+  note_ended(listener, oldest->first);
+  return true;
 }
 
 std::size_t TlsDoor::under_way() const {
   return std::accumulate(
       listeners_.begin(), listeners_.end(), std::size_t{0},
-      [](std::size_t sum, const auto& listener) { return sum + listener.second.under_way; });
+      [](std::size_t sum, const auto& listener) { return sum + listener.second.under_way.size(); });
 }
 
+// One that was let go may have greeted before it heard of that: it stays, and counts again.
+void TlsDoor::tls_greeted(const TlsPlace& place) { note_begun(place).has_greeted = true; }
+
 void TlsDoor::tls_arrived(TlsArrival arrival) {
-  note_ended(arrival.place);
+  note_ended(listeners_[arrival.place.listener], arrival.place.handshake);
   events_.tls_arrived(std::move(arrival));
 }
 
 void TlsDoor::tls_refused(const TlsPlace& place, const std::string& why) {
-  note_ended(place);
+  note_ended(listeners_[place.listener], place.handshake);
   events_.tls_refused(place, why);
 }
 
-void TlsDoor::note_ended(const TlsPlace& place) {
+TlsDoor::Handshake& TlsDoor::note_begun(const TlsPlace& place) {
   OfListener& listener = listeners_[place.listener];
-  const auto client = listener.clients.find(place.address);
-  if (client != listener.clients.end() && client->second.under_way > 0) {
-    --client->second.under_way;
-    --listener.under_way;
+  const routing::ClientAddress client = place.address.counted_as();
+  const auto [handshake, is_new] = listener.under_way.try_emplace(place.handshake, client);
+  if (is_new) {
+    ++listener.clients[client].under_way;
+  }
+  return handshake->second;
+}
+
+void TlsDoor::note_ended(OfListener& listener, std::uint64_t handshake) {
+  if (const auto ended = listener.under_way.find(handshake); ended != listener.under_way.end()) {
+    --listener.clients[ended->second.client].under_way;
+    listener.under_way.erase(ended);
   }
 }
 

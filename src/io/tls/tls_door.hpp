@@ -4,6 +4,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -31,16 +32,21 @@ class TlsDoor final : public TlsEvents {
   [[nodiscard]] std::size_t under_way() const;
 
  private:
+  struct Handshake {
+    routing::ClientAddress client;  ///< as it is counted
+    bool has_greeted = false;       ///< its ClientHello has come
+  };
   struct OfClient {
     std::size_t under_way = 0;
     gateway::SecondRate begun;
   };
   struct OfListener {
+    std::map<std::uint64_t, Handshake> under_way;  ///< by their numbers: the oldest first
     std::map<routing::ClientAddress, OfClient> clients;
-    std::size_t under_way = 0;
     gateway::SecondRate begun;
   };
 
+  void tls_greeted(const TlsPlace& place) override;
   void tls_arrived(TlsArrival arrival) override;
   void tls_refused(const TlsPlace& place, const std::string& why) override;
   void tls_ended(const TlsPlace& place, const std::string& why) override {
@@ -51,12 +57,17 @@ class TlsDoor final : public TlsEvents {
 
   /// Why no other handshake may begin there now; empty: it may, and counts from now on.
   std::string begin(const TlsPlace& place, const gateway::HandshakeSettings& limits);
-  void note_ended(const TlsPlace& place);
+  /// Lets the oldest go that has not brought its ClientHello; of this client only, if there is one.
+  /// False: all have.
+  bool make_room(OfListener& listener, const routing::ClientAddress* client, const char* limit);
+  Handshake& note_begun(const TlsPlace& place);
+  static void note_ended(OfListener& listener, std::uint64_t handshake);
 
   boost::asio::io_context& context_;
   TlsEvents& events_;
   ListenerContexts contexts_;
   std::map<gateway::ListenerId, OfListener> listeners_;
+  std::uint64_t next_handshake_ = 0;
   std::unique_ptr<TlsFront> front_;  ///< none as long as nobody needs it
 };
 

@@ -4,6 +4,7 @@
 
 #include <boost/asio/ip/tcp.hpp>
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -20,10 +21,11 @@ using TlsContexts = std::map<std::string, std::shared_ptr<TlsContext>>;
 /// By the listeners that use them now.
 using ListenerContexts = std::map<gateway::ListenerId, std::shared_ptr<TlsContext>>;
 
-/// Where a client has connected, and from where.
+/// Where a client has connected, and from where; and the number of its handshake.
 struct TlsPlace {
   gateway::ListenerId listener{};
   routing::ClientAddress address;
+  std::uint64_t handshake = 0;
 };
 
 /// A client that has connected.
@@ -32,7 +34,7 @@ struct TlsCandidate {
   UniqueFd socket;
   boost::asio::ip::tcp protocol = boost::asio::ip::tcp::v4();
   std::shared_ptr<TlsContext> context;
-  bus::Duration limit{};  ///< of the handshake
+  gateway::HandshakeSettings limits;
 };
 
 /// A client that has shaken hands.
@@ -48,6 +50,8 @@ struct TlsArrival {
 class TlsEvents {
  public:
   virtual ~TlsEvents() = default;
+  /// It has brought its ClientHello; tls_arrived() or tls_refused() follows.
+  virtual void tls_greeted(const TlsPlace& /*place*/) {}
   virtual void tls_arrived(TlsArrival arrival) = 0;
   /// There was no handshake.
   virtual void tls_refused(const TlsPlace& place, const std::string& why) = 0;

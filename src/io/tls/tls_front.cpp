@@ -63,18 +63,34 @@ void TlsFront::take(TlsCandidate candidate) {
       return;
     }
     candidate.socket.release();
-    const std::uint64_t key = next_key_++;
+    const std::uint64_t key = candidate.place.handshake;
     clients_[key] = {
         std::make_shared<TlsClient>(shared_, key, std::move(candidate.context), std::move(socket)),
         candidate.place};
     heartbeat_.beat_while(true);
-    supervise(io_, serve(key, candidate.limit), "TLS of a client");
+    supervise(io_, serve(key, candidate.limits), "TLS of a client");
   });
 }
 
-boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, bus::Duration limit) {
+void TlsFront::let_go(std::uint64_t handshake, std::string why) {
+  boost::asio::post(io_, [this, handshake, why = std::move(why)] {
+    const auto entry = clients_.find(handshake);
+    if (entry != clients_.end() && !entry->second.client->has_greeted()) {
+      entry->second.client->end(why);
+    }
+  });
+}
+
+std::function<void()> TlsFront::teller_of_greeting(const TlsPlace& place) {
+  return [this, place] {
+    tell([place](TlsEvents& events) { events.tls_greeted(place); });
+  };
+}
+
+boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, gateway::HandshakeSettings limits) {
   const std::shared_ptr<TlsClient> client = clients_[key].client;
-  const auto failure = co_await TlsClient::shake_hands(client, limit);
+  const auto failure =
+      co_await TlsClient::shake_hands(client, limits, teller_of_greeting(clients_[key].place));
   look_for_stall();
   if (failure) {
     co_await TlsClient::see_out(client);  // it still counts among those that shake hands

@@ -7,6 +7,7 @@
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,6 +32,8 @@ class TlsFront {
 
   /// The thread of the machine calls these. Shakes hands; tls_arrived() or tls_refused() follows.
   void take(TlsCandidate candidate);
+  /// Ends the handshake of this number, unless its ClientHello has come meanwhile.
+  void let_go(std::uint64_t handshake, std::string why);
   /// From now on these decide: ends clients whose certificates they do not accept, or whose
   /// listener has none any more. Handshakes under way are judged at their end.
   void judge_again(ListenerContexts contexts);
@@ -43,7 +46,8 @@ class TlsFront {
   };
 
   void run();
-  boost::asio::awaitable<void> serve(std::uint64_t key, bus::Duration limit);
+  boost::asio::awaitable<void> serve(std::uint64_t key, gateway::HandshakeSettings limits);
+  std::function<void()> teller_of_greeting(const TlsPlace& place);
   /// Hands a client that has shaken hands to the machine. False: it cannot be.
   bool hand_over(Entry& entry);
   void judge_all();
@@ -63,8 +67,7 @@ class TlsFront {
   Heartbeat heartbeat_;
   TlsClientContext shared_;
   ListenerContexts contexts_;
-  std::map<std::uint64_t, Entry> clients_;
-  std::uint64_t next_key_ = 0;
+  std::map<std::uint64_t, Entry> clients_;  ///< by the numbers of their handshakes
   bool is_looking_ = false;
   bool is_ending_ = false;
   std::thread thread_;

@@ -51,33 +51,33 @@ const std::string kRecord(
 
 TEST_F(RecordGateTest, ClosesBehindARecordUntilItIsOpened) {
   come(kRecord + kRecord);
-  EXPECT_EQ(read(5, 4), 9);
+  EXPECT_EQ(read(5, 4), 9U);
   EXPECT_EQ(gate_.turn(bus::Instant{}), Turn::again);
-  EXPECT_EQ(read(5, 4), 0);
+  EXPECT_EQ(read(5, 4), 0U);
   gate_.open();
-  EXPECT_EQ(read(5, 4), 9);
+  EXPECT_EQ(read(5, 4), 9U);
 }
 
 TEST_F(RecordGateTest, WaitsForTheRestOfARecord) {
   come(kRecord.substr(0, 3));
-  EXPECT_EQ(read(5, 4), 3);
+  EXPECT_EQ(read(5, 4), 3U);
   EXPECT_EQ(gate_.turn(bus::Instant{}), Turn::wait);
   gate_.open();
   come(kRecord.substr(3, 3));
-  EXPECT_EQ(read(2, 4), 3);
+  EXPECT_EQ(read(2, 4), 3U);
   EXPECT_EQ(gate_.turn(bus::Instant{}), Turn::wait);
   gate_.open();
   come(kRecord.substr(6));
-  EXPECT_EQ(read(3, 3), 3);
+  EXPECT_EQ(read(3, 3), 3U);
   EXPECT_EQ(gate_.turn(bus::Instant{}), Turn::again);
 }
 
 TEST_F(RecordGateTest, KnowsARecordThatIsEmptyAndOneOfSsl2) {
   come(std::string("\x17\x03\x03\x00\x00", 5));
-  EXPECT_EQ(read(5, 5), 5);
+  EXPECT_EQ(read(5, 5), 5U);
   gate_.open();
   come(std::string("\x80\x09\x01\x03\x01", 5) + "abcdef" + kRecord);
-  EXPECT_EQ(read(5, 6), 11);
+  EXPECT_EQ(read(5, 6), 11U);
   EXPECT_EQ(gate_.turn(bus::Instant{}), Turn::again);
 }
 
