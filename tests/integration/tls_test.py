@@ -471,10 +471,27 @@ class Signer(TlsCase):
         self.assertEqual(self.plant.signer.end(), 0)
         with self.assertRaises((ssl.SSLError, ConnectionError)):
             self.plant.client()
-        self.refusal("no TLS handshake: ")
+        self.refusal(r"no TLS handshake: mbgate-signer \(.*\): (Connection refused|No such file or directory)")
         self.plant.start_signer()
         with self.plant.client() as client:
             self.assert_served(client)
+
+    def test_a_signer_that_does_not_answer_is_named_and_holds_nobody(self):
+        served = self.use(self.plant.client())
+        with stopped(self.plant.signer):
+            for _ in range(20):  # 80 s if each of them held the others for some seconds
+                with self.assertRaises((ssl.SSLError, ConnectionError)):
+                    self.plant.client()
+                self.assert_served(served)
+            self.refusal("no TLS handshake: mbgate-signer does not answer")
+        for _ in range(50):  # it is not asked for a second
+            try:
+                with self.plant.client() as client:
+                    self.assert_served(client)
+                return
+            except (ssl.SSLError, ConnectionError):
+                time.sleep(0.1)
+        self.fail("no handshake with a signer that goes on")
 
     @unittest.skipUnless(os.geteuid() == 0, "only root reads the memory of other programs")
     def test_the_gateway_has_no_key_in_its_memory(self):

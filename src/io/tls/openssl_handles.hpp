@@ -33,9 +33,24 @@ using ContextHandle = std::unique_ptr<SSL_CTX, FreeWith<SSL_CTX_free>>;
 using SslHandle = std::unique_ptr<SSL, FreeWith<SSL_free>>;
 using SessionHandle = std::unique_ptr<SSL_SESSION, FreeWith<SSL_SESSION_free>>;
 
-/// What OpenSSL says of the newest error of this thread, which it then forgets.
+/// An error of ours, within a function that OpenSSL calls.
+inline void raise_own_error(const std::string& why) {
+  ERR_raise_data(ERR_LIB_USER, ERR_R_OPERATION_FAIL, "%s", why.c_str());
+}
+
+/// What OpenSSL says of the newest error of this thread, all of which it then forgets; but if one
+/// is ours, what we said of that: OpenSSL adds to it that the call of a library has failed.
 inline std::string take_openssl_error() {
   const unsigned long error = ERR_peek_last_error();
+  const char* data = nullptr;
+  int flags = 0;
+  while (const unsigned long older = ERR_get_error_all(nullptr, nullptr, nullptr, &data, &flags)) {
+    if (ERR_GET_LIB(older) == ERR_LIB_USER && (flags & ERR_TXT_STRING) != 0) {
+      std::string why = data;
+      ERR_clear_error();
+      return why;
+    }
+  }
   const char* const reason = ERR_reason_error_string(error);
   ERR_clear_error();
   return reason != nullptr ? reason

@@ -47,8 +47,17 @@ int ec_index() {
   return index;
 }
 
+/// Nothing: why is the reason that take_openssl_error() gives.
 std::optional<Octets> ask(void* held, Question how, std::span<const std::uint8_t> bytes) {
-  return held == nullptr ? std::nullopt : (*static_cast<SignerHold*>(held))->sign(how, bytes);
+  if (held == nullptr) {
+    return std::nullopt;
+  }
+  auto signature = (*static_cast<SignerHold*>(held))->sign(how, bytes);
+  if (!signature) {
+    raise_own_error(signature.error());
+    return std::nullopt;
+  }
+  return *std::move(signature);
 }
 
 /// As RSA_meth_set_priv_enc(3) wants it: the size of the signature, or -1.

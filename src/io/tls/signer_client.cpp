@@ -8,8 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <map>
 #include <system_error>
 #include <utility>
+
+#include "io/clock.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -17,10 +21,56 @@ namespace {
 using signing::Answer;
 using signing::Question;
 
-/// A signature of RSA with 8192 bits takes some 30 ms; more is a signer that hangs.
-constexpr timeval kSignerPatience{.tv_sec = 2, .tv_usec = 0};
+using std::chrono::milliseconds;
 
-UniqueFd connect_to(const std::string& path) {
+/// A signer that systemd starts now needs some time.
+constexpr milliseconds kPatienceToOpen{2000};
+/// A signature of RSA with 8192 bits takes some 30 ms; more is a signer that hangs. All clients of
+/// TLS wait meanwhile.
+constexpr milliseconds kPatienceToSign{200};
+/// How long a signer that did not answer in time is not asked again.
+constexpr milliseconds kBroken{1000};
+constexpr const char* kNoAnswer = "mbgate-signer does not answer";
+
+/// Which signers have not answered in time, and when. It is the process that hangs, so the keys of
+/// all clients and lines know it.
+class SilentSigners {
+ public:
+  void note(const std::string& path, bus::Instant at) {
+    const std::lock_guard lock(mutex_);
+    since_[path] = at;
+  }
+  [[nodiscard]] bool has(const std::string& path, bus::Instant at) {
+    const std::lock_guard lock(mutex_);
+    const auto since = since_.find(path);
+    return since != since_.end() && at < since->second + kBroken;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, bus::Instant> since_;
+};
+
+SilentSigners& silent_signers() {
+  static SilentSigners signers;
+  return signers;
+}
+
+/// What the socket does next may take until then. False: the time is over.
+bool limit_waiting(const UniqueFd& socket, bus::Instant limit) {
+  const auto left = std::chrono::duration_cast<std::chrono::microseconds>(limit - now());
+  if (left.count() <= 0) {
+    errno = EAGAIN;
+    return false;
+  }
+  const timeval time{.tv_sec = left.count() / 1'000'000, .tv_usec = left.count() % 1'000'000};
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &time, sizeof time);
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_SNDTIMEO, &time, sizeof time);
+  return true;
+}
+
+/// Waits too, if the signer has many connections that it has not taken yet.
+UniqueFd connect_to(const std::string& path, bus::Instant limit) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.size() >= sizeof address.sun_path) {
@@ -29,9 +79,8 @@ UniqueFd connect_to(const std::string& path) {
   }
   std::ranges::copy(path, address.sun_path);
   UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
-  ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &kSignerPatience, sizeof kSignerPatience);
-  ::setsockopt(socket.get(), SOL_SOCKET, SO_SNDTIMEO, &kSignerPatience, sizeof kSignerPatience);
   const bool connected =
+      limit_waiting(socket, limit) &&
       ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   return connected ? std::move(socket) : UniqueFd();
 }
@@ -53,7 +102,7 @@ SignerClient::Failure SignerClient::absent(const std::string& why) const {
 Result<std::shared_ptr<SignerClient>, SignerClient::Failure> SignerClient::open(std::string socket,
                                                                                 std::string key) {
   const std::shared_ptr<SignerClient> client(new SignerClient(std::move(socket), std::move(key)));
-  auto opened = client->connect();
+  auto opened = client->connect(now() + kPatienceToOpen);
   if (!opened) {
     return opened.error();
   }
@@ -61,12 +110,12 @@ Result<std::shared_ptr<SignerClient>, SignerClient::Failure> SignerClient::open(
   return client;
 }
 
-Result<Octets, SignerClient::Failure> SignerClient::connect() {
-  socket_ = connect_to(path_);
+Result<Octets, SignerClient::Failure> SignerClient::connect(bus::Instant limit) {
+  socket_ = connect_to(path_, limit);
   if (!socket_.is_open()) {
     return absent(std::generic_category().message(errno));
   }
-  const auto answer = ask(Question::open, Octets(key_.begin(), key_.end()));
+  const auto answer = ask(Question::open, Octets(key_.begin(), key_.end()), limit);
   if (!answer) {
     return absent("no answer: " + std::generic_category().message(errno));
   }
@@ -78,34 +127,58 @@ Result<Octets, SignerClient::Failure> SignerClient::connect() {
                                           : std::string("its answer is not understood"))};
 }
 
-std::optional<Octets> SignerClient::ask(Question question, std::span<const std::uint8_t> bytes) {
+std::optional<Octets> SignerClient::ask(Question question, std::span<const std::uint8_t> bytes,
+                                        bus::Instant limit) {
   Octets message = {static_cast<std::uint8_t>(question)};
   message.insert(message.end(), bytes.begin(), bytes.end());
   std::array<std::uint8_t, signing::kLargestMessage> answer{};
-  if (::send(socket_.get(), message.data(), message.size(), MSG_NOSIGNAL) < 0) {
-    socket_.reset();
-    return std::nullopt;
-  }
-  const ssize_t size = ::recv(socket_.get(), answer.data(), answer.size(), 0);
+  const bool sent = limit_waiting(socket_, limit) &&
+                    ::send(socket_.get(), message.data(), message.size(), MSG_NOSIGNAL) >= 0;
+  const bool waits = sent && limit_waiting(socket_, limit);
+  const ssize_t size = waits ? ::recv(socket_.get(), answer.data(), answer.size(), 0) : -1;
   if (size <= 0) {
+    const int error = size == 0 ? ECONNRESET : errno;
     socket_.reset();  // an answer that comes late would be taken for the next one
+    errno = error;
     return std::nullopt;
   }
   return Octets(answer.begin(), answer.begin() + size);
 }
 
-std::optional<Octets> SignerClient::sign(Question how, std::span<const std::uint8_t> bytes) {
-  const std::lock_guard lock(mutex_);
-  auto answer = socket_.is_open() ? ask(how, bytes) : std::nullopt;
-  if (!answer) {
-    const auto opened = connect();
-    if (!opened || *opened != public_key_) {
-      socket_.reset();
-      return std::nullopt;
-    }
-    answer = ask(how, bytes);
+Result<Octets, std::string> SignerClient::sign(Question how, std::span<const std::uint8_t> bytes) {
+  const bus::Instant begin = now();
+  if (silent_signers().has(path_, begin)) {
+    return std::string(kNoAnswer);
   }
-  return answer ? part_of(*answer, Answer::signature) : std::nullopt;
+  const bus::Instant limit = begin + kPatienceToSign;
+  const std::lock_guard lock(mutex_);
+  auto answer = socket_.is_open() ? ask(how, bytes, limit) : std::nullopt;
+  std::optional<std::string> wrong;
+  if (!answer) {
+    wrong = open_again(limit);
+    answer = wrong ? std::nullopt : ask(how, bytes, limit);
+  }
+  if (!answer && now() >= limit) {
+    silent_signers().note(path_, now());
+    return std::string(kNoAnswer);
+  }
+  if (auto signature = answer ? part_of(*answer, Answer::signature) : std::nullopt) {
+    return *std::move(signature);
+  }
+  return wrong ? *std::move(wrong) : std::string("mbgate-signer refuses to sign");
+}
+
+/// Why not.
+std::optional<std::string> SignerClient::open_again(bus::Instant limit) {
+  const auto opened = connect(limit);
+  if (!opened) {
+    return opened.error().why;
+  }
+  if (*opened != public_key_) {
+    socket_.reset();
+    return "mbgate-signer: " + key_ + " is another key now";
+  }
+  return std::nullopt;
 }
 
 }  // namespace mbgate::io
