@@ -44,6 +44,11 @@ std::string left_out_text(std::uint64_t left_out, const char* what) {
                              " since this was last said of the client";
 }
 
+std::string denied_text(const Settings& settings, const Denied& denied, const char* kind) {
+  return asker_text(settings, denied) + kind + request_text(denied) + ", " + denied.by +
+         left_out_text(denied.left_out, "were denied");
+}
+
 std::string_view reason_text(RefusalReason reason) {
   switch (reason) {
     case RefusalReason::not_allowed: return "not in the allow list";
@@ -245,9 +250,11 @@ struct EventText {
     return client_text(settings, e) + " asks for unit " + std::to_string(e.unit) + "; " +
            routed_text(e.routed);
   }
-  std::string operator()(const ReadDenied& e) const { return denied_text(e, ": "); }
-  std::string operator()(const WriteDenied& e) const { return denied_text(e, ": "); }
-  std::string operator()(const StopDenied& e) const { return denied_text(e, ": a stop, "); }
+  std::string operator()(const ReadDenied& e) const { return denied_text(settings, e, ": "); }
+  std::string operator()(const WriteDenied& e) const { return denied_text(settings, e, ": "); }
+  std::string operator()(const StopDenied& e) const {
+    return denied_text(settings, e, ": a stop, ");
+  }
   std::string operator()(const WriteAccepted& e) const {
     return asker_text(settings, e) + (e.is_stop ? " stops" : " writes") +
            (e.target ? " (" + device_text(settings, e.target->bus, e.target->address) + "): "
@@ -261,12 +268,6 @@ struct EventText {
   std::string operator()(const ClientLoggedIn& e) const {
     return asker_text(settings, e) + " has logged in with its certificate" +
            left_out_text(e.left_out, "logins");
-  }
-
- private:
-  [[nodiscard]] std::string denied_text(const Denied& e, const char* kind) const {
-    return asker_text(settings, e) + kind + request_text(e) + ", " + e.by +
-           left_out_text(e.left_out, "were denied");
   }
 };
 
