@@ -38,7 +38,8 @@ void Certificates::tell_refusal(const std::string& listener, const io::TlsPlace&
                                 const std::string& why) {
   ++failures_[listener];
   const std::string client = place.address.to_text();
-  log_.write_limited(Level::warning, "tls refusal " + listener,
+  // Its first words say of which kind it is: many that are refused do not hide one that was ended.
+  log_.write_limited(Level::warning, "tls refusal " + listener + why.substr(0, why.find(':')),
                      "listener " + listener + ": client " + client + ": " + why,
                      {.id = message_id::kTlsRefused, .client = client, .listener = listener});
 }
