@@ -52,7 +52,9 @@ FRONTS = {
     "io/clients": {"client_connections", "descriptors", "hangup_watch", "listening_socket", "open_listeners", "server_set", "tcp_server"},
     "io/denials": {"advice", "denials", "starter"},
     "io/lines": {"line_set"},
-    "io/tls": {"load_tls", "openssl_handles", "pem_files", "remote_key", "sha256", "signer_client", "tls_door"},
+    "io/tls": {
+        "load_tls", "openssl_handles", "pem_files", "record_gate", "remote_key", "sha256", "signer_client", "tls_door",
+    },
     "io/uplink": {"tls_uplink"},
     "sim/drives": {"device"},
     "sim/program": {"simulator"},

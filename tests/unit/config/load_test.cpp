@@ -181,6 +181,7 @@ TEST(LoadSettings, FillsCertificatesAndListenersThatUseThem) {
   EXPECT_EQ(secure.tls, 0U);
   EXPECT_EQ(secure.port, 802);
   EXPECT_EQ(secure.handshakes, (gateway::HandshakeSettings{.timeout = 3s,
+                                                           .hello = 1s,
                                                            .at_a_time = 12,
                                                            .for_one_client = 2,
                                                            .per_second = 50,

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "unit/io/run_until.hpp"
@@ -60,7 +61,9 @@ class TlsDoorTest : public testing::Test, public TlsEvents {
     far.connect(acceptor_.local_endpoint());
     clients_.push_back(std::move(far));
     const auto peer = boost::asio::ip::make_address(address);
-    door_.take(kListener, settings_, {acceptor_.accept(), {peer, 1}});
+    tcp::socket near = acceptor_.accept();
+    near.native_non_blocking(true);  // as TcpServer's are
+    door_.take(kListener, settings_, {std::move(near), {peer, 1}});
   }
 
   /// Who has been let go, and why, when so many have.
