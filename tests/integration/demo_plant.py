@@ -174,6 +174,10 @@ class DemoPlant(Plant):
         """The lines of the gateway that were waited for, and those before them."""
         return self._processes[-1].printed
 
+    def pid(self):
+        """Of the gateway."""
+        return self._processes[-1].pid
+
     def end_gateway(self):
         """Asks the gateway alone to end."""
         gateway = self._processes.pop()

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/json/array.hpp>
 #include <boost/json/serialize.hpp>
@@ -14,6 +13,7 @@
 #include <utility>
 
 #include "app/control/question.hpp"
+#include "app/control/request_reader.hpp"
 #include "app/control/tcp_rules.hpp"
 #include "app/metrics/metrics.hpp"
 #include "app/page/page_answer.hpp"
@@ -37,8 +37,6 @@ constexpr std::string_view kNoAnswer = "the gateway has not answered within 1 s"
 constexpr std::string_view kOverdueText = "a bus is not looked at when it is time";
 constexpr std::string_view kEventsPath = "/api/v1/events";
 constexpr std::string_view kTracePath = "/api/v1/trace";
-constexpr std::uint32_t kLongestHeader = 8192;
-constexpr std::uint64_t kLongestBody = 65536;
 
 /// `text` may name what a client has sent.
 boost::json::object error_json(std::string_view text) { return {{"error", valid_utf8(text)}}; }
@@ -144,21 +142,20 @@ std::optional<Result<ControlServer::Stream, Refusal>> ControlServer::begin_strea
 asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
     ControlDoors::Entered& client) {
   ControlStream& stream = *client.stream;
-  boost::beast::flat_buffer buffer;
+  RequestReader reader(stream);
   bool goes_on = true;
   while (goes_on) {
-    http::request_parser<http::string_body> parser;
-    parser.header_limit(kLongestHeader);
-    parser.body_limit(kLongestBody);
-    stream.expires_after(kClientLimit);
-    const auto [read_error, got] = co_await http::async_read(stream, buffer, parser, io::kAsTuple);
-    if (read_error) {
+    const auto incoming = co_await reader.read();
+    if (!incoming) {
       break;
     }
-    const Request request = parser.release();
+    const Request& request = incoming->request;
     Response response;
-    const auto refusal =
+    auto refusal =
         client.over_tcp ? refused_over_tcp(request, hosts_) : refused_over_socket(request);
+    if (!refusal) {
+      refusal = incoming->refusal;
+    }
     if (refusal) {
       response = answer(request, refusal->status, error_json(refusal->why));
     } else if (const auto stream_asked = begin_stream(request, client.over_tcp)) {
@@ -169,6 +166,9 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
       response = answer(request, why_not.status, error_json(why_not.why));
     } else {
       response = co_await respond(request);
+    }
+    if (incoming->refusal) {
+      response.keep_alive(false);  // its body follows, and is not read
     }
     goes_on = response.keep_alive();
     stream.expires_after(kClientLimit);

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/control/request_reader.hpp"
+
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <string>
+#include <utility>
+
+#include "io/as_tuple.hpp"
+
+namespace mbgate::app {
+namespace {
+
+namespace http = boost::beast::http;
+using Parser = http::request_parser<http::string_body>;
+
+std::optional<Refusal> refused_body(const Parser& parser) {
+  if (parser.chunked()) {
+    return Refusal{http::status::length_required,
+                   "a body without a length (Transfer-Encoding): no request here needs one"};
+  }
+  if (parser.content_length().value_or(0) > RequestReader::kLongestBody) {
+    return Refusal{http::status::payload_too_large,
+                   "a body of more than " + std::to_string(RequestReader::kLongestBody) +
+                       " bytes: no request here needs one"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+boost::asio::awaitable<std::optional<RequestReader::Incoming>> RequestReader::read() {
+  Parser parser;
+  parser.header_limit(kLongestHeader);
+  parser.body_limit(boost::none);  // refused_body() looks at it, and says so
+  stream_.expires_after(kClientLimit);
+  const auto [head_error, head_size] =
+      co_await http::async_read_header(stream_, buffer_, parser, io::kAsTuple);
+  if (head_error) {
+    co_return std::nullopt;
+  }
+  if (auto refusal = refused_body(parser)) {
+    co_return Incoming{parser.release(), std::move(refusal)};
+  }
+  const auto [error, size] = co_await http::async_read(stream_, buffer_, parser, io::kAsTuple);
+  if (error) {
+    co_return std::nullopt;
+  }
+  co_return Incoming{parser.release(), std::nullopt};
+}
+
+}  // namespace mbgate::app
