@@ -120,6 +120,7 @@ boost::asio::awaitable<void> Service::wait_for_signal() {
     if (error || signal != SIGHUP) {
       break;
     }
+    say_who_reloads("signal", "SIGHUP");
     begin_reload();
   }
   stop();
@@ -217,10 +218,11 @@ ProcessStatus Service::process_status() const {
           certificates_.status(), certificates_.failures()};
 }
 
-void Service::clear_counters() {
+void Service::clear_counters(const Asker& asker) {
   driver_.clear_counters();
-  log_.write(Level::notice, "counters cleared by the control socket",
-             {.id = message_id::kCountersCleared});
+  log_.write_limited(Level::notice, "counters cleared " + asker.client,
+                     "counters cleared by the control socket: " + asker.text,
+                     {.id = message_id::kCountersCleared});
 }
 
 void Service::control_failed(const std::string& why) {

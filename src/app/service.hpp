@@ -72,8 +72,9 @@ class Service final : public io::DriverObserver, public ControlTarget {
   void on_finished() override;
   [[nodiscard]] gateway::StatusReport report_status(bool with_clients) const override;
   [[nodiscard]] ProcessStatus process_status() const override;
-  void reload(ReloadEnded ended) override;
-  void clear_counters() override;
+  void reload(const Asker& asker, ReloadEnded ended) override;
+  void clear_counters(const Asker& asker) override;
+  void command_denied(const Asker& asker, const std::string& what) override;
   [[nodiscard]] bool meets_deadlines() const override { return driver_.meets_deadlines(); }
   void set_traced(bool traced) override { driver_.set_traced(traced); }
   gateway::TraceBook::Taken take_trace() override { return driver_.take_trace(); }
@@ -85,6 +86,8 @@ class Service final : public io::DriverObserver, public ControlTarget {
   boost::asio::awaitable<void> wait_for_signal();
   void stop();
   void begin_reload();
+  /// Limited for each `kind` of those who ask.
+  void say_who_reloads(const std::string& kind, const std::string& who);
   void finish_reload(const Configuration& read);
   /// False if it has errors, or needs what this process may not do. Says what it has to say.
   bool is_sound(const Configuration& read);

@@ -18,6 +18,12 @@ namespace mbgate::app {
 using gateway::BusId;
 using gateway::ListenerId;
 
+namespace {
+
+constexpr const char* kReloadDone = "reload: done";
+
+}  // namespace
+
 void Service::begin_reload() {
   if (reloading_) {
     read_again_ = true;
@@ -50,12 +56,31 @@ void Service::end_reload(bool done) {
   }
 }
 
+void Service::say_who_reloads(const std::string& kind, const std::string& who) {
+  log_.write_limited(Level::notice, "reload asked " + kind, "reload: asked for by " + who,
+                     {.id = message_id::kReloadAsked});
+}
+
+void Service::command_denied(const Asker& asker, const std::string& what) {
+  log_.write_limited(Level::warning, "command denied " + asker.client,
+                     "control socket: " + what + ", asked by " + asker.text,
+                     {.id = message_id::kCommandDenied});
+}
+
+// What has changed is always said. With the rest, which is the same each time, whoever may ask for
+// a reload could fill the journal.
 void Service::say_of_reload(Level level, const std::string& text, MessageId id) {
-  log_.write(level, text, {.id = id});
+  const bool is_change = id == message_id::kConfigurationChanged || text == kReloadDone;
+  if (is_change) {
+    log_.write(level, text, {.id = id});
+  } else {
+    log_.write_limited(level, "reload says " + text, text, {.id = id});
+  }
   reload_messages_.push_back(text);
 }
 
-void Service::reload(ReloadEnded ended) {
+void Service::reload(const Asker& asker, ReloadEnded ended) {
+  say_who_reloads(asker.client, "the control socket: " + asker.text);
   if (!ready_) {
     ended({false, {"mbgated is stopping"}});
     return;
@@ -161,7 +186,7 @@ bool Service::change(const Configuration& read) {
   for (const auto& change : changes) {
     say_of_reload(Level::notice, "reload: " + change, message_id::kConfigurationChanged);
   }
-  say_of_reload(Level::info, changes.empty() ? "reload: nothing has changed" : "reload: done",
+  say_of_reload(Level::info, changes.empty() ? "reload: nothing has changed" : kReloadDone,
                 message_id::kConfigurationInForce);
   const std::string digest_before = std::exchange(digest_, read.digest);
   say_of_reload(Level::info, in_force_text(digest_, digest_before),

@@ -66,7 +66,8 @@ void judge(const HttpRequest& request) {
   require(refused || !has_host || may_mean_this_machine(request[http::field::host]),
           "only by a name of this machine");
   const auto over_socket = app::refused_over_socket(request);
-  require(over_socket.has_value() == has_origin, "no page reads over the Unix socket");
+  require(over_socket || !has_origin, "no page reads over the Unix socket");
+  require((over_socket && refused) || request.count(http::field::host) < 2, "one host is named");
   for (const auto& refusal : {refused, over_socket}) {
     require(!refusal || (!refusal->why.empty() && app::valid_utf8(refusal->why) == refusal->why),
             "a refusal says why, as text");

@@ -171,6 +171,7 @@ class Abuse(FaultCase):
             abusers = Abusers(self.port, http_port, self.tls_port, self.folder)
             worker.work(self.times["noisy"], NOISY)
             self.memory.append(resident(self.gateway.pid))
+            self.metrics()  # whoever is at the machine is served too
             self.done.append(abusers.end())
             self.wait_for_descriptors(descriptors)
         asked = len(worker.times)

@@ -210,6 +210,25 @@ def http(abuser):
     abuser.crowd(MANY, act)
 
 
+def http_endless(abuser):
+    """Chunks with extensions, trailers and sizes that have no end."""
+    ends = itertools.cycle((b"1;", b"0\r\na: ", b""))
+    begun = set()
+
+    def act(connection):
+        if connection not in begun:
+            begun.add(connection)
+            connection.send(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nTransfer-Encoding: chunked\r\n\r\n" + next(ends))
+        abuser.done["bytes sent"] += connection.send(b"0" * 65536)
+
+    abuser.crowd(FEW, act)
+
+
+def http_idle(abuser):
+    """Connections that ask nothing."""
+    abuser.crowd(MANY, abuser.drain)
+
+
 def tls_hellos(abuser):
     """Handshakes without a certificate, one after the other: the other side has all its work, and then refuses."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
@@ -296,7 +315,7 @@ def tls_without_data(abuser):
 
 
 KINDS = {kind.__name__: kind for kind in (connects, half_open, pipelines, asks, bytewise, never_read, noise)}
-HTTP_KINDS = {"http": http}
+HTTP_KINDS = {kind.__name__: kind for kind in (http, http_endless, http_idle)}
 TLS_KINDS = {kind.__name__: kind for kind in (tls_hellos, tls_silent, tls_noise, tls_renegotiates, tls_without_data)}
 
 

@@ -174,6 +174,10 @@ class DemoPlant(Plant):
         """The lines of the gateway that were waited for, and those before them."""
         return self._processes[-1].printed
 
+    def lines(self):
+        """All lines of the gateway so far."""
+        return list(self._processes[-1].unseen())
+
     def pid(self):
         """Of the gateway."""
         return self._processes[-1].pid

@@ -90,7 +90,7 @@ class Events(ControlCase):
         for number in (signal.SIGINT, signal.SIGTERM):
             with self.subTest(signal=number):
                 following, line = self.follow(self.plant.control)
-                self.assertRegex(line, r"^\d\d:\d\d:\d\d info reload: nothing has changed\n$")
+                self.assertRegex(line, r"^\d\d:\d\d:\d\d notice reload: asked for by the control socket: uid \d+, pid \d+\n$")
                 following.send_signal(number)
                 self.assertEqual(following.wait(PATIENCE), 0)
                 self.assertEqual(following.stderr.read(), "")
@@ -99,7 +99,7 @@ class Events(ControlCase):
         following, line = self.follow(self.plant.control, "--json")
         event = json.loads(line)
         validate(event, {"$ref": "#/components/schemas/JournalEvent"})
-        self.assertEqual(event["text"], "reload: nothing has changed")
+        self.assertRegex(event["text"], "^reload: asked for by the control socket: uid ")
         self.plant.end_gateway()
         *others, end = following.stdout
         for other in others:

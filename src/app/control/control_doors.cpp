@@ -27,6 +27,8 @@ constexpr std::chrono::seconds kAcceptPause{1};
 /// Of the descriptors kept for lines and files, the Unix socket may have these: an operator asks
 /// just when there are too few.
 constexpr int kForOperators = 16;
+/// Of the connections over one kind of socket, a client (an address, or a user) may have these.
+constexpr std::size_t kMostOfOne = gateway::kHttpConnections / 4;
 /// Whoever comes from more addresses than these is told of again.
 constexpr std::size_t kMostTold = 1000;
 
@@ -62,9 +64,18 @@ ClientAddress address_of(const tcp::endpoint& peer) {
 
 }  // namespace
 
+ControlDoors::ControlDoors(const std::shared_ptr<asio::io_context>& home, Enter enter,
+                           Refused refused)
+    : home_(home),
+      enter_(std::move(enter)),
+      refused_(std::move(refused)),
+      of_unix_(gateway::kHttpConnections, kMostOfOne),
+      of_tcp_(gateway::kHttpConnections, kMostOfOne) {}
+
 void ControlDoors::open(UnixAcceptor acceptor) {
   std::function<void(UnixSocket)> let_in = [this](UnixSocket socket) {
-    enter(ControlStream(std::move(socket)), false, of_unix_);
+    Asker asker = asker_of_unix_socket(socket.native_handle());
+    enter(ControlStream(std::move(socket)), false, std::move(asker));
   };
   io::supervise(*home_, accept(std::move(acceptor), std::move(let_in), kForOperators), "control");
 }
@@ -141,19 +152,27 @@ void ControlDoors::let_in(ListenerId door, tcp::socket socket) {
   const ClientAddress address = address_of(peer);
   if (contains(allowed_, address)) {
     std::erase_if(guests_, [](const Guest& guest) { return guest.stream.expired(); });
-    guests_.push_back({door, address, enter(ControlStream(std::move(socket)), true, of_tcp_)});
+    guests_.push_back(
+        {door, address, enter(ControlStream(std::move(socket)), true, asker_of(address))});
   } else {
     refuse(std::move(socket), address);
   }
 }
 
-std::weak_ptr<ControlStream> ControlDoors::enter(ControlStream stream, bool over_tcp,
-                                                 const std::shared_ptr<std::size_t>& count) {
-  if (*count >= gateway::kHttpConnections || !io::is_memory_left()) {
+std::weak_ptr<ControlStream> ControlDoors::enter(ControlStream stream, bool over_tcp, Asker asker) {
+  if (!io::is_memory_left()) {
     return {};
   }
   auto entered = std::make_shared<ControlStream>(std::move(stream));
-  enter_({entered, over_tcp, count});
+  auto place = (over_tcp ? of_tcp_ : of_unix_).take(asker.client, [held = std::weak_ptr(entered)] {
+    if (const auto displaced = held.lock()) {
+      displaced->close();
+    }
+  });
+  if (!place) {
+    return {};
+  }
+  enter_({entered, over_tcp, std::move(asker), std::move(place)});
   return entered;
 }
 

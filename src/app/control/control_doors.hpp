@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where clients of the HTTP interface come in: the Unix socket, and TCP addresses for those whom
-// [http] allow names. The ones are counted apart from the others, so that a network keeps nobody
+// [http] allow names. The ones have places apart from the others', so that a network keeps nobody
 // from the Unix socket. A reload closes the connections over TCP that it would not let in. Used on
 // the thread of the interface alone, but for its construction.
 #pragma once
@@ -18,7 +18,9 @@
 #include <string>
 #include <vector>
 
+#include "app/control/asker.hpp"
 #include "app/control/connection.hpp"
+#include "app/control/http_places.hpp"
 #include "routing/client_address.hpp"
 #include "routing/route.hpp"
 
@@ -26,11 +28,12 @@ namespace mbgate::app {
 
 class ControlDoors {
  public:
-  /// `count` is to be held (Counted) as long as it is a connection.
+  /// `place` is to be held as long as it is a connection, and told what that does.
   struct Entered {
     std::shared_ptr<ControlStream> stream;
     bool over_tcp = false;
-    std::shared_ptr<std::size_t> count;
+    Asker asker;
+    std::shared_ptr<HttpPlaces::Place> place;
   };
   using Enter = std::function<void(Entered)>;
   /// Told of an address that may not connect, once.
@@ -38,8 +41,7 @@ class ControlDoors {
   using UnixAcceptor = std::shared_ptr<boost::asio::local::stream_protocol::acceptor>;
   using TcpAcceptor = std::shared_ptr<boost::asio::ip::tcp::acceptor>;
 
-  ControlDoors(const std::shared_ptr<boost::asio::io_context>& home, Enter enter, Refused refused)
-      : home_(home), enter_(std::move(enter)), refused_(std::move(refused)) {}
+  ControlDoors(const std::shared_ptr<boost::asio::io_context>& home, Enter enter, Refused refused);
 
   void open(UnixAcceptor acceptor);
   /// One of several of that number.
@@ -65,8 +67,7 @@ class ControlDoors {
   boost::asio::awaitable<void> accept(Acceptor acceptor, std::function<void(Socket)> let_in,
                                       int kept_back);
   void let_in(routing::ListenerId door, boost::asio::ip::tcp::socket socket);
-  std::weak_ptr<ControlStream> enter(ControlStream stream, bool over_tcp,
-                                     const std::shared_ptr<std::size_t>& count);
+  std::weak_ptr<ControlStream> enter(ControlStream stream, bool over_tcp, Asker asker);
   void close_if(const std::function<bool(const Guest&)>& unwanted);
   void refuse(boost::asio::ip::tcp::socket socket, const routing::ClientAddress& address);
 
@@ -77,8 +78,8 @@ class ControlDoors {
   routing::NetworkList allowed_;
   std::vector<Guest> guests_;
   std::multimap<routing::ListenerId, TcpAcceptor> tcp_;
-  std::shared_ptr<std::size_t> of_unix_ = std::make_shared<std::size_t>(0);
-  std::shared_ptr<std::size_t> of_tcp_ = std::make_shared<std::size_t>(0);
+  HttpPlaces of_unix_;
+  HttpPlaces of_tcp_;
   std::set<routing::ClientAddress> told_;  ///< addresses that refused_ was told of
 };
 

@@ -6,12 +6,12 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/json/array.hpp>
-#include <boost/json/serialize.hpp>
 #include <iterator>
 #include <new>
 #include <string_view>
 #include <utility>
 
+#include "app/control/control_answers.hpp"
 #include "app/control/question.hpp"
 #include "app/control/request_reader.hpp"
 #include "app/control/tcp_rules.hpp"
@@ -33,49 +33,11 @@ using Response = http::response<http::string_body>;
 constexpr std::chrono::seconds kAnswerLimit{1};
 /// Reading a configuration may wait for a slow disk.
 constexpr std::chrono::seconds kReloadLimit{30};
+constexpr std::string_view kTooManyCommands = "more than 10 commands (POST) within a second";
 constexpr std::string_view kNoAnswer = "the gateway has not answered within 1 s";
 constexpr std::string_view kOverdueText = "a bus is not looked at when it is time";
 constexpr std::string_view kEventsPath = "/api/v1/events";
 constexpr std::string_view kTracePath = "/api/v1/trace";
-
-/// `text` may name what a client has sent.
-boost::json::object error_json(std::string_view text) { return {{"error", valid_utf8(text)}}; }
-
-Response answer(const Request& request, http::status status, const boost::json::object& json) {
-  Response response(status, request.version());
-  response.set(http::field::content_type, "application/json");
-  response.set(http::field::cache_control, "no-store");
-  response.keep_alive(request.keep_alive());
-  response.body() = boost::json::serialize(json) + "\n";
-  response.prepare_payload();
-  return response;
-}
-
-std::string_view path_of(const Request& request) {
-  const std::string_view target(request.target().data(), request.target().size());
-  return target.substr(0, target.find('?'));
-}
-
-std::string_view query_of(const Request& request) {
-  const std::string_view target(request.target().data(), request.target().size());
-  const std::size_t mark = target.find('?');
-  return mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
-}
-
-std::optional<std::string_view> last_event_id(const Request& request) {
-  const auto found = request.find("Last-Event-ID");
-  if (found == request.end()) {
-    return std::nullopt;
-  }
-  return std::string_view(found->value().data(), found->value().size());
-}
-
-Response wrong_method(const Request& request, const char* allowed) {
-  Response response = answer(request, http::status::method_not_allowed,
-                             error_json(std::string("expected ") + allowed));
-  response.set(http::field::allow, allowed);
-  return response;
-}
 
 }  // namespace
 
@@ -104,11 +66,8 @@ void ControlServer::apply(const gateway::HttpSettings& settings) {
 }
 
 asio::awaitable<void> ControlServer::serve_one(ControlDoors::Entered client) {
-  std::optional<Stream> stream;
-  {
-    const Counted counted(client.count);  // whatever ends it; a stream is counted as one
-    stream = co_await serve(client);
-  }
+  const auto stream = co_await serve(client);
+  client.place.reset();  // a stream is counted as one
   if (!stream) {
     co_return;
   }
@@ -139,24 +98,48 @@ std::optional<Result<ControlServer::Stream, Refusal>> ControlServer::begin_strea
                       : as_stream(TraceStreams::begin(query_of(request)));
 }
 
+std::optional<Refusal> ControlServer::refused(const ControlDoors::Entered& client,
+                                              const RequestReader::Incoming& incoming) {
+  const Request& request = incoming.request;
+  const bool is_command = !client.over_tcp && request.method() == http::verb::post;
+  if (is_command) {
+    const auto verdict = commands_.count(client.asker.client, std::chrono::steady_clock::now());
+    if (verdict == CommandLimit::Verdict::first_too_many) {
+      tell_denied(std::string(kTooManyCommands), client.asker);
+    }
+    if (verdict != CommandLimit::Verdict::allowed) {
+      return Refusal{http::status::too_many_requests, std::string(kTooManyCommands)};
+    }
+  }
+  auto refusal = client.over_tcp ? refused_over_tcp(request, hosts_) : refused_over_socket(request);
+  if (!refusal) {
+    refusal = incoming.refusal;
+  }
+  if (refusal && is_command) {
+    tell_denied(denied_text(request, refusal->status), client.asker);
+  }
+  return refusal;
+}
+
+void ControlServer::tell_denied(const std::string& what, const Asker& asker) {
+  asio::post(gateway_, [&target = target_, what, asker] { target.command_denied(asker, what); });
+}
+
 asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
     ControlDoors::Entered& client) {
   ControlStream& stream = *client.stream;
   RequestReader reader(stream);
   bool goes_on = true;
   while (goes_on) {
+    client.place->wait();
     const auto incoming = co_await reader.read();
     if (!incoming) {
       break;
     }
     const Request& request = incoming->request;
+    client.place->answer(request.method() == http::verb::post);
     Response response;
-    auto refusal =
-        client.over_tcp ? refused_over_tcp(request, hosts_) : refused_over_socket(request);
-    if (!refusal) {
-      refusal = incoming->refusal;
-    }
-    if (refusal) {
+    if (const auto refusal = refused(client, *incoming)) {
       response = answer(request, refusal->status, error_json(refusal->why));
     } else if (const auto stream_asked = begin_stream(request, client.over_tcp)) {
       if (*stream_asked) {
@@ -165,12 +148,16 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
       const Refusal& why_not = stream_asked->error();
       response = answer(request, why_not.status, error_json(why_not.why));
     } else {
-      response = co_await respond(request);
+      response = co_await respond(request, client.asker);
+      if (is_command_failed(request, response.result())) {
+        tell_denied(denied_text(request, response.result()), client.asker);
+      }
     }
     if (incoming->refusal) {
       response.keep_alive(false);  // its body follows, and is not read
     }
     goes_on = response.keep_alive();
+    client.place->wait();
     stream.expires_after(kClientLimit);
     const auto [write_error, sent] = co_await http::async_write(stream, response, io::kAsTuple);
     goes_on = goes_on && !write_error;
@@ -178,7 +165,8 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
   co_return std::nullopt;
 }
 
-asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& request) {
+asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& request,
+                                                                const Asker& asker) {
   const std::string_view path = path_of(request);
   if (auto page = page_answer(request, path)) {
     co_return *std::move(page);
@@ -198,10 +186,10 @@ asio::awaitable<ControlServer::Response> ControlServer::respond(const Request& r
     co_return wrong_method(request, is_command ? "POST" : "GET");
   }
   if (is_reload) {
-    co_return co_await reload(request);
+    co_return co_await reload(request, asker);
   }
   if (is_command) {
-    co_return co_await clear_counters(request);
+    co_return co_await clear_counters(request, asker);
   }
   if (path == "/healthz") {
     co_return co_await health(request);
@@ -269,10 +257,11 @@ asio::awaitable<ControlServer::Response> ControlServer::health(const Request& re
                    error_json(is_well ? kOverdueText : kNoAnswer));
 }
 
-asio::awaitable<ControlServer::Response> ControlServer::clear_counters(const Request& request) {
+asio::awaitable<ControlServer::Response> ControlServer::clear_counters(const Request& request,
+                                                                       const Asker& asker) {
   Question<bool> question(home_);
-  asio::post(gateway_, [&target = target_, take = question.taker()] {
-    target.clear_counters();
+  asio::post(gateway_, [&target = target_, take = question.taker(), asker] {
+    target.clear_counters(asker);
     take(true);
   });
   const auto done = co_await question.wait(kAnswerLimit);
@@ -280,9 +269,11 @@ asio::awaitable<ControlServer::Response> ControlServer::clear_counters(const Req
                  : answer(request, http::status::service_unavailable, error_json(kNoAnswer));
 }
 
-asio::awaitable<ControlServer::Response> ControlServer::reload(const Request& request) {
+asio::awaitable<ControlServer::Response> ControlServer::reload(const Request& request,
+                                                               const Asker& asker) {
   Question<ReloadOutcome> question(home_);
-  asio::post(gateway_, [&target = target_, take = question.taker()] { target.reload(take); });
+  asio::post(gateway_,
+             [&target = target_, take = question.taker(), asker] { target.reload(asker, take); });
   const auto outcome = co_await question.wait(kReloadLimit);
   if (!outcome) {
     co_return answer(request, http::status::service_unavailable,

@@ -16,10 +16,12 @@
 #include <variant>
 #include <vector>
 
+#include "app/control/asker.hpp"
 #include "app/control/connection.hpp"
 #include "app/control/control_doors.hpp"
 #include "app/control/control_target.hpp"
 #include "app/control/event_streams.hpp"
+#include "app/control/request_reader.hpp"
 #include "app/control/stream_places.hpp"
 #include "app/control/trace_streams.hpp"
 #include "gateway/settings.hpp"
@@ -57,14 +59,20 @@ class ControlServer {
   boost::asio::awaitable<std::optional<Stream>> serve(ControlDoors::Entered& client);
   /// Nothing: it is no request for a stream.
   std::optional<Result<Stream, Refusal>> begin_stream(const Request& request, bool over_tcp);
-  boost::asio::awaitable<Response> respond(const Request& request);
+  /// What a request without a refusal is answered, if it is none for a stream.
+  boost::asio::awaitable<Response> respond(const Request& request, const Asker& asker);
+  /// Why a request gets no other answer, or nothing. Counts commands.
+  std::optional<Refusal> refused(const ControlDoors::Entered& client,
+                                 const RequestReader::Incoming& incoming);
+  /// The journal, of a command over the Unix socket that came to nothing.
+  void tell_denied(const std::string& what, const Asker& asker);
   /// Nothing: the gateway's thread has not answered in time.
   boost::asio::awaitable<std::optional<Status>> ask_status(bool with_clients);
   boost::asio::awaitable<Response> status(const Request& request);
   boost::asio::awaitable<Response> metrics(const Request& request);
   boost::asio::awaitable<Response> health(const Request& request);
-  boost::asio::awaitable<Response> reload(const Request& request);
-  boost::asio::awaitable<Response> clear_counters(const Request& request);
+  boost::asio::awaitable<Response> reload(const Request& request, const Asker& asker);
+  boost::asio::awaitable<Response> clear_counters(const Request& request, const Asker& asker);
 
   std::shared_ptr<boost::asio::io_context> home_;
   boost::asio::io_context& gateway_;
@@ -72,6 +80,7 @@ class ControlServer {
   ControlDoors doors_;
   std::vector<std::string> hosts_;  ///< names of this machine
   bool client_metrics_ = false;
+  CommandLimit commands_;
   StreamPlaces streams_{gateway::HttpSettings{}.max_streams};
   EventStreams events_;
   TraceStreams traces_;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/control/asker.hpp"
 #include "app/control/status_json.hpp"
 #include "gateway/trace/trace_book.hpp"
 
@@ -28,8 +29,10 @@ class ControlTarget {
   /// Is every bus looked at when it is time?
   [[nodiscard]] virtual bool meets_deadlines() const = 0;
   /// `ended` is called once, on the same thread, perhaps at once.
-  virtual void reload(ReloadEnded ended) = 0;
-  virtual void clear_counters() = 0;
+  virtual void reload(const Asker& asker, ReloadEnded ended) = 0;
+  virtual void clear_counters(const Asker& asker) = 0;
+  /// A command over the Unix socket was refused, or has failed; `what` says which, and why.
+  virtual void command_denied(const Asker& asker, const std::string& what) = 0;
   /// While it is on, take_trace() has what became of each request since the last call.
   virtual void set_traced(bool traced) = 0;
   virtual gateway::TraceBook::Taken take_trace() = 0;

@@ -9,10 +9,22 @@
 #include <memory>
 #include <optional>
 #include <string>
-
-#include "app/control/counted.hpp"
+#include <utility>
 
 namespace mbgate::app {
+
+/// One of something that is counted, as long as it is there.
+class Counted {
+ public:
+  /// It may be there for longer than whoever looks at the count.
+  explicit Counted(std::shared_ptr<std::size_t> count) : count_(std::move(count)) { ++*count_; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+  ~Counted() { --*count_; }
+
+ private:
+  std::shared_ptr<std::size_t> count_;
+};
 
 class StreamPlaces {
  public:

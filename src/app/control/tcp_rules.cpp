@@ -12,6 +12,8 @@ namespace {
 
 namespace http = boost::beast::http;
 
+constexpr unsigned kVersionWithoutHost = 10;  // HTTP/1.0
+
 std::string in_small_letters(std::string_view name) {
   std::string small(name);
   std::ranges::transform(small, small.begin(), [](char letter) {
@@ -29,7 +31,8 @@ std::string without_port(std::string_view host) {
   return in_small_letters(host.substr(0, host.find(':')));
 }
 
-std::optional<std::string_view> value_of(const http::request_header<>& request, http::field field) {
+template <typename Field>
+std::optional<std::string_view> value_of(const http::request_header<>& request, Field field) {
   const auto found = request.find(field);
   if (found == request.end()) {
     return std::nullopt;
@@ -37,9 +40,44 @@ std::optional<std::string_view> value_of(const http::request_header<>& request, 
   return std::string_view(found->value().data(), found->value().size());
 }
 
-Refusal foreign_origin(std::string_view origin) {
+Refusal foreign(std::string_view from, const char* header) {
   return {http::status::forbidden,
-          "asked by a page from elsewhere, \"" + valid_utf8(origin) + "\" (Origin)"};
+          "asked by a page from elsewhere, \"" + valid_utf8(from) + "\" (" + header + ")"};
+}
+
+/// Does somebody go to the status page by a link elsewhere? It is shown to nobody but that person.
+bool is_link_to_page(const http::request_header<>& request) {
+  return request.method() == http::verb::get && request.target() == "/" &&
+         request["Sec-Fetch-Mode"] == "navigate" && request["Sec-Fetch-Dest"] == "document";
+}
+
+bool is_stream(std::string_view target) {
+  return target.starts_with("/api/v1/events") || target.starts_with("/api/v1/trace");
+}
+
+/// Browsers do not say of every page (Sec-Fetch-Site) whose it is; what an image or a script of one
+/// is asked for, they do not call an event stream.
+bool is_stream_for_no_reader(const http::request_header<>& request) {
+  return is_stream({request.target().data(), request.target().size()}) &&
+         request[http::field::user_agent].starts_with("Mozilla/") &&
+         request[http::field::accept].find("text/event-stream") == boost::beast::string_view::npos;
+}
+
+/// Over either kind of socket.
+std::optional<Refusal> refused_everywhere(const http::request_header<>& request) {
+  const auto hosts = request.count(http::field::host);
+  if (hosts > 1 || (hosts == 0 && request.version() > kVersionWithoutHost)) {
+    return Refusal{http::status::bad_request, "expected one Host, found " + std::to_string(hosts)};
+  }
+  const auto site = value_of(request, "Sec-Fetch-Site");
+  if (site && *site != "same-origin" && *site != "none" && !is_link_to_page(request)) {
+    return foreign(*site, "Sec-Fetch-Site");
+  }
+  if (is_stream_for_no_reader(request)) {
+    return Refusal{http::status::not_acceptable,
+                   "a browser follows it as an EventSource: expected text/event-stream in Accept"};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -61,9 +99,9 @@ bool is_same_origin(std::string_view origin, std::string_view host) {
 
 std::optional<Refusal> refused_over_socket(const http::request_header<>& request) {
   if (const auto origin = value_of(request, http::field::origin)) {
-    return foreign_origin(*origin);
+    return foreign(*origin, "Origin");
   }
-  return std::nullopt;
+  return refused_everywhere(request);
 }
 
 std::optional<Refusal> refused_over_tcp(const http::request_header<>& request,
@@ -72,7 +110,7 @@ std::optional<Refusal> refused_over_tcp(const http::request_header<>& request,
     return Refusal{http::status::forbidden,
                    "only on the Unix socket, [http] socket: nothing is changed over TCP"};
   }
-  // What has none comes from no browser.
+  // What has none is HTTP/1.0, and comes from no browser.
   const auto host = value_of(request, http::field::host);
   if (host && !is_own_host(*host, hosts)) {
     return Refusal{http::status::misdirected_request,
@@ -81,9 +119,9 @@ std::optional<Refusal> refused_over_tcp(const http::request_header<>& request,
   }
   const auto origin = value_of(request, http::field::origin);
   if (origin && !(host && is_same_origin(*origin, *host))) {
-    return foreign_origin(*origin);
+    return foreign(*origin, "Origin");
   }
-  return std::nullopt;
+  return refused_everywhere(request);
 }
 
 }  // namespace mbgate::app

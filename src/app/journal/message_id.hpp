@@ -102,6 +102,8 @@ inline constexpr MessageId kStalled{"71cadb0d60d7402eb2eecf562be26662"};
 inline constexpr MessageId kControlFailed{"cc2aa463d22f47f2ba914f8e111892bb"};
 inline constexpr MessageId kHttpRefused{"b80a774d1c884a8395c2ae6e9d5f2d73"};
 inline constexpr MessageId kCountersCleared{"883eb32103ba4de6ba74e51b98190935"};
+inline constexpr MessageId kReloadAsked{"d868dfa2751746faa58f38f92691e862"};
+inline constexpr MessageId kCommandDenied{"957d1e0d7fa14596bb3fbf7b135554a3"};
 inline constexpr MessageId kLinesMissing{"45213c7f9594479f8ff69fe7519001e0"};
 
 }  // namespace message_id

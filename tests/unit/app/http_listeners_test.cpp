@@ -62,8 +62,9 @@ class UnaskedTarget final : public ControlTarget {
   gateway::StatusReport report_status(bool /*with_clients*/) const override { return {}; }
   ProcessStatus process_status() const override { return {}; }
   [[nodiscard]] bool meets_deadlines() const override { return true; }
-  void reload(ReloadEnded /*ended*/) override {}
-  void clear_counters() override {}
+  void reload(const Asker& /*asker*/, ReloadEnded /*ended*/) override {}
+  void command_denied(const Asker& /*asker*/, const std::string& /*what*/) override {}
+  void clear_counters(const Asker& /*asker*/) override {}
   void set_traced(bool /*traced*/) override {}
   gateway::TraceBook::Taken take_trace() override { return {}; }
   void control_failed(const std::string& /*why*/) override {}

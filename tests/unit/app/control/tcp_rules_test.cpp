@@ -38,6 +38,7 @@ TEST(TcpRules, LetReadWhoMeansThisMachineOrNamesNone) {
   EXPECT_FALSE(refused_over_tcp(request(http::verb::get, "127.0.0.1:8080"), {}));
   auto nameless = request(http::verb::get, "");
   nameless.erase(http::field::host);
+  nameless.version(10);
   EXPECT_FALSE(refused_over_tcp(nameless, {}));
 }
 
@@ -81,6 +82,60 @@ TEST(TcpRules, RefuseAPageFromElsewhere) {
   EXPECT_TRUE(refused_over_tcp(asked, {}));
   asked.set(http::field::origin, "http://");
   EXPECT_TRUE(refused_over_tcp(asked, {})) << "no name is not the name that is missing";
+}
+
+std::optional<http::status> status_of(const std::optional<Refusal>& refusal) {
+  return refusal ? std::optional(refusal->status) : std::nullopt;
+}
+
+TEST(TcpRules, RefuseARequestThatDoesNotNameOneHost) {
+  auto twice = request(http::verb::get, "localhost");
+  twice.insert(http::field::host, "localhost");
+  EXPECT_EQ(status_of(refused_over_tcp(twice, {})), http::status::bad_request);
+  EXPECT_EQ(status_of(refused_over_socket(twice)), http::status::bad_request);
+  auto nameless = request(http::verb::get, "");
+  nameless.erase(http::field::host);
+  EXPECT_EQ(status_of(refused_over_tcp(nameless, {})), http::status::bad_request);
+  EXPECT_EQ(status_of(refused_over_socket(nameless)), http::status::bad_request);
+  nameless.version(10);
+  EXPECT_FALSE(refused_over_socket(nameless));
+}
+
+TEST(TcpRules, RefuseWhatABrowserAsksForAnotherPage) {
+  for (const char* site : {"cross-site", "same-site", "of-tomorrow", ""}) {
+    auto asked = request(http::verb::get, "localhost");
+    asked.set("Sec-Fetch-Site", site);
+    EXPECT_EQ(status_of(refused_over_tcp(asked, {})), http::status::forbidden) << site;
+    EXPECT_EQ(status_of(refused_over_socket(asked)), http::status::forbidden) << site;
+  }
+  for (const char* site : {"same-origin", "none"}) {
+    auto asked = request(http::verb::get, "localhost");
+    asked.set("Sec-Fetch-Site", site);
+    EXPECT_FALSE(refused_over_tcp(asked, {})) << site;
+  }
+}
+
+TEST(TcpRules, LetALinkElsewhereLeadToThePageAndNothingElse) {
+  auto link = request(http::verb::get, "localhost");
+  link.set("Sec-Fetch-Site", "cross-site");
+  link.set("Sec-Fetch-Mode", "navigate");
+  link.set("Sec-Fetch-Dest", "document");
+  EXPECT_TRUE(refused_over_tcp(link, {}));
+  link.target("/");
+  EXPECT_FALSE(refused_over_tcp(link, {}));
+  link.set("Sec-Fetch-Dest", "iframe");
+  EXPECT_TRUE(refused_over_tcp(link, {}));
+}
+
+TEST(TcpRules, GiveABrowserAStreamOnlyAsOne) {
+  auto asked = request(http::verb::get, "localhost");
+  asked.target("/api/v1/events");
+  asked.set(http::field::accept, "*/*");
+  EXPECT_FALSE(refused_over_tcp(asked, {})) << "curl";
+  asked.set(http::field::user_agent, "Mozilla/5.0 (X11)");
+  EXPECT_EQ(status_of(refused_over_tcp(asked, {})), http::status::not_acceptable);
+  asked.set(http::field::accept, "text/event-stream");
+  EXPECT_FALSE(refused_over_tcp(asked, {}));
 }
 
 TEST(TcpRules, RefuseAnyOriginOnTheUnixSocket) {

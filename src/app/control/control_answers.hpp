@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pieces of which requests to the HTTP interface and their answers are made.
+#pragma once
+
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/json/object.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace mbgate::app {
+
+using HttpRequest = boost::beast::http::request<boost::beast::http::string_body>;
+using HttpResponse = boost::beast::http::response<boost::beast::http::string_body>;
+
+/// `text` may name what a client has sent.
+boost::json::object error_json(std::string_view text);
+HttpResponse answer(const HttpRequest& request, boost::beast::http::status status,
+                    const boost::json::object& json);
+HttpResponse wrong_method(const HttpRequest& request, const char* allowed);
+
+std::string_view path_of(const HttpRequest& request);
+std::string_view query_of(const HttpRequest& request);
+std::optional<std::string_view> last_event_id(const HttpRequest& request);
+
+/// Did a command come to nothing? What a refused reload says stands in the journal.
+bool is_command_failed(const HttpRequest& request, boost::beast::http::status status);
+/// "POST /api/v1/reload was answered 403 Forbidden". What a client names is cut.
+std::string denied_text(const HttpRequest& request, boost::beast::http::status status);
+
+}  // namespace mbgate::app
