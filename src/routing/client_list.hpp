@@ -5,6 +5,7 @@
 
 #include <initializer_list>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "routing/client_address.hpp"
@@ -15,6 +16,7 @@ namespace mbgate::routing {
 struct ClientList {
   ClientList() = default;
   ClientList(std::initializer_list<Network> blocks) : networks(blocks) {}
+  ClientList(NetworkList blocks) : networks(std::move(blocks)) {}
 
   [[nodiscard]] bool empty() const {
     return networks.empty() && roles.empty() && certificates.empty();

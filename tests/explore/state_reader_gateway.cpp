@@ -63,13 +63,13 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
 
 void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& gateway,
                        Hash& hash) {
-  // Settings: id, info, listener, rights, turns. Told only: speaks_rtu_reported, has_asked, waits,
-  // requests, refused. Counts for idle clients only: last_activity. Nothing is read ahead and no
-  // pipeline is full: ahead, partial_since, timer_armed_at, pauses, and where in the stream it is:
-  // position, read_position, unread, seen_empty.
+  // Settings: id, info, key, listener, rights, turns. Told only: speaks_rtu_reported, has_asked,
+  // waits, requests, refused. Counts for idle clients only: last_activity. Nothing is read ahead
+  // and no pipeline is full: ahead, partial_since, timer_armed_at, pauses, and where in the stream
+  // it is: position, read_position, unread, seen_empty.
   const auto& [input, ahead, answers, has_asked, waits, is_closed, is_leaving, speaks_rtu_reported,
                requests, refused, last_activity, partial_since, held_until, has_turn, is_in_line,
-               timer_armed_at, turns, exchanges, id, info, listener, rights, position, paused,
+               timer_armed_at, turns, exchanges, id, info, key, listener, rights, position, paused,
                half_closed, pauses, read_position, unread, seen_empty] = session;
   // Settings: ordered. Not ordered: first_held.
   const auto& [ordered, open, unsent, held, first_held] = answers;

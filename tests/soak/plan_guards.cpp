@@ -55,7 +55,7 @@ void draw_guards(SoakPlan& plan, Random& random) {
       for (unsigned host = 0; host < kMostHosts; ++host) {
         if (random.chance(600)) {
           listed.push_back(host);
-          guard.writers.push_back(network_of(host));
+          guard.writers.networks.push_back(network_of(host));
         }
       }
     }

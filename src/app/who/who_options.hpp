@@ -19,7 +19,7 @@ struct WhoOptions {
   std::string client{};
   std::optional<std::string> listener{};  ///< none: each
   std::optional<std::string>
-      role{};  ///< of its certificate, where there is TLS; none: the NULL role
+      role{};                 ///< of its certificate, where there is TLS; none: the NULL role
   std::string certificate{};  ///< the name of its certificate, there
   unsigned unit = 0;
   std::vector<std::string> read{};   ///< table and address

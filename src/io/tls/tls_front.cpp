@@ -82,9 +82,7 @@ void TlsFront::let_go(std::uint64_t handshake, std::string why) {
 }
 
 std::function<void()> TlsFront::teller_of_greeting(const TlsPlace& place) {
-  return [this, place] {
-    tell([place](TlsEvents& events) { events.tls_greeted(place); });
-  };
+  return [this, place] { tell([place](TlsEvents& events) { events.tls_greeted(place); }); };
 }
 
 boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, gateway::HandshakeSettings limits) {

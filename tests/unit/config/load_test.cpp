@@ -125,8 +125,8 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(routed.idle_timeout, 10min);
   EXPECT_EQ(routed.frame_timeout, 5s);
   EXPECT_EQ(routed.allow.size(), 2U);
-  EXPECT_TRUE(contains(routed.read_only, *routing::ClientAddress::parse("192.168.10.77")));
-  EXPECT_TRUE(contains(routed.keep, *routing::ClientAddress::parse("192.168.10.5")));
+  EXPECT_TRUE(contains(routed.read_only.networks, *routing::ClientAddress::parse("192.168.10.77")));
+  EXPECT_TRUE(contains(routed.keep.networks, *routing::ClientAddress::parse("192.168.10.5")));
   EXPECT_FALSE(routed.bus);
   EXPECT_EQ(routed.tcp.keepalive_idle, 0s);
   EXPECT_EQ(routed.tcp.keepalive_interval, 5s);

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mbgate::routing {
+namespace mbgate::routing::client_list_test {
 namespace {
 
 const ClientAddress kPlc = ClientAddress::parse("192.0.2.5").value();
@@ -42,4 +42,4 @@ TEST(ClientList, NamesCertificates) {
 }
 
 }  // namespace
-}  // namespace mbgate::routing
+}  // namespace mbgate::routing::client_list_test

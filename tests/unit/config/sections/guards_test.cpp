@@ -98,9 +98,9 @@ TEST(Writer, IsAnyoneTheFirstOrListed) {
   EXPECT_EQ(settings.guards[0].writer, WriterRule::first);
   EXPECT_EQ(settings.guards[0].writer_hold, 2s);
   EXPECT_EQ(settings.guards[1].writer, WriterRule::listed);
-  EXPECT_TRUE(contains(settings.guards[1].writers, address("192.168.10.5")));
-  EXPECT_TRUE(contains(settings.guards[1].writers, address("10.9.8.7")));
-  EXPECT_FALSE(contains(settings.guards[1].writers, address("192.168.10.6")));
+  EXPECT_TRUE(contains(settings.guards[1].writers.networks, address("192.168.10.5")));
+  EXPECT_TRUE(contains(settings.guards[1].writers.networks, address("10.9.8.7")));
+  EXPECT_FALSE(contains(settings.guards[1].writers.networks, address("192.168.10.6")));
   const auto others = settings_of("guards.toml");
   ASSERT_EQ(others.guards.size(), others.devices.size());
   EXPECT_EQ(others.guards[0].writer, WriterRule::any);

@@ -107,7 +107,7 @@ TEST(SilentWriters, AreSilentFromThatAnswerThoughTheyMayWriteOnlySinceThen) {
   rig.receive(2, read_request(1, 2));
   rig.advance(80ms);
   take_requests(rig);
-  settings.listeners[1].read_only.clear();
+  settings.listeners[1].read_only = {};
   settings.buses[0].line.baud = modbus::Baud{9600};
   rig.reload(settings);
   EXPECT_THAT(rig.take_sent(2), ElementsAre("00 01 00 00 00 03 02 83 0B"));
