@@ -51,7 +51,7 @@ class HttpPlaces(HttpCase):
         for say in (b"", b"POST /api", ASK):
             self.crowd(self.connect_to_socket, say)
             shown = self.mbgatectl("reload", "--control", self.plant.control)
-            self.assertEqual((shown.returncode, shown.stdout), (0, "reload: nothing has changed\n"), shown.stderr)
+            self.assertEqual((shown.returncode, shown.stdout.splitlines()[:1]), (0, ["reload: nothing has changed"]), shown.stderr)
 
     def test_connections_that_ask_without_a_pause_do_not_keep_a_reload_out(self):
         ended = threading.Event()

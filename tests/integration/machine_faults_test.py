@@ -22,7 +22,7 @@ from demo_plant import PATIENCE, Process
 from fault_plant import BUSY, NO_ANSWER, Client, FaultCase, exception, is_sanitized, write_of
 
 STATUS = "/api/v1/status"
-CLEAR = "/api/v1/clear-counters"
+RELOAD = "/api/v1/reload"
 ARGUMENTS = dict(zip(sys.argv[1::2], sys.argv[2::2], strict=False))
 REQUESTS = int(ARGUMENTS.get("--requests", 3000))
 MEMORY_LEFT = 8_388_608  # what must be left, that a client is let in
@@ -57,6 +57,8 @@ def with_read_only(folder):
 
 
 class MachineFaults(FaultCase):
+    filled = 0  # keys that no configuration knows
+
     def test_a_full_disk_ends_the_recording_and_nothing_else(self):
         self.line()
         full = "it cannot be written: No space left on device"
@@ -98,10 +100,16 @@ class MachineFaults(FaultCase):
         self.port = int(found.group(1))
 
     def fill_journal(self, lines):
+        """A reload that is refused for so many reasons, each a line that the journal has not seen yet."""
+        text = self.configuration.read_text(encoding="utf-8")
+        unknown = (f"unknown_{self.filled + number} = 1\n" for number in range(lines))
+        self.filled += lines
+        self.configuration.write_text("[gateway]\n" + "".join(unknown) + text.replace("[gateway]\n", ""), encoding="utf-8")
         connection = UnixConnection(self.control)
         self.addCleanup(connection.close)
-        for _ in range(lines):
-            self.assertEqual(self.ask("POST", CLEAR, connection)[0], 200)
+        status, body = self.ask("POST", RELOAD, connection)
+        self.assertEqual((status, len(body["messages"]) >= lines), (422, True), body)
+        self.configuration.write_text(text, encoding="utf-8")
 
     def test_a_read_only_place_is_told_before_anybody_is_served(self):
         place = self.folder / "read-only"
@@ -273,7 +281,7 @@ class MachineFaults(FaultCase):
             if select.select([reading], [], [], 0.2)[0]:
                 text += os.read(reading.fileno(), 65536)
             elif self.control.exists():
-                self.assertEqual(self.ask("POST", CLEAR)[0], 200)
+                self.fill_journal(1)
         return found
 
 

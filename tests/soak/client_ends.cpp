@@ -145,24 +145,15 @@ Crowded Client::crowd() const {
   return {is_full ? manners_.listener : kNoListener};
 }
 
-// Of a host that has too many, the one that is idle for longest makes room; who comes when there is
-// none is refused. Which goes where the listener is full is not asked: any that is not kept.
+// Which one makes room is not asked. Where the listener is full it is any that is not kept, also one
+// with work; of a host that has too many, one of its own that has none. Else the newcomer is refused.
 bool Client::may_be_displaced() const {
   const auto& host = tools_.full.host;
-  if (!host) {
-    return is_connecting_ || !is_kept();
+  if (is_connecting_ || !host) {
+    return (!host || *host == manners_.host) && (is_connecting_ || !is_kept());
   }
-  if (*host != manners_.host) {
-    return false;
-  }
-  const auto waits_longer = [&](const Client& other) {
-    return &other != this && other.connected_ && other.shares_listener(*this) &&
-           *host == other.manners_.host && !other.is_kept() && other.is_idle() &&
-           other.active_ < active_;
-  };
   const bool has_outstanding = unconfirmed_ > 0 || tools_.oracle.has_outstanding(number_);
-  return std::ranges::none_of(tools_.all, waits_longer) &&
-         (is_connecting_ || (!is_kept() && !has_outstanding));
+  return *host == manners_.host && !is_kept() && !has_outstanding;
 }
 
 // It waits for the answer to its last request for so long.

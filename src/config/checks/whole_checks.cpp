@@ -89,12 +89,14 @@ void check_room(Draft& draft) {
                         std::to_string(listener.max_connections_per_address) + ") below it");
     }
   }
-  for (std::size_t i = 0; i < settings.devices.size() && !any_kept; ++i) {
-    if (!settings.guards[i].failsafe.empty()) {
-      draft.devices[i].warning("failsafe",
-                               "no listener has 'keep': name there the clients that drive this "
-                               "device, so that none of them is closed to make room for others");
-    }
+  const auto& guards = settings.guards;
+  const auto first =
+      std::ranges::find_if(guards, [](const auto& it) { return !it.failsafe.empty(); });
+  if (!any_kept && first != guards.end()) {
+    draft.devices[static_cast<std::size_t>(first - guards.begin())].warning(
+        "failsafe",
+        "no listener has 'keep': name there the clients that drive such devices, so that none of "
+        "them is closed to make room for others");
   }
 }
 
