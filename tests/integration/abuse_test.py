@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""A client works while others (abusers.py) do all that clients should not do. In rounds of a quiet and a noisy time: no
-answer is wrong, each question is answered, memory and journal are bounded, descriptors come back; then a table.
+"""Clients work while others (abusers.py) do all that clients should not do: one without and one with TLS, and one that
+connects anew for each question. In rounds of a quiet and a noisy time: no answer is wrong, each question is answered, memory
+and journal are bounded, descriptors come back; then a table.
 
 `--rounds 10 --quiet 15 --noisy 45` is ten minutes. `--ratio 1.5`: the 99th of a hundred answers may take so much
 longer in the noisy times than in the quiet ones; a busy machine can fail this, so nothing is asked of it otherwise."""
@@ -10,6 +11,7 @@ import json
 import os
 import pathlib
 import re
+import ssl
 import subprocess
 import sys
 import threading
@@ -30,6 +32,8 @@ RATIO = ARGUMENTS.get("--ratio")
 # What many connections need at most, with what the allocator keeps: 64 of each abuser with its read-ahead, and HTTP.
 MEMORY = 48 * 1024 * 1024
 LINES_A_MINUTE = 11 * 12  # ten of each kind and listener, and a line that says that there are more
+NEWCOMER = "127.0.0.2"
+PAUSE = 0.02  # between two connections of the newcomer: max_connects_per_second is 100
 PROGRAM = pathlib.Path(__file__).with_name("abusers.py")
 TLS = """
 [[tls]]
@@ -48,14 +52,43 @@ COUNTED = ("mbgate_listener_connections_total", "mbgate_listener_displaced_conne
            "mbgate_listener_refused_connections_total", "mbgate_listener_tls_failures_total", "mbgate_listener_requests_total")
 
 
+class SecureClient(Client):
+    def __init__(self, port, identity):
+        super().__init__(port)
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        context.check_hostname = False
+        context.verify_mode = ssl.CERT_NONE
+        context.load_cert_chain(f"{identity}.crt", f"{identity}.key")
+        self._socket = context.wrap_socket(self._socket)
+
+
+class Newcomer:
+    """Connects anew for each question."""
+
+    def __init__(self, port):
+        self._port = port
+
+    def ask(self, pdu):
+        client = Client(self._port, NEWCOMER)
+        try:
+            return client.ask(pdu)
+        finally:
+            client.close()
+            time.sleep(PAUSE)
+
+    def close(self):
+        pass
+
+
 class Worker:
     """Reads without end and notes how long each answer takes, by `times`: the list of the present time."""
 
-    def __init__(self, port):
+    def __init__(self, client):
         self.times = []
+        self.all_times = {"quiet": [], "noisy": []}
         self.refused = 0
         self.wrong = []
-        self._client = Client(port)
+        self._client = client
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._work)
         self._thread.start()
@@ -66,15 +99,14 @@ class Worker:
             first = first + 7 & 0x3FFF
             times, begin = self.times, time.monotonic()
             answer = self._client.ask(read_of(first))
-            times.append(time.monotonic() - begin)
+            times.append(time.monotonic() - begin - (PAUSE if isinstance(self._client, Newcomer) else 0))
             if answer[:1] == b"\x83":
                 self.refused += 1
             elif answer != answer_pdu(read_of(first)):
                 self.wrong.append((first, answer.hex(" ")))
 
-    def work(self, times, seconds):
-        self.times = times
-        time.sleep(seconds)
+    def begin(self, when):
+        self.times = self.all_times[when]
 
     def end(self):
         self._ended.set()
@@ -89,7 +121,8 @@ class Abusers:
         self._running = {}
         targets = dict.fromkeys(KINDS, port) | dict.fromkeys(HTTP_KINDS, http_port) | dict.fromkeys(TLS_KINDS, tls_port)
         for number, (kind, target) in enumerate(targets.items()):
-            command = [sys.executable, PROGRAM, kind, "--port", str(target), "--address", f"127.0.0.{10 + number}"]
+            network = "127.0.1" if kind == "refused" else "127.0.0"
+            command = [sys.executable, PROGRAM, kind, "--port", str(target), "--address", f"{network}.{10 + number}"]
             command += ["--identity", folder / "abuser"]
             command += ["--idle"] if RATIO else []
             self._running[kind] = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
@@ -116,7 +149,6 @@ def row(name, *values):
 class Abuse(FaultCase):
     def setUp(self):
         super().setUp()
-        self.times = {"quiet": [], "noisy": []}
         self.done = []
         self.memory = []
 
@@ -126,6 +158,7 @@ class Abuse(FaultCase):
         text = text.replace("[http]\n", '[http]\nlisten = ["127.0.0.1:0"]\n')
         # The limits are those that come with the program.
         text = re.sub(r"(?m)^max_(conn|requests).*\n", "", text)
+        text = text.replace("port = 0\n", 'port = 0\nallow = ["127.0.0.0/24"]\n', 1)
         signer = self.folder / "signer"
         text = f'[gateway]\nsigner = "{signer}"\n' + text.replace("[gateway]\n", "") + TLS
         self.configuration.write_text(text, encoding="utf-8")
@@ -142,7 +175,7 @@ class Abuse(FaultCase):
     def start_signer(self, path):
         keys = self.folder / "keys"
         keys.mkdir()
-        for words in (["ca"], ["server", "gateway", "--address", "127.0.0.1"], ["client", "abuser"]):
+        for words in (["ca"], ["server", "gateway", "--address", "127.0.0.1"], ["client", "abuser"], ["client", "worker"]):
             subprocess.run([program("mbgatectl"), "cert", *words, "--directory", self.folder], check=True,
                            stdout=subprocess.DEVNULL)
         (self.folder / "gateway.key").rename(keys / "gateway.key")
@@ -161,42 +194,56 @@ class Abuse(FaultCase):
 
     def test_a_client_is_served_beside_all_of_them(self):
         _, http_port = self.start_plant()
-        worker = Worker(self.port)
-        self.addCleanup(worker.end)
-        worker.work([], 1)
-        descriptors = self.descriptors()
+        clients = {"plain": Client(self.port), "TLS": SecureClient(self.tls_port, self.folder / "worker")}
+        clients["newcomer"] = Newcomer(self.port)
+        workers = {name: Worker(client) for name, client in clients.items()}
+        for worker in workers.values():
+            self.addCleanup(worker.end)
+        time.sleep(1)
+        descriptors = self.descriptors() + 1  # of a newcomer
         began = time.monotonic()
         for _ in range(ROUNDS):
-            worker.work(self.times["quiet"], QUIET)
+            self.work(workers, "quiet", QUIET)
             abusers = Abusers(self.port, http_port, self.tls_port, self.folder)
-            worker.work(self.times["noisy"], NOISY)
+            self.work(workers, "noisy", NOISY)
             self.memory.append(resident(self.gateway.pid))
-            self.metrics()  # whoever is at the machine is served too
             self.done.append(abusers.end())
             self.wait_for_descriptors(descriptors)
+        for worker in workers.values():
+            self.wait_for_answers(worker)
+        lines = self.gateway.unseen()
+        self.print_table(workers, lines)
+        self.assertEqual([worker.wrong for worker in workers.values()], [[]] * len(workers))
+        self.assertLess(len(lines), LINES_A_MINUTE * (2 + (time.monotonic() - began) / 60), "".join(lines))
+        if not is_sanitized():  # it keeps what was freed
+            self.assertLess(max(self.memory), self.memory[0] + MEMORY)
+        if RATIO:
+            times = workers["plain"].all_times
+            quiet, noisy = (percentile(times[when], 0.99) for when in ("quiet", "noisy"))
+            self.assertLessEqual(noisy, RATIO * quiet)
+            self.assertEqual(workers["plain"].refused, 0)
+
+    def work(self, workers, when, seconds):
+        for worker in workers.values():
+            worker.begin(when)
+        time.sleep(seconds)
+
+    def wait_for_answers(self, worker):
         asked = len(worker.times)
         limit = time.monotonic() + PATIENCE
         while len(worker.times) < asked + 10 and not worker.wrong:
             self.assertLess(time.monotonic(), limit, "no answers any more")
             time.sleep(0.01)
-        lines = self.gateway.unseen()
-        self.print_table(worker, lines)
-        self.assertEqual(worker.wrong, [])
-        self.assertLess(len(lines), LINES_A_MINUTE * (2 + (time.monotonic() - began) / 60), "".join(lines))
-        if not is_sanitized():  # it keeps what was freed
-            self.assertLess(max(self.memory), self.memory[0] + MEMORY)
-        if RATIO:
-            quiet, noisy = (percentile(self.times[when], 0.99) for when in ("quiet", "noisy"))
-            self.assertLessEqual(noisy, RATIO * quiet)
-            self.assertEqual(worker.refused, 0)
 
-    def print_table(self, worker, lines):
+    def print_table(self, workers, lines):
         print(row("answers, in ms", "count", "p50", "p99", "longest"))
-        for when, times in self.times.items():
-            print(row(when, len(times), *(f"{percentile(times, part):.2f}" for part in (0.5, 0.99, 1))))
-        quiet, noisy = (percentile(self.times[when], 0.99) for when in ("quiet", "noisy"))
-        print(row("p99, noisy to quiet", f"{noisy / quiet:.2f}"))
-        print(row("wrong, refused", len(worker.wrong), worker.refused))
+        for name, worker in workers.items():
+            for when, times in worker.all_times.items():
+                figures = (f"{percentile(times, part):.2f}" for part in (0.5, 0.99, 1))
+                print(row(f"{name}, {when}", len(times), *figures))
+            quiet, noisy = (percentile(worker.all_times[when], 0.99) for when in ("quiet", "noisy"))
+            print(row("p99, noisy to quiet", f"{noisy / quiet:.2f}"))
+            print(row("wrong, refused", len(worker.wrong), worker.refused))
         print(row("memory, MiB", *(f"{size / 2**20:.1f}" for size in (self.memory[0], self.memory[-1]))))
         print(row("lines of the journal", len(lines)))
         for line in self.metrics():

@@ -108,6 +108,11 @@ def connects(abuser):
             connection.close()
 
 
+def refused(abuser):
+    """The same from an address that may not connect."""
+    connects(abuser)
+
+
 def half_open(abuser):
     """Connections that say nothing, or half a request."""
     begun = set()
@@ -314,7 +319,7 @@ def tls_without_data(abuser):
             connection.close()
 
 
-KINDS = {kind.__name__: kind for kind in (connects, half_open, pipelines, asks, bytewise, never_read, noise)}
+KINDS = {kind.__name__: kind for kind in (connects, refused, half_open, pipelines, asks, bytewise, never_read, noise)}
 HTTP_KINDS = {kind.__name__: kind for kind in (http, http_endless, http_idle)}
 TLS_KINDS = {kind.__name__: kind for kind in (tls_hellos, tls_silent, tls_noise, tls_renegotiates, tls_without_data)}
 

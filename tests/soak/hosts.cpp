@@ -49,7 +49,7 @@ routing::ClientAddress address_of(unsigned host) {
   switch (form_of(host)) {
     case Form::v4:
     case Form::mapped: break;
-    case Form::v6: return routing::ClientAddress(v6(0, host + 1));
+    case Form::v6: return routing::ClientAddress(v6(16 * host + 3, host + 1));  // each is a client
     case Form::network_v6: return routing::ClientAddress(v6(16 * host + 7, 9));
     case Form::network_v4: return routing::ClientAddress(v4(1, block_of(host) + 29, 9));
   }
@@ -60,7 +60,7 @@ routing::Network network_of(unsigned host) {
   std::string text;
   switch (form_of(host)) {
     case Form::v4: text = "10.0.0." + std::to_string(host + 1); break;
-    case Form::v6: text = "fd00::" + hex_digit(host + 1); break;
+    case Form::v6: text = "fd00:0:0:" + hex_digit(host) + "3::" + hex_digit(host + 1); break;
     case Form::mapped: text = "::ffff:10.0.0." + std::to_string(host + 1); break;
     case Form::network_v6: text = "fd00:0:0:" + hex_digit(host) + "0::/60"; break;
     case Form::network_v4: text = "10.1." + std::to_string(block_of(host)) + ".0/19"; break;
@@ -72,7 +72,7 @@ std::string text_of(unsigned host) {
   switch (form_of(host)) {
     case Form::v4:
     case Form::mapped: break;
-    case Form::v6: return std::string("fd00::") + hex_digit(host + 1);
+    case Form::v6: return "fd00:0:0:" + hex_digit(host) + "3::" + hex_digit(host + 1);
     case Form::network_v6: return "fd00:0:0:" + hex_digit(host) + "7::9";
     case Form::network_v4: return "10.1." + std::to_string(block_of(host) + 29) + ".9";
   }
