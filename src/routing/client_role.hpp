@@ -16,8 +16,8 @@ struct ClientRole {
   };
   Kind kind = Kind::none;
   std::string name{};
-  /// The common name of the certificate's subject (RFC 5280, 4.1.2.6), in UTF-8; empty: it has none,
-  /// or there is no certificate.
+  /// The common name of the certificate's subject (RFC 5280, 4.1.2.6), in UTF-8; empty: it has
+  /// none, or there is no certificate.
   std::string certificate{};
 
   friend bool operator==(const ClientRole&, const ClientRole&) = default;

@@ -145,8 +145,9 @@ Crowded Client::crowd() const {
   return {is_full ? manners_.listener : kNoListener};
 }
 
-// Which one makes room is not asked. Where the listener is full it is any that is not kept, also one
-// with work; of a host that has too many, one of its own that has none. Else the newcomer is refused.
+// Which one makes room is not asked. Where the listener is full it is any that is not kept, also
+// one with work; of a host that has too many, one of its own that has none. Else the newcomer is
+// refused.
 bool Client::may_be_displaced() const {
   const auto& host = tools_.full.host;
   if (is_connecting_ || !host) {
