@@ -3,6 +3,9 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+
+#include "base/utf8.hpp"
 
 namespace mbgate::routing {
 namespace {
@@ -33,48 +36,13 @@ std::optional<Bytes> contents_of(Bytes der) {
   return der.subspan(head);
 }
 
-/// How many bytes follow the first one, and the smallest character that needs so many.
-struct Utf8Head {
-  std::size_t more;
-  std::uint32_t bits;
-  std::uint32_t smallest;
-};
-
-std::optional<Utf8Head> utf8_head(std::uint8_t first) {
-  if (first < 0x80) {
-    return Utf8Head{0, first, 0};
-  }
-  if ((first & 0xE0U) == 0xC0U) {
-    return Utf8Head{1, first & 0x1FU, 0x80};
-  }
-  if ((first & 0xF0U) == 0xE0U) {
-    return Utf8Head{2, first & 0x0FU, 0x800};
-  }
-  if ((first & 0xF8U) == 0xF0U) {
-    return Utf8Head{3, first & 0x07U, 0x10000};
-  }
-  return std::nullopt;
-}
-
-/// RFC 3629: no character in more bytes than it needs, no surrogates, none beyond U+10FFFF.
-bool is_utf8(Bytes text) {
-  for (std::size_t at = 0; at < text.size();) {
-    const auto head = utf8_head(text[at]);
-    if (!head || text.size() - at <= head->more) {
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t size = first_character(text).size;
+    if (size == 0) {
       return false;
     }
-    std::uint32_t character = head->bits;
-    for (std::size_t i = 1; i <= head->more; ++i) {
-      if ((text[at + i] & 0xC0U) != 0x80U) {
-        return false;
-      }
-      character = (character << 6U) | (text[at + i] & 0x3FU);
-    }
-    const bool is_surrogate = character >= 0xD800 && character <= 0xDFFF;
-    if (character < head->smallest || is_surrogate || character > 0x10FFFF) {
-      return false;
-    }
-    at += head->more + 1;
+    text.remove_prefix(size);
   }
   return true;
 }
@@ -85,11 +53,12 @@ ClientRole role_of(std::span<const Bytes> values) {
   if (values.empty()) {
     return {ClientRole::Kind::named, {}};
   }
-  const auto role = values.size() == 1 ? contents_of(values[0]) : std::nullopt;
-  if (!role || role->empty() || !is_utf8(*role)) {
+  const auto contents = values.size() == 1 ? contents_of(values[0]) : std::nullopt;
+  const std::string role = contents ? std::string(contents->begin(), contents->end()) : "";
+  if (role.empty() || !is_utf8(role)) {
     return {ClientRole::Kind::unreadable, {}};
   }
-  return {ClientRole::Kind::named, std::string(role->begin(), role->end())};
+  return {ClientRole::Kind::named, role};
 }
 
 }  // namespace mbgate::routing
