@@ -18,7 +18,7 @@ constexpr std::uint8_t kLongLength = 0x80;
 
 /// The contents of a UTF8String that is all of these bytes. DER has one form for each length; up to
 /// 255 it is one byte, or 0x81 and one byte of 128 or more.
-std::optional<Bytes> contents_of(Bytes der) {
+std::optional<std::string> contents_of(Bytes der) {
   if (der.size() < 2 || der[0] != kUtf8String) {
     return std::nullopt;
   }
@@ -33,7 +33,7 @@ std::optional<Bytes> contents_of(Bytes der) {
   if (length > kLongestRole || der.size() != head + length) {
     return std::nullopt;
   }
-  return der.subspan(head);
+  return std::string(der.begin() + static_cast<std::ptrdiff_t>(head), der.end());
 }
 
 bool is_utf8(std::string_view text) {
@@ -53,12 +53,11 @@ ClientRole role_of(std::span<const Bytes> values) {
   if (values.empty()) {
     return {ClientRole::Kind::named, {}};
   }
-  const auto contents = values.size() == 1 ? contents_of(values[0]) : std::nullopt;
-  const std::string role = contents ? std::string(contents->begin(), contents->end()) : "";
-  if (role.empty() || !is_utf8(role)) {
+  const auto role = values.size() == 1 ? contents_of(values[0]) : std::nullopt;
+  if (!role || role->empty() || !is_utf8(*role)) {
     return {ClientRole::Kind::unreadable, {}};
   }
-  return {ClientRole::Kind::named, role};
+  return {ClientRole::Kind::named, *role};
 }
 
 }  // namespace mbgate::routing
