@@ -73,11 +73,15 @@ bool Admission::is_stop(const Job& job) const {
                             : std::ranges::all_of(job.transactions, is_part);
 }
 
-// A stop that comes behind it goes first again.
+// A stop that comes behind it goes first again. What its owner calls a stop may be none.
 void Admission::note_changed(const Job& job) {
+  if (job.job_class == JobClass::read) {
+    return;
+  }
+  const bool stops = job.job_class == JobClass::stop && is_stop(job);
   if (job.is_broadcast()) {
-    is_stop(job) ? parts_.acknowledged.forget_single() : parts_.acknowledged.forget_all();
-  } else if (job.job_class != JobClass::read && !is_stop(job)) {
+    stops ? parts_.acknowledged.forget_single() : parts_.acknowledged.forget_all();
+  } else if (!stops) {
     parts_.acknowledged.forget(job.address());
   }
 }
