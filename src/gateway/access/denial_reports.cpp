@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/access/denial_reports.hpp"
 
+#include <utility>
+
 #include "gateway/access/who.hpp"
 
 namespace mbgate::gateway {
@@ -29,22 +31,17 @@ Denied denial_of(const SettingsSnapshot& settings, const ClientInfo& client,
 std::optional<Event> DenialReports::note(const SettingsSnapshot& settings, const WriteRules& rules,
                                          const ClientInfo& client, const modbus::MbapAdu& request,
                                          Instant now) {
+  const auto report = [&]<typename Kind>(ReportLimit& limit, std::in_place_type_t<Kind>) {
+    const auto left_out = limit.note(client, now);
+    return left_out ? std::optional<Event>(Kind{denial_of(settings, client, request, *left_out)})
+                    : std::nullopt;
+  };
   if (modbus::is_read(request.pdu.bytes())) {
-    const auto left_out = reads_.note(client, now);
-    return left_out
-               ? std::optional<Event>(ReadDenied{denial_of(settings, client, request, *left_out)})
-               : std::nullopt;
+    return report(reads_, std::in_place_type<ReadDenied>);
   }
-  if (is_stop(settings, rules, client, request)) {
-    const auto left_out = stops_.note(client, now);
-    return left_out
-               ? std::optional<Event>(StopDenied{denial_of(settings, client, request, *left_out)})
-               : std::nullopt;
-  }
-  const auto left_out = writes_.note(client, now);
-  return left_out
-             ? std::optional<Event>(WriteDenied{denial_of(settings, client, request, *left_out)})
-             : std::nullopt;
+  return is_stop(settings, rules, client, request)
+             ? report(stops_, std::in_place_type<StopDenied>)
+             : report(writes_, std::in_place_type<WriteDenied>);
 }
 
 }  // namespace mbgate::gateway
