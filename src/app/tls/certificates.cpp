@@ -5,6 +5,16 @@
 #include <utility>
 
 namespace mbgate::app {
+namespace {
+
+void add_change(std::string& all, const char* key, const std::string& old,
+                const std::string& next) {
+  if (old != next) {
+    all += (all.empty() ? "" : ", ") + std::string(key) + " " + old + " -> " + next;
+  }
+}
+
+}  // namespace
 
 void Certificates::use(io::TlsContexts contexts) {
   contexts_ = std::move(contexts);
@@ -24,6 +34,26 @@ void Certificates::tell() {
       tell();
     }
   });
+}
+
+std::vector<std::string> Certificates::changes(const io::TlsContexts& next) const {
+  std::vector<std::string> changes;
+  for (const auto& [name, context] : next) {
+    const auto known = contexts_.find(name);
+    if (known == contexts_.end()) {
+      continue;
+    }
+    const io::TlsContents& before = known->second->contents();
+    const io::TlsContents& after = context->contents();
+    std::string all;
+    add_change(all, "certificate", before.certificate, after.certificate);
+    add_change(all, "authorities", before.authorities, after.authorities);
+    add_change(all, "crl", before.lists, after.lists);
+    if (!all.empty()) {
+      changes.push_back("[[tls]] " + name + ": " + all);
+    }
+  }
+  return changes;
 }
 
 std::vector<CertificateStatus> Certificates::status() const {

@@ -11,7 +11,6 @@
 
 #include "app/log.hpp"
 #include "app/metrics/process_status.hpp"
-#include "app/tls/certificate_changes.hpp"
 #include "io/tls/load_tls.hpp"
 
 namespace mbgate::app {
@@ -26,10 +25,10 @@ class Certificates {
   /// These are in use from now on: says what ends soon, and says it again every day.
   void use(io::TlsContexts contexts);
   void tell_refusal(const std::string& listener, const io::TlsPlace& place, const std::string& why);
-  /// What others than those in use would change, for the journal.
-  [[nodiscard]] std::vector<std::string> changes(const io::TlsContexts& next) const {
-    return certificate_changes(contexts_, next);
-  }
+  /// What a reload changes by reading files anew whose names are the same, for the journal. A line
+  /// for each [[tls]] that is in both: "[[tls]] plant: crl 2026-11-27 ..., 2 revoked, 1A:... ->
+  /// 2026-11-28 ..., 3 revoked, 9F:...". Those of one alone are told with their listeners.
+  [[nodiscard]] std::vector<std::string> changes(const io::TlsContexts& next) const;
   [[nodiscard]] std::vector<CertificateStatus> status() const;
   /// Since the start, by listener.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& failures() const { return failures_; }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tls/fingerprint.hpp"
 
+#include <openssl/crypto.h>
+
 #include <algorithm>
 #include <array>
 #include <ctime>
@@ -14,14 +16,10 @@ constexpr std::size_t kShown = 8;
 using Digest = std::array<unsigned char, EVP_MAX_MD_SIZE>;
 
 std::string hex_pairs(const Digest& digest, std::size_t size) {
-  constexpr const char* kDigits = "0123456789ABCDEF";
-  std::string text;
-  for (std::size_t at = 0; at < std::min(size, kShown); ++at) {
-    text += at == 0 ? "" : ":";
-    text += kDigits[digest[at] >> 4U];
-    text += kDigits[digest[at] & 0xFU];
-  }
-  return text;
+  std::array<char, 3 * kShown> text{};  // each with a colon, or the end, behind it
+  OPENSSL_buf2hexstr_ex(text.data(), text.size(), nullptr, digest.data(),
+                        static_cast<long>(std::min(size, kShown)), ':');
+  return text.data();
 }
 
 std::string made_at(const X509_CRL& list) {
