@@ -74,7 +74,6 @@ class Newcomer:
             return client.ask(pdu)
         finally:
             client.close()
-            time.sleep(PAUSE)
 
     def close(self):
         pass
@@ -83,12 +82,13 @@ class Newcomer:
 class Worker:
     """Reads without end and notes how long each answer takes, by `times`: the list of the present time."""
 
-    def __init__(self, client):
+    def __init__(self, client, pause=0):
         self.times = []
         self.all_times = {"quiet": [], "noisy": []}
         self.refused = 0
         self.wrong = []
         self._client = client
+        self._pause = pause
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._work)
         self._thread.start()
@@ -99,11 +99,12 @@ class Worker:
             first = first + 7 & 0x3FFF
             times, begin = self.times, time.monotonic()
             answer = self._client.ask(read_of(first))
-            times.append(time.monotonic() - begin - (PAUSE if isinstance(self._client, Newcomer) else 0))
+            times.append(time.monotonic() - begin)
             if answer[:1] == b"\x83":
                 self.refused += 1
             elif answer != answer_pdu(read_of(first)):
                 self.wrong.append((first, answer.hex(" ")))
+            time.sleep(self._pause)
 
     def begin(self, when):
         self.times = self.all_times[when]
@@ -195,8 +196,8 @@ class Abuse(FaultCase):
     def test_a_client_is_served_beside_all_of_them(self):
         _, http_port = self.start_plant()
         clients = {"plain": Client(self.port), "TLS": SecureClient(self.tls_port, self.folder / "worker")}
-        clients["newcomer"] = Newcomer(self.port)
         workers = {name: Worker(client) for name, client in clients.items()}
+        workers["newcomer"] = Worker(Newcomer(self.port), PAUSE)
         for worker in workers.values():
             self.addCleanup(worker.end)
         time.sleep(1)
