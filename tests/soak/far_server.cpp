@@ -29,7 +29,7 @@ FarServer::FarServer(std::size_t bus, Surroundings& around)
   }
 }
 
-void FarServer::reset() {
+void FarServer::reset(bool /*is_open*/) {
   ++epoch_;
   stream_.clear();
   ends_.clear();
@@ -255,7 +255,7 @@ void FarServer::flush(std::size_t bytes) {
 
 // A length that no MBAP header has, or an RTU frame. After that it says nothing.
 void FarServer::break_framing() {
-  reset();
+  reset(true);
   swallows_ = true;
   around_.framing_lost(bus_);
   around_.deliver(

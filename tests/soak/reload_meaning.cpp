@@ -92,6 +92,8 @@ bool Reloads::change_line(std::size_t index) {
   bus::LineSettings& line = plan_.settings.buses[index].line;
   if (line.remote) {
     ++line.remote->port;
+  } else if (lines_.chance(500)) {
+    line.low_latency = !line.low_latency;  // the same port: what its drives owe still comes
   } else {
     const auto before = line;
     const bool echoes = plan_.echoes[index];

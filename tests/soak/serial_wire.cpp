@@ -25,6 +25,7 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
       around_(around),
       settings_(around.plan.settings.buses[bus]),
       rates_(around.plan.rates[bus]),
+      line_(settings_.line),
       timing_(settings_.line),
       silence_(spec::silence_of(settings_)),
       ascii_(settings_.line.framing == bus::Framing::ascii),
@@ -39,22 +40,35 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
   }
 }
 
-void SerialWire::reset() {
-  ++epoch_;
-  messages_.clear();
+// Drives that are set to another line have nothing to say any more.
+void SerialWire::reset(bool is_open) {
+  const Instant now = around_.schedule.now();
+  const bus::LineSettings& line = settings_.line;
+  if (line.baud != line_.baud || line.framing != line_.framing || line.format != line_.format ||
+      line.remote != line_.remote) {
+    ++epoch_;
+    messages_.clear();
+    talks_until_.clear();
+    asked_until_.clear();
+    line_ = line;
+    timing_ = spec::WireTimes(line);
+    ascii_ = line.framing == bus::Framing::ascii;
+  }
+  silence_ = spec::silence_of(settings_);
+  is_open_ = is_open;
   adapter_.reset();
-  talks_until_.clear();
-  asked_until_.clear();
-  own_end_ = Instant::min();
+  for (auto& [id, message] : messages_) {
+    message.lost = message.heard;
+  }
+  sending_ = own_end_ > now ? 0 : sending_;
+  own_end_ = std::min(own_end_, now);
   overheard_.forget();
   echo_.reset();
   straddling_.reset();
   echo_shown_ = false;
-  babbles_until_ = Instant::min();
-  deaf_until_ = is_hung() && goes_on_hanging() ? Instant::max() : Instant::min();
-  timing_ = spec::WireTimes(settings_.line);
-  silence_ = spec::silence_of(settings_);
-  ascii_ = settings_.line.framing == bus::Framing::ascii;
+  if (is_open) {
+    deaf_until_ = is_hung() && goes_on_hanging() ? Instant::max() : Instant::min();
+  }
 }
 
 bool SerialWire::happens(unsigned permille, const char* kind) {
@@ -80,6 +94,7 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
   meet_straddling(flight);
   opaque_ = !flight.pdu.empty() && spec::is_opaque(flight.pdu);
   own_end_ = flight.end;
+  sending_ = flight.number;
   asked_ = flight.address;
   if (flight.expects_answer) {
     asked_until_[flight.address] = flight.due;
@@ -104,7 +119,7 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
 
 void SerialWire::heard(std::uint64_t number) {
   Flight* flight = around_.oracle.flight(number);
-  if (own_damaged_ || (is_hung() && swallows_) || flight == nullptr || flight->pdu.empty() ||
+  if (number != sending_ || own_damaged_ || (is_hung() && swallows_) || flight == nullptr || flight->pdu.empty() ||
       happens(rates_.request_damaged, "request_damaged")) {
     return;
   }
@@ -206,10 +221,6 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
                                     : begin_with_other_length(frame, flight, pdu);
   const bool paused = !excess && happens(rates_.pieces, "pieces");
   const Duration slack = spec::slack_of(settings_);
-  const Instant over = begin + timing_.of(frame.size()) + slack + 20ms;
-  if (over > flight.quarantine_until && busy > around_.schedule.now() && !around_.plan.beyond) {
-    return;  // it still had to say something else, and would come too late by now
-  }
   busy = begin + timing_.of(frame.size()) + (paused ? slack : Duration{0});
   say(std::move(frame), begin,
       excess   ? Chunks::fine
@@ -218,7 +229,8 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
       {address, excess ? 2U : 1U, 0, true, flight.number, lead});
 }
 
-// All of it is there when the quarantine ends, often only just; or, in plans of that kind, later.
+// All of it is there when the quarantine ends, often only just; or later, in plans of that kind and
+// where its device still had to say something else.
 void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Frame& frame,
                              Instant begin) {
   const Duration held = around_.plan.adapters[bus_] == AdapterKind::uart ? 0ms : kAdapterHolds;
@@ -228,9 +240,7 @@ void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Fra
     last += 2 * (flight.quarantine_until - flight.end);
   }
   const Instant first = std::max(begin, flight.deadline - length);
-  if (first >= last) {
-    return;
-  }
+  last = std::max(first, last);
   Duration after = around_.random.duration(0us, last - first);
   if (!around_.plan.beyond && around_.random.chance(600)) {
     const Duration near = std::min<Duration>(last - first, around_.random.duration(0us, 3ms));

@@ -34,8 +34,9 @@ class SerialWire {
  public:
   SerialWire(std::size_t bus, Surroundings& around);
 
-  /// The adapter was opened, or pulled out: what is on the line is lost.
-  void reset();
+  /// The process has opened the line, or has it no more: what an adapter still has, and what comes
+  /// meanwhile, is lost, and so is the rest of a frame that it was sending. The drives go on.
+  void reset(bool is_open);
   void transmit(const Flight& flight, Bytes frame);
   /// From now on nothing goes wrong any more.
   void calm_down() {
@@ -88,7 +89,14 @@ class SerialWire {
     }
     /// Is the byte part of a good frame? What a stranger asks stands in one too.
     [[nodiscard]] bool is_of_frame(std::size_t at) const {
-      return at < good_to && (at >= content.lead || content.flight == 0);
+      return at < good_to && at >= cut_to() && (at >= content.lead || content.flight == 0);
+    }
+    /// Where the first frame begins that was not heard in part only, when the line was opened.
+    [[nodiscard]] std::size_t cut_to() const {
+      if (lost <= content.lead) {
+        return lost == 0 ? 0 : content.lead;
+      }
+      return content.lead + (lost - content.lead + frame - 1) / frame * frame;
     }
 
     Frame bytes;
@@ -99,6 +107,7 @@ class SerialWire {
     std::size_t frame;    ///< their size
     std::size_t good_to;  ///< where the last of them ends, or what was hit begins
     std::size_t heard = 0;
+    std::size_t lost = 0;  ///< of these, before the line was opened
     std::size_t copies_heard = 0;
     Instant frame_began{};  ///< when the first byte of the present frame will reach the kernel
     std::uint64_t frame_from = 0;  ///< the bytes that the line had brought before that
@@ -165,6 +174,7 @@ class SerialWire {
   Surroundings& around_;
   const gateway::BusSettings& settings_;
   FaultRates rates_;
+  bus::LineSettings line_;  ///< that drives are set to
   spec::WireTimes timing_;
   Duration silence_;
   bool ascii_;
@@ -174,7 +184,9 @@ class SerialWire {
   std::map<std::uint8_t, Instant> asked_until_;  ///< the gateway may still wait for an answer
   std::map<std::uint64_t, Message> messages_;
   std::uint64_t ids_ = 0;
-  std::uint64_t epoch_ = 0;  ///< grows when the adapter is pulled out
+  std::uint64_t epoch_ = 0;  ///< grows when drives are set to another line
+  bool is_open_ = false;
+  std::uint64_t sending_ = 0;  ///< what was transmitted last, unless its rest is lost
   Instant own_end_ = Instant::min();
   std::uint8_t asked_ = 0;  ///< the address that something was transmitted to last
   Overheard overheard_;

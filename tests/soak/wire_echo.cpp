@@ -161,8 +161,10 @@ void SerialWire::babble_on(std::uint64_t epoch) {
     heard.bytes.front() ^= 1U;
   }
   overhear(heard.bytes, true);
-  const Instant arrival = adapter_.arrival();
-  adapter_.take(std::move(heard), arrival);
+  if (is_open_) {
+    const Instant arrival = adapter_.arrival();
+    adapter_.take(std::move(heard), arrival);
+  }
   around_.schedule.after(echo_random_.duration(silence_ / 3, silence_ * 2 / 3),
                          [this, epoch] { babble_on(epoch); });
 }

@@ -144,7 +144,7 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
                      message.bytes.begin() + static_cast<std::ptrdiff_t>(until));
   const Instant arrival = adapter_.arrival();
   const std::size_t lead = message.content.lead;
-  heard.strange_request = message.heard < lead && until >= lead;
+  heard.strange_request = message.lost == 0 && message.heard < lead && until >= lead;
   if (message.heard <= lead || (message.heard - lead) % message.frame == 0) {
     message.frame_began = arrival;
   }
@@ -153,7 +153,7 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
   message.content.copies -= frames;
   const Content& content = message.content;
   for (std::size_t frame = 0; frame < frames; ++frame) {
-    if (content.address) {
+    if (content.address && lead + message.copies_heard * message.frame >= message.cut_to()) {
       const bool is_nobodys = content.flight == 0 || message.copies_heard > 0;
       heard.frames.push_back({*content.address, content.fits, is_nobodys, content.flight,
                               content.began.value_or(message.frame_began)});
@@ -164,7 +164,7 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
     message.frame_began = arrival;
   }
   message.heard = until;
-  const bool is_heard = message.begin >= deaf_until_;
+  const bool is_heard = is_open_ && message.begin >= deaf_until_;
   if (until == message.bytes.size()) {
     messages_.erase(id);
   }
