@@ -83,7 +83,6 @@ struct Asked {
   bool is_accepted = false;
   bool ordered = false;        ///< its answer may be held back for those before it
   bool ahead = false;          ///< it may have been accepted later
-  bool for_dead = false;       ///< its device was surely offline then
   bool perhaps_older = false;  ///< a stop: than what its unit has come to mean
   bool perhaps_later = false;  ///< a stop: than it is accepted here, for want of room or held
   bool perhaps_held = false;   ///< a stop: by writes before it, if they are not outdated
@@ -92,9 +91,6 @@ struct Asked {
   bool found_no_room = false;         ///< a stop that came when there was room for no more
   std::optional<Instant> doomed;      ///< a stop has taken it back
   std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
-  Duration held{0};                   ///< so long nothing else went while it waited, at least
-  Duration longest_held{0};           ///< and at most
-  int let_go = 0;                     ///< so much went before it
   PduBytes last_sent;                 ///< as it looked on the wire
   std::uint64_t last_alone = 0;       ///< its last flight, if that was surely for it; else 0
   unsigned flights = 0;               ///< that it was among

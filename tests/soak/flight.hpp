@@ -20,9 +20,6 @@ struct Flight {
   std::vector<std::uint64_t> asked;  ///< requests that it may be for
   bool is_stop = false;
   bool is_repeated = false;   ///< a stop of which the tries are a series
-  bool ends_series = false;   ///< the last of these, and for one stop alone
-  bool is_probe = false;      ///< to a device that is surely offline
-  bool may_be_probe = false;  ///< its device was perhaps offline when it was accepted, or later
   bool is_write = false;
   bool is_broadcast = false;
   bool repeats_read = false;
@@ -35,9 +32,10 @@ struct Flight {
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;
-  /// An earlier one whose answer its own came in place of: while this counts as owed, that is what
-  /// still comes. None: its own.
-  std::uint64_t owes_for = 0;
+  std::optional<Instant> paid_at{};     ///< its own answer began
+  std::optional<Instant> refused_at{};  ///< by an exception, after which a stop is repeated
+  bool is_in_turn = false;              ///< that came before anything else was transmitted
+  bool may_be_paid = false;             ///< something came that may have been taken for it
   bool is_answered = false;    ///< for certain: the answer met no fault
   bool needs_silence = false;  ///< behind that, because other bytes stood before it
   /// A whole answer came that fits, and this may have kept it from being taken.
@@ -96,7 +94,7 @@ struct HeardFrame {
   std::size_t lead = 0;       ///< bytes that were put before it
   Instant ended{};            ///< when its last byte reached the kernel
   bool is_only_debt = false;  ///< its device owed nothing else then
-  bool is_late = false;       ///< nor to the same request sent again, whose time was surely over
+  bool is_second = false;     ///< the same device has answered it before
   std::size_t came = 0;       ///< bytes since the last own transmission, with its own
 };
 

@@ -129,10 +129,6 @@ void Oracle::accept(Asked& asked) {
   if (asked.refused) {
     return;
   }
-  asked.for_dead = (asked.is_read() || asked.kind == Kind::write) &&
-                   std::ranges::all_of(asked.pieces, [&](const Piece& piece) {
-                     return is_surely_offline(books_[piece.bus].lanes[piece.address]);
-                   });
   writers_.attempted(asked, schedule_.now());
   if (asked.is_stop()) {
     Withdrawals(*this).take_back_for(asked);

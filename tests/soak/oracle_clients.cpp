@@ -187,7 +187,6 @@ void Oracle::close(Asked& asked, const std::string& how) {
   for (Piece& piece : asked.pieces) {
     Book& book = books_[piece.bus];
     leave_queue(piece);
-    book.others_gone = present && !asked.for_dead ? schedule_.now() : book.others_gone;
     if (present && !asked.is_stop() && is_first_on_its_bus(asked, piece)) {
       book.note_size(bus_settings(piece.bus).queue, schedule_.now());
       --book.present;

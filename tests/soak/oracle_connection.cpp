@@ -29,7 +29,6 @@ void rest(Book& book) {
 
 void Oracle::tcp_closed(std::size_t bus) {
   Book& book = books_[bus];
-  book.use.closes = true;
   note_cut(book);
   for (const std::uint64_t number : book.flying) {
     const Flight* cut = flight(number);

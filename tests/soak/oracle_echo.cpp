@@ -58,13 +58,12 @@ bool Oracle::began_while_sending(std::size_t bus, Instant began) const {
 }
 
 // What it is shows only when it is read.
-void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
+void Oracle::frame_came(std::size_t bus, HeardFrame frame) {
   Book& book = books_[bus];
-  book.lanes[frame.address].forget_silence();
-  if (is_tcp(bus)) {
-    settle(bus, frame);
-    return;
+  if (const Flight* from = flight(frame.flight); frame.is_second && from != nullptr && !from->paid_at) {
+    frame.is_second = frame.is_nobodys = false;  // nothing was heard of the first one
   }
+  book.lanes[frame.address].forget_silence();
   // They settle what is owed in the order in which they came.
   const bool waits = std::ranges::any_of(book.unread, &HeardFrame::waits) ||
                      (is_paced(plan_, bus) && schedule_.now() < book.own_end) ||
@@ -91,7 +90,6 @@ void Oracle::read_frames(std::size_t bus) {
       settle(bus, frame);
     }
     note_answered(bus, frame);
-    note_late(bus, frame);
     note_heard(book, frame);
   }
 }
@@ -169,14 +167,14 @@ void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEc
       entry->second->echoed = true;
     }
   }
+  flight.may_be_paid = true;
   HeardFrame frame{flight.address, true, true, flight.number, echo.began};
   frame.is_refused = began_while_sending(bus, echo.began);
   if (setting.value_or(false) || book.echo_proven ||
       (!setting && !flight.is_write && !book.echo_lost) || frame.is_refused) {
     report_.fault("echo_refused");
     if (setting && !*setting) {
-      // It may be one that is owed; what has come behind it has paid for that then.
-      frame.is_refused = book.answered != flight.number;
+      frame.is_refused = true;
       settle(bus, frame);
     }
     return;

@@ -2,7 +2,6 @@
 // Which request a transmission is for, and whether it may be transmitted now.
 #include <algorithm>
 
-#include "soak/behind_stops.hpp"
 #include "soak/oracle.hpp"
 #include "soak/shared_reads.hpp"
 #include "soak/withdrawals.hpp"
@@ -52,7 +51,7 @@ bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) 
 }
 
 // Why the piece may not be transmitted now; nothing if it may.
-std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
+std::string Oracle::objection(const Asked& asked, const Piece& piece) {
   const Instant now = schedule_.now();
   const drive::DeviceTiming timing =
       asked.door->device ? devices_[*asked.door->device].settings().timing : drive::DeviceTiming{};
@@ -166,7 +165,6 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   if (alone && is_part_of_merged && asked.pieces.size() == 1 && !is_tcp(flight.bus)) {
     check_order(asked, flight);
   }
-  BehindStops(*this).check(asked, flight, alone);
   if (alone && !asked.maybe_on_wire && !asked.is_stop()) {
     check_order(asked, flight);
     if (asked.kind == Kind::broadcast && !asked.ordered && !asked.ahead) {
@@ -179,18 +177,10 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   mine.repeats_read =
       mine.repeats_read || ((asked.is_read() || piece.asks_order) && asked.last_sent == flight.pdu);
   mine.is_part = mine.is_part || (asked.pieces.size() > 1 && asked.kind != Kind::broadcast);
-  if (alone && mine.repeats_read && asked.last_alone != 0 && !mine.is_part && !is_tcp(flight.bus)) {
-    check_turns(asked, flight);
-  }
   mine.surely_repeats =
       alone && mine.repeats_read && asked.last_alone != 0 && asked.pieces.size() == 1;
   if (mine.surely_repeats || (alone && asked.kind == Kind::stop && !asked.is_shared)) {
     check_answered(asked);
-  }
-  if (mine.surely_repeats && !is_tcp(flight.bus)) {
-    if (const Flight* before = this->flight(asked.last_alone)) {
-      TurnRules(*this).check_repeat(flight, *before);
-    }
   }
   asked.last_alone = alone ? flight.number : 0;
   asked.flights_alone += alone ? 1U : 0U;
@@ -208,8 +198,6 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   // What has become due in this instant joins one that is due already, or goes on its own.
   const bool may_have_joined = asked.failsafe && !alone && asked.accepted == schedule_.now();
   piece.sent += may_have_joined ? 0U : 1U;
-  mine.ends_series = alone && asked.is_repeated && !asked.is_shared && !asked.failsafe &&
-                     asked.flights == asked.flights_alone && asked.flights > asked.stop_retries;
   // Of several that wait only one may have been transmitted before.
   if (asked.is_stop() && (piece.sent == 1 || !asked.surely_on_wire)) {
     mine.stop_from = std::min(mine.stop_from.value_or(asked.accepted), asked.accepted);

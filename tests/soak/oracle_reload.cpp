@@ -113,8 +113,6 @@ void Oracle::line_given_up(std::size_t bus) {
     if (is_past_offline(bus, lane)) {
       lane.last_offline = schedule_.now();
     }
-    lane.owed.clear();
-    lane.late_answers.clear();
     lane.unanswered = 0;
     lane.unheard.clear();
     lane.count = {};
@@ -238,10 +236,9 @@ bool Oracle::is_unsure(const Door& door) const {
 }
 
 bool Oracle::is_quarantined(std::size_t bus, std::uint8_t address) const {
-  const auto& owed = books_[bus].lanes[address].owed;
-  return std::ranges::any_of(owed, [&](std::uint64_t number) {
+  return std::ranges::any_of(books_[bus].lanes[address].sent, [&](std::uint64_t number) {
     const Flight* owing = flight(number);
-    return owing != nullptr && schedule_.now() < owing->quarantine_until;
+    return owing != nullptr && !owing->paid_at && schedule_.now() < owing->quarantine_until;
   });
 }
 

@@ -88,23 +88,6 @@ void Oracle::note_stops(Flight& flight) {
   lane.stop_sent = flight.expects_answer ? flight.number : lane.stop_sent;
 }
 
-// Between two tries of a read each other device has one turn at most; several parts that stay
-// together are one, and so are the tries of a write. A broadcast may make its device boot.
-void Oracle::check_turns(const Asked& read, const Flight& flight) {
-  std::map<std::uint8_t, unsigned> turns;
-  for (std::uint64_t number = read.last_alone + 1; number < flight.number; ++number) {
-    const Flight* other = this->flight(number);
-    if (other == nullptr || (other->bus == flight.bus && other->is_broadcast)) {
-      return;
-    }
-    if (other->bus == flight.bus && !other->is_stop && !other->is_part && !other->beside_stop &&
-        ++turns[other->address] > 1) {
-      violation("turns", name(*other) + " between two tries of " + name(flight));
-      return;
-    }
-  }
-}
-
 Duration Oracle::stop_deadline(std::size_t bus) const {
   return spec::stop_deadline_of(bus_settings(bus));
 }

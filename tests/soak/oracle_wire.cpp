@@ -2,11 +2,11 @@
 // The oracle's view of the wires: lines that come and go, what is transmitted, and what devices
 // made of it.
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "soak/boots.hpp"
 #include "soak/identity.hpp"
-#include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 #include "soak/pdus.hpp"
 #include "soak/word_orders.hpp"
@@ -73,13 +73,48 @@ void Oracle::bus_opened(std::size_t bus) {
   WordOrders(*this).forget_line(bus);
   book.opened = schedule_.now();
   book.is_restarted = false;
-  book.listens_until = book.opened + bus_settings(bus).listen_first.value_or(Duration{0});
+  ++book.openings;
+  if (std::exchange(book.is_first, false) && before_restart_ > 0) {
+    book.listens_until = book.opened + listens_for(bus);
+  }
+  if (const auto& line = bus_settings(bus).line; !spec::is_same_line(line, book.line)) {
+    book.line = line;
+    std::ranges::for_each(book.lanes, [](Lane& lane) { lane.sent.clear(); });
+  }
   book.is_unused = true;
   book.last_byte = schedule_.now();
   book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
   for (Lane& lane : book.lanes) {
     lane.forget_silence();  // what its device owes it still owes
     lane.emptied_at = lane.emptied_for = book.opened;
+  }
+}
+
+// By default as long as the longest ordinary answer may take.
+Duration Oracle::listens_for(std::size_t bus) const {
+  Duration longest{0};
+  for (const SoakDevice& device : devices_) {
+    const drive::DeviceTiming& timing = device.settings().timing;
+    if (static_cast<std::size_t>(device.settings().bus) == bus) {
+      longest = std::max(longest, timing.response_timeout + spec::quarantine_of(timing));
+    }
+  }
+  return bus_settings(bus).listen_first.value_or(longest);
+}
+
+Oracle::Past Oracle::take_past() {
+  Past past{std::move(flights_), flight_count_, ids_, {}};
+  std::ranges::transform(books_, std::back_inserter(past.openings), &Book::openings);
+  return past;
+}
+
+void Oracle::begin_with(Past past) {
+  flights_ = std::move(past.flights);
+  flight_count_ = before_restart_ = past.flight_count;
+  ids_ = past.ids;
+  for (std::size_t bus = 0; bus < books_.size(); ++bus) {
+    books_[bus].openings = past.openings[bus];
+    books_[bus].line = bus_settings(bus).line;
   }
 }
 
@@ -144,10 +179,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   check_stops_first(flight);
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
-  check_idle(flight, before);
-  TurnRules(*this).check(flight);
   check_bounds(flight, before);
-  OfflineRules(*this).check(flight, before);
   BootRules(*this).take(flight);
   set_times(flight);
   note_use(flight);

@@ -151,6 +151,17 @@ struct Peculiarity {
   bool value = false;  ///< at kValueOfSome
 };
 
+inline constexpr unsigned kMostAtAStart = 5;  ///< wrong answers, before what it does is known
+
+/// How a device works.
+struct Ways {
+  Duration service{0};   ///< it takes each request so long, one after the other; 0: at once
+  unsigned second = 0;   ///< in thousandths, of answers: another one follows
+  Duration second_from{0};  ///< so long behind the first one
+  Duration second_to{0};
+  unsigned most_wrong = kMostAtAStart;
+};
+
 /// What a part of the plans is arranged for.
 enum class Theme : std::uint8_t {
   none,
@@ -184,12 +195,14 @@ struct SoakPlan {
   std::vector<bool> echoes;                    ///< by bus: its line really hears itself
   std::vector<drive::WordOrder> own_orders;    ///< by device: what the drive itself is set to
   std::vector<bool> sleepers;                  ///< by device: it is silent for long now and then
+  std::vector<Ways> ways;                      ///< by device
   std::vector<Peculiarity> peculiar;           ///< by device
   std::vector<std::vector<unsigned>> writers;  ///< by device, the hosts that its guard lists
   std::vector<std::vector<std::vector<std::uint8_t>>> failsafe;  ///< by device, the PDUs
   std::vector<SpokenRule> rules;
   std::vector<Manners> clients;
   DriverManners driver;
+  Duration restarts_every{0};  ///< of the process; 0: never
   Calm calm;
   /// Silence of the clients is a reason for failsafe writes. It counts from when a request was
   /// taken, and nobody outside knows when that was of stops that were read ahead, and behind
@@ -239,6 +252,8 @@ void draw_broadcasts(SoakPlan& plan, std::uint64_t seed);
 void draw_odds(SoakPlan& plan, std::uint64_t seed);
 /// How late answers come, and what breaks off.
 void draw_late(SoakPlan& plan, std::uint64_t seed);
+/// Which drives work slowly or answer twice.
+void draw_ways(SoakPlan& plan, std::uint64_t seed);
 /// What goes wrong on few lines only.
 void draw_rare_faults(SoakPlan& plan, std::uint64_t seed);
 /// Reads that meet each other, and for how long they are kept.

@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "soak/behind_stops.hpp"
 #include "soak/identity.hpp"
 #include "soak/oracle.hpp"
 #include "soak/withdrawals.hpp"
@@ -39,9 +38,6 @@ void Refusals::judge_busy(const Asked& asked) const {
     reason = "rate";
   }
   if (reason != nullptr) {
-    if (std::string_view(reason) == "stopped") {
-      BehindStops(oracle_).judge_not_sent(asked);
-    }
     return note("06", reason);
   }
   const Instant now = oracle_.schedule_.now();

@@ -15,6 +15,7 @@ using modbus::Pdu;
 namespace {
 constexpr std::uint64_t kEchoChance = 0x57495245ULL;  // apart from the plant's
 constexpr std::uint64_t kRareOnWire = 0x52415245574952ULL;
+constexpr std::uint64_t kSlowOnWire = 0x534C4F574E455353ULL;
 constexpr std::uint8_t kNobodyFrom = 60;
 constexpr std::uint8_t kNobodyTo = 240;
 constexpr unsigned kRefusesLate = 300;  // permille of writes that are answered late
@@ -32,7 +33,8 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
       adapter_(around.plan.adapters[bus], around.schedule, around.random,
                [this](const Heard& heard) { hand_over(heard); }),
       echo_random_(around.plan.seed ^ (kEchoChance + bus)),
-      rare_random_(around.plan.seed ^ (kRareOnWire + bus)) {
+      rare_random_(around.plan.seed ^ (kRareOnWire + bus)),
+      slow_random_(around.plan.seed ^ (kSlowOnWire + bus)) {
   for (SoakDevice& device : around.devices) {
     if (static_cast<std::size_t>(device.settings().bus) == bus) {
       devices_.push_back(&device);
@@ -44,11 +46,11 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
 void SerialWire::reset(bool is_open) {
   const Instant now = around_.schedule.now();
   const bus::LineSettings& line = settings_.line;
-  if (line.baud != line_.baud || line.framing != line_.framing || line.format != line_.format ||
-      line.remote != line_.remote) {
+  if (!spec::is_same_line(line, line_)) {
     ++epoch_;
     messages_.clear();
     talks_until_.clear();
+    works_until_.clear();
     asked_until_.clear();
     line_ = line;
     timing_ = spec::WireTimes(line);
@@ -137,7 +139,9 @@ void SerialWire::heard(std::uint64_t number) {
     around_.report.fault("dead");
     return;
   }
-  answer(*device, *flight, *request);
+  if (!waits_its_turn(*device, *flight)) {
+    answer(*device, *flight, *request);
+  }
 }
 
 void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& request) {
@@ -165,7 +169,8 @@ void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& req
   if (!pdu || happens(rates_.never, "never")) {
     return;
   }
-  const Duration longest = rates_.are_quick ? 700us : timing.response_timeout / 2;
+  const bool is_quick = rates_.are_quick || ways_of(device).service > Duration{0};
+  const Duration longest = is_quick ? 700us : timing.response_timeout / 2;
   Duration wait = timing.response_wait + 300us + random.duration(0us, longest);
   if (slow) {
     wait += random.duration(0us, timing.response_timeout);
@@ -220,6 +225,9 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
                            : excess ? 0
                                     : begin_with_other_length(frame, flight, pdu);
   const bool paused = !excess && happens(rates_.pieces, "pieces");
+  if (!excess && lead == 0) {
+    answer_again(device, flight, frame, begin);
+  }
   const Duration slack = spec::slack_of(settings_);
   busy = begin + timing_.of(frame.size()) + (paused ? slack : Duration{0});
   say(std::move(frame), begin,

@@ -41,6 +41,7 @@ class SerialWire {
   /// From now on nothing goes wrong any more.
   void calm_down() {
     rates_ = FaultRates{};
+    is_calm_ = true;
     end_hang();
     babbles_until_ = Instant::min();
     adapter_.calm_down();
@@ -59,6 +60,7 @@ class SerialWire {
     std::uint64_t flight = 0;             ///< that they answer; none if a stranger asked
     std::size_t lead = 0;                 ///< bytes before them
     Duration most_paused = Duration::max();
+    bool is_second = false;          ///< it was said before, by the same device or another one
     std::optional<Instant> began{};  ///< the part of it that came before
     std::size_t before = 0;          ///< its bytes
   };
@@ -135,6 +137,11 @@ class SerialWire {
                          Instant begin);
   /// wire_stuck.cpp: nothing more of the answer comes.
   [[nodiscard]] bool gets_stuck(const Flight& flight, const Frame& frame, Instant begin);
+  // wire_slow.cpp
+  [[nodiscard]] bool waits_its_turn(const SoakDevice& device, const Flight& flight);
+  void answer_again(const SoakDevice& device, const Flight& flight, const Frame& frame,
+                    Instant begin);
+  [[nodiscard]] const Ways& ways_of(const SoakDevice& device) const;
   // wire_rare.cpp
   [[nodiscard]] bool happens_rarely(unsigned permille, const char* kind);
   void part(const SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu);
@@ -181,11 +188,13 @@ class SerialWire {
   Adapter adapter_;
   std::vector<SoakDevice*> devices_;
   std::map<std::uint8_t, Instant> talks_until_;
+  std::map<std::uint8_t, Instant> works_until_;  ///< slow drives
   std::map<std::uint8_t, Instant> asked_until_;  ///< the gateway may still wait for an answer
   std::map<std::uint64_t, Message> messages_;
   std::uint64_t ids_ = 0;
   std::uint64_t epoch_ = 0;  ///< grows when drives are set to another line
   bool is_open_ = false;
+  bool is_calm_ = false;  ///< slow drives are quick, and nobody answers twice
   std::uint64_t sending_ = 0;  ///< what was transmitted last, unless its rest is lost
   Instant own_end_ = Instant::min();
   std::uint8_t asked_ = 0;  ///< the address that something was transmitted to last
@@ -194,6 +203,7 @@ class SerialWire {
   bool is_prompt_ = false;  ///< what was transmitted last is answered before it has left
   Random echo_random_;
   Random rare_random_;
+  Random slow_random_;
   std::optional<Straddling> straddling_;
   std::optional<OwnEcho> echo_;  ///< of what was transmitted last
   unsigned echoes_lost_ = 0;     ///< one after the other

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drives that work in order and slowly, whatever is asked of them meanwhile; and second answers.
+#include <algorithm>
+
+#include "soak/serial_wire.hpp"
+
+namespace mbgate::soak {
+
+using namespace std::chrono_literals;
+
+// What it does it does when its turn has come: so long nothing of it is done.
+bool SerialWire::waits_its_turn(const SoakDevice& device, const Flight& flight) {
+  const Duration service = ways_of(device).service;
+  if (is_calm_ || service == Duration{0}) {
+    return false;
+  }
+  around_.report.fault("slow_drive");
+  Instant& free = works_until_[device.settings().address];
+  free = std::max(free, around_.schedule.now()) +
+         slow_random_.duration(service * 9 / 10, service * 11 / 10);
+  around_.schedule.at(free, [this, epoch = epoch_, number = flight.number] {
+    const Flight* asked = around_.oracle.flight(number);
+    SoakDevice* worker = asked == nullptr ? nullptr : device_at(asked->address);
+    if (epoch == epoch_ && worker != nullptr && !worker->is_dead(around_.schedule.now())) {
+      answer(*worker, *asked, *modbus::Pdu::from(asked->pdu));
+    }
+  });
+  return true;
+}
+
+// Of another drive with its address, or of a repeater.
+void SerialWire::answer_again(const SoakDevice& device, const Flight& flight, const Frame& frame,
+                              Instant begin) {
+  const Ways& ways = ways_of(device);
+  if (is_calm_ || ways.second == 0 || !slow_random_.chance(ways.second)) {
+    return;
+  }
+  around_.report.fault("second_answer");
+  Content content{device.settings().address, 1, 0, true, flight.number};
+  content.is_second = true;
+  const Instant again = begin + timing_.of(frame.size()) + silence_ +
+                        slow_random_.duration(ways.second_from, ways.second_to);
+  say(frame, again, Chunks::usual, content);
+}
+
+const Ways& SerialWire::ways_of(const SoakDevice& device) const {
+  const auto& all = around_.devices;
+  const auto at = std::ranges::find_if(all, [&](const auto& it) { return &it == &device; });
+  return around_.plan.ways[static_cast<std::size_t>(at - all.begin())];
+}
+
+}  // namespace mbgate::soak
