@@ -33,7 +33,8 @@ struct Flight {
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;
   std::optional<Instant> paid_at{};     ///< its own answer began
-  std::optional<Instant> refused_at{};  ///< by an exception, after which a stop is repeated
+  std::optional<std::uint8_t> refused{};  ///< its device answers this exception
+  std::optional<Instant> refused_at{};    ///< it came then
   bool is_in_turn = false;              ///< that came before anything else was transmitted
   bool may_be_paid = false;             ///< something came that may have been taken for it
   bool is_answered = false;    ///< for certain: the answer met no fault

@@ -267,7 +267,9 @@ class Oracle {
   void note_silent(std::size_t bus);
   // oracle_tries.cpp
   void check_answered(const Asked& asked);
+  void check_pause(const Asked& asked, const Flight& flight);
   void judge_tries(const Asked& asked);
+  [[nodiscard]] bool was_silent(const Asked& asked) const;
   void check_tries(const Asked& asked) const;
   void judge_cached(const Asked& asked);
   // oracle_counts.cpp

@@ -134,6 +134,10 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     return;
   }
   const Refusals refusals(*this);
+  if (asked.kind == Kind::stop && asked.device_exceptions.test(code)) {
+    refusals.judge_refused_stop(asked, code);
+    return;
+  }
   switch (code) {
     case kBusy:
       refusals.judge_busy(asked);

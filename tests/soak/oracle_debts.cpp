@@ -119,6 +119,9 @@ void Oracle::settle(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   from->paid_at = from->paid_at.value_or(frame.began);
+  if (from->refused && !from->refused_at) {
+    from->refused_at = schedule_.now();
+  }
   lane.clean = std::min(lane.clean + 1, kCleanForgets);
   lane.shown = std::max(shown(lane), frame.began - from->end);
   lane.shown_at = schedule_.now();

@@ -199,6 +199,9 @@ void Oracle::tcp_answer_came(std::uint64_t number) {
   if (Flight* answered = flight(number)) {
     answered->deadline = deadline_of(*answered);
     answered->is_answered = schedule_.now() < answered->deadline && reloaded_ < answered->begin;
+    if (answered->refused) {
+      answered->refused_at = schedule_.now();
+    }
     books_[answered->bus].unread_answers.push_back(number);
     note_excused(*answered);
     std::erase(books_[answered->bus].flying, number);

@@ -181,6 +181,7 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
       alone && mine.repeats_read && asked.last_alone != 0 && asked.pieces.size() == 1;
   if (mine.surely_repeats || (alone && asked.kind == Kind::stop && !asked.is_shared)) {
     check_answered(asked);
+    check_pause(asked, flight);
   }
   asked.last_alone = alone ? flight.number : 0;
   asked.flights_alone += alone ? 1U : 0U;

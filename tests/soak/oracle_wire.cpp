@@ -255,6 +255,9 @@ void Oracle::echo_spoilt(const Flight& flight) {
 }
 
 void Oracle::excepted(const Flight& flight, std::uint8_t code) {
+  if (Flight* refused = this->flight(flight.number)) {
+    refused->refused = code;
+  }
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
       entry->second->device_exceptions.set(code);

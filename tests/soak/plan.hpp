@@ -3,6 +3,7 @@
 // often what goes wrong.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -75,6 +76,7 @@ struct FaultRates {
   unsigned wrong_echo = 0;  ///< a good frame: another address, value or quantity than was written
   unsigned babble = 0;
   unsigned exception = 0;
+  unsigned refuses_stop = 0;  ///< of stops, by an exception
   unsigned early = 0;
   unsigned boots_answered = 0;   ///< of what makes a device boot: it answers first
   unsigned straddles = 0;        ///< of late ASCII answers: a request is sent within one
@@ -153,6 +155,13 @@ struct Peculiarity {
 
 inline constexpr unsigned kMostAtAStart = 5;  ///< wrong answers, before what it does is known
 
+/// What drives refuse stops with: not now, or not at all.
+inline constexpr std::array<std::uint8_t, 8> kStopRefusals{1, 2, 3, 4, 5, 6, 0x0A, 0x0B};
+/// After these a stop is repeated.
+constexpr bool is_not_now(std::uint8_t code) {
+  return code == 5 || code == 6 || code == 0x0A || code == 0x0B;
+}
+
 /// How a device works.
 struct Ways {
   Duration service{0};   ///< it takes each request so long, one after the other; 0: at once
@@ -171,7 +180,9 @@ enum class Theme : std::uint8_t {
   shared_reads,  ///< all ask for the same, beside broadcasts, and the line is lost now and then
   late_drives,   ///< they are late again and again, for many minutes
   stops,         ///< drives are stopped while writes to them wait, which some let go first
-  omissions      ///< drives are quick, and leave out an answer now and then
+  omissions,     ///< drives are quick, and leave out an answer now and then
+  slow_drives,   ///< one works in order, and takes longer than its response timeout
+  second_answers  ///< one answers twice
 };
 
 /// Nobody asks for anything, and nothing happens.
@@ -252,6 +263,8 @@ void draw_broadcasts(SoakPlan& plan, std::uint64_t seed);
 void draw_odds(SoakPlan& plan, std::uint64_t seed);
 /// How late answers come, and what breaks off.
 void draw_late(SoakPlan& plan, std::uint64_t seed);
+/// How often the process is killed and started again.
+void draw_restarts(SoakPlan& plan, std::uint64_t seed);
 /// Which drives work slowly or answer twice.
 void draw_ways(SoakPlan& plan, std::uint64_t seed);
 /// What goes wrong on few lines only.

@@ -10,15 +10,16 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr std::uint64_t kWaysChance = 0x57415953ULL;
+constexpr std::uint64_t kDrivesWaysChance = 0x57415953ULL;
+constexpr std::uint64_t kKillsChance = 0x4B494C4C53ULL;
 constexpr unsigned kSlow = 30;       // permille of drives
 constexpr unsigned kSeconds = 40;    // the same
 constexpr unsigned kRestarts = 120;  // of plants
 
 }  // namespace
 
-void draw_ways(SoakPlan& plan, std::uint64_t seed) {
-  Random random(seed ^ kWaysChance);
+void draw_restarts(SoakPlan& plan, std::uint64_t seed) {
+  Random random(seed ^ kKillsChance);
   plan.ways.resize(plan.settings.devices.size());
   if (random.chance(kRestarts)) {
     plan.restarts_every = random.one_of<Duration>({500ms, 3s, 10s});
@@ -27,6 +28,13 @@ void draw_ways(SoakPlan& plan, std::uint64_t seed) {
         bus.listen_first.reset();
       }
     }
+  }
+}
+
+void draw_ways(SoakPlan& plan, std::uint64_t seed) {
+  Random random(seed ^ kDrivesWaysChance);
+  for (FaultRates& rates : plan.rates) {
+    rates.refuses_stop = random.one_of({0U, 0U, 100U, 500U});
   }
   if (plan.theme != Theme::none) {
     return;

@@ -136,6 +136,14 @@ void Refusals::judge_no_response(const Asked& asked) const {
   oracle_.violation("no_response_without_reason", text);
 }
 
+// What its drive cannot do now it is asked for again, as often as if it had not answered.
+void Refusals::judge_refused_stop(const Asked& stop, std::uint8_t code) const {
+  note("stop", is_not_now(code) ? "refused" : "denied");
+  if (is_not_now(code)) {
+    judge_tries(stop);
+  }
+}
+
 // A stop is repeated until it has a fitting echo, but not on a line that is never silent.
 void Refusals::judge_tries(const Asked& stop) const {
   const Piece& piece = stop.pieces.front();
@@ -227,7 +235,7 @@ const char* Refusals::fault_of(const Flight& flight) const {
     return "line_lost";
   }
   if (flight.is_answered) {
-    return nullptr;
+    return flight.is_stop && flight.refused ? "refused" : nullptr;
   }
   if (flight.unsure != nullptr) {
     return flight.unsure;

@@ -154,6 +154,9 @@ void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& req
     const auto code = random.one_of<std::uint8_t>({0x04, 0x05, 0x07, 0x11, 0x12});
     pdu = Pdu::exception(request.function(), modbus::ExceptionCode{code});
     around_.oracle.excepted(flight, code);
+  } else if (const auto code = refusal_of(flight)) {
+    pdu = Pdu::exception(request.function(), modbus::ExceptionCode{*code});
+    around_.oracle.excepted(flight, *code);
   } else {
     const SoakDevice::Outcome outcome = device.carry_out(request, now);
     pdu = outcome.answer;

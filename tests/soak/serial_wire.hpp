@@ -138,6 +138,7 @@ class SerialWire {
   /// wire_stuck.cpp: nothing more of the answer comes.
   [[nodiscard]] bool gets_stuck(const Flight& flight, const Frame& frame, Instant begin);
   // wire_slow.cpp
+  [[nodiscard]] std::optional<std::uint8_t> refusal_of(const Flight& flight);
   [[nodiscard]] bool waits_its_turn(const SoakDevice& device, const Flight& flight);
   void answer_again(const SoakDevice& device, const Flight& flight, const Frame& frame,
                     Instant begin);

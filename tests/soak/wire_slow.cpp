@@ -43,6 +43,15 @@ void SerialWire::answer_again(const SoakDevice& device, const Flight& flight, co
   say(frame, again, Chunks::usual, content);
 }
 
+// Its drive does not stop.
+std::optional<std::uint8_t> SerialWire::refusal_of(const Flight& flight) {
+  if (!flight.is_stop || !flight.expects_answer ||
+      !happens_rarely(rates_.refuses_stop, "stop_refused")) {
+    return std::nullopt;
+  }
+  return kStopRefusals.at(rare_random_.below(kStopRefusals.size()));
+}
+
 const Ways& SerialWire::ways_of(const SoakDevice& device) const {
   const auto& all = around_.devices;
   const auto at = std::ranges::find_if(all, [&](const auto& it) { return &it == &device; });
