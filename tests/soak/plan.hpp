@@ -126,6 +126,7 @@ struct Manners {
   std::uint16_t same_reads = 0;  ///< thousandths that ask for what everybody asks for
   bool same_stops = false;       ///< its stops of one drive are all alike
   std::uint16_t near_reads = 0;  ///< thousandths of its reads that are near those of others
+  std::uint16_t alike = 0;  ///< thousandths of its reads and writes whose answers are alike
   Duration in_step{0};           ///< it asks whenever so much time has gone by, as others do
   Duration patience{0};          ///< it goes if there is no answer by then; 0: never
   unsigned hangs = 0;          ///< thousandths of its bursts, as the following: it stops within one

@@ -65,6 +65,7 @@ void ThemeDraw::ask_all_the_time(std::size_t bus, std::size_t device) {
     asks.burst = asks.outstanding = ways_.between(1U, 2U);
     asks.pause = ways_.one_of<Duration>({5ms, 50ms, 200ms});
     asks.writes = writes;
+    asks.alike = 850;
     asks.stops = ways_.one_of({0U, 0U, 50U});
     plan_.clients.push_back(asks);
   }
