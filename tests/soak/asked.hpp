@@ -56,18 +56,15 @@ struct Asked {
   std::vector<Piece> pieces;
   std::optional<std::uint8_t> refused;  ///< the gateway itself must answer this exception
   std::optional<ReadCheck> check;
-  bool failsafe = false;       ///< the gateway's own, sent as a stop
-  bool is_unwanted = false;    ///< of these: a client that may write has asked since
-  bool let_writes_go = false;  ///< of these: those before it, when it was due
-  bool stops_all = false;      ///< a broadcast that is a stop
-  bool for_some = false;       ///< of these: it stops only the drives that know it
-  bool identity = false;       ///< it asks the device who it is
-  bool is_shared = false;      ///< a stop that is like others
-  bool is_repeated = false;    ///< a stop of the drive's, which is repeated without a fitting echo
-  bool has_no_table = false;   ///< its answer repeats all of it
-  bool other_order = false;    ///< the drive turns out to have another word order: 04, not written
-  bool any_code = false;       ///< of the status unit: it may be refused
-  bool unlisted = false;       ///< by the device's `writer`; it may also be taken back by a stop
+  bool stops_all = false;     ///< a broadcast that is a stop
+  bool for_some = false;      ///< of these: it stops only the drives that know it
+  bool identity = false;      ///< it asks the device who it is
+  bool is_shared = false;     ///< a stop that is like others
+  bool is_repeated = false;   ///< a stop of the drive's, which is repeated without a fitting echo
+  bool has_no_table = false;  ///< its answer repeats all of it
+  bool other_order = false;   ///< the drive turns out to have another word order: 04, not written
+  bool any_code = false;      ///< of the status unit: it may be refused
+  bool unlisted = false;      ///< by the device's `writer`; it may also be taken back by a stop
   bool replies = true;
   bool silent = false;  ///< the device never answers it; the gateway does
 

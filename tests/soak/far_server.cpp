@@ -116,7 +116,8 @@ void FarServer::heard(std::uint64_t number) {
   std::optional<Pdu> pdu;
   if (flight->expects_answer && !flight->is_stop && happens(rates_.exception, "exception")) {
     pdu = Pdu::exception(request.function(), modbus::ExceptionCode{0x11});
-  } else if (flight->expects_answer && flight->is_stop && break_random_.chance(rates_.refuses_stop)) {
+  } else if (flight->expects_answer && flight->is_stop &&
+             break_random_.chance(rates_.refuses_stop)) {
     around_.report.fault("stop_refused");
     const std::uint8_t code = kStopRefusals.at(break_random_.below(kStopRefusals.size()));
     pdu = Pdu::exception(request.function(), modbus::ExceptionCode{code});

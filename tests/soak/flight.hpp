@@ -19,7 +19,8 @@ struct Flight {
   PduBytes pdu;
   std::vector<std::uint64_t> asked;  ///< requests that it may be for
   bool is_stop = false;
-  bool is_repeated = false;   ///< a stop of which the tries are a series
+  bool is_failsafe = false;  ///< the gateway's own
+  bool is_repeated = false;  ///< a stop of which the tries are a series
   bool is_write = false;
   bool is_broadcast = false;
   bool repeats_read = false;
@@ -32,13 +33,13 @@ struct Flight {
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;
-  std::optional<Instant> paid_at{};     ///< its own answer began
+  std::optional<Instant> paid_at{};       ///< its own answer began
   std::optional<std::uint8_t> refused{};  ///< its device answers this exception
   std::optional<Instant> refused_at{};    ///< it came then
-  bool is_in_turn = false;              ///< that came before anything else was transmitted
-  bool may_be_paid = false;             ///< something came that may have been taken for it
-  bool is_answered = false;    ///< for certain: the answer met no fault
-  bool needs_silence = false;  ///< behind that, because other bytes stood before it
+  bool is_in_turn = false;                ///< that came before anything else was transmitted
+  bool may_be_paid = false;               ///< something came that may have been taken for it
+  bool is_answered = false;               ///< for certain: the answer met no fault
+  bool needs_silence = false;             ///< behind that, because other bytes stood before it
   /// A whole answer came that fits, and this may have kept it from being taken.
   const char* unsure = nullptr;
   /// Of a read that several may share: the writes to its device that waited, and whom it answered

@@ -147,9 +147,8 @@ class Oracle {
   [[nodiscard]] const BusCount& count(std::size_t bus) const { return books_[bus].count; }
   [[nodiscard]] const BusCount& count(std::size_t bus, std::uint8_t address) const;
   /// Requests that the gateway has taken, and of how many that is not sure.
-  [[nodiscard]] std::uint64_t accepted() const { return sequence_ - failsafes_; }
+  [[nodiscard]] std::uint64_t accepted() const { return sequence_; }
   [[nodiscard]] std::uint64_t perhaps_accepted() const { return perhaps_accepted_; }
-  [[nodiscard]] const FailsafeWatch& failsafe() const { return failsafe_; }
   [[nodiscard]] ClientRates& client_rates() { return client_rates_; }
 
  private:
@@ -164,14 +163,12 @@ class Oracle {
   void look_ahead(Session& session);
   void forget_gone_stops();
   void accept(Asked& asked);
-  void begin_failsafe();
-  void drop_failsafe(std::size_t device);
-  void drop_unwanted(std::size_t bus);
-  void failsafe_line_back(Book& book);
-  [[nodiscard]] bool waits_for_line(const Asked& asked) const;
-  [[nodiscard]] Duration behind_others(const Asked& stop) const;
-  void check_failsafe(const Asked& asked);
-  [[nodiscard]] unsigned failsafes_like(const Asked& asked, const Piece& piece) const;
+  // oracle_failsafe.cpp
+  void note_failsafe_asked(const Asked& asked);
+  void note_failsafe_sent(Flight& flight);
+  void note_done_for_failsafe(const Flight& flight);
+  [[nodiscard]] bool has_failsafe(std::size_t bus) const;
+  void check_failsafes() const;
   [[nodiscard]] std::vector<Asked*> broadcasts_on(std::size_t bus);
   void close(Asked& asked, const std::string& how);
   void end_without_reply(Asked& asked);
@@ -298,7 +295,6 @@ class Oracle {
   std::deque<Done> done_;
   std::uint64_t ids_ = 0;
   std::uint64_t sequence_ = 0;
-  std::uint64_t failsafes_ = 0;  ///< of these, what no client asked for
   std::uint64_t perhaps_accepted_ = 0;
   std::uint64_t flight_count_ = 0;
   std::uint64_t before_restart_ = 0;  ///< transmissions up to this one are of another process

@@ -104,13 +104,6 @@ void Oracle::look_ahead(Session& session) {
 }
 
 void Oracle::accept(Asked& asked) {
-  if (!asked.failsafe) {
-    begin_failsafe();
-    for (const std::size_t device : failsafe_.asked(asked.client, schedule_.now())) {
-      drop_failsafe(device);
-    }
-    failsafe_.waits(asked.client, true, schedule_.now());
-  }
   asked.is_accepted = true;
   asked.accepted = schedule_.now();
   asked.sequence = ++sequence_;
@@ -130,6 +123,7 @@ void Oracle::accept(Asked& asked) {
     return;
   }
   writers_.attempted(asked, schedule_.now());
+  note_failsafe_asked(asked);
   if (asked.is_stop()) {
     Withdrawals(*this).take_back_for(asked);
   }

@@ -146,9 +146,7 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
       }
       judge_eviction(asked);
       return;
-    case kNoPath:
-      refusals.judge_no_path(asked);
-      return;
+    case kNoPath: refusals.judge_no_path(asked); return;
     case kNoResponse:
       refusals.judge_no_response(asked);
       judge_cut(asked);

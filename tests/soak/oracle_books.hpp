@@ -71,14 +71,14 @@ struct Lane {
   Slips slips;
   Duration shown{0};  ///< the longest time of an answer that it has shown
   Instant shown_at = Instant::min();
-  Duration second_shown{0};  ///< the same from an answer to a second one
-  unsigned clean = kCleanForgets;  ///< answers since then
+  Duration second_shown{0};               ///< the same from an answer to a second one
+  unsigned clean = kCleanForgets;         ///< answers since then
   Instant last_offline = Instant::min();  ///< it may have been offline then
   unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
   std::vector<std::uint64_t> unheard;     ///< on a connection, what is later than that answer
   BusCount count;
-  bool knows_order = false;              ///< its drive was asked for its word order
-  bool stays_offline = false;            ///< it was perhaps offline when other settings came
+  bool knows_order = false;    ///< its drive was asked for its word order
+  bool stays_offline = false;  ///< it was perhaps offline when other settings came
   // Transmissions in a row that were certainly unanswered, at least:
   unsigned silent = 0;
   Instant last_write_event = Instant::min();
@@ -101,9 +101,7 @@ struct Lane {
     return stop_sent_at && now < *stop_sent_at + kPerhapsAcknowledged;
   }
   /// Something of it was heard, or is not known any more.
-  void forget_silence() {
-    silent = 0;
-  }
+  void forget_silence() { silent = 0; }
 };
 
 /// What is known for certain of when a serial line could be used.
@@ -154,10 +152,10 @@ struct Book {
   std::vector<std::uint64_t> flying;    ///< on TCP buses
   std::vector<std::uint64_t> unheard;   ///< the same, as if no stop cut anything
   std::uint64_t last_flight = 0;
-  std::uint64_t last_other = 0;          ///< the last one that was no stop
-  Instant busy_since = Instant::min();   ///< no silence since then
-  std::size_t room = 0;                  ///< more than the queue's limit may still wait from before
-  Instant last_merge = Instant::min();   ///< reads accepted until then may be merged
+  std::uint64_t last_other = 0;         ///< the last one that was no stop
+  Instant busy_since = Instant::min();  ///< no silence since then
+  std::size_t room = 0;                 ///< more than the queue's limit may still wait from before
+  Instant last_merge = Instant::min();  ///< reads accepted until then may be merged
   Duration stop_wait_before{0};
   Instant stop_wait_from = Instant::min();  ///< it is what it is
   BusCount count;
@@ -172,8 +170,6 @@ struct Book {
   std::vector<std::uint64_t> unread_answers;    ///< the same on a connection, to these
   std::vector<std::uint64_t> misnamed;          ///< their answers name another unit, unread
   std::optional<HeardEcho> unread_echo;
-  int stops_at_end = 0;  ///< transmitted since the gateway was told to stop
-  Instant first_stop_at_end{};
   bool unread_stranger = false;      ///< the request of another client
   bool is_strange = false;           ///< what came looks like an echo, and is none
   Instant touched = Instant::min();  ///< other times or rules were set for it
@@ -186,7 +182,7 @@ struct Book {
   bool is_first = true;                    ///< it was not opened since then
   unsigned openings = 0;
   bus::LineSettings line{};  ///< that its drives were set to
-  bool is_unused = true;  ///< nothing was transmitted
+  bool is_unused = true;     ///< nothing was transmitted
   bool echo_proven = false;
   bool echo_lost = false;   ///< one that would have proven it did not come at all
   unsigned since_echo = 0;  ///< transmissions since a whole echo came

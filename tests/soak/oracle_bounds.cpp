@@ -19,7 +19,7 @@ void Oracle::check_bounds(const Flight& flight, const Flight* before) {
   }
   const Book& book = books_[flight.bus];
   const bool was_silent = before != nullptr && before->expects_answer && !before->beside_stop &&
-                          !before->meets_stop && book.came == 0 &&
+                          !before->meets_stop && !has_failsafe(flight.bus) && book.came == 0 &&
                           before->begin > std::max(book.opened, reloaded_);
   if (was_silent && flight.begin < before->deadline + bus_settings(flight.bus).settle) {
     violation("not_settled", name(flight));

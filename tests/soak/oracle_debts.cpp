@@ -88,8 +88,7 @@ bool Oracle::is_only_debt(const Lane& lane, const HeardFrame& frame) const {
 
 // For so long at most something is owed.
 Duration Oracle::owed_for(const Flight& flight) {
-  return std::max<Duration>(flight.timing.quarantine_max,
-                            flight.quarantine_until - flight.begin) +
+  return std::max<Duration>(flight.timing.quarantine_max, flight.quarantine_until - flight.begin) +
          flight.timing.quarantine_max;
 }
 
@@ -114,7 +113,8 @@ void Oracle::settle(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   const Book& book = books_[bus];
-  from->is_in_turn = from->is_in_turn || (frame.fits && !frame.is_refused && book.last_flight == from->number);
+  from->is_in_turn =
+      from->is_in_turn || (frame.fits && !frame.is_refused && book.last_flight == from->number);
   if (!frame.fits) {
     return;
   }
@@ -139,8 +139,8 @@ void Oracle::note_second(Lane& lane, const HeardFrame& frame, const Flight* from
 // What was learned fades by an eighth a minute.
 Duration Oracle::shown(const Lane& lane) const {
   Duration shown = lane.shown;
-  for (Instant at = lane.shown_at + std::chrono::minutes(1); at <= schedule_.now() && shown > Duration{0};
-       at += std::chrono::minutes(1)) {
+  for (Instant at = lane.shown_at + std::chrono::minutes(1);
+       at <= schedule_.now() && shown > Duration{0}; at += std::chrono::minutes(1)) {
     shown -= shown / 8;
     shown = shown < std::chrono::microseconds(1) ? Duration{0} : shown;
   }
@@ -188,7 +188,8 @@ void Oracle::note_uncertain(std::size_t bus, const HeardFrame& frame) {
     return;
   }
   Lane& lane = book.lanes[frame.address];
-  const char* root = frame.excuse != nullptr ? frame.excuse : root_of(lane, frame, from, is_strange);
+  const char* root =
+      frame.excuse != nullptr ? frame.excuse : root_of(lane, frame, from, is_strange);
   last->is_uncertain = true;
   lane.boots_until = Instant::min();  // it may seem to have refused to
   lane.uncertain_at = schedule_.now();

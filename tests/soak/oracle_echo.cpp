@@ -60,7 +60,8 @@ bool Oracle::began_while_sending(std::size_t bus, Instant began) const {
 // What it is shows only when it is read.
 void Oracle::frame_came(std::size_t bus, HeardFrame frame) {
   Book& book = books_[bus];
-  if (const Flight* from = flight(frame.flight); frame.is_second && from != nullptr && !from->paid_at) {
+  if (const Flight* from = flight(frame.flight);
+      frame.is_second && from != nullptr && !from->paid_at) {
     frame.is_second = frame.is_nobodys = false;  // nothing was heard of the first one
   }
   book.lanes[frame.address].forget_silence();

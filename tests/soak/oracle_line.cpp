@@ -134,12 +134,16 @@ void Oracle::check_tcp(const Flight& flight) {
       violation("tcp_identifier", name(flight));
     }
     // A stop waits for no read of its device, and nothing goes beside a stop.
-    const bool may_go = !other.is_write && (flight.is_stop || !flight.is_write);
+    const bool may_go = (!other.is_write && (flight.is_stop || !flight.is_write)) ||
+                        flight.is_failsafe || other.is_failsafe;
     if (other.address == flight.address && !may_go) {
       violation("tcp_beside_write", name(flight) + " while " + name(other));
     }
   }
-  if (flying.size() >= bus_settings(flight.bus).outstanding && !flight.is_stop) {
+  const auto counted = std::ranges::count_if(
+      flying, [&](std::uint64_t number) { return !this->flight(number)->is_failsafe; });
+  const std::size_t most = bus_settings(flight.bus).outstanding;
+  if (static_cast<std::size_t>(counted) >= most && !flight.is_stop) {
     violation("tcp_outstanding", name(flight));
   }
   flying.push_back(flight.number);
@@ -210,7 +214,6 @@ void Oracle::tcp_answer_came(std::uint64_t number) {
 }
 
 void Oracle::check_waiting() {
-  begin_failsafe();
   for (std::size_t bus = 0; bus < books_.size(); ++bus) {
     Book& book = books_[bus];
     if (book.waiting > std::max(bus_settings(bus).queue, book.room)) {

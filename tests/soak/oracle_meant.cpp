@@ -61,9 +61,6 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) {
   if (asked.is_stop()) {
     const unsigned repeats =
         asked.is_repeated ? std::max(asked.stop_retries, timing.stop_retries) : 0;
-    if (asked.failsafe) {
-      return piece.sent >= (1 + repeats) * failsafes_like(asked, piece) ? "failsafe_too_often" : "";
-    }
     return asked.surely_on_wire && !asked.is_shared && piece.sent > repeats ? "stop_too_often" : "";
   }
   if (!asked.is_accepted) {
@@ -119,6 +116,8 @@ void Oracle::attribute(Flight& flight) {
   if (meant.empty() && !against.empty()) {
     const auto border = against.find('|');
     violation(against.substr(0, border), name(flight) + " for " + against.substr(border + 1));
+  } else if (meant.empty() && is_failsafe(flight.pdu)) {
+    note_failsafe_sent(flight);
   } else if (meant.empty()) {
     unknown_transmission(flight);
   }
@@ -189,16 +188,8 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   asked.last_flight = flight.number;
   asked.tries.push_back(flight.number);
   asked.last_sent = flight.pdu;
-  if (asked.failsafe && asked.flights == 0 && books_[piece.bus].last_down >= asked.accepted) {
-    report_.fault("failsafe_sent_later");
-  }
   ++asked.flights;
-  if (asked.failsafe) {
-    books_[flight.bus].lanes[flight.address].last_stop = schedule_.now();  // it may have waited
-  }
-  // What has become due in this instant joins one that is due already, or goes on its own.
-  const bool may_have_joined = asked.failsafe && !alone && asked.accepted == schedule_.now();
-  piece.sent += may_have_joined ? 0U : 1U;
+  ++piece.sent;
   // Of several that wait only one may have been transmitted before.
   if (asked.is_stop() && (piece.sent == 1 || !asked.surely_on_wire)) {
     mine.stop_from = std::min(mine.stop_from.value_or(asked.accepted), asked.accepted);

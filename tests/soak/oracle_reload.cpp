@@ -149,7 +149,7 @@ void Oracle::after_reload() {
       writers_.gone(device);
     }
   }
-  failsafe_.after_reload();
+  failsafe_.forget_writers();
   rates_.after_reload(schedule_.now());
   client_rates_.after_reload(schedule_.now());
   meanings_.after_reload(schedule_.now());
@@ -184,7 +184,6 @@ void Oracle::after_reload() {
   for (auto& [client, session] : sessions_) {
     accept_backlog(session);
   }
-  failsafe_.after_turns();
 }
 
 void Oracle::check_taken_back() {

@@ -67,7 +67,6 @@ void Oracle::bus_opened(std::size_t bus) {
   }
   book.opening = false;
   book.in_vain.clear();
-  failsafe_line_back(book);
   check_told(book, bus);
   book.forget_line();
   WordOrders(*this).forget_line(bus);
@@ -130,7 +129,6 @@ void Oracle::bus_lost(std::size_t bus) {
   book.open = book.starting = book.rests = book.opening = book.is_restarted = false;
   book.early_stops.clear();
   book.last_down = schedule_.now();
-  drop_unwanted(bus);
   book.stops.clear();
   book.flying.clear();
   book.unheard.clear();
@@ -153,7 +151,6 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   if (flights_.size() > kFlightsKept) {
     flights_.pop_front();
   }
-  begin_failsafe();
   Book& book = books_[bus];
   note_silent(bus);
   WordOrders(*this).after_wait(bus);
@@ -227,6 +224,7 @@ bool Oracle::take_apart(Bytes frame, Flight& flight) {
 }
 
 void Oracle::executed(const Flight& flight) {
+  note_done_for_failsafe(flight);
   Lane& lane = books_[flight.bus].lanes[flight.address];
   lane.knows_order = lane.knows_order || flight.asks_order;
   if (flight.is_stop) {

@@ -126,7 +126,7 @@ struct Manners {
   std::uint16_t same_reads = 0;  ///< thousandths that ask for what everybody asks for
   bool same_stops = false;       ///< its stops of one drive are all alike
   std::uint16_t near_reads = 0;  ///< thousandths of its reads that are near those of others
-  std::uint16_t alike = 0;  ///< thousandths of its reads and writes whose answers are alike
+  std::uint16_t alike = 0;       ///< thousandths of its reads and writes whose answers are alike
   Duration in_step{0};           ///< it asks whenever so much time has gone by, as others do
   Duration patience{0};          ///< it goes if there is no answer by then; 0: never
   unsigned hangs = 0;          ///< thousandths of its bursts, as the following: it stops within one
@@ -165,8 +165,8 @@ constexpr bool is_not_now(std::uint8_t code) {
 
 /// How a device works.
 struct Ways {
-  Duration service{0};   ///< it takes each request so long, one after the other; 0: at once
-  unsigned second = 0;   ///< in thousandths, of answers: another one follows
+  Duration service{0};      ///< it takes each request so long, one after the other; 0: at once
+  unsigned second = 0;      ///< in thousandths, of answers: another one follows
   Duration second_from{0};  ///< so long behind the first one
   Duration second_to{0};
   unsigned most_wrong = kMostAtAStart;
@@ -175,14 +175,14 @@ struct Ways {
 /// What a part of the plans is arranged for.
 enum class Theme : std::uint8_t {
   none,
-  dead_drives,   ///< quiet lines on which some are silent for long, and asked and stopped all the
-                 ///< same
-  busy_line,     ///< nothing goes wrong, and whose turn it is decides everything
-  shared_reads,  ///< all ask for the same, beside broadcasts, and the line is lost now and then
-  late_drives,   ///< they are late again and again, for many minutes
-  stops,         ///< drives are stopped while writes to them wait, which some let go first
-  omissions,     ///< drives are quick, and leave out an answer now and then
-  slow_drives,   ///< one works in order, and takes longer than its response timeout
+  dead_drives,    ///< quiet lines on which some are silent for long, and asked and stopped all the
+                  ///< same
+  busy_line,      ///< nothing goes wrong, and whose turn it is decides everything
+  shared_reads,   ///< all ask for the same, beside broadcasts, and the line is lost now and then
+  late_drives,    ///< they are late again and again, for many minutes
+  stops,          ///< drives are stopped while writes to them wait, which some let go first
+  omissions,      ///< drives are quick, and leave out an answer now and then
+  slow_drives,    ///< one works in order, and takes longer than its response timeout
   second_answers  ///< one answers twice
 };
 

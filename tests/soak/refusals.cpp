@@ -29,6 +29,9 @@ bool Refusals::has_expired(const Asked& asked) const {
 }
 
 void Refusals::judge_busy(const Asked& asked) const {
+  if (asked.surely_on_wire && oracle_.is_apart(asked, "refused_")) {
+    return;  // by an exception to something else
+  }
   if (asked.surely_on_wire) {
     oracle_.violation("busy_after_wire", oracle_.name(asked));
     return;
@@ -60,6 +63,9 @@ const char* Refusals::why_busy(const Asked& asked) const {
   }
   if (oracle_.stopping_ && !goes_at_the_end(asked)) {
     return "shutdown";
+  }
+  if (oracle_.has_failsafe(asked.pieces.front().bus)) {
+    return "failsafe";  // it is taken back, as by any stop
   }
   const bool asks_order =
       any([](const Piece& piece) { return piece.asks_order && piece.sent > 0; });
@@ -249,6 +255,9 @@ const char* Refusals::fault_of(const Flight& flight) const {
 // From outside nobody sees which stop waits: one that was accepted, or sent and not acknowledged.
 bool Refusals::may_be_cut(const Flight& flight) const {
   const Instant last = oracle_.books_[flight.bus].last_stop;
+  if (oracle_.has_failsafe(flight.bus)) {
+    return true;
+  }
   return flight.beside_stop || flight.meets_stop ||
          (flight.is_stop ? last > flight.begin : last >= flight.begin);
 }

@@ -56,7 +56,8 @@ std::string Report::summary() const {
     named[std::string{kDigits[code >> 4U & 15U], kDigits[code & 15U]}] = count;
   }
   return text + list("exception codes", named) + list("reasons", reasons) + list("faults", faults) +
-         list("counted apart", apart) + list("of these at starts", starts) + list("violations", violations);
+         list("counted apart", apart) + list("of these at starts", starts) +
+         list("violations", violations);
 }
 
 }  // namespace mbgate::soak

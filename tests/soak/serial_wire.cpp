@@ -121,8 +121,8 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
 
 void SerialWire::heard(std::uint64_t number) {
   Flight* flight = around_.oracle.flight(number);
-  if (number != sending_ || own_damaged_ || (is_hung() && swallows_) || flight == nullptr || flight->pdu.empty() ||
-      happens(rates_.request_damaged, "request_damaged")) {
+  if (number != sending_ || own_damaged_ || (is_hung() && swallows_) || flight == nullptr ||
+      flight->pdu.empty() || happens(rates_.request_damaged, "request_damaged")) {
     return;
   }
   const auto request = Pdu::from(flight->pdu);

@@ -195,7 +195,7 @@ class SerialWire {
   std::uint64_t ids_ = 0;
   std::uint64_t epoch_ = 0;  ///< grows when drives are set to another line
   bool is_open_ = false;
-  bool is_calm_ = false;  ///< slow drives are quick, and nobody answers twice
+  bool is_calm_ = false;       ///< slow drives are quick, and nobody answers twice
   std::uint64_t sending_ = 0;  ///< what was transmitted last, unless its rest is lost
   Instant own_end_ = Instant::min();
   std::uint8_t asked_ = 0;  ///< the address that something was transmitted to last

@@ -154,8 +154,7 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
   const Content& content = message.content;
   for (std::size_t frame = 0; frame < frames; ++frame) {
     if (content.address && lead + message.copies_heard * message.frame >= message.cut_to()) {
-      const bool is_nobodys =
-          content.flight == 0 || content.is_second || message.copies_heard > 0;
+      const bool is_nobodys = content.flight == 0 || content.is_second || message.copies_heard > 0;
       heard.frames.push_back({*content.address, content.fits, is_nobodys, content.flight,
                               content.began.value_or(message.frame_began)});
       heard.frames.back().size = message.frame + content.before;
