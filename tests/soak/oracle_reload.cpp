@@ -56,7 +56,7 @@ bool Oracle::is_past_offline(std::size_t bus, const Lane& lane) const {
                                      : bus_settings(bus).timing.offline_after;
   const auto is_over = [&](std::uint64_t number) {
     const Flight* it = flight(number);
-    return it == nullptr || schedule_.now() >= deadline_of(*it);
+    return it == nullptr || has_failsafe(bus) || schedule_.now() >= deadline_of(*it);
   };
   const auto unanswered =
       is_tcp(bus) ? std::ranges::count_if(lane.unheard, is_over) : std::ptrdiff_t{lane.unanswered};

@@ -268,7 +268,8 @@ const char* Refusals::end_of_wait(const Flight& flight) const {
   if (!flight.expects_answer) {  // silence is what its client waits for
     return oracle_.stopping_ && now >= *oracle_.stopping_ + kGrace ? "shutdown" : nullptr;
   }
-  if (now < flight.due && !oracle_.is_tcp(flight.bus) && may_be_cut(flight)) {
+  const bool may_be = !oracle_.is_tcp(flight.bus) || oracle_.has_failsafe(flight.bus);
+  if (now < flight.due && may_be && may_be_cut(flight)) {
     return "cut_by_stop";
   }
   if (now >= oracle_.deadline_of(flight)) {
