@@ -56,12 +56,6 @@ struct Flight {
   std::size_t came = 0;  ///< bytes that reached the kernel before anything else was transmitted
   Instant first_came = Instant::max();  ///< the first of these
   std::size_t size = 0;                 ///< of its frame
-  /// An answer that breaks off: so many bytes come before it pauses, so many in all, of so many.
-  struct {
-    std::size_t head = 0;
-    std::size_t come = 0;
-    std::size_t of = 0;
-  } stuck;
   Instant begin;
   Instant end;
   Instant deadline;            ///< the first byte of its answer must be there

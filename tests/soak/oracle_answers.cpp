@@ -152,7 +152,6 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
       judge_cut(asked);
       check_answered(asked);
       judge_tries(asked);
-      HeardAnswers(*this).judge_end(asked);
       return;
     default: break;
   }

@@ -26,12 +26,10 @@ struct BusCount {
   std::uint64_t losses = 0;
   std::uint64_t stops = 0;
   std::uint64_t spoilt_echoes = 0;
-  std::uint64_t asking = 0;       ///< transmissions that are to be answered
-  std::uint64_t interrupted = 0;  ///< of these, at most so many were cut by a loss
-  std::uint64_t late = 0;         ///< answers that were surely late
-  std::uint64_t silent = 0;       ///< transmissions that were surely not answered
-  std::uint64_t damaged = 0;      ///< those that surely were, with a bad CRC
-  std::uint64_t excused = 0;      ///< others whose echo may have been taken for an answer
+  std::uint64_t asking = 0;   ///< transmissions that are to be answered
+  std::uint64_t silent = 0;   ///< transmissions that were surely not answered
+  std::uint64_t damaged = 0;  ///< those that surely were, with a bad CRC
+  std::uint64_t excused = 0;  ///< others whose echo may have been taken for an answer
 };
 
 /// A connection of a client.
