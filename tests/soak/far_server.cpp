@@ -98,10 +98,7 @@ void FarServer::transmit(const Flight& flight) {
 
 void FarServer::heard(std::uint64_t number) {
   Flight* flight = around_.oracle.flight(number);
-  if (flight == nullptr || flight->pdu.empty() || swallows_) {
-    return;
-  }
-  if (drops()) {
+  if (flight == nullptr || flight->pdu.empty() || swallows_ || drops()) {
     return;
   }
   const auto found = std::ranges::find(devices_, flight->address,
@@ -119,8 +116,8 @@ void FarServer::heard(std::uint64_t number) {
   } else if (flight->expects_answer && flight->is_stop &&
              break_random_.chance(rates_.refuses_stop)) {
     around_.report.fault("stop_refused");
-    const std::uint8_t code = kStopRefusals.at(break_random_.below(kStopRefusals.size()));
-    pdu = Pdu::exception(request.function(), modbus::ExceptionCode{code});
+    const auto at = break_random_.below(kStopRefusals.size());
+    pdu = Pdu::exception(request.function(), modbus::ExceptionCode{kStopRefusals.at(at)});
   } else {
     const SoakDevice::Outcome outcome = device.carry_out(request, now);
     pdu = outcome.answer;

@@ -105,13 +105,6 @@ class Oracle {
   [[nodiscard]] bool has_misnamed(std::size_t bus) const { return !books_[bus].misnamed.empty(); }
   /// An answer of the device may still be taken for one to the gateway.
   [[nodiscard]] bool owes(std::size_t bus, std::uint8_t address);
-  /// What outlives the process: its transmissions, which devices may still answer.
-  struct Past {
-    std::deque<std::unique_ptr<Flight>> flights;
-    std::uint64_t flight_count;
-    std::uint64_t ids;
-    std::vector<unsigned> openings;
-  };
   [[nodiscard]] Past take_past();
   /// Another process has been started.
   void begin_with(Past past);
@@ -192,7 +185,6 @@ class Oracle {
   void judge_data(const Asked& asked, Bytes pdu);
   void judge_bits(const Asked& asked, Bytes pdu);
   void judge_done(const Asked& asked);
-  // oracle_content.cpp
   void judge_content(const Asked& asked, Bytes pdu);
   void judge_identity(const Asked& asked, Bytes pdu);
   void judge_echo(const Asked& asked, Bytes pdu);
@@ -252,9 +244,7 @@ class Oracle {
   void note_whole(std::size_t bus, HeardFrame& frame) const;
   void note_answered(std::size_t bus, const HeardFrame& frame);
   void note_use(const Flight& flight);
-  [[nodiscard]] Duration rest_of_answer(const Flight& flight) const;
   [[nodiscard]] Duration lateness() const;
-  // oracle_bounds.cpp
   void check_bounds(const Flight& flight, const Flight* before);
   void judge_eviction(const Asked& asked);
   void note_loss(std::size_t bus);

@@ -3,7 +3,6 @@
 // the rules allow for what happened on the wire.
 #include <algorithm>
 
-#include "soak/heard_answers.hpp"
 #include "soak/oracle.hpp"
 #include "soak/own_identity.hpp"
 #include "soak/refusals.hpp"

@@ -5,6 +5,7 @@
 #include <array>
 #include <deque>
 #include <map>
+#include <memory>
 #include <string>
 #include <unordered_map>
 
@@ -16,7 +17,6 @@ namespace mbgate::soak {
 constexpr const char* kClosed = "for_closed_client";  ///< by the gateway
 /// Of a gateway that is told to stop: so long what is on the wire has for its answer.
 constexpr Duration kGrace = std::chrono::milliseconds(1500);
-constexpr Duration kLongestBoot = std::chrono::milliseconds(250);  ///< more than plans draw
 constexpr Duration kStopLife = std::chrono::seconds(900);  ///< hundreds may wait on a slow line
 
 /// What is compared with the gateway's own counters.
@@ -205,6 +205,14 @@ struct Book {
     told_denied = must_tell_denied = denied_echo = denied_before = false;
     requests_heard = 0;
   }
+};
+
+/// What outlives the process: its transmissions, which devices may still answer.
+struct Past {
+  std::deque<std::unique_ptr<Flight>> flights;
+  std::uint64_t flight_count;
+  std::uint64_t ids;
+  std::vector<unsigned> openings;
 };
 
 /// A request that is over.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How late the process may be, how long an answer may take, and which answer was surely taken.
+// How late the process may be, and which answer was surely taken.
 #include <algorithm>
 
 #include "soak/heard_answers.hpp"
@@ -32,14 +32,6 @@ void Oracle::note_whole(std::size_t bus, HeardFrame& frame) const {
   frame.ended = schedule_.now();
   frame.came = book.came;
   frame.is_only_debt = is_only_debt(book.lanes[frame.address], frame);
-}
-
-// How long an answer may take from its first byte on.
-Duration Oracle::rest_of_answer(const Flight& flight) const {
-  const auto& settings = bus_settings(flight.bus);
-  return settings.line.framing == bus::Framing::ascii
-             ? spec::WireTimes(settings.line).of(spec::kAsciiFrame) + 1s
-             : spec::WireTimes(settings.line).of(spec::kRtuFrame) + spec::slack_of(settings) + 20ms;
 }
 
 // The answer to what was transmitted last.

@@ -101,7 +101,7 @@ Duration Oracle::listens_for(std::size_t bus) const {
   return bus_settings(bus).listen_first.value_or(longest);
 }
 
-Oracle::Past Oracle::take_past() {
+Past Oracle::take_past() {
   Past past{std::move(flights_), flight_count_, ids_, {}};
   std::ranges::transform(books_, std::back_inserter(past.openings), &Book::openings);
   return past;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Quiet lines with a drive that works in order and takes longer than its response timeout, or that
-// answers twice: nothing else happens there, so that each wrong answer is one of these.
+// Quiet lines with drives that leave out an answer now and then; or with one that works in order
+// and takes longer than its response timeout, or that answers twice: nothing else happens there, so
+// that each wrong answer is one of these.
 #include "soak/plan_themes.hpp"
 
 namespace mbgate::soak {
@@ -44,6 +45,30 @@ void ThemeDraw::answer_twice(std::size_t bus) {
   ways.second_from = ways_.duration(1ms, timing.response_timeout / 2);
   ways.second_to = ways.second_from + ways_.duration(0ms, 10ms);
   ask_all_the_time(bus, index);
+}
+
+// Somebody else always waits, for the same drive too, and wants something else.
+void ThemeDraw::omit(std::size_t bus) {
+  bus::BusSettings& settings = plan_.settings.buses[bus];
+  settings.coalesce = settings.merge = false;
+  settings.settle = 0ms;
+  plan_.rates[bus].are_quick = true;
+  plan_.rates[bus].never = random_.one_of({50U, 150U});
+  auto devices = devices_on(bus);
+  devices.resize(random_.between(1U, 3U));
+  for (const std::size_t index : devices) {
+    drive::Device& device = plan_.settings.devices[index];
+    device.cache = 0ms;
+    device.timing.response_timeout = random_.duration(kShortestTimeout, 60ms);
+    device.timing.quarantine = random_.duration(50ms, 400ms);
+    device.timing.offline_after = 0;
+  }
+  for (unsigned count = random_.between(2U, 4U); count > 0; --count) {
+    Manners asks = client(bus, devices);
+    asks.outstanding = random_.between(2U, 4U);
+    asks.writes = random_.one_of({100U, 300U, 600U});
+    plan_.clients.push_back(asks);
+  }
 }
 
 drive::DeviceTiming& ThemeDraw::ask_plainly(std::size_t device) {

@@ -255,30 +255,6 @@ void ThemeDraw::be_late(std::size_t bus) {
   }
 }
 
-// Somebody else always waits, for the same drive too, and wants something else.
-void ThemeDraw::omit(std::size_t bus) {
-  bus::BusSettings& settings = plan_.settings.buses[bus];
-  settings.coalesce = settings.merge = false;
-  settings.settle = 0ms;
-  plan_.rates[bus].are_quick = true;
-  plan_.rates[bus].never = random_.one_of({50U, 150U});
-  auto devices = devices_on(bus);
-  devices.resize(random_.between(1U, 3U));
-  for (const std::size_t index : devices) {
-    drive::Device& device = plan_.settings.devices[index];
-    device.cache = 0ms;
-    device.timing.response_timeout = random_.duration(kShortestTimeout, 60ms);
-    device.timing.quarantine = random_.duration(50ms, 400ms);
-    device.timing.offline_after = 0;
-  }
-  for (unsigned count = random_.between(2U, 4U); count > 0; --count) {
-    Manners asks = client(bus, devices);
-    asks.outstanding = random_.between(2U, 4U);
-    asks.writes = random_.one_of({100U, 300U, 600U});
-    plan_.clients.push_back(asks);
-  }
-}
-
 // From a host of its own, through the bus's own listener.
 Manners ThemeDraw::client(std::size_t bus, std::vector<std::size_t> devices) {
   Manners manners;

@@ -240,35 +240,6 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
       {address, excess ? 2U : 1U, 0, true, flight.number, lead});
 }
 
-// All of it is there when the quarantine ends, often only just; or later, in plans of that kind and
-// where its device still had to say something else.
-void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Frame& frame,
-                             Instant begin) {
-  const Duration held = around_.plan.adapters[bus_] == AdapterKind::uart ? 0ms : kAdapterHolds;
-  const Duration length = timing_.of(frame.size()) + 1ms + held;
-  Instant last = flight.quarantine_until - length;
-  if (around_.plan.beyond) {
-    last += 2 * (flight.quarantine_until - flight.end);
-  }
-  const Instant first = std::max(begin, flight.deadline - length);
-  last = std::max(first, last);
-  Duration after = around_.random.duration(0us, last - first);
-  if (!around_.plan.beyond && around_.random.chance(600)) {
-    const Duration near = std::min<Duration>(last - first, around_.random.duration(0us, 3ms));
-    after = around_.random.chance(300) ? near : last - first - near;
-  }
-  const Instant at = first + after;
-  if (straddles(flight, frame, at)) {
-    return;
-  }
-  const bool pauses = happens_to_echo(rates_.late_pieces, "late_pieces");
-  const Duration paused = pauses ? last - at : Duration{0};
-  auto& busy = talks_until_[device.settings().address];
-  busy = std::max(busy, at + length + paused);
-  say(frame, at, pauses ? Chunks::paused : Chunks::usual,
-      {device.settings().address, 1, 0, true, flight.number, 0, paused});
-}
-
 // Makes something else of the answer.
 SerialWire::Spoilt SerialWire::spoil(Frame& frame, const Pdu& pdu, std::uint8_t address) {
   Random& random = around_.random;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives that work in order and slowly, whatever is asked of them meanwhile; and second answers.
+// Drives that work in order and slowly, whatever is asked of them meanwhile; late answers, and
+// second ones.
 #include <algorithm>
 
 #include "soak/serial_wire.hpp"
@@ -41,6 +42,35 @@ void SerialWire::answer_again(const SoakDevice& device, const Flight& flight, co
   const Instant again = begin + timing_.of(frame.size()) + silence_ +
                         slow_random_.duration(ways.second_from, ways.second_to);
   say(frame, again, Chunks::usual, content);
+}
+
+// All of it is there when the quarantine ends, often only just; or later, in plans of that kind and
+// where its device still had to say something else.
+void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Frame& frame,
+                             Instant begin) {
+  const Duration held = around_.plan.adapters[bus_] == AdapterKind::uart ? 0ms : kAdapterHolds;
+  const Duration length = timing_.of(frame.size()) + 1ms + held;
+  Instant last = flight.quarantine_until - length;
+  if (around_.plan.beyond) {
+    last += 2 * (flight.quarantine_until - flight.end);
+  }
+  const Instant first = std::max(begin, flight.deadline - length);
+  last = std::max(first, last);
+  Duration after = around_.random.duration(0us, last - first);
+  if (!around_.plan.beyond && around_.random.chance(600)) {
+    const Duration near = std::min<Duration>(last - first, around_.random.duration(0us, 3ms));
+    after = around_.random.chance(300) ? near : last - first - near;
+  }
+  const Instant at = first + after;
+  if (straddles(flight, frame, at)) {
+    return;
+  }
+  const bool pauses = happens_to_echo(rates_.late_pieces, "late_pieces");
+  const Duration paused = pauses ? last - at : Duration{0};
+  auto& busy = talks_until_[device.settings().address];
+  busy = std::max(busy, at + length + paused);
+  say(frame, at, pauses ? Chunks::paused : Chunks::usual,
+      {device.settings().address, 1, 0, true, flight.number, 0, paused});
 }
 
 // Its drive does not stop.

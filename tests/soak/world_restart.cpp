@@ -46,7 +46,7 @@ void World::restart() {
     hangs_.forget(bus);
   }
   frames_.clear();
-  Oracle::Past past = oracle_.take_past();
+  Past past = oracle_.take_past();
   std::destroy_at(&oracle_);
   std::construct_at(&oracle_, plan_, devices_, schedule_, report_);
   oracle_.begin_with(std::move(past));
