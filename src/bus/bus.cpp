@@ -22,8 +22,29 @@ void Bus::handle_opened(Instant now, LineKind kind) {
   parts_.devices.forget_what_was_read();
   parts_.acknowledged.forget_all();
   diagnosis_.note_opened();
-  parts_.line.open(now, kind);
+  parts_.line.open(now, kind, listen_until(now));
+  was_open_ = true;
   dispatch_.pump(now);
+}
+
+// What may still be owed must come first: on a port that is new to the gateway by somebody else's
+// requests, else by its own.
+Instant Bus::listen_until(Instant now) const {
+  if (!was_open_) {
+    return now + parts_.settings.listen_first.value_or(
+                     default_listen_first(parts_.settings, parts_.devices.devices()));
+  }
+  Instant until = now;
+  for (const DeviceEntry& entry : parts_.devices.entries()) {
+    until = std::max(until, entry.hold.until(entry.timing()));
+  }
+  return until;
+}
+
+void Bus::take_over(Bus& before) {
+  before.outcomes_.note_lost();
+  was_open_ = before.was_open_;
+  parts_.devices.take_over(before.parts_.devices);
 }
 
 void Bus::handle_lost(Instant now, Loss loss) {

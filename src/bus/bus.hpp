@@ -49,6 +49,8 @@ class Bus {
   /// The same line with other rules, or other devices: what is known of addresses is kept. Jobs
   /// that wait for devices that are no longer what they were must have been withdrawn.
   void update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now);
+  /// Another bus had the same port before: what is owed there is owed to this one.
+  void take_over(Bus& before);
   /// No new transmissions but stops: other waiting jobs end as cancelled, running transactions may
   /// finish.
   void stop(Instant now);
@@ -73,9 +75,11 @@ class Bus {
  private:
   friend struct mbgate::StateReader;
   void collect(Instant now);
+  [[nodiscard]] Instant listen_until(Instant now) const;
   void rest(Instant now);
 
   Parts parts_;
+  bool was_open_ = false;  // the port, by this bus or the one before
   JobEnds ends_{parts_};
   LineDiagnosis diagnosis_{parts_};
   Outcomes outcomes_{parts_, ends_, diagnosis_};

@@ -54,6 +54,7 @@ struct DeviceNotice {
     early,            ///< an answer began before response_wait was over: it is set too long
     foreign,          ///< a request of another client, or a frame of a device that owed no answer
     second_answer,    ///< two answers came to one request
+    misfit,           ///< it answers with good frames that do not fit what it was asked
     stop_unanswered,  ///< no matching response came to a stop, nor to its repetitions
     stop_forced       ///< a stop was transmitted although the line was never silent
   };

@@ -14,11 +14,11 @@ namespace mbgate::bus {
 
 class LineDiscipline {
  public:
-  LineDiscipline(const BusSettings& settings, Duration listen_first, BusCounters& counters)
-      : line_(make(settings, listen_first, counters)) {}
+  LineDiscipline(const BusSettings& settings, BusCounters& counters)
+      : line_(make(settings, counters)) {}
 
-  void open(Instant now, LineKind kind) {
-    std::visit([&](auto& line) { line.open(now, kind); }, line_);
+  void open(Instant now, LineKind kind, Instant listen_until) {
+    std::visit([&](auto& line) { line.open(now, kind, listen_until); }, line_);
   }
   [[nodiscard]] Instant ready_at(Duration gap) const {
     return when([gap](const auto& it) { return it.ready_at(gap); });
@@ -41,8 +41,8 @@ class LineDiscipline {
   }
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
                    Instant now) {
-    return std::visit([&](auto& line) { return line.begin(transaction, timing, owed, now); },
-                      line_);
+    return std::visit(
+        [&](auto& line) { return line.begin(transaction, timing, std::move(owed), now); }, line_);
   }
   void limit_wait(const Transaction& transaction, Instant instant, Duration least) {
     std::visit([&](auto& line) { line.limit_wait(transaction, instant, least); }, line_);
@@ -50,8 +50,19 @@ class LineDiscipline {
   [[nodiscard]] std::optional<Instant> response_due() const {
     return std::visit([](const auto& line) { return std::optional(line.response_due()); }, line_);
   }
-  void update(const BusSettings& settings, Duration listen_first) {
-    std::visit([&](auto& line) { line.update(settings, listen_first); }, line_);
+  /// Never on a connection, whose transaction identifiers tell answers apart.
+  void note_misfit(Duration longest_answer, Instant now) {
+    if (auto* serial = std::get_if<SerialDiscipline>(&line_)) {
+      serial->note_misfit(longest_answer, now);
+    }
+  }
+  void accept(const modbus::Pdu& response) {
+    if (auto* serial = std::get_if<SerialDiscipline>(&line_)) {
+      serial->accept(response);
+    }
+  }
+  void update(const BusSettings& settings) {
+    std::visit([&](auto& line) { line.update(settings); }, line_);
   }
   std::optional<UnsolicitedFrame> take_unsolicited() {
     return std::visit([](auto& line) { return line.take_unsolicited(); }, line_);
@@ -101,11 +112,11 @@ class LineDiscipline {
  private:
   friend struct mbgate::StateReader;
   using Variant = std::variant<SerialDiscipline, TcpDiscipline>;
-  static Variant make(const BusSettings& settings, Duration listen_first, BusCounters& counters) {
+  static Variant make(const BusSettings& settings, BusCounters& counters) {
     if (settings.line.framing == Framing::tcp) {
       return Variant(std::in_place_type<TcpDiscipline>, settings, counters);
     }
-    return Variant(std::in_place_type<SerialDiscipline>, settings, listen_first, counters);
+    return Variant(std::in_place_type<SerialDiscipline>, settings, counters);
   }
   /// When something may be sent: the silence of a serial line says that, or a connection itself.
   template <typename Ask>

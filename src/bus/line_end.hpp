@@ -6,6 +6,7 @@
 #include <boost/container/static_vector.hpp>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "bus/job.hpp"
 
@@ -24,12 +25,14 @@ enum class LineState : std::uint8_t {
 /// The state's name for status displays.
 std::string_view to_text(LineState state);
 
-/// Late answers of a device that may still come, to earlier requests with the same function code.
-struct OwedAnswers {
-  unsigned count = 0;
-  unsigned alike =
-      0;  ///< of these, those that could be taken for the answer to the write being sent
+/// An earlier transmission to the same device, with the same function code, whose answer may still
+/// come.
+struct OwedAnswer {
+  modbus::Request asked;
+  bool is_own;  ///< an earlier try of the request: its answer is as good
 };
+/// Oldest first: a device works in order.
+using OwedAnswers = std::vector<OwedAnswer>;
 
 /// How a transmission ended.
 struct LineEnd {
@@ -37,7 +40,8 @@ struct LineEnd {
     response,     ///< the transaction has it
     sent,         ///< a broadcast has left the wire; the turnaround delay runs
     no_response,  ///< no response came in time
-    damaged       ///< a response with a wrong CRC or LRC
+    damaged,      ///< a response with a wrong CRC or LRC
+    misfit        ///< a good frame of the device that does not fit what was asked, and no other
   };
   How how;
   Transaction* transaction;

@@ -41,6 +41,14 @@ const std::vector<std::uint16_t>* Device::stated_order() const {
   return word_order == WordOrder::big ? &setting->big : &setting->little;
 }
 
+bool Device::takes_limited(const modbus::Request& request, modbus::Bytes response) const {
+  constexpr std::size_t kAddressed = 3;  // function and address (6.5, 6.6)
+  const modbus::Bytes asked = request.pdu().bytes();
+  return limits_values && (request.function() == 5 || request.function() == 6) &&
+         response.size() == asked.size() &&
+         std::ranges::equal(response.first(kAddressed), asked.first(kAddressed));
+}
+
 std::optional<Duration> Device::silent_after(const modbus::Request& request) const {
   for (const UnansweredWrite& unanswered : profile.unanswered) {
     if (writes(request, unanswered.match)) {

@@ -70,6 +70,7 @@ struct Device {
   bool split_values = false;                     ///< a run of 06 may write a value half by half
   bool split_writes = false;                     ///< writes over the limit become several
   bool verify_word_order = false;
+  bool limits_values = false;  ///< it limits what is written, and echoes what it made of it
   bool allow_reconfigure = false;
   /// True: a stop cancels the writes that wait for the device. False: they are sent before it,
   /// except those held back for longer than `stop_wait`.
@@ -100,6 +101,9 @@ struct Device {
   /// The values of the profile's word order register that stand for the configured word order;
   /// nullptr if the profile names no such register.
   [[nodiscard]] const std::vector<std::uint16_t>* stated_order() const;
+  /// Is the response the echo of a write of one register or coil, but for a value that the device
+  /// has limited, and does it do that?
+  [[nodiscard]] bool takes_limited(const modbus::Request& request, modbus::Bytes response) const;
   /// The boot time that follows a request which is never answered; nothing for others.
   [[nodiscard]] std::optional<Duration> silent_after(const modbus::Request& request) const;
 };

@@ -86,6 +86,9 @@ std::string notice_text(const bus::DeviceNotice& notice) {
       return std::string(notice.is_request ? "a request to it was heard that nobody here sent"
                                            : "a frame of it was heard that nobody here asked for") +
              "; another client is on this line";
+    case Kind::misfit:
+      return "answers with a frame that does not fit the request; if it echoes a value other than "
+             "the one written, set write_echo = \"address\"";
     case Kind::second_answer: return "two answers came to one request: two devices at one address?";
     case Kind::stop_unanswered: return "a stop command was not acknowledged";
     case Kind::stop_forced:

@@ -11,14 +11,14 @@ void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash
 }
 
 void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
-  // A setting: paced_setting. Counted, shown or told only: counters, draining, heard, heard_at,
-  // unpaced_told. Empty when the machine was asked for its actions: faults, refused, end.
-  const auto& [silence, paced_setting, paced, counters, faults, echo, framer, transaction,
-               response_due, response_deadline, response_wait, owed, refused, draining, heard,
-               heard_at, unpaced_told, end] = line;
-  // Settings: timing, frame_gap, turnaround, settle, listen_first.
-  const auto& [timing, frame_gap, turnaround, settle, listen_first, quiet_since, busy_since,
-               settling_until, listening_until, turnaround_until, emission_ends] = silence;
+  // Settings: paced_setting, slack. Counted, shown or told only: counters, draining, heard,
+  // heard_at, unpaced_told. Empty when the machine was asked for its actions: faults, refused, end.
+  const auto& [silence, paced_setting, paced, slack, counters, faults, echo, framer, transaction,
+               response_due, response_deadline, response_wait, owed, misfit, refused, draining,
+               heard, heard_at, unpaced_told, end] = line;
+  // Settings: timing, frame_gap, turnaround, settle.
+  const auto& [timing, frame_gap, turnaround, settle, quiet_since, busy_since, settling_until,
+               listening_until, turnaround_until, emission_ends] = silence;
   explore::require(faults.empty() && !end, "a line has told everything");
   const bool is_running = transaction != nullptr;
   // A stop compares these with its own instants; others with now.
@@ -35,8 +35,12 @@ void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Ha
     hash.since(response_due, explore::kFarPast);
     hash.since(response_deadline, explore::kFarPast);
     hash.add(response_wait);
-    hash.add(owed.count);
-    hash.add(owed.alike);
+    hash.add(owed.size());
+    for (const bus::OwedAnswer& it : owed) {
+      hash.add(it.asked.pdu().bytes());
+      hash.add(it.is_own);
+    }
+    hash.add(misfit);
   } else {
     hash.until(emission_ends);
   }

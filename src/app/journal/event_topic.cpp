@@ -30,6 +30,7 @@ MessageId id_of_notice(const bus::DeviceNotice& notice) {
     case Kind::early: return message_id::kDeviceEarly;
     case Kind::foreign:
       return notice.is_request ? message_id::kForeignRequest : message_id::kForeignFrame;
+    case Kind::misfit: return message_id::kMisfit;
     case Kind::second_answer: return message_id::kSecondAnswer;
     case Kind::stop_unanswered: return message_id::kStopUnanswered;
     case Kind::stop_forced: return message_id::kStopForced;

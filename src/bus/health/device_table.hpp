@@ -13,6 +13,7 @@
 #include "bus/counters.hpp"
 #include "bus/health/answer_times.hpp"
 #include "bus/health/device_health.hpp"
+#include "bus/health/hold.hpp"
 #include "bus/health/silence.hpp"
 #include "bus/job.hpp"
 #include "bus/settings.hpp"
@@ -29,6 +30,7 @@ struct DeviceEntry {
   const drive::Device* device = nullptr;  ///< never null
   DeviceCounters counters;
   DeviceHealth health;
+  Hold hold;
   ReadCache cache;
   Instant free_at = Instant::min();  ///< it boots: nothing is sent to it before
   Job* probe = nullptr;              ///< the job that probes it while it is offline
@@ -42,10 +44,9 @@ struct DeviceEntry {
   bool stops_given_up = false;       ///< a stop and all its repetitions were unanswered
   bool merge_refused = false;        ///< it rejected a merged read
   bool second_reported = false;
+  bool misfit_reported = false;
   Instant owed_until =
       Instant::min();  ///< the end of the last response timeout with something owed
-  Instant answered_at = Instant::min();  ///< of the last answer
-  std::uint8_t answered_function = 0;    ///< function code of that answer
   /// Shown only, they decide nothing: when a request was last sent to it, what it has left
   /// unanswered since it was heard, and how long answers take.
   Instant asked_at = Instant::min();
@@ -106,6 +107,8 @@ class DeviceTable {
   /// request any more.
   void begin_write(const Job& write);
   void end_write(const Job& write);
+  /// What is owed and was learned at each address, by a bus that had the same port before.
+  void take_over(DeviceTable& before);
   void clear_counters();
 
  private:

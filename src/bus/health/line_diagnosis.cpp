@@ -70,6 +70,7 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
       quality.note_damaged();
       quality_.note_answer(true);
       break;
+    case LineEnd::How::misfit: quality.note_misfit(); break;
     case LineEnd::How::no_response:
       if (end.heard >= kLeastHeard && !heard_frame) {
         quality.note_unreadable(end.heard_after, quality_.unasked());
@@ -86,7 +87,8 @@ void LineDiagnosis::note_silence(const Asked& asked, LineEnd::How how, Instant n
   Silence& silence = parts_.devices[asked.address].silence;
   switch (how) {
     case LineEnd::How::response: silence.note_answer(now); break;
-    case LineEnd::How::damaged: silence.note_damaged(now); break;
+    case LineEnd::How::damaged:
+    case LineEnd::How::misfit: silence.note_damaged(now); break;
     case LineEnd::How::no_response:
       if (asked.wants_answer) {
         silence.note_unanswered(asked.sent, asked.is_first);
@@ -141,23 +143,25 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   if (unsolicited.is_echo) {
     return;
   }
-  const auto late =
-      unsolicited.is_response
-          ? entry.health.note_unexpected(unsolicited.pdu.bytes(), unsolicited.came, entry.timing())
-          : std::optional<DeviceHealth::Late>();
+  const auto late = unsolicited.is_response ? entry.hold.note_late(unsolicited.pdu.bytes(),
+                                                                   unsolicited.came, entry.timing())
+                                            : std::optional<Hold::Late>();
   if (!late) {
-    note_foreign(unsolicited);
+    if (!note_second_answer(unsolicited) && !note_misfit(unsolicited)) {
+      note_foreign(unsolicited);
+    }
     return;
   }
+  const bool is_back = entry.health.note_heard(unsolicited.came);
   ++parts_.counters.late_responses;
   ++entry.counters.late_responses;
   entry.note_heard();
   entry.silence.note_answer(unsolicited.came);
   if (late->grew) {
     parts_.actions.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
-                                     entry.health.quarantine(unsolicited.came, entry.timing())});
+                                     entry.hold.tail(unsolicited.came, entry.timing())});
   }
-  if (late->back) {
+  if (is_back) {
     notify(DeviceNotice::Kind::back, address);
     quality_[address].note_heard();  // it was asked by probes only: no matter of its timeout
   } else if (late->lateness > Duration{0}) {  // else what stood before it was in its way
@@ -166,21 +170,59 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   }
 }
 
-// The device has answered just now. False: it has not.
+const Transmission* LineDiagnosis::asked_of(std::uint8_t address) const {
+  const auto running = parts_.transmissions.running();
+  const auto asked = std::ranges::find_if(running, [&](const Transmission* transmission) {
+    return transmission->in_flight && transmission->on_wire().address == address;
+  });
+  return asked == running.end() ? nullptr : *asked;
+}
+
+bool LineDiagnosis::is_own(const UnsolicitedFrame& unsolicited) const {
+  const Transmission* asked = asked_of(unsolicited.address);
+  return asked != nullptr &&
+         std::ranges::equal(asked->on_wire().request.pdu().bytes(), unsolicited.pdu.bytes());
+}
+
+// The device has answered just now. A single one may be an answer to somebody who had the line
+// before this gateway.
 bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
+  constexpr unsigned kSure = 3;
   const Instant now = unsolicited.came;
   DeviceEntry& entry = parts_.devices[unsolicited.address];
-  if (!unsolicited.is_response || entry.answered_at == Instant::min() ||
-      now > entry.answered_at + entry.timing().response_timeout ||
-      unsolicited.pdu.function() != entry.answered_function) {
+  if (foreign_reported_ || unsolicited.after_noise || is_own(unsolicited) ||
+      !entry.hold.note_second(unsolicited.pdu.bytes(), now, entry.timing())) {
     return false;
   }
   entry.second_at = now;
   const bool is_read = modbus::is_read(unsolicited.pdu.bytes());
   entry.second_read_at = parts_.line.hears_itself() && is_read ? now : entry.second_read_at;
-  if (!std::exchange(entry.second_reported, true)) {
+  const bool is_sure = entry.hold.seconds() >= kSure ||
+                       now >= parts_.link.opened_at() + entry.timing().quarantine_max;
+  if (is_sure && !std::exchange(entry.second_reported, true)) {
     notify(DeviceNotice::Kind::second_answer, unsolicited.address);
   }
+  return true;
+}
+
+// It stands in the place of the answer to what the device is asked, and does not fit it.
+bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
+  const std::uint8_t address = unsolicited.address;
+  if (unsolicited.after_noise || unsolicited.is_request || asked_of(address) == nullptr ||
+      is_own(unsolicited)) {
+    return false;
+  }
+  DeviceEntry& entry = parts_.devices[address];
+  entry.note_heard();
+  const modbus::Request& asked = asked_of(address)->on_wire().request;
+  if (entry.device->takes_limited(asked, unsolicited.pdu.bytes())) {
+    parts_.line.accept(unsolicited.pdu);
+    return true;
+  }
+  if (!std::exchange(entry.misfit_reported, true)) {
+    notify(DeviceNotice::Kind::misfit, address);
+  }
+  parts_.line.note_misfit(entry.hold.longest_answer(), unsolicited.came);
   return true;
 }
 
@@ -196,25 +238,16 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];
   const Duration longest = entry.timing().quarantine_max;
-  const auto running = parts_.transmissions.running();
-  const auto asked = std::ranges::find_if(running, [&](const Transmission* transmission) {
-    return transmission->in_flight && transmission->on_wire().address == address;
-  });
-  const bool is_asked = asked != running.end();
-  const bool is_own = is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(),
-                                                     unsolicited.pdu.bytes());
-  if (is_own && unsolicited.is_request && parts_.settings.line.echo == false &&
+  const bool is_asked = asked_of(address) != nullptr;
+  if (is_own(unsolicited) && unsolicited.is_request && parts_.settings.line.echo == false &&
       denied_echo_.note_heard(now)) {
     parts_.actions.push(LineNotice{LineFault::echo_denied});
   }
-  if (unsolicited.after_noise || is_own || now < parts_.link.opened_at() + longest) {
+  if (unsolicited.after_noise || is_own(unsolicited) || now < parts_.link.opened_at() + longest) {
     return;
   }
   const bool is_old = entry.owed_until == Instant::min() || now > entry.owed_until + longest;
   if (!unsolicited.is_request && (!unsolicited.is_response || is_asked || !is_old)) {
-    return;
-  }
-  if (!foreign_reported_ && note_second_answer(unsolicited)) {
     return;
   }
   ++parts_.counters.foreign_frames;

@@ -10,6 +10,9 @@ namespace {
 
 using Kind = modbus::PduLength::Kind;
 
+// In a frame that has begun.
+constexpr Duration kLongestPauses = std::chrono::seconds(1);
+
 }  // namespace
 
 RtuFramer::RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters)
@@ -39,7 +42,10 @@ void RtuFramer::forget() {
 // cannot be known, such as another client's request; not the beginning of one that is longer.
 void RtuFramer::give_up_buffer() {
   const bool is_told = !std::exchange(answers_another_, false);
-  if (is_told && modbus::decode_rtu(buffer_.bytes()) && !may_begin_frame(buffer_.bytes())) {
+  const auto whole = buffer_.size() > 1 ? good_frame(buffer_.bytes()) : std::nullopt;
+  const bool is_response = whole && whole->is_response && whole->size == buffer_.size();
+  if (is_told && modbus::decode_rtu(buffer_.bytes()) &&
+      (is_response || !may_begin_frame(buffer_.bytes()))) {
     note_unsolicited(0, buffer_.size());
   } else {
     counters_.stray_bytes += buffer_.size();
@@ -165,9 +171,15 @@ void RtuFramer::consume(std::size_t at, std::size_t size) {
   buffer_.drop(at + size);
 }
 
+// A frame of the device that was asked, whose length nothing predicts.
+bool RtuFramer::may_be_misfit() const {
+  return !answers_another_ && transaction_ != nullptr && buffer_.size() > modbus::kRtuOverhead &&
+         buffer_.bytes()[0] == transaction_->address;
+}
+
 std::optional<Instant> RtuFramer::next_deadline() const {
   if (!in_progress()) {
-    return std::nullopt;
+    return may_be_misfit() ? std::optional(last_byte_ + silence()) : std::nullopt;
   }
   if (awaits_silence()) {
     return last_byte_ + silence();
@@ -175,12 +187,21 @@ std::optional<Instant> RtuFramer::next_deadline() const {
   const modbus::PduLength length = looker().length_of(buffer_.bytes().subspan(answer_at_));
   const std::size_t size =
       length.kind == Kind::known ? length.bytes + modbus::kRtuOverhead : modbus::kMaxRtuSize;
-  return buffer_.came_at(answer_at_) + timing_.duration_of(size) + slack_;
+  const Instant whole = buffer_.came_at(answer_at_) + timing_.duration_of(size);
+  return std::min(std::max(whole, last_byte_) + slack_, whole + kLongestPauses);
 }
 
 Verdict RtuFramer::handle_deadline(Instant now) {
   const auto deadline = next_deadline();
   if (!deadline || now < *deadline) {
+    return Verdict::none;
+  }
+  if (!in_progress()) {
+    if (modbus::decode_rtu(buffer_.bytes())) {
+      consume(0, buffer_.size());
+    }
+    give_up_buffer();
+    discarding_ = false;
     return Verdict::none;
   }
   switch (answer_) {

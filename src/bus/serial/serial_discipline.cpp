@@ -23,26 +23,27 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
 
 }  // namespace
 
-SerialDiscipline::SerialDiscipline(const BusSettings& settings, Duration listen_first,
-                                   BusCounters& counters)
-    : silence_(settings, listen_first),
+SerialDiscipline::SerialDiscipline(const BusSettings& settings, BusCounters& counters)
+    : silence_(settings),
       paced_setting_(settings.line.paced),
+      slack_(settings.frame_slack_or_default()),
       counters_(counters),
       echo_(settings.line.echo, counters, faults_),
       framer_(settings, silence_.timing(), counters) {}
 
-void SerialDiscipline::open(Instant now, LineKind kind) {
+void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
   abort();
   framer_.forget();
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
   unpaced_told_ = false;
-  silence_.open(now);
+  silence_.open(now, listen_until);
 }
 
-void SerialDiscipline::update(const BusSettings& settings, Duration listen_first) {
-  silence_.update(settings, listen_first);
+void SerialDiscipline::update(const BusSettings& settings) {
+  silence_.update(settings);
   framer_.update(settings);
+  slack_ = settings.frame_slack_or_default();
 }
 
 FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
@@ -55,7 +56,8 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   end_.reset();
   silence_.note_frame(frame.size(), now);
   response_wait_ = timing.response_wait;
-  owed_ = owed;
+  owed_ = std::move(owed);
+  misfit_ = false;
   draining_ = false;
   const Duration answer_time = transaction.boot_time
                                    ? silence_.turnaround()
@@ -77,6 +79,21 @@ void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Instant in
                                   Duration least) {
   response_deadline_ =
       std::min(response_deadline_, std::max(instant, silence_.emission_ends() + least));
+}
+
+void SerialDiscipline::note_misfit(Duration longest_answer, Instant now) {
+  if (transaction_ != nullptr && !transaction_->is_broadcast()) {
+    misfit_ = true;
+    const bool is_read = transaction_->request.is_read();
+    limit_wait(*transaction_, now + slack_ + (is_read ? longest_answer : Duration{0}), {});
+  }
+}
+
+void SerialDiscipline::accept(const modbus::Pdu& response) {
+  if (transaction_ != nullptr) {
+    transaction_->response = response;
+    end(LineEnd::How::response);
+  }
 }
 
 void SerialDiscipline::abort() {
@@ -138,10 +155,10 @@ void SerialDiscipline::handle_deadline(Instant now) {
   }
   judge(framer_.handle_deadline(now), now);
   if (transaction_ != nullptr && now >= response_deadline_ && !framer_.in_progress()) {
-    if (!transaction_->may_stay_silent()) {
+    if (!transaction_->may_stay_silent() && !misfit_) {
       silence_.note_unanswered(now);
     }
-    end(LineEnd::How::no_response);
+    end(misfit_ ? LineEnd::How::misfit : LineEnd::How::no_response);
   }
 }
 
@@ -152,7 +169,8 @@ std::optional<Instant> SerialDiscipline::next_deadline() const {
   if (transaction_->is_broadcast()) {
     return silence_.emission_ends();
   }
-  return framer_.in_progress() ? framer_.next_deadline() : response_deadline_;
+  const auto of_frame = framer_.next_deadline();
+  return framer_.in_progress() ? of_frame : earlier(of_frame, response_deadline_);
 }
 
 std::optional<LineEnd> SerialDiscipline::take_end() { return std::exchange(end_, std::nullopt); }

@@ -15,13 +15,6 @@ constexpr int kEarlyPart = 8;  // of the response wait
 // A USB adapter may keep an echo for so long (its latency timer, and a busy host).
 constexpr Duration kEchoKept = std::chrono::milliseconds(20);
 
-// While an answer is owed, of all writes only stops are sent. An exception names no address, and
-// the answer to 15 or 16 no value: it may be the answer to the write that was stopped.
-bool may_answer_another(const modbus::Pdu& response, const Transaction& asked,
-                        const OwedAnswers& owed) {
-  return asked.request.writes() && (response.is_exception() || owed.alike > 0);
-}
-
 // With zeros behind it, such as a driver makes that turns off, the echo of a request without fields
 // is a good frame: the CRC of what ends in its own CRC is 0, and zeros leave it so. Its data begin
 // with the CRC of the request.
@@ -52,13 +45,20 @@ void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
   }
 }
 
+// A device works in order: what came belongs to the oldest request that it fits.
+OwedAnswers::iterator SerialDiscipline::owed_first() {
+  return std::ranges::find_if(owed_, [&](const OwedAnswer& it) {
+    return is_fitting(modbus::check_response(it.asked, framer_.response().bytes()));
+  });
+}
+
 // It may be a late echo; what begins before the request has left a paced line answers nothing; and
-// an owed answer begins before the device can have answered this request, or fits another one too.
-bool SerialDiscipline::is_no_answer() const {
+// it may be the answer to an earlier request.
+bool SerialDiscipline::is_no_answer() {
+  const auto first = owed_first();
   return echo_.is_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_) ||
          (paced_ && framer_.found().began < silence_.emission_ends()) ||
-         (owed_.count > 0 &&
-          (is_early() || may_answer_another(framer_.response(), *transaction_, owed_)));
+         (first != owed_.end() && !first->is_own);
 }
 
 Verdict SerialDiscipline::refuse(Instant now) {
@@ -67,15 +67,14 @@ Verdict SerialDiscipline::refuse(Instant now) {
   if (echo_.take_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_)) {
     ++counters_.unsolicited_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
-             (owed_.count == 0 || echo_.is_unknown()) && !echo_.pass()) {
-    if (owed_.count == 0) {
+             (owed_.empty() || echo_.is_unknown()) && !echo_.pass()) {
+    if (owed_.empty()) {
       echo_.find();
     } else {
       ++counters_.unsolicited_frames;  // an echo, or what is owed: that stays owed
     }
-  } else if (owed_.count > 0 && !is_echo_of_now) {
-    --owed_.count;
-    owed_.alike -= owed_.alike > 0 && !framer_.response().is_exception() ? 1U : 0U;
+  } else if (const auto first = owed_first(); first != owed_.end() && !is_echo_of_now) {
+    owed_.erase(first);
     refused_.add({transaction_->address, framer_.response(), now});
   } else {
     ++counters_.unsolicited_frames;
@@ -96,14 +95,14 @@ Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
     return verdict;
   }
   if (is_echo && echo_.pass()) {
-    if (owed_.count == 0) {
+    if (owed_.empty()) {
       echo_.find();  // two came, and only one of them can be the echo
     }
     return verdict;
   }
   if (is_echo) {
     Verdict behind = framer_.again(now);
-    if (behind == Verdict::response && owed_.count == 0) {
+    if (behind == Verdict::response && owed_.empty()) {
       echo_.find();
     }
     while (behind == Verdict::response && is_no_answer()) {
@@ -112,7 +111,7 @@ Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
     return behind;
   }
   const modbus::Pdu repetition = framer_.response();
-  if (owed_.count == 0 && framer_.again(now) == Verdict::response) {
+  if (owed_.empty() && framer_.again(now) == Verdict::response) {
     echo_.find();
     return Verdict::response;
   }

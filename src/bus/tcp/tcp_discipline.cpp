@@ -19,13 +19,13 @@ bool is_foreign(modbus::Bytes stream) {
 
 }  // namespace
 
-void TcpDiscipline::open(Instant now, LineKind /*kind*/) {
+void TcpDiscipline::open(Instant now, LineKind /*kind*/, Instant /*listen_until*/) {
   abort();
   quiet_since_ = now;
   use_.open();
 }
 
-void TcpDiscipline::update(const BusSettings& settings, Duration /*listen_first*/) {
+void TcpDiscipline::update(const BusSettings& settings) {
   check_unit_ = settings.check_unit;
   replace_after_ = settings.replace_after;
 }

@@ -30,7 +30,7 @@ class TcpDiscipline {
         counters_(counters) {}
 
   /// The connection is there, and new: nothing of before counts any more.
-  void open(Instant now, LineKind kind);
+  void open(Instant now, LineKind kind, Instant listen_until);
   /// A connection needs no silence but the `gap` that is asked for. Where the last one was closed
   /// right after an answer, this one is given the time to be closed too.
   [[nodiscard]] Instant ready_at(Duration gap) const {
@@ -49,7 +49,7 @@ class TcpDiscipline {
   void limit_wait(const Transaction& transaction, Instant instant, Duration least);
   /// No device owes anything to another connection: nothing of this one can come there.
   [[nodiscard]] static std::optional<Instant> response_due() { return std::nullopt; }
-  void update(const BusSettings& settings, Duration listen_first);
+  void update(const BusSettings& settings);
   /// A late answer, each once. Nobody else is heard on a connection.
   std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
   /// Gives up all running transactions: nothing of them will be reported.

@@ -55,14 +55,14 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   Transaction& sent = transmission.on_wire();
   OwedAnswers owed;
   if (parts_.quarantines()) {
-    // By the device's own times: that a probe waits for less makes no quarantine shorter.
     const DeviceEntry& entry = parts_.devices[sent.address];
-    owed.count = entry.health.owed(sent.request.function(), now, entry.timing());
-    owed.alike = entry.health.owed_alike(sent.request, now, entry.timing());
+    // An earlier stop of the same bytes, without another write since, has stopped the drive too.
+    const bool is_stop = transmission.is_stop();
+    owed = entry.hold.owed(sent.request, is_stop ? Instant::min() : transmission.transmitted_at);
   }
   const auto silent_since = parts_.line.quiet_since();
   diagnosis_.note_begins(now);
-  TransmitFrame frame{parts_.line.begin(sent, timing, owed, now)};
+  TransmitFrame frame{parts_.line.begin(sent, timing, std::move(owed), now)};
   if (parts_.is_traced) {
     parts_.actions.push(TransmissionBegan{title_of(transmission), sent.address, sent.is_broadcast(),
                                           transmission.tries, silent_since,
@@ -94,10 +94,11 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
       transmission.is_probe = !transmission.is_stop();
       counters.probes += transmission.is_probe ? 1U : 0U;
     }
-    entry.health.note_asked(now, entry.timing());
+    entry.hold.note_asked(sent.may_stay_silent() ? nullptr : &sent.request, now, entry.timing(),
+                          entry.health.is_offline());
     entry.asked_at = now;
     if (is_write(job.job_class) && !sent.request.is_read()) {
-      entry.health.note_written();
+      entry.hold.note_written();
     }
     if (!sent.may_stay_silent()) {
       parts_.adapter.note_request();

@@ -37,32 +37,27 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   const Asked asked{sent.address, sent.request.is_read(),
                     !sent.is_broadcast() && !sent.may_stay_silent(), transmission.tries == 1,
                     transmission.last_sent};
-  const std::uint8_t function = sent.request.function();
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
   if (parts_.is_traced) {
     TransmissionOver over = over_of(transmission, end);
     if (end.how == LineEnd::How::no_response && asked.wants_answer && parts_.quarantines()) {
-      over.held_until = entry.health.held_if_unanswered(end.due, entry.timing());
+      over.held_until = entry.hold.end_of_tail(end.due, entry.timing());
     }
     parts_.actions.push(std::move(over));
   }
   switch (end.how) {
-    case LineEnd::How::response:
-      handle_response(transmission, end, now);
-      entry.answered_at = now;
-      entry.answered_function = function;
-      break;
+    case LineEnd::How::response: handle_response(transmission, end, now); break;
     case LineEnd::How::sent:
       parts_.devices.hold_booting(sent, now);
       note_stopped(transmission, now);
       ends_.advance(transmission, Ending::transmitted);
       break;
     case LineEnd::How::no_response: handle_silence(transmission, end, now); break;
-    case LineEnd::How::damaged: handle_damaged(transmission, end, now); break;
+    case LineEnd::How::damaged:
+    case LineEnd::How::misfit: handle_unreadable(transmission, end, now); break;
   }
-  const bool is_owed =
-      end.how != LineEnd::How::response || now < entry.health.held_until(entry.timing());
+  const bool is_owed = end.how != LineEnd::How::response || now < entry.hold.until(entry.timing());
   if (asked.wants_answer && is_owed) {
     entry.owed_until = std::max(entry.owed_until, end.due);
   }
@@ -72,9 +67,10 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
 void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& asked = transmission.on_wire();
   const modbus::Pdu& response = *asked.response;
-  MBGATE_ASSERT(is_fitting(modbus::check_response(asked.request, response.bytes())),
-                "a response fits the request on the wire");
   DeviceEntry& entry = parts_.devices[asked.address];
+  MBGATE_ASSERT(is_fitting(modbus::check_response(asked.request, response.bytes())) ||
+                    entry.device->takes_limited(asked.request, response.bytes()),
+                "a response fits the request on the wire");
   const bool exception = response.is_exception();
   ++parts_.counters.responses;
   ++entry.counters.responses;
@@ -92,8 +88,9 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
       diagnosis_.notify(DeviceNotice::Kind::early, asked.address);
     }
   }
-  if (entry.health.note_answered(
-          {asked.request, response.bytes(), transmission.last_sent, end.due, end.took}, now)) {
+  entry.hold.note_answered({asked.request, transmission.last_sent, end.due}, response.bytes(),
+                           end.took, now, entry.timing());
+  if (entry.health.note_answered(transmission.last_sent, now)) {
     diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
   }
   diagnosis_.note_times(transmission, end, now);
@@ -154,8 +151,8 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   if (transmission.is_stop()) {
     entry.last_stop_turn = transmission.turn;
   }
-  const bool lost =
-      entry.health.note_unanswered(sent.request, transmission.last_sent, end.due, entry.timing());
+  entry.hold.note_unanswered({sent.request, transmission.last_sent, end.due});
+  const bool lost = entry.health.note_unanswered(transmission.last_sent, end.due, entry.timing());
   parts_.probes.note_unanswered(transmission, now);
   if (lost) {
     go_offline(entry, address, now);
@@ -163,12 +160,17 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   handle_failure(transmission, now);
 }
 
-void Outcomes::handle_damaged(Transmission& transmission, const LineEnd& end, Instant now) {
+void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& sent = transmission.on_wire();
   DeviceEntry& entry = parts_.devices[sent.address];
-  ++parts_.counters.bad_crcs;
-  ++entry.counters.bad_crcs;
-  entry.health.note_damaged(sent.request, end.due, now);
+  entry.hold.note_unreadable({sent.request, transmission.last_sent, end.due});
+  if (end.how == LineEnd::How::damaged) {
+    ++parts_.counters.bad_crcs;
+    ++entry.counters.bad_crcs;
+    entry.health.note_damaged(now);
+  } else if (entry.health.note_heard(now)) {
+    diagnosis_.notify(DeviceNotice::Kind::back, sent.address);
+  }
   entry.note_heard();
   entry.hold_booting(sent.boot_time, now);  // it may have carried out what it was told
   parts_.probes.note_unanswered(transmission, now);
@@ -257,7 +259,7 @@ void Outcomes::note_lost() {
   for (const Transmission* running : parts_.transmissions.running()) {
     const Transaction& sent = running->on_wire();
     if (due && running->in_flight && !sent.is_broadcast() && !sent.may_stay_silent()) {
-      parts_.devices[sent.address].health.note_spoilt(sent.request, *due);
+      parts_.devices[sent.address].hold.note_unanswered({sent.request, running->last_sent, *due});
     }
   }
 }

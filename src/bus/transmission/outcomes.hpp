@@ -27,7 +27,7 @@ class Outcomes {
   [[nodiscard]] bool holds_what_it_must(const Transaction& question);
   void note_stopped(const Transmission& transmission, Instant now);
   void handle_silence(Transmission& transmission, const LineEnd& end, Instant now);
-  void handle_damaged(Transmission& transmission, const LineEnd& end, Instant now);
+  void handle_unreadable(Transmission& transmission, const LineEnd& end, Instant now);
   void handle_failure(Transmission& transmission, Instant now);
   void handle_stop_failure(Transmission& stop, Instant now);
   void part_from_untried(Transmission& stop);

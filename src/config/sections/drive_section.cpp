@@ -52,7 +52,10 @@ void read_orders(Draft& draft, TomlTable& table, drive::Device& device) {
   }
 }
 
+constexpr std::array kEchoes = {Word{"value", false}, Word{"address", true}};
+
 void read_writing(Draft& draft, TomlTable& table, drive::Device& device) {
+  assign(device.limits_values, table.word<bool>("write_echo", kEchoes));
   const auto& profile = device.profile;
   const auto function = read_write_function(table);
   if (function && draft.profile_known.back() && !profile.functions.test(*function)) {

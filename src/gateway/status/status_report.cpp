@@ -95,7 +95,7 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
     status.silent_for = std::max(now - entry.silence.began(), Duration{0});
   }
   status.held_back = bus.view().held_back(address, now);
-  status.quarantine = entry.health.quarantine(now, entry.timing());
+  status.quarantine = entry.hold.tail(now, entry.timing());
   status.least_quarantine = entry.timing().quarantine_or_default();
   if (entry.health.is_offline()) {
     status.next_probe = std::max(entry.health.probe_at() - now, Duration{0});

@@ -40,6 +40,7 @@ WireTrace::Outcome outcome_of(const bus::TransmissionOver& over) {
     case bus::LineEnd::How::sent: return WireTrace::Outcome::sent;
     case bus::LineEnd::How::no_response:
       return over.may_stay_silent ? WireTrace::Outcome::sent : WireTrace::Outcome::no_response;
+    case bus::LineEnd::How::misfit:
     case bus::LineEnd::How::damaged: return WireTrace::Outcome::damaged;
   }
   return WireTrace::Outcome::cut;

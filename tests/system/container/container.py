@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A container with systemd as its first process. What it writes goes into memory and is gone when it ends."""
 
+import contextlib
 import ctypes
 import os
 import pathlib
@@ -117,8 +118,9 @@ class Container:
     def _first_process(self):
         children = pathlib.Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children")
         for child in children.read_text(encoding="ascii").split() if children.exists() else []:
-            if pathlib.Path(f"/proc/{child}/comm").read_text(encoding="ascii").strip() == "systemd":
-                return int(child)
+            with contextlib.suppress(FileNotFoundError):  # it has ended
+                if pathlib.Path(f"/proc/{child}/comm").read_text(encoding="ascii").strip() == "systemd":
+                    return int(child)
         return None
 
     def _state(self):

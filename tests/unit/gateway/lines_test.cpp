@@ -109,12 +109,12 @@ TEST(Gateway, KnowsWhetherItIsWokenInTime) {
 
 TEST(Gateway, ListensBeforeItTransmitsAfterOpening) {
   Settings settings = one_bus();
-  settings.buses[0].listen_first.reset();  // the longest response timeout: 100 ms
+  settings.buses[0].listen_first.reset();  // the longest response timeout, 100 ms, and its quarantine
   MachineRig rig(settings, false);
   rig.connect(1);
   rig.receive(1, kRead);
   rig.open_line();
-  rig.advance(99ms);
+  rig.advance(199ms);
   rig.respond("01 03 02 BA AD");  // a late answer to an earlier process
   EXPECT_THAT(rig.take_transmitted(), IsEmpty());
   rig.advance(3ms);

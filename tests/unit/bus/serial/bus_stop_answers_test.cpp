@@ -103,18 +103,6 @@ TEST_F(BusStopAnswers, ThatToTheSameStopBeforeABroadcastIsNone) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::transmitted, Ending::answered));
 }
 
-// Where it is a stop itself, the axis stands.
-TEST_F(BusStopAnswers, ThatToTheSameStopBeforeABroadcastStopIsOne) {
-  open_with_stop_answered_once();
-  submit(job_of(1, kStop, modbus::kBroadcastAddress));
-  advance(40ms);
-  submit(job(kStop));
-  ASSERT_THAT(frames_, SizeIs(4));
-  advance(10ms);
-  line(kStopFrame);
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::transmitted, Ending::answered));
-}
-
 // Whoever asks an offline device waits for a shorter time; its quarantine is none the shorter for
 // that.
 TEST_F(BusStopAnswers, TheLateAnswerToAMoveOfADeviceThatIsOfflineIsNone) {

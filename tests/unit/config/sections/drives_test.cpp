@@ -68,6 +68,7 @@ TEST_F(Drives, HaveTheirProfilesAndWhatTheirUserStates) {
   EXPECT_TRUE(settings.devices.at(2).split_values);
   EXPECT_TRUE(axis.split_writes);
   EXPECT_TRUE(axis.verify_word_order);
+  EXPECT_TRUE(axis.limits_values);
   EXPECT_TRUE(axis.allow_reconfigure);
   std::vector<std::pair<int, int>> own;
   for (const auto& value : axis.profile.values.all()) {
@@ -85,7 +86,7 @@ TEST_F(Drives, TakeDefaultsFromTheirProfiles) {
   EXPECT_EQ(feeder.word_order, drive::WordOrder::little);
   EXPECT_EQ(feeder.write_function, std::nullopt);  // the maker prefers 16
   EXPECT_EQ(feeder.timing.response_wait, 1ms);
-  EXPECT_FALSE(feeder.split_values || feeder.split_writes || feeder.verify_word_order ||
+  EXPECT_FALSE(feeder.limits_values || feeder.split_values || feeder.split_writes || feeder.verify_word_order ||
                feeder.allow_reconfigure);
   const auto& valve = settings.devices.at(2);
   EXPECT_EQ(valve.profile.name, "generic");
