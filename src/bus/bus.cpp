@@ -98,12 +98,16 @@ void Bus::collect(Instant now) {
     if (fault == LineFault::framing_lost) {
       parts_.actions.push(CloseLine{});
       handle_lost(now);
-    } else if (fault != LineFault::unanswered) {
+    } else if (fault != LineFault::unanswered && fault != LineFault::answer_cut_off) {
       parts_.actions.push(LineNotice{*fault});
     } else if (!parts_.stopping) {
-      // The far end takes what is sent, and says nothing.
+      // The far end takes what is sent, and says nothing, or nothing that can be followed.
       ++parts_.counters.losses;
-      parts_.actions.push(ReplaceLine{diagnosis_.note_unanswered_connection()});
+      const bool is_silent = fault == LineFault::unanswered;
+      if (!is_silent) {
+        parts_.actions.push(LineNotice{*fault});
+      }
+      parts_.actions.push(ReplaceLine{is_silent && diagnosis_.note_unanswered_connection()});
       rest(now);
     }
   }

@@ -158,6 +158,9 @@ std::string fault_text(bus::LineFault fault) {
       return "the line hears what it sends: say echo = true, for with echo = false the echo of a "
              "write is taken for its answer";
     case bus::LineFault::unanswered: return "nothing comes from the far end";
+    case bus::LineFault::answer_cut_off:
+      return "an answer was not complete at the end of its response timeout: its length is wrong, "
+             "or the rest of it is lost; the connection is replaced";
     case bus::LineFault::answered_while_sending:
       return "an answer began before its request was sent whole, and was not taken; if the adapter "
              "does not keep the pace of the wire, say paced = false";

@@ -184,12 +184,13 @@ void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash
 
 void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash) {
   // A setting: device. Counted or told only: counters, early_reported, second_reported, owed_until,
-  // answered_at, answered_function, asked_at, silence, times, second_at, second_read_at, setting.
+  // answered_at, answered_function, asked_at, silence, times, second_at, second_read_at, setting,
+  // unreached.
   // A job that the queue shows too: probe.
   const auto& [device, counters, health, cache, free_at, probe, setting_known, early_reported,
                last_turn, last_stop_turn, stops_given_up, merge_refused, second_reported,
                owed_until, answered_at, answered_function, asked_at, silence, times, second_at,
-               second_read_at, setting] = entry;
+               second_read_at, setting, unreached] = entry;
   read(health, entry.timing(), hash);
   read(cache, device->cache, hash);
   hash.until(free_at);

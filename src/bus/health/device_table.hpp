@@ -57,6 +57,8 @@ struct DeviceEntry {
   Instant second_at = Instant::min();
   Instant second_read_at = Instant::min();
   std::optional<std::uint16_t> setting;
+  /// Shown only: the exception of a server that did not reach it, if that came last.
+  std::optional<std::uint8_t> unreached;
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
   /// It was told what makes it boot, or may have been.

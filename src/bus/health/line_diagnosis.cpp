@@ -56,12 +56,13 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
   parts_.devices[asked.address].counters.wire_time += std::max(free_at - asked.sent, Duration{0});
   denied_echo_.note_ended(end.how == LineEnd::How::response && asked.is_read);
   const bool heard_frame = std::exchange(frame_heard_, false);
-  note_silence(asked, end.how, now);
+  const LineEnd::How how = asked.is_unreached ? LineEnd::How::no_response : end.how;
+  note_silence(asked, how, now);
   if (!asked.wants_answer) {
     return;
   }
   AnswerQuality& quality = quality_[asked.address];
-  switch (end.how) {
+  switch (how) {
     case LineEnd::How::response:
       quality.note_answered();
       quality_.note_answer(false);
@@ -138,7 +139,7 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];
   frame_heard_ = true;
-  if (unsolicited.is_echo) {
+  if (unsolicited.is_echo || parts_.is_unreached(unsolicited.pdu)) {
     return;
   }
   const auto late =

@@ -2,6 +2,7 @@
 #include "bus/tcp/tcp_discipline.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/assert.hpp"
@@ -11,10 +12,33 @@ namespace mbgate::bus {
 namespace {
 
 constexpr std::size_t kProtocolFieldEnd = 4;
+constexpr std::size_t kLengthField = 4;
+constexpr std::size_t kExceptionLength = 3;  // unit identifier, function code, exception code
+constexpr std::size_t kExceptionSize = 9;    // with the header in front
 
 // A server speaks Modbus and nothing else: another protocol means that this is no header.
 bool is_foreign(modbus::Bytes stream) {
   return stream.size() >= kProtocolFieldEnd && modbus::load_be16(stream, 2) != 0;
+}
+
+// An exception has two bytes (Application Protocol V1.1b3, 7). There are servers that send these
+// two and count more of them: the byte that the length promises is the first one of the next
+// answer.
+modbus::MbapScan scan_answer(modbus::Bytes stream) {
+  if (stream.size() <= modbus::kMbapHeaderSize) {
+    return modbus::MbapIncomplete{};  // the smallest answer has a function code
+  }
+  if ((stream[modbus::kMbapHeaderSize] & modbus::kExceptionBit) == 0) {
+    return modbus::scan_mbap(stream);
+  }
+  if (stream.size() < kExceptionSize) {
+    return modbus::MbapIncomplete{};
+  }
+  const modbus::Bytes exception = stream.first(kExceptionSize).subspan(modbus::kMbapHeaderSize);
+  return modbus::MbapFrame{
+      {{modbus::load_be16(stream, 0), stream[modbus::kMbapHeaderSize - 1]},
+       *modbus::Pdu::from(exception)},
+      kExceptionSize};
 }
 
 }  // namespace
@@ -52,6 +76,7 @@ FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTim
 void TcpDiscipline::abort() {
   flights_.clear();
   stream_.clear();
+  padding_ = 0;
   ends_.clear();
   expired_.clear();
   unsolicited_.clear();
@@ -83,7 +108,8 @@ void TcpDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
 }
 
 bool TcpDiscipline::take_answer(Instant now) {
-  const modbus::MbapScan scan = modbus::scan_mbap(stream_);
+  skip_padding();
+  const modbus::MbapScan scan = scan_answer(stream_);
   if (is_foreign(stream_) || std::holds_alternative<modbus::MbapLost>(scan)) {
     counters_.stray_bytes += stream_.size();
     stream_.clear();
@@ -95,8 +121,41 @@ bool TcpDiscipline::take_answer(Instant now) {
     return false;
   }
   match(frame->adu, now);
+  if (const std::size_t length = modbus::load_be16(stream_, kLengthField);
+      frame->adu.pdu.is_exception() && length > kExceptionLength) {
+    padding_ = std::min(length, modbus::kMaxPduSize + 1) - kExceptionLength;
+  }
   stream_.erase(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(frame->size));
   return true;
+}
+
+void TcpDiscipline::skip_padding() {
+  while (padding_ > 0 && !stream_.empty() && !may_begin_answer()) {
+    stream_.erase(stream_.begin());
+    --padding_;
+    ++counters_.stray_bytes;
+  }
+  padding_ = stream_.size() < kProtocolFieldEnd ? padding_ : 0;
+}
+
+bool TcpDiscipline::may_begin_answer() const {
+  const auto begins = [this](std::uint16_t identifier) {
+    std::array<std::uint8_t, kProtocolFieldEnd> front{};
+    modbus::store_be16(front, 0, identifier);
+    const std::size_t known = std::min(stream_.size(), front.size());
+    return std::equal(front.begin(), front.begin() + static_cast<std::ptrdiff_t>(known),
+                      stream_.begin());
+  };
+  return std::ranges::any_of(flights_, begins, &Flight::identifier) ||
+         std::ranges::any_of(expired_, begins, &Expired::identifier);
+}
+
+// What belongs to a request that is still waited for has its time. What was promised behind an
+// exception, and is none, is no answer.
+bool TcpDiscipline::is_cut_off() {
+  const bool is_awaited =
+      stream_.size() > 1 && find(modbus::load_be16(stream_, 0)) != flights_.end();
+  return stream_.size() > padding_ && !is_awaited;
 }
 
 void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
@@ -125,8 +184,10 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
 }
 
 void TcpDiscipline::handle_deadline(Instant now) {
+  bool is_timeout = false;
   for (const Flight& flight : flights_) {
     if (now >= flight.response_deadline) {
+      is_timeout = is_timeout || now >= flight.due;
       if (!flight.transaction->may_stay_silent()) {
         use_.note_unanswered(flight.sent);
       }
@@ -138,7 +199,10 @@ void TcpDiscipline::handle_deadline(Instant now) {
     }
   }
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
-  if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {
+  if (is_timeout && is_cut_off()) {
+    counters_.stray_bytes += stream_.size();
+    fault_ = LineFault::answer_cut_off;
+  } else if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {
     use_.forget_unanswered();
     fault_ = LineFault::unanswered;
   }

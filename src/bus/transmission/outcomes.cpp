@@ -36,7 +36,8 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   const Transaction& sent = *end.transaction;
   const Asked asked{sent.address, sent.request.is_read(),
                     !sent.is_broadcast() && !sent.may_stay_silent(), transmission.tries == 1,
-                    transmission.last_sent};
+                    transmission.last_sent,
+                    end.how == LineEnd::How::response && parts_.is_unreached(*sent.response)};
   const std::uint8_t function = sent.request.function();
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
@@ -78,7 +79,6 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   const bool exception = response.is_exception();
   ++parts_.counters.responses;
   ++entry.counters.responses;
-  entry.note_heard();
   diagnosis_.note_understood();
   if (exception) {
     ++parts_.counters.exceptions;
@@ -92,13 +92,20 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
       diagnosis_.notify(DeviceNotice::Kind::early, asked.address);
     }
   }
-  if (entry.health.note_answered(
-          {asked.request, response.bytes(), transmission.last_sent, end.due, end.took}, now)) {
-    diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
+  const bool is_unreached = parts_.is_unreached(response);
+  if (is_unreached) {
+    note_unreached(transmission, now);
+  } else {
+    entry.note_heard();
+    entry.unreached.reset();
+    if (entry.health.note_answered(
+            {asked.request, response.bytes(), transmission.last_sent, end.due, end.took}, now)) {
+      diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
+    }
+    diagnosis_.note_times(transmission, end, now);
   }
-  diagnosis_.note_times(transmission, end, now);
   transmission.is_probe = false;
-  if (exception && transmission.merged) {
+  if (exception && transmission.merged && !is_unreached) {
     entry.merge_refused = true;
     ends_.split_up(transmission, Ending::answered);
     return;
@@ -123,6 +130,23 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   ends_.advance(transmission, Ending::answered);
 }
 
+// The exception goes to who asked. Nothing came from the device, and nothing will.
+void Outcomes::note_unreached(Transmission& transmission, Instant now) {
+  const Transaction& sent = transmission.on_wire();
+  DeviceEntry& entry = parts_.devices[sent.address];
+  entry.setting_known = false;
+  entry.cache.clear();
+  entry.unreached = sent.response->bytes()[1];
+  if (transmission.is_stop()) {
+    entry.last_stop_turn = transmission.turn;
+  }
+  const bool lost = entry.health.note_unreached(transmission.last_sent, now, entry.timing());
+  parts_.probes.note_unanswered(transmission, now);
+  if (lost) {
+    go_offline(entry, sent.address, now);
+  }
+}
+
 // Other settings, which came meanwhile, may expect the question's register to hold something else,
 // or ask another one.
 bool Outcomes::holds_what_it_must(const Transaction& question) {
@@ -143,6 +167,7 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   DeviceEntry& entry = parts_.devices[address];
   entry.setting_known = false;
   entry.cache.clear();
+  entry.unreached.reset();
   if (sent.may_stay_silent()) {
     parts_.probes.note_unanswered(transmission, now);
     entry.hold_booting(sent.boot_time, now);

@@ -24,6 +24,7 @@ class Outcomes {
 
  private:
   void handle_response(Transmission& transmission, const LineEnd& end, Instant now);
+  void note_unreached(Transmission& transmission, Instant now);
   [[nodiscard]] bool holds_what_it_must(const Transaction& question);
   void note_stopped(const Transmission& transmission, Instant now);
   void handle_silence(Transmission& transmission, const LineEnd& end, Instant now);

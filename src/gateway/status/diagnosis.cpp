@@ -34,6 +34,12 @@ Diagnosis of_silent_device(const StatusReport& report, const DeviceStatus& devic
   const std::string address = std::to_string(device.address);
   std::string evidence =
       counted(device.silence.transmissions(), "transmission") + " in a row unanswered";
+  if (device.unreached) {
+    return {Rank::drive_lost, subject_of(report, device), "the server does not reach it",
+            evidence + "; the server says " + modbus::exception_text(*device.unreached) +
+                others_answer(report, device),
+            "its power, its cable; its unit identifier, and what the server knows of it"};
+  }
   if (!device.has_answered) {
     return {Rank::drive_lost, subject_of(report, device), "it has never answered",
             evidence + others_answer(report, device),

@@ -92,6 +92,8 @@ struct DeviceStatus {
   /// count that may be an echo.
   std::optional<Duration> last_second_answer;
   std::optional<OtherWordOrder> other_order;
+  /// The exception by which a server said last that it did not reach the device.
+  std::optional<std::uint8_t> unreached;
   bus::DeviceCounters counters;
   bus::QualityVerdict quality;
   Percentiles queue;

@@ -87,6 +87,7 @@ std::vector<Case> events_of_lines() {
       {gateway::LineNeverSilent{kAxes}, kLineNeverSilent},
       {gateway::LineNews{kAxes, LineFault::echo_differed}, kEchoDiffered},
       {gateway::LineNews{kAxes, LineFault::framing_lost}, kFramingLost},
+      {gateway::LineNews{kAxes, LineFault::answer_cut_off}, kFramingLost},
       {gateway::LineNews{kAxes, LineFault::echo_found}, kEchoFound},
       {gateway::LineNews{kAxes, LineFault::echo_gone}, kEchoGone},
       {gateway::LineNews{kAxes, LineFault::echo_denied}, kEchoDenied},
