@@ -14,31 +14,10 @@ namespace {
 constexpr std::size_t kProtocolFieldEnd = 4;
 constexpr std::size_t kLengthField = 4;
 constexpr std::size_t kExceptionLength = 3;  // unit identifier, function code, exception code
-constexpr std::size_t kExceptionSize = 9;    // with the header in front
 
 // A server speaks Modbus and nothing else: another protocol means that this is no header.
 bool is_foreign(modbus::Bytes stream) {
   return stream.size() >= kProtocolFieldEnd && modbus::load_be16(stream, 2) != 0;
-}
-
-// An exception has two bytes (Application Protocol V1.1b3, 7). There are servers that send these
-// two and count more of them: the byte that the length promises is the first one of the next
-// answer.
-modbus::MbapScan scan_answer(modbus::Bytes stream) {
-  if (stream.size() <= modbus::kMbapHeaderSize) {
-    return modbus::MbapIncomplete{};  // the smallest answer has a function code
-  }
-  if ((stream[modbus::kMbapHeaderSize] & modbus::kExceptionBit) == 0) {
-    return modbus::scan_mbap(stream);
-  }
-  if (stream.size() < kExceptionSize) {
-    return modbus::MbapIncomplete{};
-  }
-  const modbus::Bytes exception = stream.first(kExceptionSize).subspan(modbus::kMbapHeaderSize);
-  return modbus::MbapFrame{
-      {{modbus::load_be16(stream, 0), stream[modbus::kMbapHeaderSize - 1]},
-       *modbus::Pdu::from(exception)},
-      kExceptionSize};
 }
 
 }  // namespace
@@ -109,7 +88,7 @@ void TcpDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
 
 bool TcpDiscipline::take_answer(Instant now) {
   skip_padding();
-  const modbus::MbapScan scan = scan_answer(stream_);
+  const modbus::MbapScan scan = modbus::scan_mbap_answer(stream_);
   if (is_foreign(stream_) || std::holds_alternative<modbus::MbapLost>(scan)) {
     counters_.stray_bytes += stream_.size();
     stream_.clear();

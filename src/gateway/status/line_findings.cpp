@@ -43,7 +43,8 @@ Diagnosis of_dead_bus(const BusStatus& bus, const Together& all) {
                          counted(all.silent, "device") + " unanswered";
   if (all.unreached == all.silent) {
     return {Rank::nothing_works, subject_of(bus), "the server answers, but reaches none of them",
-            std::move(evidence), "what is behind the server: power, wires, settings; unit identifiers"};
+            std::move(evidence),
+            "what is behind the server: power, wires, settings; unit identifiers"};
   }
   if (bus.silence >= all.silent_for) {
     evidence += ", and nothing else heard";
