@@ -17,6 +17,7 @@
 #include "gateway/gateway.hpp"
 #include "gateway/input.hpp"
 #include "io/blocking_calls.hpp"
+#include "io/boot_timer.hpp"
 #include "io/clients/client_connections.hpp"
 #include "io/clients/server_set.hpp"
 #include "io/clock.hpp"
@@ -53,7 +54,7 @@ class GatewayDriver final : public AcceptEvents,
  public:
   /// All inputs and actions of the machine are noted in the recorder, if there is one.
   GatewayDriver(boost::asio::io_context& context, gateway::Settings settings,
-                DriverObserver& observer, Recorder* recorder = nullptr);
+                DriverObserver& observer, Recorder* recorder = nullptr, Clock clock = now);
   GatewayDriver(const GatewayDriver&) = delete;
   GatewayDriver& operator=(const GatewayDriver&) = delete;
   ~GatewayDriver() override = default;
@@ -77,9 +78,9 @@ class GatewayDriver final : public AcceptEvents,
 
   [[nodiscard]] gateway::Status status() const { return gateway_.status(); }
   [[nodiscard]] gateway::StatusReport report_status(bool with_clients) const;
-  [[nodiscard]] bool meets_deadlines() const { return gateway_.meets_deadlines(now()); }
+  [[nodiscard]] bool meets_deadlines() const { return gateway_.meets_deadlines(clock_()); }
   void set_traced(bool traced) { gateway_.set_traced(traced); }
-  gateway::TraceBook::Taken take_trace() { return gateway_.take_trace(now()); }
+  gateway::TraceBook::Taken take_trace() { return gateway_.take_trace(clock_()); }
   [[nodiscard]] const gateway::Settings& settings() const { return gateway_.settings(); }
 
  private:
@@ -132,10 +133,11 @@ class GatewayDriver final : public AcceptEvents,
   boost::asio::io_context& context_;
   DriverObserver& observer_;
   Recorder* recorder_;
+  Clock clock_;
   gateway::Instant started_;
   gateway::Gateway gateway_;
   bool carrying_out_ = false;
-  boost::asio::steady_timer timer_;
+  BootTimer timer_;
   std::optional<gateway::Instant> timer_set_to_;
   /// Bytes that could be read at one instant are handed in with that instant, before the machine
   /// decides anything.
