@@ -73,9 +73,27 @@ void Bus::handle_bytes(modbus::Bytes bytes, Instant now) {
   dispatch_.pump(now);
 }
 
-void Bus::handle_looked(Instant now) { dispatch_.pump_looked(now); }
+// What the driver still holds is dropped with the line. It must not be sent later.
+bool Bus::lose_stalled(Instant now) {
+  if (!parts_.link.is_open() || !parts_.line.is_stalled(now)) {
+    return false;
+  }
+  parts_.actions.push(LineNotice{LineFault::driver_stalled});
+  parts_.actions.push(CloseLine{});
+  handle_lost(now);
+  return true;
+}
+
+void Bus::handle_looked(Instant now) {
+  if (!lose_stalled(now)) {
+    dispatch_.pump_looked(now);
+  }
+}
 
 void Bus::handle_deadline(Instant now) {
+  if (lose_stalled(now)) {
+    return;
+  }
   if (parts_.link.take_due(now)) {
     parts_.actions.push(OpenLine{});
   }

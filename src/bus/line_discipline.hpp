@@ -59,6 +59,16 @@ class LineDiscipline {
   void abort() {
     std::visit([](auto& line) { line.abort(); }, line_);
   }
+  /// Only the driver of a serial line is asked what it holds.
+  void note_unsent(std::size_t bytes) {
+    if (auto* serial = std::get_if<SerialDiscipline>(&line_)) {
+      serial->note_unsent(bytes);
+    }
+  }
+  [[nodiscard]] bool is_stalled(Instant now) const {
+    const auto* serial = std::get_if<SerialDiscipline>(&line_);
+    return serial != nullptr && serial->is_stalled(now);
+  }
   void handle_bytes(modbus::Bytes bytes, Instant now) {
     std::visit([&](auto& line) { line.handle_bytes(bytes, now); }, line_);
   }

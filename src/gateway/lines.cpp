@@ -24,6 +24,10 @@ void Lines::handle(const LineBytes& input, Instant now) {
   buses_.touch(input.bus).handle_bytes(input.bytes, now);
 }
 
+void Lines::handle(const LineUnsent& input, Instant /*now*/) {
+  buses_.touch(input.bus).note_unsent(input.bytes);
+}
+
 void Lines::handle(const LineLooked& input, Instant now) {
   buses_.touch(input.bus).handle_looked(now);
 }

@@ -28,6 +28,7 @@ class Lines {
   /// Of a bus that is there.
   void handle(const LineOpened& input, Instant now);
   void handle(const LineBytes& input, Instant now);
+  void handle(const LineUnsent& input, Instant now);
   void handle(const LineLooked& input, Instant now);
   void handle(const LineLost& input, Instant now);
 

@@ -161,6 +161,10 @@ std::string fault_text(bus::LineFault fault) {
     case bus::LineFault::answer_cut_off:
       return "an answer was not complete at the end of its response timeout: its length is wrong, "
              "or the rest of it is lost; the connection is replaced";
+    case bus::LineFault::driver_stalled:
+      return "the adapter does not send: the driver still holds bytes of a frame that should have "
+             "left; they are dropped, so that they do not leave later, and the port is opened "
+             "again";
     case bus::LineFault::answered_while_sending:
       return "an answer began before its request was sent whole, and was not taken; if the adapter "
              "does not keep the pace of the wire, say paced = false";

@@ -171,6 +171,10 @@ void GatewayDriver::line_bytes(BusId bus, modbus::Bytes bytes) {
   carry_out_actions();
 }
 
+void GatewayDriver::line_unsent(BusId bus, std::size_t bytes) {
+  feed(gateway::LineUnsent{bus, bytes});
+}
+
 void GatewayDriver::line_lost(BusId bus, const std::string& why) {
   observer_.on_line_failure(bus, why);
   feed(gateway::LineLost{bus});

@@ -99,6 +99,7 @@ class GatewayDriver final : public AcceptEvents,
   void line_opened(gateway::BusId bus, bus::LineKind kind,
                    const std::vector<std::string>& warnings) override;
   void line_bytes(gateway::BusId bus, modbus::Bytes bytes) override;
+  void line_unsent(gateway::BusId bus, std::size_t bytes) override;
   void line_lost(gateway::BusId bus, const std::string& why) override;
   void line_closed(gateway::BusId bus, const std::string& why) override;
 

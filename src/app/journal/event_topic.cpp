@@ -11,6 +11,7 @@ MessageId id_of_fault(bus::LineFault fault) {
     case bus::LineFault::echo_differed: return message_id::kEchoDiffered;
     case bus::LineFault::framing_lost:
     case bus::LineFault::answer_cut_off: return message_id::kFramingLost;
+    case bus::LineFault::driver_stalled: return message_id::kDriverStalled;
     case bus::LineFault::echo_found: return message_id::kEchoFound;
     case bus::LineFault::echo_gone: return message_id::kEchoGone;
     case bus::LineFault::echo_denied: return message_id::kEchoDenied;

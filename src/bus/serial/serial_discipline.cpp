@@ -10,6 +10,9 @@
 namespace mbgate::bus {
 namespace {
 
+// A driver, and the bus that its adapter is on, may begin a frame so much later than it was given.
+constexpr Duration kDriverIsLate = std::chrono::milliseconds(20);
+
 // Autonics' form of a broadcast has a function of its own (AiC manual, section 2.13).
 modbus::Pdu pdu_on_wire(const Transaction& transaction) {
   const modbus::Pdu& pdu = transaction.request.pdu();
@@ -36,7 +39,8 @@ void SerialDiscipline::open(Instant now, LineKind kind) {
   framer_.forget();
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
-  unpaced_told_ = false;
+  unpaced_told_ = is_answerless_ = false;
+  unsent_ = 0;
   silence_.open(now);
 }
 
@@ -60,6 +64,7 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   const Duration answer_time = transaction.boot_time
                                    ? silence_.turnaround()
                                    : timing.response_timeout + timing.response_wait;
+  is_answerless_ = transaction.is_broadcast() || transaction.may_stay_silent();
   response_due_ = silence_.emission_ends() + answer_time;
   response_deadline_ = response_due_;
   heard_ = 0;
@@ -77,6 +82,13 @@ void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Instant in
                                   Duration least) {
   response_deadline_ =
       std::min(response_deadline_, std::max(instant, silence_.emission_ends() + least));
+}
+
+bool SerialDiscipline::is_stalled(Instant now) const {
+  if (unsent_ == 0 || now < silence_.possible_at() + kDriverIsLate) {
+    return false;
+  }
+  return transaction_ == nullptr ? is_answerless_ : now >= response_due_ && !framer_.in_progress();
 }
 
 void SerialDiscipline::abort() {

@@ -42,6 +42,12 @@ class SerialDiscipline {
   /// Gives up the running transaction: nothing of it will be reported.
   void abort();
 
+  /// The driver holds so many bytes that it has not sent yet.
+  void note_unsent(std::size_t bytes) { unsent_ = bytes; }
+  /// Does it hold what should have left long ago? Not while an answer is waited for or comes. What
+  /// is held would leave in front of the next frame, when nobody waits for it any more.
+  [[nodiscard]] bool is_stalled(Instant now) const;
+
   void handle_bytes(modbus::Bytes bytes, Instant now);
   void handle_deadline(Instant now);
   [[nodiscard]] std::optional<Instant> next_deadline() const;
@@ -83,6 +89,8 @@ class SerialDiscipline {
   std::size_t heard_ = 0;  // bytes since the last own frame had left
   Instant heard_at_;       // the first of them
   bool unpaced_told_ = false;
+  std::size_t unsent_ = 0;
+  bool is_answerless_ = false;  // nothing answers what was sent last
   std::optional<LineEnd> end_;
 };
 

@@ -23,6 +23,8 @@ class LineEvents {
   virtual void line_opened(drive::BusId bus, bus::LineKind kind,
                            const std::vector<std::string>& warnings) = 0;
   virtual void line_bytes(drive::BusId bus, modbus::Bytes bytes) = 0;
+  /// The driver holds so many bytes that it has not sent: another number than before.
+  virtual void line_unsent(drive::BusId bus, std::size_t bytes) = 0;
   /// The line could not be opened, or was lost. `why` is one line of text that names the port or
   /// server.
   virtual void line_lost(drive::BusId bus, const std::string& why) = 0;
@@ -53,9 +55,9 @@ class Line {
   /// closed already, and line_lost() is not called. A line that is not open was reported before,
   /// and ignores the frame.
   [[nodiscard]] virtual std::optional<std::string> transmit(modbus::Bytes frame) = 0;
-  /// Reads what can be read now, and nothing that comes meanwhile. Calls line_bytes(), or
-  /// line_lost() if the line turns out to be dead, from within. Does nothing on a line that is not
-  /// open.
+  /// Reads what can be read now, and nothing that comes meanwhile. Calls line_bytes() and
+  /// line_unsent(), or line_lost() if the line turns out to be dead, from within. Does nothing on a
+  /// line that is not open.
   virtual void read_now() = 0;
   /// Is there anything to read?
   [[nodiscard]] virtual bool has_bytes() = 0;

@@ -37,6 +37,13 @@ std::size_t bytes_in(int fd) {
   return ::ioctl(fd, FIONREAD, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 
+/// What was given to the driver and has not left, as far as it knows. Drivers that cannot say so
+/// hold nothing: the TIOCOUTQ of a pty is always 0.
+std::size_t unsent_in(int fd) {
+  int count = 0;
+  return ::ioctl(fd, TIOCOUTQ, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
 /// A vanished adapter reads as the end of the stream at first, then as one of these errors.
 bool has_gone(const boost::system::error_code& error) {
   return error == boost::asio::error::eof || error.value() == EIO || error.value() == ENODEV ||
@@ -104,6 +111,7 @@ void SerialLine::finish_open(Result<OpenTty, std::string> result, const bus::Lin
   result->fd.release();
   state_ = State::open;
   transmitting_ = false;
+  unsent_ = 0;
   rest_.clear();
   supervise(context_.io, read_loop(generation_), "line read");
   context_.events.line_opened(bus_, result->kind, result->warnings);
@@ -172,6 +180,16 @@ bool SerialLine::has_bytes() {
 void SerialLine::read_now() {
   if (state_ == State::open) {
     read(bytes_in(descriptor_.native_handle()));
+  }
+  if (state_ == State::open) {
+    tell_unsent();
+  }
+}
+
+void SerialLine::tell_unsent() {
+  const std::size_t unsent = unsent_in(descriptor_.native_handle()) + rest_.size();
+  if (std::exchange(unsent_, unsent) != unsent) {
+    context_.events.line_unsent(bus_, unsent);
   }
 }
 

@@ -86,6 +86,7 @@ std::vector<Case> events_of_lines() {
       {gateway::ConnectionReplaced{kAxes}, kConnectionReplaced},
       {gateway::LineNeverSilent{kAxes}, kLineNeverSilent},
       {gateway::LineNews{kAxes, LineFault::echo_differed}, kEchoDiffered},
+      {gateway::LineNews{kAxes, LineFault::driver_stalled}, kDriverStalled},
       {gateway::LineNews{kAxes, LineFault::framing_lost}, kFramingLost},
       {gateway::LineNews{kAxes, LineFault::answer_cut_off}, kFramingLost},
       {gateway::LineNews{kAxes, LineFault::echo_found}, kEchoFound},
