@@ -82,6 +82,7 @@ void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Instant in
                                   Duration least) {
   response_deadline_ =
       std::min(response_deadline_, std::max(instant, silence_.emission_ends() + least));
+  framer_.hurry(response_deadline_);
 }
 
 bool SerialDiscipline::is_stalled(Instant now) const {
