@@ -124,7 +124,7 @@ TEST_F(BusEcho, ThatTheSettingsDenyDoesNotHideTheAnswerBehindIt) {
   submit(job(kRead));
   advance(kEmission);
   line(kReadFrame);
-  advance(1ms);
+  advance(4ms);
   line(kAnswer);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
@@ -263,6 +263,7 @@ TEST_F(BusEcho, IsNotClaimedWhileAnIdenticalAnswerIsOwed) {
   axis.profile.stops = {{.address = 0, .value = 1}};
   axis.timing = settings().timing;
   auto learning = settings();
+  learning.line.echo.reset();
   learning.line.paced = true;
   open(learning, {axis});
   submit(job(kWritePdu));

@@ -40,6 +40,9 @@ class Echo : public testing::Test {
   static std::string text(const bus::Echo::Held& held) {
     return hex({held.bytes.data(), held.bytes.size()});
   }
+  void answered(std::string_view response, bool came_first = true) {
+    echo_->note_answered(pdu(response), came_first);
+  }
   static modbus::Pdu pdu(std::string_view bytes) { return *modbus::Pdu::from(unhex(bytes)); }
 
   bus::BusCounters counters_;
@@ -64,6 +67,8 @@ TEST_F(Echo, IsFoundThoughItComesWhenTheRequestIsForgotten) {
   send(kReadPdu);
   transaction_.emplace(bus::Transaction{1, *modbus::Request::parse(pdu("07"))});
   EXPECT_EQ(take(kSentRead), "|");
+  EXPECT_TRUE(echo_->is_unknown());
+  answered("03 02 12 34");
   EXPECT_TRUE(echo_->is_present());
 }
 
@@ -86,7 +91,7 @@ TEST_F(Echo, IsNotProvenByAnAnswerThatBeginsLikeARequestWithoutFields) {
   send("07");
   EXPECT_EQ(take("01 07 41 E2 00"), "|00");
   EXPECT_TRUE(echo_->is_unknown());
-  echo_->note_answered();
+  answered("07 41");
   EXPECT_TRUE(echo_->is_unknown());
   EXPECT_THAT(faults_, IsEmpty());
 }
@@ -114,6 +119,8 @@ TEST_F(Echo, IsFoundWhereNobodyHasSaid) {
   send(kReadPdu);
   EXPECT_EQ(take("01 03 00 00"), "|");
   EXPECT_EQ(take("00 01 84 0A 55"), "|55");
+  EXPECT_TRUE(echo_->is_unknown());
+  answered("03 02 12 34");
   EXPECT_FALSE(echo_->is_unknown());
   EXPECT_TRUE(echo_->was_shown());
   EXPECT_THAT(faults_, ElementsAre(LineFault::echo_found));
@@ -164,12 +171,72 @@ TEST_F(Echo, OnlyOfWhatIsAnsweredSoLooksLikeTheAnswer) {
 TEST_F(Echo, IsNotThereIfAReadIsAnsweredWithoutIt) {
   begin(std::nullopt);
   send(kWritePdu);
-  echo_->note_answered();
+  answered(kWritePdu);
+  EXPECT_TRUE(echo_->is_unknown());
+  send("10 0000 0001 02 0001");
+  answered("10 0000 0001");
   EXPECT_TRUE(echo_->is_unknown());
   send(kReadPdu);
-  echo_->note_answered();
+  answered("03 02 12 34", false);
+  EXPECT_TRUE(echo_->is_unknown());
+  answered("03 02 12 34");
   EXPECT_FALSE(echo_->is_unknown());
   EXPECT_FALSE(echo_->was_shown());
+}
+
+TEST_F(Echo, ThatNoAnswerFollowsProvesNothing) {
+  begin(std::nullopt);
+  for (const auto* request : {kReadPdu, "10 0000 0001 02 0001"}) {
+    send(request);
+    const auto frame = modbus::encode_rtu(1, pdu(request));
+    EXPECT_EQ(take(hex({frame.data(), frame.size()})), "|");
+    send(kReadPdu);
+    EXPECT_TRUE(echo_->is_unknown());
+  }
+  EXPECT_THAT(faults_, IsEmpty());
+}
+
+TEST_F(Echo, MayBeFoundAgainstReadsThatShowedNone) {
+  begin(std::nullopt);
+  send(kReadPdu);
+  answered("03 02 12 34");
+  send(kReadPdu);
+  EXPECT_EQ(take(kSentRead), "|");
+  answered("03 02 12 34");
+  EXPECT_TRUE(echo_->is_present());
+}
+
+TEST_F(Echo, IsUnknownAgainAfterThreeReadsInARowThatLackIt) {
+  begin(std::nullopt);
+  for (int round = 0; round < 3; ++round) {
+    send(kReadPdu);
+    EXPECT_EQ(take(kSentRead), "|");
+    answered("03 02 12 34");
+    EXPECT_TRUE(echo_->was_shown());
+    send(kReadPdu);
+    take("01 86");  // it differs
+    for (int reads = 0; reads < 3; ++reads) {
+      EXPECT_TRUE(echo_->was_shown());
+      send("10 0000 0001 02 0001");
+      answered("10 0000 0001");  // a write says nothing
+      send(kReadPdu);
+      answered("03 02 12 34");
+    }
+    EXPECT_FALSE(echo_->was_shown());
+  }
+}
+
+TEST_F(Echo, ADeviceIsHeardByWhatIsNoRepetition) {
+  begin(std::nullopt);
+  send(kWritePdu);
+  EXPECT_FALSE(echo_->has_heard_device());
+  answered(kWritePdu);
+  EXPECT_FALSE(echo_->has_heard_device());
+  answered("86 02");
+  EXPECT_TRUE(echo_->has_heard_device());
+  echo_->open();
+  send(kWritePdu);
+  EXPECT_FALSE(echo_->has_heard_device());
 }
 
 TEST_F(Echo, ThatDidNotComeIsOwedOnce) {
