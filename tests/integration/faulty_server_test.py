@@ -90,7 +90,8 @@ class FaultyServers(unittest.TestCase):
         file = folder / "mbgate.toml"
         file.write_text(CONFIGURATION.format(control=self.control, port=self.server.port), encoding="utf-8")
         self.gateway = Process(folder, "mbgated", "--config", file)
-        self.addCleanup(lambda: self.assertEqual(0, self.gateway.end()))
+        gateway = self.gateway  # another subtest has another one
+        self.addCleanup(lambda: self.assertEqual(0, gateway.end()))
         self.client = Client(int(self.gateway.wait_for(r"listening plant 127\.0\.0\.1:(\d+)$").group(1)))
         self.addCleanup(self.client.close)
 
