@@ -73,27 +73,21 @@ void Bus::handle_bytes(modbus::Bytes bytes, Instant now) {
   dispatch_.pump(now);
 }
 
-// What the driver still holds is dropped with the line. It must not be sent later.
-bool Bus::lose_stalled(Instant now) {
-  if (!parts_.link.is_open() || !parts_.line.is_stalled(now)) {
-    return false;
+void Bus::note_unsent(std::size_t bytes) {
+  if (SerialDiscipline* serial = parts_.line.serial()) {
+    serial->note_unsent(bytes);
   }
-  parts_.actions.push(LineNotice{LineFault::driver_stalled});
-  parts_.actions.push(CloseLine{});
-  handle_lost(now);
-  return true;
 }
 
 void Bus::handle_looked(Instant now) {
-  if (!lose_stalled(now)) {
-    dispatch_.pump_looked(now);
+  if (SerialDiscipline* serial = parts_.line.serial(); serial != nullptr && parts_.link.is_open()) {
+    serial->handle_looked(now);
+    collect(now);
   }
+  dispatch_.pump_looked(now);
 }
 
 void Bus::handle_deadline(Instant now) {
-  if (lose_stalled(now)) {
-    return;
-  }
   if (parts_.link.take_due(now)) {
     parts_.actions.push(OpenLine{});
   }
@@ -113,7 +107,11 @@ void Bus::collect(Instant now) {
     outcomes_.handle_end(*end, now);
   }
   while (const auto fault = parts_.line.take_fault()) {
-    if (fault == LineFault::framing_lost) {
+    if (fault == LineFault::framing_lost || fault == LineFault::driver_stalled) {
+      // What the driver still holds is dropped with the line: it must not leave later.
+      if (fault == LineFault::driver_stalled) {
+        parts_.actions.push(LineNotice{*fault});
+      }
       parts_.actions.push(CloseLine{});
       handle_lost(now);
     } else if (fault != LineFault::unanswered && fault != LineFault::answer_cut_off) {

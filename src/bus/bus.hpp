@@ -34,7 +34,7 @@ class Bus {
   void handle_lost(Instant now, Loss loss = Loss::failed);
   void handle_bytes(modbus::Bytes bytes, Instant now);
   /// The driver of the line holds so many bytes that it has not sent, from now on.
-  void note_unsent(std::size_t bytes) { parts_.line.note_unsent(bytes); }
+  void note_unsent(std::size_t bytes);
   /// After LookAtLine: what lay in the line has been handed in, and nothing else since.
   void handle_looked(Instant now);
   /// Whoever calls this has handed in before what already lay in the line.
@@ -76,7 +76,6 @@ class Bus {
   friend struct mbgate::StateReader;
   void collect(Instant now);
   void rest(Instant now);
-  bool lose_stalled(Instant now);
 
   Parts parts_;
   JobEnds ends_{parts_};

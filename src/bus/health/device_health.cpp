@@ -30,10 +30,6 @@ Duration longest_lateness(const DeviceHealth::Timing& timing) {
 bool DeviceHealth::note_unanswered(const modbus::Request& asked, Instant sent, Instant due,
                                    const Timing& timing) {
   owe(asked, due);
-  return note_unreached(sent, due, timing);
-}
-
-bool DeviceHealth::note_unreached(Instant sent, Instant at, const Timing& timing) {
   if (sent <= answered_sent_) {
     return false;
   }
@@ -42,7 +38,7 @@ bool DeviceHealth::note_unreached(Instant sent, Instant at, const Timing& timing
     return false;
   }
   const bool is_lost = timing.offline_after != 0 && unanswered_in_row_ >= timing.offline_after;
-  state_.enter(is_lost ? DeviceState::offline : DeviceState::not_answering, at);
+  state_.enter(is_lost ? DeviceState::offline : DeviceState::not_answering, due);
   return is_lost;
 }
 

@@ -43,8 +43,6 @@ class DeviceHealth {
   /// has answered, in time, something that was sent to it later.
   bool note_unanswered(const modbus::Request& asked, Instant sent, Instant due,
                        const Timing& timing);
-  /// The same, where a server has said that it did not reach the device: nothing is owed.
-  bool note_unreached(Instant sent, Instant at, const Timing& timing);
   /// The same, where it says nothing about whether the device is there: the line was lost before an
   /// answer came.
   void note_spoilt(const modbus::Request& asked, Instant due) { owe(asked, due); }

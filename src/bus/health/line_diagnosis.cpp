@@ -33,8 +33,8 @@ void LineDiagnosis::note_opened() {
 // A line that is never silent is told once until somebody is understood again.
 void LineDiagnosis::note_bytes(bool asked, Instant now) {
   const Duration limit = std::max(kNeverSilent, longest_stream(parts_.settings));
-  const auto since = parts_.line.busy_since();
-  if (since && now >= *since + limit) {
+  const LineSilence* silence = parts_.line.silence();
+  if (silence != nullptr && now >= silence->busy_since() + limit) {
     last_never_silent_ = now;
     if (!std::exchange(never_silent_reported_, true)) {
       parts_.actions.push(NeverSilent{});
@@ -46,8 +46,8 @@ void LineDiagnosis::note_bytes(bool asked, Instant now) {
 }
 
 void LineDiagnosis::note_begins(Instant now) {
-  if (const auto quiet_since = parts_.line.quiet_since()) {
-    silences_.note(std::max(now - *quiet_since, Duration{0}));
+  if (const LineSilence* silence = parts_.line.silence()) {
+    silences_.note(std::max(now - silence->quiet_since(), Duration{0}));
   }
 }
 

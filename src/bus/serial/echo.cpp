@@ -22,6 +22,10 @@ bool looks_like_answer(const Transaction& transaction) {
   return !transaction.is_broadcast() && fit == modbus::ResponseFit::normal;
 }
 
+// An answer to 07, 11, 12 or 17, which have no fields, may begin as the echo does: with data where
+// that has its CRC. What comes then is neither an answer, nor does it say whether there is an echo.
+bool shows_anything(const modbus::Pdu& asked) { return asked.size() > 1; }
+
 }  // namespace
 
 Echo::Echo(std::optional<bool> setting, BusCounters& counters, LineFaults& faults)
@@ -126,13 +130,9 @@ Echo::Heard Echo::look_for(modbus::Bytes bytes, Instant now) {
     held_.push_back({seen_, now});
   }
   seen_ += *count;
-  echoed_ = !is_awaited() && shows_anything();
+  echoed_ = !is_awaited() && shows_anything(*asked_);
   return {{}, bytes.subspan(*count)};
 }
-
-// An answer to 07, 11, 12 or 17, which have no fields, may begin as the echo does: with data where
-// that has its CRC. What comes then is neither an answer, nor does it say whether there is an echo.
-bool Echo::shows_anything() const { return asked_->size() > 1; }
 
 Echo::Held Echo::release() {
   Held held;
@@ -187,7 +187,7 @@ void Echo::note_answered(const modbus::Pdu& response, bool came_first) {
     return;
   }
   const bool shows_none =
-      came_first && !may_answer_ && shows_anything() && modbus::is_read(asked_->bytes());
+      came_first && !may_answer_ && shows_anything(*asked_) && modbus::is_read(asked_->bytes());
   if (!learns_ || state_ != State::unknown || !shows_none || (shown_ && ++lost_ < kMostLost)) {
     return;
   }

@@ -102,7 +102,6 @@ class Echo {
  private:
   friend struct mbgate::StateReader;
   [[nodiscard]] bool is_awaited() const { return seen_ < expected_.size(); }
-  [[nodiscard]] bool shows_anything() const;
   [[nodiscard]] std::optional<std::size_t> matching(modbus::Bytes bytes) const;
   void owe(Instant now);
   Heard compare(modbus::Bytes bytes);

@@ -151,7 +151,8 @@ Verdict RtuFramer::search(bool silence) {
 
 void RtuFramer::accept(const RtuFind& response) {
   Instant began = buffer_.came_at(response.at);
-  for (std::size_t byte = 0; is_paced() && byte < response.size; ++byte) {
+  const bool is_paced = sent_ != Instant::min();
+  for (std::size_t byte = 0; is_paced && byte < response.size; ++byte) {
     began =
         std::min(began, buffer_.came_at(response.at + byte) - timing_.least_duration_of(byte + 1));
   }

@@ -64,7 +64,6 @@ class RtuFramer {
   /// Counts what is left as stray and forgets it, until the next silence.
   void discard();
   void give_up_buffer();
-  [[nodiscard]] bool is_paced() const { return sent_ != Instant::min(); }
   void join_cut();
   Verdict search(bool silence);
   void accept(const RtuFind& response);

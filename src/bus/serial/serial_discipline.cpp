@@ -85,11 +85,14 @@ void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Instant in
   framer_.hurry(response_deadline_);
 }
 
-bool SerialDiscipline::is_stalled(Instant now) const {
-  if (unsent_ == 0 || now < silence_.possible_at() + kDriverIsLate) {
+bool SerialDiscipline::handle_looked(Instant now) {
+  const bool is_over =
+      transaction_ == nullptr ? is_answerless_ : now >= response_due_ && !framer_.in_progress();
+  if (unsent_ == 0 || !is_over || now < silence_.possible_at() + kDriverIsLate) {
     return false;
   }
-  return transaction_ == nullptr ? is_answerless_ : now >= response_due_ && !framer_.in_progress();
+  note_fault(faults_, LineFault::driver_stalled);
+  return true;
 }
 
 void SerialDiscipline::abort() {
@@ -134,7 +137,7 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
 }
 
 void SerialDiscipline::handle_deadline(Instant now) {
-  if (transaction_ == nullptr) {
+  if (handle_looked(now) || transaction_ == nullptr) {
     return;
   }
   if (transaction_->is_broadcast()) {

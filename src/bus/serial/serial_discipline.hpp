@@ -44,9 +44,10 @@ class SerialDiscipline {
 
   /// The driver holds so many bytes that it has not sent yet.
   void note_unsent(std::size_t bytes) { unsent_ = bytes; }
-  /// Does it hold what should have left long ago? Not while an answer is waited for or comes. What
-  /// is held would leave in front of the next frame, when nobody waits for it any more.
-  [[nodiscard]] bool is_stalled(Instant now) const;
+  /// Something is about to be transmitted. What the driver holds would leave in front of it, when
+  /// nobody waits for it any more: a fault, here and at the end of a response timeout. Returns
+  /// whether it is one.
+  bool handle_looked(Instant now);
 
   void handle_bytes(modbus::Bytes bytes, Instant now);
   void handle_deadline(Instant now);

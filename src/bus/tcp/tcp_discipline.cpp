@@ -20,6 +20,14 @@ bool is_foreign(modbus::Bytes stream) {
   return stream.size() >= kProtocolFieldEnd && modbus::load_be16(stream, 2) != 0;
 }
 
+// As far as it has come, is this the beginning of an answer with the identifier?
+bool begins_with(modbus::Bytes stream, std::uint16_t identifier) {
+  std::array<std::uint8_t, kProtocolFieldEnd> front{};
+  modbus::store_be16(front, 0, identifier);
+  return std::ranges::equal(stream.first(std::min(stream.size(), front.size())),
+                            modbus::Bytes(front).first(std::min(stream.size(), front.size())));
+}
+
 }  // namespace
 
 void TcpDiscipline::open(Instant now, LineKind /*kind*/) {
@@ -109,32 +117,17 @@ bool TcpDiscipline::take_answer(Instant now) {
 }
 
 void TcpDiscipline::skip_padding() {
-  while (padding_ > 0 && !stream_.empty() && !may_begin_answer()) {
+  const auto begins = [this](std::uint16_t identifier) { return begins_with(stream_, identifier); };
+  const auto may_be_answer = [&] {
+    return std::ranges::any_of(flights_, begins, &Flight::identifier) ||
+           std::ranges::any_of(expired_, begins, &Expired::identifier);
+  };
+  while (padding_ > 0 && !stream_.empty() && !may_be_answer()) {
     stream_.erase(stream_.begin());
     --padding_;
     ++counters_.stray_bytes;
   }
   padding_ = stream_.size() < kProtocolFieldEnd ? padding_ : 0;
-}
-
-bool TcpDiscipline::may_begin_answer() const {
-  const auto begins = [this](std::uint16_t identifier) {
-    std::array<std::uint8_t, kProtocolFieldEnd> front{};
-    modbus::store_be16(front, 0, identifier);
-    const std::size_t known = std::min(stream_.size(), front.size());
-    return std::equal(front.begin(), front.begin() + static_cast<std::ptrdiff_t>(known),
-                      stream_.begin());
-  };
-  return std::ranges::any_of(flights_, begins, &Flight::identifier) ||
-         std::ranges::any_of(expired_, begins, &Expired::identifier);
-}
-
-// What belongs to a request that is still waited for has its time. What was promised behind an
-// exception, and is none, is no answer.
-bool TcpDiscipline::is_cut_off() {
-  const bool is_awaited =
-      stream_.size() > 1 && find(modbus::load_be16(stream_, 0)) != flights_.end();
-  return stream_.size() > padding_ && !is_awaited;
 }
 
 void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
@@ -178,7 +171,11 @@ void TcpDiscipline::handle_deadline(Instant now) {
     }
   }
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
-  if (is_timeout && is_cut_off()) {
+  // What belongs to a request that is still waited for has its time. What was promised behind an
+  // exception, and is none, is no answer.
+  const bool is_awaited =
+      stream_.size() > 1 && find(modbus::load_be16(stream_, 0)) != flights_.end();
+  if (is_timeout && stream_.size() > padding_ && !is_awaited) {
     counters_.stray_bytes += stream_.size();
     fault_ = LineFault::answer_cut_off;
   } else if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {

@@ -91,9 +91,6 @@ class TcpDiscipline {
   void match(const modbus::MbapAdu& answer, Instant now);
   /// Drops bytes behind an exception that its length has promised and that begin no answer.
   void skip_padding();
-  [[nodiscard]] bool may_begin_answer() const;
-  /// Has part of an answer come that no request is waiting for any more?
-  [[nodiscard]] bool is_cut_off();
   [[nodiscard]] bool is_unit_right(std::uint8_t answered, std::uint8_t asked) const {
     return !check_unit_ || answered == asked;
   }

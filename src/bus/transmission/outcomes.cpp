@@ -34,8 +34,10 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   transmission.is_let_by = false;
   parts_.turns.note_end(now);
   const Transaction& sent = *end.transaction;
-  const Asked asked{sent.address, sent.request.is_read(),
-                    !sent.is_broadcast() && !sent.may_stay_silent(), transmission.tries == 1,
+  const Asked asked{sent.address,
+                    sent.request.is_read(),
+                    !sent.is_broadcast() && !sent.may_stay_silent(),
+                    transmission.tries == 1,
                     transmission.last_sent,
                     end.how == LineEnd::How::response && parts_.is_unreached(*sent.response)};
   const std::uint8_t function = sent.request.function();
@@ -130,7 +132,8 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   ends_.advance(transmission, Ending::answered);
 }
 
-// The exception goes to who asked. Nothing came from the device, and nothing will.
+// The exception goes to who asked. Nothing came from the device; what is owed on a connection holds
+// nothing.
 void Outcomes::note_unreached(Transmission& transmission, Instant now) {
   const Transaction& sent = transmission.on_wire();
   DeviceEntry& entry = parts_.devices[sent.address];
@@ -140,7 +143,8 @@ void Outcomes::note_unreached(Transmission& transmission, Instant now) {
   if (transmission.is_stop()) {
     entry.last_stop_turn = transmission.turn;
   }
-  const bool lost = entry.health.note_unreached(transmission.last_sent, now, entry.timing());
+  const bool lost =
+      entry.health.note_unanswered(sent.request, transmission.last_sent, now, entry.timing());
   parts_.probes.note_unanswered(transmission, now);
   if (lost) {
     go_offline(entry, sent.address, now);

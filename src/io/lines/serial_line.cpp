@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/lines/serial_line.hpp"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -31,18 +30,6 @@ constexpr std::chrono::milliseconds kTransmitterLimit{500};
 /// A device can be had once at a time. One that cannot be given back for longer is tried all the
 /// same: its path may lead to another one by now.
 constexpr std::chrono::seconds kClosingLimit{5};
-
-std::size_t bytes_in(int fd) {
-  int count = 0;
-  return ::ioctl(fd, FIONREAD, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
-}
-
-/// What was given to the driver and has not left, as far as it knows. Drivers that cannot say so
-/// hold nothing: the TIOCOUTQ of a pty is always 0.
-std::size_t unsent_in(int fd) {
-  int count = 0;
-  return ::ioctl(fd, TIOCOUTQ, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
-}
 
 /// A vanished adapter reads as the end of the stream at first, then as one of these errors.
 bool has_gone(const boost::system::error_code& error) {
@@ -166,7 +153,7 @@ boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
       lose_reading(error);
       co_return;
     }
-    read(std::max<std::size_t>(bytes_in(descriptor_.native_handle()), 1));
+    read(std::max<std::size_t>(bytes_to_read(descriptor_.native_handle()), 1));
     if (generation != generation_) {
       co_return;
     }
@@ -174,12 +161,12 @@ boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
 }
 
 bool SerialLine::has_bytes() {
-  return state_ == State::open && bytes_in(descriptor_.native_handle()) > 0;
+  return state_ == State::open && bytes_to_read(descriptor_.native_handle()) > 0;
 }
 
 void SerialLine::read_now() {
   if (state_ == State::open) {
-    read(bytes_in(descriptor_.native_handle()));
+    read(bytes_to_read(descriptor_.native_handle()));
   }
   if (state_ == State::open) {
     tell_unsent();
@@ -187,7 +174,7 @@ void SerialLine::read_now() {
 }
 
 void SerialLine::tell_unsent() {
-  const std::size_t unsent = unsent_in(descriptor_.native_handle()) + rest_.size();
+  const std::size_t unsent = bytes_to_send(descriptor_.native_handle()) + rest_.size();
   if (std::exchange(unsent_, unsent) != unsent) {
     context_.events.line_unsent(bus_, unsent);
   }

@@ -47,10 +47,10 @@ std::string clocks_of_timers() {
 
 TEST(BootTimer, CountsTheClockThatGoesOn) {
   boost::asio::io_context context;
-  const std::string before = clocks_of_timers();
+  const std::string clock = std::to_string(CLOCK_BOOTTIME) + ' ';
+  EXPECT_EQ(clocks_of_timers().find(clock), std::string::npos);
   const BootTimer timer(context, [] {});
-  EXPECT_EQ(clocks_of_timers().size(), before.size() + 2);
-  EXPECT_NE(clocks_of_timers().find(std::to_string(CLOCK_BOOTTIME)), std::string::npos);
+  EXPECT_NE(clocks_of_timers().find(clock), std::string::npos);
 }
 
 TEST(BootTimer, RingsOnceEachTimeItIsSet) {

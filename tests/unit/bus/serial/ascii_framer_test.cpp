@@ -66,11 +66,7 @@ TEST_F(AsciiFramer, ACarriageReturnOrLineFeedAloneEndsNothingBehindAWrongLrc) {
 
 TEST_F(AsciiFramer, TheLongestAnswerHasRoomForBoth) {
   expect("41 00");
-  const std::vector<std::uint8_t> pdu = [] {
-    std::vector<std::uint8_t> bytes(modbus::kMaxPduSize, 0x55);
-    bytes[0] = 0x41;
-    return bytes;
-  }();
+  const std::vector<std::uint8_t> pdu(modbus::kMaxPduSize, 0x41);
   const auto frame = modbus::encode_ascii(1, *modbus::Pdu::from(pdu));
   ASSERT_EQ(frame.size(), modbus::kMaxAsciiSize);
   EXPECT_EQ(FramerRig::add({frame.data(), frame.size()}), Verdict::response);

@@ -280,7 +280,6 @@ TEST_F(BusEcho, IsNotClaimedWhileAnIdenticalAnswerIsOwed) {
 // Nobody has said so, and the drive is dead: its stop comes back, and is repeated.
 TEST_F(BusEcho, OfAStopOnAPacedLineIsNoLateAnswerToTheOneBefore) {
   auto denying = settings();
-  denying.line.echo = false;
   denying.timing.offline_after = 2;
   bus_.emplace(denying, std::vector<drive::Device>{axis(denying)});
   bus_->start();

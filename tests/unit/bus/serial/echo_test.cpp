@@ -1,56 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/serial/echo.hpp"
-
-#include <gmock/gmock.h>
-
-#include "modbus/rtu.hpp"
-#include "support/hex.hpp"
+#include "lone_echo.hpp"
 
 namespace mbgate::test {
 namespace {
-
-using namespace std::chrono_literals;
-using bus::Instant;
-using bus::LineFault;
-using testing::ElementsAre;
-using testing::IsEmpty;
-
-constexpr auto kReadPdu = "03 0000 0001";
-constexpr auto kSentRead = "01 03 00 00 00 01 84 0A";
-constexpr auto kWritePdu = "06 0000 0001";
-constexpr auto kSentWrite = "01 06 00 00 00 01 48 0A";
-
-class Echo : public testing::Test {
- protected:
-  void begin(std::optional<bool> setting) { echo_.emplace(setting, counters_, faults_); }
-  void send(std::string_view request, Instant now = {}) {
-    const auto pdu = modbus::Pdu::from(unhex(request));
-    transaction_.emplace(bus::Transaction{1, *modbus::Request::parse(*pdu)});
-    const auto frame = modbus::encode_rtu(1, *pdu);
-    echo_->expect(*transaction_, {frame.begin(), frame.end()}, now, now + 1s);
-  }
-  /// What is given on: what was held back until now, a bar, and the rest.
-  std::string take(std::string_view bytes, Instant now = {}) {
-    const auto given = unhex(bytes);
-    const auto heard = echo_->take(given, now);
-    held_ = heard.held.pieces;
-    return text(heard.held) + "|" + hex(heard.bytes);
-  }
-  std::string release() { return text(echo_->release()); }
-  static std::string text(const bus::Echo::Held& held) {
-    return hex({held.bytes.data(), held.bytes.size()});
-  }
-  void answered(std::string_view response, bool came_first = true) {
-    echo_->note_answered(pdu(response), came_first);
-  }
-  static modbus::Pdu pdu(std::string_view bytes) { return *modbus::Pdu::from(unhex(bytes)); }
-
-  bus::BusCounters counters_;
-  bus::LineFaults faults_;
-  std::optional<bus::Transaction> transaction_;
-  std::optional<bus::Echo> echo_;
-  bus::Echo::Pieces held_;
-};
 
 TEST_F(Echo, IsTakenOutWhereItIsSaidToBe) {
   begin(true);
@@ -182,61 +134,6 @@ TEST_F(Echo, IsNotThereIfAReadIsAnsweredWithoutIt) {
   answered("03 02 12 34");
   EXPECT_FALSE(echo_->is_unknown());
   EXPECT_FALSE(echo_->was_shown());
-}
-
-TEST_F(Echo, ThatNoAnswerFollowsProvesNothing) {
-  begin(std::nullopt);
-  for (const auto* request : {kReadPdu, "10 0000 0001 02 0001"}) {
-    send(request);
-    const auto frame = modbus::encode_rtu(1, pdu(request));
-    EXPECT_EQ(take(hex({frame.data(), frame.size()})), "|");
-    send(kReadPdu);
-    EXPECT_TRUE(echo_->is_unknown());
-  }
-  EXPECT_THAT(faults_, IsEmpty());
-}
-
-TEST_F(Echo, MayBeFoundAgainstReadsThatShowedNone) {
-  begin(std::nullopt);
-  send(kReadPdu);
-  answered("03 02 12 34");
-  send(kReadPdu);
-  EXPECT_EQ(take(kSentRead), "|");
-  answered("03 02 12 34");
-  EXPECT_TRUE(echo_->is_present());
-}
-
-TEST_F(Echo, IsUnknownAgainAfterThreeReadsInARowThatLackIt) {
-  begin(std::nullopt);
-  for (int round = 0; round < 3; ++round) {
-    send(kReadPdu);
-    EXPECT_EQ(take(kSentRead), "|");
-    answered("03 02 12 34");
-    EXPECT_TRUE(echo_->was_shown());
-    send(kReadPdu);
-    take("01 86");  // it differs
-    for (int reads = 0; reads < 3; ++reads) {
-      EXPECT_TRUE(echo_->was_shown());
-      send("10 0000 0001 02 0001");
-      answered("10 0000 0001");  // a write says nothing
-      send(kReadPdu);
-      answered("03 02 12 34");
-    }
-    EXPECT_FALSE(echo_->was_shown());
-  }
-}
-
-TEST_F(Echo, ADeviceIsHeardByWhatIsNoRepetition) {
-  begin(std::nullopt);
-  send(kWritePdu);
-  EXPECT_FALSE(echo_->has_heard_device());
-  answered(kWritePdu);
-  EXPECT_FALSE(echo_->has_heard_device());
-  answered("86 02");
-  EXPECT_TRUE(echo_->has_heard_device());
-  echo_->open();
-  send(kWritePdu);
-  EXPECT_FALSE(echo_->has_heard_device());
 }
 
 TEST_F(Echo, ThatDidNotComeIsOwedOnce) {
