@@ -87,8 +87,13 @@ struct Device {
   [[nodiscard]] bool is_addressed_by(std::uint8_t to, BroadcastForm form) const {
     return form == BroadcastForm::none ? to == address : form == profile.broadcast.form;
   }
-  /// Is the request a write of one of the profile's stops and of nothing else?
+  /// Does the request (05, 06, 15, 16) write nothing but values that stop the drive, and parameters
+  /// of such a stop that it also writes?
   [[nodiscard]] bool is_stop(const modbus::Request& request) const;
+  /// The profile's stop that the request makes with what it writes to the address `place`; nullptr
+  /// if that does not stop the drive.
+  [[nodiscard]] const WriteMatch* stop_at(const modbus::Request& request,
+                                          std::uint32_t place) const;
   /// Does it write one of them, alone or among others? Function 22 writes only some bits of a
   /// register: what it makes of one that can stop may be a stop.
   [[nodiscard]] bool may_be_stopped_by(const modbus::Request& request) const;

@@ -57,8 +57,8 @@ struct AccessRule {
 /// What of a write stops its device.
 enum class StopIn : std::uint8_t {
   none,
-  some,   ///< something of it stops the device, or may do so
-  first,  ///< it is a stop: its first register; those behind are parameters, which it does not use
+  some,  ///< something of it stops the device, or may do so
+  all,   ///< each of its registers gets a value that stops the device
 };
 
 /// What is read or written of one device by one transaction.
