@@ -55,6 +55,7 @@ struct DeviceNotice {
     foreign,          ///< a request of another client, or a frame of a device that owed no answer
     second_answer,    ///< two answers came to one request
     stop_unanswered,  ///< no matching response came to a stop, nor to its repetitions
+    stop_refused,     ///< a stop was refused, and so were its repetitions, if there were any
     stop_forced       ///< a stop was transmitted although the line was never silent
   };
   Kind kind;
@@ -64,6 +65,7 @@ struct DeviceNotice {
   bool answered_before = true;  ///< lost, back: has it ever sent a valid answer?
   unsigned transmissions = 0;   ///< lost: unanswered in a row
   bool is_request = false;      ///< foreign: it was a request
+  std::uint8_t exception = 0;   ///< stop_refused: the last one
 };
 /// Which jobs a transmission is for. A job leads one transmission at a time.
 struct TransmissionTitle {

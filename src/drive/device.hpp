@@ -94,6 +94,10 @@ struct Device {
   /// if that does not stop the drive.
   [[nodiscard]] const WriteMatch* stop_at(const modbus::Request& request,
                                           std::uint32_t place) const;
+  /// Does the response to a write say that the drive has carried it out, or does so?
+  [[nodiscard]] bool has_accepted(const modbus::Pdu& response) const {
+    return !response.is_exception() || profile.acceptances.test(response.bytes()[1]);
+  }
   /// Does it write one of them, alone or among others? Function 22 writes only some bits of a
   /// register: what it makes of one that can stop may be a stop.
   [[nodiscard]] bool may_be_stopped_by(const modbus::Request& request) const;

@@ -104,6 +104,8 @@ struct Profile {
   std::vector<SlowRegisters> slow;
   std::vector<UnansweredWrite> unanswered;
   std::vector<WriteMatch> stops;
+  /// Exceptions by which the drive says that it carries a write out, by their code.
+  std::bitset<256> acceptances;
 
   /// Where a request that begins at `address` must end at the latest: at the end of its
   /// parameter group, or before the next one. 65536 if there is none.

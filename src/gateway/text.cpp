@@ -88,6 +88,8 @@ std::string notice_text(const bus::DeviceNotice& notice) {
              "; another client is on this line";
     case Kind::second_answer: return "two answers came to one request: two devices at one address?";
     case Kind::stop_unanswered: return "a stop command was not acknowledged";
+    case Kind::stop_refused:
+      return "a stop command was refused with " + modbus::exception_text(notice.exception);
     case Kind::stop_forced:
       return "a stop command was sent though the line was never silent (stop_deadline)";
   }

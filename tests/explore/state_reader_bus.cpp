@@ -54,7 +54,8 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
     read(*transmission, devices, gateway, hash);
   }
   read(queue, gateway, hash);
-  const auto& [waiting_stops] = stops;
+  const auto& [waiting_stops, resting_stops] = stops;
+  explore::require(resting_stops.empty(), "no stop is refused");
   hash.add(waiting_stops.size());
   for (const bus::Transmission& stop : waiting_stops) {
     read(stop, devices, gateway, hash);
@@ -184,12 +185,13 @@ void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash
 
 void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash) {
   // A setting: device. Counted or told only: counters, early_reported, second_reported, owed_until,
-  // answered_at, answered_function, asked_at, silence, times, second_at, second_read_at, setting.
+  // answered_at, answered_function, asked_at, silence, times, second_at, second_read_at, setting,
+  // failed_stop.
   // A job that the queue shows too: probe.
   const auto& [device, counters, health, cache, free_at, probe, setting_known, early_reported,
                last_turn, last_stop_turn, stops_given_up, merge_refused, second_reported,
                owed_until, answered_at, answered_function, asked_at, silence, times, second_at,
-               second_read_at, setting] = entry;
+               second_read_at, setting, failed_stop] = entry;
   read(health, entry.timing(), hash);
   read(cache, device->cache, hash);
   hash.until(free_at);

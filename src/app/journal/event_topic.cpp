@@ -32,6 +32,7 @@ MessageId id_of_notice(const bus::DeviceNotice& notice) {
       return notice.is_request ? message_id::kForeignRequest : message_id::kForeignFrame;
     case Kind::second_answer: return message_id::kSecondAnswer;
     case Kind::stop_unanswered: return message_id::kStopUnanswered;
+    case Kind::stop_refused: return message_id::kStopRefused;
     case Kind::stop_forced: return message_id::kStopForced;
   }
   return {};

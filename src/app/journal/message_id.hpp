@@ -43,6 +43,7 @@ inline constexpr MessageId kForeignRequest{"fc5cf36fca1d4417ad96a89c21783385"};
 inline constexpr MessageId kForeignFrame{"95bf41d25fbf4b08a54f6d501c921bca"};
 inline constexpr MessageId kSecondAnswer{"3cbf0d93b48949388e9ed261ca950d27"};
 inline constexpr MessageId kStopUnanswered{"530d591ad68743e4b63e604f256002d3"};
+inline constexpr MessageId kStopRefused{"e6a6b53579c347f98100fc4a33fa8c2f"};
 inline constexpr MessageId kStopForced{"4ea12627b4a349d781420fa6a11914dd"};
 inline constexpr MessageId kQualityGood{"538523662d774ed1a8fa8d1f702cfba9"};
 inline constexpr MessageId kDeviceBadCrc{"b8c1d7eb9d774b9cb1bf960b717706f7"};

@@ -131,6 +131,9 @@ void LineDiagnosis::notify(DeviceNotice::Kind kind, std::uint8_t address) {
   DeviceNotice notice{kind, address};
   notice.answered_before = quality_[address].has_answered();
   notice.transmissions = parts_.devices[address].health.unanswered_in_row();
+  if (const auto& stop = parts_.devices[address].failed_stop) {
+    notice.exception = stop->exception;
+  }
   parts_.actions.push(notice);
 }
 

@@ -112,10 +112,15 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
     ends_.finish(transmission, Ending::mismatched);
     return;
   }
-  if (exception) {
+  if (exception && !(transmission.is_stop() && entry.device->has_accepted(response))) {
     parts_.acknowledged.forget(asked.address);
-    ends_.finish(transmission, Ending::answered);
+    if (!transmission.is_stop() || !repeat_refused(transmission, now)) {
+      ends_.finish(transmission, Ending::answered);
+    }
     return;
+  }
+  if (!asked.request.is_read()) {
+    entry.failed_stop.reset();
   }
   note_stopped(transmission, now);
   entry.hold_booting(own.boot_time, now);  // though it has answered before

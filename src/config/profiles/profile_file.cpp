@@ -76,6 +76,21 @@ void read_functions(ProfileDraft& draft) {
   }
 }
 
+void read_acceptances(ProfileDraft& draft) {
+  const auto* elements = draft.root.list("acceptances");
+  if (elements == nullptr) {
+    return;
+  }
+  for (const auto& element : *elements) {
+    const auto* code = std::get_if<std::int64_t>(&element.data);
+    if (code == nullptr || *code < 1 || *code > 255) {
+      draft.root.report_expected("acceptances", element, "an exception code from 1 to 255");
+    } else {
+      draft.file.profile.acceptances.set(static_cast<std::size_t>(*code));
+    }
+  }
+}
+
 void read_behaviour(ProfileDraft& draft) {
   auto& profile = draft.file.profile;
   if (const auto addresses = read_units(draft.root, "addresses", {1, modbus::kMaxDeviceAddress})) {
@@ -83,6 +98,7 @@ void read_behaviour(ProfileDraft& draft) {
     profile.last_address = addresses->last;
   }
   read_functions(draft);
+  read_acceptances(draft);
   if (const auto order = draft.root.word<OrderOfMaker>("word_order", kOrders)) {
     profile.word_order_settable = *order == OrderOfMaker::settable;
     if (*order != OrderOfMaker::settable) {

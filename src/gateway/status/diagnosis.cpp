@@ -127,6 +127,15 @@ Diagnosis of_other_order(const StatusReport& report, const DeviceStatus& device)
           "`word_order`, or the setting of the drive; until then no values are written to it"};
 }
 
+Diagnosis of_failed_stop(const StatusReport& report, const DeviceStatus& device) {
+  const std::uint8_t exception = device.stop_exception;
+  return {Rank::drive_lost, subject_of(report, device),
+          exception == 0 ? "it has not acknowledged a stop" : "it has refused a stop",
+          (exception == 0 ? "no answer" : modbus::exception_text(exception)) +
+              " to the last try, " + passed_text(*device.last_failed_stop) + " ago",
+          "whether it stands still"};
+}
+
 // Is it that of the device, and not of its line?
 bool is_silence_its_own(const BusStatus& bus, const Together& all) {
   return (bus.is_open || bus.is_reopening) && !all.is_dead() &&
@@ -141,6 +150,9 @@ void diagnose_device(const StatusReport& report, const DeviceStatus& device, con
                      std::vector<Diagnosis>& found) {
   if (!device.last_request || (device.name.empty() && !is_asked(device)) || is_tried(device)) {
     return;
+  }
+  if (device.last_failed_stop) {
+    found.push_back(of_failed_stop(report, device));
   }
   if (is_lately(device.last_second_answer)) {
     found.push_back(of_second_answer(report, device));

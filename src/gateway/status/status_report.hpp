@@ -92,6 +92,10 @@ struct DeviceStatus {
   /// count that may be an echo.
   std::optional<Duration> last_second_answer;
   std::optional<OtherWordOrder> other_order;
+  /// How long ago a stop was given up, with no write acknowledged since; and the exception with
+  /// which it was refused, 0: it was unanswered.
+  std::optional<Duration> last_failed_stop;
+  std::uint8_t stop_exception = 0;
   bus::DeviceCounters counters;
   bus::QualityVerdict quality;
   Percentiles queue;

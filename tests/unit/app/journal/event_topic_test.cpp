@@ -112,6 +112,7 @@ std::vector<Case> events_of_devices() {
        kForeignRequest},
       {event_of(Notice{Notice::Kind::second_answer, 1}), kSecondAnswer},
       {event_of(Notice{Notice::Kind::stop_unanswered, 1}), kStopUnanswered},
+      {event_of(Notice{Notice::Kind::stop_refused, 1}), kStopRefused},
       {event_of(Notice{Notice::Kind::stop_forced, 1}), kStopForced},
       {event_of(bus::Quality::bad_crc, 1), kDeviceBadCrc},
       {event_of(bus::Quality::no_frame, 1), kNoFrame},

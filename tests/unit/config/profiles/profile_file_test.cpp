@@ -94,6 +94,8 @@ TEST(ProfileFile, KnowsSpecialWrites) {
   EXPECT_THAT(profile.stops,
               ElementsAre(drive::WriteMatch{Table::holding_registers, 70, 0xFFFF, 0xE1, false, 3},
                           drive::WriteMatch{Table::holding_registers, 71, 1, 0, false}));
+  EXPECT_TRUE(profile.acceptances.test(5));
+  EXPECT_EQ(profile.acceptances.count(), 1U);
   ASSERT_EQ(profile.slow.size(), 1U);
   EXPECT_EQ(profile.slow[0].range, (drive::TableRange{Table::holding_registers, 90, 1}));
   EXPECT_EQ(profile.slow[0].response_timeout, 3s);

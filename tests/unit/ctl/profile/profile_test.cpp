@@ -155,6 +155,7 @@ TEST(ProfileJson, HasTheAddressesOfValues) {
   EXPECT_EQ(member(profile, "values64"), R"({"holding":[50],"input":[]})");
   EXPECT_EQ(member(profile, "strings"), R"({"holding":[40],"input":[]})");
   EXPECT_EQ(member(profile, "functions"), "[3,4,6,16]");
+  EXPECT_EQ(member(profile, "acceptances"), "[5]");
   EXPECT_EQ(member(profile, "limits"),
             R"({"read_coils":2000,"read_discrete":2000,"read_holding":50,"read_input":50,)"
             R"("write_coils":1968,"write_registers":40})");
