@@ -117,17 +117,16 @@ struct QualityNews {
   bus::QualityNotice notice;
 };
 enum class FailsafeReason : std::uint8_t {
-  gone,    ///< the last client that may write to the device has disconnected
-  silent,  ///< all of these clients have been silent
-  exit,    ///< the gateway stops
-  leaves   ///< new settings have no such device, or have it elsewhere
+  gone,    ///< the last connection of the client that counts has ended
+  silent,  ///< that client is silent
+  exit     ///< the gateway stops
 };
 enum class FailsafeOutcome : std::uint8_t {
-  sent,         ///< all were transmitted
-  waits,        ///< not all could be sent: they stay due
-  client_back,  ///< not all were sent, and now a client has sent a request again
-  given_up,     ///< not all were sent before the gateway stopped
-  device_gone   ///< not all were sent, and the settings have no such device there any more
+  acknowledged,  ///< all of them
+  waits,         ///< not all of them, for now: they stay due
+  client_back,   ///< not all of them, and now the client that counts asks the device again
+  given_up,      ///< not all of them before the gateway stopped
+  device_gone    ///< new settings have no such device there any more, and clients wrote to it
 };
 /// What became of a device's failsafe writes.
 struct FailsafeNews {

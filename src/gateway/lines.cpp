@@ -14,7 +14,6 @@ void Lines::handle(const LineOpened& input, Instant now) {
     report(BusOpened{input.bus});
   }
   opened.handle_opened(now, input.kind);
-  failsafe_.bus_opened(input.bus);
 }
 
 void Lines::handle(const LineBytes& input, Instant now) {
@@ -52,7 +51,6 @@ bool Lines::serve_one(Instant now) {
       carry_out(*bus, *action);
     }
   }
-  failsafe_.note_sent();
   return true;
 }
 

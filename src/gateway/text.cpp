@@ -99,20 +99,22 @@ std::string notice_text(const bus::DeviceNotice& notice) {
 std::string failsafe_text(const FailsafeNews& news) {
   std::string reason;
   switch (news.reason) {
-    case FailsafeReason::gone: reason = "the last client that may write has gone"; break;
-    case FailsafeReason::silent: reason = "the clients that may write are silent"; break;
+    case FailsafeReason::gone: reason = "the client that counts for it has gone"; break;
+    case FailsafeReason::silent: reason = "the client that counts for it is silent"; break;
     case FailsafeReason::exit: reason = "the gateway stops"; break;
-    case FailsafeReason::leaves: reason = "a reload has taken its device away"; break;
   }
   switch (news.outcome) {
-    case FailsafeOutcome::sent: return reason + "; its failsafe writes are sent";
-    case FailsafeOutcome::waits: return reason + "; its failsafe writes could not be sent yet";
+    case FailsafeOutcome::acknowledged: return reason + "; it has acknowledged its failsafe writes";
+    case FailsafeOutcome::waits:
+      return reason + "; its failsafe writes are not acknowledged yet, and are sent again";
     case FailsafeOutcome::client_back:
-      return "a client that may write asks again; its failsafe writes were not all sent";
+      return "the client that counts for it asks again; not all of its failsafe writes were "
+             "acknowledged";
     case FailsafeOutcome::given_up:
-      return "its failsafe writes could not be sent before the gateway stopped";
+      return "not all of its failsafe writes were acknowledged before the gateway stopped";
     case FailsafeOutcome::device_gone:
-      return "a reload has taken the device of before away; its failsafe writes were not all sent";
+      return "a reload has taken the device away; its failsafe writes are not sent any more, "
+             "whatever clients have written to it";
   }
   return {};
 }

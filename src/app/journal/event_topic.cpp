@@ -52,7 +52,7 @@ MessageId id_of_quality(const bus::QualityNotice& notice) {
 
 MessageId id_of_outcome(gateway::FailsafeOutcome outcome) {
   switch (outcome) {
-    case gateway::FailsafeOutcome::sent: return message_id::kFailsafeSent;
+    case gateway::FailsafeOutcome::acknowledged: return message_id::kFailsafeAcknowledged;
     case gateway::FailsafeOutcome::waits: return message_id::kFailsafeWaits;
     case gateway::FailsafeOutcome::client_back: return message_id::kFailsafeClientBack;
     case gateway::FailsafeOutcome::given_up: return message_id::kFailsafeGivenUp;

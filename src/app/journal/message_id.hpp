@@ -53,7 +53,7 @@ inline constexpr MessageId kLateAnswers{"a317349dfc284320a24d25ea3b1c22e1"};
 inline constexpr MessageId kReconfigured{"e3d3de4522c4451fbe33bb3d567fdf70"};
 inline constexpr MessageId kWriteEndedEarly{"45e510a9c92c4e5aa9b3584b1326ba31"};
 inline constexpr MessageId kWordOrderDiffers{"26960d1f31364817908d07e4233064b6"};
-inline constexpr MessageId kFailsafeSent{"b36f1a5ba68e4c2e89173fb0b87a1de8"};
+inline constexpr MessageId kFailsafeAcknowledged{"b36f1a5ba68e4c2e89173fb0b87a1de8"};
 inline constexpr MessageId kFailsafeWaits{"f948cf7c4721498f827405508603084a"};
 inline constexpr MessageId kFailsafeClientBack{"f4bce7a03e1841cb82908ed5cf365b3b"};
 inline constexpr MessageId kFailsafeGivenUp{"bb6b1e9625184d34ad18218211fafba1"};

@@ -167,6 +167,7 @@ constexpr std::array kDeviceKeys = {
 constexpr std::array kGuardKeys = {
     plain<&DeviceGuard::writer_hold>("writer_hold", DurationRange{1ms, 1h}),
     plain<&DeviceGuard::quiet>("quiet", DurationRange{10ms, 24h, true}),
+    plain<&DeviceGuard::failsafe_grace>("failsafe_grace", DurationRange{0s, 1h}),
     plain<&DeviceGuard::failsafe_on_exit>("failsafe_on_exit", Truth{}),
 };
 

@@ -56,39 +56,25 @@ void read_numbering(ProfileDraft& draft) {
   }
 }
 
-void read_functions(ProfileDraft& draft) {
-  const auto* elements = draft.root.list("functions");
+/// A list of codes from 1 to the last that the set can hold; false: there is no such list.
+template <std::size_t kSize>
+bool read_set(TomlTable& root, std::string_view key, std::string_view kind,
+              std::bitset<kSize>& codes) {
+  const auto* elements = root.list(key);
   if (elements == nullptr) {
-    return;
+    return false;
   }
-  auto& functions = draft.file.profile.functions;
-  functions.reset();
-  if (elements->empty()) {
-    draft.root.error("functions", "an empty list lets nothing through");
-  }
+  codes.reset();
   for (const auto& element : *elements) {
     const auto* code = std::get_if<std::int64_t>(&element.data);
-    if (code == nullptr || *code < 1 || *code > 127) {
-      draft.root.report_expected("functions", element, "a function code from 1 to 127");
+    if (code == nullptr || *code < 1 || *code >= static_cast<std::int64_t>(kSize)) {
+      root.report_expected(key, element,
+                           std::string(kind) + " code from 1 to " + std::to_string(kSize - 1));
     } else {
-      functions.set(static_cast<std::size_t>(*code));
+      codes.set(static_cast<std::size_t>(*code));
     }
   }
-}
-
-void read_acceptances(ProfileDraft& draft) {
-  const auto* elements = draft.root.list("acceptances");
-  if (elements == nullptr) {
-    return;
-  }
-  for (const auto& element : *elements) {
-    const auto* code = std::get_if<std::int64_t>(&element.data);
-    if (code == nullptr || *code < 1 || *code > 255) {
-      draft.root.report_expected("acceptances", element, "an exception code from 1 to 255");
-    } else {
-      draft.file.profile.acceptances.set(static_cast<std::size_t>(*code));
-    }
-  }
+  return true;
 }
 
 void read_behaviour(ProfileDraft& draft) {
@@ -97,8 +83,11 @@ void read_behaviour(ProfileDraft& draft) {
     profile.first_address = addresses->first;
     profile.last_address = addresses->last;
   }
-  read_functions(draft);
-  read_acceptances(draft);
+  if (read_set(draft.root, "functions", "a function", profile.functions) &&
+      draft.root.list("functions")->empty()) {
+    draft.root.error("functions", "an empty list lets nothing through");
+  }
+  read_set(draft.root, "acceptances", "an exception", profile.acceptances);
   if (const auto order = draft.root.word<OrderOfMaker>("word_order", kOrders)) {
     profile.word_order_settable = *order == OrderOfMaker::settable;
     if (*order != OrderOfMaker::settable) {

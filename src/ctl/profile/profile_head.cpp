@@ -137,7 +137,7 @@ std::string profile_head(const config::ProfileFile& file) {
                                    std::to_string(profile.last_address) + " on a serial line"});
   rows.push_back({"functions", functions_text(file)});
   if (profile.acceptances.any()) {
-    rows.push_back({"accepts a write", "with " + acceptances_text(profile)});
+    rows.push_back({"accepts with", acceptances_text(profile)});
   }
   rows.push_back({"reads at most", reads_text(file)});
   rows.push_back({"writes at most", writes_text(file)});

@@ -48,7 +48,10 @@ AskedTrace trace_of(const ClientSession& session, const Request& request) {
 }  // namespace
 
 void Requests::accept(ClientSession& session, Request& request, Instant now) {
-  failsafe_.client_asked(session.id(), now);
+  if (request.plan) {
+    const bool writes = !request.refused && !request.is_stop && !request.plan->is_read();
+    failsafe_.client_asked(session, *request.plan, writes, now);
+  }
   ++session.requests;
   ListenerCounters& counters = sessions_.counters(session.info().listener);
   ++counters.requests;

@@ -121,7 +121,7 @@ std::vector<Case> events_of_devices() {
       {gateway::WriteEndedEarly{kAxes, 1, modbus::Table::holding_registers, 0, 10, 20},
        kWriteEndedEarly},
       {gateway::WordOrderDiffers{kAxes, 1}, kWordOrderDiffers},
-      {event_of(Outcome::sent), kFailsafeSent},
+      {event_of(Outcome::acknowledged), kFailsafeAcknowledged},
       {event_of(Outcome::waits), kFailsafeWaits},
       {event_of(Outcome::client_back), kFailsafeClientBack},
       {event_of(Outcome::given_up), kFailsafeGivenUp},

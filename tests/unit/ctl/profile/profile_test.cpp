@@ -36,6 +36,7 @@ std::string member(const boost::json::value& object, std::string_view key) {
 constexpr std::string_view kSettable = R"(
   addresses       1-32 on a serial line
   functions       3, 4, 6, 16
+  accepts with    exception 0x05 (acknowledge)
   reads at most   50 holding registers, 50 input registers
   writes at most  40 holding registers
   word order      set at the drive: 40081 holds 5 when big, 133 when little (line 82)

@@ -247,12 +247,10 @@ TEST_F(Reload, GivesClientsTheirNewRights) {
   EXPECT_THAT(rig_.take_sent(1), ElementsAre("00 06 00 00 00 03 01 86 01"));
 }
 
-TEST(ReloadOfGuards, KeepsOwnersAndSendsFailsafeWritesIfNobodyMayWriteAnyMore) {
+TEST(ReloadOfGuards, KeepsOwners) {
   Settings settings = stop_plant(16);
   settings.guards.resize(2);
   settings.guards[0].writer = gateway::WriterRule::first;
-  settings.guards[0].failsafe = {
-      *modbus::Request::parse(*modbus::Pdu::from(unhex("06 007C 00E1")))};
   MachineRig rig(settings);
   rig.connect(1, "192.0.2.1");
   rig.connect(2, "192.0.2.2");
@@ -266,10 +264,6 @@ TEST(ReloadOfGuards, KeepsOwnersAndSendsFailsafeWritesIfNobodyMayWriteAnyMore) {
   rig.receive(2, write_request(2));
   EXPECT_THAT(rig.take_sent(2), ElementsAre(busy(2)));
   EXPECT_THAT(take_requests(rig), IsEmpty());
-  rig.connect(3, "192.0.2.3");  // asks nothing
-  settings.routes[0].access = routing::Access::read_only;
-  rig.reload(settings);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
 TEST(ReloadOfListeners, CanTakeAllOfThemAway) {
