@@ -16,8 +16,13 @@ DeviceTiming Device::timing_of(const modbus::Request& request) const {
   return times;
 }
 
-bool Device::is_reconfigured_by(const modbus::Request& request) const {
-  return request.writes() && touches(profile.communication, request.writes()->range);
+bool Device::is_reconfigured_by(const modbus::Request& request,
+                                std::optional<WordOrder> order) const {
+  return request.writes() &&
+         (touches(profile.communication, request.writes()->range) ||
+          std::ranges::any_of(profile.guarded, [&](const GuardedWrite& guarded) {
+            return may_write(request, guarded, order);
+          }));
 }
 
 bool Device::is_stop(const modbus::Request& request) const {

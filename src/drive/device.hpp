@@ -81,8 +81,13 @@ struct Device {
   [[nodiscard]] bool is_gone() const { return bus == kNoBus; }
   /// The times of this request: slow registers have a longer timeout.
   [[nodiscard]] DeviceTiming timing_of(const modbus::Request& request) const;
-  /// Does the request write a communication register of the drive?
-  [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request) const;
+  /// Does the request write a communication register of the drive, or what its profile guards?
+  [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request) const {
+    return is_reconfigured_by(request, word_order);
+  }
+  /// The same of a request whose values are in this order.
+  [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request,
+                                        std::optional<WordOrder> order) const;
   /// Does it carry out what goes to this address, or to all in this form of broadcasts?
   [[nodiscard]] bool is_addressed_by(std::uint8_t to, BroadcastForm form) const {
     return form == BroadcastForm::none ? to == address : form == profile.broadcast.form;

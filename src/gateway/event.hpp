@@ -89,6 +89,7 @@ struct Reconfigured {
   BusId bus;
   std::uint8_t address;
   routing::ClientAddress client;
+  bool by_value = false;  ///< not these registers, but a value that the profile guards
 };
 /// A write of several transactions ended after some of them. Addresses are the device's.
 struct WriteEndedEarly {

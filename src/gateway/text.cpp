@@ -224,7 +224,9 @@ struct EventText {
   }
   std::string operator()(const Reconfigured& e) const {
     return device_text(settings, e.bus, e.address) + ": client " + e.client.to_text() +
-           " has written its communication registers";
+           (e.by_value
+                ? " has written a value that restores or rearranges it, or takes it off the line"
+                : " has written its communication registers");
   }
   std::string operator()(const WriteEndedEarly& e) const {
     return device_text(settings, e.bus, e.address) + ": a write of " + what_of(e.table) +

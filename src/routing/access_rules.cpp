@@ -86,7 +86,7 @@ bool names_all(const RegisterSet& registers, const TouchedRegisters& touched) {
     ++range.first;
     --range.count;
   }
-  return registers.covers(touched.device, range);
+  return registers.covers(touched.device, range, touched.reconfigures);
 }
 
 Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched, bool ranges_known) {
@@ -104,7 +104,7 @@ Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched, bool 
     return fit_if(names_all(registers, touched));
   }
   return fit_if((registers.stops && touched.stop != StopIn::none) ||
-                registers.touches(touched.device, *touched.range));
+                registers.touches(touched.device, *touched.range, touched.reconfigures));
 }
 
 Fit fit_touched(const AccessRule& rule, const TouchedRegisters& touched, bool ranges_known) {

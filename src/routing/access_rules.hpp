@@ -67,6 +67,7 @@ struct TouchedRegisters {
   const drive::Device* device = nullptr;      ///< the same
   std::optional<modbus::TableRange> range{};  ///< of the device; none: its function names no table
   StopIn stop = StopIn::none;
+  bool reconfigures = false;  ///< it is a write that the profile of the device guards
 };
 
 /// One half of a request, and who asks. What is not known yet is empty.

@@ -54,7 +54,8 @@ class Planner {
 };
 
 Result<DevicePlan, ExceptionCode> Planner::make() {
-  if (device_.is_reconfigured_by(request_) && !device_.allow_reconfigure) {
+  const auto order = exchanging_ ? seen_ : device_.word_order;
+  if (device_.is_reconfigured_by(request_, order) && !device_.allow_reconfigure) {
     return ExceptionCode::illegal_function;
   }
   if (seen_ && has_uncertain_position(device_, *seen_, request_)) {

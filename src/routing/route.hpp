@@ -35,8 +35,8 @@ struct AddressWindow {
   friend bool operator==(const AddressWindow&, const AddressWindow&) = default;
 };
 
-/// The function codes that a route lets through. 08/01 and 08/04 silence a device and pass only
-/// where they are named (Application Protocol V1.1b3, 6.8.1).
+/// The function codes that a route lets through. 08/01 and 08/04, and on ASCII lines 08/03, silence
+/// a device and pass only where they are named (Application Protocol V1.1b3, 6.8.1).
 struct FunctionRules {
   std::bitset<128> allowed;
   bool restart_communications = false;  ///< 08/01

@@ -80,7 +80,7 @@ std::vector<std::pair<const char*, std::string>> keys_of(const Settings& setting
                                                          const Route& route) {
   return {{"", target_of(settings, route)},
           {"access ", route.access == routing::Access::read_only ? "read-only" : "read-write"},
-          {"functions ", functions_of(route)},
+          {"functions ", functions_of(settings, route)},
           {"registers ", windows_of(route)},
           {"word_order ", order_of(route)},
           {"deadline ", route.deadline ? config::to_text(*route.deadline) : "-"},

@@ -90,6 +90,7 @@ void read_behaviour(ProfileDraft& draft) {
           *order == OrderOfMaker::big ? drive::WordOrder::big : drive::WordOrder::little;
     }
   }
+  profile.response_timeout = draft.root.duration("response_timeout", {1ms, 1h});
   assign(profile.response_wait, draft.root.duration("response_wait", {0s, 1min}));
   assign(profile.input_as_holding, draft.root.boolean("input_as_holding"));
   profile.write_function = read_write_function(draft.root);
@@ -208,7 +209,7 @@ void read_lists(ProfileDraft& draft) {
   file.strings = ranges("strings", kRegisterTables, &draft.string_tables);
   file.read_only = ranges("read_only", kTables);
   file.write_only = ranges("write_only", kWritableTables);
-  file.communication = ranges("communication", kWritableTables);
+  read_communication(draft);
   read_values(draft);
   read_slow(draft);
   read_unanswered(draft);
@@ -231,6 +232,9 @@ void fill_profile(ProfileFile& file) {
       (access == ValueAccess::read ? profile.read_only : profile.write_only)
           .push_back(value.range());
     }
+  }
+  for (const auto& guarded : file.guarded) {
+    profile.guarded.push_back(guarded.fact);
   }
   for (const auto& slow : file.slow) {
     profile.slow.push_back(slow.fact);

@@ -132,6 +132,9 @@ std::string profile_head(const config::ProfileFile& file) {
     rows.push_back({"function 4", "reads the holding registers"});
   }
   rows.push_back({"word order", order_text(file)});
+  if (profile.response_timeout) {
+    rows.push_back({"response timeout", to_text(*profile.response_timeout)});
+  }
   rows.push_back({"response wait", to_text(profile.response_wait)});
   rows.push_back({"broadcasts", broadcast_text(file)});
   return profile.name + ": " + file.description + "\n" + columns(rows);

@@ -205,6 +205,9 @@ std::string profile_json(const config::ProfileFile& file) {
       {"functions", functions_json(profile)},
       {"limits", limits_json(profile.limits)},
       {"word_order", order_json(profile)},
+      {"response_timeout", profile.response_timeout
+                               ? text(config::to_text(*profile.response_timeout))
+                               : json::value(nullptr)},
       {"response_wait", text(config::to_text(profile.response_wait))},
       {"write_function", number_or_null(profile.write_function)},
       {"input_as_holding", profile.input_as_holding},
@@ -214,6 +217,13 @@ std::string profile_json(const config::ProfileFile& file) {
       {"strings", firsts(file.strings)}};
   add_writes(object, file);
   object["communication"] = ranges_json(file, file.communication);
+  object["guarded"] = array_of(file.guarded, [&](const auto& guarded) {
+    auto range = range_json(file, guarded.fact.range);
+    range["mask"] = guarded.fact.mask;
+    range[guarded.fact.other ? "not" : "value"] = guarded.fact.value;
+    add_source(range, guarded.source);
+    return range;
+  });
   object["groups"] = ranges_json(file, file.groups);
   add_registers_of_order(object, profile);
   object["entries"] = entries_json(file);

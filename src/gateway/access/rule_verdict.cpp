@@ -49,6 +49,7 @@ void add_of_device(const SettingsSnapshot& settings, std::optional<std::size_t> 
   if (const auto& writes = request.writes()) {
     touched.range = writes->range;
     touched.stop = stop_in(device, request);
+    touched.reconfigures = device != nullptr && device->is_reconfigured_by(request);
     halves.written.push_back(touched);
   }
   if (!request.reads() && !request.writes()) {

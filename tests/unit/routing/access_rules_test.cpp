@@ -177,6 +177,21 @@ TEST(AccessRules, TakeNamesFromTheProfileOfTheDevice) {
   EXPECT_EQ(by(&Set::stops, 40, 1), "none-");
 }
 
+TEST(AccessRules, KnowWhatReconfiguresByWhatItWrites) {
+  drive::Device device = small_drive();
+  device.profile.guarded = {{{Table::holding_registers, 50, 1}, 0xFFFFFFFF, 0}};
+  AccessRule rule;
+  rule.registers.communication_registers = true;
+  TouchedRegisters touched{0, &device, modbus::TableRange{Table::holding_registers, 50, 1}};
+  EXPECT_EQ(decided({rule}, {.touched = {touched}}), "none-") << "another value, or a read";
+  touched.reconfigures = true;
+  EXPECT_EQ(decided({rule}, {.touched = {touched}}), "0+");
+  touched.range->count = 2;
+  EXPECT_EQ(decided({rule}, {.touched = {touched}}), "none-") << "and one that it does not name";
+  rule.permits = false;
+  EXPECT_EQ(decided({rule, {}}, {.touched = {touched}}), "0-");
+}
+
 TEST(AccessRules, KnowAStopByWhatItWrites) {
   AccessRule rule;
   rule.registers.stops = true;
