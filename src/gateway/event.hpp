@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "bus/bus.hpp"
 #include "gateway/asked.hpp"
@@ -167,6 +168,11 @@ struct WriteAccepted : Asked {
   };
   std::optional<Target> target{};
 };
+/// A broadcast was accepted that is not for all devices of its buses.
+struct BroadcastLeavesOut : Asked {
+  bool is_stop = false;
+  std::vector<std::string> devices{};
+};
 /// A client has set all counters to 0 (08/0A at the status unit).
 struct CountersCleared : Asked {
   std::uint64_t left_out = 0;
@@ -176,12 +182,12 @@ struct ClientLoggedIn : Asker {
   std::uint64_t left_out = 0;
 };
 
-using Event =
-    std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
-                 ClientDisplaced, ClientHeldUp, ClientFramingLost, ClientSpeaksRtu,
-                 ClientFrameTimedOut, LineNews, LineNeverSilent, Reconfigured, WriteEndedEarly,
-                 WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews, UnitNotRouted, ReadDenied,
-                 WriteDenied, StopDenied, WriteAccepted, CountersCleared, ClientLoggedIn>;
+using Event = std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
+                           ClientDisplaced, ClientHeldUp, ClientFramingLost, ClientSpeaksRtu,
+                           ClientFrameTimedOut, LineNews, LineNeverSilent, Reconfigured,
+                           WriteEndedEarly, WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews,
+                           UnitNotRouted, ReadDenied, WriteDenied, StopDenied, WriteAccepted,
+                           BroadcastLeavesOut, CountersCleared, ClientLoggedIn>;
 
 /// One line for the journal. The names are taken from the settings.
 std::string to_text(const Event& event, const Settings& settings);

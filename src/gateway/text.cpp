@@ -252,8 +252,7 @@ struct EventText {
     return client_text(settings, e) + " asks for unit " + std::to_string(e.unit) + "; " +
            routed_text(e.routed);
   }
-  std::string operator()(const ReadDenied& e) const { return denied_text(settings, e, ": "); }
-  std::string operator()(const WriteDenied& e) const { return denied_text(settings, e, ": "); }
+  std::string operator()(const Denied& e) const { return denied_text(settings, e, ": "); }
   std::string operator()(const StopDenied& e) const {
     return denied_text(settings, e, ": a stop, ");
   }
@@ -262,6 +261,14 @@ struct EventText {
            (e.target ? " (" + device_text(settings, e.target->bus, e.target->address) + "): "
                      : std::string(": ")) +
            request_text(e);
+  }
+  std::string operator()(const BroadcastLeavesOut& e) const {
+    std::string devices;
+    for (const std::string& device : e.devices) {
+      devices += (devices.empty() ? "" : ", ") + device;
+    }
+    return asker_text(settings, e) + (e.is_stop ? " stops" : " writes") +
+           " by broadcast, but not devices " + devices + ": " + request_text(e);
   }
   std::string operator()(const CountersCleared& e) const {
     return asker_text(settings, e) + " has cleared all counters: " + request_text(e) +

@@ -51,6 +51,7 @@ class Plan {
   [[nodiscard]] modbus::Pdu answer(Responses responses) const;
   /// The client's answer if the device gives none: the normal response to its request.
   [[nodiscard]] modbus::Pdu echo() const { return modbus::echo_response(client_request_); }
+  [[nodiscard]] const modbus::Pdu& asked() const { return client_request_.pdu(); }
   [[nodiscard]] bool is_read() const { return client_request_.is_read(); }
   [[nodiscard]] std::uint8_t function() const { return client_request_.function(); }
 

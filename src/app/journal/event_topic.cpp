@@ -148,6 +148,9 @@ struct EventTopic {
     }
     return topic;
   }
+  Topic operator()(const gateway::BroadcastLeavesOut& e) const {
+    return of_request(message_id::kBroadcastLeavesOut, e);
+  }
   Topic operator()(const gateway::CountersCleared& e) const {
     return of_request(message_id::kCountersCleared, e);
   }

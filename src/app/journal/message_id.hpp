@@ -75,6 +75,7 @@ inline constexpr MessageId kClientNotRuled{"3ef95af9bd0e4950be05f3620d21fd72"};
 inline constexpr MessageId kRequestDenied{"95f5507ea336491e96a948d64fe89b2c"};
 inline constexpr MessageId kStopDenied{"51b69766f9324c17a7681457ac59a2b5"};
 inline constexpr MessageId kWriteAccepted{"ab1d9f362ddb40b886ff39db96850340"};
+inline constexpr MessageId kBroadcastLeavesOut{"a35fa5cce01b4a8cbd74c8569afbbe66"};
 inline constexpr MessageId kClientLoggedIn{"3d74485defe64f36946b37ed31700a4c"};
 
 // The process and its configuration.

@@ -219,6 +219,7 @@ void read_lists(ProfileDraft& draft) {
 /// The rules out of what was documented.
 void fill_profile(ProfileFile& file) {
   auto& profile = file.profile;
+  profile.map = facts(file.map);
   profile.groups = facts(file.groups);
   profile.read_only = facts(file.read_only);
   profile.write_only = facts(file.write_only);

@@ -189,6 +189,7 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
 void Clients::adopt(const SettingsSnapshot& before, Instant now) {
   sessions_.adopt(settings_.settings(), now);
   intake_.adopt(before, now);
+  sessions_.for_each([&](const ClientSession& session) { requests_.end_withdrawn(session, now); });
 }
 
 }  // namespace mbgate::gateway

@@ -7,11 +7,14 @@
 namespace mbgate::gateway {
 namespace {
 
-std::vector<routing::ListenerKind> kinds_of(const std::vector<ListenerSettings>& listeners) {
+std::vector<routing::ListenerKind> kinds_of(const Settings& settings) {
   std::vector<routing::ListenerKind> kinds;
-  kinds.reserve(listeners.size());
-  for (const auto& listener : listeners) {
-    kinds.push_back({listener.bus, listener.broadcast, listener.broadcast_reply});
+  kinds.reserve(settings.listeners.size());
+  for (const auto& listener : settings.listeners) {
+    const bool is_ascii =
+        listener.bus && settings.bus(*listener.bus).line.framing == bus::Framing::ascii;
+    kinds.push_back({listener.bus, listener.broadcast, listener.broadcast_reply,
+                     listener.broadcast_mixed, !is_ascii});
   }
   return kinds;
 }
@@ -30,7 +33,7 @@ bool reaches(const routing::ResolvedRoute& resolved, unsigned unit, const drive:
 
 SettingsSnapshot::SettingsSnapshot(Settings given)
     : settings(std::move(given)),
-      routes(kinds_of(settings.listeners), settings.routes, settings.devices),
+      routes(kinds_of(settings), settings.routes, settings.devices),
       devices(settings.devices, settings.buses.size()) {
   for (std::size_t listener = 0; listener < settings.listeners.size(); ++listener) {
     DevicePlaces& watched = watched_.emplace_back();

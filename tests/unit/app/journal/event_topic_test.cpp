@@ -159,6 +159,7 @@ std::vector<Case> events_of_requests() {
       {gateway::WriteDenied{{asked, "by", 0}}, kRequestDenied},
       {gateway::StopDenied{{asked, "by", 0}}, kStopDenied},
       {gateway::WriteAccepted{asked}, kWriteAccepted},
+      {gateway::BroadcastLeavesOut{asked, true, {"axis-x"}}, kBroadcastLeavesOut},
       {gateway::CountersCleared{asked}, kCountersCleared},
   };
 }

@@ -239,12 +239,12 @@ TEST_F(Reload, ClosesClientsThatAreNotAllowedAnyMore) {
 
 TEST_F(Reload, GivesClientsTheirNewRights) {
   Settings changed = plant();
-  changed.listeners.insert(changed.listeners.begin(), changed.listeners[0]);
-  changed.listeners[0].name = "new";
+  changed.listeners.emplace(changed.listeners.begin())->name = "new";
   changed.listeners[1].read_only = {*routing::Network::parse("192.0.2.1")};
   rig_.reload(changed);
   rig_.receive(1, write_request(6));
-  EXPECT_THAT(rig_.take_sent(1), ElementsAre("00 06 00 00 00 03 01 86 01"));
+  EXPECT_THAT(rig_.take_sent(1),
+              ElementsAre(busy(2), busy(3, 2), busy(5, 11), "00 06 00 00 00 03 01 86 01"));
 }
 
 TEST(ReloadOfGuards, KeepsOwnersAndSendsFailsafeWritesIfNobodyMayWriteAnyMore) {
