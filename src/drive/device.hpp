@@ -76,6 +76,8 @@ struct Device {
   bool stop_cancels = true;
   /// Reads may be answered with data up to this old; 0: never.
   Duration cache{0};
+  /// It is the Modbus TCP server itself: every unit identifier on its bus is this device.
+  bool has_every_unit = false;
 
   /// A reload has removed it. Its number is not used again.
   [[nodiscard]] bool is_gone() const { return bus == kNoBus; }
@@ -88,9 +90,11 @@ struct Device {
   /// The same of a request whose values are in this order.
   [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request,
                                         std::optional<WordOrder> order) const;
+  /// Does a request to this address of its bus reach it?
+  [[nodiscard]] bool stands_for(std::uint8_t to) const { return has_every_unit || to == address; }
   /// Does it carry out what goes to this address, or to all in this form of broadcasts?
   [[nodiscard]] bool is_addressed_by(std::uint8_t to, BroadcastForm form) const {
-    return form == BroadcastForm::none ? to == address : form == profile.broadcast.form;
+    return form == BroadcastForm::none ? stands_for(to) : form == profile.broadcast.form;
   }
   /// Is the request a write of one of the profile's stops and of nothing else?
   [[nodiscard]] bool is_stop(const modbus::Request& request) const;

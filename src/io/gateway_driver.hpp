@@ -100,6 +100,9 @@ class GatewayDriver final : public AcceptEvents,
   void line_bytes(gateway::BusId bus, modbus::Bytes bytes) override;
   void line_lost(gateway::BusId bus, const std::string& why) override;
   void line_closed(gateway::BusId bus, const std::string& why) override;
+  [[nodiscard]] std::string name_of(gateway::BusId bus) const override {
+    return gateway_.settings().bus(bus).name;
+  }
 
   /// The only way into the machine. A recording has exactly the inputs that pass here.
   void feed(const gateway::Input& input);

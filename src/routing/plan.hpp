@@ -17,10 +17,16 @@ struct PlannedTransaction {
   PlannedTransaction(BusId on, std::uint8_t to, const modbus::Request& asked,
                      bool may_be_silent = false,
                      drive::BroadcastForm form = drive::BroadcastForm::none)
-      : bus(on), address(to), request(asked), silence_is_success(may_be_silent), broadcast(form) {}
+      : bus(on),
+        address(to),
+        unit(to),
+        request(asked),
+        silence_is_success(may_be_silent),
+        broadcast(form) {}
 
   BusId bus;
-  std::uint8_t address;
+  std::uint8_t address;  ///< of the device
+  std::uint8_t unit;     ///< on the wire: another one if every unit is that device
   modbus::Request request;
   bool silence_is_success;  ///< 08/01 and 08/04
   drive::BroadcastForm broadcast;

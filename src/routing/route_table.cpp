@@ -56,6 +56,11 @@ void RouteTable::add(const Route& route, Units& units) {
   if (route.device) {
     resolved.device = &devices_[*route.device];
   }
+  for (const drive::Device& device : devices_) {
+    if (device.has_every_unit && device.bus == route.buses.front()) {
+      resolved.one_address = device.address;
+    }
+  }
   if (route.is_broadcast()) {
     std::ranges::transform(route.buses, std::back_inserter(resolved.audiences),
                            [this](BusId bus) { return audience_on(bus); });

@@ -160,10 +160,11 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
 
 void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
   // Its route's: window_begin, window_end.
-  const auto& [address, request, silence_is_success, broadcast, response, boot_time, must_hold,
+  const auto& [address, unit, request, silence_is_success, broadcast, response, boot_time, must_hold,
                window_begin, window_end] = transaction;
   explore::require(must_hold == nullptr, "the gateway asks nothing of its own");
   hash.add(address);
+  hash.add(unit);
   hash.add(request.pdu().bytes());
   hash.add(silence_is_success);
   hash.add(broadcast);

@@ -125,6 +125,7 @@ void StateReader::read(const routing::Plan& plan, Hash& hash) {
   hash.add(plan.function());
   for (const routing::PlannedTransaction& transaction : plan.transactions()) {
     hash.add(transaction.address);
+    hash.add(transaction.unit);
     hash.add(transaction.request.pdu().bytes());
   }
 }

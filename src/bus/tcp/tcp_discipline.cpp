@@ -45,7 +45,7 @@ FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTim
   quiet_since_ = now;
   use_.note_asked(now);
   const modbus::MbapBytes adu =
-      modbus::encode({{identifier, transaction.address}, transaction.request.pdu()});
+      modbus::encode({{identifier, transaction.unit}, transaction.request.pdu()});
   return {adu.begin(), adu.end()};
 }
 
@@ -101,12 +101,11 @@ bool TcpDiscipline::take_answer(Instant now) {
 
 void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
   const auto flight = find(answer.header.transaction);
-  if (flight == flights_.end() ||
-      !is_unit_right(answer.header.unit, flight->transaction->address)) {
+  if (flight == flights_.end() || !is_unit_right(answer.header.unit, flight->transaction->unit)) {
     ++counters_.unsolicited_frames;
     const auto expired =
         std::ranges::find(expired_, answer.header.transaction, &Expired::identifier);
-    if (expired != expired_.end() && is_unit_right(answer.header.unit, expired->address)) {
+    if (expired != expired_.end() && is_unit_right(answer.header.unit, expired->unit)) {
       use_.note_answer(now);
       unsolicited_.add({expired->address, answer.pdu, now});
       expired_.erase(expired);
@@ -131,7 +130,8 @@ void TcpDiscipline::handle_deadline(Instant now) {
         use_.note_unanswered(flight.sent);
       }
       ends_.push_back({LineEnd::How::no_response, flight.transaction, flight.due});
-      expired_.push_back({flight.identifier, flight.transaction->address});
+      expired_.push_back(
+          {flight.identifier, flight.transaction->address, flight.transaction->unit});
       if (expired_.size() > kMostExpired) {
         expired_.pop_front();
       }

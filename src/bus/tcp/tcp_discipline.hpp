@@ -81,6 +81,7 @@ class TcpDiscipline {
   struct Expired {
     std::uint16_t identifier;
     std::uint8_t address;
+    std::uint8_t unit;
   };
   using Flights = std::vector<Flight>;
 

@@ -50,8 +50,8 @@ bool is_reached(const Settings& settings, drive::BusId id) {
 /// Transparent listeners pass units 1 to 247, and broadcasts if they are told to.
 bool passes_writes(const gateway::ListenerSettings& listener, const drive::Device& device) {
   constexpr std::uint8_t kLastUnit = 247;
-  return listener.bus == device.bus &&
-         (listener.broadcast || (device.address >= 1 && device.address <= kLastUnit));
+  return listener.bus == device.bus && (listener.broadcast || device.has_every_unit ||
+                                        (device.address >= 1 && device.address <= kLastUnit));
 }
 
 /// Failsafe writes are sent when the last client that may write has gone.

@@ -125,6 +125,9 @@ constexpr std::array kBusKeys = {
     plain<&BusSettings::hung_max>("hung_max", DurationRange{1s, 24h}, Lines::ports, kPort),
     plain<&BusSettings::hung_requests>("hung_requests", IntegerRange{1, 1'000'000}, Lines::ports,
                                        kPort),
+    plain<&BusSettings::one_device>(
+        "one_device", Truth{}, Lines::server,
+        R"(belongs to mode = "tcp": on a serial line each device has its address)"),
     plain<&BusSettings::outstanding>(
         "outstanding", kOutstanding,
         Lines::server, R"(belongs to mode = "tcp": a serial line carries one request at a time)"),

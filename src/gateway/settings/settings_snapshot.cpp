@@ -26,7 +26,7 @@ bool reaches(const routing::ResolvedRoute& resolved, unsigned unit, const drive:
     });
   }
   return resolved.route.buses.front() == device.bus &&
-         resolved.route.address_of(static_cast<std::uint8_t>(unit)) == device.address;
+         device.stands_for(resolved.route.address_of(static_cast<std::uint8_t>(unit)));
 }
 
 }  // namespace

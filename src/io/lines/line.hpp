@@ -13,6 +13,7 @@
 #include "bus/settings.hpp"
 #include "io/blocking_calls.hpp"
 #include "io/lines/closing_ports.hpp"
+#include "io/lines/open_ends.hpp"
 #include "modbus/bytes.hpp"
 
 namespace mbgate::io {
@@ -28,6 +29,8 @@ class LineEvents {
   virtual void line_lost(drive::BusId bus, const std::string& why) = 0;
   /// The server has closed an open connection.
   virtual void line_closed(drive::BusId bus, const std::string& why) = 0;
+  /// Of the bus, for texts about another one.
+  [[nodiscard]] virtual std::string name_of(drive::BusId /*bus*/) const { return "another"; }
 };
 
 /// What the lines of one io thread share.
@@ -36,6 +39,7 @@ struct LineContext {
   BlockingCalls& blocking;
   LineEvents& events;
   std::shared_ptr<ClosingPorts> closing = std::make_shared<ClosingPorts>();
+  std::shared_ptr<OpenEnds> ends = std::make_shared<OpenEnds>();
 };
 
 class Line {

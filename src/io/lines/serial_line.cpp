@@ -92,7 +92,9 @@ void SerialLine::finish_open(Result<OpenTty, std::string> result, const bus::Lin
   }
   state_ = State::closed;
   if (!result) {
-    context_.events.line_lost(bus_, result.error());
+    const auto other = context_.ends->other(this, port_end(opened.device));
+    context_.events.line_lost(
+        bus_, other ? opened.device + ": bus " + *other + " has this port open" : result.error());
     return;
   }
   boost::system::error_code error;
@@ -103,6 +105,7 @@ void SerialLine::finish_open(Result<OpenTty, std::string> result, const bus::Lin
   }
   result->fd.release();
   state_ = State::open;
+  context_.ends->note(this, port_end(opened.device), context_.events.name_of(bus_));
   transmitting_ = false;
   rest_.clear();
   supervise(context_.io, read_loop(generation_), "line read");
@@ -246,6 +249,7 @@ boost::asio::awaitable<void> SerialLine::release_rts(unsigned generation) {
 
 void SerialLine::close() {
   state_ = State::closed;
+  context_.ends->forget(this);
   ++generation_;
   timer_.cancel();
   if (descriptor_.is_open()) {
