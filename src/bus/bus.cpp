@@ -94,7 +94,19 @@ void Bus::handle_bytes(modbus::Bytes bytes, Instant now) {
   dispatch_.pump(now);
 }
 
-void Bus::handle_looked(Instant now) { dispatch_.pump_looked(now); }
+void Bus::note_unsent(std::size_t bytes) {
+  if (SerialDiscipline* serial = parts_.line.serial()) {
+    serial->note_unsent(bytes);
+  }
+}
+
+void Bus::handle_looked(Instant now) {
+  if (SerialDiscipline* serial = parts_.line.serial(); serial != nullptr && parts_.link.is_open()) {
+    serial->handle_looked(now);
+    collect(now);
+  }
+  dispatch_.pump_looked(now);
+}
 
 void Bus::handle_deadline(Instant now) {
   if (parts_.link.take_due(now)) {
@@ -116,15 +128,23 @@ void Bus::collect(Instant now) {
     outcomes_.handle_end(*end, now);
   }
   while (const auto fault = parts_.line.take_fault()) {
-    if (fault == LineFault::framing_lost) {
+    if (fault == LineFault::framing_lost || fault == LineFault::driver_stalled) {
+      // What the driver still holds is dropped with the line: it must not leave later.
+      if (fault == LineFault::driver_stalled) {
+        parts_.actions.push(LineNotice{*fault});
+      }
       parts_.actions.push(CloseLine{});
       handle_lost(now);
-    } else if (fault != LineFault::unanswered) {
+    } else if (fault != LineFault::unanswered && fault != LineFault::answer_cut_off) {
       parts_.actions.push(LineNotice{*fault});
     } else if (!parts_.stopping) {
-      // The far end takes what is sent, and says nothing.
+      // The far end takes what is sent, and says nothing, or nothing that can be followed.
       ++parts_.counters.losses;
-      parts_.actions.push(ReplaceLine{diagnosis_.note_unanswered_connection()});
+      const bool is_silent = fault == LineFault::unanswered;
+      if (!is_silent) {
+        parts_.actions.push(LineNotice{*fault});
+      }
+      parts_.actions.push(ReplaceLine{is_silent && diagnosis_.note_unanswered_connection()});
       rest(now);
     }
   }

@@ -33,6 +33,8 @@ class Bus {
   /// somebody asks, at once if somebody waits already.
   void handle_lost(Instant now, Loss loss = Loss::failed);
   void handle_bytes(modbus::Bytes bytes, Instant now);
+  /// The driver of the line holds so many bytes that it has not sent, from now on.
+  void note_unsent(std::size_t bytes);
   /// After LookAtLine: what lay in the line has been handed in, and nothing else since.
   void handle_looked(Instant now);
   /// Whoever calls this has handed in before what already lay in the line.

@@ -29,15 +29,10 @@ class LineDiscipline {
   [[nodiscard]] Instant possible_at() const {
     return when([](const auto& it) { return it.possible_at(); });
   }
-  /// Nothing on a connection, which is never busy.
-  [[nodiscard]] std::optional<Instant> busy_since() const {
-    const auto* serial = std::get_if<SerialDiscipline>(&line_);
-    return serial == nullptr ? std::nullopt : std::optional(serial->silence().busy_since());
-  }
   /// Nothing on a connection, where no silence is asked for.
-  [[nodiscard]] std::optional<Instant> quiet_since() const {
+  [[nodiscard]] const LineSilence* silence() const {
     const auto* serial = std::get_if<SerialDiscipline>(&line_);
-    return serial == nullptr ? std::nullopt : std::optional(serial->silence().quiet_since());
+    return serial == nullptr ? nullptr : &serial->silence();
   }
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
                    Instant now) {
@@ -70,6 +65,8 @@ class LineDiscipline {
   void abort() {
     std::visit([](auto& line) { line.abort(); }, line_);
   }
+  /// Nothing if it is a connection.
+  SerialDiscipline* serial() { return std::get_if<SerialDiscipline>(&line_); }
   void handle_bytes(modbus::Bytes bytes, Instant now) {
     std::visit([&](auto& line) { line.handle_bytes(bytes, now); }, line_);
   }

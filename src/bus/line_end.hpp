@@ -64,7 +64,11 @@ enum class LineFault : std::uint8_t {
   echo_unproven,
   /// A matching answer began before its request had left, and was not accepted.
   answered_while_sending,
-  unanswered  ///< a connection takes requests, and nothing has been received from it for long
+  unanswered,  ///< a connection takes requests, and nothing has been received from it for long
+  /// A response timeout has ended behind a part of an answer: where the next one begins is not
+  /// known.
+  answer_cut_off,
+  driver_stalled  ///< the driver still holds bytes that should have left long ago
 };
 /// Faults that were noticed and not yet reported.
 using LineFaults = boost::container::static_vector<LineFault, 8>;

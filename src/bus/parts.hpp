@@ -48,6 +48,11 @@ struct Parts {
   /// Are devices held in quarantine? Not on Modbus TCP, where the transaction identifier tells late
   /// answers apart.
   [[nodiscard]] bool quarantines() const { return settings.line.framing != Framing::tcp; }
+  /// Does a Modbus TCP server say that it did not reach the device? Then the device has not
+  /// answered.
+  [[nodiscard]] bool is_unreached(const modbus::Pdu& response) const {
+    return settings.line.framing == Framing::tcp && response.is_unreached();
+  }
 
   BusSettings settings;
   DeviceTable devices;

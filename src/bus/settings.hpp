@@ -123,6 +123,8 @@ struct BusSettings {
   /// Framing tcp: true if a response must have the unit identifier of its request. False: the
   /// transaction identifier is enough; many servers answer as unit 1 or 255.
   bool check_unit = false;
+  /// Framing tcp: whether every unit is the one device of this bus. None: if its address is 255.
+  std::optional<bool> one_device{};
   /// Framing tcp: a connection is replaced if this many requests on it were unanswered and nothing
   /// was received for 30 s meanwhile; 0: never.
   unsigned replace_after = 5;

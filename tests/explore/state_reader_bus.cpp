@@ -55,7 +55,8 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
     read(*transmission, devices, gateway, hash);
   }
   read(queue, gateway, hash);
-  const auto& [waiting_stops] = stops;
+  const auto& [waiting_stops, resting_stops] = stops;
+  explore::require(resting_stops.empty(), "no stop is refused");
   hash.add(waiting_stops.size());
   for (const bus::Transmission& stop : waiting_stops) {
     read(stop, devices, gateway, hash);
@@ -161,7 +162,7 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
 
 void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
   // Its route's: window_begin, window_end.
-  const auto& [address, request, silence_is_success, broadcast, response, boot_time, must_hold,
+  const auto& [address, unit, request, silence_is_success, broadcast, response, boot_time, must_hold,
                window_begin, window_end] = transaction;
   explore::require(must_hold == nullptr, "the gateway asks nothing of its own");
   hash.add(address);
@@ -185,12 +186,13 @@ void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash
 
 void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash) {
   // A setting: device. Counted or told only: counters, early_reported, second_reported,
-  // misfit_reported, owed_until, asked_at, silence, times, second_at, second_read_at, setting.
+  // misfit_reported, owed_until, asked_at, silence, times, second_at, second_read_at, setting,
+  // unreached, failed_stop.
   // A job that the queue shows too: probe.
   const auto& [device, counters, health, hold, cache, free_at, probe, setting_known, early_reported,
                last_turn, last_stop_turn, stops_given_up, merge_refused, second_reported,
                misfit_reported, owed_until, asked_at, silence, times, second_at, second_read_at,
-               setting] = entry;
+               setting, unreached, failed_stop] = entry;
   read(health, entry.timing(), hash);
   read(hold, entry.timing(), hash);
   read(cache, device->cache, hash);

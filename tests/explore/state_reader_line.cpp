@@ -12,10 +12,11 @@ void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash
 
 void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
   // Settings: paced_setting, slack. Counted, shown or told only: counters, draining, heard,
-  // heard_at, unpaced_told. Empty when the machine was asked for its actions: faults, refused, end.
+  // heard_at, unpaced_told. Without a driver that holds something: unsent, is_answerless. Empty when
+  // the machine was asked for its actions: faults, refused, end.
   const auto& [silence, paced_setting, paced, slack, counters, faults, echo, framer, transaction,
                response_due, response_deadline, response_wait, owed, misfit, refused, draining,
-               heard, heard_at, unpaced_told, end] = line;
+               heard, heard_at, unpaced_told, unsent, is_answerless, end] = line;
   // Settings: timing, frame_gap, turnaround, settle.
   const auto& [timing, frame_gap, turnaround, settle, quiet_since, busy_since, settling_until,
                listening_until, turnaround_until, emission_ends] = silence;
@@ -53,7 +54,7 @@ void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
   // `address`, is what the line asks, and is looked at only as long as it does, or if it is such a
   // read.
   const auto& [state, learns, counters, faults, address, asked, may_answer, expected, seen, owed,
-               due, held, spoilt, passed, shown, lost, unproven_told] = echo;
+               due, held, echoed, heard, spoilt, passed, shown, lost, unproven_told] = echo;
   explore::require(!may_answer || !asked || !modbus::is_read(asked->bytes()),
                    "no read looks like its own answer");
   hash.add(state);
@@ -62,6 +63,12 @@ void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
   hash.add(owed.size());
   for (const bus::FrameBytes& frame : owed) {
     hash.add(std::span(frame.data(), frame.size()));
+  }
+  hash.add(echoed);
+  for (std::size_t known = 0; known < heard.size(); ++known) {
+    if (heard[known]) {
+      hash.add(known);
+    }
   }
   hash.add(spoilt);
   hash.add(shown);

@@ -48,7 +48,7 @@ FRONTS = {
     "gateway/status": {"diagnosis", "quality_text", "status_report"},
     "gateway/trace": {"trace_book", "trace_record", "trace_text"},
     "gateway/settings": {"device_index", "numbering", "settings_snapshot", "unit_meaning"},
-    "gateway/writes": {"failsafe", "failsafe_writes", "write_rules"},
+    "gateway/writes": {"failsafe_writes", "write_rules"},
     "io/clients": {"client_connections", "descriptors", "hangup_watch", "listening_socket", "open_listeners", "server_set", "tcp_server"},
     "io/denials": {"advice", "denials", "starter"},
     "io/lines": {"line_set"},

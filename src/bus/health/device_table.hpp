@@ -26,6 +26,12 @@ namespace mbgate::bus {
 inline constexpr std::size_t kAddresses = std::numeric_limits<std::uint8_t>::max() + 1;
 using Addresses = std::bitset<kAddresses>;
 
+/// A stop that its device did not acknowledge.
+struct FailedStop {
+  Instant at;                  ///< when it was given up
+  std::uint8_t exception = 0;  ///< with which it was refused; 0: it was unanswered
+};
+
 struct DeviceEntry {
   const drive::Device* device = nullptr;  ///< never null
   DeviceCounters counters;
@@ -58,6 +64,10 @@ struct DeviceEntry {
   Instant second_at = Instant::min();
   Instant second_read_at = Instant::min();
   std::optional<std::uint16_t> setting;
+  /// Shown only: the exception of a server that did not reach it, if that came last.
+  std::optional<std::uint8_t> unreached;
+  /// And the last stop, if it was given up and no write was acknowledged since.
+  std::optional<FailedStop> failed_stop;
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
   /// It was told what makes it boot, or may have been.

@@ -101,13 +101,11 @@ void Hold::settle(Instant now, const Timing& timing, bool is_probe) {
     }
   }
   std::erase_if(unanswered_, [&](const Unanswered& it) {
+    const bool was_waited_for = held_until_ && it.sent < *held_until_;
     return it.is_over && !is_held &&
-           (held_until_ || is_probe || it.is_unreadable ||
+           (was_waited_for || is_probe || it.is_unreadable ||
             now >= it.sent + timing.quarantine_max + kAdapterKeeps);
   });
-  if (!is_held) {
-    held_until_.reset();
-  }
 }
 
 // Where tails end without an answer again and again, though the device answers others, its answers

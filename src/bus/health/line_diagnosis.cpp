@@ -33,8 +33,8 @@ void LineDiagnosis::note_opened() {
 // A line that is never silent is told once until somebody is understood again.
 void LineDiagnosis::note_bytes(bool asked, Instant now) {
   const Duration limit = std::max(kNeverSilent, longest_stream(parts_.settings));
-  const auto since = parts_.line.busy_since();
-  if (since && now >= *since + limit) {
+  const LineSilence* silence = parts_.line.silence();
+  if (silence != nullptr && now >= silence->busy_since() + limit) {
     last_never_silent_ = now;
     if (!std::exchange(never_silent_reported_, true)) {
       parts_.actions.push(NeverSilent{});
@@ -46,8 +46,8 @@ void LineDiagnosis::note_bytes(bool asked, Instant now) {
 }
 
 void LineDiagnosis::note_begins(Instant now) {
-  if (const auto quiet_since = parts_.line.quiet_since()) {
-    silences_.note(std::max(now - *quiet_since, Duration{0}));
+  if (const LineSilence* silence = parts_.line.silence()) {
+    silences_.note(std::max(now - silence->quiet_since(), Duration{0}));
   }
 }
 
@@ -56,12 +56,13 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
   parts_.devices[asked.address].counters.wire_time += std::max(free_at - asked.sent, Duration{0});
   denied_echo_.note_ended(end.how == LineEnd::How::response && asked.is_read);
   const bool heard_frame = std::exchange(frame_heard_, false);
-  note_silence(asked, end.how, now);
+  const LineEnd::How how = asked.is_unreached ? LineEnd::How::no_response : end.how;
+  note_silence(asked, how, now);
   if (!asked.wants_answer) {
     return;
   }
   AnswerQuality& quality = quality_[asked.address];
-  switch (end.how) {
+  switch (how) {
     case LineEnd::How::response:
       quality.note_answered();
       quality_.note_answer(false);
@@ -133,6 +134,9 @@ void LineDiagnosis::notify(DeviceNotice::Kind kind, std::uint8_t address) {
   DeviceNotice notice{kind, address};
   notice.answered_before = quality_[address].has_answered();
   notice.transmissions = parts_.devices[address].health.unanswered_in_row();
+  if (const auto& stop = parts_.devices[address].failed_stop) {
+    notice.exception = stop->exception;
+  }
   parts_.actions.push(notice);
 }
 
@@ -140,7 +144,7 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];
   frame_heard_ = true;
-  if (unsolicited.is_echo) {
+  if (unsolicited.is_echo || parts_.is_unreached(unsolicited.pdu)) {
     return;
   }
   const auto late = unsolicited.is_response ? entry.hold.note_late(unsolicited.pdu.bytes(),

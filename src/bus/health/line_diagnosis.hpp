@@ -21,6 +21,7 @@ struct Asked {
   bool wants_answer;
   bool is_first;  ///< no repetition
   Instant sent;
+  bool is_unreached = false;  ///< a server has answered that it did not reach the device
 };
 
 /// Around the silences that the specification asks for, and beyond.

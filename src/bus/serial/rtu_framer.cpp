@@ -156,9 +156,15 @@ Verdict RtuFramer::search(bool silence) {
 }
 
 void RtuFramer::accept(const RtuFind& response) {
+  Instant began = buffer_.came_at(response.at);
+  const bool is_paced = sent_ != Instant::min();
+  for (std::size_t byte = 0; is_paced && byte < response.size; ++byte) {
+    began =
+        std::min(began, buffer_.came_at(response.at + byte) - timing_.least_duration_of(byte + 1));
+  }
   found_ = {modbus::Pdu::from(
                 buffer_.bytes().subspan(response.at + 1, response.size - modbus::kRtuOverhead)),
-            buffer_.came_at(response.at), response.at == 0 && buffer_.size() == given_};
+            began, response.at == 0 && buffer_.size() == given_};
   noise_ = response.at;
   counters_.noise_bytes += response.at;
   buffer_.drop(response.at + response.size);

@@ -10,6 +10,9 @@
 namespace mbgate::bus {
 namespace {
 
+// A driver, and the bus that its adapter is on, may begin a frame so much later than it was given.
+constexpr Duration kDriverIsLate = std::chrono::milliseconds(20);
+
 // Autonics' form of a broadcast has a function of its own (AiC manual, section 2.13).
 modbus::Pdu pdu_on_wire(const Transaction& transaction) {
   const modbus::Pdu& pdu = transaction.request.pdu();
@@ -36,7 +39,8 @@ void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
   framer_.forget();
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
-  unpaced_told_ = false;
+  unpaced_told_ = is_answerless_ = false;
+  unsent_ = 0;
   silence_.open(now, listen_until);
 }
 
@@ -62,6 +66,7 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   const Duration answer_time = transaction.boot_time
                                    ? silence_.turnaround()
                                    : timing.response_timeout + timing.response_wait;
+  is_answerless_ = transaction.is_broadcast() || transaction.may_stay_silent();
   response_due_ = silence_.emission_ends() + answer_time;
   response_deadline_ = response_due_;
   heard_ = 0;
@@ -79,6 +84,17 @@ void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Instant in
                                   Duration least) {
   response_deadline_ =
       std::min(response_deadline_, std::max(instant, silence_.emission_ends() + least));
+  framer_.hurry(response_deadline_);
+}
+
+bool SerialDiscipline::handle_looked(Instant now) {
+  const bool is_over =
+      transaction_ == nullptr ? is_answerless_ : now >= response_due_ && !framer_.in_progress();
+  if (unsent_ == 0 || !is_over || now < silence_.possible_at() + kDriverIsLate) {
+    return false;
+  }
+  note_fault(faults_, LineFault::driver_stalled);
+  return true;
 }
 
 void SerialDiscipline::note_misfit(Duration longest_answer, Instant now) {
@@ -138,7 +154,7 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
 }
 
 void SerialDiscipline::handle_deadline(Instant now) {
-  if (transaction_ == nullptr) {
+  if (handle_looked(now) || transaction_ == nullptr) {
     return;
   }
   if (transaction_->is_broadcast()) {

@@ -47,6 +47,13 @@ class SerialDiscipline {
   /// Gives up the running transaction: nothing of it will be reported.
   void abort();
 
+  /// The driver holds so many bytes that it has not sent yet.
+  void note_unsent(std::size_t bytes) { unsent_ = bytes; }
+  /// Something is about to be transmitted. What the driver holds would leave in front of it, when
+  /// nobody waits for it any more: a fault, here and at the end of a response timeout. Returns
+  /// whether it is one.
+  bool handle_looked(Instant now);
+
   void handle_bytes(modbus::Bytes bytes, Instant now);
   void handle_deadline(Instant now);
   [[nodiscard]] std::optional<Instant> next_deadline() const;
@@ -91,6 +98,8 @@ class SerialDiscipline {
   std::size_t heard_ = 0;  // bytes since the last own frame had left
   Instant heard_at_;       // the first of them
   bool unpaced_told_ = false;
+  std::size_t unsent_ = 0;
+  bool is_answerless_ = false;  // nothing answers what was sent last
   std::optional<LineEnd> end_;
 };
 

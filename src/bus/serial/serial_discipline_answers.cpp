@@ -68,7 +68,7 @@ Verdict SerialDiscipline::refuse(Instant now) {
     ++counters_.unsolicited_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
              (owed_.empty() || echo_.is_unknown()) && !echo_.pass()) {
-    if (owed_.empty()) {
+    if (owed_.empty() && echo_.is_unknown()) {
       echo_.find();
     } else {
       ++counters_.unsolicited_frames;  // an echo, or what is owed: that stays owed
@@ -86,10 +86,13 @@ Verdict SerialDiscipline::refuse(Instant now) {
 }
 
 // Until a read has shown whether the line hears itself, a repetition that comes at once may be an
-// echo. If something else that fits stands behind it, it was; alone it is taken.
+// echo. If something else that fits stands behind it, it was; alone it is taken, but only from a
+// device that is known to be there.
 Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
-  // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
-  const bool is_echo = echo_.was_shown() || transaction_->request.is_read();
+  // It was shown that this line hears itself; or it is a read, whose answer hardly looks so; or
+  // nothing shows that there is a device.
+  const bool is_nobodys = !echo_.has_heard_device();
+  const bool is_echo = echo_.was_shown() || transaction_->request.is_read() || is_nobodys;
   const bool is_late = framer_.found().began > silence_.emission_ends() + kEchoKept;
   if (!echo_.is_unknown() || !echo_.is_repetition(framer_.response()) || (is_late && !is_echo)) {
     return verdict;
@@ -107,6 +110,9 @@ Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
     }
     while (behind == Verdict::response && is_no_answer()) {
       behind = refuse(now);
+    }
+    if (is_nobodys && behind == Verdict::none && echo_.is_unknown()) {
+      echo_.note_unproven();
     }
     return behind;
   }
@@ -131,9 +137,7 @@ void SerialDiscipline::judge(Verdict verdict, Instant now) {
   switch (verdict) {
     case Verdict::none: return;
     case Verdict::response:
-      if (framer_.found().came_first) {
-        echo_.note_answered();
-      }
+      echo_.note_answered(framer_.response(), framer_.found().came_first);
       transaction_->response = framer_.response();
       end(LineEnd::How::response);
       return;

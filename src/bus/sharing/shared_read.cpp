@@ -54,6 +54,7 @@ class Gathering {
     if (differ) {
       transmission_.merged =
           std::make_unique<Transaction>(leader_.address(), modbus::make_read(range_));
+      transmission_.merged->unit = leader_.transaction().unit;
     }
   }
 

@@ -81,6 +81,7 @@ class TcpDiscipline {
   struct Expired {
     std::uint16_t identifier;
     std::uint8_t address;
+    std::uint8_t unit;
   };
   using Flights = std::vector<Flight>;
 
@@ -89,6 +90,8 @@ class TcpDiscipline {
   /// Takes one answer off the stream. False: there is no whole one, or framing is lost.
   bool take_answer(Instant now);
   void match(const modbus::MbapAdu& answer, Instant now);
+  /// Drops bytes behind an exception that its length has promised and that begin no answer.
+  void skip_padding();
   [[nodiscard]] bool is_unit_right(std::uint8_t answered, std::uint8_t asked) const {
     return !check_unit_ || answered == asked;
   }
@@ -99,6 +102,7 @@ class TcpDiscipline {
   Flights flights_;
   std::uint16_t last_identifier_ = 0;
   std::vector<std::uint8_t> stream_;  // less than an answer, between calls
+  std::size_t padding_ = 0;           // so many bytes that are no answer may come next
   Instant quiet_since_;               // the last byte in either direction
   ConnectionUse use_;
   std::deque<LineEnd> ends_;

@@ -60,13 +60,15 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
     const bool is_stop = transmission.is_stop();
     owed = entry.hold.owed(sent.request, is_stop ? Instant::min() : transmission.transmitted_at);
   }
-  const auto silent_since = parts_.line.quiet_since();
+  const auto quiet_since = [silence = parts_.line.silence()] {
+    return silence == nullptr ? std::nullopt : std::optional(silence->quiet_since());
+  };
+  const auto silent_since = quiet_since();
   diagnosis_.note_begins(now);
   TransmitFrame frame{parts_.line.begin(sent, timing, std::move(owed), now)};
   if (parts_.is_traced) {
     parts_.actions.push(TransmissionBegan{title_of(transmission), sent.address, sent.is_broadcast(),
-                                          transmission.tries, silent_since,
-                                          parts_.line.quiet_since()});
+                                          transmission.tries, silent_since, quiet_since()});
   }
   parts_.actions.push(std::move(frame));
   if (stop != nullptr && in_the_way_of(parts_, *stop->leader) == &transmission) {

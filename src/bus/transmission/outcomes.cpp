@@ -34,9 +34,12 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   transmission.is_let_by = false;
   parts_.turns.note_end(now);
   const Transaction& sent = *end.transaction;
-  const Asked asked{sent.address, sent.request.is_read(),
-                    !sent.is_broadcast() && !sent.may_stay_silent(), transmission.tries == 1,
-                    transmission.last_sent};
+  const Asked asked{sent.address,
+                    sent.request.is_read(),
+                    !sent.is_broadcast() && !sent.may_stay_silent(),
+                    transmission.tries == 1,
+                    transmission.last_sent,
+                    end.how == LineEnd::How::response && parts_.is_unreached(*sent.response)};
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
   if (parts_.is_traced) {
@@ -74,7 +77,6 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   const bool exception = response.is_exception();
   ++parts_.counters.responses;
   ++entry.counters.responses;
-  entry.note_heard();
   diagnosis_.note_understood();
   if (exception) {
     ++parts_.counters.exceptions;
@@ -88,14 +90,21 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
       diagnosis_.notify(DeviceNotice::Kind::early, asked.address);
     }
   }
-  entry.hold.note_answered({asked.request, transmission.last_sent, end.due}, response.bytes(),
-                           end.took, now, entry.timing());
-  if (entry.health.note_answered(transmission.last_sent, now)) {
-    diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
+  const bool is_unreached = parts_.is_unreached(response);
+  if (is_unreached) {
+    note_unreached(transmission, now);
+  } else {
+    entry.note_heard();
+    entry.unreached.reset();
+    entry.hold.note_answered({asked.request, transmission.last_sent, end.due}, response.bytes(),
+                             end.took, now, entry.timing());
+    if (entry.health.note_answered(transmission.last_sent, now)) {
+      diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
+    }
+    diagnosis_.note_times(transmission, end, now);
   }
-  diagnosis_.note_times(transmission, end, now);
   transmission.is_probe = false;
-  if (exception && transmission.merged) {
+  if (exception && transmission.merged && !is_unreached) {
     entry.merge_refused = true;
     ends_.split_up(transmission, Ending::answered);
     return;
@@ -109,15 +118,39 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
     ends_.finish(transmission, Ending::mismatched);
     return;
   }
-  if (exception) {
+  if (exception && !(transmission.is_stop() && entry.device->has_accepted(response))) {
     parts_.acknowledged.forget(asked.address);
-    ends_.finish(transmission, Ending::answered);
+    if (!transmission.is_stop() || !repeat_refused(transmission, now)) {
+      ends_.finish(transmission, Ending::answered);
+    }
     return;
+  }
+  if (!asked.request.is_read()) {
+    entry.failed_stop.reset();
   }
   note_stopped(transmission, now);
   entry.hold_booting(own.boot_time, now);  // though it has answered before
   remember(leader, transmission);
   ends_.advance(transmission, Ending::answered);
+}
+
+// The exception goes to who asked. Nothing came from the device; what is owed on a connection holds
+// nothing.
+void Outcomes::note_unreached(Transmission& transmission, Instant now) {
+  const Transaction& sent = transmission.on_wire();
+  DeviceEntry& entry = parts_.devices[sent.address];
+  entry.setting_known = false;
+  entry.cache.clear();
+  entry.unreached = sent.response->bytes()[1];
+  if (transmission.is_stop()) {
+    entry.last_stop_turn = transmission.turn;
+  }
+  const bool lost =
+      entry.health.note_unanswered(transmission.last_sent, now, entry.timing());
+  parts_.probes.note_unanswered(transmission, now);
+  if (lost) {
+    go_offline(entry, sent.address, now);
+  }
 }
 
 // Other settings, which came meanwhile, may expect the question's register to hold something else,
@@ -140,6 +173,7 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   DeviceEntry& entry = parts_.devices[address];
   entry.setting_known = false;
   entry.cache.clear();
+  entry.unreached.reset();
   if (sent.may_stay_silent()) {
     parts_.probes.note_unanswered(transmission, now);
     entry.hold_booting(sent.boot_time, now);

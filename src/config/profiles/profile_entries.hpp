@@ -24,9 +24,10 @@ struct ProfileDraft {
   TomlDocument& document;
   TomlTable root;
   ProfileFile file;
-  std::vector<TomlTable> value_tables;   ///< beside file.values
-  std::vector<TomlTable> string_tables;  ///< beside file.strings
-  std::vector<TomlTable> group_tables;   ///< beside file.groups
+  std::vector<TomlTable> value_tables;    ///< beside file.values
+  std::vector<TomlTable> string_tables;   ///< beside file.strings
+  std::vector<TomlTable> group_tables;    ///< beside file.groups
+  std::vector<TomlTable> guarded_tables;  ///< beside file.guarded
 };
 
 /// `register` (or another key) of an entry as a protocol address.
@@ -40,6 +41,8 @@ DocumentedRanges read_ranges(const ProfileFile& file, std::vector<TomlTable> ent
                              std::vector<TomlTable>* places = nullptr);
 
 void read_values(ProfileDraft& draft);
+/// `communication`: registers of which each write is guarded, or those of certain values.
+void read_communication(ProfileDraft& draft);
 void read_slow(ProfileDraft& draft);
 void read_unanswered(ProfileDraft& draft);
 void read_stops(ProfileDraft& draft);

@@ -56,24 +56,25 @@ void read_numbering(ProfileDraft& draft) {
   }
 }
 
-void read_functions(ProfileDraft& draft) {
-  const auto* elements = draft.root.list("functions");
+/// A list of codes from 1 to the last that the set can hold; false: there is no such list.
+template <std::size_t kSize>
+bool read_set(TomlTable& root, std::string_view key, std::string_view kind,
+              std::bitset<kSize>& codes) {
+  const auto* elements = root.list(key);
   if (elements == nullptr) {
-    return;
+    return false;
   }
-  auto& functions = draft.file.profile.functions;
-  functions.reset();
-  if (elements->empty()) {
-    draft.root.error("functions", "an empty list lets nothing through");
-  }
+  codes.reset();
   for (const auto& element : *elements) {
     const auto* code = std::get_if<std::int64_t>(&element.data);
-    if (code == nullptr || *code < 1 || *code > 127) {
-      draft.root.report_expected("functions", element, "a function code from 1 to 127");
+    if (code == nullptr || *code < 1 || *code >= static_cast<std::int64_t>(kSize)) {
+      root.report_expected(key, element,
+                           std::string(kind) + " code from 1 to " + std::to_string(kSize - 1));
     } else {
-      functions.set(static_cast<std::size_t>(*code));
+      codes.set(static_cast<std::size_t>(*code));
     }
   }
+  return true;
 }
 
 void read_behaviour(ProfileDraft& draft) {
@@ -82,7 +83,11 @@ void read_behaviour(ProfileDraft& draft) {
     profile.first_address = addresses->first;
     profile.last_address = addresses->last;
   }
-  read_functions(draft);
+  if (read_set(draft.root, "functions", "a function", profile.functions) &&
+      draft.root.list("functions")->empty()) {
+    draft.root.error("functions", "an empty list lets nothing through");
+  }
+  read_set(draft.root, "acceptances", "an exception", profile.acceptances);
   if (const auto order = draft.root.word<OrderOfMaker>("word_order", kOrders)) {
     profile.word_order_settable = *order == OrderOfMaker::settable;
     if (*order != OrderOfMaker::settable) {
@@ -90,6 +95,7 @@ void read_behaviour(ProfileDraft& draft) {
           *order == OrderOfMaker::big ? drive::WordOrder::big : drive::WordOrder::little;
     }
   }
+  profile.response_timeout = draft.root.duration("response_timeout", {1ms, 1h});
   assign(profile.response_wait, draft.root.duration("response_wait", {0s, 1min}));
   assign(profile.input_as_holding, draft.root.boolean("input_as_holding"));
   profile.write_function = read_write_function(draft.root);
@@ -208,7 +214,7 @@ void read_lists(ProfileDraft& draft) {
   file.strings = ranges("strings", kRegisterTables, &draft.string_tables);
   file.read_only = ranges("read_only", kTables);
   file.write_only = ranges("write_only", kWritableTables);
-  file.communication = ranges("communication", kWritableTables);
+  read_communication(draft);
   read_values(draft);
   read_slow(draft);
   read_unanswered(draft);
@@ -218,6 +224,7 @@ void read_lists(ProfileDraft& draft) {
 /// The rules out of what was documented.
 void fill_profile(ProfileFile& file) {
   auto& profile = file.profile;
+  profile.map = facts(file.map);
   profile.groups = facts(file.groups);
   profile.read_only = facts(file.read_only);
   profile.write_only = facts(file.write_only);
@@ -231,6 +238,9 @@ void fill_profile(ProfileFile& file) {
       (access == ValueAccess::read ? profile.read_only : profile.write_only)
           .push_back(value.range());
     }
+  }
+  for (const auto& guarded : file.guarded) {
+    profile.guarded.push_back(guarded.fact);
   }
   for (const auto& slow : file.slow) {
     profile.slow.push_back(slow.fact);

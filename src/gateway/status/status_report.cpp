@@ -105,6 +105,11 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
       bus.diagnosis().echo() == bus::NoticedEcho::none ? entry.second_at : entry.second_read_at,
       now);
   status.other_order = other_order(entry);
+  status.unreached = entry.unreached;
+  if (entry.failed_stop) {
+    status.last_failed_stop = now - entry.failed_stop->at;
+    status.stop_exception = entry.failed_stop->exception;
+  }
   status.counters = entry.counters;
   status.quality = bus.diagnosis().quality()[address].verdict();
   status.queue = percentiles_of(entry.times.queue);

@@ -133,7 +133,7 @@ void LineTrace::hear_adus(modbus::Bytes bytes, const WireTrace& blank, Instant n
   all.insert(all.end(), bytes.begin(), bytes.end());
   modbus::Bytes rest = all;
   while (!rest.empty()) {
-    const modbus::MbapScan scan = modbus::scan_mbap(rest);
+    const modbus::MbapScan scan = modbus::scan_mbap_answer(rest);
     std::size_t size = rest.size();
     if (std::holds_alternative<modbus::MbapIncomplete>(scan)) {
       break;

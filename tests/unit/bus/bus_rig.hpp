@@ -51,6 +51,7 @@ class Bus : public testing::Test {
   }
   static bus::BusSettings settings() {
     bus::BusSettings settings;
+    settings.line.echo = false;
     settings.listen_first = 0ms;
     settings.timing.response_timeout = 100ms;
     settings.timing.retries = 0;

@@ -91,5 +91,21 @@ INSTANTIATE_TEST_SUITE_P(Drives, BusSecondAnswers,
                                          Doubled{1, 80ms}, Doubled{0.3, 9ms}, Doubled{0.05, 9ms},
                                          Doubled{0.05, 40ms}, Doubled{0.05, 80ms}));
 
+class BusLostAnswers : public Plant {};
+
+TEST_F(BusLostAnswers, AreAskedForAgain) {
+  auto plain = settings();
+  plain.timing.retries = 1;
+  open(plain);
+  drive_.lost = 0.02;
+  add_client({"03 0000 0001", "06 0001 VVVV"});
+  add_client({"03 000A 0001"});
+  add_client({"03 000B 0001"});
+  run(30min);
+  std::printf("lost: right %u wrong %u failed %u\n", score_.right, score_.wrong, score_.failed);
+  EXPECT_EQ(score_.wrong, 0U);
+  EXPECT_LT(score_.failed, score_.right / 50);
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -91,6 +91,17 @@ TEST_F(Health, AnAnswerThatMayBeThatToALaterRequestShowsNoLatenessUntilOneMoreCo
   EXPECT_TRUE(second->grew);
 }
 
+TEST_F(Health, WhatAHoldHasWaitedForIsNotOwedThoughItsTailEndsLater) {
+  answered(read_, kAnswer, 100ms, 5ms);
+  unanswered(read_, 1s);
+  answered(read_, kAnswer, 1110ms, 5ms);  // held until 1245 ms, and the tail ends at 1230 ms
+  timing_.quarantine = 300ms;             // 1430 ms
+  asked(1250ms);                          // of another function
+  EXPECT_EQ(owed(read_), 1U);
+  asked(1430ms);
+  EXPECT_EQ(owed(read_), 0U);
+}
+
 TEST_F(Health, WhatIsPendingCountsForTheHold) {
   unanswered(read_, 100ms);
   hold_.note_asked(&other_read_, at(500ms), timing_, false);

@@ -124,7 +124,7 @@ TEST_F(BusEcho, ThatTheSettingsDenyDoesNotHideTheAnswerBehindIt) {
   submit(job(kRead));
   advance(kEmission);
   line(kReadFrame);
-  advance(1ms);
+  advance(4ms);
   line(kAnswer);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
@@ -263,6 +263,7 @@ TEST_F(BusEcho, IsNotClaimedWhileAnIdenticalAnswerIsOwed) {
   axis.profile.stops = {{.address = 0, .value = 1}};
   axis.timing = settings().timing;
   auto learning = settings();
+  learning.line.echo.reset();
   learning.line.paced = true;
   open(learning, {axis});
   submit(job(kWritePdu));
@@ -279,7 +280,6 @@ TEST_F(BusEcho, IsNotClaimedWhileAnIdenticalAnswerIsOwed) {
 // Nobody has said so, and the drive is dead: its stop comes back, and is repeated.
 TEST_F(BusEcho, OfAStopOnAPacedLineIsNoLateAnswerToTheOneBefore) {
   auto denying = settings();
-  denying.line.echo = false;
   denying.timing.offline_after = 2;
   bus_.emplace(denying, std::vector<drive::Device>{axis(denying)});
   bus_->start();
