@@ -3,6 +3,23 @@
 #include "bus/bus.hpp"
 
 namespace mbgate::bus {
+namespace {
+
+// What may still be owed must come first: on a port that is new to the gateway by somebody else's
+// requests, else by its own.
+Instant listen_until(const Parts& parts, bool was_open, Instant now) {
+  if (!was_open) {
+    return now + parts.settings.listen_first.value_or(
+                     default_listen_first(parts.settings, parts.devices.devices()));
+  }
+  Instant until = now;
+  for (const DeviceEntry& entry : parts.devices.entries()) {
+    until = std::max(until, entry.hold.until(entry.timing()));
+  }
+  return until;
+}
+
+}  // namespace
 
 Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
     : parts_(settings, devices) {}
@@ -22,23 +39,9 @@ void Bus::handle_opened(Instant now, LineKind kind) {
   parts_.devices.forget_what_was_read();
   parts_.acknowledged.forget_all();
   diagnosis_.note_opened();
-  parts_.line.open(now, kind, listen_until(now));
+  parts_.line.open(now, kind, listen_until(parts_, was_open_, now));
   was_open_ = true;
   dispatch_.pump(now);
-}
-
-// What may still be owed must come first: on a port that is new to the gateway by somebody else's
-// requests, else by its own.
-Instant Bus::listen_until(Instant now) const {
-  if (!was_open_) {
-    return now + parts_.settings.listen_first.value_or(
-                     default_listen_first(parts_.settings, parts_.devices.devices()));
-  }
-  Instant until = now;
-  for (const DeviceEntry& entry : parts_.devices.entries()) {
-    until = std::max(until, entry.hold.until(entry.timing()));
-  }
-  return until;
 }
 
 void Bus::take_over(Bus& before) {
@@ -57,7 +60,7 @@ void Bus::handle_lost(Instant now, Loss loss) {
       line.has_answered() || (line.is_unused() && !link.is_new(parts_.settings, now));
   if (loss == Loss::closed && link.is_open() && in_order) {
     line.note_closed(now);
-    rest(now);
+    dispatch_.rest(now);
     return;
   }
   parts_.counters.losses += link.serves() ? 1U : 0U;
@@ -70,15 +73,6 @@ void Bus::handle_lost(Instant now, Loss loss) {
   }
   ends_.end_running(Ending::closed);
   ends_.end_waiting(Ending::closed, true);
-  dispatch_.pump(now);
-}
-
-// Who waits for the connection goes on waiting: it is opened again at once, or when somebody asks.
-void Bus::rest(Instant now) {
-  parts_.link.rest(parts_.settings, parts_.line.has_answered());
-  dispatch_.forget_look();
-  parts_.line.abort();
-  outcomes_.handle_cut(now);
   dispatch_.pump(now);
 }
 
@@ -145,7 +139,7 @@ void Bus::collect(Instant now) {
         parts_.actions.push(LineNotice{*fault});
       }
       parts_.actions.push(ReplaceLine{is_silent && diagnosis_.note_unanswered_connection()});
-      rest(now);
+      dispatch_.rest(now);
     }
   }
 }

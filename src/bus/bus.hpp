@@ -77,8 +77,6 @@ class Bus {
  private:
   friend struct mbgate::StateReader;
   void collect(Instant now);
-  [[nodiscard]] Instant listen_until(Instant now) const;
-  void rest(Instant now);
 
   Parts parts_;
   bool was_open_ = false;  // the port, by this bus or the one before

@@ -54,6 +54,7 @@ struct DeviceNotice {
     early,            ///< an answer began before response_wait was over: it is set too long
     foreign,          ///< a request of another client, or a frame of a device that owed no answer
     second_answer,    ///< two answers came to one request
+    pauses,           ///< an answer was cut, because it paused for longer than frame_slack
     misfit,           ///< it answers with good frames that do not fit what it was asked
     stop_unanswered,  ///< no matching response came to a stop, nor to its repetitions
     stop_refused,     ///< a stop was refused, and so were its repetitions, if there were any
@@ -61,7 +62,7 @@ struct DeviceNotice {
   };
   Kind kind;
   std::uint8_t address;
-  Duration lateness{0};         ///< late: after the response timeout
+  Duration lateness{0};         ///< late: after the response timeout; pauses: how long
   Duration quarantine{0};       ///< late: in force from now on
   bool answered_before = true;  ///< lost, back: has it ever sent a valid answer?
   unsigned transmissions = 0;   ///< lost: unanswered in a row

@@ -45,17 +45,6 @@ class LineDiscipline {
   [[nodiscard]] std::optional<Instant> response_due() const {
     return std::visit([](const auto& line) { return std::optional(line.response_due()); }, line_);
   }
-  /// Never on a connection, whose transaction identifiers tell answers apart.
-  void note_misfit(Duration longest_answer, Instant now) {
-    if (auto* serial = std::get_if<SerialDiscipline>(&line_)) {
-      serial->note_misfit(longest_answer, now);
-    }
-  }
-  void accept(const modbus::Pdu& response) {
-    if (auto* serial = std::get_if<SerialDiscipline>(&line_)) {
-      serial->accept(response);
-    }
-  }
   void update(const BusSettings& settings) {
     std::visit([&](auto& line) { line.update(settings); }, line_);
   }

@@ -29,7 +29,12 @@ std::string_view to_text(LineState state);
 /// come.
 struct OwedAnswer {
   modbus::Request asked;
-  bool is_own;  ///< an earlier try of the request: its answer is as good
+  bool is_own;           ///< an earlier try of the request: its answer is as good
+  bool is_stop = false;  ///< but not an exception to an earlier stop, which may pass
+
+  [[nodiscard]] bool is_own_answer(const modbus::Pdu& response) const {
+    return is_own && !(is_stop && response.is_exception());
+  }
 };
 /// Oldest first: a device works in order.
 using OwedAnswers = std::vector<OwedAnswer>;

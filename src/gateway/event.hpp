@@ -170,7 +170,7 @@ struct WriteAccepted : Asked {
 /// A broadcast was accepted that is not for all devices of its buses.
 struct BroadcastLeavesOut : Asked {
   bool is_stop = false;
-  std::vector<std::string> devices{};
+  std::string devices{};  ///< their names, with commas
 };
 /// A client has set all counters to 0 (08/0A at the status unit).
 struct CountersCleared : Asked {

@@ -87,8 +87,9 @@ std::string notice_text(const bus::DeviceNotice& notice) {
                                            : "a frame of it was heard that nobody here asked for") +
              "; another client is on this line";
     case Kind::misfit:
-      return "answers with a frame that does not fit the request; if it echoes a value other than "
-             "the one written, set write_echo = \"address\"";
+      return "its answer does not fit the request (if it limits values: write_echo = \"address\")";
+    case Kind::pauses:
+      return "its answers pause: frame_slack is less than " + milliseconds_text(notice.lateness);
     case Kind::second_answer: return "two answers came to one request: two devices at one address?";
     case Kind::stop_unanswered: return "a stop command was not acknowledged";
     case Kind::stop_refused:
@@ -277,12 +278,8 @@ struct EventText {
            request_text(e);
   }
   std::string operator()(const BroadcastLeavesOut& e) const {
-    std::string devices;
-    for (const std::string& device : e.devices) {
-      devices += (devices.empty() ? "" : ", ") + device;
-    }
     return asker_text(settings, e) + (e.is_stop ? " stops" : " writes") +
-           " by broadcast, but not devices " + devices + ": " + request_text(e);
+           " by broadcast, but not devices " + e.devices + ": " + request_text(e);
   }
   std::string operator()(const CountersCleared& e) const {
     return asker_text(settings, e) + " has cleared all counters: " + request_text(e) +

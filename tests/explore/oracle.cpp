@@ -226,7 +226,7 @@ void Oracle::read(StateHash& hash) const {
       hash.add(rivals);
       hash.since(since, kFarPast);
     } else if (taken) {
-      hash.deadline(deadline);
+      hash.deadline(deadline, since);
     }
   }
   for (const Flight& flight : flights_) {

@@ -37,7 +37,8 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   }
   hash.add(next_start.has_value());
   if (next_start) {
-    hash.deadline(std::max(next_start->at, hash.now()));  // perhaps that of a request
+    // Perhaps a deadline that nothing comes near to; a longer wait can be read from its reasons.
+    hash.until(std::min(next_start->at, hash.now() + std::chrono::seconds(1)));
   }
   const auto& [of_settings, of_devices, next_probe, others, free_probes, others_gone_at] = probes;
   hash.add(others);
@@ -151,7 +152,7 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
   if (job_class == bus::JobClass::stop) {  // it has no deadline, and may have to wait once more
     hash.since(accepted_at, kFarPast);
   } else {
-    hash.deadline(deadline);
+    hash.deadline(deadline, accepted_at);
   }
   hash.add(transactions.size());
   for (const bus::Transaction& transaction : transactions) {
@@ -162,10 +163,11 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
 
 void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
   // Its route's: window_begin, window_end.
-  const auto& [address, unit, request, silence_is_success, broadcast, response, boot_time, must_hold,
-               window_begin, window_end] = transaction;
+  const auto& [address, unit, request, silence_is_success, broadcast, response, boot_time,
+               must_hold, window_begin, window_end] = transaction;
   explore::require(must_hold == nullptr, "the gateway asks nothing of its own");
   hash.add(address);
+  hash.add(unit);
   hash.add(request.pdu().bytes());
   hash.add(silence_is_success);
   hash.add(broadcast);
@@ -186,13 +188,12 @@ void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash
 
 void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash) {
   // A setting: device. Counted or told only: counters, early_reported, second_reported,
-  // misfit_reported, owed_until, asked_at, silence, times, second_at, second_read_at, setting,
-  // unreached, failed_stop.
-  // A job that the queue shows too: probe.
+  // misfit_reported, pause_reported, owed_until, asked_at, silence, times, second_at,
+  // second_read_at, setting, unreached, failed_stop. A job that the queue shows too: probe.
   const auto& [device, counters, health, hold, cache, free_at, probe, setting_known, early_reported,
                last_turn, last_stop_turn, stops_given_up, merge_refused, second_reported,
-               misfit_reported, owed_until, asked_at, silence, times, second_at, second_read_at,
-               setting, unreached, failed_stop] = entry;
+               misfit_reported, pause_reported, owed_until, asked_at, silence, times, second_at,
+               second_read_at, setting, unreached, failed_stop] = entry;
   read(health, entry.timing(), hash);
   read(hold, entry.timing(), hash);
   read(cache, device->cache, hash);
@@ -232,13 +233,15 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   explore::require(longest_before == Duration{0}, "a short life");
   hash.add(unanswered.size());
   for (const bus::Hold::Unanswered& it : unanswered) {
-    const auto& [asked, sent, due, is_unreadable, is_outdated, is_over, suspected] = it;
+    const auto& [asked, sent, due, is_unreadable, is_retry, is_outdated, is_over, was_replaced,
+                 suspected] = it;
     hash.add(asked.pdu().bytes());
     hash.since(sent, kFarPast);
     hash.since(due, kFarPast);
     hash.add(is_unreadable);
     hash.add(is_outdated);
     hash.add(is_over);
+    hash.add(was_replaced);
     hash.add(suspected);
   }
   hash.add(pending.has_value());
@@ -248,6 +251,7 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   hash.add(suspected_now);
   hash.add(held_until.has_value());
   hash.until(held_until.value_or(hash.now()));
+  hash.since(held_until.value_or(hash.now()), kFarPast);  // what it has waited for
   hash.since(heard_at, kFarPast);
   hash.add(tails);
   hash.since(silent[0], kFarPast);

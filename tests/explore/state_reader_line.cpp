@@ -11,10 +11,10 @@ void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash
 }
 
 void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
-  // Settings: paced_setting, slack. Counted, shown or told only: counters, draining, heard,
-  // heard_at, unpaced_told. Without a driver that holds something: unsent, is_answerless. Empty when
-  // the machine was asked for its actions: faults, refused, end.
-  const auto& [silence, paced_setting, paced, slack, counters, faults, echo, framer, transaction,
+  // A setting: paced_setting. Counted, shown or told only: counters, draining, heard,
+  // heard_at, unpaced_told. Without a driver that holds something: unsent, is_answerless. Empty
+  // when the machine was asked for its actions: faults, refused, end.
+  const auto& [silence, paced_setting, paced, counters, faults, echo, framer, transaction,
                response_due, response_deadline, response_wait, owed, misfit, refused, draining,
                heard, heard_at, unpaced_told, unsent, is_answerless, end] = line;
   // Settings: timing, frame_gap, turnaround, settle.
@@ -112,7 +112,7 @@ void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {
     hash.add(answer_at);
   }
   read(buffer, explore::kFarPast, hash);
-  read(cut, buffer.size() == 0, slack, hash);
+  read(cut, buffer.size() == 0, std::chrono::seconds(1), hash);
 }
 
 void StateReader::read(const bus::ReceivedBytes& received, Duration reach, Hash& hash) {
@@ -126,7 +126,7 @@ void StateReader::read(const bus::ReceivedBytes& received, Duration reach, Hash&
 // What is kept is thrown away when it is older than `slack` and more bytes come; but what stands in
 // the buffer may be put behind it before.
 void StateReader::read(const bus::CutFrame& cut, bool is_last, Duration slack, Hash& hash) {
-  const auto& [kept, begins, last] = cut;
+  const auto& [kept, begins, last, pause] = cut;
   const bool is_over = is_last && hash.now() - last > slack;
   if (kept.empty() || is_over) {
     hash.add(false);
@@ -138,6 +138,7 @@ void StateReader::read(const bus::CutFrame& cut, bool is_last, Duration slack, H
     hash.add(begins.test(at));
   }
   hash.since(last, explore::kFarPast);
+  hash.add(pause);
 }
 
 }  // namespace mbgate

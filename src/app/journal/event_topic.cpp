@@ -33,6 +33,7 @@ MessageId id_of_notice(const bus::DeviceNotice& notice) {
     case Kind::foreign:
       return notice.is_request ? message_id::kForeignRequest : message_id::kForeignFrame;
     case Kind::misfit: return message_id::kMisfit;
+    case Kind::pauses: return message_id::kAnswerPauses;
     case Kind::second_answer: return message_id::kSecondAnswer;
     case Kind::stop_unanswered: return message_id::kStopUnanswered;
     case Kind::stop_refused: return message_id::kStopRefused;

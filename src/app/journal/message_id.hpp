@@ -43,6 +43,7 @@ inline constexpr MessageId kDeviceEarly{"cd32c4469be341cfab55364d6a0a12e1"};
 inline constexpr MessageId kForeignRequest{"fc5cf36fca1d4417ad96a89c21783385"};
 inline constexpr MessageId kForeignFrame{"95bf41d25fbf4b08a54f6d501c921bca"};
 inline constexpr MessageId kMisfit{"18891616610e48fdb85786cd438ab991"};
+inline constexpr MessageId kAnswerPauses{"030e7b3b37f44ccf8358cc03bcecb608"};
 inline constexpr MessageId kSecondAnswer{"3cbf0d93b48949388e9ed261ca950d27"};
 inline constexpr MessageId kStopUnanswered{"530d591ad68743e4b63e604f256002d3"};
 inline constexpr MessageId kStopRefused{"e6a6b53579c347f98100fc4a33fa8c2f"};

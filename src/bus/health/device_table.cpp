@@ -42,7 +42,7 @@ Addresses DeviceTable::update(const BusSettings& settings, std::span<const drive
     entry.early_reported = false;
     entry.merge_refused = false;
     entry.second_reported = false;
-    entry.misfit_reported = false;
+    entry.misfit_reported = entry.pause_reported = false;
     if (names.at(address) != before.at(address)) {
       others.set(address);
       entry.forget_shown();

@@ -51,6 +51,7 @@ struct DeviceEntry {
   bool merge_refused = false;        ///< it rejected a merged read
   bool second_reported = false;
   bool misfit_reported = false;
+  bool pause_reported = false;
   Instant owed_until =
       Instant::min();  ///< the end of the last response timeout with something owed
   /// Shown only, they decide nothing: when a request was last sent to it, what it has left

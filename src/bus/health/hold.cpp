@@ -17,6 +17,7 @@ constexpr int kFastPart = 4;    // a fast device answers in a quarter of its res
 constexpr int kHoldFactor = 2;
 
 constexpr int kMostTails = 3;  // of the last eight
+constexpr auto kTailsWithin = std::chrono::minutes(1);
 constexpr auto kBetweenRests = std::chrono::minutes(10);
 
 // Second answers are timed so often before the device is left alone for less than a whole response
@@ -35,7 +36,8 @@ void Hold::add(const Sent& sent, bool is_unreadable) {
   if (unanswered_.size() >= kMostUnanswered) {
     unanswered_.erase(unanswered_.begin());
   }
-  unanswered_.emplace_back(Unanswered{sent.asked, sent.sent, sent.due, is_unreadable});
+  unanswered_.emplace_back(
+      Unanswered{sent.asked, sent.sent, sent.due, is_unreadable, sent.is_retry});
   unanswered_.back().suspected = std::exchange(suspected_, Duration{0});
 }
 
@@ -48,11 +50,18 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
                          const Timing& timing) {
   settle(now, timing, false);
   const Instant oldest = unanswered_.empty() ? sent.sent : unanswered_.front().sent;
-  if (const auto earlier = find(response); earlier != unanswered_.end()) {
+  const auto earlier = find(response);
+  // A device that answers this one at once, and nothing else, has no queue: it owes no more than
+  // before.
+  const bool has_no_queue = earlier == unanswered_.end() &&
+                            took * kFastPart < timing.response_timeout && held_until_ &&
+                            !unanswered_.empty() && unanswered_.back().sent < *held_until_;
+  if (earlier != unanswered_.end()) {
     const Duration suspected = std::max(earlier->suspected, now - earlier->due);
     close(earlier, now, timing);
     suspected_ = std::max(suspected_, suspected);
     add(sent, false);
+    unanswered_.back().was_replaced = true;
   }
   pending_.reset();
   suspected_ = Duration{0};
@@ -63,7 +72,9 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
     seconds_ = 0;
     longest_second_ = Duration{0};
   }
-  hold_for_rest(oldest, now);
+  if (!has_no_queue) {
+    hold_for_rest(oldest, now, timing);
+  }
 }
 
 void Hold::close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing) {
@@ -73,11 +84,13 @@ void Hold::close(std::vector<Unanswered>::iterator answered, Instant now, const 
   unanswered_.erase(answered);
 }
 
-void Hold::hold_for_rest(Instant oldest_sent, Instant now) {
+// No longer than anything is owed.
+void Hold::hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing) {
   held_until_.reset();
   const auto count = static_cast<Duration::rep>(unanswered_.size() + (pending_ ? 1U : 0U));
   if (count > 0) {
-    held_until_ = now + kHoldFactor * count * (now - oldest_sent);
+    held_until_ = now + std::min(kHoldFactor * count * (now - oldest_sent),
+                                 timing.quarantine_max + kAdapterKeeps);
   }
 }
 
@@ -97,19 +110,18 @@ void Hold::settle(Instant now, const Timing& timing, bool is_probe) {
   for (Unanswered& it : unanswered_) {
     if (!it.is_over && now >= end_of_tail(it, timing)) {
       it.is_over = true;
-      note_tail(it, it.is_unreadable, now, timing);
+      note_tail(it, it.is_unreadable || it.was_replaced, now, timing);
     }
   }
   std::erase_if(unanswered_, [&](const Unanswered& it) {
     const bool was_waited_for = held_until_ && it.sent < *held_until_;
-    return it.is_over && !is_held &&
-           (was_waited_for || is_probe || it.is_unreadable ||
-            now >= it.sent + timing.quarantine_max + kAdapterKeeps);
+    return it.is_over && ((!is_held && (was_waited_for || is_probe || it.is_unreadable)) ||
+                          now >= it.sent + timing.quarantine_max + kAdapterKeeps);
   });
 }
 
-// Where tails end without an answer again and again, though the device answers others, its answers
-// may be later than any tail: once it is left alone for long enough to hear them.
+// Where tails end without an answer several times in a minute, though the device answers others,
+// its answers may be later than any tail: once it is left alone for long enough to hear them.
 void Hold::note_tail(const Unanswered& ended, bool was_answered, Instant now,
                      const Timing& timing) {
   tails_ = static_cast<std::uint8_t>((unsigned{tails_} << 1U) | (was_answered ? 0U : 1U));
@@ -118,7 +130,8 @@ void Hold::note_tail(const Unanswered& ended, bool was_answered, Instant now,
   }
   const Instant first = std::exchange(silent_[0], std::exchange(silent_[1], ended.sent));
   const bool has_rested = rested_at_ != Instant::min() && now < rested_at_ + kBetweenRests;
-  if (std::popcount(tails_) >= kMostTails && heard_at_ > first && !has_rested) {
+  if (std::popcount(tails_) >= kMostTails && ended.sent < first + kTailsWithin &&
+      heard_at_ > first && !has_rested) {
     tails_ = 0;
     rested_at_ = now;
     rests_until_ = now + timing.quarantine_max;
@@ -140,17 +153,21 @@ std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
   }
   const Instant oldest = unanswered_.front().sent;
   const Duration seen = std::max({came - found->due, found->suspected, Duration{0}});
-  Late late{seen, false};
+  Late late{seen, false, seen};
   // If it fits a later one too, it may be the answer to that, and this one's was lost. It is known
   // when one more comes.
-  const auto later = std::find_if(unanswered_.rbegin(), unanswered_.rend(),
-                                  [&](const Unanswered& it) { return fits(it.asked, response); });
+  const auto later =
+      std::ranges::find_if(unanswered_.rbegin(), unanswered_.rend(),
+                           [&](const Unanswered& it) { return fits(it.asked, response); });
   if (pending_ && fits(*pending_, response)) {
     suspected_ = std::max(suspected_, seen);
-    late.lateness = Duration{0};
+    late.lateness = late.shown = Duration{0};
   } else if (&*later != &*found) {
     later->suspected = std::max(later->suspected, seen);
     late.lateness = std::max(came - later->due, Duration{0});
+    const auto first = std::ranges::find_if(later, std::prev(unanswered_.rend()),
+                                            [](const Unanswered& it) { return !it.is_retry; });
+    late.shown = std::max(came - first->due, Duration{0});
   }
   const Duration covering =
       std::min(late.lateness + late.lateness / kMarginPart, timing.quarantine_max);
@@ -161,7 +178,7 @@ std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
   }
   heard_at_ = came;
   close(found, came, timing);
-  hold_for_rest(oldest, came);
+  hold_for_rest(oldest, came, timing);
   return late;
 }
 

@@ -43,12 +43,16 @@ class Hold {
     const modbus::Request& asked;
     Instant sent;
     Instant due;
+    bool is_retry = false;
   };
   /// No answer came to it.
   void note_unanswered(const Sent& sent) { add(sent, false); }
   /// A frame came in its place that is no answer, or is damaged. Its answer may still come until
   /// the response timeout is over.
-  void note_unreadable(const Sent& sent) { add(sent, true); }
+  void note_unreadable(const Sent& sent, Instant now) {
+    add(sent, true);
+    heard_at_ = now;
+  }
   /// It was answered by `response` (a PDU), `took` after the end of the transmission. If an earlier
   /// try of the same request is unanswered too, it is that one's answer.
   void note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
@@ -63,7 +67,8 @@ class Hold {
   /// What an unexpected frame shows.
   struct Late {
     Duration lateness;
-    bool grew;  ///< the frame has lengthened the quarantine
+    bool grew;       ///< the frame has lengthened the quarantine
+    Duration shown;  ///< lateness of what was probably answered, the first try of a request
   };
   /// An unexpected frame of the device has come: the answer to the oldest unanswered transmission
   /// that it fits. Nothing if there is none.
@@ -98,8 +103,11 @@ class Hold {
     Instant sent;
     Instant due;
     bool is_unreadable;
+    bool is_retry;
     bool is_outdated = false;  ///< a write, and another write has gone to the device since
     bool is_over = false;      ///< its tail
+    /// An answer came to it, and was taken for that of an earlier one.
+    bool was_replaced = false;
     /// How late the answer to an earlier one was, if this one is answered too.
     Duration suspected{0};
   };
@@ -109,7 +117,7 @@ class Hold {
   void close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing);
   void settle(Instant now, const Timing& timing, bool is_probe);
   void note_tail(const Unanswered& ended, bool was_answered, Instant now, const Timing& timing);
-  void hold_for_rest(Instant oldest_sent, Instant now);
+  void hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing);
   [[nodiscard]] Instant end_of_tail(const Unanswered& it, const Timing& timing) const {
     return it.is_unreadable ? it.due : end_of_tail(it.due, timing);
   }

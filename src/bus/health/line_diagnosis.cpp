@@ -16,6 +16,21 @@ constexpr Duration kNeverSilent = std::chrono::seconds(1);
 // Fewer bytes than these are a driver that turns off.
 constexpr std::size_t kLeastHeard = 3;
 
+const Transmission* asked_of(const Parts& parts, std::uint8_t address) {
+  const auto running = parts.transmissions.running();
+  const auto asked = std::ranges::find_if(running, [&](const Transmission* transmission) {
+    return transmission->in_flight && transmission->on_wire().address == address;
+  });
+  return asked == running.end() ? nullptr : *asked;
+}
+
+/// Is it what the device is asked now?
+bool is_own(const Parts& parts, const UnsolicitedFrame& unsolicited) {
+  const Transmission* asked = asked_of(parts, unsolicited.address);
+  return asked != nullptr &&
+         std::ranges::equal(asked->on_wire().request.pdu().bytes(), unsolicited.pdu.bytes());
+}
+
 }  // namespace
 
 constinit const std::array<Duration, 16> kSilenceBounds = {
@@ -147,6 +162,13 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   if (unsolicited.is_echo || parts_.is_unreached(unsolicited.pdu)) {
     return;
   }
+  if (unsolicited.pause > Duration{0}) {  // whose answer it was, nobody can tell
+    entry.note_heard();
+    if (unsolicited.is_response && !std::exchange(entry.pause_reported, true)) {
+      parts_.actions.push(DeviceNotice{DeviceNotice::Kind::pauses, address, unsolicited.pause});
+    }
+    return;
+  }
   const auto late = unsolicited.is_response ? entry.hold.note_late(unsolicited.pdu.bytes(),
                                                                    unsolicited.came, entry.timing())
                                             : std::optional<Hold::Late>();
@@ -167,25 +189,11 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   }
   if (is_back) {
     notify(DeviceNotice::Kind::back, address);
-    quality_[address].note_heard();  // it was asked by probes only: no matter of its timeout
-  } else if (late->lateness > Duration{0}) {  // else what stood before it was in its way
-    quality_[address].note_late(late->lateness, entry.timing().response_timeout);
+    quality_[address].note_heard();        // it was asked by probes only: no matter of its timeout
+  } else if (late->shown > Duration{0}) {  // else what stood before it was in its way
+    quality_[address].note_late(late->shown, entry.timing().response_timeout);
     tell_quality(address);
   }
-}
-
-const Transmission* LineDiagnosis::asked_of(std::uint8_t address) const {
-  const auto running = parts_.transmissions.running();
-  const auto asked = std::ranges::find_if(running, [&](const Transmission* transmission) {
-    return transmission->in_flight && transmission->on_wire().address == address;
-  });
-  return asked == running.end() ? nullptr : *asked;
-}
-
-bool LineDiagnosis::is_own(const UnsolicitedFrame& unsolicited) const {
-  const Transmission* asked = asked_of(unsolicited.address);
-  return asked != nullptr &&
-         std::ranges::equal(asked->on_wire().request.pdu().bytes(), unsolicited.pdu.bytes());
 }
 
 // The device has answered just now. A single one may be an answer to somebody who had the line
@@ -194,7 +202,7 @@ bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
   constexpr unsigned kSure = 3;
   const Instant now = unsolicited.came;
   DeviceEntry& entry = parts_.devices[unsolicited.address];
-  if (foreign_reported_ || unsolicited.after_noise || is_own(unsolicited) ||
+  if (foreign_reported_ || unsolicited.after_noise || is_own(parts_, unsolicited) ||
       !entry.hold.note_second(unsolicited.pdu.bytes(), now, entry.timing())) {
     return false;
   }
@@ -212,21 +220,24 @@ bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
 // It stands in the place of the answer to what the device is asked, and does not fit it.
 bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
   const std::uint8_t address = unsolicited.address;
-  if (unsolicited.after_noise || unsolicited.is_request || asked_of(address) == nullptr ||
-      is_own(unsolicited)) {
+  SerialDiscipline* line = parts_.line.serial();  // a connection's identifiers tell answers apart
+  const Transmission* asked = asked_of(parts_, address);
+  if (line == nullptr || unsolicited.after_noise || unsolicited.is_request || asked == nullptr ||
+      is_own(parts_, unsolicited)) {
     return false;
   }
   DeviceEntry& entry = parts_.devices[address];
   entry.note_heard();
-  const modbus::Request& asked = asked_of(address)->on_wire().request;
-  if (entry.device->takes_limited(asked, unsolicited.pdu.bytes())) {
-    parts_.line.accept(unsolicited.pdu);
+  if (entry.device->takes_limited(asked->on_wire().request, unsolicited.pdu.bytes())) {
+    line->take_misfit(unsolicited.pdu, std::nullopt);
     return true;
   }
   if (!std::exchange(entry.misfit_reported, true)) {
     notify(DeviceNotice::Kind::misfit, address);
   }
-  parts_.line.note_misfit(entry.hold.longest_answer(), unsolicited.came);
+  const bool is_read = asked->on_wire().request.is_read();
+  line->take_misfit(unsolicited.pdu, unsolicited.came + parts_.settings.frame_slack_or_default() +
+                                         (is_read ? entry.hold.longest_answer() : Duration{0}));
   return true;
 }
 
@@ -242,12 +253,13 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];
   const Duration longest = entry.timing().quarantine_max;
-  const bool is_asked = asked_of(address) != nullptr;
-  if (is_own(unsolicited) && unsolicited.is_request && parts_.settings.line.echo == false &&
+  const bool is_asked = asked_of(parts_, address) != nullptr;
+  if (is_own(parts_, unsolicited) && unsolicited.is_request && parts_.settings.line.echo == false &&
       denied_echo_.note_heard(now)) {
     parts_.actions.push(LineNotice{LineFault::echo_denied});
   }
-  if (unsolicited.after_noise || is_own(unsolicited) || now < parts_.link.opened_at() + longest) {
+  if (unsolicited.after_noise || is_own(parts_, unsolicited) ||
+      now < parts_.link.opened_at() + longest) {
     return;
   }
   const bool is_old = entry.owed_until == Instant::min() || now > entry.owed_until + longest;

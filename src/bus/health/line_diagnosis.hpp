@@ -75,9 +75,6 @@ class LineDiagnosis {
  private:
   friend struct mbgate::StateReader;
   void note_foreign(const UnsolicitedFrame& unsolicited);
-  [[nodiscard]] const Transmission* asked_of(std::uint8_t address) const;
-  /// Is it what the device is asked now?
-  [[nodiscard]] bool is_own(const UnsolicitedFrame& unsolicited) const;
   bool note_second_answer(const UnsolicitedFrame& unsolicited);
   bool note_misfit(const UnsolicitedFrame& unsolicited);
   void note_silence(const Asked& asked, LineEnd::How how, Instant now);

@@ -132,7 +132,7 @@ std::optional<modbus::AsciiContent> AsciiFramer::content() const {
   const auto is_end = [](std::uint8_t it) {
     return it == kCarriageReturn || it == modbus::kAsciiEnd;
   };
-  const auto end = std::find_if(buffer_.begin(), buffer_.end(), is_end);
+  const auto end = std::ranges::find_if(buffer_, is_end);
   modbus::AsciiBytes whole(buffer_.begin(), end);
   if (buffer_.end() - end > 2 || whole.size() + 2 > whole.capacity()) {
     return std::nullopt;

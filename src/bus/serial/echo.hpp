@@ -84,8 +84,11 @@ class Echo {
   [[nodiscard]] bool is_unknown() const { return state_ == State::unknown; }
   [[nodiscard]] bool is_present() const { return state_ == State::present; }
   /// A response that repeats the request is taken for the echo. True: there was another one before
-  /// it.
-  bool pass() { return std::exchange(passed_, true); }
+  /// it. `proves`: it cannot be anything else, if an answer follows.
+  bool pass(bool proves = false) {
+    echoed_ = echoed_ || proves;
+    return std::exchange(passed_, true);
+  }
   /// An echo was seen: the line has one.
   void find();
   /// A response that repeats the request was accepted as the answer, because nothing showed that

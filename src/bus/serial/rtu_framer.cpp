@@ -51,7 +51,7 @@ void RtuFramer::give_up_buffer() {
     counters_.stray_bytes += buffer_.size();
     if (is_told && buffer_.size() > 0) {
       cut_.keep(buffer_.bytes(), buffer_.came_at(0), buffer_.came_at(buffer_.size() - 1),
-                silence());
+                kLongestPauses);
     }
   }
   buffer_.clear();
@@ -62,11 +62,13 @@ void RtuFramer::join_cut() {
   if (buffer_.size() == 0) {
     return;
   }
-  if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), silence())) {
+  if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), kLongestPauses)) {
     const modbus::RtuAdu& frame = joined->frame;
     const Instant came = buffer_.came_at(joined->taken - 1);
     ++counters_.unsolicited_frames;
-    unsolicited_.add({frame.address, frame.pdu, came, joined->after_noise});
+    UnsolicitedFrame unsolicited{frame.address, frame.pdu, came, joined->after_noise};
+    unsolicited.pause = joined->pause > silence() ? joined->pause : Duration{0};
+    unsolicited_.add(unsolicited);
     discarding_ = answers_another_ =
         !joined->is_response && !looker().is_echo(frame.address, frame.pdu.bytes(), came);
     buffer_.drop(joined->taken);
@@ -110,7 +112,7 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
     counters_.stray_bytes += answer_at_;
     if (answer_at_ > 0) {
       cut_.keep(buffer_.bytes().first(answer_at_), buffer_.came_at(0),
-                buffer_.came_at(answer_at_ - 1), silence());
+                buffer_.came_at(answer_at_ - 1), kLongestPauses);
     }
     buffer_.drop(answer_at_);
     answer_at_ = 0;
@@ -177,15 +179,13 @@ void RtuFramer::consume(std::size_t at, std::size_t size) {
   buffer_.drop(at + size);
 }
 
-// A frame of the device that was asked, whose length nothing predicts.
-bool RtuFramer::may_be_misfit() const {
-  return !answers_another_ && transaction_ != nullptr && buffer_.size() > modbus::kRtuOverhead &&
-         buffer_.bytes()[0] == transaction_->address;
-}
-
 std::optional<Instant> RtuFramer::next_deadline() const {
   if (!in_progress()) {
-    return may_be_misfit() ? std::optional(last_byte_ + silence()) : std::nullopt;
+    // Perhaps a frame of the device that was asked, whose length nothing predicts.
+    const bool may_be_misfit = !answers_another_ && transaction_ != nullptr &&
+                               buffer_.size() > modbus::kRtuOverhead &&
+                               buffer_.bytes()[0] == transaction_->address;
+    return may_be_misfit ? std::optional(last_byte_ + silence()) : std::nullopt;
   }
   if (awaits_silence()) {
     return last_byte_ + silence();

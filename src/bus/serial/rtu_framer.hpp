@@ -69,7 +69,6 @@ class RtuFramer {
   void accept(const RtuFind& response);
   void consume(std::size_t at, std::size_t size);
   Verdict end_by_silence();
-  [[nodiscard]] bool may_be_misfit() const;
   /// What ends a frame of which nothing else tells the end.
   [[nodiscard]] Duration silence() const { return std::max(timing_.t3_5(), slack_); }
   /// What waits for a silence that has not come by now is no answer.

@@ -10,6 +10,9 @@
 namespace mbgate::bus {
 namespace {
 
+// Less than this is no proof: clocks differ, and so does what a drive counts its wait from.
+constexpr int kEarlyPart = 8;  // of the response wait
+
 // A driver, and the bus that its adapter is on, may begin a frame so much later than it was given.
 constexpr Duration kDriverIsLate = std::chrono::milliseconds(20);
 
@@ -29,7 +32,6 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
 SerialDiscipline::SerialDiscipline(const BusSettings& settings, BusCounters& counters)
     : silence_(settings),
       paced_setting_(settings.line.paced),
-      slack_(settings.frame_slack_or_default()),
       counters_(counters),
       echo_(settings.line.echo, counters, faults_),
       framer_(settings, silence_.timing(), counters) {}
@@ -47,7 +49,6 @@ void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
 void SerialDiscipline::update(const BusSettings& settings) {
   silence_.update(settings);
   framer_.update(settings);
-  slack_ = settings.frame_slack_or_default();
 }
 
 FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
@@ -97,17 +98,15 @@ bool SerialDiscipline::handle_looked(Instant now) {
   return true;
 }
 
-void SerialDiscipline::note_misfit(Duration longest_answer, Instant now) {
-  if (transaction_ != nullptr && !transaction_->is_broadcast()) {
-    misfit_ = true;
-    const bool is_read = transaction_->request.is_read();
-    limit_wait(*transaction_, now + slack_ + (is_read ? longest_answer : Duration{0}), {});
+void SerialDiscipline::take_misfit(const modbus::Pdu& frame, std::optional<Instant> over) {
+  if (transaction_ == nullptr || transaction_->is_broadcast()) {
+    return;
   }
-}
-
-void SerialDiscipline::accept(const modbus::Pdu& response) {
-  if (transaction_ != nullptr) {
-    transaction_->response = response;
+  if (over) {
+    misfit_ = true;
+    limit_wait(*transaction_, *over, {});
+  } else {
+    transaction_->response = frame;
     end(LineEnd::How::response);
   }
 }
@@ -120,7 +119,10 @@ void SerialDiscipline::abort() {
 }
 
 void SerialDiscipline::end(LineEnd::How how) {
-  const bool early = how == LineEnd::How::response && response_wait_ > Duration{0} && is_early();
+  const Instant answers_at =
+      silence_.emission_ends() + response_wait_ - response_wait_ / kEarlyPart;
+  const bool early = how == LineEnd::How::response && response_wait_ > Duration{0} &&
+                     framer_.found().began < answers_at;
   end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_,
                  std::max(silence_.quiet_since() - silence_.emission_ends(), Duration{0}), early};
   const bool framed = how == LineEnd::How::response || how == LineEnd::How::damaged;

@@ -37,11 +37,9 @@ class SerialDiscipline {
   /// The running transaction counts as timed out at `instant`, but not before it has left and had
   /// `least` for its response, unless this has begun by then.
   void limit_wait(const Transaction& transaction, Instant instant, Duration least);
-  /// A good frame of the device came that answers nothing. The running transaction ends, unless its
-  /// answer has begun by then, after a pause and, if it is a read, another `longest_answer`.
-  void note_misfit(Duration longest_answer, Instant now);
-  /// What came is the answer to the running transaction, though the framer could not know.
-  void accept(const modbus::Pdu& response);
+  /// A good frame of the device came that does not fit the running transaction. It ends at `over`,
+  /// unless its answer has begun by then; without that the device may answer so, and has.
+  void take_misfit(const modbus::Pdu& frame, std::optional<Instant> over);
   /// When the response timeout of the last transmission ends.
   [[nodiscard]] Instant response_due() const { return response_due_; }
   /// Gives up the running transaction: nothing of it will be reported.
@@ -70,18 +68,15 @@ class SerialDiscipline {
  private:
   friend struct mbgate::StateReader;
   void judge_held(const Echo::Held& held, Instant now);
-  [[nodiscard]] bool is_no_answer();
+  Verdict refuse_others(Verdict verdict, Instant now);
   Verdict refuse(Instant now);
   Verdict settle_echo(Verdict verdict, Instant now);
   void judge(Verdict verdict, Instant now);
-  [[nodiscard]] bool is_early() const;
-  [[nodiscard]] OwedAnswers::iterator owed_first();
   void end(LineEnd::How how);
 
   LineSilence silence_;
   std::optional<bool> paced_setting_;
   bool paced_ = false;
-  Duration slack_;
   BusCounters& counters_;
   LineFaults faults_;
   Echo echo_;

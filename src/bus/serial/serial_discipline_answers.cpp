@@ -9,9 +9,6 @@
 namespace mbgate::bus {
 namespace {
 
-// Less than this is no proof: clocks differ, and so does what a drive counts its wait from.
-constexpr int kEarlyPart = 8;  // of the response wait
-
 // A USB adapter may keep an echo for so long (its latency timer, and a busy host).
 constexpr Duration kEchoKept = std::chrono::milliseconds(20);
 
@@ -30,12 +27,14 @@ bool begins_as_echo(const Echo& echo, const Framer& framer, const Transaction& a
   return std::equal(sent.begin(), sent.end(), came.begin());
 }
 
-}  // namespace
-
-bool SerialDiscipline::is_early() const {
-  return framer_.found().began <
-         silence_.emission_ends() + response_wait_ - response_wait_ / kEarlyPart;
+// A device works in order: what came belongs to the oldest request that it fits.
+OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response) {
+  return std::ranges::find_if(owed, [&](const OwedAnswer& it) {
+    return is_fitting(modbus::check_response(it.asked, response.bytes()));
+  });
 }
+
+}  // namespace
 
 void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
   for (auto piece = held.pieces.begin(); piece != held.pieces.end(); ++piece) {
@@ -45,20 +44,19 @@ void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
   }
 }
 
-// A device works in order: what came belongs to the oldest request that it fits.
-OwedAnswers::iterator SerialDiscipline::owed_first() {
-  return std::ranges::find_if(owed_, [&](const OwedAnswer& it) {
-    return is_fitting(modbus::check_response(it.asked, framer_.response().bytes()));
-  });
-}
-
 // It may be a late echo; what begins before the request has left a paced line answers nothing; and
 // it may be the answer to an earlier request.
-bool SerialDiscipline::is_no_answer() {
-  const auto first = owed_first();
-  return echo_.is_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_) ||
-         (paced_ && framer_.found().began < silence_.emission_ends()) ||
-         (first != owed_.end() && !first->is_own);
+Verdict SerialDiscipline::refuse_others(Verdict verdict, Instant now) {
+  const auto is_no_answer = [this] {
+    const auto first = first_fit(owed_, framer_.response());
+    return echo_.is_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_) ||
+           (paced_ && framer_.found().began < silence_.emission_ends()) ||
+           (first != owed_.end() && !first->is_own_answer(framer_.response()));
+  };
+  while (verdict == Verdict::response && is_no_answer()) {
+    verdict = refuse(now);
+  }
+  return verdict;
 }
 
 Verdict SerialDiscipline::refuse(Instant now) {
@@ -67,13 +65,13 @@ Verdict SerialDiscipline::refuse(Instant now) {
   if (echo_.take_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_)) {
     ++counters_.unsolicited_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
-             (owed_.empty() || echo_.is_unknown()) && !echo_.pass()) {
-    if (owed_.empty() && echo_.is_unknown()) {
-      echo_.find();
-    } else {
+             (owed_.empty() || echo_.is_unknown()) &&
+             !echo_.pass(owed_.empty() && echo_.is_unknown())) {
+    if (!owed_.empty() || !echo_.is_unknown()) {
       ++counters_.unsolicited_frames;  // an echo, or what is owed: that stays owed
     }
-  } else if (const auto first = owed_first(); first != owed_.end() && !is_echo_of_now) {
+  } else if (const auto first = first_fit(owed_, framer_.response());
+             first != owed_.end() && !is_echo_of_now) {
     owed_.erase(first);
     refused_.add({transaction_->address, framer_.response(), now});
   } else {
@@ -97,7 +95,7 @@ Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
   if (!echo_.is_unknown() || !echo_.is_repetition(framer_.response()) || (is_late && !is_echo)) {
     return verdict;
   }
-  if (is_echo && echo_.pass()) {
+  if (echo_.pass()) {
     if (owed_.empty()) {
       echo_.find();  // two came, and only one of them can be the echo
     }
@@ -108,9 +106,7 @@ Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
     if (behind == Verdict::response && owed_.empty()) {
       echo_.find();
     }
-    while (behind == Verdict::response && is_no_answer()) {
-      behind = refuse(now);
-    }
+    behind = refuse_others(behind, now);
     if (is_nobodys && behind == Verdict::none && echo_.is_unknown()) {
       echo_.note_unproven();
     }
@@ -128,9 +124,7 @@ Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
 }
 
 void SerialDiscipline::judge(Verdict verdict, Instant now) {
-  while (verdict == Verdict::response && is_no_answer()) {
-    verdict = refuse(now);
-  }
+  verdict = refuse_others(verdict, now);
   if (verdict == Verdict::response) {
     verdict = settle_echo(verdict, now);
   }

@@ -48,7 +48,7 @@ void TcpDiscipline::limit_wait(const Transaction& transaction, Instant instant, 
 }
 
 FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
-                                OwedAnswers /*owed*/, Instant now) {
+                                const OwedAnswers& /*owed*/, Instant now) {
   MBGATE_ASSERT(!transaction.is_broadcast(), "no broadcast goes over a connection");
   const std::uint16_t identifier = new_identifier();
   const Instant due = now + timing.response_timeout + timing.response_wait;

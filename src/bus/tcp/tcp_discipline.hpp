@@ -39,8 +39,8 @@ class TcpDiscipline {
   /// Transmits now; `transaction`, which gets the response, must outlive its end. No broadcasts.
   /// Returns the ADU.
   /// Answers that a device owes are told apart by their identifiers.
-  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
-                   Instant now);
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing,
+                   const OwedAnswers& owed, Instant now);
   /// A stop waits for neither.
   [[nodiscard]] Instant ready_for_stop_at() const { return quiet_since_; }
   [[nodiscard]] Instant possible_at() const { return quiet_since_; }

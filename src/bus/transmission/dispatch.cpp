@@ -129,6 +129,14 @@ bool Dispatch::reopen_if_hung(Instant now) {
   return true;
 }
 
+void Dispatch::rest(Instant now) {
+  parts_.link.rest(parts_.settings, parts_.line.has_answered());
+  forget_look();
+  parts_.line.abort();
+  outcomes_.handle_cut(now);
+  pump(now);
+}
+
 // What a close has cut, and what is repeated, waits for the line.
 void Dispatch::wait_for_line() {
   const bool is_wanted =

@@ -59,6 +59,7 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
     // An earlier stop of the same bytes, without another write since, has stopped the drive too.
     const bool is_stop = transmission.is_stop();
     owed = entry.hold.owed(sent.request, is_stop ? Instant::min() : transmission.transmitted_at);
+    std::ranges::for_each(owed, [&](OwedAnswer& it) { it.is_stop = is_stop; });
   }
   const auto quiet_since = [silence = parts_.line.silence()] {
     return silence == nullptr ? std::nullopt : std::optional(silence->quiet_since());
@@ -74,6 +75,20 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   if (stop != nullptr && in_the_way_of(parts_, *stop->leader) == &transmission) {
     const Duration stop_wait = parts_.settings.stop_wait;
     parts_.line.limit_wait(sent, stop->waits_since + stop_wait, stop_wait);
+  }
+}
+
+void Dispatch::note_asked(const Transaction& sent, JobClass job_class, Instant now) {
+  DeviceEntry& entry = parts_.devices[sent.address];
+  const bool is_silent = sent.may_stay_silent();
+  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.timing(),
+                        entry.health.is_offline());
+  entry.asked_at = now;
+  if (is_write(job_class) && !sent.request.is_read()) {
+    entry.hold.note_written();
+  }
+  if (!is_silent) {
+    parts_.adapter.note_request();
   }
 }
 
@@ -96,15 +111,7 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
       transmission.is_probe = !transmission.is_stop();
       counters.probes += transmission.is_probe ? 1U : 0U;
     }
-    entry.hold.note_asked(sent.may_stay_silent() ? nullptr : &sent.request, now, entry.timing(),
-                          entry.health.is_offline());
-    entry.asked_at = now;
-    if (is_write(job.job_class) && !sent.request.is_read()) {
-      entry.hold.note_written();
-    }
-    if (!sent.may_stay_silent()) {
-      parts_.adapter.note_request();
-    }
+    note_asked(sent, job.job_class, now);
   }
   parts_.devices.note_reconfiguring(sent);
   if (transmission.is_stop() && transmission.tries == 0) {

@@ -26,6 +26,10 @@ bool is_still_asked(const drive::Device& device, const Transaction& question) {
          read->range.first == told->address;
 }
 
+Hold::Sent sent_of(const Transmission& it, Instant due) {
+  return {it.on_wire().request, it.last_sent, due, it.tries > 1};
+}
+
 }  // namespace
 
 void Outcomes::handle_end(const LineEnd& end, Instant now) {
@@ -67,18 +71,18 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   diagnosis_.note_ended(asked, end, now);
 }
 
-void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, Instant now) {
+// False: it is a server's, which did not reach the device.
+bool Outcomes::take_response(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& asked = transmission.on_wire();
   const modbus::Pdu& response = *asked.response;
   DeviceEntry& entry = parts_.devices[asked.address];
   MBGATE_ASSERT(is_fitting(modbus::check_response(asked.request, response.bytes())) ||
                     entry.device->takes_limited(asked.request, response.bytes()),
                 "a response fits the request on the wire");
-  const bool exception = response.is_exception();
   ++parts_.counters.responses;
   ++entry.counters.responses;
   diagnosis_.note_understood();
-  if (exception) {
+  if (response.is_exception()) {
     ++parts_.counters.exceptions;
     ++entry.counters.exceptions;
     entry.counters.exceptions_by_code.note(response.bytes()[1]);
@@ -90,21 +94,29 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
       diagnosis_.notify(DeviceNotice::Kind::early, asked.address);
     }
   }
-  const bool is_unreached = parts_.is_unreached(response);
-  if (is_unreached) {
+  if (parts_.is_unreached(response)) {
     note_unreached(transmission, now);
-  } else {
-    entry.note_heard();
-    entry.unreached.reset();
-    entry.hold.note_answered({asked.request, transmission.last_sent, end.due}, response.bytes(),
-                             end.took, now, entry.timing());
-    if (entry.health.note_answered(transmission.last_sent, now)) {
-      diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
-    }
-    diagnosis_.note_times(transmission, end, now);
+    return false;
   }
+  entry.note_heard();
+  entry.unreached.reset();
+  entry.hold.note_answered(sent_of(transmission, end.due), response.bytes(), end.took, now,
+                           entry.timing());
+  if (entry.health.note_answered(transmission.last_sent, now)) {
+    diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
+  }
+  diagnosis_.note_times(transmission, end, now);
+  return true;
+}
+
+void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, Instant now) {
+  const Transaction& asked = transmission.on_wire();
+  const modbus::Pdu& response = *asked.response;
+  DeviceEntry& entry = parts_.devices[asked.address];
+  const bool exception = response.is_exception();
+  const bool is_own = take_response(transmission, end, now);
   transmission.is_probe = false;
-  if (exception && transmission.merged && !is_unreached) {
+  if (exception && transmission.merged && is_own) {
     entry.merge_refused = true;
     ends_.split_up(transmission, Ending::answered);
     return;
@@ -134,22 +146,25 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   ends_.advance(transmission, Ending::answered);
 }
 
-// The exception goes to who asked. Nothing came from the device; what is owed on a connection holds
-// nothing.
+// Nothing came from the device; what is owed on a connection holds nothing.
 void Outcomes::note_unreached(Transmission& transmission, Instant now) {
   const Transaction& sent = transmission.on_wire();
   DeviceEntry& entry = parts_.devices[sent.address];
   entry.setting_known = false;
   entry.cache.clear();
   entry.unreached = sent.response->bytes()[1];
+  note_unanswered(transmission, now, now);
+}
+
+void Outcomes::note_unanswered(Transmission& transmission, Instant due, Instant now) {
+  const std::uint8_t address = transmission.on_wire().address;
+  DeviceEntry& entry = parts_.devices[address];
   if (transmission.is_stop()) {
     entry.last_stop_turn = transmission.turn;
   }
-  const bool lost =
-      entry.health.note_unanswered(transmission.last_sent, now, entry.timing());
   parts_.probes.note_unanswered(transmission, now);
-  if (lost) {
-    go_offline(entry, sent.address, now);
+  if (entry.health.note_unanswered(transmission.last_sent, due, entry.timing())) {
+    go_offline(entry, address, now);
   }
 }
 
@@ -169,8 +184,7 @@ bool Outcomes::holds_what_it_must(const Transaction& question) {
 
 void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& sent = transmission.on_wire();
-  const std::uint8_t address = sent.address;
-  DeviceEntry& entry = parts_.devices[address];
+  DeviceEntry& entry = parts_.devices[sent.address];
   entry.setting_known = false;
   entry.cache.clear();
   entry.unreached.reset();
@@ -182,22 +196,15 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   }
   ++parts_.counters.timeouts;
   ++entry.counters.timeouts;
-  if (transmission.is_stop()) {
-    entry.last_stop_turn = transmission.turn;
-  }
-  entry.hold.note_unanswered({sent.request, transmission.last_sent, end.due});
-  const bool lost = entry.health.note_unanswered(transmission.last_sent, end.due, entry.timing());
-  parts_.probes.note_unanswered(transmission, now);
-  if (lost) {
-    go_offline(entry, address, now);
-  }
+  entry.hold.note_unanswered(sent_of(transmission, end.due));
+  note_unanswered(transmission, end.due, now);
   handle_failure(transmission, now);
 }
 
 void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& sent = transmission.on_wire();
   DeviceEntry& entry = parts_.devices[sent.address];
-  entry.hold.note_unreadable({sent.request, transmission.last_sent, end.due});
+  entry.hold.note_unreadable(sent_of(transmission, end.due), now);
   if (end.how == LineEnd::How::damaged) {
     ++parts_.counters.bad_crcs;
     ++entry.counters.bad_crcs;
@@ -268,32 +275,12 @@ void Outcomes::remember(const Job& job, const Transmission& transmission) {
   }
 }
 
-// Nobody knows whether the server has done what was on its way. A read does no harm if it is done
-// twice; if the next connection is closed too before its answer, it has failed.
-void Outcomes::handle_cut(Instant now) {
-  const auto running = parts_.transmissions.running();
-  for (Transmission* cut : std::vector(running.begin(), running.end())) {
-    if (!std::exchange(cut->in_flight, false)) {
-      continue;
-    }
-    parts_.probes.note_unanswered(*cut, now);
-    const std::size_t current = cut->leader->current;
-    if (cut->is_stop()) {
-      handle_failure(*cut, now);
-    } else if (cut->on_wire().request.is_read() && !cut->is_probe && cut->cut != current) {
-      cut->cut = current;
-    } else {
-      ends_.finish(*cut, Ending::no_answer);
-    }
-  }
-}
-
 void Outcomes::note_lost() {
   const auto due = parts_.line.response_due();
   for (const Transmission* running : parts_.transmissions.running()) {
     const Transaction& sent = running->on_wire();
     if (due && running->in_flight && !sent.is_broadcast() && !sent.may_stay_silent()) {
-      parts_.devices[sent.address].hold.note_unanswered({sent.request, running->last_sent, *due});
+      parts_.devices[sent.address].hold.note_unanswered(sent_of(*running, *due));
     }
   }
 }

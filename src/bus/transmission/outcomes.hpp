@@ -23,8 +23,10 @@ class Outcomes {
   void give_up_stop(Transmission& stop, Instant now);
 
  private:
+  bool take_response(Transmission& transmission, const LineEnd& end, Instant now);
   void handle_response(Transmission& transmission, const LineEnd& end, Instant now);
   void note_unreached(Transmission& transmission, Instant now);
+  void note_unanswered(Transmission& transmission, Instant due, Instant now);
   [[nodiscard]] bool holds_what_it_must(const Transaction& question);
   void note_stopped(const Transmission& transmission, Instant now);
   void handle_silence(Transmission& transmission, const LineEnd& end, Instant now);

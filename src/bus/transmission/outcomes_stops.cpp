@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the end of a stop's transmission means: it counts as carried out, is repeated, or is given
-// up.
+// up; and what becomes of those that a close has cut.
 #include <algorithm>
 #include <array>
 
@@ -86,6 +86,26 @@ void Outcomes::part_from_untried(Transmission& stop) {
   heir.followers.assign(untried.begin() + 1, untried.end());
   stop.followers.erase(untried.begin(), untried.end());
   parts_.stops.push_in_order(heir);
+}
+
+// Nobody knows whether the server has done what was on its way. A read does no harm if it is done
+// twice; if the next connection is closed too before its answer, it has failed.
+void Outcomes::handle_cut(Instant now) {
+  const auto running = parts_.transmissions.running();
+  for (Transmission* cut : std::vector(running.begin(), running.end())) {
+    if (!std::exchange(cut->in_flight, false)) {
+      continue;
+    }
+    parts_.probes.note_unanswered(*cut, now);
+    const std::size_t current = cut->leader->current;
+    if (cut->is_stop()) {
+      handle_failure(*cut, now);
+    } else if (cut->on_wire().request.is_read() && !cut->is_probe && cut->cut != current) {
+      cut->cut = current;
+    } else {
+      ends_.finish(*cut, Ending::no_answer);
+    }
+  }
 }
 
 }  // namespace mbgate::bus

@@ -56,27 +56,6 @@ void read_numbering(ProfileDraft& draft) {
   }
 }
 
-/// A list of codes from 1 to the last that the set can hold; false: there is no such list.
-template <std::size_t kSize>
-bool read_set(TomlTable& root, std::string_view key, std::string_view kind,
-              std::bitset<kSize>& codes) {
-  const auto* elements = root.list(key);
-  if (elements == nullptr) {
-    return false;
-  }
-  codes.reset();
-  for (const auto& element : *elements) {
-    const auto* code = std::get_if<std::int64_t>(&element.data);
-    if (code == nullptr || *code < 1 || *code >= static_cast<std::int64_t>(kSize)) {
-      root.report_expected(key, element,
-                           std::string(kind) + " code from 1 to " + std::to_string(kSize - 1));
-    } else {
-      codes.set(static_cast<std::size_t>(*code));
-    }
-  }
-  return true;
-}
-
 void read_behaviour(ProfileDraft& draft) {
   auto& profile = draft.file.profile;
   if (const auto addresses = read_units(draft.root, "addresses", {1, modbus::kMaxDeviceAddress})) {

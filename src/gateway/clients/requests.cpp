@@ -111,7 +111,7 @@ void Requests::say_left_out(const ClientSession& session, const Request& request
   BroadcastLeavesOut event{asked_of(session.info(), request.adu), request.is_stop};
   for (const drive::Device* device :
        routing::not_addressed(*request.route, *request.plan, request.is_stop)) {
-    event.devices.push_back(device->name);
+    event.devices += (event.devices.empty() ? "" : ", ") + device->name;
   }
   if (!event.devices.empty()) {
     actions_.push(Report{std::move(event)});

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "bus/state_reader.hpp"
 #include "gateway/client.hpp"
 #include "gateway/settings/device_index.hpp"
 #include "routing/route_table.hpp"

@@ -171,12 +171,9 @@ void SerialLine::read_now() {
   if (state_ == State::open) {
     read(bytes_to_read(descriptor_.native_handle()));
   }
-  if (state_ == State::open) {
-    tell_unsent();
+  if (state_ != State::open) {
+    return;
   }
-}
-
-void SerialLine::tell_unsent() {
   const std::size_t unsent = bytes_to_send(descriptor_.native_handle()) + rest_.size();
   if (std::exchange(unsent_, unsent) != unsent) {
     context_.events.line_unsent(bus_, unsent);

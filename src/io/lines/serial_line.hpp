@@ -45,7 +45,6 @@ class SerialLine final : public Line {
   void close_elsewhere(UniqueFd fd, const bus::LineSettings& opened);
   void lose(const std::string& why);
   void read(std::size_t left);
-  void tell_unsent();
   void lose_reading(const boost::system::error_code& error);
   [[nodiscard]] std::string error_text(const char* action, int error) const;
 

@@ -110,6 +110,8 @@ std::vector<Case> events_of_devices() {
       {event_of(Notice{Notice::Kind::late, 1}), kDeviceLate},
       {event_of(Notice{Notice::Kind::early, 1}), kDeviceEarly},
       {event_of(Notice{Notice::Kind::foreign, 1}), kForeignFrame},
+      {event_of(Notice{Notice::Kind::misfit, 1}), kMisfit},
+      {event_of(Notice{Notice::Kind::pauses, 1}), kAnswerPauses},
       {event_of(Notice{.kind = Notice::Kind::foreign, .address = 1, .is_request = true}),
        kForeignRequest},
       {event_of(Notice{Notice::Kind::second_answer, 1}), kSecondAnswer},
@@ -162,7 +164,7 @@ std::vector<Case> events_of_requests() {
       {gateway::WriteDenied{{asked, "by", 0}}, kRequestDenied},
       {gateway::StopDenied{{asked, "by", 0}}, kStopDenied},
       {gateway::WriteAccepted{asked}, kWriteAccepted},
-      {gateway::BroadcastLeavesOut{asked, true, {"axis-x"}}, kBroadcastLeavesOut},
+      {gateway::BroadcastLeavesOut{asked, true, "axis-x"}, kBroadcastLeavesOut},
       {gateway::CountersCleared{asked}, kCountersCleared},
   };
 }

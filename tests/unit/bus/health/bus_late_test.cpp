@@ -163,5 +163,24 @@ TEST_F(BusLate, ABusThatTakesThePortOverLeavesTheDeviceAloneToo) {
   EXPECT_THAT(frame_times_, ElementsAre(due + 120ms));
 }
 
+TEST_F(BusLate, OneLostAnswerOfAFastDeviceDelaysAWriteByLittle) {
+  auto patient = settings();
+  patient.timing.response_timeout = 1s;
+  patient.timing.retries = 1;
+  open(patient);
+  submit(job(kRead));
+  advance(kEmission + 5ms);
+  line(kAnswer);
+  advance(10ms);
+  submit(job(kRead));
+  advance(kEmission + 1s);
+  ASSERT_THAT(frames_, SizeIs(3));
+  advance(kEmission + 5ms);
+  line(kAnswer);
+  submit(job("06 0000 0001"));
+  advance(50ms);
+  EXPECT_EQ(frames_.back(), "01 06 00 00 00 01 48 0A");
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -104,5 +104,17 @@ TEST_F(BusMisfit, ALimitedEchoIsTheAnswerWhereTheDeviceIsToldToGiveIt) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
 }
 
+// It was heard; the answer to a read cannot be mistaken for that to the write.
+TEST_F(BusMisfit, AReadNeedNotWaitUntilTheResponseTimeoutOfTheWriteIsOver) {
+  auto patient = settings();
+  patient.timing.response_timeout = 1s;
+  open(patient);
+  ask(kSetPoint);
+  line(kLimited);
+  submit(job(kRead));
+  advance(30ms);
+  EXPECT_EQ(frames_.back(), kReadFrame);
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -95,6 +95,7 @@ TEST_F(BusRefusedStops, LetOthersHaveTheLineBetweenTheirTries) {
   line("02 03 02 12 34 F1 33");
   advance(100ms);
   EXPECT_THAT(frames_, ElementsAre(kStopFrame, kOtherDevice, kStopFrame));
+  advance(10ms);
   line(kStopFrame);
   advance(5ms);
   EXPECT_EQ(frames_.back(), kReadFrame);

@@ -89,6 +89,23 @@ TEST_F(OneDevice, ForgetsWhatWasReadBeforeAWriteOfAnotherName) {
   EXPECT_THAT(take(), ElementsAre("FF 03 00 00 00 01"));
 }
 
+/// Where it was no drive but a gateway to several, nobody gets another one's values.
+TEST_F(OneDevice, SharesNoReadWithAnotherUnit) {
+  Settings settings = server();
+  settings.buses[0].coalesce = settings.buses[0].merge = true;
+  rig_.reload(settings);
+  rig_.receive(2, read_request(1, 1));
+  rig_.receive(2, read_request(2, 2) + read_request(4, 2) + read_request(3, 3));
+  rig_.line("00 01 00 00 00 05 01 03 02 00 01");
+  rig_.line("00 02 00 00 00 05 02 03 02 00 02");
+  rig_.line("00 03 00 00 00 05 03 03 02 00 03");
+  EXPECT_THAT(take(), ElementsAre("01 03 00 00 00 01", "02 03 00 00 00 01", "03 03 00 00 00 01"));
+  EXPECT_THAT(rig_.take_sent(2), testing::UnorderedElementsAre("00 01 00 00 00 05 01 03 02 00 01",
+                                                               "00 02 00 00 00 05 02 03 02 00 02",
+                                                               "00 03 00 00 00 05 03 03 02 00 03",
+                                                               "00 04 00 00 00 05 02 03 02 00 02"));
+}
+
 TEST_F(OneDevice, HasItsWritersUnderEachName) {
   Settings settings = server();
   settings.guards.resize(1);
