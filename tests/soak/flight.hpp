@@ -36,7 +36,6 @@ struct Flight {
   std::optional<Instant> paid_at{};       ///< its own answer began
   std::optional<std::uint8_t> refused{};  ///< its device answers this exception
   std::optional<Instant> refused_at{};    ///< it came then
-  bool is_in_turn = false;                ///< that came before anything else was transmitted
   bool may_be_paid = false;               ///< something came that may have been taken for it
   bool is_answered = false;               ///< for certain: the answer met no fault
   bool needs_silence = false;             ///< behind that, because other bytes stood before it

@@ -132,6 +132,15 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
   if (flight.is_uncertain) {
     return "uncertain";
   }
+  // Alone it acknowledges nothing before the device was heard on this line.
+  const auto& sent = book.lanes[flight.address].sent;
+  const bool was_heard = std::ranges::any_of(sent, [&](std::uint64_t number) {
+    const Flight* it = oracle_.flight(number);
+    return it != nullptr && it->is_answered && it->begin >= book.opened;
+  });
+  if (looks_like_answer(flight) && !line.echo && !was_heard) {
+    return "unproven";
+  }
   if (asks_identity(flight.pdu) || spec::is_opaque(flight.pdu)) {
     return "ended_by_silence";
   }

@@ -197,7 +197,7 @@ class Oracle {
   bool take_apart(Bytes frame, Flight& flight);
   [[nodiscard]] Duration listens_for(std::size_t bus) const;
   void check_silence(const Flight& flight);
-  void check_quarantine(const Flight& flight);
+  void note_debt(const Flight& flight);
   void attribute(Flight& flight);
   bool fits(const Asked& asked, const Piece& piece, const Flight& flight) const;
   [[nodiscard]] std::string objection(const Asked& asked, const Piece& piece);

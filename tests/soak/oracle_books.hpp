@@ -75,6 +75,7 @@ struct Lane {
   unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
   std::vector<std::uint64_t> unheard;     ///< on a connection, what is later than that answer
   BusCount count;
+  PduBytes failsafe;           ///< the last one: it is repeated until it is acknowledged
   bool knows_order = false;    ///< its drive was asked for its word order
   bool stays_offline = false;  ///< it was perhaps offline when other settings came
   // Transmissions in a row that were certainly unanswered, at least:
@@ -179,8 +180,7 @@ struct Book {
   Instant listens_until = Instant::min();  ///< after a new start of the process
   bool is_first = true;                    ///< it was not opened since then
   unsigned openings = 0;
-  bus::LineSettings line{};  ///< that its drives were set to
-  bool is_unused = true;     ///< nothing was transmitted
+  bool is_unused = true;  ///< nothing was transmitted
   bool echo_proven = false;
   bool echo_lost = false;   ///< one that would have proven it did not come at all
   unsigned since_echo = 0;  ///< transmissions since a whole echo came

@@ -73,10 +73,6 @@ void Oracle::line_replaced(std::size_t bus) {
     book.is_restarted = true;
     return;
   }
-  const unsigned most = bus_settings(bus).replace_after;
-  if (most == 0 || book.in_vain.size() < most || schedule_.now() < book.last_byte + kSilence) {
-    violation("tcp_replaced", bus_settings(bus).name);
-  }
   ++book.count.losses;
   note_cut(book);
   rest(book);

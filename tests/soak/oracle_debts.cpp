@@ -11,7 +11,7 @@
 namespace mbgate::soak {
 namespace {
 
-constexpr std::size_t kSentKept = 32;
+constexpr std::size_t kSentKept = 64;
 constexpr Duration kSecondsSlack = std::chrono::milliseconds(20);  // of what was learned
 
 // A quarter more than what was shown.
@@ -45,25 +45,8 @@ bool may_be_confused(const PduBytes& a, const PduBytes& b) {
   }
 }
 
-// While a transmission may still be answered by its device's settings, nothing is sent to the
-// device but stops, the retry of the same read, and what names another function.
-void Oracle::check_quarantine(const Flight& flight) {
+void Oracle::note_debt(const Flight& flight) {
   Lane& lane = books_[flight.bus].lanes[flight.address];
-  const auto is_open = [&](std::uint64_t number) {
-    const Flight* sent = this->flight(number);
-    return sent != nullptr && !sent->may_be_paid && sent->pdu.front() == flight.pdu.front() &&
-           schedule_.now() < sent->quarantine_until;
-  };
-  const auto open = std::ranges::find_if(lane.sent, is_open);
-  if (open != lane.sent.end() && !flight.is_stop && !flight.repeats_read) {
-    const Flight& sent = *this->flight(*open);
-    const auto us = [&](Instant at) {
-      return std::to_string((at - schedule_.now()) / std::chrono::microseconds(1)) + " us";
-    };
-    violation("quarantine", name(flight) + " while " + name(sent) + " is open, sent " +
-                                us(sent.begin) + ", due " + us(sent.deadline) + ", until " +
-                                us(sent.quarantine_until));
-  }
   if (flight.expects_answer) {
     lane.sent.push_back(flight.number);
     if (lane.sent.size() > kSentKept) {
@@ -82,7 +65,7 @@ bool Oracle::is_only_debt(const Lane& lane, const HeardFrame& frame) const {
   const Instant since = schedule_.now() - owed_for(*from);
   return lane.uncertain_at < since && std::ranges::all_of(lane.sent, [&](std::uint64_t number) {
            const Flight* it = flight(number);
-           return it == nullptr || number == frame.flight || it->begin < since || it->is_in_turn;
+           return it == nullptr || number == frame.flight || it->begin < since || it->is_answered;
          });
 }
 
@@ -112,9 +95,6 @@ void Oracle::settle(std::size_t bus, const HeardFrame& frame) {
     note_second(lane, frame, from);
     return;
   }
-  const Book& book = books_[bus];
-  from->is_in_turn =
-      from->is_in_turn || (frame.fits && !frame.is_refused && book.last_flight == from->number);
   if (!frame.fits) {
     return;
   }

@@ -61,7 +61,10 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) {
   if (asked.is_stop()) {
     const unsigned repeats =
         asked.is_repeated ? std::max(asked.stop_retries, timing.stop_retries) : 0;
-    return asked.surely_on_wire && !asked.is_shared && piece.sent > repeats ? "stop_too_often" : "";
+    return asked.surely_on_wire && !asked.is_shared && reloaded_ < asked.accepted &&
+                   piece.sent > repeats
+               ? "stop_too_often"
+               : "";
   }
   if (!asked.is_accepted) {
     return "pipeline";

@@ -34,7 +34,7 @@ void Oracle::count_slip(const Asked& asked) {
   const Duration start = kTimeoutsOfAStart * (last->due - last->end) + 2 * lateness();
   const std::string where = name(asked) + ", " + asked.uncertain;
   if (now >= slips.until) {
-    if (slips.caused <= slips.until) {
+    if (std::max(slips.caused, books_[piece.bus].opened) <= slips.until) {
       violation("wrong_again", where + ", though nothing is new");
     }
     slips.until = now + start;

@@ -27,12 +27,19 @@ void Oracle::check_answered(const Asked& asked) {
 // A drive that has refused a stop has time to think about it.
 void Oracle::check_pause(const Asked& asked, const Flight& flight) {
   const Flight* last = asked.last_alone != 0 ? this->flight(asked.last_alone) : nullptr;
-  if (!asked.is_stop() || last == nullptr || !last->refused_at || stopping_ ||
+  if (!asked.is_stop() || last == nullptr || !last->refused_at || !last->is_answered || stopping_ ||
       reloaded_ >= last->begin) {
     return;
   }
-  if (flight.begin < *last->refused_at + bus_settings(flight.bus).stop_wait) {
-    violation("stop_repeated_early", name(flight));
+  // If the wait for its answer went on, the exception was taken for that to an earlier one.
+  if (flight.begin <
+      std::min<Instant>(last->due, *last->refused_at + bus_settings(flight.bus).stop_wait)) {
+    violation(
+        "stop_repeated_early",
+        name(flight) + ", refused " +
+            std::to_string((flight.begin - *last->refused_at) / std::chrono::microseconds(1)) +
+            " us ago, stop_wait " +
+            std::to_string(bus_settings(flight.bus).stop_wait / std::chrono::microseconds(1)));
   }
 }
 

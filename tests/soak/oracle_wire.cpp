@@ -76,10 +76,6 @@ void Oracle::bus_opened(std::size_t bus) {
   if (std::exchange(book.is_first, false) && before_restart_ > 0) {
     book.listens_until = book.opened + listens_for(bus);
   }
-  if (const auto& line = bus_settings(bus).line; !spec::is_same_line(line, book.line)) {
-    book.line = line;
-    std::ranges::for_each(book.lanes, [](Lane& lane) { lane.sent.clear(); });
-  }
   book.is_unused = true;
   book.last_byte = schedule_.now();
   book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
@@ -113,7 +109,6 @@ void Oracle::begin_with(Past past) {
   ids_ = past.ids;
   for (std::size_t bus = 0; bus < books_.size(); ++bus) {
     books_[bus].openings = past.openings[bus];
-    books_[bus].line = bus_settings(bus).line;
   }
 }
 
@@ -193,7 +188,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
     book.in_vain.push_back(flight.number);
   }
   if (!is_tcp(bus)) {
-    check_quarantine(flight);
+    note_debt(flight);
     book.own_end = book.busy_since = flight.end;
     if (flight.is_broadcast) {
       book.turnaround_end = flight.end + bus_settings(bus).turnaround;

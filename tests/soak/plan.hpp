@@ -154,7 +154,9 @@ struct Peculiarity {
   bool value = false;  ///< at kValueOfSome
 };
 
-inline constexpr unsigned kMostAtAStart = 5;  ///< wrong answers, before what it does is known
+/// Wrong answers before what a device does is known: five as a rule, more where its times vary
+/// much.
+inline constexpr unsigned kMostAtAStart = 8;
 
 /// What drives refuse stops with: not now, or not at all.
 inline constexpr std::array<std::uint8_t, 8> kStopRefusals{1, 2, 3, 4, 5, 6, 0x0A, 0x0B};

@@ -92,6 +92,9 @@ const char* Refusals::why_withdrawn(const Asked& asked) const {
   if (std::ranges::any_of(asked.pieces, &Piece::taken_back)) {
     return "taken_back";
   }
+  if (asked.changes() && oracle_.reloaded_ == oracle_.schedule_.now()) {
+    return "rights";
+  }
   // It may have lain in a socket that was not read, since before its drive meant something else.
   return oracle_.is_outdated(asked) ? "outdated" : nullptr;
 }
@@ -133,6 +136,10 @@ void Refusals::judge_no_response(const Asked& asked) const {
     return;
   }
   const Flight* last = oracle_.flight(asked.last_flight);
+  if (last != nullptr && last->came > 0) {
+    note("0B", "misfit");  // good frames, or what may be parts of them
+    return;
+  }
   std::string text = oracle_.name(asked);
   if (last != nullptr) {
     text += ", transmitted " + us(oracle_.schedule_.now() - last->begin) + " ago, deadline " +

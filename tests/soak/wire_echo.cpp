@@ -32,8 +32,8 @@ void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {
   echoes_lost_ = 0;
   OwnEcho& echo = echo_.emplace(OwnEcho{flight.number, frame});
   if (happens_to_echo(rates_.echo_cut, "echo_cut")) {
-    const auto left = static_cast<std::ptrdiff_t>(
-        echo_random_.between(std::size_t{1}, std::max<std::size_t>(echo.bytes.size(), 2) - 1));
+    const auto left = static_cast<std::ptrdiff_t>(echo_random_.between(
+        std::size_t{1}, std::max<std::size_t>(echo.bytes.size(), 4) - (ascii_ ? 3 : 1)));
     echo_random_.chance(500) ? echo.bytes.erase(echo.bytes.begin(), echo.bytes.begin() + left)
                              : echo.bytes.erase(echo.bytes.begin() + left, echo.bytes.end());
     echo.is_whole = false;

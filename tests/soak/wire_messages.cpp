@@ -85,6 +85,9 @@ std::optional<std::uint8_t> SerialWire::garble(Message& message) {
   const auto from =
       static_cast<std::size_t>(std::max<Duration>(past, Duration{0}) / message.character);
   const std::size_t good = std::max(from, message.heard);
+  if (ascii_ && good + 1 >= message.bytes.size()) {
+    return std::nullopt;  // CR alone ends a frame
+  }
   message.content.copies =
       std::min(message.content.copies, message.ended(good) - message.ended(message.heard));
   const auto lost = good < message.bytes.size() ? std::optional(message.bytes[good]) : std::nullopt;
@@ -100,13 +103,14 @@ std::optional<std::uint8_t> SerialWire::garble(Message& message) {
 
 void SerialWire::damage(Frame& frame) {
   Random& random = around_.random;
-  const auto place = static_cast<std::ptrdiff_t>(random.below(frame.size()));
+  const std::size_t size = frame.size() - (ascii_ ? 2 : 0);  // half of an end is one
+  const auto place = static_cast<std::ptrdiff_t>(random.below(size));
   switch (random.between(0U, 2U)) {
     case 0:
       for (unsigned bits = ascii_ ? 1 : random.between(1U, 3U); bits > 0; --bits) {
         // Each in a byte of its own: the same bit twice would be no damage; nor would a digit of
         // the other case.
-        auto& byte = frame[(static_cast<std::size_t>(place) + bits) % frame.size()];
+        auto& byte = frame[(static_cast<std::size_t>(place) + bits) % size];
         byte =
             static_cast<std::uint8_t>(byte ^ (1U << (ascii_ ? random.below(5) : random.below(8))));
       }
