@@ -44,7 +44,7 @@ def answered(request):
 class EchoLearning(FaultCase):
     def attach(self, answer):
         line = self.enterContext(Line(answer))
-        self.configure(line.path)
+        self.configure(line.path, keys='echo = "auto"')
         text = self.configuration.read_text(encoding="utf-8").replace('"2s"', '"300ms"')
         self.configuration.write_text(text, encoding="utf-8")
         self.start()

@@ -33,7 +33,7 @@ class Failsafe(FaultCase):
         self.drives = self.enterContext(Drives())
         self.configure(self.drives.path)
         text = self.configuration.read_text(encoding="utf-8")
-        text = text.replace('response_timeout = "2s"', 'response_timeout = "200ms"\nprobe_interval = "500ms"\necho = false')
+        text = text.replace('response_timeout = "2s"', 'response_timeout = "200ms"\nprobe_interval = "500ms"')
         text += f'[[device]]\nname = "axis"\nbus = "line-a"\naddress = {DRIVE}\n{GRACE.format(grace)}\n'
         text += f"failsafe = [{{ address = 0, value = {STOP} }}]\n"
         text += f'[[route]]\nunit = {OTHER}\nbus = "line-a"\naddress = {OTHER}\n'

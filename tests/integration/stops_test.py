@@ -53,7 +53,7 @@ class Stops(FaultCase):
         self.drive = self.enterContext(Drive())
         self.configure(self.drive.path, route='deadline = "20s"')
         text = self.configuration.read_text(encoding="utf-8")
-        text = text.replace('response_timeout = "2s"', 'response_timeout = "600ms"\nretries = 0\necho = false')
+        text = text.replace('response_timeout = "2s"', 'response_timeout = "600ms"\nretries = 0')
         text += f'[gateway]\nprofiles = "{CONFIGURATION}/profiles"\n'
         text += f'[[device]]\nname = "axis"\nbus = "line-a"\naddress = {DRIVE}\nprofile = "{profile}"\n{more}\n'
         self.configuration.write_text(text, encoding="utf-8")
