@@ -68,9 +68,9 @@ class Oracle {
 
  private:
   struct Book {
-    Instant held_until = Instant::min();   ///< by its last unanswered transmission
-    bool stop_unanswered = false;          ///< the last thing that it was told
-    unsigned unanswered = 0;               ///< in a row
+    Instant held_until = Instant::min();  ///< by its last unanswered transmission
+    bool stop_unanswered = false;         ///< the last thing that it was told
+    unsigned unanswered = 0;              ///< in a row
     Instant offline_at = Instant::min();
     bool is_stopped = false;  ///< a stop was answered, and no write was transmitted since it was
     std::uint64_t done = 0;   ///< the last transmission of a write or stop that was acknowledged

@@ -75,7 +75,6 @@ struct Lane {
   unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
   std::vector<std::uint64_t> unheard;     ///< on a connection, what is later than that answer
   BusCount count;
-  PduBytes failsafe;           ///< the last one: it is repeated until it is acknowledged
   bool knows_order = false;    ///< its drive was asked for its word order
   bool stays_offline = false;  ///< it was perhaps offline when other settings came
   // Transmissions in a row that were certainly unanswered, at least:

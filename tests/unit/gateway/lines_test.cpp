@@ -109,7 +109,8 @@ TEST(Gateway, KnowsWhetherItIsWokenInTime) {
 
 TEST(Gateway, ListensBeforeItTransmitsAfterOpening) {
   Settings settings = one_bus();
-  settings.buses[0].listen_first.reset();  // the longest response timeout, 100 ms, and its quarantine
+  settings.buses[0]
+      .listen_first.reset();  // the longest response timeout, 100 ms, and its quarantine
   MachineRig rig(settings, false);
   rig.connect(1);
   rig.receive(1, kRead);

@@ -89,8 +89,8 @@ TEST_F(Drives, TakeDefaultsFromTheirProfiles) {
   EXPECT_EQ(feeder.word_order, drive::WordOrder::little);
   EXPECT_EQ(feeder.write_function, std::nullopt);  // the maker prefers 16
   EXPECT_EQ(feeder.timing.response_wait, 1ms);
-  EXPECT_FALSE(feeder.limits_values || feeder.split_values || feeder.split_writes || feeder.verify_word_order ||
-               feeder.allow_reconfigure);
+  EXPECT_FALSE(feeder.limits_values || feeder.split_values || feeder.split_writes ||
+               feeder.verify_word_order || feeder.allow_reconfigure);
   const auto& valve = settings.devices.at(2);
   EXPECT_EQ(valve.profile.name, "generic");
   EXPECT_EQ(valve.address, 255);
