@@ -163,8 +163,8 @@ class FaultCase(unittest.TestCase):
         text = f'[http]\nsocket = "{self.control}"\n'
         text += f'[[listen]]\nname = "plant"\naddress = "127.0.0.1"\nport = 0\nmax_connections = 2001\nmax_connections_per_address = 2000\nmax_connects_per_second = 0\nmax_requests_per_second = 0\n{more}\n'
         text += f'[[bus]]\nname = "line-a"\ndevice = "{device}"\nbaud = 115200\nparity = "none"\ncoalesce = false\n'
-        text += f'response_timeout = "2s"\nlisten_first = "0ms"\n{keys}\n'
         text += "" if "echo" in keys else "echo = false\n"
+        text += f'response_timeout = "2s"\nlisten_first = "0ms"\n{keys}\n'
         for unit in (DRIVE, DEAF):
             text += f'[[route]]\nunit = {unit}\nbus = "line-a"\naddress = {unit}\n{route}\n'
         self.configuration.write_text(text, encoding="utf-8")
