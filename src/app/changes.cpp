@@ -69,6 +69,7 @@ std::string differences(const Settings& old, const Settings& next, std::size_t n
   found.compare("tls", tls_of(old, a), tls_of(next, b));
   found.compare("bus", a.bus, b.bus);
   found.compare("broadcast_reply", a.broadcast_reply, b.broadcast_reply);
+  found.compare("broadcast_mixed", a.broadcast_mixed, b.broadcast_mixed);
   return found.text();
 }
 

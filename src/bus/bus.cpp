@@ -3,6 +3,23 @@
 #include "bus/bus.hpp"
 
 namespace mbgate::bus {
+namespace {
+
+// What may still be owed must come first: on a port that is new to the gateway by somebody else's
+// requests, else by its own.
+Instant listen_until(const Parts& parts, bool was_open, Instant now) {
+  if (!was_open) {
+    return now + parts.settings.listen_first.value_or(
+                     default_listen_first(parts.settings, parts.devices.devices()));
+  }
+  Instant until = now;
+  for (const DeviceEntry& entry : parts.devices.entries()) {
+    until = std::max(until, entry.hold.until(entry.timing()));
+  }
+  return until;
+}
+
+}  // namespace
 
 Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
     : parts_(settings, devices) {}
@@ -22,8 +39,15 @@ void Bus::handle_opened(Instant now, LineKind kind) {
   parts_.devices.forget_what_was_read();
   parts_.acknowledged.forget_all();
   diagnosis_.note_opened();
-  parts_.line.open(now, kind);
+  parts_.line.open(now, kind, listen_until(parts_, was_open_, now));
+  was_open_ = true;
   dispatch_.pump(now);
+}
+
+void Bus::take_over(Bus& before) {
+  before.outcomes_.note_lost();
+  was_open_ = before.was_open_;
+  parts_.devices.take_over(before.parts_.devices);
 }
 
 void Bus::handle_lost(Instant now, Loss loss) {
@@ -36,7 +60,7 @@ void Bus::handle_lost(Instant now, Loss loss) {
       line.has_answered() || (line.is_unused() && !link.is_new(parts_.settings, now));
   if (loss == Loss::closed && link.is_open() && in_order) {
     line.note_closed(now);
-    rest(now);
+    dispatch_.rest(now);
     return;
   }
   parts_.counters.losses += link.serves() ? 1U : 0U;
@@ -52,15 +76,6 @@ void Bus::handle_lost(Instant now, Loss loss) {
   dispatch_.pump(now);
 }
 
-// Who waits for the connection goes on waiting: it is opened again at once, or when somebody asks.
-void Bus::rest(Instant now) {
-  parts_.link.rest(parts_.settings, parts_.line.has_answered());
-  dispatch_.forget_look();
-  parts_.line.abort();
-  outcomes_.handle_cut(now);
-  dispatch_.pump(now);
-}
-
 void Bus::handle_bytes(modbus::Bytes bytes, Instant now) {
   if (!parts_.link.is_open()) {
     return;
@@ -73,7 +88,19 @@ void Bus::handle_bytes(modbus::Bytes bytes, Instant now) {
   dispatch_.pump(now);
 }
 
-void Bus::handle_looked(Instant now) { dispatch_.pump_looked(now); }
+void Bus::note_unsent(std::size_t bytes) {
+  if (SerialDiscipline* serial = parts_.line.serial()) {
+    serial->note_unsent(bytes);
+  }
+}
+
+void Bus::handle_looked(Instant now) {
+  if (SerialDiscipline* serial = parts_.line.serial(); serial != nullptr && parts_.link.is_open()) {
+    serial->handle_looked(now);
+    collect(now);
+  }
+  dispatch_.pump_looked(now);
+}
 
 void Bus::handle_deadline(Instant now) {
   if (parts_.link.take_due(now)) {
@@ -95,16 +122,24 @@ void Bus::collect(Instant now) {
     outcomes_.handle_end(*end, now);
   }
   while (const auto fault = parts_.line.take_fault()) {
-    if (fault == LineFault::framing_lost) {
+    if (fault == LineFault::framing_lost || fault == LineFault::driver_stalled) {
+      // What the driver still holds is dropped with the line: it must not leave later.
+      if (fault == LineFault::driver_stalled) {
+        parts_.actions.push(LineNotice{*fault});
+      }
       parts_.actions.push(CloseLine{});
       handle_lost(now);
-    } else if (fault != LineFault::unanswered) {
+    } else if (fault != LineFault::unanswered && fault != LineFault::answer_cut_off) {
       parts_.actions.push(LineNotice{*fault});
     } else if (!parts_.stopping) {
-      // The far end takes what is sent, and says nothing.
+      // The far end takes what is sent, and says nothing, or nothing that can be followed.
       ++parts_.counters.losses;
-      parts_.actions.push(ReplaceLine{diagnosis_.note_unanswered_connection()});
-      rest(now);
+      const bool is_silent = fault == LineFault::unanswered;
+      if (!is_silent) {
+        parts_.actions.push(LineNotice{*fault});
+      }
+      parts_.actions.push(ReplaceLine{is_silent && diagnosis_.note_unanswered_connection()});
+      dispatch_.rest(now);
     }
   }
 }

@@ -33,6 +33,8 @@ class Bus {
   /// somebody asks, at once if somebody waits already.
   void handle_lost(Instant now, Loss loss = Loss::failed);
   void handle_bytes(modbus::Bytes bytes, Instant now);
+  /// The driver of the line holds so many bytes that it has not sent, from now on.
+  void note_unsent(std::size_t bytes);
   /// After LookAtLine: what lay in the line has been handed in, and nothing else since.
   void handle_looked(Instant now);
   /// Whoever calls this has handed in before what already lay in the line.
@@ -49,6 +51,8 @@ class Bus {
   /// The same line with other rules, or other devices: what is known of addresses is kept. Jobs
   /// that wait for devices that are no longer what they were must have been withdrawn.
   void update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now);
+  /// Another bus had the same port before: what is owed there is owed to this one.
+  void take_over(Bus& before);
   /// No new transmissions but stops: other waiting jobs end as cancelled, running transactions may
   /// finish.
   void stop(Instant now);
@@ -73,9 +77,9 @@ class Bus {
  private:
   friend struct mbgate::StateReader;
   void collect(Instant now);
-  void rest(Instant now);
 
   Parts parts_;
+  bool was_open_ = false;  // the port, by this bus or the one before
   JobEnds ends_{parts_};
   LineDiagnosis diagnosis_{parts_};
   Outcomes outcomes_{parts_, ends_, diagnosis_};

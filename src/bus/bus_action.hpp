@@ -40,10 +40,10 @@ struct ReopenLine {
 };
 /// Bytes have arrived for so long without a silence that nothing could be transmitted on the line.
 struct NeverSilent {};
-/// Close the connection: nothing comes from the server any more. OpenLine follows when a job waits
-/// for it. Nothing needs to be reported back.
+/// Close the connection: nothing comes from the server any more, or nothing that can be followed.
+/// OpenLine follows when a job waits for it. Nothing needs to be reported back.
 struct ReplaceLine {
-  bool is_news;  ///< something was received since the last ReplaceLine
+  bool is_news;  ///< nothing comes, but something did since the last ReplaceLine
 };
 /// What was learned of the device at an address.
 struct DeviceNotice {
@@ -54,16 +54,20 @@ struct DeviceNotice {
     early,            ///< an answer began before response_wait was over: it is set too long
     foreign,          ///< a request of another client, or a frame of a device that owed no answer
     second_answer,    ///< two answers came to one request
+    pauses,           ///< an answer was cut, because it paused for longer than frame_slack
+    misfit,           ///< it answers with good frames that do not fit what it was asked
     stop_unanswered,  ///< no matching response came to a stop, nor to its repetitions
+    stop_refused,     ///< a stop was refused, and so were its repetitions, if there were any
     stop_forced       ///< a stop was transmitted although the line was never silent
   };
   Kind kind;
   std::uint8_t address;
-  Duration lateness{0};         ///< late: after the response timeout
+  Duration lateness{0};         ///< late: after the response timeout; pauses: how long
   Duration quarantine{0};       ///< late: in force from now on
   bool answered_before = true;  ///< lost, back: has it ever sent a valid answer?
   unsigned transmissions = 0;   ///< lost: unanswered in a row
   bool is_request = false;      ///< foreign: it was a request
+  std::uint8_t exception = 0;   ///< stop_refused: the last one
 };
 /// Which jobs a transmission is for. A job leads one transmission at a time.
 struct TransmissionTitle {

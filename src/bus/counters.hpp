@@ -34,7 +34,7 @@ struct BusCounters {
   std::uint64_t merged_reads = 0;      ///< of these, those answered by a part of a longer read
   std::uint64_t cached_reads = 0;      ///< reads answered from the cache
   std::uint64_t stops = 0;             ///< stops that were sent, repetitions included
-  std::uint64_t stops_unanswered = 0;  ///< stops given up without a matching response
+  std::uint64_t stops_unanswered = 0;  ///< stops given up without being acknowledged
   std::uint64_t overtaken_writes = 0;  ///< waiting writes cancelled by a stop
   std::uint64_t probes = 0;            ///< requests sent to offline devices as probes
   std::uint64_t refused_offline = 0;   ///< requests refused because their device was offline

@@ -11,7 +11,7 @@ namespace mbgate::bus {
 
 using modbus::Duration;
 
-/// The machine's time line. It has no now(): the shell maps the steady clock onto it, a simulation
+/// The machine's time line. It has no now(): the shell maps a clock onto it, a simulation
 /// counts it.
 struct MachineTime {};
 

@@ -29,9 +29,10 @@ struct Transaction {
   // Not an aggregate: all its room would be filled with zeros first.
   Transaction(std::uint8_t to, const modbus::Request& asked, bool may_be_silent = false,
               drive::BroadcastForm form = drive::BroadcastForm::none)
-      : address(to), request(asked), silence_is_success(may_be_silent), broadcast(form) {}
+      : address(to), unit(to), request(asked), silence_is_success(may_be_silent), broadcast(form) {}
 
   std::uint8_t address;
+  std::uint8_t unit;  ///< on the wire: another one on a TCP bus whose one device has every unit
   modbus::Request request;
   /// 08/01 and 08/04 silence a device: a missing answer is then not a failure.
   bool silence_is_success;

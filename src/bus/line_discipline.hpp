@@ -14,11 +14,11 @@ namespace mbgate::bus {
 
 class LineDiscipline {
  public:
-  LineDiscipline(const BusSettings& settings, Duration listen_first, BusCounters& counters)
-      : line_(make(settings, listen_first, counters)) {}
+  LineDiscipline(const BusSettings& settings, BusCounters& counters)
+      : line_(make(settings, counters)) {}
 
-  void open(Instant now, LineKind kind) {
-    std::visit([&](auto& line) { line.open(now, kind); }, line_);
+  void open(Instant now, LineKind kind, Instant listen_until) {
+    std::visit([&](auto& line) { line.open(now, kind, listen_until); }, line_);
   }
   [[nodiscard]] Instant ready_at(Duration gap) const {
     return when([gap](const auto& it) { return it.ready_at(gap); });
@@ -29,20 +29,15 @@ class LineDiscipline {
   [[nodiscard]] Instant possible_at() const {
     return when([](const auto& it) { return it.possible_at(); });
   }
-  /// Nothing on a connection, which is never busy.
-  [[nodiscard]] std::optional<Instant> busy_since() const {
-    const auto* serial = std::get_if<SerialDiscipline>(&line_);
-    return serial == nullptr ? std::nullopt : std::optional(serial->silence().busy_since());
-  }
   /// Nothing on a connection, where no silence is asked for.
-  [[nodiscard]] std::optional<Instant> quiet_since() const {
+  [[nodiscard]] const LineSilence* silence() const {
     const auto* serial = std::get_if<SerialDiscipline>(&line_);
-    return serial == nullptr ? std::nullopt : std::optional(serial->silence().quiet_since());
+    return serial == nullptr ? nullptr : &serial->silence();
   }
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
                    Instant now) {
-    return std::visit([&](auto& line) { return line.begin(transaction, timing, owed, now); },
-                      line_);
+    return std::visit(
+        [&](auto& line) { return line.begin(transaction, timing, std::move(owed), now); }, line_);
   }
   void limit_wait(const Transaction& transaction, Instant instant, Duration least) {
     std::visit([&](auto& line) { line.limit_wait(transaction, instant, least); }, line_);
@@ -50,8 +45,8 @@ class LineDiscipline {
   [[nodiscard]] std::optional<Instant> response_due() const {
     return std::visit([](const auto& line) { return std::optional(line.response_due()); }, line_);
   }
-  void update(const BusSettings& settings, Duration listen_first) {
-    std::visit([&](auto& line) { line.update(settings, listen_first); }, line_);
+  void update(const BusSettings& settings) {
+    std::visit([&](auto& line) { line.update(settings); }, line_);
   }
   std::optional<UnsolicitedFrame> take_unsolicited() {
     return std::visit([](auto& line) { return line.take_unsolicited(); }, line_);
@@ -59,6 +54,8 @@ class LineDiscipline {
   void abort() {
     std::visit([](auto& line) { line.abort(); }, line_);
   }
+  /// Nothing if it is a connection.
+  SerialDiscipline* serial() { return std::get_if<SerialDiscipline>(&line_); }
   void handle_bytes(modbus::Bytes bytes, Instant now) {
     std::visit([&](auto& line) { line.handle_bytes(bytes, now); }, line_);
   }
@@ -101,11 +98,11 @@ class LineDiscipline {
  private:
   friend struct mbgate::StateReader;
   using Variant = std::variant<SerialDiscipline, TcpDiscipline>;
-  static Variant make(const BusSettings& settings, Duration listen_first, BusCounters& counters) {
+  static Variant make(const BusSettings& settings, BusCounters& counters) {
     if (settings.line.framing == Framing::tcp) {
       return Variant(std::in_place_type<TcpDiscipline>, settings, counters);
     }
-    return Variant(std::in_place_type<SerialDiscipline>, settings, listen_first, counters);
+    return Variant(std::in_place_type<SerialDiscipline>, settings, counters);
   }
   /// When something may be sent: the silence of a serial line says that, or a connection itself.
   template <typename Ask>

@@ -6,6 +6,7 @@
 #include <boost/container/static_vector.hpp>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "bus/job.hpp"
 
@@ -24,12 +25,19 @@ enum class LineState : std::uint8_t {
 /// The state's name for status displays.
 std::string_view to_text(LineState state);
 
-/// Late answers of a device that may still come, to earlier requests with the same function code.
-struct OwedAnswers {
-  unsigned count = 0;
-  unsigned alike =
-      0;  ///< of these, those that could be taken for the answer to the write being sent
+/// An earlier transmission to the same device, with the same function code, whose answer may still
+/// come.
+struct OwedAnswer {
+  modbus::Request asked;
+  bool is_own;           ///< an earlier try of the request: its answer is as good
+  bool is_stop = false;  ///< but not an exception to an earlier stop, which may pass
+
+  [[nodiscard]] bool is_own_answer(const modbus::Pdu& response) const {
+    return is_own && !(is_stop && response.is_exception());
+  }
 };
+/// Oldest first: a device works in order.
+using OwedAnswers = std::vector<OwedAnswer>;
 
 /// How a transmission ended.
 struct LineEnd {
@@ -37,7 +45,8 @@ struct LineEnd {
     response,     ///< the transaction has it
     sent,         ///< a broadcast has left the wire; the turnaround delay runs
     no_response,  ///< no response came in time
-    damaged       ///< a response with a wrong CRC or LRC
+    damaged,      ///< a response with a wrong CRC or LRC
+    misfit        ///< a good frame of the device that does not fit what was asked, and no other
   };
   How how;
   Transaction* transaction;
@@ -60,7 +69,11 @@ enum class LineFault : std::uint8_t {
   echo_unproven,
   /// A matching answer began before its request had left, and was not accepted.
   answered_while_sending,
-  unanswered  ///< a connection takes requests, and nothing has been received from it for long
+  unanswered,  ///< a connection takes requests, and nothing has been received from it for long
+  /// A response timeout has ended behind a part of an answer: where the next one begins is not
+  /// known.
+  answer_cut_off,
+  driver_stalled  ///< the driver still holds bytes that should have left long ago
 };
 /// Faults that were noticed and not yet reported.
 using LineFaults = boost::container::static_vector<LineFault, 8>;

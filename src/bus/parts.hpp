@@ -26,7 +26,7 @@ struct Parts {
   Parts(const BusSettings& in_force, std::span<const drive::Device> known)
       : settings(in_force),
         devices(in_force, known),
-        line(in_force, listening_time(), counters),
+        line(in_force, counters),
         queue(in_force.queue),
         transmissions(most_in_flight()),
         probes(settings, devices),
@@ -39,7 +39,7 @@ struct Parts {
     settings = in_force;
     const Addresses others = devices.update(settings, known);
     acknowledged.forget_all();
-    line.update(settings, listening_time());
+    line.update(settings);
     queue.set_limit(settings.queue);
     transmissions.set_room(most_in_flight());
     return others;
@@ -48,6 +48,11 @@ struct Parts {
   /// Are devices held in quarantine? Not on Modbus TCP, where the transaction identifier tells late
   /// answers apart.
   [[nodiscard]] bool quarantines() const { return settings.line.framing != Framing::tcp; }
+  /// Does a Modbus TCP server say that it did not reach the device? Then the device has not
+  /// answered.
+  [[nodiscard]] bool is_unreached(const modbus::Pdu& response) const {
+    return settings.line.framing == Framing::tcp && response.is_unreached();
+  }
 
   BusSettings settings;
   DeviceTable devices;
@@ -68,11 +73,6 @@ struct Parts {
 
  private:
   friend struct mbgate::StateReader;
-  [[nodiscard]] Duration listening_time() const {
-    constexpr Duration kLongestListening = std::chrono::seconds(1);
-    return settings.listen_first.value_or(
-        std::min(devices.longest_response_timeout(), kLongestListening));
-  }
   [[nodiscard]] std::size_t most_in_flight() const {
     return settings.line.framing == Framing::tcp ? settings.outstanding : 1;
   }

@@ -23,6 +23,17 @@ Duration longest_response_timeout(const BusSettings& settings,
   return longest;
 }
 
+Duration default_listen_first(const BusSettings& settings, std::span<const drive::Device> devices) {
+  const auto whole = [](const drive::DeviceTiming& timing) {
+    return timing.response_timeout + timing.response_wait + timing.quarantine_or_default();
+  };
+  Duration longest = whole(settings.timing);
+  for (const drive::Device& device : devices) {
+    longest = std::max(longest, whole(device.timing));
+  }
+  return longest;
+}
+
 Duration longest_stream(const BusSettings& settings) {
   constexpr int kTenths = 10;
   if (settings.line.framing == Framing::tcp) {

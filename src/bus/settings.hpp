@@ -98,9 +98,10 @@ struct BusSettings {
   LineSettings line;
   /// For addresses that no device is configured for.
   drive::DeviceTiming timing;
-  std::optional<Duration> frame_gap;     ///< default: t3.5
-  std::optional<Duration> frame_slack;   ///< default: kAdapterSlack, or kNetworkSlack
-  std::optional<Duration> listen_first;  ///< default: the longest response timeout, at most 1 s
+  std::optional<Duration> frame_gap;    ///< default: t3.5
+  std::optional<Duration> frame_slack;  ///< default: kAdapterSlack, or kNetworkSlack
+  /// Of a port that the gateway has not had open before. Default: default_listen_first().
+  std::optional<Duration> listen_first;
   Duration turnaround = std::chrono::milliseconds(100);
   Duration settle{0};
   std::size_t queue = 2048;  ///< requests waiting at most, stops not counted
@@ -122,6 +123,8 @@ struct BusSettings {
   /// Framing tcp: true if a response must have the unit identifier of its request. False: the
   /// transaction identifier is enough; many servers answer as unit 1 or 255.
   bool check_unit = false;
+  /// Framing tcp: whether every unit is the one device of this bus. None: if its address is 255.
+  std::optional<bool> one_device{};
   /// Framing tcp: a connection is replaced if this many requests on it were unanswered and nothing
   /// was received for 30 s meanwhile; 0: never.
   unsigned replace_after = 5;
@@ -145,6 +148,10 @@ struct BusSettings {
 /// itself for addresses without a device.
 Duration longest_response_timeout(const BusSettings& settings,
                                   std::span<const drive::Device> devices);
+
+/// The longest time for which an answer to somebody who had the line before may still come: the
+/// longest response timeout of ordinary registers and its quarantine.
+Duration default_listen_first(const BusSettings& settings, std::span<const drive::Device> devices);
 
 /// The time that the longest frame takes on a serial line, and a tenth more; 0 with framing tcp.
 Duration longest_stream(const BusSettings& settings);

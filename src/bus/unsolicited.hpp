@@ -22,6 +22,7 @@ struct UnsolicitedFrame {
   bool after_noise;      ///< other bytes came before it: it may look like a frame only by chance
   bool is_echo = false;  ///< found to be the echo of the last read
   Instant came;          ///< when its last byte came; what it was may be known only later
+  Duration pause{0};     ///< it was cut by a pause that is longer than frame_slack
 
   UnsolicitedFrame(std::uint8_t from, const modbus::Pdu& heard, Instant when, bool noisy = false)
       : address(from), pdu(heard), after_noise(noisy), came(when) {

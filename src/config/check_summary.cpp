@@ -27,6 +27,23 @@ std::string rules_text(const gateway::Settings& settings) {
   return number_of(rules.size(), "rule", "rules") + ": " + end;
 }
 
+// What the units of a Modbus TCP server are, where one device stands for it.
+std::string units_text(const gateway::Settings& settings) {
+  std::string text;
+  for (std::size_t at = 0; at < settings.buses.size(); ++at) {
+    const auto devices = settings.devices_on(drive::BusId{static_cast<std::uint32_t>(at)});
+    if (settings.buses[at].line.framing == bus::Framing::tcp && devices.size() == 1) {
+      const drive::Device& device = devices.front();
+      text += "\nbus " + settings.buses[at].name + ": " +
+              (device.has_every_unit
+                   ? "every unit is device " + device.name
+                   : "device " + device.name + " is unit " + std::to_string(device.address) +
+                         " alone; if all units are this device, say one_device = true");
+    }
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string check_summary(const gateway::Settings& settings) {
@@ -38,6 +55,7 @@ std::string check_summary(const gateway::Settings& settings) {
   if (!settings.rules.empty()) {
     text.append("\n").append(rules_text(settings));
   }
+  text += units_text(settings);
   for (const auto& need : needs(settings)) {
     text.append("\n").append(need);
   }

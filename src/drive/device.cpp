@@ -16,13 +16,37 @@ DeviceTiming Device::timing_of(const modbus::Request& request) const {
   return times;
 }
 
-bool Device::is_reconfigured_by(const modbus::Request& request) const {
-  return request.writes() && touches(profile.communication, request.writes()->range);
+bool Device::is_reconfigured_by(const modbus::Request& request,
+                                std::optional<WordOrder> order) const {
+  return request.writes() &&
+         (touches(profile.communication, request.writes()->range) ||
+          std::ranges::any_of(profile.guarded, [&](const GuardedWrite& guarded) {
+            return may_write(request, guarded, order);
+          }));
 }
 
+// The parameters of a stop are right behind it, so the first register is always a stop.
 bool Device::is_stop(const modbus::Request& request) const {
-  return std::ranges::any_of(profile.stops,
-                             [&](const WriteMatch& stop) { return writes_only(request, stop); });
+  if (request.reads() || !request.writes()) {
+    return false;
+  }
+  const modbus::TableRange& range = request.writes()->range;
+  std::uint32_t parameters_end = range.first;
+  for (std::uint32_t at = range.first; at < end_of(range); ++at) {
+    if (const WriteMatch* stop = stop_at(request, at)) {
+      parameters_end = std::max(parameters_end, at + 1U + stop->parameters);
+    } else if (at >= parameters_end) {
+      return false;
+    }
+  }
+  return true;
+}
+
+const WriteMatch* Device::stop_at(const modbus::Request& request, std::uint32_t place) const {
+  const auto stop = std::ranges::find_if(profile.stops, [&](const WriteMatch& it) {
+    return it.address == place && writes(request, it);
+  });
+  return stop == profile.stops.end() ? nullptr : &*stop;
 }
 
 bool Device::may_be_stopped_by(const modbus::Request& request) const {
@@ -39,6 +63,14 @@ const std::vector<std::uint16_t>* Device::stated_order() const {
     return nullptr;
   }
   return word_order == WordOrder::big ? &setting->big : &setting->little;
+}
+
+bool Device::takes_limited(const modbus::Request& request, modbus::Bytes response) const {
+  constexpr std::size_t kAddressed = 3;  // function and address (6.5, 6.6)
+  const modbus::Bytes asked = request.pdu().bytes();
+  return limits_values && (request.function() == 5 || request.function() == 6) &&
+         response.size() == asked.size() &&
+         std::ranges::equal(response.first(kAddressed), asked.first(kAddressed));
 }
 
 std::optional<Duration> Device::silent_after(const modbus::Request& request) const {

@@ -70,25 +70,44 @@ struct Device {
   bool split_values = false;                     ///< a run of 06 may write a value half by half
   bool split_writes = false;                     ///< writes over the limit become several
   bool verify_word_order = false;
+  bool limits_values = false;  ///< it limits what is written, and echoes what it made of it
   bool allow_reconfigure = false;
   /// True: a stop cancels the writes that wait for the device. False: they are sent before it,
   /// except those held back for longer than `stop_wait`.
   bool stop_cancels = true;
   /// Reads may be answered with data up to this old; 0: never.
   Duration cache{0};
+  /// It is the Modbus TCP server itself: every unit identifier on its bus is this device.
+  bool has_every_unit = false;
 
   /// A reload has removed it. Its number is not used again.
   [[nodiscard]] bool is_gone() const { return bus == kNoBus; }
   /// The times of this request: slow registers have a longer timeout.
   [[nodiscard]] DeviceTiming timing_of(const modbus::Request& request) const;
-  /// Does the request write a communication register of the drive?
-  [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request) const;
+  /// Does the request write a communication register of the drive, or what its profile guards?
+  [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request) const {
+    return is_reconfigured_by(request, word_order);
+  }
+  /// The same of a request whose values are in this order.
+  [[nodiscard]] bool is_reconfigured_by(const modbus::Request& request,
+                                        std::optional<WordOrder> order) const;
+  /// Does a request to this address of its bus reach it?
+  [[nodiscard]] bool stands_for(std::uint8_t to) const { return has_every_unit || to == address; }
   /// Does it carry out what goes to this address, or to all in this form of broadcasts?
   [[nodiscard]] bool is_addressed_by(std::uint8_t to, BroadcastForm form) const {
-    return form == BroadcastForm::none ? to == address : form == profile.broadcast.form;
+    return form == BroadcastForm::none ? stands_for(to) : form == profile.broadcast.form;
   }
-  /// Is the request a write of one of the profile's stops and of nothing else?
+  /// Does the request (05, 06, 15, 16) write nothing but values that stop the drive, and parameters
+  /// of such a stop that it also writes?
   [[nodiscard]] bool is_stop(const modbus::Request& request) const;
+  /// The profile's stop that the request makes with what it writes to the address `place`; nullptr
+  /// if that does not stop the drive.
+  [[nodiscard]] const WriteMatch* stop_at(const modbus::Request& request,
+                                          std::uint32_t place) const;
+  /// Does the response to a write say that the drive has carried it out, or does so?
+  [[nodiscard]] bool has_accepted(const modbus::Pdu& response) const {
+    return !response.is_exception() || profile.acceptances.test(response.bytes()[1]);
+  }
   /// Does it write one of them, alone or among others? Function 22 writes only some bits of a
   /// register: what it makes of one that can stop may be a stop.
   [[nodiscard]] bool may_be_stopped_by(const modbus::Request& request) const;
@@ -100,6 +119,9 @@ struct Device {
   /// The values of the profile's word order register that stand for the configured word order;
   /// nullptr if the profile names no such register.
   [[nodiscard]] const std::vector<std::uint16_t>* stated_order() const;
+  /// Is the response the echo of a write of one register or coil, but for a value that the device
+  /// has limited, and does it do that?
+  [[nodiscard]] bool takes_limited(const modbus::Request& request, modbus::Bytes response) const;
   /// The boot time that follows a request which is never answered; nothing for others.
   [[nodiscard]] std::optional<Duration> silent_after(const modbus::Request& request) const;
 };

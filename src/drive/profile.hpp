@@ -65,6 +65,25 @@ struct UnansweredWrite {
   friend bool operator==(const UnansweredWrite&, const UnansweredWrite&) = default;
 };
 
+/// A write of certain values that restores, initialises or rearranges a drive, or takes it off the
+/// line. Of one register or coil, or of a value of 32 bits.
+struct GuardedWrite {
+  TableRange range;
+  std::uint32_t mask = 0xFFFFFFFF;
+  std::uint32_t value = 0;  ///< of the masked bits; of a coil 0000 or FF00
+  bool other = false;       ///< any masked bits but `value`
+
+  [[nodiscard]] bool fits(std::uint32_t written) const {
+    return ((written & mask) == value) != other;
+  }
+  friend bool operator==(const GuardedWrite&, const GuardedWrite&) = default;
+};
+
+/// May the request write what is guarded? Where it cannot be known what the register or value will
+/// hold (function 22, half a value, no word order), it may. `order`: of the values in the request.
+[[nodiscard]] bool may_write(const modbus::Request& request, const GuardedWrite& guarded,
+                             std::optional<WordOrder> order);
+
 /// The register in which a drive shows its word order, if that can be set, with the values for
 /// each.
 struct WordOrderRegister {
@@ -92,24 +111,29 @@ struct Profile {
   Limits limits;
   bool input_as_holding = false;               ///< function 04 reads the same registers as 03
   std::optional<std::uint8_t> write_function;  ///< 6 or 16: the one that the maker prefers
+  std::optional<Duration> response_timeout;    ///< none: that of the bus
   Duration response_wait{0};
   Broadcast broadcast;
   ValueSet values;
+  RangeList map;     ///< which registers there are; none: not known
   RangeList groups;  ///< parameter groups: no request crosses the border of one
   RangeList read_only;
   RangeList write_only;
   RangeList communication;
+  std::vector<GuardedWrite> guarded;
   std::optional<WordOrderRegister> word_order_register;
   std::optional<PositionOpcodes> position_opcodes;
   std::vector<SlowRegisters> slow;
   std::vector<UnansweredWrite> unanswered;
   std::vector<WriteMatch> stops;
+  /// Exceptions by which the drive says that it carries a write out, by their code.
+  std::bitset<256> acceptances;
 
   /// Where a request that begins at `address` must end at the latest: at the end of its
   /// parameter group, or before the next one. 65536 if there is none.
   [[nodiscard]] std::uint32_t group_end(modbus::Table table, std::uint32_t address) const;
-  /// Does a stop, a write that is never answered, an opcode or its position parameter lie in the
-  /// range? None of these may be moved or exchanged as part of a value.
+  /// Does a stop, a write that is never answered, a guarded register, an opcode or its position
+  /// parameter lie in the range? None of these may be moved or exchanged as part of a value.
   [[nodiscard]] bool is_special(const TableRange& range) const;
   friend bool operator==(const Profile&, const Profile&) = default;
 };

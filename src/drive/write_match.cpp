@@ -14,10 +14,4 @@ bool writes(const modbus::Request& request, const WriteMatch& match) {
   return written && match.fits(*written);
 }
 
-bool writes_only(const modbus::Request& request, const WriteMatch& match) {
-  return !request.reads() && writes(request, match) &&
-         request.writes()->range.first == match.address &&
-         request.writes()->range.count <= 1U + match.parameters;
-}
-
 }  // namespace mbgate::drive

@@ -27,7 +27,4 @@ struct WriteMatch {
 /// Does the request (05, 06, 15, 16, 23) write this, alone or among others?
 bool writes(const modbus::Request& request, const WriteMatch& match);
 
-/// Does the request (05, 06, 15, 16) write this, and nothing else but its parameters?
-bool writes_only(const modbus::Request& request, const WriteMatch& match);
-
 }  // namespace mbgate::drive

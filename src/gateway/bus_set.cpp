@@ -14,6 +14,15 @@ BusSet::BusSet(const Settings& settings) : buses_(settings.buses.size()) {
   }
 }
 
+namespace {
+
+bool is_same_port(const bus::LineSettings& one, const bus::LineSettings& other) {
+  return one.framing != bus::Framing::tcp && other.framing != bus::Framing::tcp &&
+         one.remote == other.remote && one.device == other.device;
+}
+
+}  // namespace
+
 void BusSet::begin(BusId id, const Settings& settings) {
   buses_[static_cast<std::size_t>(id)].bus =
       std::make_unique<bus::Bus>(settings.bus(id), settings.devices_on(id));
@@ -133,6 +142,12 @@ std::vector<BusSet::GivenUp> BusSet::adopt(const Settings& old, const Settings& 
   for (std::size_t place = 0; place < buses_.size(); ++place) {
     if (buses_[place].bus == nullptr && !next.buses[place].is_gone) {
       begin(id_of(place), next);
+      const auto before = std::ranges::find_if(given_up, [&](const GivenUp& it) {
+        return is_same_port(old.bus(it.id).line, next.buses[place].line);
+      });
+      if (before != given_up.end()) {
+        buses_[place].bus->take_over(*before->bus);
+      }
     }
   }
   return given_up;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may write to a device, and the failsafe writes that it gets when no such client is left.
+// Who may write to a device, and the failsafe writes that it gets when the client that counts has
+// gone.
 #pragma once
 
 #include <cstdint>
@@ -21,16 +22,15 @@ struct DeviceGuard {
   WriterRule writer = WriterRule::any;
   routing::ClientList writers;
   bus::Duration writer_hold = std::chrono::seconds(5);
-  /// Whose leaving and silence counts for the failsafe writes; empty: every client's that may write
-  /// to the device.
+  /// Whose leaving and silence counts for the failsafe writes; empty: that of the client that wrote
+  /// to the device last.
   routing::ClientList failsafe_clients;
-  /// Failsafe writes, with the function code that the device takes. They are sent once, started in
-  /// order, as stops, when the last client that may write to the device has disconnected, or when
-  /// all of them have been silent for `quiet`.
+  /// Failsafe writes, with the function code that the device takes.
   std::vector<modbus::Request> failsafe;
   bus::Duration quiet{0};  ///< 0: silence alone is no reason
-  bool failsafe_on_exit =
-      false;  ///< also when the gateway stops, if such a client may have written
+  /// A client that counts has gone when it has asked the device nothing for so long.
+  bus::Duration failsafe_grace = std::chrono::seconds(1);
+  bool failsafe_on_exit = false;  ///< also when the gateway stops, if clients have written
 };
 
 /// Clients in the network get `weight` turns where others get one.

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "bus/bus.hpp"
 #include "gateway/asked.hpp"
@@ -89,6 +90,7 @@ struct Reconfigured {
   BusId bus;
   std::uint8_t address;
   routing::ClientAddress client;
+  bool by_value = false;  ///< not these registers, but a value that the profile guards
 };
 /// A write of several transactions ended after some of them. Addresses are the device's.
 struct WriteEndedEarly {
@@ -117,17 +119,16 @@ struct QualityNews {
   bus::QualityNotice notice;
 };
 enum class FailsafeReason : std::uint8_t {
-  gone,    ///< the last client that may write to the device has disconnected
-  silent,  ///< all of these clients have been silent
-  exit,    ///< the gateway stops
-  leaves   ///< new settings have no such device, or have it elsewhere
+  gone,    ///< the last connection of the client that counts has ended
+  silent,  ///< that client is silent
+  exit     ///< the gateway stops
 };
 enum class FailsafeOutcome : std::uint8_t {
-  sent,         ///< all were transmitted
-  waits,        ///< not all could be sent: they stay due
-  client_back,  ///< not all were sent, and now a client has sent a request again
-  given_up,     ///< not all were sent before the gateway stopped
-  device_gone   ///< not all were sent, and the settings have no such device there any more
+  acknowledged,  ///< all of them
+  waits,         ///< not all of them, for now: they stay due
+  client_back,   ///< not all of them, and now the client that counts asks the device again
+  given_up,      ///< not all of them before the gateway stopped
+  device_gone    ///< new settings have no such device there any more, and clients wrote to it
 };
 /// What became of a device's failsafe writes.
 struct FailsafeNews {
@@ -166,6 +167,11 @@ struct WriteAccepted : Asked {
   };
   std::optional<Target> target{};
 };
+/// A broadcast was accepted that is not for all devices of its buses.
+struct BroadcastLeavesOut : Asked {
+  bool is_stop = false;
+  std::string devices{};  ///< their names, with commas
+};
 /// A client has set all counters to 0 (08/0A at the status unit).
 struct CountersCleared : Asked {
   std::uint64_t left_out = 0;
@@ -175,12 +181,12 @@ struct ClientLoggedIn : Asker {
   std::uint64_t left_out = 0;
 };
 
-using Event =
-    std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
-                 ClientDisplaced, ClientHeldUp, ClientFramingLost, ClientSpeaksRtu,
-                 ClientFrameTimedOut, LineNews, LineNeverSilent, Reconfigured, WriteEndedEarly,
-                 WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews, UnitNotRouted, ReadDenied,
-                 WriteDenied, StopDenied, WriteAccepted, CountersCleared, ClientLoggedIn>;
+using Event = std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
+                           ClientDisplaced, ClientHeldUp, ClientFramingLost, ClientSpeaksRtu,
+                           ClientFrameTimedOut, LineNews, LineNeverSilent, Reconfigured,
+                           WriteEndedEarly, WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews,
+                           UnitNotRouted, ReadDenied, WriteDenied, StopDenied, WriteAccepted,
+                           BroadcastLeavesOut, CountersCleared, ClientLoggedIn>;
 
 /// One line for the journal. The names are taken from the settings.
 std::string to_text(const Event& event, const Settings& settings);

@@ -13,7 +13,7 @@ Gateway::Gateway(Settings settings, Instant now)
       buses_(settings_.settings()),
       rules_(settings_.in_force()),
       failsafe_(settings_, exchanges_, rules_, actions_),
-      lines_(buses_, exchanges_, failsafe_, trace_, actions_),
+      lines_(buses_, exchanges_, trace_, actions_),
       clients_(settings_, buses_, exchanges_, rules_, failsafe_, trace_, actions_, now) {
   settle(now);
 }
@@ -86,12 +86,11 @@ void Gateway::on(const SettingsChanged& input, Instant now) {
   }
   Settings next = numbered_after(settings(), *input.settings);
   clients_.close_unwanted(next, now);
-  failsafe_.send_to_leaving(next, now);
   const SettingsSnapshot& before = settings_.adopt(std::move(next));
   exchanges_.end_changed(before);
   rules_.adopt(settings_.in_force());
   clients_.adopt(before, now);
-  failsafe_.adopt(before, clients_.sessions(), now);
+  failsafe_.adopt(before);
   lines_.adopt(before.settings, settings(), now);
   settings_.forget_unused();
 }
@@ -144,7 +143,7 @@ void Gateway::settle(Instant now) {
 
 bool Gateway::settle_one(Instant now) {
   if (const auto exchange = exchanges_.take_completed()) {
-    failsafe_.ended(*exchange);
+    failsafe_.ended(*exchange, now);
     clients_.complete(*exchange, now);
     exchanges_.close(*exchange);
     return true;

@@ -48,6 +48,12 @@ struct LineBytes {
   BusId bus;
   modbus::Bytes bytes;
 };
+/// The driver of a serial line holds so many bytes that have not left, where that is another number
+/// than it was: 0 when the line is opened. Handed in before LineLooked and DeadlineReached.
+struct LineUnsent {
+  BusId bus;
+  std::size_t bytes;
+};
 /// The line could not be opened, or was lost, or the server has closed the connection. The machine
 /// asks by itself to open it again.
 struct LineLost {
@@ -86,7 +92,7 @@ struct ShutdownAsked {};
 
 using Input =
     std::variant<ClientConnected, ClientBytes, ClientSent, ClientHalfClosed, ClientDisconnected,
-                 LineOpened, LineBytes, LineLost, LineLooked, DeadlineReached, SettingsChanged,
-                 Stalled, ClearCountersAsked, ShutdownAsked>;
+                 LineOpened, LineBytes, LineUnsent, LineLost, LineLooked, DeadlineReached,
+                 SettingsChanged, Stalled, ClearCountersAsked, ShutdownAsked>;
 
 }  // namespace mbgate::gateway

@@ -49,10 +49,6 @@ constexpr bus::Duration read_deadline(bus::Duration longest_response_timeout) {
   return std::max<bus::Duration>(std::chrono::seconds(5), write_deadline(longest_response_timeout));
 }
 
-/// Failsafe writes that could not be transmitted are tried again after this time, or at once when
-/// their line is opened.
-inline constexpr bus::Duration kFailsafeRetry = std::chrono::seconds(1);
-
 /// Clients that are remembered because it was reported that they ask for a unit without a route:
 /// more than a plant has, few enough to be kept.
 inline constexpr std::size_t kUnroutedTold = 256;

@@ -14,7 +14,6 @@ void Lines::handle(const LineOpened& input, Instant now) {
     report(BusOpened{input.bus});
   }
   opened.handle_opened(now, input.kind);
-  failsafe_.bus_opened(input.bus);
 }
 
 void Lines::handle(const LineBytes& input, Instant now) {
@@ -22,6 +21,10 @@ void Lines::handle(const LineBytes& input, Instant now) {
     trace_.heard(input.bus, input.bytes, now);
   }
   buses_.touch(input.bus).handle_bytes(input.bytes, now);
+}
+
+void Lines::handle(const LineUnsent& input, Instant /*now*/) {
+  buses_.touch(input.bus).note_unsent(input.bytes);
 }
 
 void Lines::handle(const LineLooked& input, Instant now) {
@@ -52,7 +55,6 @@ bool Lines::serve_one(Instant now) {
       carry_out(*bus, *action);
     }
   }
-  failsafe_.note_sent();
   return true;
 }
 

@@ -11,23 +11,18 @@
 #include "gateway/input.hpp"
 #include "gateway/reports.hpp"
 #include "gateway/trace/trace_book.hpp"
-#include "gateway/writes/failsafe_writes.hpp"
 
 namespace mbgate::gateway {
 
 class Lines {
  public:
-  Lines(BusSet& buses, Exchanges& exchanges, FailsafeWrites& failsafe, TraceBook& trace,
-        ActionQueue& actions)
-      : buses_(buses),
-        exchanges_(exchanges),
-        failsafe_(failsafe),
-        trace_(trace),
-        actions_(actions) {}
+  Lines(BusSet& buses, Exchanges& exchanges, TraceBook& trace, ActionQueue& actions)
+      : buses_(buses), exchanges_(exchanges), trace_(trace), actions_(actions) {}
 
   /// Of a bus that is there.
   void handle(const LineOpened& input, Instant now);
   void handle(const LineBytes& input, Instant now);
+  void handle(const LineUnsent& input, Instant now);
   void handle(const LineLooked& input, Instant now);
   void handle(const LineLost& input, Instant now);
 
@@ -48,7 +43,6 @@ class Lines {
 
   BusSet& buses_;
   Exchanges& exchanges_;
-  FailsafeWrites& failsafe_;
   TraceBook& trace_;
   ActionQueue& actions_;
   ActionQueue line_actions_;

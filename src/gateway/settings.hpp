@@ -82,6 +82,7 @@ struct ListenerSettings {
   std::optional<BusId> bus;  ///< set: a transparent listener of this bus
   bool broadcast = false;    ///< transparent listeners: unit 0 is sent to the bus
   routing::BroadcastReply broadcast_reply = routing::BroadcastReply::echo;
+  bool broadcast_mixed = false;  ///< also where not all devices have the register, and alike
   TcpSettings tcp;
   std::optional<std::size_t> tls;  ///< index in the same Settings; none: without encryption
   HandshakeSettings handshakes;

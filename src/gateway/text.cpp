@@ -86,8 +86,14 @@ std::string notice_text(const bus::DeviceNotice& notice) {
       return std::string(notice.is_request ? "a request to it was heard that nobody here sent"
                                            : "a frame of it was heard that nobody here asked for") +
              "; another client is on this line";
+    case Kind::misfit:
+      return "its answer does not fit the request (if it limits values: write_echo = \"address\")";
+    case Kind::pauses:
+      return "its answers pause: frame_slack is less than " + milliseconds_text(notice.lateness);
     case Kind::second_answer: return "two answers came to one request: two devices at one address?";
     case Kind::stop_unanswered: return "a stop command was not acknowledged";
+    case Kind::stop_refused:
+      return "a stop command was refused with " + modbus::exception_text(notice.exception);
     case Kind::stop_forced:
       return "a stop command was sent though the line was never silent (stop_deadline)";
   }
@@ -97,20 +103,22 @@ std::string notice_text(const bus::DeviceNotice& notice) {
 std::string failsafe_text(const FailsafeNews& news) {
   std::string reason;
   switch (news.reason) {
-    case FailsafeReason::gone: reason = "the last client that may write has gone"; break;
-    case FailsafeReason::silent: reason = "the clients that may write are silent"; break;
+    case FailsafeReason::gone: reason = "the client that counts for it has gone"; break;
+    case FailsafeReason::silent: reason = "the client that counts for it is silent"; break;
     case FailsafeReason::exit: reason = "the gateway stops"; break;
-    case FailsafeReason::leaves: reason = "a reload has taken its device away"; break;
   }
   switch (news.outcome) {
-    case FailsafeOutcome::sent: return reason + "; its failsafe writes are sent";
-    case FailsafeOutcome::waits: return reason + "; its failsafe writes could not be sent yet";
+    case FailsafeOutcome::acknowledged: return reason + "; it has acknowledged its failsafe writes";
+    case FailsafeOutcome::waits:
+      return reason + "; its failsafe writes are not acknowledged yet, and are sent again";
     case FailsafeOutcome::client_back:
-      return "a client that may write asks again; its failsafe writes were not all sent";
+      return "the client that counts for it asks again; not all of its failsafe writes were "
+             "acknowledged";
     case FailsafeOutcome::given_up:
-      return "its failsafe writes could not be sent before the gateway stopped";
+      return "not all of its failsafe writes were acknowledged before the gateway stopped";
     case FailsafeOutcome::device_gone:
-      return "a reload has taken the device of before away; its failsafe writes were not all sent";
+      return "a reload has taken the device away; its failsafe writes are not sent any more, "
+             "whatever clients have written to it";
   }
   return {};
 }
@@ -158,6 +166,13 @@ std::string fault_text(bus::LineFault fault) {
       return "the line hears what it sends: say echo = true, for with echo = false the echo of a "
              "write is taken for its answer";
     case bus::LineFault::unanswered: return "nothing comes from the far end";
+    case bus::LineFault::answer_cut_off:
+      return "an answer was not complete at the end of its response timeout: its length is wrong, "
+             "or the rest of it is lost; the connection is replaced";
+    case bus::LineFault::driver_stalled:
+      return "the adapter does not send: the driver still holds bytes of a frame that should have "
+             "left; they are dropped, so that they do not leave later, and the port is opened "
+             "again";
     case bus::LineFault::answered_while_sending:
       return "an answer began before its request was sent whole, and was not taken; if the adapter "
              "does not keep the pace of the wire, say paced = false";
@@ -224,7 +239,9 @@ struct EventText {
   }
   std::string operator()(const Reconfigured& e) const {
     return device_text(settings, e.bus, e.address) + ": client " + e.client.to_text() +
-           " has written its communication registers";
+           (e.by_value
+                ? " has written a value that restores or rearranges it, or takes it off the line"
+                : " has written its communication registers");
   }
   std::string operator()(const WriteEndedEarly& e) const {
     return device_text(settings, e.bus, e.address) + ": a write of " + what_of(e.table) +
@@ -250,8 +267,7 @@ struct EventText {
     return client_text(settings, e) + " asks for unit " + std::to_string(e.unit) + "; " +
            routed_text(e.routed);
   }
-  std::string operator()(const ReadDenied& e) const { return denied_text(settings, e, ": "); }
-  std::string operator()(const WriteDenied& e) const { return denied_text(settings, e, ": "); }
+  std::string operator()(const Denied& e) const { return denied_text(settings, e, ": "); }
   std::string operator()(const StopDenied& e) const {
     return denied_text(settings, e, ": a stop, ");
   }
@@ -260,6 +276,10 @@ struct EventText {
            (e.target ? " (" + device_text(settings, e.target->bus, e.target->address) + "): "
                      : std::string(": ")) +
            request_text(e);
+  }
+  std::string operator()(const BroadcastLeavesOut& e) const {
+    return asker_text(settings, e) + (e.is_stop ? " stops" : " writes") +
+           " by broadcast, but not devices " + e.devices + ": " + request_text(e);
   }
   std::string operator()(const CountersCleared& e) const {
     return asker_text(settings, e) + " has cleared all counters: " + request_text(e) +

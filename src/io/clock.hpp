@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// The steady clock on the machine's time line. Every input of the machine is stamped with this
-// clock and no other.
+// The clock on the machine's time line. Every input of the machine is stamped with this clock and
+// no other. It goes on while the computer is suspended: what a client asked before that is as old
+// as it is for the client.
 #pragma once
 
 #include <chrono>
+#include <ctime>
 
 #include "bus/instant.hpp"
 
 namespace mbgate::io {
 
 inline bus::Instant now() {
-  return bus::Instant(std::chrono::duration_cast<bus::Duration>(
-      std::chrono::steady_clock::now().time_since_epoch()));
+  timespec at{};
+  ::clock_gettime(CLOCK_BOOTTIME, &at);
+  return bus::Instant(std::chrono::seconds(at.tv_sec) + std::chrono::nanoseconds(at.tv_nsec));
 }
 
-/// The same point in time, for a timer.
-inline std::chrono::steady_clock::time_point to_steady(bus::Instant instant) {
-  return std::chrono::steady_clock::time_point(
-      std::chrono::duration_cast<std::chrono::steady_clock::duration>(instant.time_since_epoch()));
-}
+/// now(), or what a test has instead.
+using Clock = bus::Instant (*)();
 
 }  // namespace mbgate::io

@@ -27,13 +27,18 @@ constexpr std::size_t kStillBehind = 1UL << 24U;
 }  // namespace
 
 GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings settings,
-                             DriverObserver& observer, Recorder* recorder)
+                             DriverObserver& observer, Recorder* recorder, Clock clock)
     : context_(context),
       observer_(observer),
       recorder_(recorder),
-      started_(now()),
+      clock_(clock),
+      started_(clock()),
       gateway_(std::move(settings), started_),
-      timer_(context),
+      timer_(context,
+             [this] {
+               timer_set_to_.reset();
+               handle_wake();
+             }),
       blocking_(context),
       tls_(context, *this),
       clients_(context, *this),
@@ -41,7 +46,7 @@ GatewayDriver::GatewayDriver(boost::asio::io_context& context, gateway::Settings
       servers_(context, *this),
       flush_timer_(context),
       heartbeat_(context, [this] {
-        notice_stall(now());
+        notice_stall(clock_());
         carry_out_actions();
       }) {
   if (recorder_ != nullptr) {
@@ -62,7 +67,7 @@ void GatewayDriver::start() {
 }
 
 void GatewayDriver::reload(const gateway::Settings& settings, std::string_view config) {
-  notice_stall(now());
+  notice_stall(clock_());
   carry_out_actions();
   feed(gateway::SettingsChanged{&settings, config});
   servers_.set_end(end_of_client_descriptors(gateway_.settings()));
@@ -76,7 +81,7 @@ void GatewayDriver::clear_counters() {
 }
 
 gateway::StatusReport GatewayDriver::report_status(bool with_clients) const {
-  const gateway::Instant at = now();
+  const gateway::Instant at = clock_();
   return gateway_.report_status(at - started_, at, with_clients);
 }
 
@@ -87,7 +92,7 @@ void GatewayDriver::shutdown() {
 }
 
 void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) {
-  notice_stall(now());
+  notice_stall(clock_());
   const gateway::ListenerSettings& where = settings().listener(listener);
   gateway::ClientInfo info{listener, client.address()};
   if (where.tls && !where.is_gone) {
@@ -121,7 +126,7 @@ void GatewayDriver::accept_failed(ListenerId listener, const boost::system::erro
 void GatewayDriver::client_bytes(ClientId client, modbus::Bytes bytes, std::size_t unread) {
   const auto* const connection = is_tls_behind_ ? clients_.find(client) : nullptr;
   const bool is_relay_behind = connection != nullptr && connection->is_relayed();
-  const gateway::Instant at = reading_at_.value_or(now());
+  const gateway::Instant at = reading_at_.value_or(clock_());
   const bool more_is_old = notice_stall(at) || is_relay_behind;
   hand_in(gateway::ClientBytes{client, bytes, more_is_old ? unread + kStillBehind : unread}, at);
   carry_out_actions();
@@ -166,6 +171,10 @@ void GatewayDriver::line_bytes(BusId bus, modbus::Bytes bytes) {
   carry_out_actions();
 }
 
+void GatewayDriver::line_unsent(BusId bus, std::size_t bytes) {
+  feed(gateway::LineUnsent{bus, bytes});
+}
+
 void GatewayDriver::line_lost(BusId bus, const std::string& why) {
   observer_.on_line_failure(bus, why);
   feed(gateway::LineLost{bus});
@@ -183,7 +192,7 @@ void GatewayDriver::line_closed(BusId bus, const std::string& why) {
 }
 
 void GatewayDriver::feed(const gateway::Input& input) {
-  const gateway::Instant at = reading_at_.value_or(now());
+  const gateway::Instant at = reading_at_.value_or(clock_());
   notice_stall(at);
   hand_in(input, at);
 }
@@ -208,7 +217,7 @@ bool GatewayDriver::notice_stall(gateway::Instant at) {
   return true;
 }
 
-bool GatewayDriver::is_behind() const { return behind_until_ && now() < *behind_until_; }
+bool GatewayDriver::is_behind() const { return behind_until_ && clock_() < *behind_until_; }
 
 void GatewayDriver::carry_out_actions() {
   if (carrying_out_ || reading_at_) {
@@ -222,7 +231,7 @@ void GatewayDriver::carry_out_actions() {
     std::visit([this](const auto& wanted) { carry_out(wanted); }, *action);
   }
   carrying_out_ = false;
-  heartbeat_.beat_while(!clients_.empty() && phase_ != Phase::finished);
+  heartbeat_.beat_while(!clients_.empty() && phase_ != Phase::finished, clock_());
   if (recorder_ != nullptr) {
     recorder_->hand_over();
   }
@@ -242,20 +251,14 @@ void GatewayDriver::set_timer() {
     return;
   }
   timer_set_to_ = ring;
-  timer_.expires_at(to_steady(ring));
-  timer_.async_wait([this](const boost::system::error_code& error) {
-    if (!error) {
-      timer_set_to_.reset();
-      handle_wake();
-    }
-  });
+  timer_.set(ring - clock_());
 }
 
 void GatewayDriver::handle_wake() {
   if (const auto wake = gateway_.next_wake()) {
     wait_for_end_of_silence(*wake);
   }
-  reading_at_ = now();
+  reading_at_ = clock_();
   lines_.read_now();
   feed(gateway::DeadlineReached{});
   reading_at_.reset();
@@ -265,11 +268,11 @@ void GatewayDriver::handle_wake() {
 // Not for long: the timer rang early for it. Nothing is lost when a byte ends it: what it means,
 // the machine says.
 void GatewayDriver::wait_for_end_of_silence(const gateway::Wake& wake) {
-  if (!wake.silence_of || wake.at - now() > gateway_.settings().wake_early) {
+  if (!wake.silence_of || wake.at - clock_() > gateway_.settings().wake_early) {
     return;
   }
   Line& watched = lines_[*wake.silence_of];
-  while (now() < wake.at && !watched.has_bytes()) {
+  while (clock_() < wake.at && !watched.has_bytes()) {
   }
 }
 
@@ -282,7 +285,7 @@ void GatewayDriver::drop(ClientId client) {
 
 void GatewayDriver::finish() {
   if (std::exchange(phase_, Phase::finished) != Phase::finished) {
-    heartbeat_.beat_while(false);
+    heartbeat_.beat_while(false, clock_());
     observer_.on_finished();
   }
 }

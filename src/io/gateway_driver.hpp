@@ -17,6 +17,7 @@
 #include "gateway/gateway.hpp"
 #include "gateway/input.hpp"
 #include "io/blocking_calls.hpp"
+#include "io/boot_timer.hpp"
 #include "io/clients/client_connections.hpp"
 #include "io/clients/server_set.hpp"
 #include "io/clock.hpp"
@@ -53,7 +54,7 @@ class GatewayDriver final : public AcceptEvents,
  public:
   /// All inputs and actions of the machine are noted in the recorder, if there is one.
   GatewayDriver(boost::asio::io_context& context, gateway::Settings settings,
-                DriverObserver& observer, Recorder* recorder = nullptr);
+                DriverObserver& observer, Recorder* recorder = nullptr, Clock clock = now);
   GatewayDriver(const GatewayDriver&) = delete;
   GatewayDriver& operator=(const GatewayDriver&) = delete;
   ~GatewayDriver() override = default;
@@ -77,9 +78,9 @@ class GatewayDriver final : public AcceptEvents,
 
   [[nodiscard]] gateway::Status status() const { return gateway_.status(); }
   [[nodiscard]] gateway::StatusReport report_status(bool with_clients) const;
-  [[nodiscard]] bool meets_deadlines() const { return gateway_.meets_deadlines(now()); }
+  [[nodiscard]] bool meets_deadlines() const { return gateway_.meets_deadlines(clock_()); }
   void set_traced(bool traced) { gateway_.set_traced(traced); }
-  gateway::TraceBook::Taken take_trace() { return gateway_.take_trace(now()); }
+  gateway::TraceBook::Taken take_trace() { return gateway_.take_trace(clock_()); }
   [[nodiscard]] const gateway::Settings& settings() const { return gateway_.settings(); }
 
  private:
@@ -98,8 +99,12 @@ class GatewayDriver final : public AcceptEvents,
   void line_opened(gateway::BusId bus, bus::LineKind kind,
                    const std::vector<std::string>& warnings) override;
   void line_bytes(gateway::BusId bus, modbus::Bytes bytes) override;
+  void line_unsent(gateway::BusId bus, std::size_t bytes) override;
   void line_lost(gateway::BusId bus, const std::string& why) override;
   void line_closed(gateway::BusId bus, const std::string& why) override;
+  [[nodiscard]] std::string name_of(gateway::BusId bus) const override {
+    return gateway_.settings().bus(bus).name;
+  }
 
   /// The only way into the machine. A recording has exactly the inputs that pass here.
   void feed(const gateway::Input& input);
@@ -132,10 +137,11 @@ class GatewayDriver final : public AcceptEvents,
   boost::asio::io_context& context_;
   DriverObserver& observer_;
   Recorder* recorder_;
+  Clock clock_;
   gateway::Instant started_;
   gateway::Gateway gateway_;
   bool carrying_out_ = false;
-  boost::asio::steady_timer timer_;
+  BootTimer timer_;
   std::optional<gateway::Instant> timer_set_to_;
   /// Bytes that could be read at one instant are handed in with that instant, before the machine
   /// decides anything.

@@ -24,7 +24,7 @@ void GatewayDriver::use_tls(const TlsContexts& contexts, const gateway::Settings
 }
 
 void GatewayDriver::tls_arrived(TlsArrival arrival) {
-  notice_stall(now());
+  notice_stall(clock_());
   ClientSocket socket(context_);
   boost::system::error_code error;
   socket.assign({AF_UNIX, 0}, arrival.socket.get(), error);
@@ -49,9 +49,9 @@ void GatewayDriver::tls_ended(const TlsPlace& place, const std::string& why) {
 }
 
 void GatewayDriver::tls_behind(std::chrono::milliseconds missed) {
-  notice_stall(now());
+  notice_stall(clock_());
   is_tls_behind_ = true;
-  hand_in(gateway::Stalled{missed}, now());
+  hand_in(gateway::Stalled{missed}, clock_());
   carry_out_actions();
 }
 

@@ -4,27 +4,21 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/clock.hpp"
-
 namespace mbgate::io {
 
 Heartbeat::Heartbeat(boost::asio::io_context& context, std::function<void()> on_beat)
     : timer_(context), on_beat_(std::move(on_beat)) {}
 
-void Heartbeat::beat_while(bool wanted) {
+void Heartbeat::beat_while(bool wanted, bus::Instant at) {
   if (wanted == last_.has_value()) {
     return;
   }
   if (wanted) {
-    start();
+    last_ = at;
+    beat();
   } else {
     stop();
   }
-}
-
-void Heartbeat::start() {
-  last_ = now();
-  beat();
 }
 
 void Heartbeat::stop() {

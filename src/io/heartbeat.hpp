@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Notices that the io thread has not run: the process was stopped (SIGSTOP, a debugger, a frozen
-// control group, a paused virtual machine), or got no processor time. What has come meanwhile is
-// old, and nothing else says so: the kernel does not tell when bytes came.
+// control group, a paused virtual machine), the computer was suspended, or it got no processor
+// time. What has come meanwhile is old, and nothing else says so: the kernel does not tell when
+// bytes came.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -10,7 +11,7 @@
 #include <functional>
 #include <optional>
 
-#include "bus/instant.hpp"
+#include "io/clock.hpp"
 
 namespace mbgate::io {
 
@@ -25,13 +26,12 @@ class Heartbeat {
   Heartbeat(boost::asio::io_context& context, std::function<void()> on_beat);
 
   /// Not while nobody could have sent anything: an idle process sleeps.
-  void beat_while(bool wanted);
+  void beat_while(bool wanted, bus::Instant at = now());
   /// For how long the io thread has not been here, if it is too long. To be called before what has
   /// come is handed to the machine.
   std::optional<std::chrono::milliseconds> missed(bus::Instant now);
 
  private:
-  void start();
   void stop();
   void beat();
 

@@ -52,6 +52,7 @@ constexpr bool is_broadcast_function(std::uint8_t function) {
 
 /// Sub-functions of 08 after which a device need not answer (6.8.1).
 inline constexpr std::uint16_t kRestartCommunications = 0x01;
+inline constexpr std::uint16_t kChangeDelimiter = 0x03;
 inline constexpr std::uint16_t kForceListenOnly = 0x04;
 
 /// The sub-function of 08 for Modbus Plus: its answer is longer than its request.

@@ -46,6 +46,21 @@ MbapScan scan_mbap(Bytes stream) {
   return MbapFrame{{header, *Pdu::from(stream.subspan(kMbapHeaderSize, length - 1U))}, size};
 }
 
+MbapScan scan_mbap_answer(Bytes stream) {
+  if (stream.size() <= kMbapHeaderSize) {
+    return MbapIncomplete{};  // the smallest answer has a function code
+  }
+  if (load_be16(stream, 2) != 0 || (stream[kMbapHeaderSize] & kExceptionBit) == 0) {
+    return scan_mbap(stream);
+  }
+  constexpr std::size_t kSize = kMbapHeaderSize + 2;
+  if (stream.size() < kSize) {
+    return MbapIncomplete{};
+  }
+  const MbapHeader header{load_be16(stream, 0), stream[6]};
+  return MbapFrame{{header, *Pdu::from(stream.subspan(kMbapHeaderSize, 2))}, kSize};
+}
+
 bool looks_like_rtu(Bytes stream) {
   constexpr std::size_t kSmallest = 4;
   constexpr std::size_t kLargest = 256;

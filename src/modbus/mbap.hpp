@@ -51,6 +51,9 @@ using MbapScan = std::variant<MbapIncomplete, MbapFrame, MbapForeign, MbapLost>;
 /// Looks at the front of `stream`, which TCP may have split and coalesced in any way. Keeps no
 /// state.
 MbapScan scan_mbap(Bytes stream);
+/// The same in a stream of responses. An exception has two bytes (Application Protocol V1.1b3, 7),
+/// whatever its length says: there are servers that send these two and count more of them.
+MbapScan scan_mbap_answer(Bytes stream);
 
 /// Do the bytes begin with an RTU frame (address, a known function, good CRC)? A frequent mistake
 /// of users, worth a log line of its own.

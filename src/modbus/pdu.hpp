@@ -23,6 +23,11 @@ class Pdu {
 
   [[nodiscard]] std::uint8_t function() const { return bytes_[0]; }
   [[nodiscard]] bool is_exception() const { return (function() & kExceptionBit) != 0; }
+  /// Is it the exception of a gateway that did not reach the device?
+  [[nodiscard]] bool is_unreached() const {
+    return *this == exception(function(), ExceptionCode::gateway_path_unavailable) ||
+           *this == exception(function(), ExceptionCode::gateway_target_failed_to_respond);
+  }
   [[nodiscard]] Bytes bytes() const { return {bytes_.data(), bytes_.size()}; }
   [[nodiscard]] std::size_t size() const { return bytes_.size(); }
   /// Overwrites the 16-bit field at `offset`, which must lie inside.

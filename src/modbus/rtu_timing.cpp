@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "modbus/rtu_timing.hpp"
 
+#include <algorithm>
+
 namespace mbgate::modbus {
 namespace {
 
@@ -20,6 +22,11 @@ RtuTiming::RtuTiming(Baud baud, CharacterFormat format)
 
 Duration RtuTiming::duration_of(std::size_t bytes) const {
   return time_of_half_bits(2 * bits_ * bytes, baud_);
+}
+
+Duration RtuTiming::least_duration_of(std::size_t bytes) const {
+  constexpr std::uint64_t kShortCharacter = 10;
+  return time_of_half_bits(2 * std::min(bits_, kShortCharacter) * bytes, baud_) * 97 / 100;
 }
 
 }  // namespace mbgate::modbus

@@ -37,6 +37,9 @@ class RtuTiming {
 
   /// How long `bytes` contiguous characters take.
   [[nodiscard]] Duration duration_of(std::size_t bytes) const;
+  /// What so many characters take at least on a wire whose clock may be fast, and whose characters
+  /// may be shorter than ours: of 10 bits, less 3 %.
+  [[nodiscard]] Duration least_duration_of(std::size_t bytes) const;
   /// The inter-frame silence: 3.5 characters up to 19200 baud, 1.750 ms above.
   [[nodiscard]] Duration t3_5() const { return t3_5_; }
 

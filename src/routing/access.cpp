@@ -13,6 +13,7 @@ bool passes(const FunctionRules& rules, const modbus::Pdu& pdu) {
     const std::uint16_t sub_function = modbus::load_be16(pdu.bytes(), 1);
     return sub_function != modbus::kModbusPlusStatistics &&
            (sub_function != modbus::kRestartCommunications || rules.restart_communications) &&
+           (sub_function != modbus::kChangeDelimiter || rules.change_delimiter) &&
            (sub_function != modbus::kForceListenOnly || rules.force_listen_only);
   }
   return true;

@@ -79,14 +79,10 @@ Fit fit_access(const AccessRule& rule, const AccessQuestion& question) {
                           : Fit::maybe;
 }
 
-// The name "stops" stands for a stop alone, without the parameters that may be written behind it.
+// The name "stops" stands for values that stop, without the parameters written behind them.
 bool names_all(const RegisterSet& registers, const TouchedRegisters& touched) {
-  modbus::TableRange range = *touched.range;
-  if (registers.stops && touched.stop == StopIn::first) {
-    ++range.first;
-    --range.count;
-  }
-  return registers.covers(touched.device, range);
+  return (registers.stops && touched.stop == StopIn::all) ||
+         registers.covers(touched.device, *touched.range, touched.reconfigures);
 }
 
 Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched, bool ranges_known) {
@@ -104,7 +100,7 @@ Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched, bool 
     return fit_if(names_all(registers, touched));
   }
   return fit_if((registers.stops && touched.stop != StopIn::none) ||
-                registers.touches(touched.device, *touched.range));
+                registers.touches(touched.device, *touched.range, touched.reconfigures));
 }
 
 Fit fit_touched(const AccessRule& rule, const TouchedRegisters& touched, bool ranges_known) {

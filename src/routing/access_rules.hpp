@@ -57,8 +57,8 @@ struct AccessRule {
 /// What of a write stops its device.
 enum class StopIn : std::uint8_t {
   none,
-  some,   ///< something of it stops the device, or may do so
-  first,  ///< it is a stop: its first register; those behind are parameters, which it does not use
+  some,  ///< something of it stops the device, or may do so
+  all,   ///< each of its registers gets a value that stops the device
 };
 
 /// What is read or written of one device by one transaction.
@@ -67,6 +67,7 @@ struct TouchedRegisters {
   const drive::Device* device = nullptr;      ///< the same
   std::optional<modbus::TableRange> range{};  ///< of the device; none: its function names no table
   StopIn stop = StopIn::none;
+  bool reconfigures = false;  ///< it is a write that the profile of the device guards
 };
 
 /// One half of a request, and who asks. What is not known yet is empty.

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "modbus/make_request.hpp"
+#include "routing/plan.hpp"
 #include "routing/special_writes.hpp"
 
 namespace mbgate::routing {
@@ -90,17 +91,79 @@ bool cuts_value(const Device& device, const TableRange& range) {
   return inside(range.first) || inside(drive::end_of(range));
 }
 
-std::optional<ExceptionCode> objection(const Device& device, const Request& request) {
+// Are the registers there, as far as the profile of this drive says?
+bool has_registers(const Device& device, const Request& request) {
+  const auto& map = device.profile.map;
+  return takes(device, request) && (map.empty() || drive::covers(map, request.writes()->range));
+}
+
+// A frame, and who may carry it out.
+struct Sent {
+  BroadcastFrame frame;
+  Receivers receivers;
+};
+using AllSent = boost::container::small_vector<Sent, 2>;
+
+Receivers everyone(const AllSent& sent) {
+  Receivers all;
+  for (const Sent& it : sent) {
+    all.insert(all.end(), it.receivers.begin(), it.receivers.end());
+  }
+  return all;
+}
+
+bool stops_any(const Receivers& receivers, const Request& request) {
+  return std::ranges::any_of(receivers, [&](const Device* it) { return it->is_stop(request); });
+}
+
+bool is_asked(const ResolvedRoute& resolved, const Device& device) {
+  return !resolved.only_form || device.profile.broadcast.form == *resolved.only_form;
+}
+
+bool reconfigures_any(const ResolvedRoute& resolved, const Receivers& receivers,
+                      const Request& request) {
+  const auto& seen = resolved.route.word_order;
+  return std::ranges::any_of(receivers, [&](const Device* device) {
+    return !device->allow_reconfigure &&
+           device->is_reconfigured_by(request, seen ? seen : device->word_order);
+  });
+}
+
+// Does the register mean the same to all who hear this form? A profile says what registers mean.
+bool mean_the_same(const AllSent& sent, BroadcastForm form) {
+  const std::string* name = nullptr;
+  for (const Sent& it : sent) {
+    for (const Device* device : it.receivers) {
+      if (it.frame.form == form && name != nullptr && *name != device->profile.name) {
+        return false;
+      }
+      name = it.frame.form == form ? &device->profile.name : name;
+    }
+  }
+  return true;
+}
+
+// Has every device of these buses the registers, and with one meaning?
+std::optional<ExceptionCode> misunderstanding(const ResolvedRoute& resolved, const AllSent& sent,
+                                              const Request& request) {
+  for (const Audience& audience : resolved.audiences) {
+    for (const Device* device : audience.devices) {
+      if (is_asked(resolved, *device) && !has_registers(*device, request)) {
+        return ExceptionCode::illegal_data_address;
+      }
+    }
+  }
+  const bool alike =
+      std::ranges::all_of(kForms, [&](BroadcastForm form) { return mean_the_same(sent, form); });
+  return alike ? std::nullopt : std::optional(ExceptionCode::illegal_data_value);
+}
+
+bool hold_it_whole(const Receivers& receivers, const Request& request) {
   const TableRange& range = request.writes()->range;
-  if (device.is_reconfigured_by(request) && !device.allow_reconfigure) {
-    return ExceptionCode::illegal_function;
-  }
-  if (device.profile.broadcast.form != BroadcastForm::none && !takes(device, request)) {
-    return ExceptionCode::illegal_data_address;
-  }
-  const bool fits =
-      range.count <= device.profile.limits.written_to(range.table) && !cuts_value(device, range);
-  return fits ? std::nullopt : std::optional(ExceptionCode::illegal_data_value);
+  return std::ranges::all_of(receivers, [&](const Device* device) {
+    return range.count <= device->profile.limits.written_to(range.table) &&
+           !cuts_value(*device, range);
+  });
 }
 
 // The request with its values in the order that the device speaks; nothing where that is uncertain.
@@ -115,49 +178,114 @@ std::optional<Request> in_order_of(const Device& device, drive::WordOrder seen,
              : request;
 }
 
+// The request in the order of all who hear it; nothing where they do not agree, or do not hold it.
+std::optional<Request> in_order_of_all(const ResolvedRoute& resolved, const Receivers& all,
+                                       const Request& request) {
+  if (!hold_it_whole(all, request) || !understand_alike(all, request)) {
+    return std::nullopt;
+  }
+  const auto seen = resolved.route.word_order;
+  if (all.empty() || !seen) {
+    return request;
+  }
+  const auto ordered = in_order_of(*all.front(), *seen, request);
+  const bool alike = ordered && std::ranges::all_of(all, [&](const Device* device) {
+                       const auto other = in_order_of(*device, *seen, request);
+                       return other && other->pdu() == ordered->pdu();
+                     });
+  return alike ? ordered : std::nullopt;
+}
+
+// In every form that somebody is there for; where nothing is known, in the standard one.
+AllSent all_forms(const ResolvedRoute& resolved, const Request& request) {
+  AllSent sent;
+  for (const Audience& audience : resolved.audiences) {
+    for (const BroadcastForm form : kForms) {
+      Receivers receivers = receivers_of(audience, form, request);
+      const bool unknown_devices = audience.devices.empty() && form == BroadcastForm::standard;
+      const bool wanted = !resolved.only_form || *resolved.only_form == form;
+      if (wanted && (unknown_devices || is_meant(receivers, form))) {
+        sent.push_back({{audience.bus, form, request}, std::move(receivers)});
+      }
+    }
+  }
+  return sent;
+}
+
+// A stop goes on each bus where it stops a device, whatever it is to others there. On other buses
+// it would be a write that nobody has asked for, unless they hold it for one too.
+void keep_what_stops(AllSent& sent, const Request& request) {
+  const Receivers all = everyone(sent);
+  const auto stopped =
+      std::ranges::find_if(all, [&](const Device* it) { return it->is_stop(request); });
+  const auto is_kept = [&](const Sent& one) {
+    return std::ranges::any_of(sent,
+                               [&](const Sent& it) {
+                                 return it.frame.bus == one.frame.bus &&
+                                        stops_any(it.receivers, request);
+                               }) ||
+           (hold_it_whole(one.receivers, request) &&
+            std::ranges::all_of(one.receivers, [&](auto* it) {
+              return it->profile.name == (*stopped)->profile.name;
+            }));
+  };
+  AllSent kept;
+  std::ranges::copy_if(sent, std::back_inserter(kept), is_kept);
+  sent = std::move(kept);
+}
+
 }  // namespace
 
 Result<BroadcastFrames, ExceptionCode> plan_broadcast(const ResolvedRoute& resolved,
                                                       const Request& request) {
+  AllSent sent = all_forms(resolved, request);
+  if (sent.empty()) {
+    return ExceptionCode::illegal_data_address;
+  }
+  const bool is_stop = stops_any(everyone(sent), request);
+  if (is_stop && !resolved.route.broadcast_mixed) {
+    keep_what_stops(sent, request);
+  }
+  const Receivers all = everyone(sent);
+  if (reconfigures_any(resolved, all, request)) {
+    return ExceptionCode::illegal_function;
+  }
+  const auto code = is_stop || resolved.route.broadcast_mixed
+                        ? std::nullopt
+                        : misunderstanding(resolved, sent, request);
+  if (code) {
+    return *code;
+  }
+  // Of a stop nothing is exchanged: its registers are no part of a value.
+  const auto ordered = is_stop ? std::optional(request) : in_order_of_all(resolved, all, request);
+  if (!ordered) {
+    return ExceptionCode::illegal_data_value;
+  }
   BroadcastFrames frames;
-  Receivers all;
+  for (const Sent& it : sent) {
+    frames.push_back({it.frame.bus, it.frame.form, *ordered});
+  }
+  return frames;
+}
+
+std::vector<const Device*> not_addressed(const ResolvedRoute& resolved, const Plan& plan,
+                                         bool is_stop) {
+  std::vector<const Device*> left_out;
+  const auto is_for = [&](const Device& device, const PlannedTransaction& it) {
+    return it.bus == device.bus && device.is_addressed_by(it.address, it.broadcast) &&
+           (is_stop ? device.is_stop(it.request) : has_registers(device, it.request));
+  };
   for (const Audience& audience : resolved.audiences) {
-    for (const BroadcastForm form : kForms) {
-      const Receivers receivers = receivers_of(audience, form, request);
-      const bool unknown_devices = audience.devices.empty() && form == BroadcastForm::standard;
-      const bool wanted = !resolved.only_form || *resolved.only_form == form;
-      if (wanted && (unknown_devices || is_meant(receivers, form))) {
-        frames.push_back({audience.bus, form, request});
-        all.insert(all.end(), receivers.begin(), receivers.end());
+    for (const Device* device : audience.devices) {
+      if (is_asked(resolved, *device) &&
+          std::ranges::none_of(plan.transactions(), [&](const auto& it) {
+            return it.broadcast != BroadcastForm::none && is_for(*device, it);
+          })) {
+        left_out.push_back(device);
       }
     }
   }
-  if (frames.empty()) {
-    return ExceptionCode::illegal_data_address;
-  }
-  for (const Device* device : all) {
-    if (const auto code = objection(*device, request)) {
-      return *code;
-    }
-  }
-  if (!understand_alike(all, request)) {
-    return ExceptionCode::illegal_data_value;
-  }
-  if (all.empty() || !resolved.route.word_order) {
-    return frames;
-  }
-  const auto ordered = in_order_of(*all.front(), *resolved.route.word_order, request);
-  const bool alike = ordered && std::ranges::all_of(all, [&](const Device* device) {
-                       const auto other = in_order_of(*device, *resolved.route.word_order, request);
-                       return other && other->pdu() == ordered->pdu();
-                     });
-  if (!alike) {
-    return ExceptionCode::illegal_data_value;
-  }
-  for (BroadcastFrame& frame : frames) {
-    frame.request = *ordered;
-  }
-  return frames;
+  return left_out;
 }
 
 }  // namespace mbgate::routing

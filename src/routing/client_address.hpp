@@ -41,11 +41,14 @@ class Network {
   /// prefix.
   static std::optional<Network> parse(std::string_view text);
   [[nodiscard]] bool contains(const ClientAddress& address) const;
+  /// Is it a single address?
+  [[nodiscard]] bool is_host() const { return prefix_ == kAddressBits; }
   /// Is every address of the other one in it?
   [[nodiscard]] bool contains(const Network& other) const;
   friend bool operator==(const Network&, const Network&) = default;
 
  private:
+  static constexpr unsigned kAddressBits = 128;
   Network(const ClientAddress& address, unsigned prefix) : address_(address), prefix_(prefix) {}
   ClientAddress address_;
   unsigned prefix_;  ///< of 128 bits

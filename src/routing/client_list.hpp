@@ -21,6 +21,11 @@ struct ClientList {
   [[nodiscard]] bool empty() const {
     return networks.empty() && roles.empty() && certificates.empty();
   }
+  /// Can no more than one client be in it?
+  [[nodiscard]] bool names_one() const {
+    return roles.empty() && networks.size() + certificates.size() == 1 &&
+           (networks.empty() || networks.front().is_host());
+  }
   /// Is it the client's address, its role or its certificate? A role that cannot be read is none.
   [[nodiscard]] bool contains(const ClientAddress& address, const ClientRole& role) const;
   friend bool operator==(const ClientList&, const ClientList&) = default;

@@ -43,8 +43,7 @@ class Planner {
   void run_of_singles(const TableRange& range, modbus::Bytes data, Requests& requests) const;
   [[nodiscard]] Reply data_of(const TableRange& range, const TableRange& asked) const;
   [[nodiscard]] TableRange widened(const TableRange& range) const;
-  [[nodiscard]] bool cuts_value(const TableRange& range, bool only_motion) const;
-  [[nodiscard]] bool leaves_values_whole(const TableRange& range) const;
+  [[nodiscard]] bool cuts_value(const TableRange& range) const;
 
   const drive::Device& device_;
   const drive::Profile& profile_;
@@ -54,7 +53,8 @@ class Planner {
 };
 
 Result<DevicePlan, ExceptionCode> Planner::make() {
-  if (device_.is_reconfigured_by(request_) && !device_.allow_reconfigure) {
+  const auto order = exchanging_ ? seen_ : device_.word_order;
+  if (device_.is_reconfigured_by(request_, order) && !device_.allow_reconfigure) {
     return ExceptionCode::illegal_function;
   }
   if (seen_ && has_uncertain_position(device_, *seen_, request_)) {
@@ -76,19 +76,14 @@ Result<DevicePlan, ExceptionCode> Planner::make() {
 }
 
 // Does the range hold a part of a value at one of its ends?
-bool Planner::cuts_value(const TableRange& range, bool only_motion) const {
+bool Planner::cuts_value(const TableRange& range) const {
   for (const std::uint32_t border : {std::uint32_t{range.first}, drive::end_of(range)}) {
     const Value* value = profile_.values.at(range.table, border);
-    if (value != nullptr && value->first < border && (value->motion || !only_motion)) {
+    if (value != nullptr && value->first < border) {
       return true;
     }
   }
   return false;
-}
-
-// A client that expects no order may write half a value, but never of one that starts motion.
-bool Planner::leaves_values_whole(const TableRange& range) const {
-  return !cuts_value(range, !seen_);
 }
 
 TableRange Planner::widened(const TableRange& range) const {
@@ -138,8 +133,7 @@ Result<DevicePlan, ExceptionCode> Planner::plan_read_write() {
   const TableRange& writes = request_.writes()->range;
   const TableRange range = widened(reads);
   // It reads and writes in one go, so it cannot be split.
-  const bool fits = leaves_values_whole(writes) &&
-                    writes.count <= profile_.limits.write_registers &&
+  const bool fits = !cuts_value(writes) && writes.count <= profile_.limits.write_registers &&
                     cut(writes, writes.count, profile_).size() == 1 &&
                     cut(range, profile_.limits.read_from(range.table), profile_).size() == 1;
   if (!fits) {
@@ -170,7 +164,7 @@ Result<DevicePlan, ExceptionCode> Planner::plan_register_write() {
 
 Result<DevicePlan, ExceptionCode> Planner::plan_multiple_write() {
   const TableRange& range = request_.writes()->range;
-  if (!leaves_values_whole(range)) {
+  if (cuts_value(range)) {
     return ExceptionCode::illegal_data_value;
   }
   const auto data = data_in_order(device_, seen_, request_);

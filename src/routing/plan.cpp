@@ -81,8 +81,15 @@ std::optional<ExceptionCode> Plan::fill(const ResolvedRoute& resolved, std::uint
 
 std::optional<ExceptionCode> Plan::add(const ResolvedRoute& resolved, std::uint8_t unit,
                                        const Request& request) {
-  return resolved.is_broadcast() ? add_broadcast(resolved, request)
-                                 : add_requests(resolved, resolved.route.address_of(unit), request);
+  if (resolved.is_broadcast()) {
+    return add_broadcast(resolved, request);
+  }
+  const std::uint8_t asked = resolved.route.address_of(unit);
+  const auto error = add_requests(resolved, resolved.one_address.value_or(asked), request);
+  for (PlannedTransaction& transaction : transactions_) {
+    transaction.unit = asked;
+  }
+  return error;
 }
 
 std::optional<ExceptionCode> Plan::add_broadcast(const ResolvedRoute& resolved,

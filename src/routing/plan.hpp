@@ -17,10 +17,16 @@ struct PlannedTransaction {
   PlannedTransaction(BusId on, std::uint8_t to, const modbus::Request& asked,
                      bool may_be_silent = false,
                      drive::BroadcastForm form = drive::BroadcastForm::none)
-      : bus(on), address(to), request(asked), silence_is_success(may_be_silent), broadcast(form) {}
+      : bus(on),
+        address(to),
+        unit(to),
+        request(asked),
+        silence_is_success(may_be_silent),
+        broadcast(form) {}
 
   BusId bus;
-  std::uint8_t address;
+  std::uint8_t address;  ///< of the device
+  std::uint8_t unit;     ///< on the wire: another one if every unit is that device
   modbus::Request request;
   bool silence_is_success;  ///< 08/01 and 08/04
   drive::BroadcastForm broadcast;
@@ -51,6 +57,7 @@ class Plan {
   [[nodiscard]] modbus::Pdu answer(Responses responses) const;
   /// The client's answer if the device gives none: the normal response to its request.
   [[nodiscard]] modbus::Pdu echo() const { return modbus::echo_response(client_request_); }
+  [[nodiscard]] const modbus::Pdu& asked() const { return client_request_.pdu(); }
   [[nodiscard]] bool is_read() const { return client_request_.is_read(); }
   [[nodiscard]] std::uint8_t function() const { return client_request_.function(); }
 

@@ -25,6 +25,22 @@ void visit_ranges(const drive::RangeList& ranges, Visit visit) {
   }
 }
 
+// The device that is asked for, and whether its profile guards the write.
+struct Asked {
+  const Device* device;
+  bool reconfigures;
+};
+
+template <typename Visit>
+void visit_communication(const Asked& asked, Visit visit) {
+  visit_ranges(asked.device->profile.communication, visit);
+  if (asked.reconfigures) {
+    for (const drive::GuardedWrite& write : asked.device->profile.guarded) {
+      visit(write.range.table, write.range.first, drive::end_of(write.range));
+    }
+  }
+}
+
 template <typename Visit>
 void visit_motion(const drive::Profile& profile, Visit visit) {
   for (const drive::Value& value : profile.values.all()) {
@@ -43,7 +59,8 @@ void visit_motion(const drive::Profile& profile, Visit visit) {
 
 // Every part of the set that this device has, with the address behind its end.
 template <typename Visit>
-void visit_parts(const RegisterSet& set, const Device* device, Visit visit) {
+void visit_parts(const RegisterSet& set, const Asked& asked, Visit visit) {
+  const Device* device = asked.device;
   for (const RegisterSpan& span : set.spans) {
     visit(span.table, span.first, span.last + 1U);
   }
@@ -54,7 +71,7 @@ void visit_parts(const RegisterSet& set, const Device* device, Visit visit) {
     visit_motion(device->profile, visit);
   }
   if (set.communication_registers) {
-    visit_ranges(device->profile.communication, visit);
+    visit_communication(asked, visit);
   }
   if (set.values) {
     for (const drive::Value& value : device->profile.values.all()) {
@@ -64,11 +81,11 @@ void visit_parts(const RegisterSet& set, const Device* device, Visit visit) {
 }
 
 // How far the set goes on from `address`; no further than `address` if it is not in it.
-std::uint32_t reach_from(const RegisterSet& set, const Device* device, Table table,
+std::uint32_t reach_from(const RegisterSet& set, const Asked& asked, Table table,
                          std::uint32_t address) {
   std::uint32_t reach = address;
-  visit_parts(set, device, [&](Table of, std::uint32_t first, std::uint32_t end) {
-    if (table_in(device, of) == table && first <= address) {
+  visit_parts(set, asked, [&](Table of, std::uint32_t first, std::uint32_t end) {
+    if (table_in(asked.device, of) == table && first <= address) {
       reach = std::max(reach, end);
     }
   });
@@ -77,11 +94,11 @@ std::uint32_t reach_from(const RegisterSet& set, const Device* device, Table tab
 
 }  // namespace
 
-bool RegisterSet::covers(const Device* device, const TableRange& range) const {
+bool RegisterSet::covers(const Device* device, const TableRange& range, bool reconfigures) const {
   const Table table = table_in(device, range.table);
   std::uint32_t address = range.first;
   while (address < drive::end_of(range)) {
-    const std::uint32_t reach = reach_from(*this, device, table, address);
+    const std::uint32_t reach = reach_from(*this, {device, reconfigures}, table, address);
     if (reach == address) {
       return false;
     }
@@ -90,10 +107,10 @@ bool RegisterSet::covers(const Device* device, const TableRange& range) const {
   return true;
 }
 
-bool RegisterSet::touches(const Device* device, const TableRange& range) const {
+bool RegisterSet::touches(const Device* device, const TableRange& range, bool reconfigures) const {
   const Table table = table_in(device, range.table);
   bool found = false;
-  visit_parts(*this, device, [&](Table of, std::uint32_t first, std::uint32_t end) {
+  visit_parts(*this, {device, reconfigures}, [&](Table of, std::uint32_t first, std::uint32_t end) {
     found = found ||
             (table_in(device, of) == table && first < drive::end_of(range) && range.first < end);
   });

@@ -22,6 +22,8 @@ struct ResolvedRoute {
   std::vector<Audience> audiences{};      ///< of a broadcast
   /// Set: only this form is sent, because the client has addressed the AiC's broadcast address 129.
   std::optional<drive::BroadcastForm> only_form{};
+  /// Set: every unit of the bus is the one device that has this address.
+  std::optional<std::uint8_t> one_address{};
 
   [[nodiscard]] bool is_broadcast() const { return !audiences.empty(); }
 };

@@ -50,8 +50,9 @@ bool Route::leads_to(const drive::Device& server) const {
   if (is_broadcast()) {
     return std::ranges::find(buses, server.bus) != buses.end();
   }
-  return buses.front() == server.bus && server.address >= first_address &&
-         server.address - first_address <= last_unit - first_unit;
+  return buses.front() == server.bus &&
+         (server.has_every_unit || (server.address >= first_address &&
+                                    server.address - first_address <= last_unit - first_unit));
 }
 
 }  // namespace mbgate::routing

@@ -35,12 +35,14 @@ struct AddressWindow {
   friend bool operator==(const AddressWindow&, const AddressWindow&) = default;
 };
 
-/// The function codes that a route lets through. 08/01 and 08/04 silence a device and pass only
-/// where they are named (Application Protocol V1.1b3, 6.8.1).
+/// The function codes that a route lets through. 08/01 and 08/04, and on ASCII lines 08/03, silence
+/// a device and pass only where they are named (Application Protocol V1.1b3, 6.8.1).
 struct FunctionRules {
   std::bitset<128> allowed;
   bool restart_communications = false;  ///< 08/01
   bool force_listen_only = false;       ///< 08/04
+  /// 08/03: on an ASCII line another end of a frame would silence the device.
+  bool change_delimiter = true;
   /// Functions 1 to 127.
   static FunctionRules all();
   /// Those whose addresses a window can rewrite: 01-06, 15, 16, 22, 23, 24.
@@ -66,6 +68,8 @@ struct Route {
   bool functions_named = false;  ///< in the configuration; else the drive's own functions count too
   std::optional<Duration> deadline;  ///< default by read and write: see Gateway
   BroadcastReply broadcast_reply = BroadcastReply::echo;
+  /// Of a broadcast: also where a device has no such register, or another meaning for it.
+  bool broadcast_mixed = false;
 
   /// Is it a broadcast route? One that names a device is not, whatever its unit: some clients can
   /// only use unit 0.

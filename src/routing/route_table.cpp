@@ -38,11 +38,13 @@ void RouteTable::add_transparent(const ListenerKind& kind, Units& units) {
   route.buses = {*kind.bus};
   route.first_unit = route.first_address = 1;
   route.last_unit = modbus::kMaxDeviceAddress;
+  route.functions.change_delimiter = kind.change_delimiter;
   add(route, units);
   if (kind.broadcast) {
     Route broadcast;
     broadcast.buses = {*kind.bus};
     broadcast.broadcast_reply = kind.broadcast_reply;
+    broadcast.broadcast_mixed = kind.broadcast_mixed;
     add(broadcast, units);
   }
 }
@@ -53,6 +55,11 @@ void RouteTable::add(const Route& route, Units& units) {
   resolved.route = route;
   if (route.device) {
     resolved.device = &devices_[*route.device];
+  }
+  for (const drive::Device& device : devices_) {
+    if (device.has_every_unit && device.bus == route.buses.front()) {
+      resolved.one_address = device.address;
+    }
   }
   if (route.is_broadcast()) {
     std::ranges::transform(route.buses, std::back_inserter(resolved.audiences),

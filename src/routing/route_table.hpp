@@ -18,6 +18,8 @@ struct ListenerKind {
   std::optional<BusId> bus;  ///< set: transparent
   bool broadcast = false;
   BroadcastReply broadcast_reply = BroadcastReply::echo;
+  bool broadcast_mixed = false;
+  bool change_delimiter = true;  ///< 08/03 passes
 };
 
 class RouteTable {

@@ -12,7 +12,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kAdapterKeeps = 20ms;
-constexpr int kAnswerTimes = 4;
 
 // As behaviour says where nothing is set.
 Duration deadline_of(const Plant& plant, const Ask& ask) {
@@ -83,7 +82,6 @@ void Oracle::end_running(Instant now, bool counts) {
   Book& book = books_[flight.device];
   is_disturbed_ = true;
   book.held_until = std::max(book.held_until, flight.due + hold_);
-  book.answered_at.reset();
   book.stop_unanswered = counts && flight.word == Word::stop;
   const bool was_offline = is_offline(flight.device);
   book.unanswered += counts ? 1U : 0U;
@@ -170,20 +168,9 @@ void Oracle::note_heard(Flight& flight, Instant now) {
   // Who knows that the answer to a write is owed takes none for that to a stop before.
   if (!is_certain) {
     running()->perhaps = true;
-    book.answered_at = now;
     return;
   }
-  if (!waited_for->cut) {  // else it may have come after the wait for it was over
-    book.longest_took = std::max(book.longest_took, now - waited_for->left);
-  }
-  book.answered_at = now;
   running_.reset();
-}
-
-// Of another function something may go to a device that has answered since, once what is owed was
-// not just late.
-Instant Oracle::other_function_at(const Book& book) const {
-  return *book.answered_at + std::max(kAdapterKeeps, kAnswerTimes * book.longest_took);
 }
 
 void Oracle::add_edges(std::vector<Instant>& edges, bool may_be_asked) const {
@@ -192,9 +179,6 @@ void Oracle::add_edges(std::vector<Instant>& edges, bool may_be_asked) const {
   }
   for (const Book& book : books_) {
     edges.push_back(book.held_until);
-    if (book.answered_at) {
-      edges.push_back(std::min(other_function_at(book), book.held_until));
-    }
     if (book.offline_at != Instant::min()) {
       edges.push_back(book.offline_at + timing().probe_interval);
     }
@@ -242,7 +226,7 @@ void Oracle::read(StateHash& hash) const {
       hash.add(rivals);
       hash.since(since, kFarPast);
     } else if (taken) {
-      hash.deadline(deadline);
+      hash.deadline(deadline, since);
     }
   }
   for (const Flight& flight : flights_) {
@@ -270,15 +254,10 @@ void Oracle::read(StateHash& hash) const {
       hash.since(left, plant_.device().cache);
     }
   }
-  for (const auto& [held_until, answered_at, longest_took, stop_unanswered, unanswered, offline_at,
-                    is_stopped, done] : books_) {
+  for (const auto& [held_until, stop_unanswered, unanswered, offline_at, is_stopped, done] :
+       books_) {
     hash.add(is_stopped);
-    hash.add(std::clamp(longest_took, kAdapterKeeps / kAnswerTimes, longest_that_counts(timing())));
     hash.until(held_until);
-    if (held_until > hash.now()) {
-      hash.add(answered_at.has_value());
-      hash.since(answered_at.value_or(hash.now()), kFarPast);
-    }
     hash.add(stop_unanswered);
     hash.add(may_be_offline ? unanswered : 0);
     hash.since(offline_at, timing().probe_interval + Duration{1});

@@ -68,11 +68,9 @@ class Oracle {
 
  private:
   struct Book {
-    Instant held_until = Instant::min();   ///< by its last unanswered transmission
-    std::optional<Instant> answered_at{};  ///< since then
-    Duration longest_took{0};              ///< an answer of it
-    bool stop_unanswered = false;          ///< the last thing that it was told
-    unsigned unanswered = 0;               ///< in a row
+    Instant held_until = Instant::min();  ///< by its last unanswered transmission
+    bool stop_unanswered = false;         ///< the last thing that it was told
+    unsigned unanswered = 0;              ///< in a row
     Instant offline_at = Instant::min();
     bool is_stopped = false;  ///< a stop was answered, and no write was transmitted since it was
     std::uint64_t done = 0;   ///< the last transmission of a write or stop that was acknowledged
@@ -82,7 +80,6 @@ class Oracle {
   [[nodiscard]] bool is_offline(std::uint8_t device) const {
     return timing().offline_after != 0 && books_[device].unanswered >= timing().offline_after;
   }
-  [[nodiscard]] Instant other_function_at(const Book& book) const;
   [[nodiscard]] bool takes_part(const Request& request, const Flight& flight) const;
   [[nodiscard]] bool is_live(const Flight& flight) const;
   [[nodiscard]] Flight* running() { return running_ ? &flights_[*running_] : nullptr; }
@@ -96,7 +93,6 @@ class Oracle {
   std::optional<Flight> understand(const Octets& frame, Instant now);
   void check_silence(Instant now);
   void check_overlap(Instant now);
-  void check_quarantine(const Flight& flight, Instant now);
   void check_stops_first(const Flight& flight);
   void check_asked_for(const Flight& flight, Instant now);
 

@@ -45,7 +45,6 @@ void Oracle::note_transmitted(const Octets& frame, Instant now) {
   }
   check_silence(now);
   check_overlap(now);
-  check_quarantine(*flight, now);
   check_stops_first(*flight);
   check_asked_for(*flight, now);
   ++events_;
@@ -80,29 +79,6 @@ void Oracle::check_overlap(Instant now) {
   }
   cut_ = running()->serial;
   end_running(now, true);
-}
-
-// What may still come must not be taken for the answer to this.
-void Oracle::check_quarantine(const Flight& flight, Instant now) {
-  if (flight.word == Word::stop) {
-    return;
-  }
-  const Book& book = books_[flight.device];
-  const auto is_for_same = [&](const Flight& owed) {
-    return owed.word == flight.word && Ask{.word = flight.word}.is_read() &&
-           std::ranges::any_of(requests_, [&](const Request& it) { return takes_part(it, owed); });
-  };
-  const bool is_retry = std::ranges::any_of(flights_, is_for_same);
-  for (const Flight& owed : flights_) {
-    if (owed.device != flight.device || (!owed.outstanding && !owed.rest_comes)) {
-      continue;
-    }
-    const bool is_other_function = !looks_alike(owed.word, flight.word);
-    const bool has_answered_since = book.answered_at && now >= other_function_at(book);
-    if (!is_for_same(owed) && !(is_other_function && (is_retry || has_answered_since))) {
-      report("quarantine: transmitted while an answer is owed");
-    }
-  }
 }
 
 void Oracle::check_stops_first(const Flight& flight) {

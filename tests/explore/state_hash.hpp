@@ -63,10 +63,10 @@ class StateHash {
   void since(Instant instant, Duration reach) {
     add(instant <= now_ - reach ? -reach : instant - now_);
   }
-  /// A deadline that nothing comes near to: requests are answered in less than kAnsweredBy, which
-  /// the oracle requires, so that one that is further away is as good as another.
-  void deadline(Instant instant) {
-    add(instant - now_ > kAnsweredBy ? kAnsweredBy + Duration{1} : instant - now_);
+  /// The deadline of a request that was accepted `since` then. Requests are answered in less than
+  /// kAnsweredBy, which the oracle requires, so that nothing comes near to a longer one.
+  void deadline(Instant instant, Instant since) {
+    add(instant - since > kAnsweredBy ? kAnsweredBy + Duration{1} : instant - now_);
   }
   /// A number of which only the order among those of its kind matters; 0 is none.
   void ordered(Order order, std::uint64_t number) {

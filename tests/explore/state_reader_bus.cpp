@@ -9,7 +9,8 @@ using explore::kFarPast;
 using explore::Order;
 
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
-  auto& [parts, ends, diagnosis, outcomes, dispatch, admission] = bus;
+  auto& [parts, was_open, ends, diagnosis, outcomes, dispatch, admission] = bus;
+  hash.add(was_open);
   // Settings: settings. Counted only: counters. Watches real adapters only: adapter. For the trace:
   // is_traced. Empty when the machine was asked for its actions: actions.
   auto& [settings, devices, counters, line, queue, transmissions, stops, acknowledged, turns,
@@ -36,7 +37,8 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   }
   hash.add(next_start.has_value());
   if (next_start) {
-    hash.deadline(std::max(next_start->at, hash.now()));  // perhaps that of a request
+    // Perhaps a deadline that nothing comes near to; a longer wait can be read from its reasons.
+    hash.until(std::min(next_start->at, hash.now() + std::chrono::seconds(1)));
   }
   const auto& [of_settings, of_devices, next_probe, others, free_probes, others_gone_at] = probes;
   hash.add(others);
@@ -54,7 +56,8 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
     read(*transmission, devices, gateway, hash);
   }
   read(queue, gateway, hash);
-  const auto& [waiting_stops] = stops;
+  const auto& [waiting_stops, resting_stops] = stops;
+  explore::require(resting_stops.empty(), "no stop is refused");
   hash.add(waiting_stops.size());
   for (const bus::Transmission& stop : waiting_stops) {
     read(stop, devices, gateway, hash);
@@ -149,7 +152,7 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
   if (job_class == bus::JobClass::stop) {  // it has no deadline, and may have to wait once more
     hash.since(accepted_at, kFarPast);
   } else {
-    hash.deadline(deadline);
+    hash.deadline(deadline, accepted_at);
   }
   hash.add(transactions.size());
   for (const bus::Transaction& transaction : transactions) {
@@ -160,10 +163,11 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
 
 void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
   // Its route's: window_begin, window_end.
-  const auto& [address, request, silence_is_success, broadcast, response, boot_time, must_hold,
-               window_begin, window_end] = transaction;
+  const auto& [address, unit, request, silence_is_success, broadcast, response, boot_time,
+               must_hold, window_begin, window_end] = transaction;
   explore::require(must_hold == nullptr, "the gateway asks nothing of its own");
   hash.add(address);
+  hash.add(unit);
   hash.add(request.pdu().bytes());
   hash.add(silence_is_success);
   hash.add(broadcast);
@@ -183,14 +187,15 @@ void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash
 }
 
 void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash) {
-  // A setting: device. Counted or told only: counters, early_reported, second_reported, owed_until,
-  // answered_at, answered_function, asked_at, silence, times, second_at, second_read_at, setting.
-  // A job that the queue shows too: probe.
-  const auto& [device, counters, health, cache, free_at, probe, setting_known, early_reported,
+  // A setting: device. Counted or told only: counters, early_reported, second_reported,
+  // misfit_reported, pause_reported, owed_until, asked_at, silence, times, second_at,
+  // second_read_at, setting, unreached, failed_stop. A job that the queue shows too: probe.
+  const auto& [device, counters, health, hold, cache, free_at, probe, setting_known, early_reported,
                last_turn, last_stop_turn, stops_given_up, merge_refused, second_reported,
-               owed_until, answered_at, answered_function, asked_at, silence, times, second_at,
-               second_read_at, setting] = entry;
+               misfit_reported, pause_reported, owed_until, asked_at, silence, times, second_at,
+               second_read_at, setting, unreached, failed_stop] = entry;
   read(health, entry.timing(), hash);
+  read(hold, entry.timing(), hash);
   read(cache, device->cache, hash);
   hash.until(free_at);
   hash.name(probe);
@@ -207,41 +212,65 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
 
 void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTiming& timing,
                        Hash& hash) {
-  // What was learned is forgotten by the minute, which no small world lives: while_began,
-  // learned_at, longest_before. Read with the entry, because they count only offline: probe_at,
-  // wanted_at. On a serial line all that may end was sent later than what was answered:
-  // answered_sent. Shown only: damaged_in_row.
-  const auto& [debts, forgotten_due, forgotten, answered_at, pace, unanswered_in_row, answered_sent,
-               damaged_in_row, state, probe_at, wanted_at] = health;
-  const auto& [longest_answer, longest_before, while_began, learned, learned_at] = pace;
-  explore::require(!forgotten_due && longest_before == Duration{0}, "few debts, and a short life");
-  bool holds = false;
-  hash.add(debts.size());
-  for (const bus::DeviceHealth::Debt& debt : debts) {
-    const auto& [asked, count, due, last_due, suspected, given_up, outdated, doubtful] = debt;
-    hash.add(asked.pdu().bytes());
-    hash.add(count);
-    hash.since(due, kFarPast);
-    hash.since(last_due, kFarPast);
-    hash.add(suspected);
-    hash.add(given_up);
-    hash.add(outdated);
-    hash.add(doubtful);
-    holds = holds || !given_up;
-  }
-  if (holds) {  // the next one that owes forgets it; without one that holds it holds nothing
-    hash.add(answered_at.has_value());
-    hash.since(answered_at.value_or(hash.now()), kFarPast);
-  }
-  // Four times as long is what is asked for, and no less than what an adapter keeps.
-  hash.add(
-      std::clamp(longest_answer, bus::kAdapterKeeps / 4, explore::longest_that_counts(timing)));
-  explore::require(learned <= explore::kMostLearned, "answers are not that late");
-  hash.add(std::max(learned, timing.quarantine_or_default()));  // the longer one is in force
+  // Read with the entry, because they count only offline: probe_at, wanted_at. On a serial line all
+  // that may end was sent later than what was answered: answered_sent. Shown only: damaged_in_row.
+  const auto& [unanswered_in_row, answered_sent, damaged_in_row, state, probe_at, wanted_at] =
+      health;
   if (timing.offline_after != 0) {
     hash.add(unanswered_in_row);
   }
   hash.add(health.is_offline());  // the others are told only, and since when
+}
+
+void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing, Hash& hash) {
+  // What was learned is forgotten by the minute, which no small world lives: while_began,
+  // learned_at, longest_before, shortest_before.
+  const auto& [unanswered, pending, suspected_now, held_until, pace, heard_at, tails, silent,
+               rests_until, rested_at, answered, answered_at, was_sudden, seconds, clean,
+               longest_second] = hold;
+  const auto& [longest_answer, longest_before, shortest_answer, shortest_before, while_began,
+               learned, learned_at] = pace;
+  explore::require(longest_before == Duration{0}, "a short life");
+  hash.add(unanswered.size());
+  for (const bus::Hold::Unanswered& it : unanswered) {
+    const auto& [asked, sent, due, is_unreadable, is_retry, is_outdated, is_over, was_replaced,
+                 suspected] = it;
+    hash.add(asked.pdu().bytes());
+    hash.since(sent, kFarPast);
+    hash.since(due, kFarPast);
+    hash.add(is_unreadable);
+    hash.add(is_outdated);
+    hash.add(is_over);
+    hash.add(was_replaced);
+    hash.add(suspected);
+  }
+  hash.add(pending.has_value());
+  if (pending) {
+    hash.add(pending->pdu().bytes());
+  }
+  hash.add(suspected_now);
+  hash.add(held_until.has_value());
+  hash.until(held_until.value_or(hash.now()));
+  hash.since(held_until.value_or(hash.now()), kFarPast);  // what it has waited for
+  hash.since(heard_at, kFarPast);
+  hash.add(tails);
+  hash.since(silent[0], kFarPast);
+  hash.since(silent[1], kFarPast);
+  hash.until(rests_until);
+  hash.since(rested_at, kFarPast);
+  hash.since(answered_at, kFarPast);
+  hash.add(answered.has_value());
+  if (answered) {
+    hash.add(answered->pdu().bytes());
+  }
+  hash.add(was_sudden);
+  hash.add(seconds);
+  hash.add(clean);
+  hash.add(longest_second);
+  hash.add(longest_answer);
+  hash.add(shortest_answer);
+  explore::require(learned <= explore::kMostLearned, "answers are not that late");
+  hash.add(std::max(learned, timing.quarantine_or_default()));  // the longer one is in force
 }
 
 void StateReader::read(const bus::ReadCache& cache, Duration age, Hash& hash) {

@@ -10,8 +10,8 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
   auto& [actions, settings, trace, exchanges, buses, rules, failsafe, lines, clients, stopping,
          finished, stop_deadline] = gateway;
   // Parts of the gateway, and what is empty as actions is: line_actions.
-  [[maybe_unused]] auto& [line_buses, line_exchanges, line_failsafe, line_trace, line_reports,
-                          line_actions] = lines;
+  [[maybe_unused]] auto& [line_buses, line_exchanges, line_trace, line_reports, line_actions] =
+      lines;
   const auto& [snapshots] = settings;
   explore::require(snapshots.size() == 1 && gateway.settings().guards.empty(),
                    "one snapshot of settings, and no guards");
@@ -37,9 +37,9 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
 }
 
 void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Hash& hash) {
-  // The gateway's: settings, exchanges, failsafe, actions. Of the requests there are only counters
+  // The gateway's: settings, exchanges, actions. Of the requests there are only counters
   // beyond these.
-  auto& [settings, exchanges, failsafe, actions, sessions, intake, door, requests] = clients;
+  auto& [settings, exchanges, actions, sessions, intake, door, requests] = clients;
   // Beyond these too: clients come at the start only, and may ask as often as they like: limits.
   // Told only: logins.
   [[maybe_unused]] auto& [door_settings, door_exchanges, door_rules, door_failsafe, door_sessions,
@@ -64,10 +64,10 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
 void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& gateway,
                        Hash& hash) {
   // Settings: id, info, key, listener, rights, turns. Told only: speaks_rtu_reported, has_asked,
-  // waits, requests, refused. Counts for idle clients only: last_activity. Nothing is read ahead
+  // requests, refused. Counts for idle clients only: last_activity. Nothing is read ahead
   // and no pipeline is full: ahead, partial_since, timer_armed_at, pauses, and where in the stream
   // it is: position, read_position, unread, seen_empty.
-  const auto& [input, ahead, answers, has_asked, waits, is_closed, is_leaving, speaks_rtu_reported,
+  const auto& [input, ahead, answers, has_asked, is_closed, is_leaving, speaks_rtu_reported,
                requests, refused, last_activity, partial_since, held_until, has_turn, is_in_line,
                timer_armed_at, turns, exchanges, id, info, key, listener, rights, position, paused,
                half_closed, pauses, read_position, unread, seen_empty] = session;
@@ -125,6 +125,7 @@ void StateReader::read(const routing::Plan& plan, Hash& hash) {
   hash.add(plan.function());
   for (const routing::PlannedTransaction& transaction : plan.transactions()) {
     hash.add(transaction.address);
+    hash.add(transaction.unit);
     hash.add(transaction.request.pdu().bytes());
   }
 }

@@ -11,14 +11,15 @@ void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash
 }
 
 void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
-  // A setting: paced_setting. Counted, shown or told only: counters, draining, heard, heard_at,
-  // unpaced_told. Empty when the machine was asked for its actions: faults, refused, end.
+  // A setting: paced_setting. Counted, shown or told only: counters, draining, heard,
+  // heard_at, unpaced_told. Without a driver that holds something: unsent, is_answerless. Empty
+  // when the machine was asked for its actions: faults, refused, end.
   const auto& [silence, paced_setting, paced, counters, faults, echo, framer, transaction,
-               response_due, response_deadline, response_wait, owed, refused, draining, heard,
-               heard_at, unpaced_told, end] = line;
-  // Settings: timing, frame_gap, turnaround, settle, listen_first.
-  const auto& [timing, frame_gap, turnaround, settle, listen_first, quiet_since, busy_since,
-               settling_until, listening_until, turnaround_until, emission_ends] = silence;
+               response_due, response_deadline, response_wait, owed, misfit, refused, draining,
+               heard, heard_at, unpaced_told, unsent, is_answerless, end] = line;
+  // Settings: timing, frame_gap, turnaround, settle.
+  const auto& [timing, frame_gap, turnaround, settle, quiet_since, busy_since, settling_until,
+               listening_until, turnaround_until, emission_ends] = silence;
   explore::require(faults.empty() && !end, "a line has told everything");
   const bool is_running = transaction != nullptr;
   // A stop compares these with its own instants; others with now.
@@ -35,8 +36,12 @@ void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Ha
     hash.since(response_due, explore::kFarPast);
     hash.since(response_deadline, explore::kFarPast);
     hash.add(response_wait);
-    hash.add(owed.count);
-    hash.add(owed.alike);
+    hash.add(owed.size());
+    for (const bus::OwedAnswer& it : owed) {
+      hash.add(it.asked.pdu().bytes());
+      hash.add(it.is_own);
+    }
+    hash.add(misfit);
   } else {
     hash.until(emission_ends);
   }
@@ -49,7 +54,7 @@ void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
   // `address`, is what the line asks, and is looked at only as long as it does, or if it is such a
   // read.
   const auto& [state, learns, counters, faults, address, asked, may_answer, expected, seen, owed,
-               due, held, spoilt, passed, shown, lost, unproven_told] = echo;
+               due, held, echoed, heard, spoilt, passed, shown, lost, unproven_told] = echo;
   explore::require(!may_answer || !asked || !modbus::is_read(asked->bytes()),
                    "no read looks like its own answer");
   hash.add(state);
@@ -58,6 +63,12 @@ void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
   hash.add(owed.size());
   for (const bus::FrameBytes& frame : owed) {
     hash.add(std::span(frame.data(), frame.size()));
+  }
+  hash.add(echoed);
+  for (std::size_t known = 0; known < heard.size(); ++known) {
+    if (heard[known]) {
+      hash.add(known);
+    }
   }
   hash.add(spoilt);
   hash.add(shown);
@@ -101,7 +112,7 @@ void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {
     hash.add(answer_at);
   }
   read(buffer, explore::kFarPast, hash);
-  read(cut, buffer.size() == 0, slack, hash);
+  read(cut, buffer.size() == 0, std::chrono::seconds(1), hash);
 }
 
 void StateReader::read(const bus::ReceivedBytes& received, Duration reach, Hash& hash) {
@@ -115,7 +126,7 @@ void StateReader::read(const bus::ReceivedBytes& received, Duration reach, Hash&
 // What is kept is thrown away when it is older than `slack` and more bytes come; but what stands in
 // the buffer may be put behind it before.
 void StateReader::read(const bus::CutFrame& cut, bool is_last, Duration slack, Hash& hash) {
-  const auto& [kept, begins, last] = cut;
+  const auto& [kept, begins, last, pause] = cut;
   const bool is_over = is_last && hash.now() - last > slack;
   if (kept.empty() || is_over) {
     hash.add(false);
@@ -127,6 +138,7 @@ void StateReader::read(const bus::CutFrame& cut, bool is_last, Duration slack, H
     hash.add(begins.test(at));
   }
   hash.since(last, explore::kFarPast);
+  hash.add(pause);
 }
 
 }  // namespace mbgate

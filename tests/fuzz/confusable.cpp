@@ -89,7 +89,7 @@ class Confusable {
     if (bytes.empty()) {
       return false;
     }
-    std::ranges::for_each(came, [&](Transmission* it) { oracle_.note_came(*it, now_); });
+    std::ranges::for_each(came, [&](Transmission* it) { it->came_at = now_; });
     bus_.handle_bytes(bytes, now_);
     return true;
   }
@@ -108,9 +108,6 @@ class Confusable {
         wire_.send(oracle_.note_sent(transmit->frame, now_), script_);
       } else if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
         end(*ended);
-      } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&*action);
-                 notice != nullptr && notice->kind == bus::DeviceNotice::Kind::late) {
-        oracle_.note_late(*notice, now_);
       }
     }
   }
@@ -122,7 +119,7 @@ class Confusable {
         const auto& response = request.job.transactions[part].response;
         if (response && !seen_[at].at(part)) {
           seen_[at].at(part) = true;
-          oracle_.note_answered(request, part, response->bytes(), now_);
+          oracle_.note_answered(request, part, response->bytes());
         }
       }
     }

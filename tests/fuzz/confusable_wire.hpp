@@ -41,14 +41,10 @@ struct Transmission {
   Instant until;                     ///< and of the quarantine
   Pdu answer{};                      ///< empty: none
   std::optional<Instant> came_at{};  ///< the whole answer was handed in
-  bool settled{};  ///< owed no more: as many answers came, or its quarantine was over
 
   [[nodiscard]] std::uint8_t device() const { return request->device; }
   [[nodiscard]] const Pdu& pdu() const { return request->parts[part].pdu; }
   [[nodiscard]] std::uint8_t function() const { return pdu().front(); }
-  [[nodiscard]] bool is_same(const Transmission& other) const {
-    return device() == other.device() && pdu() == other.pdu();
-  }
 };
 
 inline Pdu answer_to(const Pdu& asked, std::uint8_t number, bool refuses) {

@@ -33,10 +33,10 @@ inline bool crosses_group(const drive::Device& device, const Asked& range) {
 }
 
 /// Are registers of one value on both sides of an end of the range?
-inline bool cuts_value(const ClientView& view, const Asked& range, bool only_motion) {
+inline bool cuts_value(const ClientView& view, const Asked& range) {
   for (const std::uint32_t border : {range.first, range.end()}) {
     const auto* value = view.value_at(range.table, border);
-    if (value != nullptr && value->first < border && (value->motion || !only_motion)) {
+    if (value != nullptr && value->first < border) {
       return true;
     }
   }
@@ -63,7 +63,7 @@ inline bool drive_refuses(const Scene& scene, const modbus::Request& request, co
   const ClientView view = view_of(scene, device);
   const bool one_request =
       !crosses_group(device, there) && there.count <= limits.written_to(there.table);
-  const bool cuts = cuts_value(view, there, !scene.resolved.route.word_order);
+  const bool cuts = cuts_value(view, there);
   switch (request.function()) {
     case 0x06:
     case 0x16: {
@@ -173,9 +173,7 @@ inline bool broadcast_may_be_refused(const Scene& scene, const modbus::Request& 
   }
   return !goes_out || std::ranges::any_of(all, [&](const drive::Device* device) {
     return there->count > device->profile.limits.written_to(there->table) ||
-           cuts_value(view_of(scene, *device), *there, false) ||
-           (device->profile.broadcast.form != BroadcastForm::none &&
-            !takes(scene, *device, request)) ||
+           cuts_value(view_of(scene, *device), *there) ||
            !mean_the_same(*all.front(), *device, *there);
   });
 }

@@ -168,6 +168,7 @@ inline void read_broadcast(Script& script, Scene& scene) {
     scene.devices.pop_front();
   }
   auto& resolved = scene.resolved;
+  resolved.route.broadcast_mixed = true;
   resolved.route.first_unit = resolved.route.last_unit = resolved.route.first_address = 0;
   scene.unit = 0;
   resolved.route.buses = {drive::BusId{0}, drive::BusId{1}};

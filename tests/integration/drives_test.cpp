@@ -101,7 +101,7 @@ class DriveSuite : public testing::TestWithParam<FarEnd> {
     }
     const auto bus = [](const std::string& name, const std::string& device) {
       return "[[bus]]\nname = \"" + name + "\"\ndevice = \"" + device +
-             "\"\nbaud = 115200\nparity = \"none\"\nlisten_first = \"0ms\"\n"
+             "\"\nbaud = 115200\nparity = \"none\"\necho = false\nlisten_first = \"0ms\"\n"
              "response_timeout = \"20s\"\n";
     };
     const auto config =

@@ -71,8 +71,12 @@ class Client:
 
     def receive(self):
         """The PDU of the next answer; nothing: the connection has ended."""
+        return self.receive_numbered()[1]
+
+    def receive_numbered(self):
+        """The transaction identifier too."""
         head = self._take(7)
-        return head and self._take(int.from_bytes(head[4:6], "big") - 1)
+        return int.from_bytes(head[:2], "big"), head and self._take(int.from_bytes(head[4:6], "big") - 1)
 
     def ask(self, pdu, unit=DRIVE):
         self.send(pdu, unit)
@@ -159,6 +163,7 @@ class FaultCase(unittest.TestCase):
         text = f'[http]\nsocket = "{self.control}"\n'
         text += f'[[listen]]\nname = "plant"\naddress = "127.0.0.1"\nport = 0\nmax_connections = 2001\nmax_connections_per_address = 2000\nmax_connects_per_second = 0\nmax_requests_per_second = 0\n{more}\n'
         text += f'[[bus]]\nname = "line-a"\ndevice = "{device}"\nbaud = 115200\nparity = "none"\ncoalesce = false\n'
+        text += "" if "echo" in keys else "echo = false\n"
         text += f'response_timeout = "2s"\nlisten_first = "0ms"\n{keys}\n'
         for unit in (DRIVE, DEAF):
             text += f'[[route]]\nunit = {unit}\nbus = "line-a"\naddress = {unit}\n{route}\n'

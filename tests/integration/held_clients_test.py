@@ -47,7 +47,7 @@ class HeldClients(FaultCase):
         return clients
 
     def test_one_that_is_held_up_is_not_silent(self):
-        first = self.begin(quiet="300ms")
+        first = self.begin(quiet="3s")
         for value in HELD:
             first.send(write_of(value))
         self.assertEqual([first.receive() for _ in HELD], [write_of(value) for value in HELD])

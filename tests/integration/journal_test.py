@@ -184,7 +184,7 @@ class JournalTest(unittest.TestCase):
         more = ""
         for number in range(devices):
             if number % 200 == 0:
-                more += f'[[bus]]\nname = "far-{number}"\nmode = "tcp"\nhost = "127.0.0.1"\nport = 1\n'
+                more += f'[[bus]]\nname = "far-{number}"\nmode = "tcp"\nhost = "127.0.0.1"\nport = {number // 200 + 1}\n'
                 bus = f"far-{number}"
             more += f'[[device]]\nname = "d{number}"\nbus = "{bus}"\naddress = {number % 200 + 1}\n'
         with self.configuration.open("a", encoding="utf-8") as file:

@@ -18,7 +18,7 @@ class Libmodbus : public testing::Test {
   Libmodbus() {
     const auto bus = [](const std::string& name, const RtuServer& server) {
       return "[[bus]]\nname = \"" + name + "\"\ndevice = \"" + server.path() +
-             "\"\nbaud = 115200\nparity = \"none\"\nlisten_first = \"0ms\"\n"
+             "\"\nbaud = 115200\nparity = \"none\"\necho = false\nlisten_first = \"0ms\"\n"
              "response_timeout = \"20s\"\n";
     };
     const auto config = folder_.write(

@@ -33,6 +33,7 @@ std::filesystem::path gateway_config(const TemporaryFolder& folder, const PlantO
             options.response_timeout + "\"\n";
     text += options.paced ? "baud = " + std::to_string(options.baud) + "\n"
                           : "baud = 4000000\nframe_gap = \"0ms\"\n";
+    text += options.bus.find("echo") == std::string::npos ? "echo = false\n" : "";
     text += options.bus + "\n";
   }
   return folder.write("mbgate.toml", text);

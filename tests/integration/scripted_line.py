@@ -29,9 +29,16 @@ def answer_to(request, value=0x1234):
     return framed(request[:2] + bytes([2 * count]) + value.to_bytes(2, "big") * count)
 
 
+def length_of(request):
+    """How long the request is whose beginning this is."""
+    if request[1:2] not in (b"\x0f", b"\x10"):
+        return 8
+    return 9 + request[6] if len(request) > 6 else 9
+
+
 class ScriptedLine:
     """with ScriptedLine(on_request) as line: line.path is the port; `on_request(line, request)` runs for each request
-    of eight bytes, and says what it wants with line.say(). It runs a little later, because nothing answers before the
+    (01 to 06, 15, 16), and says what it wants with line.say(). It runs a little later, because nothing answers before the
     request would have left a wire."""
 
     EMISSION = 0.005  # more than eight characters take at 115200 baud
@@ -57,8 +64,8 @@ class ScriptedLine:
             if not select.select([self._ours], [], [], 0.05)[0]:
                 continue
             heard += os.read(self._ours, 4096)
-            while len(heard) >= 8:
-                request, heard = heard[:8], heard[8:]
+            while heard and len(heard) >= length_of(heard):
+                request, heard = heard[:length_of(heard)], heard[length_of(heard):]
                 self.ended.wait(self.EMISSION)
                 self._on_request(self, request)
 

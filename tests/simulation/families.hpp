@@ -95,6 +95,7 @@ class Families : public testing::Test {
     bus.line.baud = modbus::Baud{plan.baud};
     bus.line.format = plan.format;
     bus.line.framing = plan.framing;
+    bus.line.echo = false;
     bus.listen_first = 0ms;
     devices_.emplace_back();
   }

@@ -111,6 +111,9 @@ TEST_F(Families, ABroadcastRestartHoldsBackWhoBoots) {
   // An M3 has half a value where the stepper has its restart: no such broadcast would go out.
   settings_.devices[kM3 - 1].profile.values = {};
   settings_.devices[kM3Big - 1].profile.values = {};
+  for (auto& route : settings_.routes) {
+    route.broadcast_mixed = true;  // nor where drives of several makers listen
+  }
   build();
   EXPECT_EQ(ask(0, "06 00D4 0100"), "06 00 D4 01 00");
   const Instant restarted = world_->now();

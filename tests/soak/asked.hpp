@@ -56,18 +56,15 @@ struct Asked {
   std::vector<Piece> pieces;
   std::optional<std::uint8_t> refused;  ///< the gateway itself must answer this exception
   std::optional<ReadCheck> check;
-  bool failsafe = false;       ///< the gateway's own, sent as a stop
-  bool is_unwanted = false;    ///< of these: a client that may write has asked since
-  bool let_writes_go = false;  ///< of these: those before it, when it was due
-  bool stops_all = false;      ///< a broadcast that is a stop
-  bool for_some = false;       ///< of these: it stops only the drives that know it
-  bool identity = false;       ///< it asks the device who it is
-  bool is_shared = false;      ///< a stop that is like others
-  bool is_repeated = false;    ///< a stop of the drive's, which is repeated without a fitting echo
-  bool has_no_table = false;   ///< its answer repeats all of it
-  bool other_order = false;    ///< the drive turns out to have another word order: 04, not written
-  bool any_code = false;       ///< of the status unit: it may be refused
-  bool unlisted = false;       ///< by the device's `writer`; it may also be taken back by a stop
+  bool stops_all = false;     ///< a broadcast that is a stop
+  bool for_some = false;      ///< of these: it stops only the drives that know it
+  bool identity = false;      ///< it asks the device who it is
+  bool is_shared = false;     ///< a stop that is like others
+  bool is_repeated = false;   ///< a stop of the drive's, which is repeated without a fitting echo
+  bool has_no_table = false;  ///< its answer repeats all of it
+  bool other_order = false;   ///< the drive turns out to have another word order: 04, not written
+  bool any_code = false;      ///< of the status unit: it may be refused
+  bool unlisted = false;      ///< by the device's `writer`; it may also be taken back by a stop
   bool replies = true;
   bool silent = false;  ///< the device never answers it; the gateway does
 
@@ -83,7 +80,6 @@ struct Asked {
   bool is_accepted = false;
   bool ordered = false;        ///< its answer may be held back for those before it
   bool ahead = false;          ///< it may have been accepted later
-  bool for_dead = false;       ///< its device was surely offline then
   bool perhaps_older = false;  ///< a stop: than what its unit has come to mean
   bool perhaps_later = false;  ///< a stop: than it is accepted here, for want of room or held
   bool perhaps_held = false;   ///< a stop: by writes before it, if they are not outdated
@@ -92,9 +88,6 @@ struct Asked {
   bool found_no_room = false;         ///< a stop that came when there was room for no more
   std::optional<Instant> doomed;      ///< a stop has taken it back
   std::optional<Instant> waits_from;  ///< a stop that waits: nothing may be older than this
-  Duration held{0};                   ///< so long nothing else went while it waited, at least
-  Duration longest_held{0};           ///< and at most
-  int let_go = 0;                     ///< so much went before it
   PduBytes last_sent;                 ///< as it looked on the wire
   std::uint64_t last_alone = 0;       ///< its last flight, if that was surely for it; else 0
   unsigned flights = 0;               ///< that it was among

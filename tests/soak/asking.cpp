@@ -101,8 +101,12 @@ Asked Asking::make(const Manners& manners) {
   if (random_.chance(manners.stops)) {
     return stop(door, manners.same_stops);
   }
+  const bool is_alike = manners.alike > 0 && near_.chance(manners.alike);
   if (random_.chance(manners.writes)) {
-    return write(door);
+    return is_alike ? alike_write(door) : write(door);
+  }
+  if (is_alike) {
+    return alike_read(door);
   }
   const bool popular = random_.chance(manners.same_reads);
   return near_.chance(manners.near_reads) ? near_read(door) : read(door, popular);

@@ -49,6 +49,8 @@ class Asking {
   // asking_reads.cpp
   Asked read(const Door& door, bool popular);
   Asked near_read(const Door& door);
+  Asked alike_read(const Door& door);
+  Asked alike_write(const Door& door);
   Asked identity(const Door& door);
   Asked read_bits(const Door& door);
   void plan_read(Asked& asked, modbus::Table table, unsigned first, unsigned count) const;

@@ -81,7 +81,7 @@ void Asking::plan_write(Asked& asked, unsigned first, const Words& words) const 
     asked.refused = 1;
     return;
   }
-  if (cuts_motion(first, end) || (door.names_order && cuts_any(first, end))) {
+  if (cuts_motion(first, end) || cuts_any(first, end)) {
     asked.refused = 3;
     return;
   }
@@ -177,7 +177,7 @@ void Asking::plan_read_and_write(Asked& asked, unsigned to, const Words& words, 
   const auto is_one = [](unsigned begin, unsigned behind, unsigned limit) {
     return end_of_piece(Table::holding_registers, begin, behind, limit) == behind;
   };
-  if (cuts_motion(to, to + writes) || (door.names_order && cuts_any(to, to + writes)) ||
+  if (cuts_motion(to, to + writes) || cuts_any(to, to + writes) ||
       !is_one(to, to + writes, limits.write_registers) ||
       !is_one(first, end, limits.read_from(Table::holding_registers))) {
     asked.refused = 3;

@@ -113,7 +113,7 @@ void Asking::unknown_function(Asked& asked) {
     }
     case 1:
       asked.pdu =
-          fields(8, rare_.one_of({2U, 3U, 10U, 11U, 12U, 13U, 14U, 15U, 16U, 17U, 18U, 20U}), turn);
+          fields(8, rare_.one_of({2U, 2U, 10U, 11U, 12U, 13U, 14U, 15U, 16U, 17U, 18U, 20U}), turn);
       break;
     case 2: asked.pdu = {low(0x50U + high(turn) % 0x10U), low(turn)}; break;
     default:

@@ -55,6 +55,14 @@ Asked Asking::write(const Door& door) {
   return asked;
 }
 
+// By 16, whose answer does not say what was written.
+Asked Asking::alike_write(const Door& door) {
+  Asked asked = begin(door, Kind::write);
+  multiple(asked, 2 * near_.below(2U), 2);
+  refuse_if_read_only(asked);
+  return asked;
+}
+
 // Whole values or parts of them, groups, what is only written, what starts motion, and how the
 // drive communicates.
 void Asking::write_somewhere(Asked& asked) {

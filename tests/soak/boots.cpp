@@ -29,7 +29,6 @@ void BootRules::note(const Flight& flight) const {
     return;
   }
   const Instant told = oracle_.is_tcp(flight.bus) ? flight.begin : flight.end;
-  const Duration turnaround = oracle_.bus_settings(flight.bus).turnaround;
   auto& lanes = oracle_.books_[flight.bus].lanes;
   for (std::size_t address = 0; address < lanes.size(); ++address) {
     Lane& lane = lanes.at(address);
@@ -41,9 +40,6 @@ void BootRules::note(const Flight& flight) const {
     if (!flight.is_broadcast || is_autonics == (flight.address == kAutonicsAddress)) {
       // Its echo, which may be all that is heard, comes before the computed end of the frame.
       lane.boots_until = told + profile.unanswered.front().after - kAdapterHolds;
-      const Instant until = told + turnaround + kLongestBoot + oracle_.lateness();
-      lane.held_until = std::max(lane.held_until, until);
-      lane.holds.note_boots(until);
       oracle_.report_.fault(flight.is_broadcast ? "boots_by_broadcast" : "boots");
     }
   }

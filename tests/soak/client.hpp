@@ -66,6 +66,8 @@ class Client {
   /// The process looks whether there is anything in its socket.
   void be_read();
   void closed_by_gateway();
+  /// The process is no more, and asks for nothing.
+  void be_cut_off();
   /// Other settings: the gateway will close it.
   void give_up();
   [[nodiscard]] bool shares_listener(const Client& other) const {

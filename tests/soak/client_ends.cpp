@@ -107,6 +107,12 @@ void Client::give_up() {
   reconnect_later();
 }
 
+void Client::be_cut_off() {
+  if (std::exchange(connected_, false)) {
+    reconnect_later();
+  }
+}
+
 bool Client::is_idle() const { return unconfirmed_ == 0 && tools_.oracle.is_idle(number_); }
 
 bool Client::is_kept() const {

@@ -29,7 +29,7 @@ FarServer::FarServer(std::size_t bus, Surroundings& around)
   }
 }
 
-void FarServer::reset() {
+void FarServer::reset(bool /*is_open*/) {
   ++epoch_;
   stream_.clear();
   ends_.clear();
@@ -98,10 +98,7 @@ void FarServer::transmit(const Flight& flight) {
 
 void FarServer::heard(std::uint64_t number) {
   Flight* flight = around_.oracle.flight(number);
-  if (flight == nullptr || flight->pdu.empty() || swallows_) {
-    return;
-  }
-  if (drops()) {
+  if (flight == nullptr || flight->pdu.empty() || swallows_ || drops()) {
     return;
   }
   const auto found = std::ranges::find(devices_, flight->address,
@@ -116,6 +113,11 @@ void FarServer::heard(std::uint64_t number) {
   std::optional<Pdu> pdu;
   if (flight->expects_answer && !flight->is_stop && happens(rates_.exception, "exception")) {
     pdu = Pdu::exception(request.function(), modbus::ExceptionCode{0x11});
+  } else if (flight->expects_answer && flight->is_stop &&
+             break_random_.chance(rates_.refuses_stop)) {
+    around_.report.fault("stop_refused");
+    const auto at = break_random_.below(kStopRefusals.size());
+    pdu = Pdu::exception(request.function(), modbus::ExceptionCode{kStopRefusals.at(at)});
   } else {
     const SoakDevice::Outcome outcome = device.carry_out(request, now);
     pdu = outcome.answer;
@@ -255,7 +257,7 @@ void FarServer::flush(std::size_t bytes) {
 
 // A length that no MBAP header has, or an RTU frame. After that it says nothing.
 void FarServer::break_framing() {
-  reset();
+  reset(true);
   swallows_ = true;
   around_.framing_lost(bus_);
   around_.deliver(

@@ -14,7 +14,7 @@ class FarServer {
  public:
   FarServer(std::size_t bus, Surroundings& around);
 
-  void reset();
+  void reset(bool is_open);
   void begin_connection();
   void transmit(const Flight& flight);
   void calm_down() {

@@ -19,10 +19,8 @@ struct Flight {
   PduBytes pdu;
   std::vector<std::uint64_t> asked;  ///< requests that it may be for
   bool is_stop = false;
-  bool is_repeated = false;   ///< a stop of which the tries are a series
-  bool ends_series = false;   ///< the last of these, and for one stop alone
-  bool is_probe = false;      ///< to a device that is surely offline
-  bool may_be_probe = false;  ///< its device was perhaps offline when it was accepted, or later
+  bool is_failsafe = false;  ///< the gateway's own
+  bool is_repeated = false;  ///< a stop of which the tries are a series
   bool is_write = false;
   bool is_broadcast = false;
   bool repeats_read = false;
@@ -35,11 +33,12 @@ struct Flight {
   bool expects_answer = true;
   /// A frame may have been taken for its answer that cannot be told from it.
   bool is_uncertain = false;
-  /// An earlier one whose answer its own came in place of: while this counts as owed, that is what
-  /// still comes. None: its own.
-  std::uint64_t owes_for = 0;
-  bool is_answered = false;    ///< for certain: the answer met no fault
-  bool needs_silence = false;  ///< behind that, because other bytes stood before it
+  std::optional<Instant> paid_at{};       ///< its own answer began
+  std::optional<std::uint8_t> refused{};  ///< its device answers this exception
+  std::optional<Instant> refused_at{};    ///< it came then
+  bool may_be_paid = false;               ///< something came that may have been taken for it
+  bool is_answered = false;               ///< for certain: the answer met no fault
+  bool needs_silence = false;             ///< behind that, because other bytes stood before it
   /// A whole answer came that fits, and this may have kept it from being taken.
   const char* unsure = nullptr;
   /// Of a read that several may share: the writes to its device that waited, and whom it answered
@@ -56,12 +55,6 @@ struct Flight {
   std::size_t came = 0;  ///< bytes that reached the kernel before anything else was transmitted
   Instant first_came = Instant::max();  ///< the first of these
   std::size_t size = 0;                 ///< of its frame
-  /// An answer that breaks off: so many bytes come before it pauses, so many in all, of so many.
-  struct {
-    std::size_t head = 0;
-    std::size_t come = 0;
-    std::size_t of = 0;
-  } stuck;
   Instant begin;
   Instant end;
   Instant deadline;            ///< the first byte of its answer must be there
@@ -96,7 +89,7 @@ struct HeardFrame {
   std::size_t lead = 0;       ///< bytes that were put before it
   Instant ended{};            ///< when its last byte reached the kernel
   bool is_only_debt = false;  ///< its device owed nothing else then
-  bool is_late = false;       ///< nor to the same request sent again, whose time was surely over
+  bool is_second = false;     ///< the same device has answered it before
   std::size_t came = 0;       ///< bytes since the last own transmission, with its own
 };
 

@@ -36,7 +36,10 @@ bool HangWatch::is_due(std::size_t bus, Instant now) const {
 std::string HangWatch::transmitted(const Flight& flight) {
   Line& line = lines_[flight.bus];
   std::string missed;
-  if (!flight.is_stop && !flight.beside_stop && is_silent_for_long(flight.bus, flight.begin) &&
+  // Between two tries of a stop nothing is opened again.
+  const bool is_behind_stop = std::exchange(line.was_stop, flight.is_stop);
+  if (!flight.is_stop && !flight.beside_stop && !is_behind_stop &&
+      is_silent_for_long(flight.bus, flight.begin) &&
       line.asked >= plan_.settings.buses[flight.bus].hung_requests) {
     missed = "not opened again";
   } else if (std::exchange(line.must_tell, false)) {

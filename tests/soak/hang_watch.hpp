@@ -35,6 +35,7 @@ class HangWatch {
     unsigned asked = 0;              ///< that surely are to be answered
     unsigned in_vain = 0;            ///< times that it was opened since anything was heard
     bool must_tell = false;
+    bool was_stop = false;  ///< what was sent last
   };
   [[nodiscard]] bool is_silent_for_long(std::size_t bus, Instant now) const;
 

@@ -26,17 +26,6 @@ bool begins_like_echo(Bytes bytes, const Flight& asked) {
          std::equal(bytes.begin() + 1, bytes.end(), asked.pdu.begin());
 }
 
-// The address is among these bytes, and behind it the function, or nothing yet.
-bool may_begin_answer(Bytes bytes, const Flight& asked) {
-  for (std::size_t at = 0; at < bytes.size(); ++at) {
-    const bool is_function = at + 1 == bytes.size() || (bytes[at + 1] & 0x7FU) == asked.pdu.front();
-    if (bytes[at] == asked.address && is_function) {
-      return true;
-    }
-  }
-  return false;
-}
-
 }  // namespace
 
 bool may_echo(const SoakPlan& plan, const Book& book, std::size_t bus) {
@@ -143,6 +132,15 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
   if (flight.is_uncertain) {
     return "uncertain";
   }
+  // Alone it acknowledges nothing before the device was heard on this line.
+  const auto& sent = book.lanes[flight.address].sent;
+  const bool was_heard = std::ranges::any_of(sent, [&](std::uint64_t number) {
+    const Flight* it = oracle_.flight(number);
+    return it != nullptr && it->is_answered && it->begin >= book.opened;
+  });
+  if (looks_like_answer(flight) && !line.echo && !was_heard) {
+    return "unproven";
+  }
   if (asks_identity(flight.pdu) || spec::is_opaque(flight.pdu)) {
     return "ended_by_silence";
   }
@@ -178,54 +176,6 @@ const char* HeardAnswers::why_unsure(const Flight& flight, const HeardFrame& fra
     return "beside_noise";
   }
   return oracle_.reloaded_ >= flight.begin || flight.begin < book.opened ? "reload" : nullptr;
-}
-
-std::optional<Instant> HeardAnswers::stuck_until(const Flight& last) const {
-  const Book& book = oracle_.books_[last.bus];
-  if (last.stuck.of == 0 || book.heard.size() != last.stuck.come || book.came != last.stuck.come ||
-      book.read != book.came || may_echo(oracle_.plan_, book, last.bus) ||
-      book.touched >= last.begin) {
-    return std::nullopt;
-  }
-  // As much may have come with noise in front, and without the rest.
-  if (book.heard[0] != last.address || (book.heard[1] & 0x7FU) != last.pdu.front()) {
-    return std::nullopt;
-  }
-  const auto& settings = oracle_.bus_settings(last.bus);
-  const Instant over = book.use.first_read + spec::WireTimes(settings.line).of(last.stuck.of) +
-                       spec::slack_of(settings);
-  // What goes on when that is over, because an adapter kept it, may begin another answer.
-  const Bytes rest = Bytes(book.heard).subspan(last.stuck.head);
-  if (book.last_handed_in >= over && may_begin_answer(rest, last)) {
-    return std::nullopt;
-  }
-  return std::max(last.due, over);
-}
-
-// Its last try has ended as late as an answer could have that began in time, though the line is
-// never silent.
-void HeardAnswers::judge_end(const Asked& asked) const {
-  const Flight* last = asked.last_alone != 0 ? oracle_.flight(asked.last_alone) : nullptr;
-  const bool may_repeat = asked.is_read() || asked.retry_writes;
-  // Only silence ends the answer to an unknown function. After a merged read that failed its
-  // parts have tries of their own.
-  const bool has_no_bound = spec::is_opaque(asked.pdu) || asked.flights != asked.flights_alone;
-  if (last == nullptr || has_no_bound || asked.pieces.size() > 1 || asked.ordered ||
-      asked.is_stop() || oracle_.stopping_ ||
-      oracle_.bus_settings(last->bus).line.framing != bus::Framing::rtu ||
-      oracle_.reloaded_ >= last->begin || (may_repeat && asked.flights_alone < 1 + asked.retries) ||
-      oracle_.may_be_offline(asked)) {
-    return;
-  }
-  const auto& settings = oracle_.bus_settings(last->bus);
-  const Duration silence =
-      std::max(spec::slack_of(settings), spec::WireTimes(settings.line).silence());
-  const Duration late =
-      oracle_.schedule_.now() - last->due - oracle_.rest_of_answer(*last) - silence;
-  if (late > 2 * oracle_.lateness()) {
-    oracle_.violation("ended_late",
-                      oracle_.name(asked) + " " + std::to_string(late / 1us) + " us late");
-  }
 }
 
 }  // namespace mbgate::soak

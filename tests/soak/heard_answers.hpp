@@ -2,7 +2,6 @@
 // Which of the answers that a serial line has brought the gateway must take.
 #pragma once
 
-#include <optional>
 #include <string_view>
 
 #include "soak/flight.hpp"
@@ -29,10 +28,6 @@ class HeardAnswers {
   /// If the answer to what was transmitted last came in time, and nothing with it that may have
   /// hidden it, it must be taken; nullptr then.
   [[nodiscard]] const char* why_unsure(const Flight& flight, const HeardFrame& frame) const;
-  /// A request was told that nothing has answered it.
-  void judge_end(const Asked& asked) const;
-  /// When the wait for an answer ends that has broken off; none if that is not known.
-  [[nodiscard]] std::optional<Instant> stuck_until(const Flight& last) const;
 
  private:
   [[nodiscard]] bool is_behind_echo(const Flight& flight) const;

@@ -92,7 +92,7 @@ class Oracle {
   void bytes_handed_in(std::size_t bus);  ///< it has read them
   void deadline_handed_in() { judged_ = schedule_.now(); }
   /// A whole good frame has reached the kernel.
-  void frame_came(std::size_t bus, const HeardFrame& frame);
+  void frame_came(std::size_t bus, HeardFrame frame);
   /// The request of another client has reached the kernel.
   void stranger_asked(std::size_t bus) { books_[bus].unread_stranger = true; }
   /// The end of an echo has reached the kernel.
@@ -105,6 +105,9 @@ class Oracle {
   [[nodiscard]] bool has_misnamed(std::size_t bus) const { return !books_[bus].misnamed.empty(); }
   /// An answer of the device may still be taken for one to the gateway.
   [[nodiscard]] bool owes(std::size_t bus, std::uint8_t address);
+  [[nodiscard]] Past take_past();
+  /// Another process has been started.
+  void begin_with(Past past);
   // oracle_reload.cpp
   void before_reload();  ///< what is known only by the settings that end now
   /// The bus's line is given up, or the bus itself: the next one under its name begins anew.
@@ -137,19 +140,15 @@ class Oracle {
   [[nodiscard]] const BusCount& count(std::size_t bus) const { return books_[bus].count; }
   [[nodiscard]] const BusCount& count(std::size_t bus, std::uint8_t address) const;
   /// Requests that the gateway has taken, and of how many that is not sure.
-  [[nodiscard]] std::uint64_t accepted() const { return sequence_ - failsafes_; }
+  [[nodiscard]] std::uint64_t accepted() const { return sequence_; }
   [[nodiscard]] std::uint64_t perhaps_accepted() const { return perhaps_accepted_; }
-  [[nodiscard]] const FailsafeWatch& failsafe() const { return failsafe_; }
   [[nodiscard]] ClientRates& client_rates() { return client_rates_; }
 
  private:
-  friend class BehindStops;
   friend class HeardAnswers;
-  friend class OfflineRules;
   friend class BootRules;
   friend class Refusals;
   friend class SharedReads;
-  friend class TurnRules;
   friend class Withdrawals;
   friend class WordOrders;
   // oracle_clients.cpp
@@ -157,14 +156,12 @@ class Oracle {
   void look_ahead(Session& session);
   void forget_gone_stops();
   void accept(Asked& asked);
-  void begin_failsafe();
-  void drop_failsafe(std::size_t device);
-  void drop_unwanted(std::size_t bus);
-  void failsafe_line_back(Book& book);
-  [[nodiscard]] bool waits_for_line(const Asked& asked) const;
-  [[nodiscard]] Duration behind_others(const Asked& stop) const;
-  void check_failsafe(const Asked& asked);
-  [[nodiscard]] unsigned failsafes_like(const Asked& asked, const Piece& piece) const;
+  // oracle_failsafe.cpp
+  void note_failsafe_asked(const Asked& asked);
+  void note_failsafe_sent(Flight& flight);
+  void note_done_for_failsafe(const Flight& flight);
+  [[nodiscard]] bool has_failsafe(std::size_t bus) const;
+  void check_failsafes() const;
   [[nodiscard]] std::vector<Asked*> broadcasts_on(std::size_t bus);
   void close(Asked& asked, const std::string& how);
   void end_without_reply(Asked& asked);
@@ -188,22 +185,22 @@ class Oracle {
   void judge_data(const Asked& asked, Bytes pdu);
   void judge_bits(const Asked& asked, Bytes pdu);
   void judge_done(const Asked& asked);
-  // oracle_content.cpp
   void judge_content(const Asked& asked, Bytes pdu);
   void judge_identity(const Asked& asked, Bytes pdu);
   void judge_echo(const Asked& asked, Bytes pdu);
   [[nodiscard]] Span span_of(const Asked& asked) const;
   void judge_place(const Asked& asked);
-  [[nodiscard]] bool is_apart(const Asked& asked, const char* what) const;
+  [[nodiscard]] bool is_apart(const Asked& asked, const char* what);
   void wrong_data(const Asked& asked, const std::string& text);
   [[nodiscard]] bool may_be_offline(const Asked& asked) const;
   // oracle_wire.cpp
   bool take_apart(Bytes frame, Flight& flight);
+  [[nodiscard]] Duration listens_for(std::size_t bus) const;
   void check_silence(const Flight& flight);
-  void check_quarantine(const Flight& flight);
+  void note_debt(const Flight& flight);
   void attribute(Flight& flight);
   bool fits(const Asked& asked, const Piece& piece, const Flight& flight) const;
-  [[nodiscard]] std::string objection(const Asked& asked, const Piece& piece) const;
+  [[nodiscard]] std::string objection(const Asked& asked, const Piece& piece);
   void unknown_transmission(Flight& flight);
   void note_sent(Asked& asked, Piece& piece, const Flight& flight, bool alone);
   void check_order(const Asked& asked, const Flight& flight);
@@ -213,8 +210,17 @@ class Oracle {
   void cut_flying(const Book& book);
   [[nodiscard]] Instant deadline_of(const Flight& flight) const;
   void set_times(Flight& flight);
+  // oracle_debts.cpp
+  [[nodiscard]] bool is_only_debt(const Lane& lane, const HeardFrame& frame) const;
+  [[nodiscard]] static Duration owed_for(const Flight& flight);
+  [[nodiscard]] bool has_second(const Lane& lane) const;
   void settle(std::size_t bus, const HeardFrame& frame);
+  void note_second(Lane& lane, const HeardFrame& frame, const Flight* from);
+  [[nodiscard]] Duration shown(const Lane& lane) const;
+  [[nodiscard]] const char* root_of(const Lane& lane, const HeardFrame& frame, const Flight* from,
+                                    bool is_strange) const;
   void note_uncertain(std::size_t bus, const HeardFrame& frame);
+  void count_slip(const Asked& asked);  // oracle_slips.cpp
   // oracle_echo.cpp
   void read_frames(std::size_t bus);
   void read_answers(std::size_t bus);
@@ -231,32 +237,26 @@ class Oracle {
   [[nodiscard]] bool lets_writes_go(const Asked& stop) const;
   void check_stops_first(const Flight& flight);
   void note_stops(Flight& flight);
-  void check_turns(const Asked& read, const Flight& flight);
   [[nodiscard]] Duration stop_deadline(std::size_t bus) const;
   [[nodiscard]] bool may_break_silence(const Flight& flight);
   void check_stops_waiting(std::size_t bus);
-  // oracle_idle.cpp
+  // oracle_times.cpp
   void note_whole(std::size_t bus, HeardFrame& frame) const;
   void note_answered(std::size_t bus, const HeardFrame& frame);
   void note_use(const Flight& flight);
-  void check_idle(const Flight& flight, const Flight* before);
-  void check_idle_connection(const Flight& flight);
-  [[nodiscard]] std::optional<Instant> could_go(const Flight& flight) const;
-  [[nodiscard]] Duration rest_of_answer(const Flight& flight) const;
   [[nodiscard]] Duration lateness() const;
-  // oracle_bounds.cpp
   void check_bounds(const Flight& flight, const Flight* before);
-  void judge_expiry(const Asked& asked);
   void judge_eviction(const Asked& asked);
   void note_loss(std::size_t bus);
   void check_reopening(std::size_t bus);
   // oracle_offline.cpp
   [[nodiscard]] bool is_surely_offline(const Lane& lane) const;
   void note_silent(std::size_t bus);
-  void note_late(std::size_t bus, const HeardFrame& frame);
   // oracle_tries.cpp
   void check_answered(const Asked& asked);
+  void check_pause(const Asked& asked, const Flight& flight);
   void judge_tries(const Asked& asked);
+  [[nodiscard]] bool was_silent(const Asked& asked) const;
   void check_tries(const Asked& asked) const;
   void judge_cached(const Asked& asked);
   // oracle_counts.cpp
@@ -285,9 +285,9 @@ class Oracle {
   std::deque<Done> done_;
   std::uint64_t ids_ = 0;
   std::uint64_t sequence_ = 0;
-  std::uint64_t failsafes_ = 0;  ///< of these, what no client asked for
   std::uint64_t perhaps_accepted_ = 0;
   std::uint64_t flight_count_ = 0;
+  std::uint64_t before_restart_ = 0;  ///< transmissions up to this one are of another process
   std::optional<std::uint64_t> well_;
   PduBytes own_answer_;
   std::optional<Instant> stopping_;  ///< since then

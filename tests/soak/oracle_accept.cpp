@@ -104,13 +104,6 @@ void Oracle::look_ahead(Session& session) {
 }
 
 void Oracle::accept(Asked& asked) {
-  if (!asked.failsafe) {
-    begin_failsafe();
-    for (const std::size_t device : failsafe_.asked(asked.client, schedule_.now())) {
-      drop_failsafe(device);
-    }
-    failsafe_.waits(asked.client, true, schedule_.now());
-  }
   asked.is_accepted = true;
   asked.accepted = schedule_.now();
   asked.sequence = ++sequence_;
@@ -129,11 +122,8 @@ void Oracle::accept(Asked& asked) {
   if (asked.refused) {
     return;
   }
-  asked.for_dead = (asked.is_read() || asked.kind == Kind::write) &&
-                   std::ranges::all_of(asked.pieces, [&](const Piece& piece) {
-                     return is_surely_offline(books_[piece.bus].lanes[piece.address]);
-                   });
   writers_.attempted(asked, schedule_.now());
+  note_failsafe_asked(asked);
   if (asked.is_stop()) {
     Withdrawals(*this).take_back_for(asked);
   }

@@ -3,9 +3,6 @@
 // the rules allow for what happened on the wire.
 #include <algorithm>
 
-#include "soak/behind_stops.hpp"
-#include "soak/heard_answers.hpp"
-#include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 #include "soak/own_identity.hpp"
 #include "soak/refusals.hpp"
@@ -97,7 +94,6 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     if (const auto objection = objection_to_identity(asked.pdu, pdu); !objection.empty()) {
       violation("own_identity", objection);
     }
-    OfflineRules(*this).judge_shown(asked, own_answer_);
   } else {
     judge_content(asked, pdu);
     judge_done(asked);
@@ -117,7 +113,6 @@ void Oracle::judge(Asked& asked, Bytes pdu) {
     }
     well_ = std::max(well_, std::optional(asked.id));
   }
-  BehindStops(*this).note_done(asked);
   close(asked, "after_answer");
 }
 
@@ -138,28 +133,24 @@ void Oracle::judge_exception(const Asked& asked, std::uint8_t code) {
     return;
   }
   const Refusals refusals(*this);
+  if (asked.kind == Kind::stop && asked.device_exceptions.test(code)) {
+    refusals.judge_refused_stop(asked, code);
+    return;
+  }
   switch (code) {
     case kBusy:
       refusals.judge_busy(asked);
       if (asked.is_stop() && is_outdated(asked)) {
         Withdrawals(*this).give_back(asked);
       }
-      judge_expiry(asked);
       judge_eviction(asked);
       return;
-    case kNoPath:
-      refusals.judge_no_path(asked);
-      OfflineRules(*this).judge_refused(asked);
-      return;
+    case kNoPath: refusals.judge_no_path(asked); return;
     case kNoResponse:
       refusals.judge_no_response(asked);
       judge_cut(asked);
       check_answered(asked);
       judge_tries(asked);
-      OfflineRules(*this).judge_refused(asked);
-      OfflineRules(*this).judge_wait(asked);
-      judge_expiry(asked);
-      HeardAnswers(*this).judge_end(asked);
       return;
     default: break;
   }
@@ -188,14 +179,14 @@ void Oracle::device_answered(const Asked& asked, bool may_be_kept) {
   Lane& lane = books_[piece.bus].lanes[piece.address];
   note_alive(piece.bus, lane);
   lane.unanswered = 0;
-  if (asked.surely_on_wire && asked.pieces.size() == 1 && book.last_handed_in == schedule_.now()) {
-    lane.holds.note_answered(schedule_.now());
-  }
 }
 
 bool Oracle::may_be_offline(const Asked& asked) const {
   if (!asked.door->device) {
     return false;
+  }
+  if (is_tcp(asked.pieces.front().bus)) {
+    return true;  // 0A and 0B of the server say that it did not reach the device
   }
   const Lane& lane = books_[asked.pieces.front().bus].lanes[asked.pieces.front().address];
   return lane.last_offline >= asked.accepted || is_past_offline(asked.pieces.front().bus, lane);
@@ -251,13 +242,14 @@ void Oracle::judge_done(const Asked& asked) {
 }
 
 // Physics gives no certainty whose answer it got, or what the cache was filled with.
-bool Oracle::is_apart(const Asked& asked, const char* what) const {
+bool Oracle::is_apart(const Asked& asked, const char* what) {
   const Lane& lane = books_[asked.pieces.front().bus].lanes[asked.pieces.front().address];
   const bool may_be_cached = asked.is_read() && lane.uncertain_at >= span_of(asked).first;
   if (asked.uncertain == nullptr && !may_be_cached) {
     return false;
   }
   ++report_.apart[std::string(what) + (asked.uncertain != nullptr ? asked.uncertain : "cached")];
+  count_slip(asked);
   return true;
 }
 

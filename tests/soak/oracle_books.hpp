@@ -5,20 +5,18 @@
 #include <array>
 #include <deque>
 #include <map>
+#include <memory>
 #include <string>
 #include <unordered_map>
 
 #include "soak/asked.hpp"
 #include "soak/flight.hpp"
-#include "soak/function_holds.hpp"
-#include "soak/turns.hpp"
 
 namespace mbgate::soak {
 
 constexpr const char* kClosed = "for_closed_client";  ///< by the gateway
 /// Of a gateway that is told to stop: so long what is on the wire has for its answer.
 constexpr Duration kGrace = std::chrono::milliseconds(1500);
-constexpr Duration kLongestBoot = std::chrono::milliseconds(250);  ///< more than plans draw
 constexpr Duration kStopLife = std::chrono::seconds(900);  ///< hundreds may wait on a slow line
 
 /// What is compared with the gateway's own counters.
@@ -28,12 +26,10 @@ struct BusCount {
   std::uint64_t losses = 0;
   std::uint64_t stops = 0;
   std::uint64_t spoilt_echoes = 0;
-  std::uint64_t asking = 0;       ///< transmissions that are to be answered
-  std::uint64_t interrupted = 0;  ///< of these, at most so many were cut by a loss
-  std::uint64_t late = 0;         ///< answers that were surely late
-  std::uint64_t silent = 0;       ///< transmissions that were surely not answered
-  std::uint64_t damaged = 0;      ///< those that surely were, with a bad CRC
-  std::uint64_t excused = 0;      ///< others whose echo may have been taken for an answer
+  std::uint64_t asking = 0;   ///< transmissions that are to be answered
+  std::uint64_t silent = 0;   ///< transmissions that were surely not answered
+  std::uint64_t damaged = 0;  ///< those that surely were, with a bad CRC
+  std::uint64_t excused = 0;  ///< others whose echo may have been taken for an answer
 };
 
 /// A connection of a client.
@@ -54,35 +50,35 @@ struct Session {
   std::deque<std::uint16_t> silent;    ///< done without a reply; a failure may still be told
 };
 
-/// An answer that was surely late.
-struct LateAnswer {
-  Duration lateness;
-  Instant remembered_until;
+/// Wrong answers that physics excuses, at an address (oracle_slips.cpp).
+struct Slips {
+  Instant caused = Instant::min();  ///< when something was new last
+  Instant until = Instant::min();   ///< they belong to one start
+  unsigned wrong = 0;               ///< at that start
+  unsigned starts = 0;
+  std::uint64_t flight = 0;  ///< the last one
 };
+constexpr const char* kStrangers = "strangers";
+constexpr unsigned kCleanForgets = 200;  ///< answers, after which a second one is new again
 
 /// An address on a bus.
 struct Lane {
   std::optional<std::size_t> device;
   std::vector<Asked*> open;
-  std::deque<std::uint64_t> owed;         ///< transmissions that no good frame has answered
-  std::optional<Instant> answered_at;     ///< since the last transmission that is to be
-  Duration took{0};                       ///< that answer, since the end of the request
-  std::vector<LateAnswer> late_answers;   ///< its quarantine covers each
+  std::deque<std::uint64_t> sent;  ///< the last transmissions that are to be answered
+  Slips slips;
+  Duration shown{0};  ///< the longest time of an answer that it has shown
+  Instant shown_at = Instant::min();
+  Duration second_shown{0};               ///< the same from an answer to a second one
+  unsigned clean = kCleanForgets;         ///< answers since then
   Instant last_offline = Instant::min();  ///< it may have been offline then
   unsigned unanswered = 0;                ///< transmissions since the last good answer, at most
   std::vector<std::uint64_t> unheard;     ///< on a connection, what is later than that answer
   BusCount count;
-  bool knows_order = false;              ///< its drive was asked for its word order
-  bool stays_offline = false;            ///< it was perhaps offline when other settings came
-  Instant held_until = Instant::min();   ///< at the latest: it owes an answer, or boots
-  Instant held_before = Instant::min();  ///< the same without its last transmission
-  FunctionHolds holds{};                 ///< the same of each function
+  bool knows_order = false;    ///< its drive was asked for its word order
+  bool stays_offline = false;  ///< it was perhaps offline when other settings came
   // Transmissions in a row that were certainly unanswered, at least:
   unsigned silent = 0;
-  std::map<PduBytes, unsigned> silent_stops;  ///< tries of each that nothing was heard of, offline
-  Instant asked_last = Instant::min();        ///< when the last of the first was transmitted
-  Instant wanted_at = Instant::min();         ///< when one for it was refused last, untried
-  std::optional<std::uint64_t> given_up_after{};  ///< a stop accepted later is tried once
   Instant last_write_event = Instant::min();
   Instant earlier_write_event = Instant::min();  ///< the last one of an earlier instant
   Instant last_stop = Instant::min();
@@ -95,7 +91,6 @@ struct Lane {
   Instant boots_until = Instant::min();   ///< at the earliest: it was told what it never answers
   std::uint64_t stop_sent = 0;            ///< the last one sent to it
   std::optional<Instant> stop_sent_at{};  ///< of a broadcast too
-  std::uint64_t stopped_after = 0;  ///< what was accepted before: a stop was surely sent since
 
   /// A stop like one that was acknowledged within a second lets one other go first. Whether it was
   /// acknowledged, whether a write came meanwhile, and how many others went is not asked here.
@@ -104,23 +99,15 @@ struct Lane {
     return stop_sent_at && now < *stop_sent_at + kPerhapsAcknowledged;
   }
   /// Something of it was heard, or is not known any more.
-  void forget_silence() {
-    silent = 0;
-    silent_stops.clear();
-    given_up_after.reset();
-  }
+  void forget_silence() { silent = 0; }
 };
 
 /// What is known for certain of when a serial line could be used.
 struct LineUse {
   Instant first_read = Instant::min();  ///< of what came behind the last own transmission
   Duration pause{0};                    ///< the longest between two readings of it
-  Instant ends = Instant::min();        ///< at the latest, of the wait for the answer to it
   bool is_answered = false;             ///< that answer was read, and met no fault
   Instant fitting = Instant::min();     ///< it was read; a stop may have ended the wait before
-  bool is_behind_noise = false;         ///< then perhaps only the silence behind it has shown it
-  Instant waits_from = Instant::min();  ///< before, something else may have held back what waits
-  bool closes = false;  ///< its server has closed a connection, perhaps right after an answer
 };
 
 /// When a line that could not be opened, or died, is opened again.
@@ -132,11 +119,6 @@ struct Reopening {
 /// A bus.
 struct Book {
   void note_size(std::size_t queue, Instant now) { last_full = present >= queue ? now : last_full; }
-
-  /// No stop and no broadcast waits or goes on, nor may one.
-  [[nodiscard]] bool has_only_usual() const {
-    return open_stops.empty() && lanes[0].open.empty() && lanes[kAutonicsAddress].open.empty();
-  }
 
   /// Whether what was said last was heard to its end is not known.
   void forget_boots() {
@@ -168,13 +150,10 @@ struct Book {
   std::vector<std::uint64_t> flying;    ///< on TCP buses
   std::vector<std::uint64_t> unheard;   ///< the same, as if no stop cut anything
   std::uint64_t last_flight = 0;
-  std::uint64_t last_other = 0;          ///< the last one that was no stop
-  std::uint64_t last_probe = 0;          ///< the last one to a device that was surely offline
-  Instant others_gone = Instant::min();  ///< when a request to one that perhaps was not ended last
-  Instant busy_since = Instant::min();   ///< no silence since then
-  std::uint64_t answered = 0;            ///< by a frame that fits
-  std::size_t room = 0;                  ///< more than the queue's limit may still wait from before
-  Instant last_merge = Instant::min();   ///< reads accepted until then may be merged
+  std::uint64_t last_other = 0;         ///< the last one that was no stop
+  Instant busy_since = Instant::min();  ///< no silence since then
+  std::size_t room = 0;                 ///< more than the queue's limit may still wait from before
+  Instant last_merge = Instant::min();  ///< reads accepted until then may be merged
   Duration stop_wait_before{0};
   Instant stop_wait_from = Instant::min();  ///< it is what it is
   BusCount count;
@@ -189,18 +168,17 @@ struct Book {
   std::vector<std::uint64_t> unread_answers;    ///< the same on a connection, to these
   std::vector<std::uint64_t> misnamed;          ///< their answers name another unit, unread
   std::optional<HeardEcho> unread_echo;
-  int stops_at_end = 0;  ///< transmitted since the gateway was told to stop
-  Instant first_stop_at_end{};
   bool unread_stranger = false;      ///< the request of another client
   bool is_strange = false;           ///< what came looks like an echo, and is none
   Instant touched = Instant::min();  ///< other times or rules were set for it
   LineUse use;
-  Turns turns;
   Reopening reopening;
   // Of the line, since it was opened:
   bool echo_found = false;  ///< the gateway says that there is an echo
-  Instant listens_until = Instant::min();
   Instant opened = Instant::min();
+  Instant listens_until = Instant::min();  ///< after a new start of the process
+  bool is_first = true;                    ///< it was not opened since then
+  unsigned openings = 0;
   bool is_unused = true;  ///< nothing was transmitted
   bool echo_proven = false;
   bool echo_lost = false;   ///< one that would have proven it did not come at all
@@ -226,6 +204,14 @@ struct Book {
     told_denied = must_tell_denied = denied_echo = denied_before = false;
     requests_heard = 0;
   }
+};
+
+/// What outlives the process: its transmissions, which devices may still answer.
+struct Past {
+  std::deque<std::unique_ptr<Flight>> flights;
+  std::uint64_t flight_count;
+  std::uint64_t ids;
+  std::vector<unsigned> openings;
 };
 
 /// A request that is over.

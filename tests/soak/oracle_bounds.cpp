@@ -18,44 +18,11 @@ void Oracle::check_bounds(const Flight& flight, const Flight* before) {
     return;
   }
   const Book& book = books_[flight.bus];
-  if (flight.begin < book.listens_until) {
-    violation("listened_too_short", name(flight));
-  }
   const bool was_silent = before != nullptr && before->expects_answer && !before->beside_stop &&
-                          !before->meets_stop && book.came == 0 &&
+                          !before->meets_stop && !has_failsafe(flight.bus) && book.came == 0 &&
                           before->begin > std::max(book.opened, reloaded_);
   if (was_silent && flight.begin < before->deadline + bus_settings(flight.bus).settle) {
     violation("not_settled", name(flight));
-  }
-}
-
-// Of what was never transmitted, or was and can be no more: as soon as the deadline is over, or the
-// wait for the answer to what was transmitted before.
-void Oracle::judge_expiry(const Asked& asked) {
-  if (stopping_) {
-    return;
-  }
-  if (asked.is_stop() || asked.ordered || asked.ahead || asked.client_gone || !asked.replies ||
-      asked.pieces.empty() || asked.kind == Kind::own || asked.deadline == Instant::max()) {
-    return;
-  }
-  Instant ends = std::max({asked.deadline, asked.accepted, reloaded_});
-  if (const Flight* last = asked.last_flight != 0 ? flight(asked.last_flight) : nullptr) {
-    const Book& book = books_[last->bus];
-    const Instant heard = is_tcp(last->bus) ? last->due : std::max(last->due, book.last_handed_in);
-    ends = std::max({ends, heard + rest_of_answer(*last), book.turnaround_end, book.held_until});
-  } else if (asked.maybe_on_wire) {
-    return;  // too long ago
-  }
-  const Duration late = schedule_.now() - ends;
-  if (late > 2 * lateness()) {
-    const Flight* last = asked.last_flight != 0 ? flight(asked.last_flight) : nullptr;
-    violation(
-        "expired_late",
-        name(asked) + " " + std::to_string(late / 1us) + " us late, its deadline was " +
-            std::to_string((schedule_.now() - asked.deadline) / 1us) + " us ago, transmitted " +
-            (last == nullptr ? "never"
-                             : std::to_string((schedule_.now() - last->begin) / 1us) + " us ago"));
   }
 }
 

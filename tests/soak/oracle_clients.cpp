@@ -56,8 +56,6 @@ Oracle::Oracle(const SoakPlan& plan, const Devices& devices, const Schedule& sch
 }
 
 void Oracle::connect(ClientId client, std::size_t listener, unsigned host, bool has_tls) {
-  begin_failsafe();
-  failsafe_.came(client, listener, host);
   client_rates_.came(client, listener, host);
   Session& session = sessions_[client];
   session.has_tls = has_tls;
@@ -146,7 +144,6 @@ void Oracle::gone(ClientId client, const char* how) {
   }
   sessions_.erase(entry);
   failsafe_.gone(client);
-  begin_failsafe();
 }
 
 // It frees its place at the end of its transmission; taken a little earlier here, which only errs
@@ -187,7 +184,6 @@ void Oracle::close(Asked& asked, const std::string& how) {
   for (Piece& piece : asked.pieces) {
     Book& book = books_[piece.bus];
     leave_queue(piece);
-    book.others_gone = present && !asked.for_dead ? schedule_.now() : book.others_gone;
     if (present && !asked.is_stop() && is_first_on_its_bus(asked, piece)) {
       book.note_size(bus_settings(piece.bus).queue, schedule_.now());
       --book.present;
@@ -217,7 +213,6 @@ void Oracle::close(Asked& asked, const std::string& how) {
 }
 
 void Oracle::answered(ClientId client, Bytes adu) {
-  begin_failsafe();
   const auto entry = sessions_.find(client);
   if (entry == sessions_.end()) {
     violation("answer_to_nobody", "an answer for a client that has gone");
@@ -268,7 +263,6 @@ void Oracle::answered(ClientId client, Bytes adu) {
     session.answered.pop_front();
   }
   std::erase(session.order, asked.id);
-  failsafe_.waits(client, !session.order.empty(), schedule_.now());
   judge(asked, adu.subspan(7));
 }
 

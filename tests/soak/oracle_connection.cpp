@@ -29,7 +29,6 @@ void rest(Book& book) {
 
 void Oracle::tcp_closed(std::size_t bus) {
   Book& book = books_[bus];
-  book.use.closes = true;
   note_cut(book);
   for (const std::uint64_t number : book.flying) {
     const Flight* cut = flight(number);
@@ -73,10 +72,6 @@ void Oracle::line_replaced(std::size_t bus) {
     book.reopening = before;
     book.is_restarted = true;
     return;
-  }
-  const unsigned most = bus_settings(bus).replace_after;
-  if (most == 0 || book.in_vain.size() < most || schedule_.now() < book.last_byte + kSilence) {
-    violation("tcp_replaced", bus_settings(bus).name);
   }
   ++book.count.losses;
   note_cut(book);

@@ -46,10 +46,6 @@ void Oracle::note_cut(Book& book) {
     if (cut != nullptr && is_tcp(cut->bus) && schedule_.now() < deadline_of(*cut)) {
       std::erase(book.lanes[cut->address].unheard, number);  // says nothing of its device
     }
-    if (cut != nullptr && cut->expects_answer) {
-      ++book.count.interrupted;
-      ++book.lanes[cut->address].count.interrupted;
-    }
   };
   if (book.unheard.empty()) {
     note(book.last_flight);

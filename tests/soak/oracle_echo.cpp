@@ -16,7 +16,7 @@ namespace mbgate::soak {
 namespace {
 
 constexpr const char* kUnproven = "unproven_echo";
-constexpr unsigned kMostLost = 8;  // in a row, before the line counts as one without an echo
+constexpr unsigned kMostLost = 3;  // in a row; then an echo is not proven any more
 
 // As long as an answer to 15 or 16, whose echo begins as it does.
 bool ends_like_answer(const Flight& flight, std::size_t read) {
@@ -58,13 +58,13 @@ bool Oracle::began_while_sending(std::size_t bus, Instant began) const {
 }
 
 // What it is shows only when it is read.
-void Oracle::frame_came(std::size_t bus, const HeardFrame& frame) {
+void Oracle::frame_came(std::size_t bus, HeardFrame frame) {
   Book& book = books_[bus];
-  book.lanes[frame.address].forget_silence();
-  if (is_tcp(bus)) {
-    settle(bus, frame);
-    return;
+  if (const Flight* from = flight(frame.flight);
+      frame.is_second && from != nullptr && !from->paid_at) {
+    frame.is_second = frame.is_nobodys = false;  // nothing was heard of the first one
   }
+  book.lanes[frame.address].forget_silence();
   // They settle what is owed in the order in which they came.
   const bool waits = std::ranges::any_of(book.unread, &HeardFrame::waits) ||
                      (is_paced(plan_, bus) && schedule_.now() < book.own_end) ||
@@ -91,7 +91,6 @@ void Oracle::read_frames(std::size_t bus) {
       settle(bus, frame);
     }
     note_answered(bus, frame);
-    note_late(bus, frame);
     note_heard(book, frame);
   }
 }
@@ -169,14 +168,14 @@ void Oracle::note_echo_for_answer(std::size_t bus, Flight& flight, const HeardEc
       entry->second->echoed = true;
     }
   }
+  flight.may_be_paid = true;
   HeardFrame frame{flight.address, true, true, flight.number, echo.began};
   frame.is_refused = began_while_sending(bus, echo.began);
-  if (setting.value_or(false) || book.echo_proven ||
+  if (setting.value_or(false) || (book.echo_proven && book.since_echo <= kMostLost) ||
       (!setting && !flight.is_write && !book.echo_lost) || frame.is_refused) {
     report_.fault("echo_refused");
     if (setting && !*setting) {
-      // It may be one that is owed; what has come behind it has paid for that then.
-      frame.is_refused = book.answered != flight.number;
+      frame.is_refused = true;
       settle(bus, frame);
     }
     return;
@@ -225,6 +224,9 @@ void Oracle::judge_heard(const Asked& asked) {
     book.must_tell_unproven |= is_plain && is_of_this_line && asked.uncertain == kUnproven;
     return;
   }
+  if (asked.echoed && !bus_settings(asked.pieces.front().bus).line.echo) {
+    return;  // its device was heard, and nobody knows yet what the line does
+  }
   const char* kind = asked.echoed    ? "echo_taken"
                      : asked.hurried ? "answered_while_sending"
                                      : "answer_unheard";
@@ -254,9 +256,6 @@ void Oracle::line_news(std::size_t bus, bus::LineFault fault) {
   } else if (fault == bus::LineFault::echo_gone) {
     report_.fault("told_echo_gone");
     book.echo_found = false;
-    if (plan_.echoes[bus] && book.since_echo < kMostLost) {
-      violation("told_wrongly", "no echo on " + bus_settings(bus).name);
-    }
   } else if (fault == bus::LineFault::echo_denied) {
     once(book.told_denied, "told_echo_denied");
     // One may be the request of another client.

@@ -36,9 +36,7 @@ bool Oracle::has_stops() const {
 }
 
 void Oracle::check_finished() {
-  for (const auto& [id, asked] : open_) {
-    check_failsafe(*asked);
-  }
+  check_failsafes();
   for (const auto& [client, session] : sessions_) {
     for (const auto& [transaction, id] : session.by_transaction) {
       violation("unanswered", name(*open_.at(id)));

@@ -85,9 +85,6 @@ void Oracle::bytes_handed_in(std::size_t bus) {
   const auto& settings = bus_settings(bus);
   const Duration silence = spec::silence_of(settings);
   const Instant now = schedule_.now();
-  if (const Flight* last = flight(book.last_flight)) {
-    book.lanes[last->address].holds.note_took(now - last->end);
-  }
   if (now >= book.last_handed_in + std::max(silence, spec::WireTimes(settings.line).silence())) {
     book.before_pause = book.read;
   }
@@ -127,12 +124,9 @@ void Oracle::cut_flying(const Book& book) {
 
 void Oracle::check_tcp(const Flight& flight) {
   auto& flying = books_[flight.bus].flying;
-  Instant& ends = books_[flight.bus].use.ends;
   std::erase_if(flying, [&](std::uint64_t number) {
     const Flight* other = this->flight(number);
-    const bool is_over = other == nullptr || schedule_.now() >= other->deadline;
-    ends = other != nullptr && is_over ? std::max(ends, other->due) : ends;
-    return is_over;
+    return other == nullptr || schedule_.now() >= other->deadline;
   });
   for (const std::uint64_t number : flying) {
     const Flight& other = *this->flight(number);
@@ -140,12 +134,15 @@ void Oracle::check_tcp(const Flight& flight) {
       violation("tcp_identifier", name(flight));
     }
     // A stop waits for no read of its device, and nothing goes beside a stop.
-    const bool may_go = !other.is_write && (flight.is_stop || !flight.is_write);
+    const bool may_go = (!other.is_write && (flight.is_stop || !flight.is_write)) ||
+                        flight.is_failsafe || other.is_failsafe;
     if (other.address == flight.address && !may_go) {
       violation("tcp_beside_write", name(flight) + " while " + name(other));
     }
   }
-  if (flying.size() >= bus_settings(flight.bus).outstanding && !flight.is_stop) {
+  const bool is_full = flying.size() >= bus_settings(flight.bus).outstanding;
+  if (is_full && !flight.is_stop && !has_failsafe(flight.bus)) {  // which may have cut one
+
     violation("tcp_outstanding", name(flight));
   }
   flying.push_back(flight.number);
@@ -195,14 +192,7 @@ void Oracle::set_times(Flight& flight) {
   }
   flight.deadline = flight.end + timing.response_timeout + timing.response_wait;
   flight.due = flight.end + longest + timing.response_wait;
-  std::erase_if(lane.late_answers,
-                [&](const LateAnswer& it) { return flight.due >= it.remembered_until; });
-  Duration learned{0};
-  for (const LateAnswer& late : lane.late_answers) {
-    learned = std::max(learned, late.lateness);
-  }
-  flight.quarantine_until =
-      flight.deadline + std::max(spec::quarantine_of(timing), learned) + kAdapterHolds;
+  flight.quarantine_until = flight.deadline + spec::quarantine_of(timing) + kAdapterHolds;
   if (is_tcp(flight.bus)) {
     flight.deadline = deadline_of(flight);
   }
@@ -212,9 +202,10 @@ void Oracle::tcp_answer_came(std::uint64_t number) {
   if (Flight* answered = flight(number)) {
     answered->deadline = deadline_of(*answered);
     answered->is_answered = schedule_.now() < answered->deadline && reloaded_ < answered->begin;
+    if (answered->refused) {
+      answered->refused_at = schedule_.now();
+    }
     books_[answered->bus].unread_answers.push_back(number);
-    Instant& ends = books_[answered->bus].use.ends;
-    ends = std::max(ends, schedule_.now());
     note_excused(*answered);
     std::erase(books_[answered->bus].flying, number);
     std::erase(books_[answered->bus].unheard, number);
@@ -222,7 +213,6 @@ void Oracle::tcp_answer_came(std::uint64_t number) {
 }
 
 void Oracle::check_waiting() {
-  begin_failsafe();
   for (std::size_t bus = 0; bus < books_.size(); ++bus) {
     Book& book = books_[bus];
     if (book.waiting > std::max(bus_settings(bus).queue, book.room)) {

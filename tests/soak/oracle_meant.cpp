@@ -2,7 +2,6 @@
 // Which request a transmission is for, and whether it may be transmitted now.
 #include <algorithm>
 
-#include "soak/behind_stops.hpp"
 #include "soak/oracle.hpp"
 #include "soak/shared_reads.hpp"
 #include "soak/withdrawals.hpp"
@@ -52,7 +51,7 @@ bool Oracle::fits(const Asked& asked, const Piece& piece, const Flight& flight) 
 }
 
 // Why the piece may not be transmitted now; nothing if it may.
-std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
+std::string Oracle::objection(const Asked& asked, const Piece& piece) {
   const Instant now = schedule_.now();
   const drive::DeviceTiming timing =
       asked.door->device ? devices_[*asked.door->device].settings().timing : drive::DeviceTiming{};
@@ -62,10 +61,10 @@ std::string Oracle::objection(const Asked& asked, const Piece& piece) const {
   if (asked.is_stop()) {
     const unsigned repeats =
         asked.is_repeated ? std::max(asked.stop_retries, timing.stop_retries) : 0;
-    if (asked.failsafe) {
-      return piece.sent >= (1 + repeats) * failsafes_like(asked, piece) ? "failsafe_too_often" : "";
-    }
-    return asked.surely_on_wire && !asked.is_shared && piece.sent > repeats ? "stop_too_often" : "";
+    return asked.surely_on_wire && !asked.is_shared && reloaded_ < asked.accepted &&
+                   piece.sent > repeats
+               ? "stop_too_often"
+               : "";
   }
   if (!asked.is_accepted) {
     return "pipeline";
@@ -120,6 +119,8 @@ void Oracle::attribute(Flight& flight) {
   if (meant.empty() && !against.empty()) {
     const auto border = against.find('|');
     violation(against.substr(0, border), name(flight) + " for " + against.substr(border + 1));
+  } else if (meant.empty() && is_failsafe(flight.pdu)) {
+    note_failsafe_sent(flight);
   } else if (meant.empty()) {
     unknown_transmission(flight);
   }
@@ -166,7 +167,6 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   if (alone && is_part_of_merged && asked.pieces.size() == 1 && !is_tcp(flight.bus)) {
     check_order(asked, flight);
   }
-  BehindStops(*this).check(asked, flight, alone);
   if (alone && !asked.maybe_on_wire && !asked.is_stop()) {
     check_order(asked, flight);
     if (asked.kind == Kind::broadcast && !asked.ordered && !asked.ahead) {
@@ -179,18 +179,11 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   mine.repeats_read =
       mine.repeats_read || ((asked.is_read() || piece.asks_order) && asked.last_sent == flight.pdu);
   mine.is_part = mine.is_part || (asked.pieces.size() > 1 && asked.kind != Kind::broadcast);
-  if (alone && mine.repeats_read && asked.last_alone != 0 && !mine.is_part && !is_tcp(flight.bus)) {
-    check_turns(asked, flight);
-  }
   mine.surely_repeats =
       alone && mine.repeats_read && asked.last_alone != 0 && asked.pieces.size() == 1;
   if (mine.surely_repeats || (alone && asked.kind == Kind::stop && !asked.is_shared)) {
     check_answered(asked);
-  }
-  if (mine.surely_repeats && !is_tcp(flight.bus)) {
-    if (const Flight* before = this->flight(asked.last_alone)) {
-      TurnRules(*this).check_repeat(flight, *before);
-    }
+    check_pause(asked, flight);
   }
   asked.last_alone = alone ? flight.number : 0;
   asked.flights_alone += alone ? 1U : 0U;
@@ -198,18 +191,8 @@ void Oracle::note_sent(Asked& asked, Piece& piece, const Flight& flight, bool al
   asked.last_flight = flight.number;
   asked.tries.push_back(flight.number);
   asked.last_sent = flight.pdu;
-  if (asked.failsafe && asked.flights == 0 && books_[piece.bus].last_down >= asked.accepted) {
-    report_.fault("failsafe_sent_later");
-  }
   ++asked.flights;
-  if (asked.failsafe) {
-    books_[flight.bus].lanes[flight.address].last_stop = schedule_.now();  // it may have waited
-  }
-  // What has become due in this instant joins one that is due already, or goes on its own.
-  const bool may_have_joined = asked.failsafe && !alone && asked.accepted == schedule_.now();
-  piece.sent += may_have_joined ? 0U : 1U;
-  mine.ends_series = alone && asked.is_repeated && !asked.is_shared && !asked.failsafe &&
-                     asked.flights == asked.flights_alone && asked.flights > asked.stop_retries;
+  ++piece.sent;
   // Of several that wait only one may have been transmitted before.
   if (asked.is_stop() && (piece.sent == 1 || !asked.surely_on_wire)) {
     mine.stop_from = std::min(mine.stop_from.value_or(asked.accepted), asked.accepted);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "soak/heard_answers.hpp"
-#include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 
 namespace mbgate::soak {
@@ -14,18 +13,10 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// After that a quarantine that has grown may shrink.
-constexpr Duration kRemembered = 1min;
-
 // The length of its answer is known: it needs no silence behind it.
 bool has_table(const PduBytes& pdu) {
   const auto fields = spec::fields_of(pdu);
   return fields && (fields->reads || fields->writes);
-}
-
-// Who has owed nothing for so long does not owe it any more.
-Duration longest_quarantine(const drive::DeviceTiming& timing) {
-  return std::max(timing.quarantine_max, spec::quarantine_of(timing));
 }
 
 }  // namespace
@@ -57,10 +48,6 @@ void Oracle::note_silent(std::size_t bus) {
     ++lane.count.damaged;
   }
   const bool is_silent = book.came == 0 && schedule_.now() >= last->due && reloaded_ < last->begin;
-  if (book.came > 0) {  // if only an answer with a bad CRC: the device is there
-    lane.silent_stops.clear();
-    lane.given_up_after.reset();
-  }
   if (!is_silent) {
     return;
   }
@@ -69,22 +56,7 @@ void Oracle::note_silent(std::size_t bus) {
   // An answer to the repetition is as old as the first try.
   lane.emptied_at = schedule_.now();
   lane.emptied_for = last->repeats_read ? lane.emptied_for : last->begin;
-  const bool was_offline = is_surely_offline(lane);
-  if (last->is_stop) {
-    const unsigned series = 1 + devices_[*lane.device].settings().timing.stop_retries;
-    // Stops that are alike go one after the other; others take turns with them.
-    unsigned& silent = lane.silent_stops[last->pdu];
-    silent += was_offline && last->is_repeated ? 1U : 0U;
-    if ((silent >= 2 * series || (was_offline && last->ends_series)) && !lane.given_up_after) {
-      lane.given_up_after = sequence_;
-    }
-    return;
-  }
-  ++lane.silent;
-  lane.asked_last = last->begin;
-  if (!was_offline && is_surely_offline(lane)) {
-    OfflineRules(*this).check_ended(bus, lane, *last);
-  }
+  lane.silent += last->is_stop ? 0U : 1U;
 }
 
 // A late answer that can be nothing else shows that its device is there.
@@ -125,31 +97,6 @@ void Oracle::read_answers(std::size_t bus) {
       return it == nullptr || (it->begin <= answered->begin && !still_waits);
     });
   }
-}
-
-void Oracle::note_late(std::size_t bus, const HeardFrame& frame) {
-  Book& book = books_[bus];
-  const Flight* from = flight(frame.flight);
-  const auto& settings = bus_settings(bus);
-  const Flight* last = flight(book.last_flight);
-  const bool is_late = frame.is_late && !from->is_stop && frame.began >= book.own_end &&
-                       from->begin >= book.opened && reloaded_ < from->begin &&
-                       schedule_.now() < from->deadline + longest_quarantine(from->timing);
-  const bool is_sure = is_late && frame.fits && !frame.is_nobodys && !frame.is_refused &&
-                       !frame.waits && has_table(from->pdu);
-  const Duration slack = std::max(spec::slack_of(settings), spec::silence_of(settings));
-  if (!is_sure || may_echo(plan_, book, bus) || book.came != frame.size ||
-      book.use.pause >= (settings.line.framing == bus::Framing::ascii ? 1s : slack)) {
-    return;
-  }
-  Lane& lane = book.lanes[frame.address];
-  note_alive(bus, lane);
-  const bool is_asked = last->address == frame.address && !last->is_answered;
-  lane.unanswered = is_asked ? 1 : 0;
-  ++book.count.late;
-  ++lane.count.late;
-  lane.late_answers.push_back({std::min(frame.ended - from->due, from->timing.quarantine_max),
-                               schedule_.now() + kRemembered});
 }
 
 }  // namespace mbgate::soak

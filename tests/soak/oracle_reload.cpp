@@ -56,7 +56,7 @@ bool Oracle::is_past_offline(std::size_t bus, const Lane& lane) const {
                                      : bus_settings(bus).timing.offline_after;
   const auto is_over = [&](std::uint64_t number) {
     const Flight* it = flight(number);
-    return it == nullptr || schedule_.now() >= deadline_of(*it);
+    return it == nullptr || has_failsafe(bus) || schedule_.now() >= deadline_of(*it);
   };
   const auto unanswered =
       is_tcp(bus) ? std::ranges::count_if(lane.unheard, is_over) : std::ptrdiff_t{lane.unanswered};
@@ -113,8 +113,6 @@ void Oracle::line_given_up(std::size_t bus) {
     if (is_past_offline(bus, lane)) {
       lane.last_offline = schedule_.now();
     }
-    lane.owed.clear();
-    lane.late_answers.clear();
     lane.unanswered = 0;
     lane.unheard.clear();
     lane.count = {};
@@ -151,7 +149,7 @@ void Oracle::after_reload() {
       writers_.gone(device);
     }
   }
-  failsafe_.after_reload();
+  failsafe_.forget_writers();
   rates_.after_reload(schedule_.now());
   client_rates_.after_reload(schedule_.now());
   meanings_.after_reload(schedule_.now());
@@ -186,7 +184,6 @@ void Oracle::after_reload() {
   for (auto& [client, session] : sessions_) {
     accept_backlog(session);
   }
-  failsafe_.after_turns();
 }
 
 void Oracle::check_taken_back() {
@@ -238,10 +235,9 @@ bool Oracle::is_unsure(const Door& door) const {
 }
 
 bool Oracle::is_quarantined(std::size_t bus, std::uint8_t address) const {
-  const auto& owed = books_[bus].lanes[address].owed;
-  return std::ranges::any_of(owed, [&](std::uint64_t number) {
+  return std::ranges::any_of(books_[bus].lanes[address].sent, [&](std::uint64_t number) {
     const Flight* owing = flight(number);
-    return owing != nullptr && schedule_.now() < owing->quarantine_until;
+    return owing != nullptr && !owing->paid_at && schedule_.now() < owing->quarantine_until;
   });
 }
 

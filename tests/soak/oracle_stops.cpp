@@ -59,8 +59,7 @@ void Oracle::check_stops_first(const Flight& flight) {
     const bool gives_way =
         repeats || (!stop->stops_all && (flight.is_stop || address != flight.address) &&
                     book.lanes[address].stop_sent > book.last_other);
-    const bool may_be_behind =
-        flight.is_stop && (stop->failsafe || stop->stops_all || stop->pieces.front().sent > 0);
+    const bool may_be_behind = flight.is_stop && (stop->stops_all || stop->pieces.front().sent > 0);
     if (stop->accepted < before && !lets_writes_go(*stop) && is_surely_open(*stop) && !gives_way &&
         !may_be_behind) {
       violation("stop_overtaken", name(*stop) + " by " + name(flight));
@@ -71,9 +70,6 @@ void Oracle::check_stops_first(const Flight& flight) {
 
 void Oracle::note_stops(Flight& flight) {
   Book& book = books_[flight.bus];
-  if (stopping_ && flight.is_stop && book.stops_at_end++ == 0) {
-    book.first_stop_at_end = flight.begin;
-  }
   // Identical ones may wait apart: a write stood between them, or one of them was tried before.
   const bool is_for_one = std::ranges::any_of(book.open_stops, [&](const Asked* stop) {
     return std::ranges::find(flight.asked, stop->id) != flight.asked.end();
@@ -88,32 +84,15 @@ void Oracle::note_stops(Flight& flight) {
   lane.stop_sent = flight.expects_answer ? flight.number : lane.stop_sent;
 }
 
-// Between two tries of a read each other device has one turn at most; several parts that stay
-// together are one, and so are the tries of a write. A broadcast may make its device boot.
-void Oracle::check_turns(const Asked& read, const Flight& flight) {
-  std::map<std::uint8_t, unsigned> turns;
-  for (std::uint64_t number = read.last_alone + 1; number < flight.number; ++number) {
-    const Flight* other = this->flight(number);
-    if (other == nullptr || (other->bus == flight.bus && other->is_broadcast)) {
-      return;
-    }
-    if (other->bus == flight.bus && !other->is_stop && !other->is_part && !other->beside_stop &&
-        ++turns[other->address] > 1) {
-      violation("turns", name(*other) + " between two tries of " + name(flight));
-      return;
-    }
-  }
-}
-
 Duration Oracle::stop_deadline(std::size_t bus) const {
   return spec::stop_deadline_of(bus_settings(bus));
 }
 
 // A stop that found no silence for so long is sent all the same, once.
 bool Oracle::may_break_silence(const Flight& flight) {
-  return flight.stop_from &&
-         flight.begin >=
-             std::max(*flight.stop_from, books_[flight.bus].busy_since) + stop_deadline(flight.bus);
+  const Instant from =
+      flight.is_failsafe ? Instant::min() : flight.stop_from.value_or(flight.begin);
+  return flight.begin >= std::max(from, books_[flight.bus].busy_since) + stop_deadline(flight.bus);
 }
 
 // A stop that waits goes when what runs has ended, or was cut at `stop_wait`; at its deadline in

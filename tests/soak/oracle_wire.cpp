@@ -2,11 +2,11 @@
 // The oracle's view of the wires: lines that come and go, what is transmitted, and what devices
 // made of it.
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "soak/boots.hpp"
 #include "soak/identity.hpp"
-#include "soak/offline_rules.hpp"
 #include "soak/oracle.hpp"
 #include "soak/pdus.hpp"
 #include "soak/word_orders.hpp"
@@ -67,19 +67,48 @@ void Oracle::bus_opened(std::size_t bus) {
   }
   book.opening = false;
   book.in_vain.clear();
-  failsafe_line_back(book);
   check_told(book, bus);
   book.forget_line();
   WordOrders(*this).forget_line(bus);
   book.opened = schedule_.now();
   book.is_restarted = false;
-  book.listens_until = book.opened + bus_settings(bus).listen_first.value_or(Duration{0});
+  ++book.openings;
+  if (std::exchange(book.is_first, false) && before_restart_ > 0) {
+    book.listens_until = book.opened + listens_for(bus);
+  }
   book.is_unused = true;
   book.last_byte = schedule_.now();
   book.own_end = std::min(book.own_end, schedule_.now());  // the rest of a frame was lost with it
   for (Lane& lane : book.lanes) {
     lane.forget_silence();  // what its device owes it still owes
     lane.emptied_at = lane.emptied_for = book.opened;
+  }
+}
+
+// By default as long as the longest ordinary answer may take.
+Duration Oracle::listens_for(std::size_t bus) const {
+  Duration longest{0};
+  for (const SoakDevice& device : devices_) {
+    const drive::DeviceTiming& timing = device.settings().timing;
+    if (static_cast<std::size_t>(device.settings().bus) == bus) {
+      longest = std::max(longest, timing.response_timeout + spec::quarantine_of(timing));
+    }
+  }
+  return bus_settings(bus).listen_first.value_or(longest);
+}
+
+Past Oracle::take_past() {
+  Past past{std::move(flights_), flight_count_, ids_, {}};
+  std::ranges::transform(books_, std::back_inserter(past.openings), &Book::openings);
+  return past;
+}
+
+void Oracle::begin_with(Past past) {
+  flights_ = std::move(past.flights);
+  flight_count_ = before_restart_ = past.flight_count;
+  ids_ = past.ids;
+  for (std::size_t bus = 0; bus < books_.size(); ++bus) {
+    books_[bus].openings = past.openings[bus];
   }
 }
 
@@ -95,7 +124,6 @@ void Oracle::bus_lost(std::size_t bus) {
   book.open = book.starting = book.rests = book.opening = book.is_restarted = false;
   book.early_stops.clear();
   book.last_down = schedule_.now();
-  drop_unwanted(bus);
   book.stops.clear();
   book.flying.clear();
   book.unheard.clear();
@@ -118,7 +146,6 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   if (flights_.size() > kFlightsKept) {
     flights_.pop_front();
   }
-  begin_failsafe();
   Book& book = books_[bus];
   note_silent(bus);
   WordOrders(*this).after_wait(bus);
@@ -144,10 +171,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
   check_stops_first(flight);
   note_stops(flight);
   is_tcp(bus) ? check_tcp(flight) : check_silence(flight);
-  check_idle(flight, before);
-  TurnRules(*this).check(flight);
   check_bounds(flight, before);
-  OfflineRules(*this).check(flight, before);
   BootRules(*this).take(flight);
   set_times(flight);
   note_use(flight);
@@ -164,7 +188,7 @@ Flight& Oracle::transmitted(std::size_t bus, Bytes frame) {
     book.in_vain.push_back(flight.number);
   }
   if (!is_tcp(bus)) {
-    check_quarantine(flight);
+    note_debt(flight);
     book.own_end = book.busy_since = flight.end;
     if (flight.is_broadcast) {
       book.turnaround_end = flight.end + bus_settings(bus).turnaround;
@@ -195,6 +219,7 @@ bool Oracle::take_apart(Bytes frame, Flight& flight) {
 }
 
 void Oracle::executed(const Flight& flight) {
+  note_done_for_failsafe(flight);
   Lane& lane = books_[flight.bus].lanes[flight.address];
   lane.knows_order = lane.knows_order || flight.asks_order;
   if (flight.is_stop) {
@@ -223,6 +248,9 @@ void Oracle::echo_spoilt(const Flight& flight) {
 }
 
 void Oracle::excepted(const Flight& flight, std::uint8_t code) {
+  if (Flight* refused = this->flight(flight.number)) {
+    refused->refused = code;
+  }
   for (const std::uint64_t id : flight.asked) {
     if (const auto entry = open_.find(id); entry != open_.end()) {
       entry->second->device_exceptions.set(code);

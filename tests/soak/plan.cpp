@@ -247,6 +247,7 @@ SoakPlan draw_plan(Random& random, std::uint64_t seed) {
   draw_own_routes(plan, seed);
   draw_roles_alone(plan, seed);
   draw_client_rates(plan, seed);
+  draw_ways(plan, seed);
   // They follow from all that was drawn for their lines.
   for (Door& door : plan.doors) {
     set_deadlines(plan, door);

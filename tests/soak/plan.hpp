@@ -3,6 +3,7 @@
 // often what goes wrong.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -75,6 +76,7 @@ struct FaultRates {
   unsigned wrong_echo = 0;  ///< a good frame: another address, value or quantity than was written
   unsigned babble = 0;
   unsigned exception = 0;
+  unsigned refuses_stop = 0;  ///< of stops, by an exception
   unsigned early = 0;
   unsigned boots_answered = 0;   ///< of what makes a device boot: it answers first
   unsigned straddles = 0;        ///< of late ASCII answers: a request is sent within one
@@ -124,6 +126,7 @@ struct Manners {
   std::uint16_t same_reads = 0;  ///< thousandths that ask for what everybody asks for
   bool same_stops = false;       ///< its stops of one drive are all alike
   std::uint16_t near_reads = 0;  ///< thousandths of its reads that are near those of others
+  std::uint16_t alike = 0;       ///< thousandths of its reads and writes whose answers are alike
   Duration in_step{0};           ///< it asks whenever so much time has gone by, as others do
   Duration patience{0};          ///< it goes if there is no answer by then; 0: never
   unsigned hangs = 0;          ///< thousandths of its bursts, as the following: it stops within one
@@ -151,16 +154,38 @@ struct Peculiarity {
   bool value = false;  ///< at kValueOfSome
 };
 
+/// Wrong answers before what a device does is known: five as a rule, more where its times vary
+/// much.
+inline constexpr unsigned kMostAtAStart = 8;
+
+/// What drives refuse stops with: not now, or not at all.
+inline constexpr std::array<std::uint8_t, 8> kStopRefusals{1, 2, 3, 4, 5, 6, 0x0A, 0x0B};
+/// After these a stop is repeated.
+constexpr bool is_not_now(std::uint8_t code) {
+  return code == 5 || code == 6 || code == 0x0A || code == 0x0B;
+}
+
+/// How a device works.
+struct Ways {
+  Duration service{0};      ///< it takes each request so long, one after the other; 0: at once
+  unsigned second = 0;      ///< in thousandths, of answers: another one follows
+  Duration second_from{0};  ///< so long behind the first one
+  Duration second_to{0};
+  unsigned most_wrong = kMostAtAStart;
+};
+
 /// What a part of the plans is arranged for.
 enum class Theme : std::uint8_t {
   none,
-  dead_drives,   ///< quiet lines on which some are silent for long, and asked and stopped all the
-                 ///< same
-  busy_line,     ///< nothing goes wrong, and whose turn it is decides everything
-  shared_reads,  ///< all ask for the same, beside broadcasts, and the line is lost now and then
-  late_drives,   ///< they are late again and again, for many minutes
-  stops,         ///< drives are stopped while writes to them wait, which some let go first
-  omissions      ///< drives are quick, and leave out an answer now and then
+  dead_drives,    ///< quiet lines on which some are silent for long, and asked and stopped all the
+                  ///< same
+  busy_line,      ///< nothing goes wrong, and whose turn it is decides everything
+  shared_reads,   ///< all ask for the same, beside broadcasts, and the line is lost now and then
+  late_drives,    ///< they are late again and again, for many minutes
+  stops,          ///< drives are stopped while writes to them wait, which some let go first
+  omissions,      ///< drives are quick, and leave out an answer now and then
+  slow_drives,    ///< one works in order, and takes longer than its response timeout
+  second_answers  ///< one answers twice
 };
 
 /// Nobody asks for anything, and nothing happens.
@@ -184,12 +209,14 @@ struct SoakPlan {
   std::vector<bool> echoes;                    ///< by bus: its line really hears itself
   std::vector<drive::WordOrder> own_orders;    ///< by device: what the drive itself is set to
   std::vector<bool> sleepers;                  ///< by device: it is silent for long now and then
+  std::vector<Ways> ways;                      ///< by device
   std::vector<Peculiarity> peculiar;           ///< by device
   std::vector<std::vector<unsigned>> writers;  ///< by device, the hosts that its guard lists
   std::vector<std::vector<std::vector<std::uint8_t>>> failsafe;  ///< by device, the PDUs
   std::vector<SpokenRule> rules;
   std::vector<Manners> clients;
   DriverManners driver;
+  Duration restarts_every{0};  ///< of the process; 0: never
   Calm calm;
   /// Silence of the clients is a reason for failsafe writes. It counts from when a request was
   /// taken, and nobody outside knows when that was of stops that were read ahead, and behind
@@ -239,6 +266,10 @@ void draw_broadcasts(SoakPlan& plan, std::uint64_t seed);
 void draw_odds(SoakPlan& plan, std::uint64_t seed);
 /// How late answers come, and what breaks off.
 void draw_late(SoakPlan& plan, std::uint64_t seed);
+/// How often the process is killed and started again.
+void draw_restarts(SoakPlan& plan, std::uint64_t seed);
+/// Which drives work slowly or answer twice.
+void draw_ways(SoakPlan& plan, std::uint64_t seed);
 /// What goes wrong on few lines only.
 void draw_rare_faults(SoakPlan& plan, std::uint64_t seed);
 /// Reads that meet each other, and for how long they are kept.

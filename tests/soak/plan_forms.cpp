@@ -64,6 +64,7 @@ void draw_forms(SoakPlan& plan, std::uint64_t seed) {
   }
   for (gateway::ListenerSettings& listener : plan.settings.listeners) {
     listener.broadcast = listener.broadcast && !random.chance(150);
+    listener.broadcast_mixed = true;
   }
   for (routing::Route& route : plan.settings.routes) {
     if (route.is_broadcast() && random.chance(600)) {

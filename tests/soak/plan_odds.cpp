@@ -57,6 +57,7 @@ void draw_odds(SoakPlan& plan, std::uint64_t seed) {
   }
   for (std::size_t index = 0; index < plan.settings.routes.size(); ++index) {
     routing::Route& route = plan.settings.routes[index];
+    route.broadcast_mixed = true;
     if (route.is_broadcast() && random.chance(80)) {
       route.access = routing::Access::read_only;
       for (Door& door : plan.doors) {

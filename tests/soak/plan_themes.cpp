@@ -15,6 +15,7 @@ namespace {
 constexpr std::uint64_t kThemesChance = 0x5448454D45ULL;  // apart from the plant's
 constexpr std::uint64_t kCalmChance = 0x43414C4DULL;
 constexpr std::uint64_t kMoreChance = 0x4D4F5245ULL;
+constexpr std::uint64_t kWaysChance = 0x5741595354ULL;
 constexpr std::size_t kLeastDrives = 4;
 
 }  // namespace
@@ -23,7 +24,8 @@ ThemeDraw::ThemeDraw(SoakPlan& plan, std::uint64_t seed)
     : plan_(plan),
       random_(seed ^ kThemesChance),
       calm_(seed ^ kCalmChance),
-      more_(seed ^ kMoreChance) {}
+      more_(seed ^ kMoreChance),
+      ways_(seed ^ kWaysChance) {}
 
 void ThemeDraw::arrange() {
   // Where silence of the clients is judged, everything else is kept out already.
@@ -59,6 +61,9 @@ void ThemeDraw::pick(unsigned which) {
     plan_.theme = Theme::stops;
     part_ = more_.one_of({Part::let_go, Part::alike, Part::between, Part::several});
   }
+  if (ways_.chance(150)) {
+    plan_.theme = ways_.one_of({Theme::slow_drives, Theme::second_answers});
+  }
 }
 
 void ThemeDraw::arrange(std::size_t bus) {
@@ -68,6 +73,8 @@ void ThemeDraw::arrange(std::size_t bus) {
     case Theme::shared_reads: return part_ == Part::deserters ? desert(bus) : share(bus);
     case Theme::late_drives: return be_late(bus);
     case Theme::omissions: return omit(bus);
+    case Theme::slow_drives: return be_slow(bus);
+    case Theme::second_answers: return answer_twice(bus);
     case Theme::stops: break;
     case Theme::none: return;
   }
@@ -248,30 +255,6 @@ void ThemeDraw::be_late(std::size_t bus) {
   }
 }
 
-// Somebody else always waits, for the same drive too, and wants something else.
-void ThemeDraw::omit(std::size_t bus) {
-  bus::BusSettings& settings = plan_.settings.buses[bus];
-  settings.coalesce = settings.merge = false;
-  settings.settle = 0ms;
-  plan_.rates[bus].are_quick = true;
-  plan_.rates[bus].never = random_.one_of({50U, 150U});
-  auto devices = devices_on(bus);
-  devices.resize(random_.between(1U, 3U));
-  for (const std::size_t index : devices) {
-    drive::Device& device = plan_.settings.devices[index];
-    device.cache = 0ms;
-    device.timing.response_timeout = random_.duration(kShortestTimeout, 60ms);
-    device.timing.quarantine = random_.duration(50ms, 400ms);
-    device.timing.offline_after = 0;
-  }
-  for (unsigned count = random_.between(2U, 4U); count > 0; --count) {
-    Manners asks = client(bus, devices);
-    asks.outstanding = random_.between(2U, 4U);
-    asks.writes = random_.one_of({100U, 300U, 600U});
-    plan_.clients.push_back(asks);
-  }
-}
-
 // From a host of its own, through the bus's own listener.
 Manners ThemeDraw::client(std::size_t bus, std::vector<std::size_t> devices) {
   Manners manners;
@@ -289,6 +272,9 @@ Manners ThemeDraw::client(std::size_t bus, std::vector<std::size_t> devices) {
   return manners;
 }
 
-void draw_theme(SoakPlan& plan, std::uint64_t seed) { ThemeDraw(plan, seed).arrange(); }
+void draw_theme(SoakPlan& plan, std::uint64_t seed) {
+  draw_restarts(plan, seed);
+  ThemeDraw(plan, seed).arrange();
+}
 
 }  // namespace mbgate::soak

@@ -36,6 +36,11 @@ class ThemeDraw {
   void let_die(std::size_t bus);
   void set_times(drive::DeviceTiming& timing);
   void be_late(std::size_t bus);
+  // plan_slow.cpp
+  void be_slow(std::size_t bus);
+  void answer_twice(std::size_t bus);
+  drive::DeviceTiming& ask_plainly(std::size_t device);
+  void ask_all_the_time(std::size_t bus, std::size_t device);
   void omit(std::size_t bus);
   Manners client(std::size_t bus, std::vector<std::size_t> devices);
 
@@ -58,7 +63,8 @@ class ThemeDraw {
   SoakPlan& plan_;
   Random random_;
   Random calm_;
-  Random more_;  // what was added to themes later
+  Random more_;
+  Random ways_;  // what was added to themes later
   Part part_ = Part::usual;
   unsigned hosts_ = 0;
 };

@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "soak/behind_stops.hpp"
 #include "soak/identity.hpp"
 #include "soak/oracle.hpp"
 #include "soak/withdrawals.hpp"
@@ -30,6 +29,9 @@ bool Refusals::has_expired(const Asked& asked) const {
 }
 
 void Refusals::judge_busy(const Asked& asked) const {
+  if (asked.surely_on_wire && oracle_.is_apart(asked, "refused_")) {
+    return;  // by an exception to something else
+  }
   if (asked.surely_on_wire) {
     oracle_.violation("busy_after_wire", oracle_.name(asked));
     return;
@@ -39,9 +41,6 @@ void Refusals::judge_busy(const Asked& asked) const {
     reason = "rate";
   }
   if (reason != nullptr) {
-    if (std::string_view(reason) == "stopped") {
-      BehindStops(oracle_).judge_not_sent(asked);
-    }
     return note("06", reason);
   }
   const Instant now = oracle_.schedule_.now();
@@ -64,6 +63,9 @@ const char* Refusals::why_busy(const Asked& asked) const {
   }
   if (oracle_.stopping_ && !goes_at_the_end(asked)) {
     return "shutdown";
+  }
+  if (oracle_.has_failsafe(asked.pieces.front().bus)) {
+    return "failsafe";  // it is taken back, as by any stop
   }
   const bool asks_order =
       any([](const Piece& piece) { return piece.asks_order && piece.sent > 0; });
@@ -89,6 +91,9 @@ const char* Refusals::why_withdrawn(const Asked& asked) const {
   }
   if (std::ranges::any_of(asked.pieces, &Piece::taken_back)) {
     return "taken_back";
+  }
+  if (asked.changes() && oracle_.reloaded_ == oracle_.schedule_.now()) {
+    return "rights";
   }
   // It may have lain in a socket that was not read, since before its drive meant something else.
   return oracle_.is_outdated(asked) ? "outdated" : nullptr;
@@ -131,6 +136,10 @@ void Refusals::judge_no_response(const Asked& asked) const {
     return;
   }
   const Flight* last = oracle_.flight(asked.last_flight);
+  if (last != nullptr && last->came > 0) {
+    note("0B", "misfit");  // good frames, or what may be parts of them
+    return;
+  }
   std::string text = oracle_.name(asked);
   if (last != nullptr) {
     text += ", transmitted " + us(oracle_.schedule_.now() - last->begin) + " ago, deadline " +
@@ -138,6 +147,14 @@ void Refusals::judge_no_response(const Asked& asked) const {
             std::to_string(last->came) + " bytes came" + (last->is_answered ? ", answered" : "");
   }
   oracle_.violation("no_response_without_reason", text);
+}
+
+// What its drive cannot do now it is asked for again, as often as if it had not answered.
+void Refusals::judge_refused_stop(const Asked& stop, std::uint8_t code) const {
+  note("stop", is_not_now(code) ? "refused" : "denied");
+  if (is_not_now(code)) {
+    judge_tries(stop);
+  }
 }
 
 // A stop is repeated until it has a fitting echo, but not on a line that is never silent.
@@ -231,7 +248,7 @@ const char* Refusals::fault_of(const Flight& flight) const {
     return "line_lost";
   }
   if (flight.is_answered) {
-    return nullptr;
+    return flight.is_stop && flight.refused ? "refused" : nullptr;
   }
   if (flight.unsure != nullptr) {
     return flight.unsure;
@@ -245,6 +262,9 @@ const char* Refusals::fault_of(const Flight& flight) const {
 // From outside nobody sees which stop waits: one that was accepted, or sent and not acknowledged.
 bool Refusals::may_be_cut(const Flight& flight) const {
   const Instant last = oracle_.books_[flight.bus].last_stop;
+  if (oracle_.has_failsafe(flight.bus)) {
+    return true;
+  }
   return flight.beside_stop || flight.meets_stop ||
          (flight.is_stop ? last > flight.begin : last >= flight.begin);
 }
@@ -255,7 +275,8 @@ const char* Refusals::end_of_wait(const Flight& flight) const {
   if (!flight.expects_answer) {  // silence is what its client waits for
     return oracle_.stopping_ && now >= *oracle_.stopping_ + kGrace ? "shutdown" : nullptr;
   }
-  if (now < flight.due && !oracle_.is_tcp(flight.bus) && may_be_cut(flight)) {
+  const bool may_be = !oracle_.is_tcp(flight.bus) || oracle_.has_failsafe(flight.bus);
+  if (now < flight.due && may_be && may_be_cut(flight)) {
     return "cut_by_stop";
   }
   if (now >= oracle_.deadline_of(flight)) {

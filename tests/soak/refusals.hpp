@@ -22,6 +22,8 @@ class Refusals {
   void judge_no_path(const Asked& asked) const;
   /// The device did not answer (0B): it was transmitted, or reads a device that is offline.
   void judge_no_response(const Asked& asked) const;
+  /// Its drive has refused a stop.
+  void judge_refused_stop(const Asked& stop, std::uint8_t code) const;
 
  private:
   /// Reasons are names; nullptr: there is none.

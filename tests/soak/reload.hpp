@@ -38,6 +38,11 @@ class Reloads {
   Reload restore();
   [[nodiscard]] const Arrangement& arrangement() const { return arrangement_; }
   [[nodiscard]] gateway::Settings take_settings() { return arrangement_.take_settings(); }
+  /// The same, in the plan's own order from now on.
+  [[nodiscard]] gateway::Settings settings_in_order() {
+    arrangement_ = Arrangement(plan_);
+    return arrangement_.take_settings();
+  }
 
  private:
   /// What a device's requests depend on; the address is 0 while it is absent.

@@ -9,8 +9,6 @@
 
 namespace mbgate::soak {
 
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr std::uint8_t kMovedFrom = 41;  // behind the addresses of the plan
@@ -89,9 +87,10 @@ bool Reloads::change_line(std::size_t index) {
   if (plan_.absent.buses[index]) {
     return false;
   }
-  bus::LineSettings& line = plan_.settings.buses[index].line;
-  if (line.remote) {
+  if (bus::LineSettings& line = plan_.settings.buses[index].line; line.remote) {
     ++line.remote->port;
+  } else if (lines_.chance(500)) {
+    line.low_latency = !line.low_latency;  // the same port: what its drives owe still comes
   } else {
     const auto before = line;
     const bool echoes = plan_.echoes[index];

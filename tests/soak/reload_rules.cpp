@@ -80,7 +80,8 @@ bool Reloads::change_rules(std::size_t index) {
     case 4:
       bus.turnaround = random_.duration(10ms, 100ms);
       bus.settle = random_.chance(400) ? random_.duration(1ms, 20ms) : 0ms;
-      bus.listen_first = random_.duration(0ms, 50ms);
+      bus.listen_first =
+          plan_.restarts_every > 0ms ? bus.listen_first : random_.duration(0ms, 50ms);
       break;
     default:
       if (bus.line.framing == bus::Framing::tcp) {
@@ -160,9 +161,8 @@ bool Reloads::change_deadline(std::size_t index) {
   return true;
 }
 
-// Only while nothing of the old writes is due.
 bool Reloads::change_failsafe(std::size_t index) {
-  if (!oracle_.failsafe().is_armed(index)) {
+  if (plan_.failsafe[index].empty()) {
     return false;
   }
   draw_failsafe(plan_, index, random_);

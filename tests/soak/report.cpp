@@ -39,6 +39,7 @@ void Report::add(const Report& other) {
   add_counts(violations, other.violations);
   add_counts(apart, other.apart);
   add_counts(reasons, other.reasons);
+  add_counts(starts, other.starts);
   for (const auto& [code, count] : other.codes) {
     codes[code] += count;
   }
@@ -55,7 +56,8 @@ std::string Report::summary() const {
     named[std::string{kDigits[code >> 4U & 15U], kDigits[code & 15U]}] = count;
   }
   return text + list("exception codes", named) + list("reasons", reasons) + list("faults", faults) +
-         list("counted apart", apart) + list("violations", violations);
+         list("counted apart", apart) + list("of these at starts", starts) +
+         list("violations", violations);
 }
 
 }  // namespace mbgate::soak

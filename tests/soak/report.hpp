@@ -23,6 +23,9 @@ struct Report {
   /// What the contract cannot exclude, counted apart: lateness beyond the quarantine in force, and
   /// what an adapter kept while the line seemed silent.
   std::map<std::string, std::uint64_t> apart;
+  /// Of these, what a device's lateness or second answers cost until they were known: by address,
+  /// opening of the line and start.
+  std::map<std::string, std::uint64_t> starts;
   std::map<unsigned, std::uint64_t> codes;  ///< exceptions by code
   /// Why the gateway answered 06, 0A or 0B by itself: what these requests met.
   std::map<std::string, std::uint64_t> reasons;

@@ -15,6 +15,7 @@ using modbus::Pdu;
 namespace {
 constexpr std::uint64_t kEchoChance = 0x57495245ULL;  // apart from the plant's
 constexpr std::uint64_t kRareOnWire = 0x52415245574952ULL;
+constexpr std::uint64_t kSlowOnWire = 0x534C4F574E455353ULL;
 constexpr std::uint8_t kNobodyFrom = 60;
 constexpr std::uint8_t kNobodyTo = 240;
 constexpr unsigned kRefusesLate = 300;  // permille of writes that are answered late
@@ -25,13 +26,15 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
       around_(around),
       settings_(around.plan.settings.buses[bus]),
       rates_(around.plan.rates[bus]),
+      line_(settings_.line),
       timing_(settings_.line),
       silence_(spec::silence_of(settings_)),
       ascii_(settings_.line.framing == bus::Framing::ascii),
       adapter_(around.plan.adapters[bus], around.schedule, around.random,
                [this](const Heard& heard) { hand_over(heard); }),
       echo_random_(around.plan.seed ^ (kEchoChance + bus)),
-      rare_random_(around.plan.seed ^ (kRareOnWire + bus)) {
+      rare_random_(around.plan.seed ^ (kRareOnWire + bus)),
+      slow_random_(around.plan.seed ^ (kSlowOnWire + bus)) {
   for (SoakDevice& device : around.devices) {
     if (static_cast<std::size_t>(device.settings().bus) == bus) {
       devices_.push_back(&device);
@@ -39,22 +42,35 @@ SerialWire::SerialWire(std::size_t bus, Surroundings& around)
   }
 }
 
-void SerialWire::reset() {
-  ++epoch_;
-  messages_.clear();
+// Drives that are set to another line have nothing to say any more.
+void SerialWire::reset(bool is_open) {
+  const Instant now = around_.schedule.now();
+  const bus::LineSettings& line = settings_.line;
+  if (!spec::is_same_line(line, line_)) {
+    ++epoch_;
+    messages_.clear();
+    talks_until_.clear();
+    works_until_.clear();
+    asked_until_.clear();
+    line_ = line;
+    timing_ = spec::WireTimes(line);
+    ascii_ = line.framing == bus::Framing::ascii;
+  }
+  silence_ = spec::silence_of(settings_);
+  is_open_ = is_open;
   adapter_.reset();
-  talks_until_.clear();
-  asked_until_.clear();
-  own_end_ = Instant::min();
+  for (auto& [id, message] : messages_) {
+    message.lost = message.heard;
+  }
+  sending_ = own_end_ > now ? 0 : sending_;
+  own_end_ = std::min(own_end_, now);
   overheard_.forget();
   echo_.reset();
   straddling_.reset();
   echo_shown_ = false;
-  babbles_until_ = Instant::min();
-  deaf_until_ = is_hung() && goes_on_hanging() ? Instant::max() : Instant::min();
-  timing_ = spec::WireTimes(settings_.line);
-  silence_ = spec::silence_of(settings_);
-  ascii_ = settings_.line.framing == bus::Framing::ascii;
+  if (is_open) {
+    deaf_until_ = is_hung() && goes_on_hanging() ? Instant::max() : Instant::min();
+  }
 }
 
 bool SerialWire::happens(unsigned permille, const char* kind) {
@@ -80,6 +96,7 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
   meet_straddling(flight);
   opaque_ = !flight.pdu.empty() && spec::is_opaque(flight.pdu);
   own_end_ = flight.end;
+  sending_ = flight.number;
   asked_ = flight.address;
   if (flight.expects_answer) {
     asked_until_[flight.address] = flight.due;
@@ -104,8 +121,8 @@ void SerialWire::transmit(const Flight& flight, Bytes frame) {
 
 void SerialWire::heard(std::uint64_t number) {
   Flight* flight = around_.oracle.flight(number);
-  if (own_damaged_ || (is_hung() && swallows_) || flight == nullptr || flight->pdu.empty() ||
-      happens(rates_.request_damaged, "request_damaged")) {
+  if (number != sending_ || own_damaged_ || (is_hung() && swallows_) || flight == nullptr ||
+      flight->pdu.empty() || happens(rates_.request_damaged, "request_damaged")) {
     return;
   }
   const auto request = Pdu::from(flight->pdu);
@@ -122,7 +139,9 @@ void SerialWire::heard(std::uint64_t number) {
     around_.report.fault("dead");
     return;
   }
-  answer(*device, *flight, *request);
+  if (!waits_its_turn(*device, *flight)) {
+    answer(*device, *flight, *request);
+  }
 }
 
 void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& request) {
@@ -135,6 +154,9 @@ void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& req
     const auto code = random.one_of<std::uint8_t>({0x04, 0x05, 0x07, 0x11, 0x12});
     pdu = Pdu::exception(request.function(), modbus::ExceptionCode{code});
     around_.oracle.excepted(flight, code);
+  } else if (const auto code = refusal_of(flight)) {
+    pdu = Pdu::exception(request.function(), modbus::ExceptionCode{*code});
+    around_.oracle.excepted(flight, *code);
   } else {
     const SoakDevice::Outcome outcome = device.carry_out(request, now);
     pdu = outcome.answer;
@@ -150,7 +172,8 @@ void SerialWire::answer(SoakDevice& device, const Flight& flight, const Pdu& req
   if (!pdu || happens(rates_.never, "never")) {
     return;
   }
-  const Duration longest = rates_.are_quick ? 700us : timing.response_timeout / 2;
+  const bool is_quick = rates_.are_quick || ways_of(device).service > Duration{0};
+  const Duration longest = is_quick ? 700us : timing.response_timeout / 2;
   Duration wait = timing.response_wait + 300us + random.duration(0us, longest);
   if (slow) {
     wait += random.duration(0us, timing.response_timeout);
@@ -205,47 +228,16 @@ void SerialWire::answer_with_fault(SoakDevice& device, const Flight& flight, con
                            : excess ? 0
                                     : begin_with_other_length(frame, flight, pdu);
   const bool paused = !excess && happens(rates_.pieces, "pieces");
-  const Duration slack = spec::slack_of(settings_);
-  const Instant over = begin + timing_.of(frame.size()) + slack + 20ms;
-  if (over > flight.quarantine_until && busy > around_.schedule.now() && !around_.plan.beyond) {
-    return;  // it still had to say something else, and would come too late by now
+  if (!excess && lead == 0) {
+    answer_again(device, flight, frame, begin);
   }
+  const Duration slack = spec::slack_of(settings_);
   busy = begin + timing_.of(frame.size()) + (paused ? slack : Duration{0});
   say(std::move(frame), begin,
       excess   ? Chunks::fine
       : paused ? Chunks::paused
                : Chunks::usual,
       {address, excess ? 2U : 1U, 0, true, flight.number, lead});
-}
-
-// All of it is there when the quarantine ends, often only just; or, in plans of that kind, later.
-void SerialWire::answer_late(SoakDevice& device, const Flight& flight, const Frame& frame,
-                             Instant begin) {
-  const Duration held = around_.plan.adapters[bus_] == AdapterKind::uart ? 0ms : kAdapterHolds;
-  const Duration length = timing_.of(frame.size()) + 1ms + held;
-  Instant last = flight.quarantine_until - length;
-  if (around_.plan.beyond) {
-    last += 2 * (flight.quarantine_until - flight.end);
-  }
-  const Instant first = std::max(begin, flight.deadline - length);
-  if (first >= last) {
-    return;
-  }
-  Duration after = around_.random.duration(0us, last - first);
-  if (!around_.plan.beyond && around_.random.chance(600)) {
-    const Duration near = std::min<Duration>(last - first, around_.random.duration(0us, 3ms));
-    after = around_.random.chance(300) ? near : last - first - near;
-  }
-  const Instant at = first + after;
-  if (straddles(flight, frame, at)) {
-    return;
-  }
-  const bool pauses = happens_to_echo(rates_.late_pieces, "late_pieces");
-  const Duration paused = pauses ? last - at : Duration{0};
-  auto& busy = talks_until_[device.settings().address];
-  busy = std::max(busy, at + length + paused);
-  say(frame, at, pauses ? Chunks::paused : Chunks::usual,
-      {device.settings().address, 1, 0, true, flight.number, 0, paused});
 }
 
 // Makes something else of the answer.

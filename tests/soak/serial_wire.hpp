@@ -34,12 +34,14 @@ class SerialWire {
  public:
   SerialWire(std::size_t bus, Surroundings& around);
 
-  /// The adapter was opened, or pulled out: what is on the line is lost.
-  void reset();
+  /// The process has opened the line, or has it no more: what an adapter still has, and what comes
+  /// meanwhile, is lost, and so is the rest of a frame that it was sending. The drives go on.
+  void reset(bool is_open);
   void transmit(const Flight& flight, Bytes frame);
   /// From now on nothing goes wrong any more.
   void calm_down() {
     rates_ = FaultRates{};
+    is_calm_ = true;
     end_hang();
     babbles_until_ = Instant::min();
     adapter_.calm_down();
@@ -58,6 +60,7 @@ class SerialWire {
     std::uint64_t flight = 0;             ///< that they answer; none if a stranger asked
     std::size_t lead = 0;                 ///< bytes before them
     Duration most_paused = Duration::max();
+    bool is_second = false;          ///< it was said before, by the same device or another one
     std::optional<Instant> began{};  ///< the part of it that came before
     std::size_t before = 0;          ///< its bytes
   };
@@ -88,7 +91,14 @@ class SerialWire {
     }
     /// Is the byte part of a good frame? What a stranger asks stands in one too.
     [[nodiscard]] bool is_of_frame(std::size_t at) const {
-      return at < good_to && (at >= content.lead || content.flight == 0);
+      return at < good_to && at >= cut_to() && (at >= content.lead || content.flight == 0);
+    }
+    /// Where the first frame begins that was not heard in part only, when the line was opened.
+    [[nodiscard]] std::size_t cut_to() const {
+      if (lost <= content.lead) {
+        return lost == 0 ? 0 : content.lead;
+      }
+      return content.lead + (lost - content.lead + frame - 1) / frame * frame;
     }
 
     Frame bytes;
@@ -99,6 +109,7 @@ class SerialWire {
     std::size_t frame;    ///< their size
     std::size_t good_to;  ///< where the last of them ends, or what was hit begins
     std::size_t heard = 0;
+    std::size_t lost = 0;  ///< of these, before the line was opened
     std::size_t copies_heard = 0;
     Instant frame_began{};  ///< when the first byte of the present frame will reach the kernel
     std::uint64_t frame_from = 0;  ///< the bytes that the line had brought before that
@@ -126,6 +137,12 @@ class SerialWire {
                          Instant begin);
   /// wire_stuck.cpp: nothing more of the answer comes.
   [[nodiscard]] bool gets_stuck(const Flight& flight, const Frame& frame, Instant begin);
+  // wire_slow.cpp
+  [[nodiscard]] std::optional<std::uint8_t> refusal_of(const Flight& flight);
+  [[nodiscard]] bool waits_its_turn(const SoakDevice& device, const Flight& flight);
+  void answer_again(const SoakDevice& device, const Flight& flight, const Frame& frame,
+                    Instant begin);
+  [[nodiscard]] const Ways& ways_of(const SoakDevice& device) const;
   // wire_rare.cpp
   [[nodiscard]] bool happens_rarely(unsigned permille, const char* kind);
   void part(const SoakDevice& device, const Flight& flight, const modbus::Pdu& pdu);
@@ -165,16 +182,21 @@ class SerialWire {
   Surroundings& around_;
   const gateway::BusSettings& settings_;
   FaultRates rates_;
+  bus::LineSettings line_;  ///< that drives are set to
   spec::WireTimes timing_;
   Duration silence_;
   bool ascii_;
   Adapter adapter_;
   std::vector<SoakDevice*> devices_;
   std::map<std::uint8_t, Instant> talks_until_;
+  std::map<std::uint8_t, Instant> works_until_;  ///< slow drives
   std::map<std::uint8_t, Instant> asked_until_;  ///< the gateway may still wait for an answer
   std::map<std::uint64_t, Message> messages_;
   std::uint64_t ids_ = 0;
-  std::uint64_t epoch_ = 0;  ///< grows when the adapter is pulled out
+  std::uint64_t epoch_ = 0;  ///< grows when drives are set to another line
+  bool is_open_ = false;
+  bool is_calm_ = false;       ///< slow drives are quick, and nobody answers twice
+  std::uint64_t sending_ = 0;  ///< what was transmitted last, unless its rest is lost
   Instant own_end_ = Instant::min();
   std::uint8_t asked_ = 0;  ///< the address that something was transmitted to last
   Overheard overheard_;
@@ -182,6 +204,7 @@ class SerialWire {
   bool is_prompt_ = false;  ///< what was transmitted last is answered before it has left
   Random echo_random_;
   Random rare_random_;
+  Random slow_random_;
   std::optional<Straddling> straddling_;
   std::optional<OwnEcho> echo_;  ///< of what was transmitted last
   unsigned echoes_lost_ = 0;     ///< one after the other

@@ -252,6 +252,10 @@ Duration WireTimes::silence() const {
   return baud_ > 19200 ? 1750us : Duration(rounded_up(7 * bits_ * kSecond, 2 * baud_));
 }
 
+bool is_same_line(const bus::LineSettings& a, const bus::LineSettings& b) {
+  return a.baud == b.baud && a.framing == b.framing && a.format == b.format && a.remote == b.remote;
+}
+
 Duration silence_of(const bus::BusSettings& bus) {
   return bus.frame_gap ? *bus.frame_gap : WireTimes(bus.line).silence();
 }

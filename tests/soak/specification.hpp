@@ -82,6 +82,9 @@ class WireTimes {
   std::uint64_t baud_;
 };
 
+/// Drives hear the one as they hear the other.
+bool is_same_line(const bus::LineSettings& a, const bus::LineSettings& b);
+
 /// What is asked for between frames.
 Duration silence_of(const bus::BusSettings& bus);
 /// Within an answer.

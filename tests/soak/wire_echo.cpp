@@ -32,8 +32,8 @@ void SerialWire::begin_echo(const Flight& flight, const Frame& frame) {
   echoes_lost_ = 0;
   OwnEcho& echo = echo_.emplace(OwnEcho{flight.number, frame});
   if (happens_to_echo(rates_.echo_cut, "echo_cut")) {
-    const auto left = static_cast<std::ptrdiff_t>(
-        echo_random_.between(std::size_t{1}, std::max<std::size_t>(echo.bytes.size(), 2) - 1));
+    const auto left = static_cast<std::ptrdiff_t>(echo_random_.between(
+        std::size_t{1}, std::max<std::size_t>(echo.bytes.size(), 4) - (ascii_ ? 3 : 1)));
     echo_random_.chance(500) ? echo.bytes.erase(echo.bytes.begin(), echo.bytes.begin() + left)
                              : echo.bytes.erase(echo.bytes.begin() + left, echo.bytes.end());
     echo.is_whole = false;
@@ -161,8 +161,10 @@ void SerialWire::babble_on(std::uint64_t epoch) {
     heard.bytes.front() ^= 1U;
   }
   overhear(heard.bytes, true);
-  const Instant arrival = adapter_.arrival();
-  adapter_.take(std::move(heard), arrival);
+  if (is_open_) {
+    const Instant arrival = adapter_.arrival();
+    adapter_.take(std::move(heard), arrival);
+  }
   around_.schedule.after(echo_random_.duration(silence_ / 3, silence_ * 2 / 3),
                          [this, epoch] { babble_on(epoch); });
 }

@@ -85,6 +85,9 @@ std::optional<std::uint8_t> SerialWire::garble(Message& message) {
   const auto from =
       static_cast<std::size_t>(std::max<Duration>(past, Duration{0}) / message.character);
   const std::size_t good = std::max(from, message.heard);
+  if (ascii_ && good + 1 >= message.bytes.size()) {
+    return std::nullopt;  // CR alone ends a frame
+  }
   message.content.copies =
       std::min(message.content.copies, message.ended(good) - message.ended(message.heard));
   const auto lost = good < message.bytes.size() ? std::optional(message.bytes[good]) : std::nullopt;
@@ -100,13 +103,14 @@ std::optional<std::uint8_t> SerialWire::garble(Message& message) {
 
 void SerialWire::damage(Frame& frame) {
   Random& random = around_.random;
-  const auto place = static_cast<std::ptrdiff_t>(random.below(frame.size()));
+  const std::size_t size = frame.size() - (ascii_ ? 2 : 0);  // half of an end is one
+  const auto place = static_cast<std::ptrdiff_t>(random.below(size));
   switch (random.between(0U, 2U)) {
     case 0:
       for (unsigned bits = ascii_ ? 1 : random.between(1U, 3U); bits > 0; --bits) {
         // Each in a byte of its own: the same bit twice would be no damage; nor would a digit of
         // the other case.
-        auto& byte = frame[(static_cast<std::size_t>(place) + bits) % frame.size()];
+        auto& byte = frame[(static_cast<std::size_t>(place) + bits) % size];
         byte =
             static_cast<std::uint8_t>(byte ^ (1U << (ascii_ ? random.below(5) : random.below(8))));
       }
@@ -144,7 +148,7 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
                      message.bytes.begin() + static_cast<std::ptrdiff_t>(until));
   const Instant arrival = adapter_.arrival();
   const std::size_t lead = message.content.lead;
-  heard.strange_request = message.heard < lead && until >= lead;
+  heard.strange_request = message.lost == 0 && message.heard < lead && until >= lead;
   if (message.heard <= lead || (message.heard - lead) % message.frame == 0) {
     message.frame_began = arrival;
   }
@@ -153,18 +157,19 @@ void SerialWire::hear(std::uint64_t id, std::size_t until) {
   message.content.copies -= frames;
   const Content& content = message.content;
   for (std::size_t frame = 0; frame < frames; ++frame) {
-    if (content.address) {
-      const bool is_nobodys = content.flight == 0 || message.copies_heard > 0;
+    if (content.address && lead + message.copies_heard * message.frame >= message.cut_to()) {
+      const bool is_nobodys = content.flight == 0 || content.is_second || message.copies_heard > 0;
       heard.frames.push_back({*content.address, content.fits, is_nobodys, content.flight,
                               content.began.value_or(message.frame_began)});
       heard.frames.back().size = message.frame + content.before;
       heard.frames.back().lead = lead;
+      heard.frames.back().is_second = content.is_second;
     }
     ++message.copies_heard;
     message.frame_began = arrival;
   }
   message.heard = until;
-  const bool is_heard = message.begin >= deaf_until_;
+  const bool is_heard = is_open_ && message.begin >= deaf_until_;
   if (until == message.bytes.size()) {
     messages_.erase(id);
   }

@@ -97,7 +97,7 @@ bool SerialWire::straddles(const Flight& flight, const Frame& whole, Instant beg
 void SerialWire::begin_to_straddle(std::uint64_t flight, std::uint8_t address, const Frame& frame) {
   constexpr Duration kPause = 900ms;
   const Instant now = around_.schedule.now();
-  const auto size = rare_random_.between<std::size_t>(1, frame.size() - 1);
+  const auto size = rare_random_.between<std::size_t>(1, frame.size() - 3);
   const auto border = frame.begin() + static_cast<std::ptrdiff_t>(size);
   say({frame.begin(), border}, now, Chunks::fine, {std::nullopt, 1, 0, false, flight});
   straddling_ = {ids_, flight, address, size, now, now + timing_.of(size), {border, frame.end()}};

@@ -20,9 +20,6 @@ bool SerialWire::gets_stuck(const Flight& flight, const Frame& frame, Instant be
   // is heard next.
   const auto missing = static_cast<std::ptrdiff_t>(echo_random_.between(kCrc, kCrc + 1));
   Frame rest(frame.begin() + kHead, frame.end() - missing);
-  if (Flight* known = around_.oracle.flight(flight.number)) {
-    known->stuck = {head.size(), head.size() + rest.size(), frame.size()};
-  }
   const Instant goes_on = begin + timing_.of(head.size()) + pause;
   talks_until_[flight.address] = goes_on + timing_.of(rest.size());
   const Content nobodys{std::nullopt, 1, 0, false, flight.number};

@@ -163,7 +163,7 @@ bool Withdrawals::is_for(const Asked& stop, const Asked& write) const {
 void Withdrawals::take_back_read_ahead(const Asked& stop) const {
   for (const auto& entry : oracle_.open_) {
     Asked& asked = *entry.second;
-    const bool is_its_own = !stop.failsafe && asked.client == stop.client;
+    const bool is_its_own = asked.client == stop.client;
     const bool is_earlier = is_its_own ? asked.id < stop.id : has_come_before(asked, stop.accepted);
     if (!asked.is_accepted && !asked.refused && !asked.doomed && asked.changes() &&
         !asked.is_stop() && is_earlier && is_for(stop, asked)) {

@@ -21,6 +21,7 @@ constexpr unsigned kMostInPlace = 200'000;
 constexpr const char* kEndlessActions = "the gateway's actions have no end";
 constexpr std::uint64_t kDriversChance = 0x445249564552ULL;  // apart from the plant's
 constexpr std::uint64_t kSwapsChance = 0x535741505050ULL;
+constexpr std::uint64_t kRestartsChance = 0x5245535441525453ULL;
 
 }  // namespace
 
@@ -36,6 +37,7 @@ Oracle::Devices World::make_devices(const SoakPlan& plan, Random& random) {
 World::World(std::uint64_t seed, bool trace)
     : random_(seed),
       swaps_(seed ^ kSwapsChance),
+      restarts_(seed ^ kRestartsChance),
       plan_(draw_plan(random_, seed)),
       devices_(make_devices(plan_, random_)),
       oracle_(plan_, devices_, schedule_, report_),
@@ -92,6 +94,7 @@ World::World(std::uint64_t seed, bool trace)
   check_overdue_often();
   clear_counters_some_time();
   begin_reloads();
+  begin_restarts();
   drain();
 }
 

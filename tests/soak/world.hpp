@@ -68,6 +68,9 @@ class World {
   void check_report(const gateway::Event& event);
   void check_order_only(const gateway::Action& action);
   void restore();
+  // world_restart.cpp
+  void begin_restarts();
+  void restart();
   [[nodiscard]] gateway::BusId id_of(std::size_t bus) const {
     return gateway::BusId{static_cast<std::uint32_t>(bus)};
   }
@@ -94,6 +97,7 @@ class World {
 
   Random random_;
   Random swaps_;  // of adapters
+  Random restarts_;
   SoakPlan plan_;
   Report report_;
   Schedule schedule_;

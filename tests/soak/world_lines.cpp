@@ -51,7 +51,7 @@ void World::open(std::size_t bus) {
       state.open = true;
       state.framing_lost = false;
       state.end = End::lost;
-      std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+      std::visit([](auto& wire) { wire.reset(true); }, wires_[bus]);
       if (auto* server = std::get_if<FarServer>(&wires_[bus])) {
         server->begin_connection();
       }
@@ -101,7 +101,7 @@ void World::shut(std::size_t bus) {
   }
   BusState& state = buses_[bus];
   state.open = false;
-  std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+  std::visit([](auto& wire) { wire.reset(false); }, wires_[bus]);
   driver_.forget_line(bus);
   if (state.framing_lost) {
     oracle_.bus_lost(bus);
@@ -125,7 +125,7 @@ void World::hang_up(std::size_t bus, bool answered) {
   if (state.open) {
     state.open = false;
     state.end = answered ? End::closed_after_answers : End::closed;
-    std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+    std::visit([](auto& wire) { wire.reset(false); }, wires_[bus]);
     driver_.line_lost(bus);
   }
 }
@@ -164,7 +164,7 @@ void World::lose(std::size_t bus) {
   report_.fault("line_lost");
   state.open = false;
   state.away_until = schedule_.now() + random_.duration(0ms, 1s);
-  std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+  std::visit([](auto& wire) { wire.reset(false); }, wires_[bus]);
   driver_.line_lost(bus);
 }
 

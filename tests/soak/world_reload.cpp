@@ -75,7 +75,7 @@ void World::take_effect(const Reload& reload, const std::vector<bool>& absent) {
     buses_[bus].open = false;
     ++buses_[bus].epoch;
     driver_.forget_line(bus);
-    std::visit([](auto& wire) { wire.reset(); }, wires_[bus]);
+    std::visit([](auto& wire) { wire.reset(false); }, wires_[bus]);
     oracle_.line_given_up(bus);
     hangs_.forget(bus);
     if (!absent[bus]) {

@@ -48,7 +48,7 @@ FRONTS = {
     "gateway/status": {"diagnosis", "quality_text", "status_report"},
     "gateway/trace": {"trace_book", "trace_record", "trace_text"},
     "gateway/settings": {"device_index", "numbering", "settings_snapshot", "unit_meaning"},
-    "gateway/writes": {"failsafe", "failsafe_writes", "write_rules"},
+    "gateway/writes": {"failsafe_writes", "write_rules"},
     "io/clients": {"client_connections", "descriptors", "hangup_watch", "listening_socket", "open_listeners", "server_set", "tcp_server"},
     "io/denials": {"advice", "denials", "starter"},
     "io/lines": {"line_set"},
@@ -62,7 +62,6 @@ FRONTS = {
 }
 # Tests of several modules, and the bench, see these behind the front headers too.
 BEHIND = {
-    "soak": {"bus/health/device_health.hpp"},  # how much a device can owe
     "explore": {"bus/health/device_health.hpp"},  # how long an adapter keeps an answer
     "fuzz": {
         "app/control/event_streams.hpp", "app/control/tcp_rules.hpp", "bus/serial/framer.hpp", "ctl/replay/replay.hpp",

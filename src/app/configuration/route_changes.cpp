@@ -36,8 +36,13 @@ std::string target_of(const Settings& settings, const Route& route) {
                               : text + " from address " + std::to_string(route.first_address);
 }
 
-std::string functions_of(const Route& route) {
-  if (route.functions == routing::FunctionRules::all()) {
+std::string functions_of(const Settings& settings, const Route& route) {
+  const bool has_delimiter = std::ranges::any_of(route.buses, [&](drive::BusId bus) {
+    return settings.bus(bus).line.framing == bus::Framing::ascii;
+  });
+  auto all = routing::FunctionRules::all();
+  all.change_delimiter = !has_delimiter;
+  if (route.functions == all) {
     return "all";
   }
   std::string text;
@@ -48,6 +53,7 @@ std::string functions_of(const Route& route) {
     }
   }
   text += route.functions.restart_communications ? " 8/1" : "";
+  text += has_delimiter && route.functions.change_delimiter ? " 8/3" : "";
   return text + (route.functions.force_listen_only ? " 8/4" : "");
 }
 
@@ -80,12 +86,13 @@ std::vector<std::pair<const char*, std::string>> keys_of(const Settings& setting
                                                          const Route& route) {
   return {{"", target_of(settings, route)},
           {"access ", route.access == routing::Access::read_only ? "read-only" : "read-write"},
-          {"functions ", functions_of(route)},
+          {"functions ", functions_of(settings, route)},
           {"registers ", windows_of(route)},
           {"word_order ", order_of(route)},
           {"deadline ", route.deadline ? config::to_text(*route.deadline) : "-"},
           {"broadcast_reply ",
-           route.broadcast_reply == routing::BroadcastReply::none ? "none" : "echo"}};
+           route.broadcast_reply == routing::BroadcastReply::none ? "none" : "echo"},
+          {"broadcast_mixed ", route.broadcast_mixed ? "true" : "false"}};
 }
 
 std::string differences_of(const Settings& old, const Route& before, const Settings& next,

@@ -9,7 +9,9 @@ namespace {
 MessageId id_of_fault(bus::LineFault fault) {
   switch (fault) {
     case bus::LineFault::echo_differed: return message_id::kEchoDiffered;
-    case bus::LineFault::framing_lost: return message_id::kFramingLost;
+    case bus::LineFault::framing_lost:
+    case bus::LineFault::answer_cut_off: return message_id::kFramingLost;
+    case bus::LineFault::driver_stalled: return message_id::kDriverStalled;
     case bus::LineFault::echo_found: return message_id::kEchoFound;
     case bus::LineFault::echo_gone: return message_id::kEchoGone;
     case bus::LineFault::echo_denied: return message_id::kEchoDenied;
@@ -30,8 +32,11 @@ MessageId id_of_notice(const bus::DeviceNotice& notice) {
     case Kind::early: return message_id::kDeviceEarly;
     case Kind::foreign:
       return notice.is_request ? message_id::kForeignRequest : message_id::kForeignFrame;
+    case Kind::misfit: return message_id::kMisfit;
+    case Kind::pauses: return message_id::kAnswerPauses;
     case Kind::second_answer: return message_id::kSecondAnswer;
     case Kind::stop_unanswered: return message_id::kStopUnanswered;
+    case Kind::stop_refused: return message_id::kStopRefused;
     case Kind::stop_forced: return message_id::kStopForced;
   }
   return {};
@@ -51,7 +56,7 @@ MessageId id_of_quality(const bus::QualityNotice& notice) {
 
 MessageId id_of_outcome(gateway::FailsafeOutcome outcome) {
   switch (outcome) {
-    case gateway::FailsafeOutcome::sent: return message_id::kFailsafeSent;
+    case gateway::FailsafeOutcome::acknowledged: return message_id::kFailsafeAcknowledged;
     case gateway::FailsafeOutcome::waits: return message_id::kFailsafeWaits;
     case gateway::FailsafeOutcome::client_back: return message_id::kFailsafeClientBack;
     case gateway::FailsafeOutcome::given_up: return message_id::kFailsafeGivenUp;
@@ -147,6 +152,9 @@ struct EventTopic {
       topic.address = target.address;
     }
     return topic;
+  }
+  Topic operator()(const gateway::BroadcastLeavesOut& e) const {
+    return of_request(message_id::kBroadcastLeavesOut, e);
   }
   Topic operator()(const gateway::CountersCleared& e) const {
     return of_request(message_id::kCountersCleared, e);

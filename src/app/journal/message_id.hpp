@@ -26,6 +26,7 @@ inline constexpr MessageId kConnectionReplaced{"d1a9afd6c4b94c7e824b420c43e87fa0
 inline constexpr MessageId kLineNeverSilent{"a0dcdafc225f423bab996e6d001735e2"};
 inline constexpr MessageId kLineUnanswered{"95782faeceb8449f95cb8402c3a5f9ad"};
 inline constexpr MessageId kFramingLost{"8adb1b11479e4ea89c57aa1bc8ed3a3f"};
+inline constexpr MessageId kDriverStalled{"70cfc18dc6f54d9ebf0a7f5498485ca3"};
 inline constexpr MessageId kEchoDiffered{"531faef7580c4888b07e9358a76d494a"};
 inline constexpr MessageId kEchoFound{"02eee58799eb440d9c79994c827685db"};
 inline constexpr MessageId kEchoGone{"7f7683dbaec9418cb695b5c9c67df12c"};
@@ -41,8 +42,11 @@ inline constexpr MessageId kDeviceLate{"b28d474e7f3f4de88dcd1ce3e41ce7e2"};
 inline constexpr MessageId kDeviceEarly{"cd32c4469be341cfab55364d6a0a12e1"};
 inline constexpr MessageId kForeignRequest{"fc5cf36fca1d4417ad96a89c21783385"};
 inline constexpr MessageId kForeignFrame{"95bf41d25fbf4b08a54f6d501c921bca"};
+inline constexpr MessageId kMisfit{"18891616610e48fdb85786cd438ab991"};
+inline constexpr MessageId kAnswerPauses{"030e7b3b37f44ccf8358cc03bcecb608"};
 inline constexpr MessageId kSecondAnswer{"3cbf0d93b48949388e9ed261ca950d27"};
 inline constexpr MessageId kStopUnanswered{"530d591ad68743e4b63e604f256002d3"};
+inline constexpr MessageId kStopRefused{"e6a6b53579c347f98100fc4a33fa8c2f"};
 inline constexpr MessageId kStopForced{"4ea12627b4a349d781420fa6a11914dd"};
 inline constexpr MessageId kQualityGood{"538523662d774ed1a8fa8d1f702cfba9"};
 inline constexpr MessageId kDeviceBadCrc{"b8c1d7eb9d774b9cb1bf960b717706f7"};
@@ -52,7 +56,7 @@ inline constexpr MessageId kLateAnswers{"a317349dfc284320a24d25ea3b1c22e1"};
 inline constexpr MessageId kReconfigured{"e3d3de4522c4451fbe33bb3d567fdf70"};
 inline constexpr MessageId kWriteEndedEarly{"45e510a9c92c4e5aa9b3584b1326ba31"};
 inline constexpr MessageId kWordOrderDiffers{"26960d1f31364817908d07e4233064b6"};
-inline constexpr MessageId kFailsafeSent{"b36f1a5ba68e4c2e89173fb0b87a1de8"};
+inline constexpr MessageId kFailsafeAcknowledged{"b36f1a5ba68e4c2e89173fb0b87a1de8"};
 inline constexpr MessageId kFailsafeWaits{"f948cf7c4721498f827405508603084a"};
 inline constexpr MessageId kFailsafeClientBack{"f4bce7a03e1841cb82908ed5cf365b3b"};
 inline constexpr MessageId kFailsafeGivenUp{"bb6b1e9625184d34ad18218211fafba1"};
@@ -75,6 +79,7 @@ inline constexpr MessageId kClientNotRuled{"3ef95af9bd0e4950be05f3620d21fd72"};
 inline constexpr MessageId kRequestDenied{"95f5507ea336491e96a948d64fe89b2c"};
 inline constexpr MessageId kStopDenied{"51b69766f9324c17a7681457ac59a2b5"};
 inline constexpr MessageId kWriteAccepted{"ab1d9f362ddb40b886ff39db96850340"};
+inline constexpr MessageId kBroadcastLeavesOut{"a35fa5cce01b4a8cbd74c8569afbbe66"};
 inline constexpr MessageId kClientLoggedIn{"3d74485defe64f36946b37ed31700a4c"};
 
 // The process and its configuration.

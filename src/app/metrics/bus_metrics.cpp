@@ -57,7 +57,7 @@ constexpr std::array kBusCounters = {
                &bus::BusCounters::cached_reads},
     BusCounter{{"mbgate_bus_stops_total", "Stops sent, repetitions included."},
                &bus::BusCounters::stops},
-    BusCounter{{"mbgate_bus_stops_unanswered_total", "Stops given up without a response."},
+    BusCounter{{"mbgate_bus_stops_unanswered_total", "Stops given up without being acknowledged."},
                &bus::BusCounters::stops_unanswered},
     BusCounter{{"mbgate_bus_overtaken_writes_total", "Waiting writes cancelled by a stop."},
                &bus::BusCounters::overtaken_writes},

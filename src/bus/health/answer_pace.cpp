@@ -9,18 +9,25 @@ namespace {
 constexpr auto kRecently = std::chrono::minutes(1);
 
 constexpr auto kForgettingTime = std::chrono::minutes(1);
+constexpr int kSuddenPart = 8;       // an eighth sooner
 constexpr int kForgottenPart = 8;    // an eighth in each of these
 constexpr int kLongestMemory = 100;  // of these; nothing is left by then
 
 }  // namespace
 
-void AnswerPace::note_answer(Duration took, Instant now) {
+bool AnswerPace::note_answer(Duration took, Instant now) {
   if (now - while_began_ >= kRecently) {
-    longest_before_ = now - while_began_ < 2 * kRecently ? longest_answer_ : Duration{0};
+    const bool is_recent = now - while_began_ < 2 * kRecently;
+    longest_before_ = is_recent ? longest_answer_ : Duration{0};
+    shortest_before_ = is_recent ? shortest_answer_ : Duration::max();
     longest_answer_ = Duration{0};
+    shortest_answer_ = Duration::max();
     while_began_ = now;
   }
+  const Duration shortest = std::min(shortest_answer_, shortest_before_);
   longest_answer_ = std::max(longest_answer_, took);
+  shortest_answer_ = std::min(shortest_answer_, took);
+  return shortest != Duration::max() && took < shortest - shortest / kSuddenPart;
 }
 
 void AnswerPace::note_late(Duration covering, Instant now) {

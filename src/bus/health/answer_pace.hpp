@@ -12,8 +12,9 @@ namespace mbgate::bus {
 
 class AnswerPace {
  public:
-  /// An answer came in time; `took`: from the end of the transmission.
-  void note_answer(Duration took, Instant now);
+  /// An answer came; `took`: from the end of the transmission. True: clearly sooner than any other
+  /// of the last minute.
+  bool note_answer(Duration took, Instant now);
   /// A late answer came, which a quarantine as long as this would have covered.
   void note_late(Duration covering, Instant now);
 
@@ -30,6 +31,8 @@ class AnswerPace {
 
   Duration longest_answer_{0};  // in this period, and in the one before
   Duration longest_before_{0};
+  Duration shortest_answer_ = Duration::max();
+  Duration shortest_before_ = Duration::max();
   Instant while_began_;
   Duration learned_{0};
   Instant learned_at_ = Instant::min();

@@ -42,6 +42,7 @@ Addresses DeviceTable::update(const BusSettings& settings, std::span<const drive
     entry.early_reported = false;
     entry.merge_refused = false;
     entry.second_reported = false;
+    entry.misfit_reported = entry.pause_reported = false;
     if (names.at(address) != before.at(address)) {
       others.set(address);
       entry.forget_shown();
@@ -79,7 +80,7 @@ void DeviceTable::note_written(const Transaction& broadcast) {
   for (const drive::Device& device : devices_) {
     if (device.is_addressed_by(broadcast.address, broadcast.broadcast) &&
         !device.is_stop(broadcast.request)) {
-      entries_.at(device.address).health.note_written();
+      entries_.at(device.address).hold.note_written();
     }
   }
 }
@@ -119,6 +120,12 @@ void DeviceTable::end_write(const Job& write) {
     return;
   }
   std::ranges::for_each(entries_, [](DeviceEntry& entry) { entry.cache.end_write(); });
+}
+
+void DeviceTable::take_over(DeviceTable& before) {
+  for (std::size_t address = 0; address < kAddresses; ++address) {
+    entries_.at(address).hold = std::move(before.entries_.at(address).hold);
+  }
 }
 
 void DeviceTable::clear_counters() {

@@ -13,6 +13,7 @@
 #include "bus/counters.hpp"
 #include "bus/health/answer_times.hpp"
 #include "bus/health/device_health.hpp"
+#include "bus/health/hold.hpp"
 #include "bus/health/silence.hpp"
 #include "bus/job.hpp"
 #include "bus/settings.hpp"
@@ -25,10 +26,17 @@ namespace mbgate::bus {
 inline constexpr std::size_t kAddresses = std::numeric_limits<std::uint8_t>::max() + 1;
 using Addresses = std::bitset<kAddresses>;
 
+/// A stop that its device did not acknowledge.
+struct FailedStop {
+  Instant at;                  ///< when it was given up
+  std::uint8_t exception = 0;  ///< with which it was refused; 0: it was unanswered
+};
+
 struct DeviceEntry {
   const drive::Device* device = nullptr;  ///< never null
   DeviceCounters counters;
   DeviceHealth health;
+  Hold hold;
   ReadCache cache;
   Instant free_at = Instant::min();  ///< it boots: nothing is sent to it before
   Job* probe = nullptr;              ///< the job that probes it while it is offline
@@ -42,10 +50,10 @@ struct DeviceEntry {
   bool stops_given_up = false;       ///< a stop and all its repetitions were unanswered
   bool merge_refused = false;        ///< it rejected a merged read
   bool second_reported = false;
+  bool misfit_reported = false;
+  bool pause_reported = false;
   Instant owed_until =
       Instant::min();  ///< the end of the last response timeout with something owed
-  Instant answered_at = Instant::min();  ///< of the last answer
-  std::uint8_t answered_function = 0;    ///< function code of that answer
   /// Shown only, they decide nothing: when a request was last sent to it, what it has left
   /// unanswered since it was heard, and how long answers take.
   Instant asked_at = Instant::min();
@@ -57,6 +65,10 @@ struct DeviceEntry {
   Instant second_at = Instant::min();
   Instant second_read_at = Instant::min();
   std::optional<std::uint16_t> setting;
+  /// Shown only: the exception of a server that did not reach it, if that came last.
+  std::optional<std::uint8_t> unreached;
+  /// And the last stop, if it was given up and no write was acknowledged since.
+  std::optional<FailedStop> failed_stop;
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
   /// It was told what makes it boot, or may have been.
@@ -106,6 +118,8 @@ class DeviceTable {
   /// request any more.
   void begin_write(const Job& write);
   void end_write(const Job& write);
+  /// What is owed and was learned at each address, by a bus that had the same port before.
+  void take_over(DeviceTable& before);
   void clear_counters();
 
  private:

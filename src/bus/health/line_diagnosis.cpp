@@ -16,6 +16,21 @@ constexpr Duration kNeverSilent = std::chrono::seconds(1);
 // Fewer bytes than these are a driver that turns off.
 constexpr std::size_t kLeastHeard = 3;
 
+const Transmission* asked_of(const Parts& parts, std::uint8_t address) {
+  const auto running = parts.transmissions.running();
+  const auto asked = std::ranges::find_if(running, [&](const Transmission* transmission) {
+    return transmission->in_flight && transmission->on_wire().address == address;
+  });
+  return asked == running.end() ? nullptr : *asked;
+}
+
+/// Is it what the device is asked now?
+bool is_own(const Parts& parts, const UnsolicitedFrame& unsolicited) {
+  const Transmission* asked = asked_of(parts, unsolicited.address);
+  return asked != nullptr &&
+         std::ranges::equal(asked->on_wire().request.pdu().bytes(), unsolicited.pdu.bytes());
+}
+
 }  // namespace
 
 constinit const std::array<Duration, 16> kSilenceBounds = {
@@ -33,8 +48,8 @@ void LineDiagnosis::note_opened() {
 // A line that is never silent is told once until somebody is understood again.
 void LineDiagnosis::note_bytes(bool asked, Instant now) {
   const Duration limit = std::max(kNeverSilent, longest_stream(parts_.settings));
-  const auto since = parts_.line.busy_since();
-  if (since && now >= *since + limit) {
+  const LineSilence* silence = parts_.line.silence();
+  if (silence != nullptr && now >= silence->busy_since() + limit) {
     last_never_silent_ = now;
     if (!std::exchange(never_silent_reported_, true)) {
       parts_.actions.push(NeverSilent{});
@@ -46,8 +61,8 @@ void LineDiagnosis::note_bytes(bool asked, Instant now) {
 }
 
 void LineDiagnosis::note_begins(Instant now) {
-  if (const auto quiet_since = parts_.line.quiet_since()) {
-    silences_.note(std::max(now - *quiet_since, Duration{0}));
+  if (const LineSilence* silence = parts_.line.silence()) {
+    silences_.note(std::max(now - silence->quiet_since(), Duration{0}));
   }
 }
 
@@ -56,12 +71,13 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
   parts_.devices[asked.address].counters.wire_time += std::max(free_at - asked.sent, Duration{0});
   denied_echo_.note_ended(end.how == LineEnd::How::response && asked.is_read);
   const bool heard_frame = std::exchange(frame_heard_, false);
-  note_silence(asked, end.how, now);
+  const LineEnd::How how = asked.is_unreached ? LineEnd::How::no_response : end.how;
+  note_silence(asked, how, now);
   if (!asked.wants_answer) {
     return;
   }
   AnswerQuality& quality = quality_[asked.address];
-  switch (end.how) {
+  switch (how) {
     case LineEnd::How::response:
       quality.note_answered();
       quality_.note_answer(false);
@@ -70,6 +86,7 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
       quality.note_damaged();
       quality_.note_answer(true);
       break;
+    case LineEnd::How::misfit: quality.note_misfit(); break;
     case LineEnd::How::no_response:
       if (end.heard >= kLeastHeard && !heard_frame) {
         quality.note_unreadable(end.heard_after, quality_.unasked());
@@ -86,7 +103,8 @@ void LineDiagnosis::note_silence(const Asked& asked, LineEnd::How how, Instant n
   Silence& silence = parts_.devices[asked.address].silence;
   switch (how) {
     case LineEnd::How::response: silence.note_answer(now); break;
-    case LineEnd::How::damaged: silence.note_damaged(now); break;
+    case LineEnd::How::damaged:
+    case LineEnd::How::misfit: silence.note_damaged(now); break;
     case LineEnd::How::no_response:
       if (asked.wants_answer) {
         silence.note_unanswered(asked.sent, asked.is_first);
@@ -131,6 +149,9 @@ void LineDiagnosis::notify(DeviceNotice::Kind kind, std::uint8_t address) {
   DeviceNotice notice{kind, address};
   notice.answered_before = quality_[address].has_answered();
   notice.transmissions = parts_.devices[address].health.unanswered_in_row();
+  if (const auto& stop = parts_.devices[address].failed_stop) {
+    notice.exception = stop->exception;
+  }
   parts_.actions.push(notice);
 }
 
@@ -138,49 +159,85 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];
   frame_heard_ = true;
-  if (unsolicited.is_echo) {
+  if (unsolicited.is_echo || parts_.is_unreached(unsolicited.pdu)) {
     return;
   }
-  const auto late =
-      unsolicited.is_response
-          ? entry.health.note_unexpected(unsolicited.pdu.bytes(), unsolicited.came, entry.timing())
-          : std::optional<DeviceHealth::Late>();
+  if (unsolicited.pause > Duration{0}) {  // whose answer it was, nobody can tell
+    entry.note_heard();
+    if (unsolicited.is_response && !std::exchange(entry.pause_reported, true)) {
+      parts_.actions.push(DeviceNotice{DeviceNotice::Kind::pauses, address, unsolicited.pause});
+    }
+    return;
+  }
+  const auto late = unsolicited.is_response ? entry.hold.note_late(unsolicited.pdu.bytes(),
+                                                                   unsolicited.came, entry.timing())
+                                            : std::optional<Hold::Late>();
   if (!late) {
-    note_foreign(unsolicited);
+    if (!note_second_answer(unsolicited) && !note_misfit(unsolicited)) {
+      note_foreign(unsolicited);
+    }
     return;
   }
+  const bool is_back = entry.health.note_heard(unsolicited.came);
   ++parts_.counters.late_responses;
   ++entry.counters.late_responses;
   entry.note_heard();
   entry.silence.note_answer(unsolicited.came);
   if (late->grew) {
     parts_.actions.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
-                                     entry.health.quarantine(unsolicited.came, entry.timing())});
+                                     entry.hold.tail(unsolicited.came, entry.timing())});
   }
-  if (late->back) {
+  if (is_back) {
     notify(DeviceNotice::Kind::back, address);
-    quality_[address].note_heard();  // it was asked by probes only: no matter of its timeout
-  } else if (late->lateness > Duration{0}) {  // else what stood before it was in its way
-    quality_[address].note_late(late->lateness, entry.timing().response_timeout);
+    quality_[address].note_heard();        // it was asked by probes only: no matter of its timeout
+  } else if (late->shown > Duration{0}) {  // else what stood before it was in its way
+    quality_[address].note_late(late->shown, entry.timing().response_timeout);
     tell_quality(address);
   }
 }
 
-// The device has answered just now. False: it has not.
+// The device has answered just now. A single one may be an answer to somebody who had the line
+// before this gateway.
 bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
+  constexpr unsigned kSure = 3;
   const Instant now = unsolicited.came;
   DeviceEntry& entry = parts_.devices[unsolicited.address];
-  if (!unsolicited.is_response || entry.answered_at == Instant::min() ||
-      now > entry.answered_at + entry.timing().response_timeout ||
-      unsolicited.pdu.function() != entry.answered_function) {
+  if (foreign_reported_ || unsolicited.after_noise || is_own(parts_, unsolicited) ||
+      !entry.hold.note_second(unsolicited.pdu.bytes(), now, entry.timing())) {
     return false;
   }
   entry.second_at = now;
   const bool is_read = modbus::is_read(unsolicited.pdu.bytes());
   entry.second_read_at = parts_.line.hears_itself() && is_read ? now : entry.second_read_at;
-  if (!std::exchange(entry.second_reported, true)) {
+  const bool is_sure = entry.hold.seconds() >= kSure ||
+                       now >= parts_.link.opened_at() + entry.timing().quarantine_max;
+  if (is_sure && !std::exchange(entry.second_reported, true)) {
     notify(DeviceNotice::Kind::second_answer, unsolicited.address);
   }
+  return true;
+}
+
+// It stands in the place of the answer to what the device is asked, and does not fit it.
+bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
+  const std::uint8_t address = unsolicited.address;
+  SerialDiscipline* line = parts_.line.serial();  // a connection's identifiers tell answers apart
+  const Transmission* asked = asked_of(parts_, address);
+  if (line == nullptr || unsolicited.after_noise || unsolicited.is_request || asked == nullptr ||
+      is_own(parts_, unsolicited)) {
+    return false;
+  }
+  DeviceEntry& entry = parts_.devices[address];
+  entry.note_heard();
+  if (entry.device->takes_limited(asked->on_wire().request, unsolicited.pdu.bytes())) {
+    line->take_misfit(unsolicited.pdu, std::nullopt);
+    return true;
+  }
+  if (!std::exchange(entry.misfit_reported, true)) {
+    notify(DeviceNotice::Kind::misfit, address);
+  }
+  const bool is_read = asked->on_wire().request.is_read();
+  line->take_misfit(unsolicited.pdu, unsolicited.came + parts_.settings.frame_slack_or_default() +
+                                         (is_read ? entry.hold.longest_answer() : Duration{0}));
   return true;
 }
 
@@ -196,25 +253,17 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];
   const Duration longest = entry.timing().quarantine_max;
-  const auto running = parts_.transmissions.running();
-  const auto asked = std::ranges::find_if(running, [&](const Transmission* transmission) {
-    return transmission->in_flight && transmission->on_wire().address == address;
-  });
-  const bool is_asked = asked != running.end();
-  const bool is_own = is_asked && std::ranges::equal((*asked)->on_wire().request.pdu().bytes(),
-                                                     unsolicited.pdu.bytes());
-  if (is_own && unsolicited.is_request && parts_.settings.line.echo == false &&
+  const bool is_asked = asked_of(parts_, address) != nullptr;
+  if (is_own(parts_, unsolicited) && unsolicited.is_request && parts_.settings.line.echo == false &&
       denied_echo_.note_heard(now)) {
     parts_.actions.push(LineNotice{LineFault::echo_denied});
   }
-  if (unsolicited.after_noise || is_own || now < parts_.link.opened_at() + longest) {
+  if (unsolicited.after_noise || is_own(parts_, unsolicited) ||
+      now < parts_.link.opened_at() + longest) {
     return;
   }
   const bool is_old = entry.owed_until == Instant::min() || now > entry.owed_until + longest;
   if (!unsolicited.is_request && (!unsolicited.is_response || is_asked || !is_old)) {
-    return;
-  }
-  if (!foreign_reported_ && note_second_answer(unsolicited)) {
     return;
   }
   ++parts_.counters.foreign_frames;

@@ -21,6 +21,7 @@ struct Asked {
   bool wants_answer;
   bool is_first;  ///< no repetition
   Instant sent;
+  bool is_unreached = false;  ///< a server has answered that it did not reach the device
 };
 
 /// Around the silences that the specification asks for, and beyond.
@@ -75,6 +76,7 @@ class LineDiagnosis {
   friend struct mbgate::StateReader;
   void note_foreign(const UnsolicitedFrame& unsolicited);
   bool note_second_answer(const UnsolicitedFrame& unsolicited);
+  bool note_misfit(const UnsolicitedFrame& unsolicited);
   void note_silence(const Asked& asked, LineEnd::How how, Instant now);
   void tell_quality(std::uint8_t address);
 

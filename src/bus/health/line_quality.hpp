@@ -68,6 +68,8 @@ class AnswerQuality {
   void note_answered();
   /// It has ended with an answer that had a bad CRC or LRC.
   void note_damaged();
+  /// It has ended with a good frame of the device that does not fit what was asked.
+  void note_misfit() { note_ended(true); }
   /// It has ended, and nothing was received.
   void note_silent();
   /// It has ended, and bytes were received but no valid frame. `after`: from the end of the request

@@ -138,7 +138,7 @@ bool Admission::push(Job& job) {
 
 // Identical stops that wait are sent once.
 bool Admission::push_stop(Job& job) {
-  Transmission* same = parts_.stops.find([&](const Transmission& stop) {
+  Transmission* same = parts_.stops.find_any([&](const Transmission& stop) {
     // A write between them that is let go first is to be stopped too.
     const bool crosses =
         !job.is_broadcast() &&

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stops that wait for a bus, ahead of everything else, in the order in which they are sent.
-// Identical ones share a place.
+// Identical ones share a place. Those that their device has refused rest before their next try, and
+// hold up nobody meanwhile.
 #pragma once
 
 #include <algorithm>
 #include <boost/intrusive/list.hpp>
 #include <cstddef>
+#include <optional>
 
 #include "bus/state_reader.hpp"
 #include "bus/transmission/transmission.hpp"
@@ -18,7 +20,7 @@ inline constexpr std::size_t kRoomForStops = 256;
 
 class StopLane {
  public:
-  [[nodiscard]] bool has_room() const { return stops_.size() < kRoomForStops; }
+  [[nodiscard]] bool has_room() const { return size() < kRoomForStops; }
   /// Behind the others.
   void push(Transmission& stop) { stops_.push_back(stop); }
   /// Before those that were accepted later and were not tried yet.
@@ -30,11 +32,25 @@ class StopLane {
   }
   /// In front of them.
   void push_front(Transmission& stop) { stops_.push_front(stop); }
+  /// It waits again from `until` on.
+  void rest(Transmission& stop, Instant until) {
+    stop.waits_since = until;
+    resting_.push_back(stop);
+  }
+  /// Those whose rest is over wait, behind the others.
+  void wake(Instant now) {
+    while (!resting_.empty() && resting_.front().waits_since <= now) {
+      stops_.splice(stops_.end(), resting_, resting_.begin());
+    }
+  }
+  [[nodiscard]] std::optional<Instant> next_wake() const {
+    return resting_.empty() ? std::nullopt : std::optional(resting_.front().waits_since);
+  }
   void remove(Transmission& stop) { stops_.erase(List::s_iterator_to(stop)); }
 
   [[nodiscard]] bool empty() const { return stops_.empty(); }
   /// The number of places in use: stops that share one count once.
-  [[nodiscard]] std::size_t size() const { return stops_.size(); }
+  [[nodiscard]] std::size_t size() const { return stops_.size() + resting_.size(); }
   [[nodiscard]] Transmission* first() { return stops_.empty() ? nullptr : &stops_.front(); }
   /// The first for which `is_it` returns true; nullptr if there is none.
   template <typename Predicate>
@@ -42,10 +58,17 @@ class StopLane {
     const auto found = std::ranges::find_if(stops_, is_it);
     return found == stops_.end() ? nullptr : &*found;
   }
+  /// The same among those that rest, too.
+  template <typename Predicate>
+  [[nodiscard]] Transmission* find_any(Predicate is_it) {
+    const auto resting = std::ranges::find_if(resting_, is_it);
+    return resting == resting_.end() ? find(is_it) : &*resting;
+  }
   /// Calls `visit` for each of them; the lane must not be changed meanwhile.
   template <typename Visit>
   void visit(Visit visit) {
     std::ranges::for_each(stops_, visit);
+    std::ranges::for_each(resting_, visit);
   }
 
  private:
@@ -55,6 +78,7 @@ class StopLane {
       boost::intrusive::member_hook<Transmission, boost::intrusive::list_member_hook<>,
                                     &Transmission::stop_hook>>;
   List stops_;
+  List resting_;  // by the end of their rest
 };
 
 }  // namespace mbgate::bus

@@ -159,9 +159,10 @@ Transmission* next_stop(Parts& parts, Instant now) {
 }
 
 Instant stop_overdue_at(const Parts& parts, const Transmission& stop) {
-  const auto busy_since = parts.line.busy_since();
-  return busy_since ? std::max(stop.waits_since, *busy_since) + stop_deadline(parts.settings)
-                    : Instant::max();
+  const LineSilence* silence = parts.line.silence();
+  return silence == nullptr
+             ? Instant::max()
+             : std::max(stop.waits_since, silence->busy_since()) + stop_deadline(parts.settings);
 }
 
 std::optional<StopChoice> choose_stop(Parts& parts, Instant now) {

@@ -151,7 +151,7 @@ Instant held_until(const Parts& parts, const Job& job) {
                             transaction.request.is_read();
   const std::uint8_t function = transaction.request.function();
   return parts.quarantines() && !repeats_read
-             ? std::max(entry.free_at, entry.health.held_until(function, entry.timing()))
+             ? std::max(entry.free_at, entry.hold.until(function, entry.timing()))
              : entry.free_at;
 }
 

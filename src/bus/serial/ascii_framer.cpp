@@ -11,6 +11,8 @@
 namespace mbgate::bus {
 namespace {
 
+constexpr std::uint8_t kCarriageReturn = '\r';
+
 // Capital and small hexadecimal digits mean the same.
 std::uint8_t folded(std::uint8_t character) {
   constexpr std::uint8_t kSmallLetter = 0x20;
@@ -26,9 +28,11 @@ bool may_stand_in_frame(std::uint8_t character) {
 
 }  // namespace
 
-void AsciiFramer::expect(const Transaction& transaction) {
+void AsciiFramer::expect(const Transaction& transaction, Instant sent) {
   listen();
   transaction_ = &transaction;
+  is_paced_ = sent != Instant::min();
+  hurried_.reset();
   is_earlier_ = !buffer_.empty();
   restarts_ = 0;
   taken_ = 0;
@@ -43,9 +47,11 @@ void AsciiFramer::expect(const Transaction& transaction) {
 
 void AsciiFramer::listen() {
   transaction_ = nullptr;
-  for (const std::uint8_t character : std::exchange(rest_, {})) {
-    std::ignore = take(character, last_character_);
+  if (is_whole_) {
+    std::ignore = judge(last_character_);
   }
+  const modbus::AsciiBytes rest = std::exchange(rest_, {});
+  std::ignore = add({rest.data(), rest.size()}, last_character_);
 }
 
 void AsciiFramer::forget() {
@@ -56,23 +62,32 @@ void AsciiFramer::forget() {
 void AsciiFramer::discard() {
   counters_.stray_bytes += buffer_.size();
   buffer_.clear();
+  is_whole_ = false;
 }
 
 Verdict AsciiFramer::add(modbus::Bytes bytes, Instant now) {
-  if (now - last_character_ >= kLongestCharacterGap) {
+  if (now - last_character_ >= kLongestCharacterGap && !is_whole_) {
     discard();
   }
   last_character_ = now;
   for (std::size_t at = 0; at < bytes.size(); ++at) {
+    if (is_whole_ && bytes[at] != modbus::kAsciiEnd) {
+      if (const Verdict verdict = judge(now); verdict != Verdict::none) {
+        return keep_rest(verdict, bytes.subspan(at));
+      }
+    }
     if (const Verdict verdict = take(bytes[at], now); verdict != Verdict::none) {
-      const modbus::Bytes rest = bytes.subspan(at + 1);
-      const std::size_t kept = std::min(rest.size(), rest_.capacity());
-      rest_.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(kept));
-      counters_.stray_bytes += rest.size() - kept;
-      return verdict;
+      return keep_rest(verdict, bytes.subspan(at + 1));
     }
   }
   return Verdict::none;
+}
+
+Verdict AsciiFramer::keep_rest(Verdict verdict, modbus::Bytes rest) {
+  const std::size_t kept = std::min(rest.size(), rest_.capacity());
+  rest_.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(kept));
+  counters_.stray_bytes += rest.size() - kept;
+  return verdict;
 }
 
 Verdict AsciiFramer::again(Instant now) {
@@ -100,11 +115,42 @@ Verdict AsciiFramer::take(std::uint8_t character, Instant now) {
     began_first_ = taken_ == 1;
   }
   buffer_.push_back(character);
-  return character == modbus::kAsciiEnd ? judge(now) : Verdict::none;
+  if (is_paced_) {
+    began_ = std::min(began_, now - timing_.least_duration_of(buffer_.size()));
+  }
+  if (character == kCarriageReturn) {
+    is_whole_ = ends_well();
+  }
+  if (character == modbus::kAsciiEnd) {
+    return judge(now);
+  }
+  return Verdict::none;
+}
+
+// What the characters stand for that have come, if CR LF or one of them alone ends them.
+std::optional<modbus::AsciiContent> AsciiFramer::content() const {
+  const auto is_end = [](std::uint8_t it) {
+    return it == kCarriageReturn || it == modbus::kAsciiEnd;
+  };
+  const auto end = std::ranges::find_if(buffer_, is_end);
+  modbus::AsciiBytes whole(buffer_.begin(), end);
+  if (buffer_.end() - end > 2 || whole.size() + 2 > whole.capacity()) {
+    return std::nullopt;
+  }
+  whole.push_back(kCarriageReturn);
+  whole.push_back(modbus::kAsciiEnd);
+  return modbus::ascii_content({whole.data(), whole.size()});
+}
+
+bool AsciiFramer::ends_well() const {
+  const auto whole = content();
+  return whole && modbus::has_good_lrc({whole->data(), whole->size()});
 }
 
 Verdict AsciiFramer::judge(Instant now) {
-  const auto content = modbus::ascii_content({buffer_.data(), buffer_.size()});
+  is_whole_ = false;
+  const bool is_exact = modbus::ascii_content({buffer_.data(), buffer_.size()}).has_value();
+  const auto content = is_exact || ends_well() ? this->content() : std::nullopt;
   if (!content) {
     discard();
     return Verdict::none;
@@ -133,7 +179,8 @@ Verdict AsciiFramer::judge(Instant now) {
 
 bool AsciiFramer::in_progress() const {
   const std::size_t known = std::min(buffer_.size(), start_.size());
-  return transaction_ != nullptr && !is_earlier_ && known > 0 && buffer_.size() < longest_ &&
+  const bool is_short = buffer_.size() < longest_ || is_whole_;
+  return transaction_ != nullptr && !is_earlier_ && known > 0 && is_short &&
          restarts_ <= kMostRestarts &&
          std::equal(
              start_.begin(), start_.begin() + static_cast<std::ptrdiff_t>(known), buffer_.begin(),
@@ -141,14 +188,29 @@ bool AsciiFramer::in_progress() const {
 }
 
 std::optional<Instant> AsciiFramer::next_deadline() const {
-  return in_progress() ? std::optional(last_character_ + kLongestCharacterGap) : std::nullopt;
+  if (is_whole_) {
+    return last_character_ + slack_;
+  }
+  if (!in_progress()) {
+    return std::nullopt;
+  }
+  const Instant on_wire = began_ + timing_.duration_of(longest_);
+  Instant deadline = std::min(last_character_, on_wire) + kLongestCharacterGap;
+  if (hurried_) {
+    deadline = std::min(deadline, std::max(*hurried_, on_wire + slack_));
+  }
+  return deadline;
 }
 
 Verdict AsciiFramer::handle_deadline(Instant now) {
   const auto deadline = next_deadline();
-  if (deadline && now >= *deadline) {
-    discard();
+  if (!deadline || now < *deadline) {
+    return Verdict::none;
   }
+  if (is_whole_) {
+    return judge(now);
+  }
+  discard();
   return Verdict::none;
 }
 

@@ -10,6 +10,7 @@ namespace mbgate::bus {
 void CutFrame::clear() {
   kept_.clear();
   begins_.reset();
+  pause_ = Duration{0};
 }
 
 // The oldest pieces go: a frame that begins so far back would be longer than any.
@@ -28,6 +29,7 @@ void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last, Duration s
     clear();
   }
   if (bytes.size() <= kept_.capacity()) {
+    pause_ = kept_.empty() ? Duration{0} : std::max(pause_, began - last_);
     make_room(bytes.size());
     begins_.set(kept_.size());
     kept_.insert(kept_.end(), bytes.begin(), bytes.end());
@@ -67,12 +69,13 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
     if (!frame || (noise > 0 && is_exception(all))) {
       continue;
     }
+    const Duration pause = std::max(pause_, began - last_);
     clear();
     if (at + frame->size <= before) {
       return std::nullopt;  // it was whole already, and was seen or given up
     }
     return Joined{*modbus::decode_rtu(all.first(frame->size)), at + frame->size - before,
-                  frame->is_response, noise > 0};
+                  frame->is_response, noise > 0, pause};
   }
   return std::nullopt;
 }

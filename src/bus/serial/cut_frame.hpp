@@ -25,6 +25,7 @@ class CutFrame {
     std::size_t taken;  ///< of the new bytes
     bool is_response;   ///< else it is another client's request
     bool after_noise;
+    Duration pause;  ///< the longest between its pieces
   };
   /// Completes a kept frame with `bytes`, which began at `began`; what is kept is then dropped.
   /// Nothing if the bytes complete no frame, began more than `slack` after what is kept, or begin
@@ -40,6 +41,7 @@ class CutFrame {
   /// Where in `kept_` a piece begins that was given up: a frame may begin with any of them.
   std::bitset<modbus::kMaxRtuSize> begins_;
   Instant last_;
+  Duration pause_{0};  // the longest between two pieces
 };
 
 }  // namespace mbgate::bus

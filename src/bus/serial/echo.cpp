@@ -12,14 +12,19 @@ namespace {
 // After the response timeout, as answers (quarantine_max). What comes later cannot be excluded.
 constexpr Duration kEchoOwed = std::chrono::seconds(10);
 
-// One may be lost; after so many answers in a row that came without one there is none.
-constexpr unsigned kMostLost = 8;
+// Some may be lost; after so many reads in a row that were answered without one it is not known
+// whether there is one.
+constexpr unsigned kMostLost = 3;
 
 // Can the echo of this be mistaken for the answer to it? Of 05, 06, 22 and 08/00 it always is one.
 bool looks_like_answer(const Transaction& transaction) {
   const auto fit = modbus::check_response(transaction.request, transaction.request.pdu().bytes());
   return !transaction.is_broadcast() && fit == modbus::ResponseFit::normal;
 }
+
+// An answer to 07, 11, 12 or 17, which have no fields, may begin as the echo does: with data where
+// that has its CRC. What comes then is neither an answer, nor does it say whether there is an echo.
+bool shows_anything(const modbus::Pdu& asked) { return asked.size() > 1; }
 
 }  // namespace
 
@@ -38,6 +43,8 @@ void Echo::open() {
   }
   owed_.clear();
   asked_.reset();
+  heard_.reset();
+  echoed_ = false;
   may_answer_ = shown_ = unproven_told_ = false;
 }
 
@@ -55,7 +62,7 @@ void Echo::expect(const Transaction& transaction, const FrameBytes& frame, Insta
   address_ = transaction.address;
   asked_ = transaction.request.pdu();
   may_answer_ = looks_like_answer(transaction);
-  spoilt_ = passed_ = false;
+  spoilt_ = passed_ = echoed_ = false;
   if (state_ == State::present || (learns_ && !may_answer_)) {
     expected_ = frame;
   }
@@ -110,8 +117,8 @@ Echo::Heard Echo::compare(modbus::Bytes bytes) {
   return {};
 }
 
-// As long as what comes may be the echo of what was sent, it is held back: if it is, no answer to
-// that can look so, and the line hears itself.
+// As long as what comes may be the echo of what was sent, it is held back: no answer to that should
+// look so. One may all the same, so that only an answer behind it shows that the line hears itself.
 Echo::Heard Echo::look_for(modbus::Bytes bytes, Instant now) {
   const auto count = matching(bytes);
   if (!count) {
@@ -123,15 +130,9 @@ Echo::Heard Echo::look_for(modbus::Bytes bytes, Instant now) {
     held_.push_back({seen_, now});
   }
   seen_ += *count;
-  if (!is_awaited() && shows_anything()) {
-    find();
-  }
+  echoed_ = !is_awaited() && shows_anything(*asked_);
   return {{}, bytes.subspan(*count)};
 }
-
-// An answer to 07, 11, 12 or 17, which have no fields, may begin as the echo does: with data where
-// that has its CRC. What comes then is neither an answer, nor does it say whether there is an echo.
-bool Echo::shows_anything() const { return asked_->size() > 1; }
 
 Echo::Held Echo::release() {
   Held held;
@@ -165,6 +166,7 @@ bool Echo::take_owed(const modbus::Pdu& response) {
 }
 
 void Echo::find() {
+  echoed_ = false;
   state_ = State::present;
   shown_ = true;
   lost_ = 0;
@@ -177,9 +179,17 @@ void Echo::note_unproven() {
   }
 }
 
-void Echo::note_answered() {
-  if (!learns_ || may_answer_ || !shows_anything() || state_ != State::unknown ||
-      (shown_ && ++lost_ < kMostLost)) {
+void Echo::note_answered(const modbus::Pdu& response, bool came_first) {
+  if (!is_repetition(response)) {
+    heard_.set(address_);
+  }
+  if (std::exchange(echoed_, false)) {
+    find();
+    return;
+  }
+  const bool shows_none =
+      came_first && !may_answer_ && shows_anything(*asked_) && modbus::is_read(asked_->bytes());
+  if (!learns_ || state_ != State::unknown || !shows_none || (shown_ && ++lost_ < kMostLost)) {
     return;
   }
   state_ = State::absent;

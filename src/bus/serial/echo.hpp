@@ -3,9 +3,11 @@
 // from what is received.
 //
 // Where there is an echo, it is compared with what was sent and removed. If the settings do not say
-// whether there is one, this is learned: a received frame that is identical to the request, and
-// cannot be its answer, is an echo. Until this is known, bytes that may be the beginning of an echo
-// are held back.
+// whether there is one, this is learned: a received frame that is identical to the request and
+// cannot be its answer, with the answer behind it, is an echo. Alone it proves nothing: a device
+// may have answered so. Until this is known, bytes that may be the beginning of an echo are held
+// back, and a frame that could be an echo acknowledges nothing from a device that was not heard
+// since the line was opened.
 //
 // An echo that did not come in time may still come late. If the answer to the request looks the
 // same, the late echo could be mistaken for the answer to the same request sent once more.
@@ -14,6 +16,7 @@
 // earlier one will.
 #pragma once
 
+#include <bitset>
 #include <boost/container/static_vector.hpp>
 #include <optional>
 #include <utility>
@@ -81,22 +84,27 @@ class Echo {
   [[nodiscard]] bool is_unknown() const { return state_ == State::unknown; }
   [[nodiscard]] bool is_present() const { return state_ == State::present; }
   /// A response that repeats the request is taken for the echo. True: there was another one before
-  /// it.
-  bool pass() { return std::exchange(passed_, true); }
+  /// it. `proves`: it cannot be anything else, if an answer follows.
+  bool pass(bool proves = false) {
+    echoed_ = echoed_ || proves;
+    return std::exchange(passed_, true);
+  }
   /// An echo was seen: the line has one.
   void find();
   /// A response that repeats the request was accepted as the answer, because nothing showed that
   /// the line has an echo.
   void note_unproven();
-  /// A response was accepted, and nothing at all came before it; an echo would have. (If anything
-  /// did come, it may be a damaged echo.) On a line with an echo, one may be lost, but not many
-  /// times in a row.
-  void note_answered();
+  /// A response was accepted. `came_first`: nothing at all came before it; an echo would have. (If
+  /// anything did come, it may be a damaged echo.) On a line with an echo, one may be lost, but not
+  /// those of several reads in a row.
+  void note_answered(const modbus::Pdu& response, bool came_first);
+  /// Has the device that was asked last answered something that is no echo, since the line was
+  /// opened?
+  [[nodiscard]] bool has_heard_device() const { return heard_.test(address_); }
 
  private:
   friend struct mbgate::StateReader;
   [[nodiscard]] bool is_awaited() const { return seen_ < expected_.size(); }
-  [[nodiscard]] bool shows_anything() const;
   [[nodiscard]] std::optional<std::size_t> matching(modbus::Bytes bytes) const;
   void owe(Instant now);
   Heard compare(modbus::Bytes bytes);
@@ -115,8 +123,10 @@ class Echo {
   /// Echoes that did not come, of requests whose answers look the same, in the order of the
   /// requests. The oldest is dropped for the newest.
   boost::container::static_vector<FrameBytes, kMostOwedEchoes> owed_;
-  Instant due_;  // when what was sent last should have been answered
-  Pieces held_;  // of what may be an echo, and is not passed on yet: how it came
+  Instant due_;          // when what was sent last should have been answered
+  Pieces held_;          // of what may be an echo, and is not passed on yet: how it came
+  bool echoed_ = false;  // all of it came, and could not be the answer: an echo if one follows
+  std::bitset<256> heard_;
   bool spoilt_ = false;
   bool passed_ = false;  // a repetition of the request was taken for the echo
   bool shown_ = false;   // since the line was opened

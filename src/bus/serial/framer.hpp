@@ -18,9 +18,7 @@ class Framer {
       : framer_(make(settings, timing, counters)) {}
   /// Other times on the same line.
   void update(const BusSettings& settings) {
-    if (auto* rtu = std::get_if<RtuFramer>(&framer_)) {
-      rtu->set_slack(settings.frame_slack_or_default());
-    }
+    std::visit([&](auto& framer) { framer.set_slack(settings.frame_slack_or_default()); }, framer_);
   }
 
   [[nodiscard]] FrameBytes encode(std::uint8_t address, const modbus::Pdu& pdu) const {
@@ -31,12 +29,14 @@ class Framer {
     const auto frame = modbus::encode_rtu(address, pdu);
     return {frame.begin(), frame.end()};
   }
-  /// In ASCII a frame says itself where it begins: no echo stands in the way of what follows.
   void expect(const Transaction& transaction, Instant sent) {
-    if (auto* rtu = std::get_if<RtuFramer>(&framer_)) {
-      rtu->expect(transaction, sent);
-    } else {
-      std::get<AsciiFramer>(framer_).expect(transaction);
+    std::visit([&](auto& framer) { framer.expect(transaction, sent); }, framer_);
+  }
+  /// A stop waits, and the response timeout ends at `due` for it. In RTU a frame has no more time
+  /// than that anyway.
+  void hurry(Instant due) {
+    if (auto* ascii = std::get_if<AsciiFramer>(&framer_)) {
+      ascii->hurry(due);
     }
   }
   Verdict add(modbus::Bytes bytes, Instant now) {
@@ -82,7 +82,8 @@ class Framer {
   static Variant make(const BusSettings& settings, const modbus::RtuTiming& timing,
                       BusCounters& counters) {
     if (settings.line.framing == Framing::ascii) {
-      return Variant(std::in_place_type<AsciiFramer>, counters);
+      return Variant(std::in_place_type<AsciiFramer>, timing, settings.frame_slack_or_default(),
+                     counters);
     }
     return Variant(std::in_place_type<RtuFramer>, timing, settings.frame_slack_or_default(),
                    counters);

@@ -3,25 +3,23 @@
 
 namespace mbgate::bus {
 
-LineSilence::LineSilence(const BusSettings& settings, Duration listen_first)
+LineSilence::LineSilence(const BusSettings& settings)
     : timing_(settings.line.baud, settings.line.format),
       frame_gap_(settings.frame_gap.value_or(timing_.t3_5())),
       turnaround_(settings.turnaround),
-      settle_(settings.settle),
-      listen_first_(listen_first) {}
+      settle_(settings.settle) {}
 
-void LineSilence::update(const BusSettings& settings, Duration listen_first) {
+void LineSilence::update(const BusSettings& settings) {
   frame_gap_ = settings.frame_gap.value_or(timing_.t3_5());
   turnaround_ = settings.turnaround;
   settle_ = settings.settle;
-  listen_first_ = listen_first;
 }
 
-void LineSilence::open(Instant now) {
+void LineSilence::open(Instant now, Instant listen_until) {
   quiet_since_ = now;
   busy_since_ = now;
   emission_ends_ = now;
-  listening_until_ = now + listen_first_;
+  listening_until_ = listen_until;
   settling_until_ = now;
   turnaround_until_ = std::max(turnaround_until_, now);  // the drives know nothing of the adapter
 }

@@ -16,13 +16,12 @@ namespace mbgate::bus {
 
 class LineSilence {
  public:
-  /// `listen_first`: how long a line that was opened is listened to.
-  LineSilence(const BusSettings& settings, Duration listen_first);
+  explicit LineSilence(const BusSettings& settings);
   /// Other times on the same line.
-  void update(const BusSettings& settings, Duration listen_first);
+  void update(const BusSettings& settings);
 
-  /// The line was opened: listening begins.
-  void open(Instant now);
+  /// The line was opened: it is listened to until then.
+  void open(Instant now, Instant listen_until);
   /// An own frame of so many bytes begins.
   void note_frame(std::size_t bytes, Instant now);
   /// It is a broadcast: the turnaround delay follows it.
@@ -66,7 +65,6 @@ class LineSilence {
   Duration frame_gap_;
   Duration turnaround_;
   Duration settle_;
-  Duration listen_first_;
   Instant quiet_since_;  // the last byte in either direction
   Instant busy_since_;   // the first one after the last silence
   Instant settling_until_;

@@ -10,6 +10,9 @@ namespace {
 
 using Kind = modbus::PduLength::Kind;
 
+// In a frame that has begun.
+constexpr Duration kLongestPauses = std::chrono::seconds(1);
+
 }  // namespace
 
 RtuFramer::RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters)
@@ -39,13 +42,16 @@ void RtuFramer::forget() {
 // cannot be known, such as another client's request; not the beginning of one that is longer.
 void RtuFramer::give_up_buffer() {
   const bool is_told = !std::exchange(answers_another_, false);
-  if (is_told && modbus::decode_rtu(buffer_.bytes()) && !may_begin_frame(buffer_.bytes())) {
+  const auto whole = buffer_.size() > 1 ? good_frame(buffer_.bytes()) : std::nullopt;
+  const bool is_response = whole && whole->is_response && whole->size == buffer_.size();
+  if (is_told && modbus::decode_rtu(buffer_.bytes()) &&
+      (is_response || !may_begin_frame(buffer_.bytes()))) {
     note_unsolicited(0, buffer_.size());
   } else {
     counters_.stray_bytes += buffer_.size();
     if (is_told && buffer_.size() > 0) {
       cut_.keep(buffer_.bytes(), buffer_.came_at(0), buffer_.came_at(buffer_.size() - 1),
-                silence());
+                kLongestPauses);
     }
   }
   buffer_.clear();
@@ -56,11 +62,13 @@ void RtuFramer::join_cut() {
   if (buffer_.size() == 0) {
     return;
   }
-  if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), silence())) {
+  if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), kLongestPauses)) {
     const modbus::RtuAdu& frame = joined->frame;
     const Instant came = buffer_.came_at(joined->taken - 1);
     ++counters_.unsolicited_frames;
-    unsolicited_.add({frame.address, frame.pdu, came, joined->after_noise});
+    UnsolicitedFrame unsolicited{frame.address, frame.pdu, came, joined->after_noise};
+    unsolicited.pause = joined->pause > silence() ? joined->pause : Duration{0};
+    unsolicited_.add(unsolicited);
     discarding_ = answers_another_ =
         !joined->is_response && !looker().is_echo(frame.address, frame.pdu.bytes(), came);
     buffer_.drop(joined->taken);
@@ -104,7 +112,7 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
     counters_.stray_bytes += answer_at_;
     if (answer_at_ > 0) {
       cut_.keep(buffer_.bytes().first(answer_at_), buffer_.came_at(0),
-                buffer_.came_at(answer_at_ - 1), silence());
+                buffer_.came_at(answer_at_ - 1), kLongestPauses);
     }
     buffer_.drop(answer_at_);
     answer_at_ = 0;
@@ -150,9 +158,15 @@ Verdict RtuFramer::search(bool silence) {
 }
 
 void RtuFramer::accept(const RtuFind& response) {
+  Instant began = buffer_.came_at(response.at);
+  const bool is_paced = sent_ != Instant::min();
+  for (std::size_t byte = 0; is_paced && byte < response.size; ++byte) {
+    began =
+        std::min(began, buffer_.came_at(response.at + byte) - timing_.least_duration_of(byte + 1));
+  }
   found_ = {modbus::Pdu::from(
                 buffer_.bytes().subspan(response.at + 1, response.size - modbus::kRtuOverhead)),
-            buffer_.came_at(response.at), response.at == 0 && buffer_.size() == given_};
+            began, response.at == 0 && buffer_.size() == given_};
   noise_ = response.at;
   counters_.noise_bytes += response.at;
   buffer_.drop(response.at + response.size);
@@ -167,7 +181,11 @@ void RtuFramer::consume(std::size_t at, std::size_t size) {
 
 std::optional<Instant> RtuFramer::next_deadline() const {
   if (!in_progress()) {
-    return std::nullopt;
+    // Perhaps a frame of the device that was asked, whose length nothing predicts.
+    const bool may_be_misfit = !answers_another_ && transaction_ != nullptr &&
+                               buffer_.size() > modbus::kRtuOverhead &&
+                               buffer_.bytes()[0] == transaction_->address;
+    return may_be_misfit ? std::optional(last_byte_ + silence()) : std::nullopt;
   }
   if (awaits_silence()) {
     return last_byte_ + silence();
@@ -175,12 +193,21 @@ std::optional<Instant> RtuFramer::next_deadline() const {
   const modbus::PduLength length = looker().length_of(buffer_.bytes().subspan(answer_at_));
   const std::size_t size =
       length.kind == Kind::known ? length.bytes + modbus::kRtuOverhead : modbus::kMaxRtuSize;
-  return buffer_.came_at(answer_at_) + timing_.duration_of(size) + slack_;
+  const Instant whole = buffer_.came_at(answer_at_) + timing_.duration_of(size);
+  return std::min(std::max(whole, last_byte_) + slack_, whole + kLongestPauses);
 }
 
 Verdict RtuFramer::handle_deadline(Instant now) {
   const auto deadline = next_deadline();
   if (!deadline || now < *deadline) {
+    return Verdict::none;
+  }
+  if (!in_progress()) {
+    if (modbus::decode_rtu(buffer_.bytes())) {
+      consume(0, buffer_.size());
+    }
+    give_up_buffer();
+    discarding_ = false;
     return Verdict::none;
   }
   switch (answer_) {

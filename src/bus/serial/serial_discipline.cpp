@@ -10,6 +10,12 @@
 namespace mbgate::bus {
 namespace {
 
+// Less than this is no proof: clocks differ, and so does what a drive counts its wait from.
+constexpr int kEarlyPart = 8;  // of the response wait
+
+// A driver, and the bus that its adapter is on, may begin a frame so much later than it was given.
+constexpr Duration kDriverIsLate = std::chrono::milliseconds(20);
+
 // Autonics' form of a broadcast has a function of its own (AiC manual, section 2.13).
 modbus::Pdu pdu_on_wire(const Transaction& transaction) {
   const modbus::Pdu& pdu = transaction.request.pdu();
@@ -23,25 +29,25 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
 
 }  // namespace
 
-SerialDiscipline::SerialDiscipline(const BusSettings& settings, Duration listen_first,
-                                   BusCounters& counters)
-    : silence_(settings, listen_first),
+SerialDiscipline::SerialDiscipline(const BusSettings& settings, BusCounters& counters)
+    : silence_(settings),
       paced_setting_(settings.line.paced),
       counters_(counters),
       echo_(settings.line.echo, counters, faults_),
       framer_(settings, silence_.timing(), counters) {}
 
-void SerialDiscipline::open(Instant now, LineKind kind) {
+void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
   abort();
   framer_.forget();
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
-  unpaced_told_ = false;
-  silence_.open(now);
+  unpaced_told_ = is_answerless_ = false;
+  unsent_ = 0;
+  silence_.open(now, listen_until);
 }
 
-void SerialDiscipline::update(const BusSettings& settings, Duration listen_first) {
-  silence_.update(settings, listen_first);
+void SerialDiscipline::update(const BusSettings& settings) {
+  silence_.update(settings);
   framer_.update(settings);
 }
 
@@ -55,11 +61,13 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   end_.reset();
   silence_.note_frame(frame.size(), now);
   response_wait_ = timing.response_wait;
-  owed_ = owed;
+  owed_ = std::move(owed);
+  misfit_ = false;
   draining_ = false;
   const Duration answer_time = transaction.boot_time
                                    ? silence_.turnaround()
                                    : timing.response_timeout + timing.response_wait;
+  is_answerless_ = transaction.is_broadcast() || transaction.may_stay_silent();
   response_due_ = silence_.emission_ends() + answer_time;
   response_deadline_ = response_due_;
   heard_ = 0;
@@ -77,6 +85,30 @@ void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Instant in
                                   Duration least) {
   response_deadline_ =
       std::min(response_deadline_, std::max(instant, silence_.emission_ends() + least));
+  framer_.hurry(response_deadline_);
+}
+
+bool SerialDiscipline::handle_looked(Instant now) {
+  const bool is_over =
+      transaction_ == nullptr ? is_answerless_ : now >= response_due_ && !framer_.in_progress();
+  if (unsent_ == 0 || !is_over || now < silence_.possible_at() + kDriverIsLate) {
+    return false;
+  }
+  note_fault(faults_, LineFault::driver_stalled);
+  return true;
+}
+
+void SerialDiscipline::take_misfit(const modbus::Pdu& frame, std::optional<Instant> over) {
+  if (transaction_ == nullptr || transaction_->is_broadcast()) {
+    return;
+  }
+  if (over) {
+    misfit_ = true;
+    limit_wait(*transaction_, *over, {});
+  } else {
+    transaction_->response = frame;
+    end(LineEnd::How::response);
+  }
 }
 
 void SerialDiscipline::abort() {
@@ -87,7 +119,10 @@ void SerialDiscipline::abort() {
 }
 
 void SerialDiscipline::end(LineEnd::How how) {
-  const bool early = how == LineEnd::How::response && response_wait_ > Duration{0} && is_early();
+  const Instant answers_at =
+      silence_.emission_ends() + response_wait_ - response_wait_ / kEarlyPart;
+  const bool early = how == LineEnd::How::response && response_wait_ > Duration{0} &&
+                     framer_.found().began < answers_at;
   end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_,
                  std::max(silence_.quiet_since() - silence_.emission_ends(), Duration{0}), early};
   const bool framed = how == LineEnd::How::response || how == LineEnd::How::damaged;
@@ -121,7 +156,7 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
 }
 
 void SerialDiscipline::handle_deadline(Instant now) {
-  if (transaction_ == nullptr) {
+  if (handle_looked(now) || transaction_ == nullptr) {
     return;
   }
   if (transaction_->is_broadcast()) {
@@ -138,10 +173,10 @@ void SerialDiscipline::handle_deadline(Instant now) {
   }
   judge(framer_.handle_deadline(now), now);
   if (transaction_ != nullptr && now >= response_deadline_ && !framer_.in_progress()) {
-    if (!transaction_->may_stay_silent()) {
+    if (!transaction_->may_stay_silent() && !misfit_) {
       silence_.note_unanswered(now);
     }
-    end(LineEnd::How::no_response);
+    end(misfit_ ? LineEnd::How::misfit : LineEnd::How::no_response);
   }
 }
 
@@ -152,7 +187,8 @@ std::optional<Instant> SerialDiscipline::next_deadline() const {
   if (transaction_->is_broadcast()) {
     return silence_.emission_ends();
   }
-  return framer_.in_progress() ? framer_.next_deadline() : response_deadline_;
+  const auto of_frame = framer_.next_deadline();
+  return framer_.in_progress() ? of_frame : earlier(of_frame, response_deadline_);
 }
 
 std::optional<LineEnd> SerialDiscipline::take_end() { return std::exchange(end_, std::nullopt); }

@@ -19,28 +19,38 @@ namespace mbgate::bus {
 
 class SerialDiscipline {
  public:
-  SerialDiscipline(const BusSettings& settings, Duration listen_first, BusCounters& counters);
+  SerialDiscipline(const BusSettings& settings, BusCounters& counters);
   SerialDiscipline(const SerialDiscipline&) = delete;  // its parts refer to each other
   SerialDiscipline& operator=(const SerialDiscipline&) = delete;
 
-  /// The line was opened: listening begins, nothing of before counts any more.
-  void open(Instant now, LineKind kind);
+  /// The line was opened: it is listened to until then, nothing of before counts any more.
+  void open(Instant now, LineKind kind, Instant listen_until);
   /// Other times on the same line.
-  void update(const BusSettings& settings, Duration listen_first);
+  void update(const BusSettings& settings);
   /// When something may be sent.
   [[nodiscard]] const LineSilence& silence() const { return silence_; }
   /// Starts to transmit now; no other transaction may be running, and `transaction`, which gets the
-  /// response, must outlive its end. The device owes `owed`: so many answers are refused that begin
-  /// before their time, or may be those to another write. Returns the frame.
+  /// response, must outlive its end. An answer that fits one of `owed` first, which is no try of
+  /// its own, belongs to that one and is refused, once. Returns the frame.
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
                    Instant now);
   /// The running transaction counts as timed out at `instant`, but not before it has left and had
   /// `least` for its response, unless this has begun by then.
   void limit_wait(const Transaction& transaction, Instant instant, Duration least);
+  /// A good frame of the device came that does not fit the running transaction. It ends at `over`,
+  /// unless its answer has begun by then; without that the device may answer so, and has.
+  void take_misfit(const modbus::Pdu& frame, std::optional<Instant> over);
   /// When the response timeout of the last transmission ends.
   [[nodiscard]] Instant response_due() const { return response_due_; }
   /// Gives up the running transaction: nothing of it will be reported.
   void abort();
+
+  /// The driver holds so many bytes that it has not sent yet.
+  void note_unsent(std::size_t bytes) { unsent_ = bytes; }
+  /// Something is about to be transmitted. What the driver holds would leave in front of it, when
+  /// nobody waits for it any more: a fault, here and at the end of a response timeout. Returns
+  /// whether it is one.
+  bool handle_looked(Instant now);
 
   void handle_bytes(modbus::Bytes bytes, Instant now);
   void handle_deadline(Instant now);
@@ -58,11 +68,10 @@ class SerialDiscipline {
  private:
   friend struct mbgate::StateReader;
   void judge_held(const Echo::Held& held, Instant now);
-  [[nodiscard]] bool is_no_answer() const;
+  Verdict refuse_others(Verdict verdict, Instant now);
   Verdict refuse(Instant now);
   Verdict settle_echo(Verdict verdict, Instant now);
   void judge(Verdict verdict, Instant now);
-  [[nodiscard]] bool is_early() const;
   void end(LineEnd::How how);
 
   LineSilence silence_;
@@ -78,11 +87,14 @@ class SerialDiscipline {
   Instant response_deadline_;                    // the same, or earlier because a stop waits
   Duration response_wait_{0};                    // the device holds its answer back for so long
   OwedAnswers owed_;                             // those that may still come
+  bool misfit_ = false;                          // a frame came that answers nothing
   UnsolicitedFrames<kMostUnsolicited> refused_;  // of these, those that came, and were not told yet
   bool draining_ = false;  // what came last was no response: it must end first
   std::size_t heard_ = 0;  // bytes since the last own frame had left
   Instant heard_at_;       // the first of them
   bool unpaced_told_ = false;
+  std::size_t unsent_ = 0;
+  bool is_answerless_ = false;  // nothing answers what was sent last
   std::optional<LineEnd> end_;
 };
 

@@ -9,18 +9,8 @@
 namespace mbgate::bus {
 namespace {
 
-// Less than this is no proof: clocks differ, and so does what a drive counts its wait from.
-constexpr int kEarlyPart = 8;  // of the response wait
-
 // A USB adapter may keep an echo for so long (its latency timer, and a busy host).
 constexpr Duration kEchoKept = std::chrono::milliseconds(20);
-
-// While an answer is owed, of all writes only stops are sent. An exception names no address, and
-// the answer to 15 or 16 no value: it may be the answer to the write that was stopped.
-bool may_answer_another(const modbus::Pdu& response, const Transaction& asked,
-                        const OwedAnswers& owed) {
-  return asked.request.writes() && (response.is_exception() || owed.alike > 0);
-}
 
 // With zeros behind it, such as a driver makes that turns off, the echo of a request without fields
 // is a good frame: the CRC of what ends in its own CRC is 0, and zeros leave it so. Its data begin
@@ -37,12 +27,14 @@ bool begins_as_echo(const Echo& echo, const Framer& framer, const Transaction& a
   return std::equal(sent.begin(), sent.end(), came.begin());
 }
 
-}  // namespace
-
-bool SerialDiscipline::is_early() const {
-  return framer_.found().began <
-         silence_.emission_ends() + response_wait_ - response_wait_ / kEarlyPart;
+// A device works in order: what came belongs to the oldest request that it fits.
+OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response) {
+  return std::ranges::find_if(owed, [&](const OwedAnswer& it) {
+    return is_fitting(modbus::check_response(it.asked, response.bytes()));
+  });
 }
+
+}  // namespace
 
 void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
   for (auto piece = held.pieces.begin(); piece != held.pieces.end(); ++piece) {
@@ -53,12 +45,18 @@ void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
 }
 
 // It may be a late echo; what begins before the request has left a paced line answers nothing; and
-// an owed answer begins before the device can have answered this request, or fits another one too.
-bool SerialDiscipline::is_no_answer() const {
-  return echo_.is_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_) ||
-         (paced_ && framer_.found().began < silence_.emission_ends()) ||
-         (owed_.count > 0 &&
-          (is_early() || may_answer_another(framer_.response(), *transaction_, owed_)));
+// it may be the answer to an earlier request.
+Verdict SerialDiscipline::refuse_others(Verdict verdict, Instant now) {
+  const auto is_no_answer = [this] {
+    const auto first = first_fit(owed_, framer_.response());
+    return echo_.is_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_) ||
+           (paced_ && framer_.found().began < silence_.emission_ends()) ||
+           (first != owed_.end() && !first->is_own_answer(framer_.response()));
+  };
+  while (verdict == Verdict::response && is_no_answer()) {
+    verdict = refuse(now);
+  }
+  return verdict;
 }
 
 Verdict SerialDiscipline::refuse(Instant now) {
@@ -67,15 +65,14 @@ Verdict SerialDiscipline::refuse(Instant now) {
   if (echo_.take_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_)) {
     ++counters_.unsolicited_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
-             (owed_.count == 0 || echo_.is_unknown()) && !echo_.pass()) {
-    if (owed_.count == 0) {
-      echo_.find();
-    } else {
+             (owed_.empty() || echo_.is_unknown()) &&
+             !echo_.pass(owed_.empty() && echo_.is_unknown())) {
+    if (!owed_.empty() || !echo_.is_unknown()) {
       ++counters_.unsolicited_frames;  // an echo, or what is owed: that stays owed
     }
-  } else if (owed_.count > 0 && !is_echo_of_now) {
-    --owed_.count;
-    owed_.alike -= owed_.alike > 0 && !framer_.response().is_exception() ? 1U : 0U;
+  } else if (const auto first = first_fit(owed_, framer_.response());
+             first != owed_.end() && !is_echo_of_now) {
+    owed_.erase(first);
     refused_.add({transaction_->address, framer_.response(), now});
   } else {
     ++counters_.unsolicited_frames;
@@ -87,32 +84,36 @@ Verdict SerialDiscipline::refuse(Instant now) {
 }
 
 // Until a read has shown whether the line hears itself, a repetition that comes at once may be an
-// echo. If something else that fits stands behind it, it was; alone it is taken.
+// echo. If something else that fits stands behind it, it was; alone it is taken, but only from a
+// device that is known to be there.
 Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
-  // It was shown that this line hears itself; or it is a read, whose answer hardly looks so.
-  const bool is_echo = echo_.was_shown() || transaction_->request.is_read();
+  // It was shown that this line hears itself; or it is a read, whose answer hardly looks so; or
+  // nothing shows that there is a device.
+  const bool is_nobodys = !echo_.has_heard_device();
+  const bool is_echo = echo_.was_shown() || transaction_->request.is_read() || is_nobodys;
   const bool is_late = framer_.found().began > silence_.emission_ends() + kEchoKept;
   if (!echo_.is_unknown() || !echo_.is_repetition(framer_.response()) || (is_late && !is_echo)) {
     return verdict;
   }
-  if (is_echo && echo_.pass()) {
-    if (owed_.count == 0) {
+  if (echo_.pass()) {
+    if (owed_.empty()) {
       echo_.find();  // two came, and only one of them can be the echo
     }
     return verdict;
   }
   if (is_echo) {
     Verdict behind = framer_.again(now);
-    if (behind == Verdict::response && owed_.count == 0) {
+    if (behind == Verdict::response && owed_.empty()) {
       echo_.find();
     }
-    while (behind == Verdict::response && is_no_answer()) {
-      behind = refuse(now);
+    behind = refuse_others(behind, now);
+    if (is_nobodys && behind == Verdict::none && echo_.is_unknown()) {
+      echo_.note_unproven();
     }
     return behind;
   }
   const modbus::Pdu repetition = framer_.response();
-  if (owed_.count == 0 && framer_.again(now) == Verdict::response) {
+  if (owed_.empty() && framer_.again(now) == Verdict::response) {
     echo_.find();
     return Verdict::response;
   }
@@ -123,18 +124,14 @@ Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
 }
 
 void SerialDiscipline::judge(Verdict verdict, Instant now) {
-  while (verdict == Verdict::response && is_no_answer()) {
-    verdict = refuse(now);
-  }
+  verdict = refuse_others(verdict, now);
   if (verdict == Verdict::response) {
     verdict = settle_echo(verdict, now);
   }
   switch (verdict) {
     case Verdict::none: return;
     case Verdict::response:
-      if (framer_.found().came_first) {
-        echo_.note_answered();
-      }
+      echo_.note_answered(framer_.response(), framer_.found().came_first);
       transaction_->response = framer_.response();
       end(LineEnd::How::response);
       return;

@@ -24,7 +24,9 @@ enum class Verdict : std::uint8_t {
 /// The response that a framer has found. It lasts until the next call of expect() or again().
 struct FoundResponse {
   std::optional<modbus::Pdu> pdu;
-  Instant began;            ///< when its first byte came
+  /// When its first byte came. On a line that keeps its pace: when that began at the latest,
+  /// because each of its bytes has taken its time on the wire, however they were read.
+  Instant began;
   bool came_first = false;  ///< nothing at all came before it since expect()
 };
 

@@ -54,6 +54,7 @@ class Gathering {
     if (differ) {
       transmission_.merged =
           std::make_unique<Transaction>(leader_.address(), modbus::make_read(range_));
+      transmission_.merged->unit = leader_.transaction().unit;
     }
   }
 
@@ -67,7 +68,7 @@ class Gathering {
     if (std::ranges::find(joined_, &job) != joined_.end()) {
       return true;
     }
-    const bool fits = job.is_single_read() && !crosses_write(job) &&
+    const bool fits = job.is_single_read() && !crosses_write(job) && has_same_unit(job) &&
                       ((sharing_.coalesce && is_identical(job)) || grows_with(job));
     if (fits) {
       joined_.push_back(&job);
@@ -77,6 +78,12 @@ class Gathering {
 
   [[nodiscard]] bool is_identical(const Job& job) const {
     return same_request(job.transaction(), leader_.transaction());
+  }
+
+  // One device is asked by several units. Should these be drives after all, each answers for
+  // itself.
+  [[nodiscard]] bool has_same_unit(const Job& job) const {
+    return job.transaction().unit == leader_.transaction().unit;
   }
 
   [[nodiscard]] bool crosses_write(const Job& job) const {

@@ -2,6 +2,7 @@
 #include "bus/tcp/tcp_discipline.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/assert.hpp"
@@ -11,21 +12,31 @@ namespace mbgate::bus {
 namespace {
 
 constexpr std::size_t kProtocolFieldEnd = 4;
+constexpr std::size_t kLengthField = 4;
+constexpr std::size_t kExceptionLength = 3;  // unit identifier, function code, exception code
 
 // A server speaks Modbus and nothing else: another protocol means that this is no header.
 bool is_foreign(modbus::Bytes stream) {
   return stream.size() >= kProtocolFieldEnd && modbus::load_be16(stream, 2) != 0;
 }
 
+// As far as it has come, is this the beginning of an answer with the identifier?
+bool begins_with(modbus::Bytes stream, std::uint16_t identifier) {
+  std::array<std::uint8_t, kProtocolFieldEnd> front{};
+  modbus::store_be16(front, 0, identifier);
+  return std::ranges::equal(stream.first(std::min(stream.size(), front.size())),
+                            modbus::Bytes(front).first(std::min(stream.size(), front.size())));
+}
+
 }  // namespace
 
-void TcpDiscipline::open(Instant now, LineKind /*kind*/) {
+void TcpDiscipline::open(Instant now, LineKind /*kind*/, Instant /*listen_until*/) {
   abort();
   quiet_since_ = now;
   use_.open();
 }
 
-void TcpDiscipline::update(const BusSettings& settings, Duration /*listen_first*/) {
+void TcpDiscipline::update(const BusSettings& settings) {
   check_unit_ = settings.check_unit;
   replace_after_ = settings.replace_after;
 }
@@ -37,7 +48,7 @@ void TcpDiscipline::limit_wait(const Transaction& transaction, Instant instant, 
 }
 
 FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
-                                OwedAnswers /*owed*/, Instant now) {
+                                const OwedAnswers& /*owed*/, Instant now) {
   MBGATE_ASSERT(!transaction.is_broadcast(), "no broadcast goes over a connection");
   const std::uint16_t identifier = new_identifier();
   const Instant due = now + timing.response_timeout + timing.response_wait;
@@ -45,13 +56,14 @@ FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTim
   quiet_since_ = now;
   use_.note_asked(now);
   const modbus::MbapBytes adu =
-      modbus::encode({{identifier, transaction.address}, transaction.request.pdu()});
+      modbus::encode({{identifier, transaction.unit}, transaction.request.pdu()});
   return {adu.begin(), adu.end()};
 }
 
 void TcpDiscipline::abort() {
   flights_.clear();
   stream_.clear();
+  padding_ = 0;
   ends_.clear();
   expired_.clear();
   unsolicited_.clear();
@@ -83,7 +95,8 @@ void TcpDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
 }
 
 bool TcpDiscipline::take_answer(Instant now) {
-  const modbus::MbapScan scan = modbus::scan_mbap(stream_);
+  skip_padding();
+  const modbus::MbapScan scan = modbus::scan_mbap_answer(stream_);
   if (is_foreign(stream_) || std::holds_alternative<modbus::MbapLost>(scan)) {
     counters_.stray_bytes += stream_.size();
     stream_.clear();
@@ -95,18 +108,35 @@ bool TcpDiscipline::take_answer(Instant now) {
     return false;
   }
   match(frame->adu, now);
+  if (const std::size_t length = modbus::load_be16(stream_, kLengthField);
+      frame->adu.pdu.is_exception() && length > kExceptionLength) {
+    padding_ = std::min(length, modbus::kMaxPduSize + 1) - kExceptionLength;
+  }
   stream_.erase(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(frame->size));
   return true;
 }
 
+void TcpDiscipline::skip_padding() {
+  const auto begins = [this](std::uint16_t identifier) { return begins_with(stream_, identifier); };
+  const auto may_be_answer = [&] {
+    return std::ranges::any_of(flights_, begins, &Flight::identifier) ||
+           std::ranges::any_of(expired_, begins, &Expired::identifier);
+  };
+  while (padding_ > 0 && !stream_.empty() && !may_be_answer()) {
+    stream_.erase(stream_.begin());
+    --padding_;
+    ++counters_.stray_bytes;
+  }
+  padding_ = stream_.size() < kProtocolFieldEnd ? padding_ : 0;
+}
+
 void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
   const auto flight = find(answer.header.transaction);
-  if (flight == flights_.end() ||
-      !is_unit_right(answer.header.unit, flight->transaction->address)) {
+  if (flight == flights_.end() || !is_unit_right(answer.header.unit, flight->transaction->unit)) {
     ++counters_.unsolicited_frames;
     const auto expired =
         std::ranges::find(expired_, answer.header.transaction, &Expired::identifier);
-    if (expired != expired_.end() && is_unit_right(answer.header.unit, expired->address)) {
+    if (expired != expired_.end() && is_unit_right(answer.header.unit, expired->unit)) {
       use_.note_answer(now);
       unsolicited_.add({expired->address, answer.pdu, now});
       expired_.erase(expired);
@@ -125,20 +155,30 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
 }
 
 void TcpDiscipline::handle_deadline(Instant now) {
+  bool is_timeout = false;
   for (const Flight& flight : flights_) {
     if (now >= flight.response_deadline) {
+      is_timeout = is_timeout || now >= flight.due;
       if (!flight.transaction->may_stay_silent()) {
         use_.note_unanswered(flight.sent);
       }
       ends_.push_back({LineEnd::How::no_response, flight.transaction, flight.due});
-      expired_.push_back({flight.identifier, flight.transaction->address});
+      expired_.push_back(
+          {flight.identifier, flight.transaction->address, flight.transaction->unit});
       if (expired_.size() > kMostExpired) {
         expired_.pop_front();
       }
     }
   }
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
-  if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {
+  // What belongs to a request that is still waited for has its time. What was promised behind an
+  // exception, and is none, is no answer.
+  const bool is_awaited =
+      stream_.size() > 1 && find(modbus::load_be16(stream_, 0)) != flights_.end();
+  if (is_timeout && stream_.size() > padding_ && !is_awaited) {
+    counters_.stray_bytes += stream_.size();
+    fault_ = LineFault::answer_cut_off;
+  } else if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {
     use_.forget_unanswered();
     fault_ = LineFault::unanswered;
   }

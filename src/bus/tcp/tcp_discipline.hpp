@@ -30,7 +30,7 @@ class TcpDiscipline {
         counters_(counters) {}
 
   /// The connection is there, and new: nothing of before counts any more.
-  void open(Instant now, LineKind kind);
+  void open(Instant now, LineKind kind, Instant listen_until);
   /// A connection needs no silence but the `gap` that is asked for. Where the last one was closed
   /// right after an answer, this one is given the time to be closed too.
   [[nodiscard]] Instant ready_at(Duration gap) const {
@@ -39,8 +39,8 @@ class TcpDiscipline {
   /// Transmits now; `transaction`, which gets the response, must outlive its end. No broadcasts.
   /// Returns the ADU.
   /// Answers that a device owes are told apart by their identifiers.
-  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
-                   Instant now);
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing,
+                   const OwedAnswers& owed, Instant now);
   /// A stop waits for neither.
   [[nodiscard]] Instant ready_for_stop_at() const { return quiet_since_; }
   [[nodiscard]] Instant possible_at() const { return quiet_since_; }
@@ -49,7 +49,7 @@ class TcpDiscipline {
   void limit_wait(const Transaction& transaction, Instant instant, Duration least);
   /// No device owes anything to another connection: nothing of this one can come there.
   [[nodiscard]] static std::optional<Instant> response_due() { return std::nullopt; }
-  void update(const BusSettings& settings, Duration listen_first);
+  void update(const BusSettings& settings);
   /// A late answer, each once. Nobody else is heard on a connection.
   std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
   /// Gives up all running transactions: nothing of them will be reported.
@@ -81,6 +81,7 @@ class TcpDiscipline {
   struct Expired {
     std::uint16_t identifier;
     std::uint8_t address;
+    std::uint8_t unit;
   };
   using Flights = std::vector<Flight>;
 
@@ -89,6 +90,8 @@ class TcpDiscipline {
   /// Takes one answer off the stream. False: there is no whole one, or framing is lost.
   bool take_answer(Instant now);
   void match(const modbus::MbapAdu& answer, Instant now);
+  /// Drops bytes behind an exception that its length has promised and that begin no answer.
+  void skip_padding();
   [[nodiscard]] bool is_unit_right(std::uint8_t answered, std::uint8_t asked) const {
     return !check_unit_ || answered == asked;
   }
@@ -99,6 +102,7 @@ class TcpDiscipline {
   Flights flights_;
   std::uint16_t last_identifier_ = 0;
   std::vector<std::uint8_t> stream_;  // less than an answer, between calls
+  std::size_t padding_ = 0;           // so many bytes that are no answer may come next
   Instant quiet_since_;               // the last byte in either direction
   ConnectionUse use_;
   std::deque<LineEnd> ends_;

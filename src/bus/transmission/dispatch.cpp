@@ -32,6 +32,7 @@ void Dispatch::pump(Instant now) {
 void Dispatch::decide(Instant now) {
   parts_.pumped_at = now;
   next_start_.reset();
+  parts_.stops.wake(now);
   ends_.expire(now);
   ends_.end_over(now);
   watch_deadlines();
@@ -128,6 +129,14 @@ bool Dispatch::reopen_if_hung(Instant now) {
   return true;
 }
 
+void Dispatch::rest(Instant now) {
+  parts_.link.rest(parts_.settings, parts_.line.has_answered());
+  forget_look();
+  parts_.line.abort();
+  outcomes_.handle_cut(now);
+  pump(now);
+}
+
 // What a close has cut, and what is repeated, waits for the line.
 void Dispatch::wait_for_line() {
   const bool is_wanted =
@@ -140,6 +149,9 @@ void Dispatch::wait_for_line() {
 
 // Of what is neither in the queue nor on the wire, whatever keeps it waiting.
 void Dispatch::watch_deadlines() {
+  if (const auto next = parts_.stops.next_wake()) {
+    wait_until(Wake{*next});
+  }
   for (const Transmission* running : parts_.transmissions.running()) {
     if (running->in_flight || running->is_stop()) {
       continue;
@@ -229,7 +241,7 @@ bool Dispatch::send_stop(Transmission& stop, Instant now) {
     }
     if (stop.tries > 0) {
       parts_.stops.remove(stop);
-      outcomes_.give_up_stop(stop);
+      outcomes_.give_up_stop(stop, now);
       return true;
     }
   }

@@ -23,6 +23,9 @@ class Dispatch {
   /// The same, when the bytes that had already arrived have been handed in and nothing else has
   /// happened since: a transmission need not wait for LookAtLine.
   void pump_looked(Instant now);
+  /// The connection rests: who waits goes on waiting, and it is opened again at once, or when
+  /// somebody asks.
+  void rest(Instant now);
   /// The line is lost: no handle_looked() follows.
   void forget_look() { looking_ = Looking::no; }
   /// Something may be sent now that could not at the last decision.
@@ -53,6 +56,7 @@ class Dispatch {
   void transmit(Transmission& transmission, Instant now);
   void skip_known_settings(Transmission& transmission) const;
   void check_allowed(const Transmission& transmission, Instant now) const;
+  void note_asked(const Transaction& sent, JobClass job_class, Instant now);
   drive::DeviceTiming note_transmission(Transmission& transmission, Instant now);
 
   Parts& parts_;

@@ -55,23 +55,40 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   Transaction& sent = transmission.on_wire();
   OwedAnswers owed;
   if (parts_.quarantines()) {
-    // By the device's own times: that a probe waits for less makes no quarantine shorter.
     const DeviceEntry& entry = parts_.devices[sent.address];
-    owed.count = entry.health.owed(sent.request.function(), now, entry.timing());
-    owed.alike = entry.health.owed_alike(sent.request, now, entry.timing());
+    // An earlier stop of the same bytes, without another write since, has stopped the drive too.
+    const bool is_stop = transmission.is_stop();
+    owed = entry.hold.owed(sent.request, is_stop ? Instant::min() : transmission.transmitted_at);
+    std::ranges::for_each(owed, [&](OwedAnswer& it) { it.is_stop = is_stop; });
   }
-  const auto silent_since = parts_.line.quiet_since();
+  const auto quiet_since = [silence = parts_.line.silence()] {
+    return silence == nullptr ? std::nullopt : std::optional(silence->quiet_since());
+  };
+  const auto silent_since = quiet_since();
   diagnosis_.note_begins(now);
-  TransmitFrame frame{parts_.line.begin(sent, timing, owed, now)};
+  TransmitFrame frame{parts_.line.begin(sent, timing, std::move(owed), now)};
   if (parts_.is_traced) {
     parts_.actions.push(TransmissionBegan{title_of(transmission), sent.address, sent.is_broadcast(),
-                                          transmission.tries, silent_since,
-                                          parts_.line.quiet_since()});
+                                          transmission.tries, silent_since, quiet_since()});
   }
   parts_.actions.push(std::move(frame));
   if (stop != nullptr && in_the_way_of(parts_, *stop->leader) == &transmission) {
     const Duration stop_wait = parts_.settings.stop_wait;
     parts_.line.limit_wait(sent, stop->waits_since + stop_wait, stop_wait);
+  }
+}
+
+void Dispatch::note_asked(const Transaction& sent, JobClass job_class, Instant now) {
+  DeviceEntry& entry = parts_.devices[sent.address];
+  const bool is_silent = sent.may_stay_silent();
+  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.timing(),
+                        entry.health.is_offline());
+  entry.asked_at = now;
+  if (is_write(job_class) && !sent.request.is_read()) {
+    entry.hold.note_written();
+  }
+  if (!is_silent) {
+    parts_.adapter.note_request();
   }
 }
 
@@ -94,14 +111,7 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
       transmission.is_probe = !transmission.is_stop();
       counters.probes += transmission.is_probe ? 1U : 0U;
     }
-    entry.health.note_asked(now, entry.timing());
-    entry.asked_at = now;
-    if (is_write(job.job_class) && !sent.request.is_read()) {
-      entry.health.note_written();
-    }
-    if (!sent.may_stay_silent()) {
-      parts_.adapter.note_request();
-    }
+    note_asked(sent, job.job_class, now);
   }
   parts_.devices.note_reconfiguring(sent);
   if (transmission.is_stop() && transmission.tries == 0) {

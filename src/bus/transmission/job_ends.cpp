@@ -135,6 +135,9 @@ void JobEnds::end_waiting(Ending ending, bool stops_too) {
     parts_.queue.remove(*job);
     end(*job, ending);
   }
+  if (stops_too) {
+    parts_.stops.wake(Instant::max());
+  }
   while (Transmission* stop = stops_too ? parts_.stops.first() : nullptr) {
     parts_.stops.remove(*stop);
     finish(*stop, ending);

@@ -26,6 +26,10 @@ bool is_still_asked(const drive::Device& device, const Transaction& question) {
          read->range.first == told->address;
 }
 
+Hold::Sent sent_of(const Transmission& it, Instant due) {
+  return {it.on_wire().request, it.last_sent, due, it.tries > 1};
+}
+
 }  // namespace
 
 void Outcomes::handle_end(const LineEnd& end, Instant now) {
@@ -34,53 +38,51 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   transmission.is_let_by = false;
   parts_.turns.note_end(now);
   const Transaction& sent = *end.transaction;
-  const Asked asked{sent.address, sent.request.is_read(),
-                    !sent.is_broadcast() && !sent.may_stay_silent(), transmission.tries == 1,
-                    transmission.last_sent};
-  const std::uint8_t function = sent.request.function();
+  const Asked asked{sent.address,
+                    sent.request.is_read(),
+                    !sent.is_broadcast() && !sent.may_stay_silent(),
+                    transmission.tries == 1,
+                    transmission.last_sent,
+                    end.how == LineEnd::How::response && parts_.is_unreached(*sent.response)};
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
   if (parts_.is_traced) {
     TransmissionOver over = over_of(transmission, end);
     if (end.how == LineEnd::How::no_response && asked.wants_answer && parts_.quarantines()) {
-      over.held_until = entry.health.held_if_unanswered(end.due, entry.timing());
+      over.held_until = entry.hold.end_of_tail(end.due, entry.timing());
     }
     parts_.actions.push(std::move(over));
   }
   switch (end.how) {
-    case LineEnd::How::response:
-      handle_response(transmission, end, now);
-      entry.answered_at = now;
-      entry.answered_function = function;
-      break;
+    case LineEnd::How::response: handle_response(transmission, end, now); break;
     case LineEnd::How::sent:
       parts_.devices.hold_booting(sent, now);
       note_stopped(transmission, now);
       ends_.advance(transmission, Ending::transmitted);
       break;
     case LineEnd::How::no_response: handle_silence(transmission, end, now); break;
-    case LineEnd::How::damaged: handle_damaged(transmission, end, now); break;
+    case LineEnd::How::damaged:
+    case LineEnd::How::misfit: handle_unreadable(transmission, end, now); break;
   }
-  const bool is_owed =
-      end.how != LineEnd::How::response || now < entry.health.held_until(entry.timing());
+  const bool is_owed = end.how != LineEnd::How::response || now < entry.hold.until(entry.timing());
   if (asked.wants_answer && is_owed) {
     entry.owed_until = std::max(entry.owed_until, end.due);
   }
   diagnosis_.note_ended(asked, end, now);
 }
 
-void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, Instant now) {
+// False: it is a server's, which did not reach the device.
+bool Outcomes::take_response(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& asked = transmission.on_wire();
   const modbus::Pdu& response = *asked.response;
-  MBGATE_ASSERT(is_fitting(modbus::check_response(asked.request, response.bytes())),
-                "a response fits the request on the wire");
   DeviceEntry& entry = parts_.devices[asked.address];
-  const bool exception = response.is_exception();
+  MBGATE_ASSERT(is_fitting(modbus::check_response(asked.request, response.bytes())) ||
+                    entry.device->takes_limited(asked.request, response.bytes()),
+                "a response fits the request on the wire");
   ++parts_.counters.responses;
   ++entry.counters.responses;
-  entry.note_heard();
   diagnosis_.note_understood();
-  if (exception) {
+  if (response.is_exception()) {
     ++parts_.counters.exceptions;
     ++entry.counters.exceptions;
     entry.counters.exceptions_by_code.note(response.bytes()[1]);
@@ -92,13 +94,29 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
       diagnosis_.notify(DeviceNotice::Kind::early, asked.address);
     }
   }
-  if (entry.health.note_answered(
-          {asked.request, response.bytes(), transmission.last_sent, end.due, end.took}, now)) {
+  if (parts_.is_unreached(response)) {
+    note_unreached(transmission, now);
+    return false;
+  }
+  entry.note_heard();
+  entry.unreached.reset();
+  entry.hold.note_answered(sent_of(transmission, end.due), response.bytes(), end.took, now,
+                           entry.timing());
+  if (entry.health.note_answered(transmission.last_sent, now)) {
     diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
   }
   diagnosis_.note_times(transmission, end, now);
+  return true;
+}
+
+void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, Instant now) {
+  const Transaction& asked = transmission.on_wire();
+  const modbus::Pdu& response = *asked.response;
+  DeviceEntry& entry = parts_.devices[asked.address];
+  const bool exception = response.is_exception();
+  const bool is_own = take_response(transmission, end, now);
   transmission.is_probe = false;
-  if (exception && transmission.merged) {
+  if (exception && transmission.merged && is_own) {
     entry.merge_refused = true;
     ends_.split_up(transmission, Ending::answered);
     return;
@@ -112,15 +130,42 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
     ends_.finish(transmission, Ending::mismatched);
     return;
   }
-  if (exception) {
+  if (exception && !(transmission.is_stop() && entry.device->has_accepted(response))) {
     parts_.acknowledged.forget(asked.address);
-    ends_.finish(transmission, Ending::answered);
+    if (!transmission.is_stop() || !repeat_refused(transmission, now)) {
+      ends_.finish(transmission, Ending::answered);
+    }
     return;
+  }
+  if (!asked.request.is_read()) {
+    entry.failed_stop.reset();
   }
   note_stopped(transmission, now);
   entry.hold_booting(own.boot_time, now);  // though it has answered before
   remember(leader, transmission);
   ends_.advance(transmission, Ending::answered);
+}
+
+// Nothing came from the device; what is owed on a connection holds nothing.
+void Outcomes::note_unreached(Transmission& transmission, Instant now) {
+  const Transaction& sent = transmission.on_wire();
+  DeviceEntry& entry = parts_.devices[sent.address];
+  entry.setting_known = false;
+  entry.cache.clear();
+  entry.unreached = sent.response->bytes()[1];
+  note_unanswered(transmission, now, now);
+}
+
+void Outcomes::note_unanswered(Transmission& transmission, Instant due, Instant now) {
+  const std::uint8_t address = transmission.on_wire().address;
+  DeviceEntry& entry = parts_.devices[address];
+  if (transmission.is_stop()) {
+    entry.last_stop_turn = transmission.turn;
+  }
+  parts_.probes.note_unanswered(transmission, now);
+  if (entry.health.note_unanswered(transmission.last_sent, due, entry.timing())) {
+    go_offline(entry, address, now);
+  }
 }
 
 // Other settings, which came meanwhile, may expect the question's register to hold something else,
@@ -139,10 +184,10 @@ bool Outcomes::holds_what_it_must(const Transaction& question) {
 
 void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& sent = transmission.on_wire();
-  const std::uint8_t address = sent.address;
-  DeviceEntry& entry = parts_.devices[address];
+  DeviceEntry& entry = parts_.devices[sent.address];
   entry.setting_known = false;
   entry.cache.clear();
+  entry.unreached.reset();
   if (sent.may_stay_silent()) {
     parts_.probes.note_unanswered(transmission, now);
     entry.hold_booting(sent.boot_time, now);
@@ -151,24 +196,22 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   }
   ++parts_.counters.timeouts;
   ++entry.counters.timeouts;
-  if (transmission.is_stop()) {
-    entry.last_stop_turn = transmission.turn;
-  }
-  const bool lost =
-      entry.health.note_unanswered(sent.request, transmission.last_sent, end.due, entry.timing());
-  parts_.probes.note_unanswered(transmission, now);
-  if (lost) {
-    go_offline(entry, address, now);
-  }
+  entry.hold.note_unanswered(sent_of(transmission, end.due));
+  note_unanswered(transmission, end.due, now);
   handle_failure(transmission, now);
 }
 
-void Outcomes::handle_damaged(Transmission& transmission, const LineEnd& end, Instant now) {
+void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& sent = transmission.on_wire();
   DeviceEntry& entry = parts_.devices[sent.address];
-  ++parts_.counters.bad_crcs;
-  ++entry.counters.bad_crcs;
-  entry.health.note_damaged(sent.request, end.due, now);
+  entry.hold.note_unreadable(sent_of(transmission, end.due), now);
+  if (end.how == LineEnd::How::damaged) {
+    ++parts_.counters.bad_crcs;
+    ++entry.counters.bad_crcs;
+    entry.health.note_damaged(now);
+  } else if (entry.health.note_heard(now)) {
+    diagnosis_.notify(DeviceNotice::Kind::back, sent.address);
+  }
   entry.note_heard();
   entry.hold_booting(sent.boot_time, now);  // it may have carried out what it was told
   parts_.probes.note_unanswered(transmission, now);
@@ -232,32 +275,12 @@ void Outcomes::remember(const Job& job, const Transmission& transmission) {
   }
 }
 
-// Nobody knows whether the server has done what was on its way. A read does no harm if it is done
-// twice; if the next connection is closed too before its answer, it has failed.
-void Outcomes::handle_cut(Instant now) {
-  const auto running = parts_.transmissions.running();
-  for (Transmission* cut : std::vector(running.begin(), running.end())) {
-    if (!std::exchange(cut->in_flight, false)) {
-      continue;
-    }
-    parts_.probes.note_unanswered(*cut, now);
-    const std::size_t current = cut->leader->current;
-    if (cut->is_stop()) {
-      handle_failure(*cut, now);
-    } else if (cut->on_wire().request.is_read() && !cut->is_probe && cut->cut != current) {
-      cut->cut = current;
-    } else {
-      ends_.finish(*cut, Ending::no_answer);
-    }
-  }
-}
-
 void Outcomes::note_lost() {
   const auto due = parts_.line.response_due();
   for (const Transmission* running : parts_.transmissions.running()) {
     const Transaction& sent = running->on_wire();
     if (due && running->in_flight && !sent.is_broadcast() && !sent.may_stay_silent()) {
-      parts_.devices[sent.address].health.note_spoilt(sent.request, *due);
+      parts_.devices[sent.address].hold.note_unanswered(sent_of(*running, *due));
     }
   }
 }

@@ -20,16 +20,20 @@ class Outcomes {
   /// The line is lost: devices may still answer what was on the wire.
   void note_lost();
   /// The stop has had all its tries.
-  void give_up_stop(Transmission& stop);
+  void give_up_stop(Transmission& stop, Instant now);
 
  private:
+  bool take_response(Transmission& transmission, const LineEnd& end, Instant now);
   void handle_response(Transmission& transmission, const LineEnd& end, Instant now);
+  void note_unreached(Transmission& transmission, Instant now);
+  void note_unanswered(Transmission& transmission, Instant due, Instant now);
   [[nodiscard]] bool holds_what_it_must(const Transaction& question);
   void note_stopped(const Transmission& transmission, Instant now);
   void handle_silence(Transmission& transmission, const LineEnd& end, Instant now);
-  void handle_damaged(Transmission& transmission, const LineEnd& end, Instant now);
+  void handle_unreadable(Transmission& transmission, const LineEnd& end, Instant now);
   void handle_failure(Transmission& transmission, Instant now);
   void handle_stop_failure(Transmission& stop, Instant now);
+  bool repeat_refused(Transmission& stop, Instant now);
   void part_from_untried(Transmission& stop);
   void go_offline(DeviceEntry& entry, std::uint8_t address, Instant now);
   void share_response(Transmission& transmission);

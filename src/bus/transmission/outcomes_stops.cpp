@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the end of a stop's transmission means: it counts as carried out, is repeated, or is given
-// up.
+// up; and what becomes of those that a close has cut.
 #include <algorithm>
+#include <array>
 
 #include "bus/transmission/outcomes.hpp"
 
 namespace mbgate::bus {
+namespace {
+
+// 05, 06, 0A, 0B.
+constexpr std::array kPassingExceptions = {
+    static_cast<std::uint8_t>(modbus::ExceptionCode::acknowledge),
+    static_cast<std::uint8_t>(modbus::ExceptionCode::server_device_busy),
+    static_cast<std::uint8_t>(modbus::ExceptionCode::gateway_path_unavailable),
+    static_cast<std::uint8_t>(modbus::ExceptionCode::gateway_target_failed_to_respond)};
+
+}  // namespace
 
 // Not beside a write on a Modbus TCP connection, which the server may carry out after the stop.
 void Outcomes::note_stopped(const Transmission& transmission, Instant now) {
@@ -24,23 +35,42 @@ void Outcomes::note_stopped(const Transmission& transmission, Instant now) {
 
 // It is repeated behind other stops that wait, so that a dead device does not keep them waiting.
 void Outcomes::handle_stop_failure(Transmission& stop, Instant now) {
-  // What its owner sends as a stop, but is none, may not be harmless if it is done twice.
-  const Transaction& sent = stop.on_wire();
-  DeviceEntry& entry = parts_.devices[sent.address];
-  const bool may_repeat = parts_.devices.is_stop(sent.address, sent.request, sent.broadcast);
+  DeviceEntry& entry = parts_.devices[stop.on_wire().address];
   const bool is_given_up = stop.is_one_try && entry.stops_given_up;
-  if (may_repeat && !is_given_up && stop.tries <= entry.timing().stop_retries) {
+  if (!is_given_up && stop.tries <= entry.timing().stop_retries) {
     parts_.transmissions.leave(stop);
     stop.waits_since = now;
     parts_.stops.push(stop);
     return;
   }
-  entry.stops_given_up = entry.last_stop_turn != 0 && (may_repeat || entry.stops_given_up);
-  give_up_stop(stop);
+  entry.stops_given_up = entry.last_stop_turn != 0;
+  give_up_stop(stop, now);
 }
 
-void Outcomes::give_up_stop(Transmission& stop) {
+// True: it is sent again. The drive may only be busy, or behind a gateway that is; another
+// exception is its last word. Until then the drive is left alone, and the line is free for others.
+bool Outcomes::repeat_refused(Transmission& stop, Instant now) {
+  Transaction& sent = stop.on_wire();
+  DeviceEntry& entry = parts_.devices[sent.address];
+  const std::uint8_t exception = sent.response->bytes()[1];
+  const bool may_repeat = std::ranges::count(kPassingExceptions, exception) > 0;
+  if (may_repeat && stop.tries <= entry.timing().stop_retries) {
+    const Instant again_at = now + parts_.settings.stop_wait;
+    sent.response.reset();
+    entry.free_at = std::max(entry.free_at, again_at);
+    parts_.transmissions.leave(stop);
+    parts_.stops.rest(stop, again_at);
+    return true;
+  }
+  ++parts_.counters.stops_unanswered;
+  entry.failed_stop = FailedStop{now, exception};
+  diagnosis_.notify(DeviceNotice::Kind::stop_refused, sent.address);
+  return false;
+}
+
+void Outcomes::give_up_stop(Transmission& stop, Instant now) {
   part_from_untried(stop);
+  parts_.devices[stop.on_wire().address].failed_stop = FailedStop{now};
   ++parts_.counters.stops_unanswered;
   diagnosis_.notify(DeviceNotice::Kind::stop_unanswered, stop.on_wire().address);
   ends_.finish(stop, Ending::no_answer);
@@ -56,6 +86,26 @@ void Outcomes::part_from_untried(Transmission& stop) {
   heir.followers.assign(untried.begin() + 1, untried.end());
   stop.followers.erase(untried.begin(), untried.end());
   parts_.stops.push_in_order(heir);
+}
+
+// Nobody knows whether the server has done what was on its way. A read does no harm if it is done
+// twice; if the next connection is closed too before its answer, it has failed.
+void Outcomes::handle_cut(Instant now) {
+  const auto running = parts_.transmissions.running();
+  for (Transmission* cut : std::vector(running.begin(), running.end())) {
+    if (!std::exchange(cut->in_flight, false)) {
+      continue;
+    }
+    parts_.probes.note_unanswered(*cut, now);
+    const std::size_t current = cut->leader->current;
+    if (cut->is_stop()) {
+      handle_failure(*cut, now);
+    } else if (cut->on_wire().request.is_read() && !cut->is_probe && cut->cut != current) {
+      cut->cut = current;
+    } else {
+      ends_.finish(*cut, Ending::no_answer);
+    }
+  }
 }
 
 }  // namespace mbgate::bus

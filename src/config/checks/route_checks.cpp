@@ -122,10 +122,11 @@ void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key,
       if (first == nullptr) {
         first = &device;
       } else if (first->profile.name != device.profile.name) {
-        table.error(key, in_quotes(first->name) + " (" + first->profile.name + ") and " +
-                             in_quotes(device.name) + " (" + device.profile.name +
-                             ") hear the same broadcast, and a register means different things "
-                             "to them; if that is wanted, say broadcast_mixed = true");
+        table.warning(key, in_quotes(first->name) + " (" + first->profile.name + ") and " +
+                               in_quotes(device.name) + " (" + device.profile.name +
+                               ") hear the same broadcast, and a register means different things "
+                               "to them: only stops are sent; broadcast_mixed = true lets all "
+                               "through");
         break;
       }
     }

@@ -143,7 +143,8 @@ bool has_named(const drive::Profile& profile, const routing::RegisterSet& set) {
   const bool stops = !profile.stops.empty();
   const auto& values = profile.values.all();
   return (set.stops && stops) || (set.values && !values.empty()) ||
-         (set.communication_registers && !profile.communication.empty()) ||
+         (set.communication_registers &&
+          !(profile.communication.empty() && profile.guarded.empty())) ||
          (set.motion_commands &&
           (stops || profile.position_opcodes ||
            std::ranges::any_of(values, [](const drive::Value& it) { return it.motion; })));

@@ -50,11 +50,17 @@ bool is_reached(const Settings& settings, drive::BusId id) {
 /// Transparent listeners pass units 1 to 247, and broadcasts if they are told to.
 bool passes_writes(const gateway::ListenerSettings& listener, const drive::Device& device) {
   constexpr std::uint8_t kLastUnit = 247;
-  return listener.bus == device.bus &&
-         (listener.broadcast || (device.address >= 1 && device.address <= kLastUnit));
+  return listener.bus == device.bus && (listener.broadcast || device.has_every_unit ||
+                                        (device.address >= 1 && device.address <= kLastUnit));
 }
 
-/// Failsafe writes are sent when the last client that may write has gone.
+/// Does the configuration say whose leaving sends the failsafe writes?
+bool is_said_who_counts(const gateway::DeviceGuard& guard) {
+  return !guard.failsafe_clients.empty() ||
+         (guard.writer == gateway::WriterRule::listed && guard.writers.names_one());
+}
+
+/// Failsafe writes are sent when the client that counts has gone.
 void check_failsafe(Draft& draft) {
   const auto& settings = draft.settings;
   for (std::size_t i = 0; i < settings.devices.size(); ++i) {
@@ -65,7 +71,15 @@ void check_failsafe(Draft& draft) {
         std::ranges::any_of(settings.routes, [&](const Route& route) {
           return route.may_write() && route.leads_to(device);
         });
-    if (!settings.guards[i].failsafe.empty() && !written) {
+    if (settings.guards[i].failsafe.empty()) {
+      continue;
+    }
+    if (written && !is_said_who_counts(settings.guards[i])) {
+      draft.devices[i].warning("failsafe",
+                               "whoever writes last counts, and more than one client may write: "
+                               "say in failsafe_clients whose leaving sends these writes");
+    }
+    if (!written) {
       draft.devices[i].warning("failsafe",
                                "is never sent: no listener and no route lets a client write to "
                                "this device");

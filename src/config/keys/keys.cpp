@@ -125,6 +125,9 @@ constexpr std::array kBusKeys = {
     plain<&BusSettings::hung_max>("hung_max", DurationRange{1s, 24h}, Lines::ports, kPort),
     plain<&BusSettings::hung_requests>("hung_requests", IntegerRange{1, 1'000'000}, Lines::ports,
                                        kPort),
+    plain<&BusSettings::one_device>(
+        "one_device", Truth{}, Lines::server,
+        R"(belongs to mode = "tcp": on a serial line each device has its address)"),
     plain<&BusSettings::outstanding>(
         "outstanding", kOutstanding,
         Lines::server, R"(belongs to mode = "tcp": a serial line carries one request at a time)"),
@@ -167,6 +170,7 @@ constexpr std::array kDeviceKeys = {
 constexpr std::array kGuardKeys = {
     plain<&DeviceGuard::writer_hold>("writer_hold", DurationRange{1ms, 1h}),
     plain<&DeviceGuard::quiet>("quiet", DurationRange{10ms, 24h, true}),
+    plain<&DeviceGuard::failsafe_grace>("failsafe_grace", DurationRange{0s, 1h}),
     plain<&DeviceGuard::failsafe_on_exit>("failsafe_on_exit", Truth{}),
 };
 

@@ -77,6 +77,26 @@ void check_value(ProfileDraft& draft, std::size_t at) {
   }
 }
 
+/// What is written to a part of a value says nothing of the value.
+void check_guarded(ProfileDraft& draft) {
+  for (std::size_t at = 0; at < draft.file.guarded.size(); ++at) {
+    const auto& range = draft.file.guarded[at].fact.range;
+    const auto value = std::ranges::find_if(draft.file.values, [&](const ProfileValue& it) {
+      return overlap(it.value.range(), range);
+    });
+    const bool is_value = value != draft.file.values.end() && value->value.range() == range;
+    if (range.count == 2 && !is_value) {
+      draft.guarded_tables[at].error("registers",
+                                     numbers(draft.file, range) + " are no value of values32");
+    } else if (!is_value && value != draft.file.values.end()) {
+      draft.guarded_tables[at].error(
+          "register", draft.file.number(range.table, range.first) + " is a part of the value " +
+                          numbers(draft.file, value->value.range()) +
+                          ": give its first register, and registers = 2");
+    }
+  }
+}
+
 void check_groups(ProfileDraft& draft) {
   const auto& groups = draft.file.groups;
   for (std::size_t later = 0; later < groups.size(); ++later) {
@@ -151,6 +171,7 @@ void check_profile(ProfileDraft& draft) {
   for (std::size_t at = 0; at < draft.file.values.size(); ++at) {
     check_value(draft, at);
   }
+  check_guarded(draft);
   check_limits(draft);
   check_word_order(draft);
   check_write_function(draft);

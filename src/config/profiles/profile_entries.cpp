@@ -93,6 +93,24 @@ std::optional<drive::WriteMatch> read_match(const ProfileFile& file, TomlTable& 
   return range ? std::optional(match) : std::nullopt;
 }
 
+/// A register or coil with `value` or `not`, or a value of 32 bits.
+void read_guarded(ProfileDraft& draft, TomlTable& entry) {
+  const auto range = read_counted_range(draft.file, entry, kWritableTables);
+  drive::GuardedWrite guarded{range.value_or(drive::TableRange{Table::holding_registers, 0, 1})};
+  if (guarded.range.count > 2 ||
+      (guarded.range.count == 2 && guarded.range.table == Table::coils)) {
+    entry.error("registers", std::to_string(guarded.range.count) +
+                                 " have no one value: expected 1, or 2 for a value of values32");
+    return;
+  }
+  read_written(entry, guarded);
+  auto source = read_source(entry);
+  if (range) {
+    draft.file.guarded.push_back({guarded, std::move(source)});
+    draft.guarded_tables.push_back(entry);
+  }
+}
+
 }  // namespace
 
 std::optional<std::uint32_t> read_manual_line(TomlTable& entry) {
@@ -153,6 +171,18 @@ DocumentedRanges read_ranges(const ProfileFile& file, std::vector<TomlTable> ent
 void read_values(ProfileDraft& draft) {
   read_values_of(draft, "values32", 2);
   read_values_of(draft, "values64", 4);
+}
+
+void read_communication(ProfileDraft& draft) {
+  std::vector<TomlTable> whole;
+  for (auto& entry : draft.root.tables("communication")) {
+    if (entry.has("mask") || entry.has("value") || entry.has("not")) {
+      read_guarded(draft, entry);
+    } else {
+      whole.push_back(entry);
+    }
+  }
+  draft.file.communication = read_ranges(draft.file, std::move(whole), kWritableTables);
 }
 
 void read_slow(ProfileDraft& draft) {

@@ -3,9 +3,11 @@
 // protocol addresses. A wrong entry is reported and left out.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -24,9 +26,10 @@ struct ProfileDraft {
   TomlDocument& document;
   TomlTable root;
   ProfileFile file;
-  std::vector<TomlTable> value_tables;   ///< beside file.values
-  std::vector<TomlTable> string_tables;  ///< beside file.strings
-  std::vector<TomlTable> group_tables;   ///< beside file.groups
+  std::vector<TomlTable> value_tables;    ///< beside file.values
+  std::vector<TomlTable> string_tables;   ///< beside file.strings
+  std::vector<TomlTable> group_tables;    ///< beside file.groups
+  std::vector<TomlTable> guarded_tables;  ///< beside file.guarded
 };
 
 /// `register` (or another key) of an entry as a protocol address.
@@ -40,6 +43,8 @@ DocumentedRanges read_ranges(const ProfileFile& file, std::vector<TomlTable> ent
                              std::vector<TomlTable>* places = nullptr);
 
 void read_values(ProfileDraft& draft);
+/// `communication`: registers of which each write is guarded, or those of certain values.
+void read_communication(ProfileDraft& draft);
 void read_slow(ProfileDraft& draft);
 void read_unanswered(ProfileDraft& draft);
 void read_stops(ProfileDraft& draft);
@@ -53,5 +58,26 @@ std::optional<std::uint8_t> read_write_function(TomlTable& table);
 /// Checks that need several entries: values that overlap, leave the map or cross a group; limits
 /// that cut a value.
 void check_profile(ProfileDraft& draft);
+
+/// A list of codes from 1 to the last that the set can hold; false: there is no such list.
+template <std::size_t Size>
+bool read_set(TomlTable& root, std::string_view key, std::string_view kind,
+              std::bitset<Size>& codes) {
+  const auto* elements = root.list(key);
+  if (elements == nullptr) {
+    return false;
+  }
+  codes.reset();
+  for (const auto& element : *elements) {
+    const auto* code = std::get_if<std::int64_t>(&element.data);
+    if (code == nullptr || *code < 1 || *code >= static_cast<std::int64_t>(Size)) {
+      root.report_expected(key, element,
+                           std::string(kind) + " code from 1 to " + std::to_string(Size - 1));
+    } else {
+      codes.set(static_cast<std::size_t>(*code));
+    }
+  }
+  return true;
+}
 
 }  // namespace mbgate::config

@@ -56,33 +56,17 @@ void read_numbering(ProfileDraft& draft) {
   }
 }
 
-void read_functions(ProfileDraft& draft) {
-  const auto* elements = draft.root.list("functions");
-  if (elements == nullptr) {
-    return;
-  }
-  auto& functions = draft.file.profile.functions;
-  functions.reset();
-  if (elements->empty()) {
-    draft.root.error("functions", "an empty list lets nothing through");
-  }
-  for (const auto& element : *elements) {
-    const auto* code = std::get_if<std::int64_t>(&element.data);
-    if (code == nullptr || *code < 1 || *code > 127) {
-      draft.root.report_expected("functions", element, "a function code from 1 to 127");
-    } else {
-      functions.set(static_cast<std::size_t>(*code));
-    }
-  }
-}
-
 void read_behaviour(ProfileDraft& draft) {
   auto& profile = draft.file.profile;
   if (const auto addresses = read_units(draft.root, "addresses", {1, modbus::kMaxDeviceAddress})) {
     profile.first_address = addresses->first;
     profile.last_address = addresses->last;
   }
-  read_functions(draft);
+  if (read_set(draft.root, "functions", "a function", profile.functions) &&
+      draft.root.list("functions")->empty()) {
+    draft.root.error("functions", "an empty list lets nothing through");
+  }
+  read_set(draft.root, "acceptances", "an exception", profile.acceptances);
   if (const auto order = draft.root.word<OrderOfMaker>("word_order", kOrders)) {
     profile.word_order_settable = *order == OrderOfMaker::settable;
     if (*order != OrderOfMaker::settable) {
@@ -90,6 +74,7 @@ void read_behaviour(ProfileDraft& draft) {
           *order == OrderOfMaker::big ? drive::WordOrder::big : drive::WordOrder::little;
     }
   }
+  profile.response_timeout = draft.root.duration("response_timeout", {1ms, 1h});
   assign(profile.response_wait, draft.root.duration("response_wait", {0s, 1min}));
   assign(profile.input_as_holding, draft.root.boolean("input_as_holding"));
   profile.write_function = read_write_function(draft.root);
@@ -208,7 +193,7 @@ void read_lists(ProfileDraft& draft) {
   file.strings = ranges("strings", kRegisterTables, &draft.string_tables);
   file.read_only = ranges("read_only", kTables);
   file.write_only = ranges("write_only", kWritableTables);
-  file.communication = ranges("communication", kWritableTables);
+  read_communication(draft);
   read_values(draft);
   read_slow(draft);
   read_unanswered(draft);
@@ -218,6 +203,7 @@ void read_lists(ProfileDraft& draft) {
 /// The rules out of what was documented.
 void fill_profile(ProfileFile& file) {
   auto& profile = file.profile;
+  profile.map = facts(file.map);
   profile.groups = facts(file.groups);
   profile.read_only = facts(file.read_only);
   profile.write_only = facts(file.write_only);
@@ -231,6 +217,9 @@ void fill_profile(ProfileFile& file) {
       (access == ValueAccess::read ? profile.read_only : profile.write_only)
           .push_back(value.range());
     }
+  }
+  for (const auto& guarded : file.guarded) {
+    profile.guarded.push_back(guarded.fact);
   }
   for (const auto& slow : file.slow) {
     profile.slow.push_back(slow.fact);

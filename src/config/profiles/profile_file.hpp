@@ -57,6 +57,7 @@ struct ProfileFile {
   DocumentedRanges read_only;   ///< without values
   DocumentedRanges write_only;  ///< without values
   DocumentedRanges communication;
+  std::vector<Documented<drive::GuardedWrite>> guarded;  ///< of `communication`, with values
   std::vector<Documented<drive::SlowRegisters>> slow;
   std::vector<Documented<drive::UnansweredWrite>> unanswered;
   std::vector<Documented<drive::WriteMatch>> stops;

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/stat.h>
+
+#include <algorithm>
+
 #include "config/sections/sections.hpp"
 #include "config/toml/duration_text.hpp"
 
@@ -42,21 +46,45 @@ void check_frame_gap(TomlTable& table, const bus::BusSettings& settings) {
   }
 }
 
-/// Two buses on one line would talk into each other's transactions. A Modbus TCP server keeps its
-/// connections apart.
+/// What the system has behind the path; nothing if it is not there, or is no device.
+std::optional<dev_t> port_behind(const std::string& path) {
+  struct stat status {};
+  return !path.empty() && ::stat(path.c_str(), &status) == 0 && S_ISCHR(status.st_mode)
+             ? std::optional(status.st_rdev)
+             : std::nullopt;
+}
+
+/// Two buses on one line would talk into each other's transactions, and a drive behind two
+/// connections would have two orders of its writes.
 bool same_line(const bus::LineSettings& a, const bus::LineSettings& b) {
-  const bool tcp = a.framing == bus::Framing::tcp || b.framing == bus::Framing::tcp;
-  return !tcp && !a.device.empty() && (a.device == b.device || (a.remote && a.remote == b.remote));
+  if (a.remote || b.remote) {
+    return a.remote == b.remote && !a.remote->host.empty();
+  }
+  const auto port = port_behind(a.device);
+  return !a.device.empty() && (a.device == b.device || (port && port == port_behind(b.device)));
+}
+
+std::string line_text(const bus::LineSettings& line) {
+  return in_quotes(line.device.empty() ? line.remote->host + ":" + std::to_string(line.remote->port)
+                                       : line.device);
 }
 
 void check_line(Draft& draft, const bus::BusSettings& settings) {
   const auto& all = draft.settings.buses;
   const auto same = std::ranges::find_if(
       all, [&](const auto& other) { return same_line(settings.line, other.line); });
-  if (same != all.end()) {
-    report_twice(draft.buses, static_cast<std::size_t>(same - all.begin()), "device",
-                 settings.line.device);
+  if (same == all.end()) {
+    return;
   }
+  const auto key = [](TomlTable& table) { return table.has("host") ? "host" : "device"; };
+  TomlTable& other = draft.buses[static_cast<std::size_t>(same - all.begin())];
+  const std::string line = line_text(settings.line);
+  const std::string known = line_text(same->line);
+  draft.buses.back().error(key(draft.buses.back()),
+                           line + (line == known ? "" : ", the same line as " + known + ",") +
+                               " is taken already at " +
+                               place(draft.document, other.value_position(key(other))) +
+                               " by bus " + in_quotes(same->name));
 }
 
 /// Of a Modbus TCP server that is reached over TLS.

@@ -85,6 +85,24 @@ void check_broadcast_address(Draft& draft) {
   }
 }
 
+/// Which devices are all that their bus has, whatever the unit.
+void read_every_unit(Draft& draft) {
+  auto& settings = draft.settings;
+  for (std::size_t at = 0; at < settings.buses.size(); ++at) {
+    const auto is_there = [&](const drive::Device& it) { return index(it.bus) == at; };
+    const auto count = std::ranges::count_if(settings.devices, is_there);
+    const auto device = std::ranges::find_if(settings.devices, is_there);
+    const auto& stated = settings.buses[at].one_device;
+    if (stated == true && count != 1) {
+      draft.buses[at].error(
+          "one_device",
+          "true needs one [[device]] with this bus, and no other: found " + std::to_string(count));
+    } else if (count == 1 && settings.buses[at].line.framing == bus::Framing::tcp) {
+      device->has_every_unit = stated.value_or(device->address == kLoneServer);
+    }
+  }
+}
+
 }  // namespace
 
 void read_devices(Draft& draft) {
@@ -102,6 +120,7 @@ void read_devices(Draft& draft) {
     draft.settings.devices.push_back(std::move(device));
   }
   check_broadcast_address(draft);
+  read_every_unit(draft);
 }
 
 }  // namespace mbgate::config

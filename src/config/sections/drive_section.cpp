@@ -23,6 +23,11 @@ const ProfileFile* read_profile(Draft& draft, TomlTable& table, drive::Device& d
     draft.profile_known.back() = true;
     device.profile = file->profile;
     device.timing.response_wait = file->profile.response_wait;
+    const bool stated = index(device.bus) < draft.buses.size() &&
+                        draft.buses[index(device.bus)].has("response_timeout");
+    if (!stated) {  // what its user says of the line, the profile cannot know
+      assign(device.timing.response_timeout, file->profile.response_timeout);
+    }
   }
   return file;
 }
@@ -52,7 +57,10 @@ void read_orders(Draft& draft, TomlTable& table, drive::Device& device) {
   }
 }
 
+constexpr std::array kEchoes = {Word{"value", false}, Word{"address", true}};
+
 void read_writing(Draft& draft, TomlTable& table, drive::Device& device) {
+  assign(device.limits_values, table.word<bool>("write_echo", kEchoes));
   const auto& profile = device.profile;
   const auto function = read_write_function(table);
   if (function && draft.profile_known.back() && !profile.functions.test(*function)) {

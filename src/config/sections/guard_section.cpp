@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who may write to a device, and what is written to it when nobody is left who might.
 #include <array>
+#include <string>
+#include <utility>
 
 #include "config/sections/sections.hpp"
+#include "config/toml/duration_text.hpp"
 
 namespace mbgate::config {
 namespace {
@@ -40,18 +43,22 @@ void check_hold(TomlTable& table, const DeviceGuard& guard) {
   }
 }
 
-void check_occasions(TomlTable& table) {
+void check_occasions(TomlTable& table, const DeviceGuard& guard) {
+  constexpr std::array kNeedWrites = {
+      std::pair("failsafe_clients", "when these clients have gone"),
+      std::pair("failsafe_grace", "when a client has gone for so long"),
+      std::pair("quiet", "after so long a silence"),
+      std::pair("failsafe_on_exit", "when the gateway stops")};
   const auto* writes = table.value("failsafe");
   const bool has_writes = writes != nullptr && !is_empty_list(*writes);
-  if (table.has("failsafe_clients") && !has_writes) {
-    table.error("failsafe_clients",
-                "needs 'failsafe': what is written when these clients have gone");
+  for (const auto& [key, occasion] : kNeedWrites) {
+    if (table.has(key) && !has_writes) {
+      table.error(key, std::string("needs 'failsafe': what is written ") + occasion);
+    }
   }
-  if (table.has("quiet") && !has_writes) {
-    table.error("quiet", "needs 'failsafe': what is written after so long a silence");
-  }
-  if (table.has("failsafe_on_exit") && !has_writes) {
-    table.error("failsafe_on_exit", "needs 'failsafe': what is written when the gateway stops");
+  if (has_writes && guard.quiet > gateway::Duration{0} && guard.quiet < guard.failsafe_grace) {
+    table.warning("quiet", "failsafe_grace, " + to_text(guard.failsafe_grace) +
+                               ", is longer, and has to pass too");
   }
 }
 
@@ -64,7 +71,7 @@ gateway::DeviceGuard read_guard(Draft& draft, TomlTable& table, const drive::Dev
   check_hold(table, guard);
   guard.failsafe_clients = read_clients(draft, table, "failsafe_clients");
   guard.failsafe = read_failsafe(table, device);
-  check_occasions(table);
+  check_occasions(table, guard);
   return guard;
 }
 

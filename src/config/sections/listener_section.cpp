@@ -79,7 +79,7 @@ void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener
   }
   assign(listener.broadcast_reply,
          table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
-  const bool mixed = table.boolean("broadcast_mixed").value_or(false);
+  assign(listener.broadcast_mixed, table.boolean("broadcast_mixed"));
   for (const auto* key : {"broadcast", "broadcast_mixed", "broadcast_reply"}) {
     if (!transparent && table.has(key)) {
       table.error(key, "belongs to a listener with 'bus'; here, a [[route]] with unit = 0 does it");
@@ -91,7 +91,7 @@ void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener
   if (is_tcp(draft, *listener.bus)) {
     table.error("broadcast", in_quotes(draft.settings.bus(*listener.bus).name) +
                                  " is a Modbus TCP server: there are no broadcasts to it");
-  } else if (!mixed) {
+  } else if (!listener.broadcast_mixed) {
     check_broadcast_mixed(draft, table, "broadcast", {*listener.bus});
   }
 }

@@ -49,7 +49,7 @@ std::string refusal(const Value& value, const ProfileFile* file, const drive::De
   }
   if (profile.is_special(range)) {
     return registers +
-           " hold a stop, an opcode or its parameters, or a write that is never "
+           " hold a stop, an opcode or its parameters, or a write that is guarded or never "
            "answered, of " +
            in_quotes(profile.name);
   }

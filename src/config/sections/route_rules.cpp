@@ -19,6 +19,10 @@ constexpr std::array kRouteAccesses = {Word{"read-only", Access::read_only},
                                        Word{"read-write", Access::read_write}};
 constexpr std::int64_t kTableSize = 65536;
 constexpr std::int64_t kDiagnostics = 8;
+/// Sub-functions that silence a device, each named by itself.
+constexpr std::array kSilencing = {Word{"8/1", &FunctionRules::restart_communications},
+                                   Word{"8/3", &FunctionRules::change_delimiter},
+                                   Word{"8/4", &FunctionRules::force_listen_only}};
 
 /// Takes one element of `functions` over; false if it is none.
 bool allow(const TomlValue& element, FunctionRules& rules) {
@@ -30,25 +34,40 @@ bool allow(const TomlValue& element, FunctionRules& rules) {
     return true;
   }
   const auto* text = std::get_if<std::string>(&element.data);
-  if (text == nullptr || (*text != "8/1" && *text != "8/4")) {
+  if (text == nullptr) {
+    return false;
+  }
+  const auto* named = std::ranges::find(kSilencing, *text, &Word<bool FunctionRules::*>::text);
+  if (named == kSilencing.end()) {
     return false;
   }
   rules.allowed.set(kDiagnostics);
-  (*text == "8/1" ? rules.restart_communications : rules.force_listen_only) = true;
+  rules.*(named->value) = true;
   return true;
 }
 
-void read_functions(TomlTable& table, Route& route, bool broadcast) {
+/// Only ASCII lines have a delimiter (Serial Line V1.02, 2.5.2.1).
+bool has_delimiter(const Draft& draft, const Route& route) {
+  return std::ranges::any_of(route.buses, [&](drive::BusId bus) {
+    return index(bus) < draft.settings.buses.size() &&
+           draft.settings.bus(bus).line.framing == bus::Framing::ascii;
+  });
+}
+
+void read_functions(const Draft& draft, TomlTable& table, Route& route, bool broadcast) {
+  const bool must_be_named = has_delimiter(draft, route);
   const auto* elements = table.list("functions");
   if (elements == nullptr) {
+    route.functions.change_delimiter = !must_be_named;
     return;
   }
   FunctionRules rules;
+  rules.change_delimiter = !must_be_named;
   for (const auto& element : *elements) {
     const auto* code = std::get_if<std::int64_t>(&element.data);
     if (!allow(element, rules)) {
       table.report_expected("functions", element,
-                            R"(a function code from 1 to 127, "8/1" or "8/4")");
+                            R"(a function code from 1 to 127, "8/1", "8/3" or "8/4")");
     } else if (broadcast && (code == nullptr ||
                              !modbus::is_broadcast_function(static_cast<std::uint8_t>(*code)))) {
       table.report_expected("functions", element, "a function of broadcasts (5, 6, 15 or 16)");
@@ -145,7 +164,7 @@ void read_windows(TomlTable& table, Route& route, bool broadcast) {
 
 }  // namespace
 
-void read_route_rules(TomlTable& table, Route& route, bool broadcast) {
+void read_route_rules(const Draft& draft, TomlTable& table, Route& route, bool broadcast) {
   assign(route.access, table.word<Access>("access", kRouteAccesses));
   if (broadcast && route.access == Access::read_only) {
     table.error("access", "a broadcast is a write: \"read-only\" would let nothing through");
@@ -156,7 +175,7 @@ void read_route_rules(TomlTable& table, Route& route, bool broadcast) {
                 "belongs to a route with 'device': nobody knows the values of an address");
   }
   read_windows(table, route, broadcast);
-  read_functions(table, route, broadcast);
+  read_functions(draft, table, route, broadcast);
   assign(route.deadline, table.duration("deadline", {1ms, 1h}));
 }
 

@@ -148,7 +148,8 @@ void read_broadcast_target(Draft& draft, TomlTable& table, Route& route) {
   }
   assign(route.broadcast_reply, table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
   read_broadcast_buses(draft, table, route);
-  if (!table.boolean("broadcast_mixed").value_or(false)) {
+  assign(route.broadcast_mixed, table.boolean("broadcast_mixed"));
+  if (!route.broadcast_mixed) {
     check_broadcast_mixed(draft, table, table.has("bus") ? "bus" : "broadcast", route.buses);
   }
 }
@@ -175,7 +176,7 @@ void read_routes(Draft& draft) {
     } else if (units) {
       read_unicast_target(draft, table, *units, route);
     }
-    read_route_rules(table, route, broadcast);
+    read_route_rules(draft, table, route, broadcast);
     draft.routes.push_back(table);
     draft.route_units.push_back(units);
     draft.settings.routes.push_back(std::move(route));

@@ -159,7 +159,7 @@ bool clash(const gateway::ListenerSettings& a, const gateway::ListenerSettings& 
 bool is_tcp(const Draft& draft, drive::BusId bus);
 
 /// What a route lets through: `access`, `functions`, `[[route.registers]]`, `deadline`.
-void read_route_rules(TomlTable& table, routing::Route& route, bool broadcast);
+void read_route_rules(const Draft& draft, TomlTable& table, routing::Route& route, bool broadcast);
 
 /// Reports that the newest of `tables` has the same value of `key` as an earlier one; `what`: that
 /// value as text.

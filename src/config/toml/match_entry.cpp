@@ -13,8 +13,11 @@ using modbus::Table;
 /// What a function 16 carries besides the stop itself (Application Protocol V1.1b3, 6.12), rounded.
 constexpr std::int64_t kMostParameters = 120;
 
-void check_written(TomlTable& entry, std::string_view key, const drive::WriteMatch& match) {
-  if (match.table == Table::coils) {
+constexpr IntegerRange kValues32 = {0, 0xFFFFFFFF};
+
+template <typename Match>
+void check_written(TomlTable& entry, std::string_view key, Table table, const Match& match) {
+  if (table == Table::coils) {
     if (match.value != 0 && match.value != kCoilOn) {
       entry.error(key, "a coil is written as 0 or 0xFF00, found " + std::to_string(match.value));
     }
@@ -27,10 +30,10 @@ void check_written(TomlTable& entry, std::string_view key, const drive::WriteMat
   }
 }
 
-}  // namespace
-
-void read_written(TomlTable& entry, bool or_not, drive::WriteMatch& match) {
-  assign(match.mask, entry.integer("mask", {1, 0xFFFF}));
+/// `values`: that can be written there.
+template <typename Match>
+void read_condition(TomlTable& entry, bool or_not, Table table, IntegerRange values, Match& match) {
+  assign(match.mask, entry.integer("mask", {1, values.max}));
   const bool not_key = or_not && entry.has("not");
   if (or_not && !not_key && !entry.has("value")) {
     entry.document().error(entry.position(),
@@ -42,8 +45,19 @@ void read_written(TomlTable& entry, bool or_not, drive::WriteMatch& match) {
   }
   const std::string_view key = not_key ? "not" : "value";
   match.other = not_key;
-  assign(match.value, entry.integer(key, kRegisterValues));
-  check_written(entry, key, match);
+  assign(match.value, entry.integer(key, values));
+  check_written(entry, key, table, match);
+}
+
+}  // namespace
+
+void read_written(TomlTable& entry, bool or_not, drive::WriteMatch& match) {
+  read_condition(entry, or_not, match.table, kRegisterValues, match);
+}
+
+void read_written(TomlTable& entry, drive::GuardedWrite& guarded) {
+  const bool alone = guarded.range.count == 1;
+  read_condition(entry, true, guarded.range.table, alone ? kRegisterValues : kValues32, guarded);
 }
 
 void read_parameters(TomlTable& entry, drive::WriteMatch& match) {

@@ -61,6 +61,16 @@ std::string limit_text(std::uint16_t limit, Table table) {
   return std::to_string(limit) + " " + std::string(name);
 }
 
+std::string acceptances_text(const drive::Profile& profile) {
+  std::vector<std::string> texts;
+  for (std::size_t code = 0; code < profile.acceptances.size(); ++code) {
+    if (profile.acceptances.test(code)) {
+      texts.push_back(modbus::exception_text(static_cast<std::uint8_t>(code)));
+    }
+  }
+  return joined(texts, [](const std::string& one) { return one; });
+}
+
 /// The limits of what the drive's functions can do at all.
 std::string reads_text(const ProfileFile& file) {
   constexpr std::array kReads = {std::pair(1U, Table::coils), std::pair(2U, Table::discrete_inputs),
@@ -126,12 +136,18 @@ std::string profile_head(const config::ProfileFile& file) {
   rows.push_back({"addresses", std::to_string(profile.first_address) + "-" +
                                    std::to_string(profile.last_address) + " on a serial line"});
   rows.push_back({"functions", functions_text(file)});
+  if (profile.acceptances.any()) {
+    rows.push_back({"accepts with", acceptances_text(profile)});
+  }
   rows.push_back({"reads at most", reads_text(file)});
   rows.push_back({"writes at most", writes_text(file)});
   if (profile.input_as_holding) {
     rows.push_back({"function 4", "reads the holding registers"});
   }
   rows.push_back({"word order", order_text(file)});
+  if (profile.response_timeout) {
+    rows.push_back({"response timeout", to_text(*profile.response_timeout)});
+  }
   rows.push_back({"response wait", to_text(profile.response_wait)});
   rows.push_back({"broadcasts", broadcast_text(file)});
   return profile.name + ": " + file.description + "\n" + columns(rows);

@@ -104,10 +104,11 @@ json::object limits_json(const drive::Limits& limits) {
           {"write_registers", limits.write_registers}};
 }
 
-json::array functions_json(const drive::Profile& profile) {
+template <std::size_t kSize>
+json::array codes_json(const std::bitset<kSize>& set) {
   json::array codes;
-  for (std::size_t code = 1; code < profile.functions.size(); ++code) {
-    if (profile.functions.test(code)) {
+  for (std::size_t code = 1; code < kSize; ++code) {
+    if (set.test(code)) {
       codes.emplace_back(code);
     }
   }
@@ -202,9 +203,13 @@ std::string profile_json(const config::ProfileFile& file) {
       {"lines", text(file.lines)},
       {"file", text(file.path)},
       {"addresses", {{"first", profile.first_address}, {"last", profile.last_address}}},
-      {"functions", functions_json(profile)},
+      {"functions", codes_json(profile.functions)},
+      {"acceptances", codes_json(profile.acceptances)},
       {"limits", limits_json(profile.limits)},
       {"word_order", order_json(profile)},
+      {"response_timeout", profile.response_timeout
+                               ? text(config::to_text(*profile.response_timeout))
+                               : json::value(nullptr)},
       {"response_wait", text(config::to_text(profile.response_wait))},
       {"write_function", number_or_null(profile.write_function)},
       {"input_as_holding", profile.input_as_holding},
@@ -214,6 +219,13 @@ std::string profile_json(const config::ProfileFile& file) {
       {"strings", firsts(file.strings)}};
   add_writes(object, file);
   object["communication"] = ranges_json(file, file.communication);
+  object["guarded"] = array_of(file.guarded, [&](const auto& guarded) {
+    auto range = range_json(file, guarded.fact.range);
+    range["mask"] = guarded.fact.mask;
+    range[guarded.fact.other ? "not" : "value"] = guarded.fact.value;
+    add_source(range, guarded.source);
+    return range;
+  });
   object["groups"] = ranges_json(file, file.groups);
   add_registers_of_order(object, profile);
   object["entries"] = entries_json(file);

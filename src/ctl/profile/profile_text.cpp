@@ -47,20 +47,22 @@ void add_section(std::string& text, std::string_view title, Rows rows,
   text.append("\n").append(title).append("\n").append(columns(rows));
 }
 
-std::string condition(const WriteMatch& match) {
-  if (match.table == Table::coils) {
-    return match.value == 0 ? "off" : "on";
+template <typename Match>
+std::string condition(Table table, const Match& match) {
+  if (table == Table::coils) {
+    return (match.value == 0) == match.other ? "on" : "off";
   }
-  const std::string masked = match.mask == 0xFFFF ? "" : "& " + hex(match.mask) + " ";
-  const std::string parameters =
-      match.parameters == 0 ? ""
-                            : ", with up to " + std::to_string(match.parameters) + " parameters";
-  return masked + (match.other ? "other than " : "= ") + hex(match.value) + parameters;
+  const std::string masked = match.mask == Match().mask ? "" : "& " + hex(match.mask) + " ";
+  return masked + (match.other ? "other than " : "= ") + hex(match.value);
 }
 
 std::vector<std::string> match_cells(const ProfileFile& file, const WriteMatch& match) {
   const drive::TableRange range{match.table, match.address, 1};
-  return {address_text(range), number_text(file, range), condition(match)};
+  const std::string parameters =
+      match.parameters == 0 ? ""
+                            : ", with up to " + std::to_string(match.parameters) + " parameters";
+  return {address_text(range), number_text(file, range),
+          condition(match.table, match) + parameters};
 }
 
 void add_writes(std::string& text, const ProfileFile& file) {
@@ -95,6 +97,20 @@ void add_ranges(std::string& text, const ProfileFile& file, std::string_view tit
                     number_text(file, range), line_text(source.line), name_text(source)});
   }
   add_section(text, title, std::move(rows), {"table", "address", "manual", "line", "name"});
+}
+
+void add_communication(std::string& text, const ProfileFile& file) {
+  add_ranges(text, file, "Communication registers, guarded unless allow_reconfigure = true",
+             file.communication);
+  Rows rows;
+  for (const auto& [guarded, source] : file.guarded) {
+    rows.push_back({std::string(config::table_word(guarded.range.table)),
+                    address_text(guarded.range), number_text(file, guarded.range),
+                    condition(guarded.range.table, guarded), line_text(source.line),
+                    name_text(source)});
+  }
+  add_section(text, "Writes that are guarded like them", std::move(rows),
+              {"table", "address", "manual", "written", "line", "name"});
 }
 
 void add_opcodes(std::string& text, const ProfileFile& file) {
@@ -157,8 +173,7 @@ std::string columns(const std::vector<std::vector<std::string>>& rows) {
 std::string profile_text(const config::ProfileFile& file) {
   std::string text = profile_head(file);
   add_writes(text, file);
-  add_ranges(text, file, "Communication registers, guarded unless allow_reconfigure = true",
-             file.communication);
+  add_communication(text, file);
   add_opcodes(text, file);
   for (const unsigned registers : {2U, 4U}) {
     for (const auto table : {Table::holding_registers, Table::input_registers}) {

@@ -31,11 +31,29 @@ bool is_denied_at_all(const ClientInfo& client) {
   return client.role.kind == ClientRole::Kind::unreadable;
 }
 
-StopIn stop_in(const drive::Device* device, const modbus::Request& request) {
-  if (device == nullptr || !device->may_be_stopped_by(request)) {
-    return StopIn::none;
+// A stop is divided into what stops and its parameters.
+void add_written(TouchedRegisters touched, const modbus::Request& request, TouchedList& written) {
+  const modbus::TableRange whole = request.writes()->range;
+  const drive::Device* device = touched.device;
+  touched.range = whole;
+  if (device == nullptr || !device->is_stop(request)) {
+    const bool stops = device != nullptr && device->may_be_stopped_by(request);
+    touched.stop = stops ? StopIn::some : StopIn::none;
+    written.push_back(touched);
+    return;
   }
-  return device->is_stop(request) ? StopIn::first : StopIn::some;
+  touched.range->count = 1;
+  for (std::uint16_t place = 0; place < whole.count; ++place) {
+    const auto address = static_cast<std::uint16_t>(whole.first + place);
+    const auto stop = device->stop_at(request, address) != nullptr ? StopIn::all : StopIn::none;
+    if (place > 0 && stop == written.back().stop) {
+      ++written.back().range->count;
+      continue;
+    }
+    touched.range->first = address;
+    touched.stop = stop;
+    written.push_back(touched);
+  }
 }
 
 void add_of_device(const SettingsSnapshot& settings, std::optional<std::size_t> number,
@@ -46,10 +64,9 @@ void add_of_device(const SettingsSnapshot& settings, std::optional<std::size_t> 
     touched.range = reads->range;
     halves.read.push_back(touched);
   }
-  if (const auto& writes = request.writes()) {
-    touched.range = writes->range;
-    touched.stop = stop_in(device, request);
-    halves.written.push_back(touched);
+  if (request.writes()) {
+    touched.reconfigures = device != nullptr && device->is_reconfigured_by(request);
+    add_written(touched, request, halves.written);
   }
   if (!request.reads() && !request.writes()) {
     (request.is_read() ? halves.read : halves.written).push_back(touched);

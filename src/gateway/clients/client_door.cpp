@@ -14,7 +14,6 @@ void ClientDoor::connected(ClientId client, const ClientInfo& info, Phase phase,
   }
   if (const ClientSession* session = sessions_.add(client, info, now)) {
     limits_.came(*session, now);
-    failsafe_.client_came(*session);
     notice_login(info, now);
   }
 }
@@ -85,7 +84,6 @@ bool ClientDoor::may_ask(ClientSession& session, Instant now) {
   const bool was_held = session.held_until.has_value();
   const bool has_turn = limits_.may_ask(session, now);
   if (session.held_until && !was_held) {
-    failsafe_.client_asked(session.id(), now);
     ++sessions_.counters(session.info().listener).held_up;
     if (limits_.is_news(session, now)) {
       actions_.push(Report{ClientHeldUp{session.info().listener, session.info().address}});
@@ -114,7 +112,7 @@ void ClientDoor::close(ClientSession& session, Instant now) {
 
 void ClientDoor::forget(ClientSession& session, Instant now) {
   drop_requests(session);
-  failsafe_.client_gone(session.id());
+  failsafe_.client_gone(session.id(), now);
   rules_.client_gone(session.id());
   give_turn_back(session, now);
   limits_.left(session);

@@ -86,7 +86,6 @@ class ClientSession {
   EarlyStops ahead;
   DueAnswers answers;
   bool has_asked = false;  ///< it has sent a valid request
-  bool waits = false;      ///< when it was served last: for an answer, or for its turn
   bool is_closed = false;  ///< removed as soon as it is no longer in use
   bool is_leaving =
       false;  ///< it is disconnecting: only its stops are still taken, and it gets no answers

@@ -8,7 +8,6 @@ Clients::Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exch
                  ActionQueue& actions, Instant now)
     : settings_(settings),
       exchanges_(exchanges),
-      failsafe_(failsafe),
       actions_(actions),
       sessions_(settings.settings()),
       intake_(settings, rules, actions),
@@ -126,8 +125,6 @@ void Clients::serve(ClientSession& session, Instant now) {
   if (may_go_on && session.ahead.goes_on(session.position())) {
     sessions_.wake(session);  // as far as to the last of these stops
   }
-  session.waits = !session.exchanges.empty() || session.held_until;
-  failsafe_.client_waits(session.id(), session.waits, now);
   if (session.is_finished()) {
     door_.close(session, now);
     return;
@@ -189,6 +186,7 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
 void Clients::adopt(const SettingsSnapshot& before, Instant now) {
   sessions_.adopt(settings_.settings(), now);
   intake_.adopt(before, now);
+  sessions_.for_each([&](const ClientSession& session) { requests_.end_withdrawn(session, now); });
 }
 
 }  // namespace mbgate::gateway

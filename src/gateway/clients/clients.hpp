@@ -51,7 +51,6 @@ class Clients {
 
   const SettingsHistory& settings_;
   Exchanges& exchanges_;
-  FailsafeWrites& failsafe_;
   ActionQueue& actions_;
   Sessions sessions_;
   Intake intake_;

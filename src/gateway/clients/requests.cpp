@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/assert.hpp"
+#include "routing/broadcast_plan.hpp"
 
 namespace mbgate::gateway {
 namespace {
@@ -48,7 +49,10 @@ AskedTrace trace_of(const ClientSession& session, const Request& request) {
 }  // namespace
 
 void Requests::accept(ClientSession& session, Request& request, Instant now) {
-  failsafe_.client_asked(session.id(), now);
+  if (request.plan) {
+    const bool writes = !request.refused && !request.is_stop && !request.plan->is_read();
+    failsafe_.client_asked(session, *request.plan, writes, now);
+  }
   ++session.requests;
   ListenerCounters& counters = sessions_.counters(session.info().listener);
   ++counters.requests;
@@ -79,6 +83,7 @@ void Requests::answer_at_once(ClientSession& session, const Request& request,
 void Requests::begin(ClientSession& session, Request& request, Instant now) {
   const WriteOrigin origin = request.origin(session);
   audit(session, request);
+  say_left_out(session, request);
   const std::uint32_t index = exchanges_.open();
   Exchange& exchange = exchanges_[index];
   exchange.client = session.id();
@@ -97,6 +102,20 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
     rules_.note_early(*exchange.plan, origin);
   }
   exchanges_.start(index, *session.turns, origin.arrival, now);
+}
+
+void Requests::say_left_out(const ClientSession& session, const Request& request) {
+  if (!request.route->is_broadcast()) {
+    return;
+  }
+  BroadcastLeavesOut event{asked_of(session.info(), request.adu), request.is_stop};
+  for (const drive::Device* device :
+       routing::not_addressed(*request.route, *request.plan, request.is_stop)) {
+    event.devices += (event.devices.empty() ? "" : ", ") + device->name;
+  }
+  if (!event.devices.empty()) {
+    actions_.push(Report{std::move(event)});
+  }
 }
 
 void Requests::audit(const ClientSession& session, const Request& request) {
@@ -119,6 +138,32 @@ void Requests::place_answer(ClientSession& session, const Request& request, std:
   if (request.is_early) {
     session.ahead.add(
         {request.position, answer_waits, answer_waits ? std::optional(index) : std::nullopt});
+  }
+}
+
+// Where its unit leads nowhere any more, the request means something else: Exchanges ends it.
+bool Requests::is_withdrawn(const ClientSession& session, const Exchange& exchange,
+                            Instant now) const {
+  const SettingsSnapshot& settings = settings_.in_force();
+  const std::uint8_t unit = exchange.header.unit;
+  const auto* route = settings.routes.find(exchange.listener, unit);
+  if (route == nullptr) {
+    return false;
+  }
+  const auto plan = routing::Plan::make(*route, unit, session.rights(), exchange.plan->asked());
+  if (!plan || !verdict_on(settings, session.info(), unit, *plan).permitted) {
+    return true;
+  }
+  const WriteOrigin origin{session.id(), session.info(), session.key(), session.position(), now};
+  return !plan->is_read() &&
+         rules_.objection(*plan, origin, now) == modbus::ExceptionCode::illegal_function;
+}
+
+void Requests::end_withdrawn(const ClientSession& session, Instant now) {
+  for (const std::uint32_t exchange : session.exchanges) {
+    if (is_withdrawn(session, exchanges_[exchange], now)) {
+      exchanges_.cancel(exchange);
+    }
   }
 }
 

@@ -36,6 +36,8 @@ class Requests {
   void pass_early(ClientSession& session, const EarlyStops::Stop& stop);
   /// All jobs of the exchange have ended: answers it.
   void complete(std::uint32_t exchange, Instant now);
+  /// New settings are in force: takes back what waits of the client and may not be asked any more.
+  void end_withdrawn(const ClientSession& session, Instant now);
   /// All that the status unit shows: of its own, of clients, of buses and devices.
   void clear_counters();
 
@@ -47,6 +49,10 @@ class Requests {
   /// `audit = true`: the journal is told of a write. Not of what is asked of the status unit: only
   /// 08/0A changes anything there, and that is always told.
   void audit(const ClientSession& session, const Request& request);
+  /// Of a broadcast the journal is told which devices it is not for.
+  void say_left_out(const ClientSession& session, const Request& request);
+  [[nodiscard]] bool is_withdrawn(const ClientSession& session, const Exchange& exchange,
+                                  Instant now) const;
   void place_answer(ClientSession& session, const Request& request, std::uint32_t index);
   [[nodiscard]] modbus::Pdu answer_of_gateway(const ClientSession& session, const Request& request,
                                               Instant now);

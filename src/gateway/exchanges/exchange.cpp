@@ -6,8 +6,9 @@ namespace mbgate::gateway {
 void Exchange::note(const bus::Job& job, bus::Ending ending) {
   was_on_wire = was_on_wire || job.was_on_wire;
   ended_as = failed ? ended_as : ending;
-  if (!plan) {
-    return;  // nobody is answered
+  if (!plan) {  // nobody is answered
+    response = job.transactions.back().response;
+    return;
   }
   switch (ending) {
     case bus::Ending::answered: response = plan->answer(job.responses()); break;

@@ -19,7 +19,12 @@ bool leads_elsewhere(const routing::ResolvedRoute* resolved, const Exchange& exc
   return resolved->is_broadcast()
              ? std::ranges::find(resolved->route.buses, part.bus) == resolved->route.buses.end()
              : resolved->route.buses.front() != part.bus ||
-                   resolved->route.address_of(unit) != part.job->transactions.front().address;
+                   resolved->route.address_of(unit) != part.job->transactions.front().unit;
+}
+
+// Its registers lie elsewhere in the device, or its values are in another order.
+bool is_read_otherwise(const routing::Route& route, const routing::Route& before) {
+  return route.word_order != before.word_order || route.windows != before.windows;
 }
 
 }  // namespace
@@ -32,13 +37,12 @@ bool means_otherwise(const Exchange& exchange, const Exchange::Part& part,
   if (listens && leads_elsewhere(resolved, exchange, part, next.settings)) {
     return true;
   }
-  if (part.job->is_broadcast()) {
-    return has_other_devices(old, next, part.bus);
+  if (resolved != nullptr && is_read_otherwise(resolved->route, exchange.route->route)) {
+    return true;
   }
-  const bool other_order =
-      resolved != nullptr && resolved->route.word_order != exchange.route->route.word_order;
-  return other_order ||
-         is_other_device(old, next, part.bus, part.job->transactions.front().address);
+  return part.job->is_broadcast()
+             ? has_other_devices(old, next, part.bus)
+             : is_other_device(old, next, part.bus, part.job->transactions.front().unit);
 }
 
 }  // namespace mbgate::gateway

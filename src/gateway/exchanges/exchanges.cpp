@@ -32,6 +32,7 @@ void Exchanges::start(std::uint32_t index, Turns turns, Instant arrival, Instant
     }
     bus::Transaction& transaction = exchange.parts.back().job->transactions.emplace_back(
         planned.address, planned.request, planned.silence_is_success, planned.broadcast);
+    transaction.unit = planned.unit;
     transaction.must_hold = planned.must_hold;
     transaction.window_begin = planned.window_begin;
     transaction.window_end = planned.window_end;

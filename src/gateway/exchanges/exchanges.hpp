@@ -36,6 +36,12 @@ class Exchanges {
   /// An exchange whose jobs have all ended, which is then to be closed; nothing if there is none.
   std::optional<std::uint32_t> take_completed();
   void close(std::uint32_t index);
+  template <typename Predicate>
+  [[nodiscard]] bool any_of(Predicate is_it) const {
+    bool found = false;
+    exchanges_.for_each([&](const Exchange& exchange) { found = found || is_it(exchange); });
+    return found;
+  }
   [[nodiscard]] bool any_open() const { return exchanges_.in_use() > 0; }
 
   /// New settings are in force: jobs that would mean something else now are withdrawn.

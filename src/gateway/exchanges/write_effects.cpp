@@ -17,14 +17,18 @@ void report_reconfigured(const Exchange& exchange, const Exchange::Part& part,
                          const Settings& settings, ActionQueue& actions) {
   for (const drive::Device& device : settings.devices) {
     bool hit = false;
+    bool by_value = true;
     for (std::size_t at = 0; device.bus == part.bus && at < part.job->transactions.size(); ++at) {
       const bus::Transaction& it = part.job->transactions[at];
       const bool heard = device.is_addressed_by(it.address, it.broadcast);
-      hit =
-          hit || (heard && device.is_reconfigured_by(it.request) && may_have_worked(*part.job, at));
+      if (heard && device.is_reconfigured_by(it.request) && may_have_worked(*part.job, at)) {
+        hit = true;
+        by_value =
+            by_value && !drive::touches(device.profile.communication, it.request.writes()->range);
+      }
     }
     if (hit) {
-      actions.push(Report{Reconfigured{device.bus, device.address, exchange.address}});
+      actions.push(Report{Reconfigured{device.bus, device.address, exchange.address, by_value}});
     }
   }
 }

@@ -92,6 +92,9 @@ struct InputWords {
     words.word("opened").bus(input.bus).word(word_of(input.kind));
   }
   void operator()(const LineBytes& input) { words.word("line").bus(input.bus).hex(input.bytes); }
+  void operator()(const LineUnsent& input) {
+    words.word("unsent").bus(input.bus).number(input.bytes);
+  }
   void operator()(const LineLost& input) {
     words.word(input.loss == bus::Loss::closed ? "closed" : "lost").bus(input.bus);
   }

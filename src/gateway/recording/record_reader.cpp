@@ -185,6 +185,10 @@ Input input_of(LineWords& words, std::vector<std::uint8_t>& storage) {
     const BusId bus = words.bus();
     return LineBytes{bus, words.hex(storage)};
   }
+  if (kind == "unsent") {
+    const BusId bus = words.bus();
+    return LineUnsent{bus, words.number<std::size_t>("a number of bytes")};
+  }
   if (kind == "lost") {
     return LineLost{words.bus()};
   }

@@ -13,7 +13,11 @@ DeviceIndex::DeviceIndex(std::span<const drive::Device> devices, std::size_t bus
       continue;
     }
     OnBus& bus = buses_[static_cast<std::size_t>(devices[place].bus)];
-    bus.by_address.at(devices[place].address) = place;
+    for (std::size_t address = 0; address < kAddresses; ++address) {
+      if (devices[place].stands_for(static_cast<std::uint8_t>(address))) {
+        bus.by_address.at(address) = place;
+      }
+    }
     bus.all.push_back(place);
   }
 }

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "bus/state_reader.hpp"
 #include "gateway/client.hpp"
 #include "gateway/settings/device_index.hpp"
-#include "gateway/writes/failsafe.hpp"
 #include "routing/route_table.hpp"
 
 namespace mbgate::gateway {
@@ -23,22 +23,11 @@ struct SettingsSnapshot {
   [[nodiscard]] const DeviceGuard* guard(std::size_t device) const;
   /// The failsafe writes of a device; none if it has none.
   [[nodiscard]] std::span<const modbus::Request> failsafe(std::size_t device) const;
-  /// A watch for every device that has failsafe writes.
-  [[nodiscard]] Failsafe new_failsafe() const;
-  /// The devices with failsafe writes that the client may write to by any route.
-  [[nodiscard]] DevicePlaces watched_for(const ClientInfo& client,
-                                         routing::ClientRights rights) const;
 
   Settings settings;
   routing::RouteTable routes;
   DeviceIndex devices;
   std::size_t exchanges = 0;  ///< that refer to it
-
- private:
-  [[nodiscard]] bool leads_to(ListenerId listener, const drive::Device& device) const;
-
-  /// By listener: devices with failsafe writes that a route with write access leads to.
-  std::vector<DevicePlaces> watched_;
 };
 
 /// The settings in force, and older ones as long as requests that were planned with them are open.

@@ -34,6 +34,12 @@ Diagnosis of_silent_device(const StatusReport& report, const DeviceStatus& devic
   const std::string address = std::to_string(device.address);
   std::string evidence =
       counted(device.silence.transmissions(), "transmission") + " in a row unanswered";
+  if (device.unreached) {
+    return {Rank::drive_lost, subject_of(report, device), "the server does not reach it",
+            evidence + "; the server says " + modbus::exception_text(*device.unreached) +
+                others_answer(report, device),
+            "its power, its cable; its unit identifier, and what the server knows of it"};
+  }
   if (!device.has_answered) {
     return {Rank::drive_lost, subject_of(report, device), "it has never answered",
             evidence + others_answer(report, device),
@@ -127,6 +133,15 @@ Diagnosis of_other_order(const StatusReport& report, const DeviceStatus& device)
           "`word_order`, or the setting of the drive; until then no values are written to it"};
 }
 
+Diagnosis of_failed_stop(const StatusReport& report, const DeviceStatus& device) {
+  const std::uint8_t exception = device.stop_exception;
+  return {Rank::drive_lost, subject_of(report, device),
+          exception == 0 ? "it has not acknowledged a stop" : "it has refused a stop",
+          (exception == 0 ? "no answer" : modbus::exception_text(exception)) +
+              " to the last try, " + passed_text(*device.last_failed_stop) + " ago",
+          "whether it stands still"};
+}
+
 // Is it that of the device, and not of its line?
 bool is_silence_its_own(const BusStatus& bus, const Together& all) {
   return (bus.is_open || bus.is_reopening) && !all.is_dead() &&
@@ -141,6 +156,9 @@ void diagnose_device(const StatusReport& report, const DeviceStatus& device, con
                      std::vector<Diagnosis>& found) {
   if (!device.last_request || (device.name.empty() && !is_asked(device)) || is_tried(device)) {
     return;
+  }
+  if (device.last_failed_stop) {
+    found.push_back(of_failed_stop(report, device));
   }
   if (is_lately(device.last_second_answer)) {
     found.push_back(of_second_answer(report, device));

@@ -125,6 +125,7 @@ Together together(const StatusReport& report, std::size_t bus) {
   for (const DeviceStatus* device : asked) {
     if (!speaks(*device) && (is_drive(*device) || !has_drive)) {
       ++all.silent;
+      all.unreached += static_cast<unsigned>(device->unreached.has_value());
       all.unanswered += device->silence.transmissions();
       all.silent_for = std::max(all.silent_for, device->silent_for);
       last_fell = std::min(last_fell, device->silent_for);

@@ -46,6 +46,7 @@ Diagnosis diagnosis_of_quality(std::string subject, const bus::QualityVerdict& v
 /// What the devices of a bus have in common.
 struct Together {
   std::uint64_t silent = 0;  ///< devices; addresses that are no drives only where no drive is asked
+  std::uint64_t unreached = 0;   ///< of these, those that a server says that it did not reach
   std::uint64_t unanswered = 0;  ///< transmissions in a row, of all of them
   Duration silent_for{0};        ///< how long ago the first of these was sent
   bool does_one_speak = false;   ///< since the last of the silent ones fell silent

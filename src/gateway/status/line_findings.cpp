@@ -41,6 +41,11 @@ std::string causes_of_no_answer(const BusStatus& bus) {
 Diagnosis of_dead_bus(const BusStatus& bus, const Together& all) {
   std::string evidence = counted(all.unanswered, "transmission") + " in a row to " +
                          counted(all.silent, "device") + " unanswered";
+  if (all.unreached == all.silent) {
+    return {Rank::nothing_works, subject_of(bus), "the server answers, but reaches none of them",
+            std::move(evidence),
+            "what is behind the server: power, wires, settings; unit identifiers"};
+  }
   if (bus.silence >= all.silent_for) {
     evidence += ", and nothing else heard";
   }

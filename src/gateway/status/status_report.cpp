@@ -95,7 +95,7 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
     status.silent_for = std::max(now - entry.silence.began(), Duration{0});
   }
   status.held_back = bus.view().held_back(address, now);
-  status.quarantine = entry.health.quarantine(now, entry.timing());
+  status.quarantine = entry.hold.tail(now, entry.timing());
   status.least_quarantine = entry.timing().quarantine_or_default();
   if (entry.health.is_offline()) {
     status.next_probe = std::max(entry.health.probe_at() - now, Duration{0});
@@ -105,6 +105,11 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
       bus.diagnosis().echo() == bus::NoticedEcho::none ? entry.second_at : entry.second_read_at,
       now);
   status.other_order = other_order(entry);
+  status.unreached = entry.unreached;
+  if (entry.failed_stop) {
+    status.last_failed_stop = now - entry.failed_stop->at;
+    status.stop_exception = entry.failed_stop->exception;
+  }
   status.counters = entry.counters;
   status.quality = bus.diagnosis().quality()[address].verdict();
   status.queue = percentiles_of(entry.times.queue);

@@ -92,6 +92,12 @@ struct DeviceStatus {
   /// count that may be an echo.
   std::optional<Duration> last_second_answer;
   std::optional<OtherWordOrder> other_order;
+  /// The exception by which a server said last that it did not reach the device.
+  std::optional<std::uint8_t> unreached;
+  /// How long ago a stop was given up, with no write acknowledged since; and the exception with
+  /// which it was refused, 0: it was unanswered.
+  std::optional<Duration> last_failed_stop;
+  std::uint8_t stop_exception = 0;
   bus::DeviceCounters counters;
   bus::QualityVerdict quality;
   Percentiles queue;

@@ -40,6 +40,7 @@ WireTrace::Outcome outcome_of(const bus::TransmissionOver& over) {
     case bus::LineEnd::How::sent: return WireTrace::Outcome::sent;
     case bus::LineEnd::How::no_response:
       return over.may_stay_silent ? WireTrace::Outcome::sent : WireTrace::Outcome::no_response;
+    case bus::LineEnd::How::misfit:
     case bus::LineEnd::How::damaged: return WireTrace::Outcome::damaged;
   }
   return WireTrace::Outcome::cut;
@@ -132,7 +133,7 @@ void LineTrace::hear_adus(modbus::Bytes bytes, const WireTrace& blank, Instant n
   all.insert(all.end(), bytes.begin(), bytes.end());
   modbus::Bytes rest = all;
   while (!rest.empty()) {
-    const modbus::MbapScan scan = modbus::scan_mbap(rest);
+    const modbus::MbapScan scan = modbus::scan_mbap_answer(rest);
     std::size_t size = rest.size();
     if (std::holds_alternative<modbus::MbapIncomplete>(scan)) {
       break;

@@ -4,195 +4,269 @@
 #include <algorithm>
 #include <utility>
 
-#include "gateway/settings/numbering.hpp"
-
 namespace mbgate::gateway {
 namespace {
 
-bool same_failsafe(const SettingsSnapshot& old, const SettingsSnapshot& next, std::size_t device) {
-  return std::ranges::equal(old.failsafe(device), next.failsafe(device), {}, &modbus::Request::pdu,
-                            &modbus::Request::pdu);
+bool is_same_drive(const Settings& old, const drive::Device& one, const Settings& next,
+                   const drive::Device& other) {
+  if (one.is_gone() || other.is_gone() || one.address != other.address) {
+    return false;
+  }
+  const bus::LineSettings& line = old.bus(one.bus).line;
+  const bus::LineSettings& other_line = next.bus(other.bus).line;
+  return line.device == other_line.device && line.remote == other_line.remote;
 }
 
 }  // namespace
 
-void FailsafeWrites::client_came(const ClientSession& client) {
-  watch_.client_came(client.id(), settings_.in_force().watched_for(client.info(), client.rights()));
+FailsafeWrites::FailsafeWrites(const SettingsHistory& settings, Exchanges& exchanges,
+                               WriteRules& rules, ActionQueue& actions)
+    : settings_(settings), exchanges_(exchanges), rules_(rules), actions_(actions) {
+  adopt(settings.in_force());
 }
 
-void FailsafeWrites::client_asked(ClientId client, Instant now) {
-  for (const std::size_t device : watch_.client_asked(client, now)) {
-    report(Failsafe::Due{device, FailsafeReason::gone}, FailsafeOutcome::client_back);
-  }
+bool FailsafeWrites::Watch::is_under_way() const {
+  return std::ranges::any_of(writes, [](const Write& it) { return it.exchange.has_value(); });
 }
 
-void FailsafeWrites::bus_opened(BusId bus) {
-  const auto& devices = settings_.settings().devices;
-  for (std::size_t place = 0; place < devices.size(); ++place) {
-    if (devices[place].bus == bus) {
-      watch_.line_is_back(place);
-    }
-  }
+const DeviceGuard& FailsafeWrites::guard(std::size_t device) const {
+  return *settings_.in_force().guard(device);
 }
 
-bool FailsafeWrites::send_due(Instant now) {
-  auto due = watch_.take_due(now);
-  if (!due) {
+bool FailsafeWrites::counts(std::size_t device, const Watch& watch, ClientId client) const {
+  const auto known = watch.connections.find(client);
+  if (known == watch.connections.end()) {
     return false;
   }
-  send(*std::move(due), now);
-  return true;
+  const ClientSession& session = *known->second;
+  const routing::ClientList& listed = guard(device).failsafe_clients;
+  return listed.empty() ? watch.writer == session.key()
+                        : listed.contains(session.info().address, session.info().role);
 }
 
-// Each is a request of its own, because a stop is repeated and another write is not. The bus is
-// asked even if its line is away: it may be one that is opened on demand.
-void FailsafeWrites::send(Failsafe::Due due, Instant now) {
-  const drive::Device& device = settings_.settings().devices[due.device];
-  rules_.note_own_stop(due.device, now);
-  Run run{std::move(due), device.bus, device.address};
-  const auto writes = settings_.in_force().failsafe(run.due.device);
-  for (std::size_t place = 0; place < writes.size(); ++place) {
-    if (std::ranges::find(run.due.sent, place) != run.due.sent.end()) {
-      continue;
-    }
-    const std::uint32_t index = exchanges_.open();
-    exchanges_[index].client_gone = true;
-    bus::Job& job = exchanges_.add_job(index, device.bus, {}, now);
-    job.job_class = bus::JobClass::stop;
-    job.transactions.emplace_back(device.address, writes[place]);
-    run.unsent.push_back({index, place});
-    run.exchanges.push_back(index);
-  }
-  runs_.push_back(run);
-  for (const std::uint32_t index : run.exchanges) {
-    exchanges_.submit(index, now);
-  }
+bool FailsafeWrites::does_one_count(std::size_t device, const Watch& watch) const {
+  return std::ranges::any_of(watch.connections,
+                             [&](const auto& it) { return counts(device, watch, it.first); });
 }
 
-void FailsafeWrites::note_sent() {
-  for (Run& run : runs_) {
-    note_sent(run);
-  }
-}
-
-void FailsafeWrites::note_sent(Run& run) {
-  if (run.unsent.empty()) {
-    return;  // said already
-  }
-  std::erase_if(run.unsent, [&](const Write& write) {
-    const bool was_sent = write.exchange && exchanges_[*write.exchange].has_been_on_wire();
-    if (was_sent) {
-      run.due.sent.push_back(write.place);
-    }
-    return was_sent;
+// Then a client is not silent.
+bool FailsafeWrites::is_waited_for(std::size_t device, const Watch& watch) const {
+  return exchanges_.any_of([&](const Exchange& exchange) {
+    return exchange.plan && counts(device, watch, exchange.client) &&
+           std::ranges::any_of(exchange.plan->transactions(), [&](const auto& part) {
+             const DevicePlaces reached = settings_.in_force().devices.reached_by(part);
+             return std::ranges::count(reached, device) > 0;
+           });
   });
-  if (run.unsent.empty()) {
-    report(run, FailsafeOutcome::sent);
-  }
 }
 
-void FailsafeWrites::ended(std::uint32_t exchange) {
-  const auto run = std::ranges::find_if(runs_, [&](const Run& it) {
-    return std::ranges::find(it.exchanges, exchange) != it.exchanges.end();
-  });
-  if (run == runs_.end()) {
+std::optional<Instant> FailsafeWrites::acts_at(std::size_t device, const Watch& watch) const {
+  if (watch.due) {
+    return watch.is_under_way() ? std::nullopt : std::optional(watch.again);
+  }
+  const DeviceGuard& rules = guard(device);
+  if (watch.gone_at) {
+    return *watch.gone_at + rules.failsafe_grace;
+  }
+  const bool may_be_silent = watch.writer && rules.quiet > Duration{0};
+  return may_be_silent && does_one_count(device, watch)
+             ? std::optional(watch.active + std::max(rules.quiet, rules.failsafe_grace))
+             : std::nullopt;
+}
+
+// Those of its devices that have failsafe writes.
+template <typename Visit>
+void FailsafeWrites::visit_reached(const routing::Plan& plan, Visit visit) {
+  if (watches_.empty()) {
     return;
   }
-  note_sent(*run);
-  for (Write& write : run->unsent) {
-    write.exchange = write.exchange == exchange ? std::nullopt : write.exchange;
-  }
-  std::erase(run->exchanges, exchange);
-  if (run->exchanges.empty()) {
-    const Run ended = std::move(*run);
-    runs_.erase(run);
-    end(ended);
-  }
-}
-
-bool FailsafeWrites::is_at_its_place(const Run& run) const {
-  const drive::Device& device = settings_.settings().devices[run.due.device];
-  return device.bus == run.bus && device.address == run.address;
-}
-
-void FailsafeWrites::end(const Run& run) {
-  if (run.unsent.empty()) {
-    return;
-  }
-  Failsafe::Due due = run.due;
-  if (run.is_outdated) {
-    due.sent.clear();
-  }
-  const bool was_told = std::exchange(due.told, true);
-  if (stopping_) {
-    report(run, FailsafeOutcome::given_up);
-  } else if (!is_at_its_place(run)) {
-    report(run, FailsafeOutcome::device_gone);
-  } else if (!watch_.put_back(due)) {
-    report(run, FailsafeOutcome::client_back);
-  } else if (!was_told) {
-    report(run, FailsafeOutcome::waits);
-  }
-}
-
-void FailsafeWrites::send_at_exit(Instant now) {
-  stopping_ = true;
-  for (std::size_t place = 0; place < settings_.settings().devices.size(); ++place) {
-    auto due = watch_.take_last(place, FailsafeReason::exit);
-    if (!due) {
-      continue;
-    }
-    if (settings_.in_force().guard(place)->failsafe_on_exit) {
-      send(*std::move(due), now);
-    } else if (due->told) {
-      report(*due, FailsafeOutcome::given_up);
-    }
-  }
-}
-
-void FailsafeWrites::send_to_leaving(const Settings& next, Instant now) {
-  const Settings& in_force = settings_.settings();
-  for (std::size_t device = 0; device < in_force.devices.size(); ++device) {
-    if (!keeps_place(in_force, next, device)) {
-      if (auto due = watch_.take_last(device, FailsafeReason::leaves)) {
-        send(*std::move(due), now);
+  for (const routing::PlannedTransaction& part : plan.transactions()) {
+    for (const std::size_t device : settings_.in_force().devices.reached_by(part)) {
+      if (const auto watch = watches_.find(device); watch != watches_.end()) {
+        visit(device, watch->second);
       }
     }
   }
 }
 
-void FailsafeWrites::adopt(const SettingsSnapshot& before, const Sessions& clients, Instant now) {
+void FailsafeWrites::client_asked(const ClientSession& client, const routing::Plan& plan,
+                                  bool writes, Instant now) {
+  visit_reached(plan, [&](std::size_t device, Watch& watch) {
+    watch.connections.emplace(client.id(), &client);
+    if (writes) {
+      watch.active = watch.writer ? watch.active : now;  // no silence of before counts
+      watch.writer = client.key();
+    }
+    if (guard(device).quiet > Duration{0}) {
+      earliest_ = bus::earlier(earliest_, now + guard(device).quiet);
+    }
+    if (!counts(device, watch, client.id())) {
+      return;
+    }
+    watch.active = now;
+    watch.gone_at.reset();
+    if (watch.due && !stopping_) {
+      if (std::exchange(watch.is_told, false)) {
+        report(settings_.settings().devices[device], watch, FailsafeOutcome::client_back);
+      }
+      watch.due.reset();
+      watch.writes.clear();
+    }
+  });
+}
+
+void FailsafeWrites::client_gone(ClientId client, Instant now) {
+  for (auto& [device, watch] : watches_) {
+    const bool counted = watch.writer && counts(device, watch, client);
+    watch.connections.erase(client);
+    if (counted && !does_one_count(device, watch)) {
+      watch.gone_at = now;
+      earliest_ = bus::earlier(earliest_, now + guard(device).failsafe_grace);
+    }
+  }
+}
+
+bool FailsafeWrites::send_due(Instant now) {
+  if (!earliest_ || now < *earliest_) {
+    return false;
+  }
+  earliest_.reset();
+  bool any_sent = false;
+  for (auto& [device, watch] : watches_) {
+    const auto at = acts_at(device, watch);
+    any_sent = (at && now >= *at && act(device, watch, now)) || any_sent;
+    earliest_ = bus::earlier(earliest_, acts_at(device, watch));
+  }
+  return any_sent;
+}
+
+bool FailsafeWrites::act(std::size_t device, Watch& watch, Instant now) {
+  if (!watch.due && !watch.gone_at && is_waited_for(device, watch)) {
+    watch.active = now;  // the answer is still to come
+    return false;
+  }
+  if (!watch.due) {
+    begin(device, watch, watch.gone_at ? FailsafeReason::gone : FailsafeReason::silent);
+  }
+  send(device, watch, now);
+  return true;
+}
+
+void FailsafeWrites::begin(std::size_t device, Watch& watch, FailsafeReason reason) {
+  watch.due = reason;
+  watch.again = Instant::min();
+  watch.writes.assign(guard(device).failsafe.size(), {});
+}
+
+void FailsafeWrites::send(std::size_t place, Watch& watch, Instant now) {
+  const drive::Device& device = settings_.settings().devices[place];
+  rules_.note_own_stop(place, now);
+  watch.again = now + device.timing.probe_interval;
+  for (std::size_t at = 0; at < watch.writes.size(); ++at) {
+    Write& write = watch.writes[at];
+    if (!write.is_acknowledged) {
+      const std::uint32_t index = write.exchange.emplace(exchanges_.open());
+      exchanges_[index].client_gone = true;
+      bus::Job& job = exchanges_.add_job(index, device.bus, {}, now);
+      job.job_class = bus::JobClass::stop;
+      job.transactions.emplace_back(device.address, guard(place).failsafe[at]);
+      exchanges_.submit(index, now);
+    }
+  }
+}
+
+void FailsafeWrites::ended(std::uint32_t index, Instant now) {
+  const Exchange& exchange = exchanges_[index];
+  if (exchange.plan) {
+    visit_reached(*exchange.plan, [&](std::size_t device, Watch& watch) {
+      if (counts(device, watch, exchange.client)) {
+        watch.active = now;
+      }
+    });
+    return;
+  }
+  for (auto& [device, watch] : watches_) {
+    const auto write = std::ranges::find(watch.writes, index, &Write::exchange);
+    if (write != watch.writes.end()) {
+      const auto& answer = exchange.response;
+      write->exchange.reset();
+      write->is_acknowledged =
+          exchange.ended_as == bus::Ending::transmitted ||  // it is never answered
+          (answer && settings_.settings().devices[device].has_accepted(*answer));
+      end_run(device, watch);
+    }
+  }
+}
+
+void FailsafeWrites::end_run(std::size_t place, Watch& watch) {
+  const drive::Device& device = settings_.settings().devices[place];
+  if (watch.is_under_way()) {
+    return;
+  }
+  if (std::ranges::all_of(watch.writes, &Write::is_acknowledged)) {
+    report(device, watch, FailsafeOutcome::acknowledged);
+    Watch fresh;
+    fresh.connections = std::move(watch.connections);
+    watch = std::move(fresh);
+  } else if (stopping_) {
+    report(device, watch, FailsafeOutcome::given_up);
+  } else {
+    if (!std::exchange(watch.is_told, true)) {
+      report(device, watch, FailsafeOutcome::waits);
+    }
+    earliest_ = bus::earlier(earliest_, watch.again);
+  }
+}
+
+void FailsafeWrites::send_at_exit(Instant now) {
+  stopping_ = true;
+  for (auto& [device, watch] : watches_) {
+    if (watch.is_under_way()) {
+      continue;
+    }
+    if (guard(device).failsafe_on_exit && watch.writer) {
+      if (!watch.due) {
+        begin(device, watch, FailsafeReason::exit);
+      }
+      send(device, watch, now);
+    } else if (watch.due) {
+      report(settings_.settings().devices[device], watch, FailsafeOutcome::given_up);
+    }
+  }
+}
+
+// What is due begins anew, because the writes may be others now.
+void FailsafeWrites::adopt(const SettingsSnapshot& before) {
   const SettingsSnapshot& next = settings_.in_force();
-  const Failsafe old_watch = std::exchange(watch_, next.new_failsafe());
-  clients.for_each([&](const ClientSession& client) {
-    client_came(client);
-    if (client.has_asked) {
-      watch_.client_asked(client.id(), now);
-    }
-    // Its answers may have come of this reload: its silence begins then.
-    watch_.client_waits(client.id(), client.waits, now);
-  });
-  for (std::size_t device = 0; device < before.settings.devices.size(); ++device) {
-    if (keeps_place(before.settings, next.settings, device)) {
-      watch_.carry(device, old_watch, same_failsafe(before, next, device));
+  const auto& devices = next.settings.devices;
+  const auto old = std::exchange(watches_, {});
+  for (std::size_t device = 0; device < devices.size(); ++device) {
+    if (!next.failsafe(device).empty()) {
+      watches_[device];
     }
   }
-  std::erase_if(runs_, [&](const Run& run) {
-    return next.failsafe(run.due.device).empty() &&  // nobody asks any more
-           keeps_place(before.settings, next.settings, run.due.device);
-  });
-  for (Run& run : runs_) {
-    run.is_outdated = run.is_outdated || !same_failsafe(before, next, run.due.device);
+  for (const auto& [place, watch] : old) {
+    const drive::Device& device = before.settings.devices[place];
+    const auto same = std::ranges::find_if(devices, [&](const drive::Device& it) {
+      return is_same_drive(before.settings, device, next.settings, it);
+    });
+    const auto known = watches_.find(static_cast<std::size_t>(same - devices.begin()));
+    if (same == devices.end() && watch.writer) {
+      report(device, watch, FailsafeOutcome::device_gone);
+    } else if (known != watches_.end()) {
+      known->second = watch;
+      if (watch.due) {
+        begin(known->first, known->second, *watch.due);
+      }
+    }
   }
+  earliest_ = watches_.empty() ? std::nullopt : std::optional(Instant::min());
 }
 
-void FailsafeWrites::report(const Run& run, FailsafeOutcome outcome) {
-  actions_.push(Report{FailsafeNews{run.bus, run.address, run.due.reason, outcome}});
-}
-
-void FailsafeWrites::report(const Failsafe::Due& due, FailsafeOutcome outcome) {
-  const drive::Device& device = settings_.settings().devices[due.device];
-  actions_.push(Report{FailsafeNews{device.bus, device.address, due.reason, outcome}});
+void FailsafeWrites::report(const drive::Device& device, const Watch& watch,
+                            FailsafeOutcome outcome) {
+  actions_.push(Report{
+      FailsafeNews{device.bus, device.address, watch.due.value_or(FailsafeReason::gone), outcome}});
 }
 
 }  // namespace mbgate::gateway

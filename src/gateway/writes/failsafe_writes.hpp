@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Failsafe writes, from when they are due until they were transmitted. Each is sent as a stop
-// without a client, as a request of its own.
+// Failsafe writes: what a device gets when the client that counts has gone, or is silent. Whom its
+// configuration names counts, else who wrote to the device last. They are due until the device has
+// acknowledged all of them, or such a client has asked it again. A device to which nobody has
+// written since gets none. Each is sent as a stop without a client, as a request of its own.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
-#include "bus/state_reader.hpp"
 #include "gateway/clients/sessions.hpp"
 #include "gateway/exchanges/exchanges.hpp"
-#include "gateway/writes/failsafe.hpp"
 #include "gateway/writes/write_rules.hpp"
 
 namespace mbgate::gateway {
@@ -17,69 +18,60 @@ namespace mbgate::gateway {
 class FailsafeWrites {
  public:
   FailsafeWrites(const SettingsHistory& settings, Exchanges& exchanges, WriteRules& rules,
-                 ActionQueue& actions)
-      : settings_(settings),
-        exchanges_(exchanges),
-        rules_(rules),
-        actions_(actions),
-        watch_(settings.in_force().new_failsafe()) {}
+                 ActionQueue& actions);
 
-  void client_came(const ClientSession& client);
-  void client_asked(ClientId client, Instant now);
-  void client_waits(ClientId client, bool waits, Instant now) {
-    watch_.client_waits(client, waits, now);
-  }
-  void client_gone(ClientId client) { watch_.client_gone(client); }
-  /// Its line was opened: what waits for it is tried again.
-  void bus_opened(BusId bus);
+  /// A client has asked devices something. `writes`: it is accepted, and neither a read nor a stop.
+  void client_asked(const ClientSession& client, const routing::Plan& plan, bool writes,
+                    Instant now);
+  void client_gone(ClientId client, Instant now);
 
-  [[nodiscard]] std::optional<Instant> next() const { return watch_.next(); }
+  /// When send_due() may have something to do, at the earliest.
+  [[nodiscard]] std::optional<Instant> next() const { return earliest_; }
   /// Sends what is due; false if nothing is.
   bool send_due(Instant now);
-  /// The gateway stops: what is due and what `failsafe_on_exit` asks for is sent; what cannot be
-  /// sent any more is reported.
+  /// The gateway stops: sends what `failsafe_on_exit` asks for, and reports what stays due.
   void send_at_exit(Instant now);
-  /// Buses may have transmitted something: notes which writes were sent.
-  void note_sent();
-  /// One of the requests has ended. What was not transmitted stays due.
-  void ended(std::uint32_t exchange);
-
-  /// Before new settings are in force: sends the writes of devices that these do not have any more,
-  /// or have elsewhere. Nobody may write to the old place afterwards.
-  void send_to_leaving(const Settings& next, Instant now);
-  /// New settings are in force, also for the clients that are left.
-  void adopt(const SettingsSnapshot& before, const Sessions& clients, Instant now);
+  /// A request has ended, a client's or one of these.
+  void ended(std::uint32_t exchange, Instant now);
+  /// New settings are in force. What is at the same address of the same port is the same drive.
+  void adopt(const SettingsSnapshot& before);
 
  private:
-  friend struct mbgate::StateReader;
   struct Write {
-    std::optional<std::uint32_t> exchange;  ///< nothing: it has ended
-    std::size_t place;                      ///< among the device's failsafe writes
+    std::optional<std::uint32_t> exchange{};  ///< on its way
+    bool is_acknowledged = false;
   };
-  /// The failsafe writes of a device that are being sent.
-  struct Run {
-    Failsafe::Due due;
-    BusId bus;
-    std::uint8_t address;
-    std::vector<Write> unsent{};
-    std::vector<std::uint32_t> exchanges{};  ///< that have not ended
-    /// The device has other failsafe writes now. Unless all of the old ones are sent, all of the
-    /// new ones are due.
-    bool is_outdated = false;
+  struct Watch {
+    std::map<ClientId, const ClientSession*> connections;  ///< that have asked the device
+    /// Who wrote last; nothing: nobody since the failsafe writes were acknowledged.
+    std::optional<ClientKey> writer;
+    Instant active = Instant::min();   ///< when one that counts asked, or was answered
+    std::optional<Instant> gone_at{};  ///< the last such connection ended; nobody asked since
+    std::optional<FailsafeReason> due{};
+    bool is_told = false;            ///< that they are not acknowledged yet
+    Instant again = Instant::min();  ///< due: they are sent then
+    std::vector<Write> writes{};     ///< due: as the guard has them
+    [[nodiscard]] bool is_under_way() const;
   };
-  void send(Failsafe::Due due, Instant now);
-  void note_sent(Run& run);
-  [[nodiscard]] bool is_at_its_place(const Run& run) const;
-  void end(const Run& run);
-  void report(const Run& run, FailsafeOutcome outcome);
-  void report(const Failsafe::Due& due, FailsafeOutcome outcome);
+  [[nodiscard]] const DeviceGuard& guard(std::size_t device) const;
+  [[nodiscard]] bool counts(std::size_t device, const Watch& watch, ClientId client) const;
+  [[nodiscard]] bool does_one_count(std::size_t device, const Watch& watch) const;
+  [[nodiscard]] bool is_waited_for(std::size_t device, const Watch& watch) const;
+  [[nodiscard]] std::optional<Instant> acts_at(std::size_t device, const Watch& watch) const;
+  template <typename Visit>
+  void visit_reached(const routing::Plan& plan, Visit visit);
+  bool act(std::size_t device, Watch& watch, Instant now);
+  void begin(std::size_t device, Watch& watch, FailsafeReason reason);
+  void send(std::size_t place, Watch& watch, Instant now);
+  void end_run(std::size_t device, Watch& watch);
+  void report(const drive::Device& device, const Watch& watch, FailsafeOutcome outcome);
 
   const SettingsHistory& settings_;
   Exchanges& exchanges_;
   WriteRules& rules_;
   ActionQueue& actions_;
-  Failsafe watch_;
-  std::vector<Run> runs_;
+  std::map<std::size_t, Watch> watches_;  // of the devices that have failsafe writes
+  std::optional<Instant> earliest_;       // no watch acts before
   bool stopping_ = false;
 };
 

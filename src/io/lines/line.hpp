@@ -13,6 +13,7 @@
 #include "bus/settings.hpp"
 #include "io/blocking_calls.hpp"
 #include "io/lines/closing_ports.hpp"
+#include "io/lines/open_ends.hpp"
 #include "modbus/bytes.hpp"
 
 namespace mbgate::io {
@@ -23,11 +24,15 @@ class LineEvents {
   virtual void line_opened(drive::BusId bus, bus::LineKind kind,
                            const std::vector<std::string>& warnings) = 0;
   virtual void line_bytes(drive::BusId bus, modbus::Bytes bytes) = 0;
+  /// The driver holds so many bytes that it has not sent: another number than before.
+  virtual void line_unsent(drive::BusId bus, std::size_t bytes) = 0;
   /// The line could not be opened, or was lost. `why` is one line of text that names the port or
   /// server.
   virtual void line_lost(drive::BusId bus, const std::string& why) = 0;
   /// The server has closed an open connection.
   virtual void line_closed(drive::BusId bus, const std::string& why) = 0;
+  /// Of the bus, for texts about another one.
+  [[nodiscard]] virtual std::string name_of(drive::BusId /*bus*/) const { return "another"; }
 };
 
 /// What the lines of one io thread share.
@@ -36,6 +41,7 @@ struct LineContext {
   BlockingCalls& blocking;
   LineEvents& events;
   std::shared_ptr<ClosingPorts> closing = std::make_shared<ClosingPorts>();
+  std::shared_ptr<OpenEnds> ends = std::make_shared<OpenEnds>();
 };
 
 class Line {
@@ -53,9 +59,9 @@ class Line {
   /// closed already, and line_lost() is not called. A line that is not open was reported before,
   /// and ignores the frame.
   [[nodiscard]] virtual std::optional<std::string> transmit(modbus::Bytes frame) = 0;
-  /// Reads what can be read now, and nothing that comes meanwhile. Calls line_bytes(), or
-  /// line_lost() if the line turns out to be dead, from within. Does nothing on a line that is not
-  /// open.
+  /// Reads what can be read now, and nothing that comes meanwhile. Calls line_bytes() and
+  /// line_unsent(), or line_lost() if the line turns out to be dead, from within. Does nothing on a
+  /// line that is not open.
   virtual void read_now() = 0;
   /// Is there anything to read?
   [[nodiscard]] virtual bool has_bytes() = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/lines/serial_line.hpp"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -31,11 +30,6 @@ constexpr std::chrono::milliseconds kTransmitterLimit{500};
 /// A device can be had once at a time. One that cannot be given back for longer is tried all the
 /// same: its path may lead to another one by now.
 constexpr std::chrono::seconds kClosingLimit{5};
-
-std::size_t bytes_in(int fd) {
-  int count = 0;
-  return ::ioctl(fd, FIONREAD, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
-}
 
 /// A vanished adapter reads as the end of the stream at first, then as one of these errors.
 bool has_gone(const boost::system::error_code& error) {
@@ -92,7 +86,9 @@ void SerialLine::finish_open(Result<OpenTty, std::string> result, const bus::Lin
   }
   state_ = State::closed;
   if (!result) {
-    context_.events.line_lost(bus_, result.error());
+    const auto other = context_.ends->other(this, port_end(opened.device));
+    context_.events.line_lost(
+        bus_, other ? opened.device + ": bus " + *other + " has this port open" : result.error());
     return;
   }
   boost::system::error_code error;
@@ -103,7 +99,9 @@ void SerialLine::finish_open(Result<OpenTty, std::string> result, const bus::Lin
   }
   result->fd.release();
   state_ = State::open;
+  context_.ends->note(this, port_end(opened.device), context_.events.name_of(bus_));
   transmitting_ = false;
+  unsent_ = 0;
   rest_.clear();
   supervise(context_.io, read_loop(generation_), "line read");
   context_.events.line_opened(bus_, result->kind, result->warnings);
@@ -158,7 +156,7 @@ boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
       lose_reading(error);
       co_return;
     }
-    read(std::max<std::size_t>(bytes_in(descriptor_.native_handle()), 1));
+    read(std::max<std::size_t>(bytes_to_read(descriptor_.native_handle()), 1));
     if (generation != generation_) {
       co_return;
     }
@@ -166,12 +164,19 @@ boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
 }
 
 bool SerialLine::has_bytes() {
-  return state_ == State::open && bytes_in(descriptor_.native_handle()) > 0;
+  return state_ == State::open && bytes_to_read(descriptor_.native_handle()) > 0;
 }
 
 void SerialLine::read_now() {
   if (state_ == State::open) {
-    read(bytes_in(descriptor_.native_handle()));
+    read(bytes_to_read(descriptor_.native_handle()));
+  }
+  if (state_ != State::open) {
+    return;
+  }
+  const std::size_t unsent = bytes_to_send(descriptor_.native_handle()) + rest_.size();
+  if (std::exchange(unsent_, unsent) != unsent) {
+    context_.events.line_unsent(bus_, unsent);
   }
 }
 
@@ -246,6 +251,7 @@ boost::asio::awaitable<void> SerialLine::release_rts(unsigned generation) {
 
 void SerialLine::close() {
   state_ = State::closed;
+  context_.ends->forget(this);
   ++generation_;
   timer_.cancel();
   if (descriptor_.is_open()) {

@@ -60,6 +60,7 @@ class SerialLine final : public Line {
   /// is closed.
   unsigned generation_ = 0;
   bus::FrameBytes rest_;       ///< not taken by the driver yet
+  std::size_t unsent_ = 0;     ///< what the driver held when it was asked last
   bool transmitting_ = false;  ///< a rest is left, or RTS is raised
   std::array<std::uint8_t, kLineReadSize> buffer_{};
 };

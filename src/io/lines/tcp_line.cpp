@@ -95,6 +95,12 @@ void TcpLine::start_connecting(HostAddresses addresses) {
 boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned generation) {
   std::string failures;
   for (const auto& address : addresses) {
+    const std::string end = address.address().to_string() + ' ' + std::to_string(address.port());
+    if (const auto other = context_.ends->other(this, end)) {
+      failures += (failures.empty() ? "" : "; ") + end + " is what bus " + *other + " has open";
+      continue;
+    }
+    context_.ends->note(this, end, context_.events.name_of(bus_));
     timer_.expires_after(times_.connect_timeout);
     const auto ended =
         co_await (socket_.async_connect(address, kAsTuple) || timer_.async_wait(kAsTuple));
@@ -239,6 +245,7 @@ void TcpLine::close() {
 // Close alone would leave what the far end has not acknowledged to the kernel, which goes on
 // sending it. A reset throws it away.
 void TcpLine::close_socket() {
+  context_.ends->forget(this);
   int unacknowledged = 0;
   error_code ignored;
   if (!rest_.empty() ||

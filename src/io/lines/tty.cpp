@@ -188,6 +188,16 @@ Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {
   return OpenTty{std::move(fd), kind, *std::move(warnings)};
 }
 
+std::size_t bytes_to_read(int fd) {
+  int count = 0;
+  return ::ioctl(fd, FIONREAD, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
+std::size_t bytes_to_send(int fd) {
+  int count = 0;
+  return ::ioctl(fd, TIOCOUTQ, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
 void close_tty(UniqueFd fd, const bus::LineSettings& line) {
   if (!fd.is_open()) {
     return;

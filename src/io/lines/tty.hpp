@@ -27,6 +27,12 @@ Result<OpenTty, std::string> open_tty(const bus::LineSettings& line);
 /// The text when open() of `device` has failed with `error`: what the system said, and what helps.
 std::string open_failure(const std::string& device, int error, Starter starter = io::starter());
 
+/// What can be read.
+std::size_t bytes_to_read(int fd);
+/// What was given to the driver and has not left, as far as it knows. Drivers that cannot say so
+/// hold nothing: the TIOCOUTQ of a pty is always 0.
+std::size_t bytes_to_send(int fd);
+
 /// Closes the line. What was not transmitted yet is discarded, because waiting for it can take 30
 /// s. A transceiver that we switch by RTS is left receiving: a raised RTS would stay after us and
 /// block the bus.

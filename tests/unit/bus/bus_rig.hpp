@@ -51,6 +51,7 @@ class Bus : public testing::Test {
   }
   static bus::BusSettings settings() {
     bus::BusSettings settings;
+    settings.line.echo = false;
     settings.listen_first = 0ms;
     settings.timing.response_timeout = 100ms;
     settings.timing.retries = 0;
@@ -95,7 +96,7 @@ class Bus : public testing::Test {
     now_ = end;
   }
   [[nodiscard]] std::optional<Instant> next_deadline() const {
-    const auto wake = bus_->next_wake();
+    const auto wake = bus_ ? bus_->next_wake() : std::nullopt;
     return wake ? std::optional(wake->at) : std::nullopt;
   }
   void drain() {
@@ -110,6 +111,7 @@ class Bus : public testing::Test {
         frame_times_.push_back(now_);
       } else if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
         endings_.push_back(ended->ending);
+        ended_.push_back(*ended);
         ended_at_.push_back(now_);
       } else if (std::holds_alternative<bus::OpenLine>(*action)) {
         ++opens_;
@@ -169,6 +171,7 @@ class Bus : public testing::Test {
   std::vector<Instant> frame_times_;
   std::vector<Ending> endings_;
   std::vector<Instant> ended_at_;
+  std::vector<bus::JobEnded> ended_;
   unsigned opens_ = 0;
   unsigned closes_ = 0;
   unsigned never_silent_ = 0;

@@ -80,7 +80,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
             : is_commented_setting(line) ? line.substr(2) + "\n"
                                          : line + "\n";
   }
-  EXPECT_EQ(commented, 92);
+  EXPECT_EQ(commented, 94);
   const auto loaded = load_settings_text(kFolder + "mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
@@ -108,6 +108,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
   EXPECT_EQ(cell.line.connection, bus.line.connection);
   EXPECT_EQ(loaded.settings->guards[0].writer_hold, guard.writer_hold);
   EXPECT_EQ(loaded.settings->guards[0].quiet, guard.quiet);
+  EXPECT_EQ(loaded.settings->guards[0].failsafe_grace, guard.failsafe_grace);
   EXPECT_EQ(loaded.settings->guards[0].failsafe_on_exit, guard.failsafe_on_exit);
 }
 

@@ -49,9 +49,7 @@ class LinesAlone : public testing::Test {
   gateway::TraceBook trace_{settings_};
   gateway::Exchanges exchanges_{settings_, buses_, actions_};
   gateway::BusSet buses_{settings_.settings()};
-  gateway::WriteRules rules_{settings_.in_force()};
-  gateway::FailsafeWrites failsafe_{settings_, exchanges_, rules_, actions_};
-  gateway::Lines lines_{buses_, exchanges_, failsafe_, trace_, actions_};
+  gateway::Lines lines_{buses_, exchanges_, trace_, actions_};
 };
 
 TEST_F(LinesAlone, AreToBeOpenedAndItIsToldWhenTheyAre) {

@@ -109,12 +109,13 @@ TEST(Gateway, KnowsWhetherItIsWokenInTime) {
 
 TEST(Gateway, ListensBeforeItTransmitsAfterOpening) {
   Settings settings = one_bus();
-  settings.buses[0].listen_first.reset();  // the longest response timeout: 100 ms
+  settings.buses[0]
+      .listen_first.reset();  // the longest response timeout, 100 ms, and its quarantine
   MachineRig rig(settings, false);
   rig.connect(1);
   rig.receive(1, kRead);
   rig.open_line();
-  rig.advance(99ms);
+  rig.advance(199ms);
   rig.respond("01 03 02 BA AD");  // a late answer to an earlier process
   EXPECT_THAT(rig.take_transmitted(), IsEmpty());
   rig.advance(3ms);
@@ -276,11 +277,13 @@ TEST(Gateway, SaysWhetherALineHearsItself) {
   rig.connect(1);
   rig.receive(1, "0001 0000 0006 01 06 0000 0001");
   rig.advance(10ms);
-  rig.line("01 06 00 00 00 01 48 0A");
-  rig.advance(10ms);
+  rig.line("01 06 00 00 00 01 48 0A");  // nobody was heard: it acknowledges nothing
+  rig.advance(400ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 86 0B"));
   rig.receive(1, "0002 0000 0006 01 03 0000 0001");
   rig.advance(10ms);
   rig.line("01 03 00 00 00 01 84 0A");
+  rig.respond("01 03 02 12 34");
   EXPECT_THAT(
       rig.events,
       ElementsAre("bus line-a: a write was answered by its own repetition, and no read has "

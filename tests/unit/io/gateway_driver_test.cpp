@@ -73,7 +73,7 @@ class GatewayDriverTest : public testing::Test, public DriverObserver {
     settings.buses.push_back(line);
     tcp::acceptor acceptor = *bind_listener(context_, settings.listeners[0]);
     address_ = acceptor.local_endpoint();
-    driver_.emplace(context_, std::move(settings), *this);
+    driver_.emplace(context_, std::move(settings), *this, nullptr, clock_);
     driver_->add_server(ListenerId{0}, std::move(acceptor));
   }
   bool wait_for(const std::function<bool()>& happened) { return run_until(context_, happened); }
@@ -101,10 +101,41 @@ class GatewayDriverTest : public testing::Test, public DriverObserver {
   boost::asio::io_context context_;
   tcp::endpoint address_;
   std::optional<GatewayDriver> driver_;
+  Clock clock_ = now;
   int opened_ = 0;
   bool finished_ = false;
   std::vector<std::string> failures_;
 };
+
+/// The computer is suspended for so long, again and again.
+std::chrono::hours suspended_{0};  // NOLINT: a clock has no place for it
+bus::Instant clock_that_goes_on() { return now() + suspended_; }
+
+// The first one is on the wire, and the second one waits behind it, when the computer is suspended.
+TEST_F(GatewayDriverTest, DeadlinesGoOnWhileTheComputerIsSuspended) {
+  const PseudoTerminal terminal;
+  suspended_ = std::chrono::hours(0);
+  clock_ = clock_that_goes_on;
+  make_driver(terminal.path());
+  driver_->start();
+  ASSERT_TRUE(wait_for([&] { return opened_ == 1; }));
+  TestClient client(context_, address_);
+  const std::string write{"\x12\x35\x00\x00\x00\x06\x05\x06\x00\x10\x00\x02", 12};
+  ASSERT_TRUE(client.send(kRequest + write));
+  const std::string frame = frame_of(5, kRequestPdu);
+  std::string left;
+  ASSERT_TRUE(wait_for([&] {
+    left += terminal.read();
+    return left.size() >= frame.size();
+  }));
+  suspended_ = std::chrono::hours(1);
+  const std::string answer = frame_of(5, kAnswerPdu);
+  ASSERT_TRUE(terminal.write(std::vector<std::uint8_t>(answer.begin(), answer.end())));
+  const std::string refused{"\x12\x35\x00\x00\x00\x03\x05\x86\x06", 9};
+  const std::string answers = receive(client, kAnswer.size() + refused.size());
+  EXPECT_NE(answers.find(refused), std::string::npos);
+  EXPECT_EQ(terminal.read(), "");
+}
 
 TEST_F(GatewayDriverTest, CarriesARequestToTheLineAndItsAnswerBack) {
   const PseudoTerminal terminal;

@@ -31,6 +31,23 @@ std::vector<MbapFrame> take_all(std::vector<std::uint8_t>& stream) {
   }
 }
 
+TEST(MbapScan, AnExceptionHasTwoBytesWhateverItsLengthSays) {
+  for (const auto* length : {"00 00", "00 02", "00 04", "00 47", "01 2C"}) {
+    auto stream = bytes_of(std::string("00 07 00 00 ") + length + " 01 83");
+    EXPECT_TRUE(std::holds_alternative<MbapIncomplete>(scan_mbap_answer(stream)));
+    stream.push_back(2);
+    stream.push_back(0);
+    const auto frame = std::get<MbapFrame>(scan_mbap_answer(stream));
+    EXPECT_EQ(frame.adu.header, (MbapHeader{7, 1}));
+    EXPECT_EQ(frame.adu.pdu, pdu_of("83 02"));
+    EXPECT_EQ(frame.size, 9U);
+  }
+  EXPECT_TRUE(
+      std::holds_alternative<MbapLost>(scan_mbap_answer(bytes_of("00 07 00 00 00 01 01 03"))));
+  EXPECT_TRUE(std::holds_alternative<MbapForeign>(
+      scan_mbap_answer(bytes_of("00 07 00 01 00 03 01 83 02"))));
+}
+
 TEST(MbapScan, FindsHeaderAndPdu) {
   const auto stream = bytes_of(kRead);
   const auto frame = std::get<MbapFrame>(scan_mbap(stream));

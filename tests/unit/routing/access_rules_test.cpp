@@ -177,13 +177,28 @@ TEST(AccessRules, TakeNamesFromTheProfileOfTheDevice) {
   EXPECT_EQ(by(&Set::stops, 40, 1), "none-");
 }
 
+TEST(AccessRules, KnowWhatReconfiguresByWhatItWrites) {
+  drive::Device device = small_drive();
+  device.profile.guarded = {{{Table::holding_registers, 50, 1}, 0xFFFFFFFF, 0}};
+  AccessRule rule;
+  rule.registers.communication_registers = true;
+  TouchedRegisters touched{0, &device, modbus::TableRange{Table::holding_registers, 50, 1}};
+  EXPECT_EQ(decided({rule}, {.touched = {touched}}), "none-") << "another value, or a read";
+  touched.reconfigures = true;
+  EXPECT_EQ(decided({rule}, {.touched = {touched}}), "0+");
+  touched.range->count = 2;
+  EXPECT_EQ(decided({rule}, {.touched = {touched}}), "none-") << "and one that it does not name";
+  rule.permits = false;
+  EXPECT_EQ(decided({rule, {}}, {.touched = {touched}}), "0-");
+}
+
 TEST(AccessRules, KnowAStopByWhatItWrites) {
   AccessRule rule;
   rule.registers.stops = true;
   TouchedRegisters write{.range = modbus::TableRange{Table::holding_registers, 40, 1}};
   EXPECT_EQ(decided({rule}, {.touched = {write}}), "none-");
   TouchedRegisters stop = write;
-  stop.stop = StopIn::first;
+  stop.stop = StopIn::all;
   EXPECT_EQ(decided({rule}, {.touched = {stop}}), "0+");
   EXPECT_EQ(decided({rule}, {.touched = {stop, write}}), "none-");
 }
@@ -191,16 +206,25 @@ TEST(AccessRules, KnowAStopByWhatItWrites) {
 TEST(AccessRules, PermitAStopWithWhatIsWrittenBehindItOnlyIfThatIsNamedToo) {
   AccessRule rule;
   rule.registers.stops = true;
-  TouchedRegisters stop{.range = modbus::TableRange{Table::holding_registers, 40, 6},
-                        .stop = StopIn::first};
-  EXPECT_EQ(decided({rule}, {.touched = {stop}}), "none-");
+  const TouchedRegisters parameters{.range = modbus::TableRange{Table::holding_registers, 41, 5}};
+  TouchedRegisters stop{.range = modbus::TableRange{Table::holding_registers, 40, 1},
+                        .stop = StopIn::all};
+  EXPECT_EQ(decided({rule}, {.touched = {stop, parameters}}), "none-");
   rule.registers.spans = {{Table::holding_registers, 41, 44}};
-  EXPECT_EQ(decided({rule}, {.touched = {stop}}), "none-");
+  EXPECT_EQ(decided({rule}, {.touched = {stop, parameters}}), "none-");
   rule.registers.spans[0].last = 45;
-  EXPECT_EQ(decided({rule}, {.touched = {stop}}), "0+");
+  EXPECT_EQ(decided({rule}, {.touched = {stop, parameters}}), "0+");
   stop.stop = StopIn::some;
-  EXPECT_EQ(decided({rule}, {.touched = {stop}}), "none-");
+  EXPECT_EQ(decided({rule}, {.touched = {stop, parameters}}), "none-");
   rule.registers.spans[0].first = 40;
+  EXPECT_EQ(decided({rule}, {.touched = {stop, parameters}}), "0+");
+}
+
+TEST(AccessRules, PermitAStopOfSeveralRegisters) {
+  AccessRule rule;
+  rule.registers.stops = true;
+  const TouchedRegisters stop{.range = modbus::TableRange{Table::holding_registers, 40, 3},
+                              .stop = StopIn::all};
   EXPECT_EQ(decided({rule}, {.touched = {stop}}), "0+");
 }
 
@@ -209,7 +233,7 @@ TEST(AccessRules, DenyWhateverHoldsAStop) {
   rule.registers.stops = true;
   TouchedRegisters write{.range = modbus::TableRange{Table::holding_registers, 40, 6}};
   EXPECT_EQ(decided({rule, {}}, {.touched = {write}}), "1+");
-  for (const StopIn stop : {StopIn::first, StopIn::some}) {
+  for (const StopIn stop : {StopIn::all, StopIn::some}) {
     write.stop = stop;
     EXPECT_EQ(decided({rule, {}}, {.touched = {write}}), "0-");
   }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One unit-0 write in every form that the devices on a bus use.
+#include "routing/broadcast_plan.hpp"
+
 #include <algorithm>
 
 #include "device_rig.hpp"
@@ -76,6 +78,7 @@ TEST_F(Broadcasts, UnknownDevicesHearTheStandardForm) {
 }
 
 TEST_F(Broadcasts, GoOutOnceInEveryFormThatIsUsed) {
+  routes[0].broadcast_mixed = true;
   devices = {moons(1, WordOrder::little), moons(2, WordOrder::little), aic()};
   EXPECT_EQ(sent("06 0034 0002"), (Texts{"0: 06 00 34 00 02", "129 OR 80: 06 00 34 00 02"}));
   // Coils are none of the MOONS', these registers none of the AiC's.
@@ -225,6 +228,70 @@ TEST_F(Broadcasts, DevicesWhoseManualStatesNoneAreNotMeant) {
   devices = {moons(1, {})};
   devices[0].profile.broadcast.form = BroadcastForm::none;
   EXPECT_EQ(sent("06 0001 0001"), Texts{kIllegalAddress});
+}
+
+TEST_F(Broadcasts, EveryDeviceOfTheBusMustHaveTheRegister) {
+  devices = {moons(1, {}), aic()};
+  EXPECT_EQ(sent("06 0001 0002"), Texts{kIllegalAddress}) << "none of the AiC's";
+  EXPECT_EQ(sent("05 000B FF00"), Texts{kIllegalAddress}) << "none of the MOONS'";
+  routes[0].broadcast_mixed = true;
+  EXPECT_EQ(sent("06 0001 0002"), Texts{"0: 06 00 01 00 02"});
+  routes[0].broadcast_mixed = false;
+  devices = {moons(1, {})};
+  devices[0].profile.map = {{Table::holding_registers, 0, 100}};
+  EXPECT_EQ(sent("06 0064 0002"), Texts{kIllegalAddress});
+}
+
+TEST_F(Broadcasts, ARegisterMustMeanTheSameToAllWhoHearIt) {
+  devices = {moons(1, {}), moons(2, {})};
+  devices[1].profile.name = "moons-m3";
+  EXPECT_EQ(sent("06 0001 0002"), Texts{kIllegalValue});
+  routes[0].broadcast_mixed = true;
+  EXPECT_EQ(sent("06 0001 0002"), Texts{"0: 06 00 01 00 02"});
+  EXPECT_EQ(sent("06 001E 0001"), Texts{kIllegalValue}) << "half a value, all the same";
+}
+
+TEST_F(Broadcasts, AStopGoesInEveryFormThatCanCarryIt) {
+  devices = {moons(1, WordOrder::big), moons(2, WordOrder::little), aic()};
+  devices[1].profile.name = "moons-m3";
+  devices[0].profile.stops = {{Table::holding_registers, 30, 0xFFFF, 0xE1}};
+  devices[0].profile.values = {};
+  devices[2].profile.stops = {{Table::coils, 11, 0xFFFF, 0xFF00}};
+  EXPECT_EQ(sent("06 001E 00E1"), Texts{"0: 06 00 1E 00 E1"}) << "half a value of the other one";
+  EXPECT_EQ(sent("06 001E 0066"), Texts{kIllegalAddress}) << "a feed";
+  EXPECT_EQ(sent("05 000B FF00"), Texts{"129 OR 80: 05 00 0B FF 00"});
+  devices[1].profile.communication = {{Table::holding_registers, 30, 1}};
+  EXPECT_EQ(sent("06 001E 00E1"), Texts{kNotAllowed});
+}
+
+TEST_F(Broadcasts, AStopIsNoWriteOnLinesWhereItStopsNobody) {
+  devices = {moons(1, {}), moons(1, {})};
+  devices[0].profile.stops = {{Table::holding_registers, 40, 0xFFFF, 0xE1}};
+  devices[1].bus = BusId{1};
+  devices[1].profile.name = "moons-m3";
+  routes[0].buses = {BusId{0}, BusId{1}};
+  EXPECT_EQ(sent("06 0028 00E1"), Texts{"0: 06 00 28 00 E1"});
+}
+
+TEST_F(Broadcasts, ItIsKnownWhomTheyAreNotFor) {
+  devices = {moons(1, {}), moons(2, {}), aic()};
+  devices[0].name = "axis-1";
+  devices[1].profile.broadcast.form = BroadcastForm::none;
+  devices[1].name = "axis-2";
+  devices[0].profile.stops = devices[1].profile.stops = {{Table::holding_registers, 40, 0xFFFF, 1}};
+  routes[0].broadcast_mixed = true;
+  const auto left_out = [this](std::string_view request, bool is_stop) {
+    const routing::RouteTable table(listeners, routes, devices);
+    const routing::ResolvedRoute& resolved = *table.find(ListenerId{0}, 0);
+    const auto plan = routing::Plan::make(resolved, 0, {}, pdu(request));
+    Texts names;
+    for (const drive::Device* device : routing::not_addressed(resolved, *plan, is_stop)) {
+      names.push_back(device->name);
+    }
+    return names;
+  };
+  EXPECT_EQ(left_out("06 0034 0002", false), Texts{"axis-2"}) << "its manual states no broadcasts";
+  EXPECT_EQ(left_out("06 0028 0001", true), (Texts{"axis-2", "turntable"}));
 }
 
 }  // namespace

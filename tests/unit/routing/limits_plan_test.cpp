@@ -124,11 +124,13 @@ TEST(LimitsPlan, ARunOfSinglesKeepsTogetherWhatIsWrittenOfAValue) {
   device.write_function = 0x06;
   device.profile.values.add({Table::holding_registers, 0, 4, false});
   device.profile.values.add({Table::holding_registers, 4, 4, false});
-  EXPECT_EQ(Planned(device, "10 0003 0003 06 0333 0444 0555", {}).requests(),
-            (Texts{"06 00 03 03 33", "10 00 04 00 02 04 04 44 05 55"}));
+  const auto* const request = "10 0004 0005 0A 0444 0555 0666 0777 0888";
+  EXPECT_EQ(Planned(device, request, {}).requests(),
+            (Texts{"10 00 04 00 04 08 04 44 05 55 06 66 07 77", "06 00 08 08 88"}));
   device.split_values = true;
-  EXPECT_EQ(Planned(device, "10 0004 0002 04 0444 0555", {}).requests(),
-            (Texts{"06 00 04 04 44", "06 00 05 05 55"}));
+  EXPECT_EQ(Planned(device, request, {}).requests(),
+            (Texts{"06 00 04 04 44", "06 00 05 05 55", "06 00 06 06 66", "06 00 07 07 77",
+                   "06 00 08 08 88"}));
 }
 
 TEST(LimitsPlan, TurnsASingleWriteIntoAMultipleOne) {
@@ -167,6 +169,71 @@ TEST(LimitsPlan, CommunicationRegistersAreWrittenOnlyWhereTheUserAllowsIt) {
   device.allow_reconfigure = true;
   const Planned allowed(device, "06 0032 0005");
   EXPECT_EQ(allowed.requests(), Texts{"06 00 32 00 05"});
+}
+
+// One register of values that matter, one whose bits do, and a coil.
+drive::Device guarded_drive() {
+  auto device = small_drive();
+  device.profile.guarded = {{{Table::holding_registers, 50, 1}, 0xFFFFFFFF, 0},
+                            {{Table::holding_registers, 60, 1}, 0x0400, 0x0400},
+                            {{Table::holding_registers, 61, 1}, 0xFFFC, 8, true},
+                            {{Table::coils, 3, 1}, 0xFFFFFFFF, 0xFF00}};
+  return device;
+}
+
+TEST(LimitsPlan, WritesOfGuardedValuesAreRefusedWhereverTheyStand) {
+  auto device = guarded_drive();
+  for (const auto* const request :
+       {"06 0032 0000", "10 0031 0003 06 0001 0000 0003", "06 003C 0400", "06 003C FFFF",
+        "16 003C FFFF 0001", "17 0000 0001 0032 0001 02 0000", "06 003D 0007", "06 003D 000C",
+        "05 0003 FF00", "0F 0002 0003 01 02"}) {
+    EXPECT_EQ(Planned(device, request).requests(), Texts{kNotAllowed}) << request;
+  }
+  device.allow_reconfigure = true;
+  EXPECT_EQ(Planned(device, "06 0032 0000").requests(), Texts{"06 00 32 00 00"});
+}
+
+TEST(LimitsPlan, OtherValuesOfGuardedRegistersPass) {
+  const auto device = guarded_drive();
+  EXPECT_EQ(Planned(device, "06 0032 0001").requests(), Texts{"06 00 32 00 01"});
+  EXPECT_EQ(Planned(device, "06 003C FBFF").requests(), Texts{"06 00 3C FB FF"});
+  EXPECT_EQ(Planned(device, "06 003D 000A").requests(), Texts{"06 00 3D 00 0A"});
+  EXPECT_EQ(Planned(device, "05 0003 0000").requests(), Texts{"05 00 03 00 00"});
+  EXPECT_EQ(Planned(device, "0F 0002 0003 01 05").requests(), Texts{"0F 00 02 00 03 01 05"});
+  EXPECT_EQ(Planned(device, "03 0032 0001").requests(), Texts{"03 00 32 00 01"});
+}
+
+TEST(LimitsPlan, AGuardedValueIsComparedInItsOrder) {
+  auto device = small_drive(WordOrder::little);
+  device.profile.guarded = {{{Table::holding_registers, 10, 2}, 0xFFFFFFFC, 8, true}};
+  // The client writes big, the drive gets little.
+  EXPECT_EQ(Planned(device, "10 000A 0002 04 0000 0009").requests(),
+            Texts{"10 00 0A 00 02 04 00 09 00 00"});
+  EXPECT_EQ(Planned(device, "10 000A 0002 04 0009 0000").requests(), Texts{kNotAllowed});
+  // Without an order of its own the route has the drive's.
+  EXPECT_EQ(Planned(device, "10 000A 0002 04 0009 0000", {}).requests(),
+            Texts{"10 00 0A 00 02 04 00 09 00 00"});
+  EXPECT_EQ(Planned(device, "10 000A 0002 04 0000 0009", {}).requests(), Texts{kNotAllowed});
+  // Nobody knows what half a value makes of it, nor what it is in no order.
+  EXPECT_EQ(Planned(device, "06 000A 0009").requests(), Texts{kNotAllowed});
+  device.word_order.reset();
+  EXPECT_EQ(Planned(device, "10 000A 0002 04 0009 0000", {}).requests(), Texts{kNotAllowed});
+}
+
+TEST(LimitsPlan, AWriteOfSeveralRegistersNeverCutsAValue) {
+  const auto device = small_drive();
+  for (const auto seen : {std::optional<WordOrder>{}, std::optional(WordOrder::little),
+                          std::optional(WordOrder::big)}) {
+    for (const auto* const request :
+         {"10 0004 0001 02 0001", "10 0005 0001 02 0001", "10 0003 0002 04 0001 0002",
+          "10 0007 0002 04 0001 0002", "10 001E 0002 04 0001 0002",
+          "17 0000 0001 0004 0001 02 0001"}) {
+      EXPECT_EQ(Planned(device, request, seen).requests(), Texts{kIllegalValue}) << request;
+    }
+  }
+  EXPECT_EQ(Planned(device, "10 0003 0003 06 0001 0002 0003", {}).requests(),
+            Texts{"10 00 03 00 03 06 00 01 00 02 00 03"});
+  EXPECT_EQ(Planned(device, "06 0004 0001", {}).requests(), Texts{"06 00 04 00 01"});
 }
 
 }  // namespace

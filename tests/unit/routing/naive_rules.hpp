@@ -136,17 +136,16 @@ class Naive {
       return;
     }
     for (std::uint32_t i = 0; i < touched.range->count; ++i) {
-      const bool named = is_named(touched, touched.range->first + i) || is_named_stop(touched, i);
+      const bool named = is_named(touched, touched.range->first + i) || is_named_stop(touched);
       ++(named ? inside : outside);
     }
   }
-  // To deny them, whatever holds a stop is one; to permit them, the register that stops is.
-  [[nodiscard]] bool is_named_stop(const TouchedRegisters& touched, std::uint32_t place) const {
+  // To deny them, whatever holds a stop is one; to permit them, registers that stop are.
+  [[nodiscard]] bool is_named_stop(const TouchedRegisters& touched) const {
     if (!rule_.registers.stops) {
       return false;
     }
-    return rule_.permits ? touched.stop == StopIn::first && place == 0
-                         : touched.stop != StopIn::none;
+    return rule_.permits ? touched.stop == StopIn::all : touched.stop != StopIn::none;
   }
   [[nodiscard]] bool is_named(const TouchedRegisters& touched, std::uint32_t address) const {
     for (const auto& span : rule_.registers.spans) {

@@ -193,7 +193,7 @@ inline Case some_case(Dice& dice, const std::vector<drive::Device>& devices) {
                          1 + dice.below(std::min<std::size_t>(4, kRuleRegisters - first)))};
     }
     if (touched.number && touched.range && !made.is_read && dice.one_in(4)) {
-      touched.stop = dice.one_in(2) ? StopIn::first : StopIn::some;
+      touched.stop = dice.one_in(2) ? StopIn::all : StopIn::some;
     }
     made.touched.push_back(touched);
   }

@@ -187,7 +187,7 @@ TEST_F(BusSettings, AreAskedForOnceAndAgainAfterSilenceOrAnotherLine) {
   EXPECT_TRUE(is_asked());
   EXPECT_FALSE(is_asked());
   submit(job("06 0001 0001"));
-  advance(1s);
+  advance(11s);
   EXPECT_TRUE(is_asked());
   EXPECT_FALSE(is_asked());
   bus_->handle_lost(now_);
@@ -250,7 +250,7 @@ TEST_F(BusSettings, AWriteWhoseQuestionIsNotPutWaitsForTheQuarantine) {
   ASSERT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered, Ending::expired));
   submit(asking());
   EXPECT_THAT(frames_, SizeIs(3));
-  advance(settings().timing.response_timeout);
+  advance(400ms);
   ASSERT_THAT(frames_, SizeIs(4));
   EXPECT_EQ(frames_[3].substr(0, 5), "01 06");
 }

@@ -117,5 +117,70 @@ TEST_F(BusLate, WhatWasOnTheWireWhenTheLineWasLostIsStillOwed) {
   EXPECT_EQ(bus_->view().held_back(1, now_), kEmission + 210ms);
 }
 
+TEST_F(BusLate, ALineThatIsOpenedAgainIsListenedToUntilNothingIsOwed) {
+  open(settings());
+  submit(job(kRead));
+  bus_->handle_lost(now_);
+  drain();
+  now_ += 10ms;
+  bus_->handle_opened(now_);
+  drain();
+  submit(job(kRead, 2));
+  EXPECT_EQ(until_next_frame(), kEmission + 210ms);
+}
+
+TEST_F(BusLate, ALineThatIsOpenedAgainWithNothingOwedIsUsedAtOnce) {
+  auto listening = settings();
+  listening.listen_first = 1s;
+  open(listening);
+  advance(1s);
+  bus_->handle_lost(now_);
+  bus_->handle_opened(now_);
+  drain();
+  submit(job(kRead));
+  EXPECT_EQ(until_next_frame(), kT35);
+}
+
+TEST_F(BusLate, ABusThatTakesThePortOverLeavesTheDeviceAloneToo) {
+  bus::Bus before(settings(), {});
+  before.handle_opened(now_);
+  now_ += 5ms;
+  EXPECT_TRUE(before.submit(job(kRead), now_));
+  before.handle_looked(now_);
+  const Instant due = now_ + kEmission + 100ms;
+  advance(50ms);
+  auto renamed = settings();
+  renamed.listen_first = 5s;
+  bus_.emplace(renamed, std::vector<drive::Device>{});
+  bus_->take_over(before);
+  bus_->handle_opened(now_);
+  drain();
+  submit(job(kOther));
+  advance(1ms);
+  line(kAnswer);
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+  advance(1s);
+  EXPECT_THAT(frame_times_, ElementsAre(due + 120ms));
+}
+
+TEST_F(BusLate, OneLostAnswerOfAFastDeviceDelaysAWriteByLittle) {
+  auto patient = settings();
+  patient.timing.response_timeout = 1s;
+  patient.timing.retries = 1;
+  open(patient);
+  submit(job(kRead));
+  advance(kEmission + 5ms);
+  line(kAnswer);
+  advance(10ms);
+  submit(job(kRead));
+  advance(kEmission + 1s);
+  ASSERT_THAT(frames_, SizeIs(3));
+  advance(kEmission + 5ms);
+  line(kAnswer);
+  submit(job("06 0000 0001"));
+  advance(50ms);
+  EXPECT_EQ(frames_.back(), "01 06 00 00 00 01 48 0A");
+}
+
 }  // namespace
 }  // namespace mbgate::test

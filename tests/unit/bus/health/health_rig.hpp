@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bus/health/device_health.hpp"
+#include "bus/health/hold.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {
@@ -19,31 +20,46 @@ class Health : public testing::Test {
   Health() { timing_.response_timeout = 100ms; }
   static Instant at(bus::Duration time) { return Instant{} + time; }
   [[nodiscard]] bool may_be_asked(bus::Duration time) const {
-    return at(time) >= health_.held_until(timing_);
+    return at(time) >= hold_.until(timing_);
   }
 
   static modbus::Request request(std::string_view pdu) {
     return *modbus::Request::parse(*modbus::Pdu::from(unhex(pdu)));
   }
   [[nodiscard]] bool may_be_asked(const modbus::Request& asked, bus::Duration time) const {
-    return at(time) >= health_.held_until(asked.function(), timing_);
+    return at(time) >= hold_.until(asked.function(), timing_);
   }
-
-  /// `asked`, whose response timeout of 100 ms ends at `due`, is not answered in that time.
+  /// `asked`, whose response timeout of 100 ms ends at `due`, is not answered in that time. True:
+  /// it is offline now.
   bool unanswered(const modbus::Request& asked, bus::Duration due) {
-    return health_.note_unanswered(asked, at(due - 100ms), at(due), timing_);
+    hold_.note_unanswered({asked, at(due - 100ms), at(due)});
+    return health_.note_unanswered(at(due - 100ms), at(due), timing_);
   }
-  /// It is, after `took`, which is handled at `now`.
+  /// It is, after `took`. True: it was offline.
   bool answered(const modbus::Request& asked, const std::vector<std::uint8_t>& response,
-                bus::Duration due, bus::Duration took, bus::Duration now) {
-    return health_.note_answered({asked, response, at(due - 100ms), at(due), took}, at(now));
+                bus::Duration due, bus::Duration took) {
+    const Instant now = at(due - 100ms + took);
+    hold_.note_answered({asked, at(due - 100ms), at(due)}, response, took, now, timing_);
+    return health_.note_answered(at(due - 100ms), now);
+  }
+  auto late(const std::vector<std::uint8_t>& response, bus::Duration came) {
+    return hold_.note_late(response, at(came), timing_);
+  }
+  void asked(bus::Duration time, bool is_probe = false) {
+    hold_.note_asked(nullptr, at(time), timing_, is_probe);
+  }
+  [[nodiscard]] std::size_t owed(const modbus::Request& next) const {
+    return hold_.owed(next, Instant::max()).size();
   }
 
   const std::vector<std::uint8_t> kAnswer = unhex("03 02 12 34");
+  const std::vector<std::uint8_t> kEcho = unhex("06 0000 0001");
   const modbus::Request read_ = request("03 0000 0001");
+  const modbus::Request other_read_ = request("03 0010 0001");
   const modbus::Request write_ = request("06 0000 0001");
   drive::DeviceTiming timing_;
   DeviceHealth health_;
+  bus::Hold hold_;
 };
 
 }  // namespace mbgate::test

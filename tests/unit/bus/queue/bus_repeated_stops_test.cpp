@@ -73,6 +73,7 @@ TEST_F(BusRepeatedStops, WithoutAPauseLeaveHalfOfTheTransactionsToOthers) {
       line(is_stop ? kStopFrame : address == 1 ? kAnswer : kAnswerOf2);
       return is_stop ? 1 : 0;
     });
+
     ASSERT_GT(served.size(), 50U);
     EXPECT_LE(std::abs(std::ranges::count(served, 0) - std::ranges::count(served, 1)), 1);
   }

@@ -8,6 +8,8 @@ namespace {
 
 class AsciiFramer : public FramerRig<bus::AsciiFramer> {
  protected:
+  AsciiFramer()
+      : FramerRig(modbus::RtuTiming(modbus::Baud{9600}, {7, modbus::Parity::even, 1}), 20ms) {}
   Verdict add(std::string_view text) {
     return FramerRig::add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
@@ -23,8 +25,94 @@ TEST_F(AsciiFramer, TakesAnAnswerAtItsLineFeed) {
   EXPECT_EQ(response(), "03 02 12 34");
 }
 
+TEST_F(AsciiFramer, TakesOneThatEndsInALineFeedAloneAtOnce) {
+  expect(kRead);
+  EXPECT_EQ(add(":0103021234B4\n"), Verdict::response);
+  EXPECT_EQ(response(), "03 02 12 34");
+}
+
+TEST_F(AsciiFramer, TakesOneThatEndsInACarriageReturnAloneIfNothingFollowsIt) {
+  expect(kRead);
+  EXPECT_EQ(add(":0103021234B4\r"), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+  EXPECT_TRUE(framer_.awaits_silence());
+  EXPECT_EQ(framer_.next_deadline(), now_ + 20ms);
+  EXPECT_EQ(after(20ms), Verdict::response);
+  EXPECT_EQ(response(), "03 02 12 34");
+}
+
+TEST_F(AsciiFramer, TakesItAsWellIfAnotherFrameFollowsIt) {
+  expect(kRead);
+  EXPECT_EQ(add(":0103021234B4\r:0203021234B3\r"), Verdict::response);
+  framer_.listen();
+  const auto other = framer_.take_unsolicited();
+  EXPECT_FALSE(other);  // its LF may still come
+  framer_.listen();
+  ASSERT_TRUE(framer_.take_unsolicited());
+  EXPECT_EQ(counters_.stray_bytes, 0U);
+}
+
+TEST_F(AsciiFramer, ACarriageReturnOrLineFeedAloneEndsNothingBehindAWrongLrc) {
+  for (const std::string_view end : {"\r", "\n"}) {
+    expect(kRead);
+    EXPECT_EQ(add(":0103021234B5" + std::string(end)), Verdict::none);
+    EXPECT_EQ(after(2s), Verdict::none);
+    EXPECT_FALSE(framer_.in_progress());
+  }
+  expect(kRead);
+  EXPECT_EQ(add(":0103021234B5\r"), Verdict::none);
+  EXPECT_EQ(add("\n"), Verdict::damaged);
+}
+
+TEST_F(AsciiFramer, TheLongestAnswerHasRoomForBoth) {
+  expect("41 00");
+  const std::vector<std::uint8_t> pdu(modbus::kMaxPduSize, 0x41);
+  const auto frame = modbus::encode_ascii(1, *modbus::Pdu::from(pdu));
+  ASSERT_EQ(frame.size(), modbus::kMaxAsciiSize);
+  EXPECT_EQ(FramerRig::add({frame.data(), frame.size()}), Verdict::response);
+}
+
+// 15 characters of 10 bits take 15.6 ms at 9600 baud.
+TEST_F(AsciiFramer, ItsCharactersHaveASecondBeyondTheirTimeOnTheWireTogether) {
+  constexpr Duration kWire = 15625us;
+  expect(kRead);
+  const Instant began = now_;
+  for (const char character : {':', '0', '1'}) {
+    EXPECT_EQ(add({&character, 1}), Verdict::none);
+    EXPECT_EQ(framer_.next_deadline(), std::min(now_ + 1s, began + kWire + 1s));
+    now_ += 400ms;
+  }
+  EXPECT_EQ(framer_.next_deadline(), began + kWire + 1s);
+  EXPECT_EQ(framer_.handle_deadline(began + kWire + 1s), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+}
+
+TEST_F(AsciiFramer, WhileAStopWaitsTheyHaveTheSlack) {
+  constexpr Duration kWire = 15625us;
+  expect(kRead);
+  EXPECT_EQ(add(":0103"), Verdict::none);
+  framer_.hurry(now_ + 1ms);
+  EXPECT_EQ(framer_.next_deadline(), now_ + kWire + 20ms);
+  framer_.hurry(now_ + 100ms);
+  EXPECT_EQ(framer_.next_deadline(), now_ + 100ms);
+  expect(kRead);
+  EXPECT_EQ(add(":0103"), Verdict::none);
+  EXPECT_EQ(framer_.next_deadline(), now_ + 1s);
+}
+
+TEST_F(AsciiFramer, OnALineThatKeepsItsPaceAnAnswerBeganWithItsTimeOnTheWire) {
+  for (const bool is_paced : {false, true}) {
+    expect(kRead);
+    framer_.expect(*transaction_, is_paced ? now_ - 1s : Instant::min());
+    EXPECT_EQ(add(kAnswer), Verdict::response);
+    const Duration on_wire =
+        modbus::RtuTiming(modbus::Baud{9600}, {}).least_duration_of(kAnswer.size());
+    EXPECT_EQ(framer_.found().began, now_ - (is_paced ? on_wire : 0ns));
+  }
+}
+
 TEST_F(AsciiFramer, AnAnswerMayComeInPiecesUpToASecondApart) {
-  for (std::size_t cut = 1; cut < kAnswer.size(); ++cut) {
+  for (std::size_t cut = 1; cut < kAnswer.size() - 1; ++cut) {
     expect(kRead);
     EXPECT_EQ(add(kAnswer.substr(0, cut)), Verdict::none);
     EXPECT_EQ(after(1s - 1ns), Verdict::none);
@@ -33,7 +121,7 @@ TEST_F(AsciiFramer, AnAnswerMayComeInPiecesUpToASecondApart) {
 }
 
 TEST_F(AsciiFramer, ACharacterThatIsASecondLateBelongsToNothing) {
-  for (std::size_t cut = 1; cut < kAnswer.size(); ++cut) {
+  for (std::size_t cut = 1; cut < kAnswer.size() - 1; ++cut) {
     expect(kRead);
     EXPECT_EQ(add(kAnswer.substr(0, cut)), Verdict::none);
     now_ += 1s;
@@ -145,7 +233,7 @@ TEST_F(AsciiFramer, AFrameOfAnotherUnitIsNoBeginning) {
 }
 
 TEST_F(AsciiFramer, WhatIsNotHexadecimalIsNoise) {
-  for (const auto* noise : {":0103021G34B4\r\n", ":0103021234B\r\n", ":0103021234B4\n", ":\r\n"}) {
+  for (const auto* noise : {":0103021G34B4\r\n", ":0103021234B\r\n", ":0103021234B5\n", ":\r\n"}) {
     expect(kRead);
     counters_ = {};
     EXPECT_EQ(add(noise), Verdict::none) << noise;

@@ -113,15 +113,40 @@ TEST_F(BusAscii, CountsEightDataBitsToo) {
   EXPECT_EQ(next_deadline(), now_ + 9739584ns + 100ms);  // 187 bits
 }
 
-TEST_F(BusAscii, AnAnswerThatBeganInTimeHasASecondForEachCharacter) {
-  open(ascii());
-  submit(job(kRead));
-  advance(kAsciiEmission + 99ms);
-  for (const char character : std::string_view(kAsciiAnswer)) {
-    text({&character, 1});
-    advance(999ms);
+TEST_F(BusAscii, AnAnswerThatBeganInTimeHasASecondForAllOfItsCharacters) {
+  for (const Duration gap : {66ms, 600ms}) {
+    endings_.clear();
+    ended_at_.clear();
+    open(ascii());
+    submit(job(kRead));
+    advance(kAsciiEmission + 99ms);
+    const Instant began = now_;
+    for (const char character : std::string_view(kAsciiAnswer)) {
+      text({&character, 1});
+      advance(gap);
+    }
+    ASSERT_THAT(endings_, ElementsAre(gap == 66ms ? Ending::answered : Ending::no_answer));
+    EXPECT_LE(ended_at_[0] - began, 1020ms);  // not 9 s
   }
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusAscii, AStopWaitsForOneThatHasBegunNoLongerThanTheSlack) {
+  auto axes = ascii();
+  axes.timing.response_timeout = 1s;
+  drive::Device axis{"axis", {}, 2, axes.timing};
+  axis.profile.stops = {{.address = 0, .value = 1}};
+  open(axes, {axis});
+  submit(job(kRead));
+  advance(kAsciiEmission + 50ms);
+  text(":01");
+  submit(job("06 0000 0001", 2));
+  const Instant since = now_;
+  for (int pieces = 0; pieces < 10; ++pieces) {
+    advance(50ms);
+    text("0");
+  }
+  ASSERT_THAT(frames_, SizeIs(2));
+  EXPECT_LE(frame_times_[1] - since, 150ms);
 }
 
 TEST_F(BusAscii, AnAnswerThatStopsHalfWayEndsTheWaitAfterASecond) {

@@ -15,9 +15,10 @@ TEST_F(BusEcho, AReadProvesIt) {
   line("01 03 00 00");
   advance(1ms);
   line("00 01 84 0A");
-  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found));
+  EXPECT_THAT(faults_, IsEmpty());  // the device may have said so
   advance(10ms);
   line(kAnswer);
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found));
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
   advance(10ms);
   submit(job(kWritePdu));
@@ -29,12 +30,12 @@ TEST_F(BusEcho, AReadProvesIt) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
 }
 
-TEST_F(BusEcho, ABroadcastProvesIt) {
+TEST_F(BusEcho, ABroadcastDoesNotProveIt) {
   open_as(bus::LineKind::virtual_line);
   submit(job(kWritePdu, 0));
   advance(15ms);  // it has left, and its echo comes late
   line("00 06 00 00 00 01 49 DB");
-  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found));
+  EXPECT_THAT(faults_, IsEmpty());
   EXPECT_EQ(bus_->counters().foreign_frames, 0U);
 }
 
@@ -123,6 +124,7 @@ TEST_F(BusEcho, ALateAnswerThatBeginsLikeItMayEndBesideTheNextRequest) {
 
 TEST_F(BusEcho, ALoneRepetitionIsTakenUntilAReadHasShownItAndSaidOnce) {
   open_as(bus::LineKind::virtual_line);
+  hear_device();
   for (int times = 0; times < 2; ++times) {
     submit(job(kWritePdu));
     advance(10ms);
@@ -135,6 +137,7 @@ TEST_F(BusEcho, ALoneRepetitionIsTakenUntilAReadHasShownItAndSaidOnce) {
 
 TEST_F(BusEcho, ARepetitionThatComesLaterThanAnAdapterKeepsOneIsNoEcho) {
   open_as(bus::LineKind::virtual_line);
+  hear_device();
   submit(job(kWritePdu));
   advance(kEmission + 21ms);
   line(kRepetition);
@@ -162,16 +165,17 @@ TEST_F(BusEcho, OnAPacedLineNothingThatBeginsBeforeTheRequestHasLeftIsAnAnswer) 
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
 }
 
-TEST_F(BusEcho, OnAPacedLineARepetitionBeforeThatProvesIt) {
+TEST_F(BusEcho, OnAPacedLineARepetitionBeforeThatProvesItWithAnAnswerBehindIt) {
   open_as(bus::LineKind::uart);
   submit(job(kWritePdu));
   advance(2ms);
   line(kRepetition);
   EXPECT_THAT(endings_, IsEmpty());
-  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found));
+  EXPECT_THAT(faults_, IsEmpty());
   advance(10ms);
   line(kRepetition);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_THAT(faults_, ElementsAre(Fault::echo_found));
 }
 
 TEST_F(BusEcho, AFittingReadAnswerBeforeThatIsSaidOnce) {

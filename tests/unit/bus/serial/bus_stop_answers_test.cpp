@@ -45,6 +45,19 @@ TEST_F(BusStopAnswers, TheLateAnswerToAMoveThatLooksTheSameIsNone) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
 }
 
+TEST_F(BusStopAnswers, ALateExceptionToTheTryBeforeIsNone) {
+  open_axis();
+  submit(job(kStop));
+  time_out();
+  advance(10ms);
+  ASSERT_THAT(frames_, SizeIs(2));
+  line("01 86 04 43 A3");
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(10ms);
+  line(kStopFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
 // Nobody can tell whether the one answer was the move's: the stop is repeated.
 TEST_F(BusStopAnswers, WhereTheMoveIsNeverAnsweredARepetitionShowsIt) {
   open_axis();
@@ -98,18 +111,6 @@ TEST_F(BusStopAnswers, ThatToTheSameStopBeforeABroadcastIsNone) {
   advance(10ms);
   line(kStopFrame);  // of the first stop
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::transmitted));
-  advance(10ms);
-  line(kStopFrame);
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::transmitted, Ending::answered));
-}
-
-// Where it is a stop itself, the axis stands.
-TEST_F(BusStopAnswers, ThatToTheSameStopBeforeABroadcastStopIsOne) {
-  open_with_stop_answered_once();
-  submit(job_of(1, kStop, modbus::kBroadcastAddress));
-  advance(40ms);
-  submit(job(kStop));
-  ASSERT_THAT(frames_, SizeIs(4));
   advance(10ms);
   line(kStopFrame);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::transmitted, Ending::answered));

@@ -22,6 +22,15 @@ class BusEcho : public Bus {
     drain();
     advance(5ms);
   }
+  /// The device answers, and what came before its answer may have been an echo.
+  void hear_device() {
+    submit(job(kRead));
+    advance(10ms);
+    line(std::string("00") + kAnswer);
+    advance(10ms);
+    ASSERT_THAT(endings_, ElementsAre(Ending::answered));
+    endings_.clear();
+  }
   /// A read shows that the line hears itself.
   void open_and_learn(bus::LineKind kind) {
     open_as(kind);

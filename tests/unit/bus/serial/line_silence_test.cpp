@@ -20,9 +20,9 @@ class LineSilenceTest : public testing::Test {
     return settings;
   }
   static Instant at(Duration time) { return Instant{} + time; }
-  LineSilenceTest() { silence_.open(at(0ms)); }
+  LineSilenceTest() { silence_.open(at(0ms), at(200ms)); }
 
-  LineSilence silence_{settings(), 200ms};
+  LineSilence silence_{settings()};
 };
 
 TEST_F(LineSilenceTest, ListensFirstToANewLineForAllButStops) {
@@ -66,7 +66,7 @@ TEST_F(LineSilenceTest, WaitsForTheTurnaroundDelayOfABroadcastThoughTheLineIsReo
   EXPECT_EQ(silence_.possible_at(), over);
   EXPECT_TRUE(silence_.is_in_turnaround(over - 1ns));
   EXPECT_FALSE(silence_.is_in_turnaround(over));
-  silence_.open(at(1050ms));
+  silence_.open(at(1050ms), at(1050ms));
   EXPECT_EQ(silence_.ready_for_stop_at(), over);
 }
 
@@ -81,10 +81,10 @@ TEST_F(LineSilenceTest, TakesOtherTimes) {
   others.frame_gap.reset();
   others.turnaround = 50ms;
   others.settle = 70ms;
-  silence_.update(others, 0ms);
+  silence_.update(others);
   EXPECT_EQ(silence_.ready_for_stop_at(), at(2005209ns));  // 38.5 bits, rounded up
   EXPECT_EQ(silence_.turnaround(), 50ms);
-  silence_.open(at(1s));
+  silence_.open(at(1s), at(1s));
   EXPECT_FALSE(silence_.is_listening(at(1s)));
   silence_.note_unanswered(at(2s));
   EXPECT_EQ(silence_.ready_at(0ms), at(2070ms));

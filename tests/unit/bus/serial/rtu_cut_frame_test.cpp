@@ -74,12 +74,14 @@ TEST_F(RtuCutFrame, WhatComesBehindTheRestOfACutFrameIsSearched) {
   ASSERT_TRUE(framer_.take_unsolicited());
 }
 
-TEST_F(RtuCutFrame, AFrameThatPausesForLongerIsNone) {
+TEST_F(RtuCutFrame, OfAFrameThatPausesForLongerThePauseIsTold) {
   framer_.listen();
   add("01 03 04 00");
   after(21ms);
   add("03 0D 40 0F 53");
-  EXPECT_FALSE(framer_.take_unsolicited());
+  const auto frame = framer_.take_unsolicited();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->pause, 21ms);
 }
 
 /// At 1200 baud a single byte takes longer than a `frame_slack` of 5 ms.

@@ -228,7 +228,7 @@ TEST_F(BusSharing, IfTheMergedReadFailsItsPartsGoOneByOne) {
   ASSERT_THAT(frames_, SizeIs(2));
   EXPECT_EQ(frames_[1], "01 03 00 01 00 01 D5 CA");
   line("01 83 02 C0 F1");
-  advance(10ms);
+  advance(50ms);
   ASSERT_THAT(frames_, SizeIs(3));
   EXPECT_EQ(frames_[2], "01 03 00 00 00 01 84 0A");
   line(kAnswer);
@@ -252,10 +252,10 @@ TEST_F(BusSharing, AMergedReadThatWasRefusedIsNotMergedAgainUntilItsDeviceWasOff
   };
   const auto refuse = [&](int count) {
     for (int times = 0; times < count; ++times) {
-      advance(10ms);
+      advance(50ms);
       line("01 83 02 C0 F1");
     }
-    advance(10ms);
+    advance(50ms);
   };
   EXPECT_EQ(first_of_two(), "01 03 00 00 00 02 C4 0B");
   refuse(3);  // the merged one, and its parts

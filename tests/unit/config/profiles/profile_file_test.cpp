@@ -94,6 +94,8 @@ TEST(ProfileFile, KnowsSpecialWrites) {
   EXPECT_THAT(profile.stops,
               ElementsAre(drive::WriteMatch{Table::holding_registers, 70, 0xFFFF, 0xE1, false, 3},
                           drive::WriteMatch{Table::holding_registers, 71, 1, 0, false}));
+  EXPECT_TRUE(profile.acceptances.test(5));
+  EXPECT_EQ(profile.acceptances.count(), 1U);
   ASSERT_EQ(profile.slow.size(), 1U);
   EXPECT_EQ(profile.slow[0].range, (drive::TableRange{Table::holding_registers, 90, 1}));
   EXPECT_EQ(profile.slow[0].response_timeout, 3s);
@@ -141,6 +143,37 @@ TEST(ProfileFile, KeepsWhatPeopleLookUp) {
   EXPECT_EQ(file.position_opcodes_line, 74U);
   EXPECT_EQ(file.number(Table::holding_registers, 10), "40011");
   EXPECT_EQ(file.number(Table::coils, 10), "0x000A");
+}
+
+TEST(ProfileFile, GuardsWritesByTheirValues) {
+  const auto loaded = load_profile_text("guarded.toml", R"(
+name = "guarded"
+description = "A drive"
+manual = "None"
+word_order = "big"
+response_timeout = "300ms"
+values32 = [{ register = 40031 }]
+communication = [
+  { register = 40081, registers = 2 },
+  { register = 40091, value = 0, name = "Restore", line = 9 },
+  { register = 40092, mask = 0x0400, value = 0x0400 },
+  { register = 40031, registers = 2, mask = 0xFFFFFFFC, not = 8 },
+  { table = "coils", register = 7, value = 0xFF00 },
+]
+[numbering]
+holding = 40001
+)");
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  const auto& profile = loaded.file->profile;
+  constexpr auto kHolding = Table::holding_registers;
+  EXPECT_EQ(profile.response_timeout, 300ms);
+  EXPECT_THAT(profile.communication, ElementsAre(drive::TableRange{kHolding, 80, 2}));
+  EXPECT_THAT(profile.guarded,
+              ElementsAre(drive::GuardedWrite{{kHolding, 90, 1}, 0xFFFFFFFF, 0},
+                          drive::GuardedWrite{{kHolding, 91, 1}, 0x0400, 0x0400},
+                          drive::GuardedWrite{{kHolding, 30, 2}, 0xFFFFFFFC, 8, true},
+                          drive::GuardedWrite{{Table::coils, 7, 1}, 0xFFFFFFFF, 0xFF00}));
+  EXPECT_EQ(loaded.file->guarded.at(0).source.line, 9U);
 }
 
 TEST(ProfileFile, ThatIsNotThereIsReported) {

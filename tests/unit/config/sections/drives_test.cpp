@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "config/check_summary.hpp"
 #include "config/load.hpp"
 
 namespace mbgate::config {
@@ -44,12 +45,14 @@ TEST_F(Drives, HaveLinesOfEveryMode) {
   EXPECT_EQ(server.line.device, "");
   EXPECT_EQ(server.outstanding, 16U);
   EXPECT_TRUE(server.check_unit);
+  EXPECT_EQ(server.one_device, false);
   EXPECT_EQ(server.replace_after, 0U);
   EXPECT_EQ(server.line.connection, (bus::ConnectionTimes{1s, 500ms, 2s}));
   EXPECT_EQ(remote.line.connection, (bus::ConnectionTimes{4s, 2s, 60s}));
   const auto& plain = settings.buses.at(3);
   EXPECT_EQ(plain.outstanding, 1U);
   EXPECT_FALSE(plain.check_unit);
+  EXPECT_EQ(plain.one_device, std::nullopt);
   EXPECT_EQ(plain.replace_after, 5U);
   EXPECT_EQ(plain.line.connection, (bus::ConnectionTimes{4s, 2s, 15s}));
   EXPECT_EQ(settings.buses.at(4).line.framing, bus::Framing::rtu);
@@ -68,6 +71,7 @@ TEST_F(Drives, HaveTheirProfilesAndWhatTheirUserStates) {
   EXPECT_TRUE(settings.devices.at(2).split_values);
   EXPECT_TRUE(axis.split_writes);
   EXPECT_TRUE(axis.verify_word_order);
+  EXPECT_TRUE(axis.limits_values);
   EXPECT_TRUE(axis.allow_reconfigure);
   std::vector<std::pair<int, int>> own;
   for (const auto& value : axis.profile.values.all()) {
@@ -85,8 +89,8 @@ TEST_F(Drives, TakeDefaultsFromTheirProfiles) {
   EXPECT_EQ(feeder.word_order, drive::WordOrder::little);
   EXPECT_EQ(feeder.write_function, std::nullopt);  // the maker prefers 16
   EXPECT_EQ(feeder.timing.response_wait, 1ms);
-  EXPECT_FALSE(feeder.split_values || feeder.split_writes || feeder.verify_word_order ||
-               feeder.allow_reconfigure);
+  EXPECT_FALSE(feeder.limits_values || feeder.split_values || feeder.split_writes ||
+               feeder.verify_word_order || feeder.allow_reconfigure);
   const auto& valve = settings.devices.at(2);
   EXPECT_EQ(valve.profile.name, "generic");
   EXPECT_EQ(valve.address, 255);
@@ -121,6 +125,65 @@ TEST_F(Drives, HearBroadcastsOnSerialLinesOnly) {
   EXPECT_TRUE(broadcast.is_broadcast());
   EXPECT_THAT(broadcast.buses, ElementsAre(drive::BusId{0}, drive::BusId{1}, drive::BusId{4}));
   EXPECT_EQ(broadcast.word_order, drive::WordOrder::big);
+}
+
+std::string server_with(const std::string& keys, const std::string& address) {
+  return "[[listen]]\nname = \"plant\"\naddress = \"127.0.0.1\"\nport = 0\nbus = \"cell\"\n"
+         "[[bus]]\nname = \"cell\"\nmode = \"tcp\"\nhost = \"192.168.10.20\"\n" +
+         keys + "\n[[device]]\nname = \"axis\"\nbus = \"cell\"\n" + address + "\n";
+}
+
+TEST(ModbusTcpServers, AreOneDeviceUnderEveryUnitIfItsAddressIsTheDefault) {
+  const auto check = [](const std::string& keys, const std::string& address) {
+    const auto loaded = load_settings_text("x.toml", server_with(keys, address));
+    return loaded.settings ? check_summary(*loaded.settings) : render(loaded.diagnostics);
+  };
+  const auto every = testing::HasSubstr("\nbus cell: every unit is device axis\n");
+  const auto alone = testing::HasSubstr("\nbus cell: device axis is unit 5 alone;");
+  EXPECT_THAT(check("", ""), every);
+  EXPECT_THAT(check("", "address = 255"), every);
+  EXPECT_THAT(check("", "address = 5"), alone);
+  EXPECT_THAT(check("one_device = true", "address = 5"), every);
+  EXPECT_THAT(check("one_device = false", "address = 255"),
+              testing::HasSubstr("device axis is unit 255 alone;"));
+  const auto two = check("", "[[device]]\nname = \"valve\"\nbus = \"cell\"\naddress = 7");
+  EXPECT_THAT(two, testing::Not(testing::HasSubstr("bus cell:")));
+}
+
+TEST(Routes, ToAsciiLinesNameWhatSetsAnotherDelimiter) {
+  const auto passes = [](const std::string& mode, const std::string& functions) {
+    const auto loaded = load_settings_text(
+        "x.toml",
+        "[[listen]]\nname = \"plant\"\naddress = \"127.0.0.1\"\nport = 0\n"
+        "[[bus]]\nname = \"line\"\ndevice = \"/dev/ttyS0\"\nmode = \"" +
+            mode + "\"\n[[route]]\nunit = 1\nbus = \"line\"\naddress = 1\n" + functions);
+    EXPECT_TRUE(loaded.settings) << render(loaded.diagnostics);
+    return loaded.settings->routes.at(0).functions.change_delimiter;
+  };
+  EXPECT_TRUE(passes("rtu", ""));
+  EXPECT_TRUE(passes("rtu", "functions = [8]"));
+  EXPECT_FALSE(passes("ascii", ""));
+  EXPECT_FALSE(passes("ascii", "functions = [8]"));
+  EXPECT_TRUE(passes("ascii", "functions = [3, \"8/3\"]"));
+}
+
+TEST(ResponseTimeouts, AreTheProfilesUnlessTheUserSaysMore) {
+  const auto timeout = [](const std::string& of_bus, const std::string& of_device) {
+    const auto loaded = load_settings_text(
+        "x.toml",
+        "[[listen]]\nname = \"plant\"\naddress = \"127.0.0.1\"\nport = 0\nbus = \"line\"\n"
+        "[[bus]]\nname = \"line\"\ndevice = \"/dev/ttyS0\"\n" +
+            of_bus + "\n[[device]]\nname = \"axis\"\nbus = \"line\"\naddress = 1\n" + of_device,
+        {.otherwise = {std::filesystem::path(MBGATE_SOURCE_DIR) / "conf/profiles"}});
+    EXPECT_TRUE(loaded.settings) << render(loaded.diagnostics);
+    return loaded.settings->devices.at(0).timing.response_timeout;
+  };
+  const std::string stepper = "profile = \"rs485-stepper\"\n";
+  EXPECT_EQ(timeout("", ""), 1s);
+  EXPECT_EQ(timeout("", stepper), 300ms);
+  EXPECT_EQ(timeout("response_timeout = \"2s\"", stepper), 2s);
+  EXPECT_EQ(timeout("", stepper + "response_timeout = \"50ms\""), 50ms);
+  EXPECT_EQ(timeout("response_timeout = \"2s\"", stepper + "response_timeout = \"50ms\""), 50ms);
 }
 
 }  // namespace

@@ -114,6 +114,8 @@ TEST(Failsafe, IsWrittenOneByOne) {
   EXPECT_EQ(settings.guards.at(0).quiet, 3s);
   EXPECT_TRUE(settings.guards.at(1).failsafe.empty());
   EXPECT_EQ(settings.guards.at(1).quiet, 0s);
+  EXPECT_EQ(settings.guards.at(0).failsafe_grace, 2s);
+  EXPECT_EQ(settings.guards.at(1).failsafe_grace, 1s);
   EXPECT_TRUE(settings.guards.at(0).failsafe_on_exit);
   EXPECT_FALSE(settings.guards.at(1).failsafe_on_exit);
 }

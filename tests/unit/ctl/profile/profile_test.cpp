@@ -36,6 +36,7 @@ std::string member(const boost::json::value& object, std::string_view key) {
 constexpr std::string_view kSettable = R"(
   addresses       1-32 on a serial line
   functions       3, 4, 6, 16
+  accepts with    exception 0x05 (acknowledge)
   reads at most   50 holding registers, 50 input registers
   writes at most  40 holding registers
   word order      set at the drive: 40081 holds 5 when big, 133 when little (line 82)
@@ -155,6 +156,7 @@ TEST(ProfileJson, HasTheAddressesOfValues) {
   EXPECT_EQ(member(profile, "values64"), R"({"holding":[50],"input":[]})");
   EXPECT_EQ(member(profile, "strings"), R"({"holding":[40],"input":[]})");
   EXPECT_EQ(member(profile, "functions"), "[3,4,6,16]");
+  EXPECT_EQ(member(profile, "acceptances"), "[5]");
   EXPECT_EQ(member(profile, "limits"),
             R"({"read_coils":2000,"read_discrete":2000,"read_holding":50,"read_input":50,)"
             R"("write_coils":1968,"write_registers":40})");

@@ -258,11 +258,11 @@ class ReplayCommandPrints : public testing::Test {
 TEST_F(ReplayCommandPrints, ThatAllIsTheSame) {
   EXPECT_EQ(run(with_other_settings().text()), 0);
   EXPECT_EQ(errors_, "");
-  EXPECT_EQ(printed_, "same actions at every input: 5 inputs, 7 actions, recorded by mbgated 0\n");
+  EXPECT_EQ(printed_, "same actions at every input: 5 inputs, 6 actions, recorded by mbgated 0\n");
   EXPECT_EQ(run(with_other_settings().text() + "end it cannot be written: No space left\n"), 0);
   EXPECT_EQ(
       printed_,
-      "same actions at every input: 5 inputs, 7 actions, recorded by mbgated 0; the recording "
+      "same actions at every input: 5 inputs, 6 actions, recorded by mbgated 0; the recording "
       "ended before the gateway did: it cannot be written: No space left\n");
 }
 
@@ -271,7 +271,7 @@ TEST_F(ReplayCommandPrints, TheFirstDifference) {
   EXPECT_EQ(run(text), 1);
   EXPECT_EQ(errors_, "");
   EXPECT_EQ(printed_, file_ + ":" + std::to_string(line_of(text, "< report bus line-b")) +
-                          ": different, after 5 inputs and 6 actions that were the same\n"
+                          ": different, after 5 inputs and 5 actions that were the same\n"
                           "the last input:    5000000000 opened 1 virtual\n"
                           "recorded:          < report bus line-b is gone\n"
                           "this version does: < report bus line-b is open\n");

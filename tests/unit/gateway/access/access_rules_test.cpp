@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "unit/gateway/access/access_plant.hpp"
-#include "unit/gateway/writes/watched_plant.hpp"
+#include "unit/gateway/writes/stop_plant.hpp"
 
 namespace mbgate::test {
 namespace {
@@ -213,35 +213,6 @@ TEST(AccessInTheMachine, ARoleDecidesAndOneThatCannotBeReadIsDeniedEverything) {
   without_rules.connect(3, "192.0.2.1", 0, 0, {ClientRole::Kind::unreadable, ""});
   without_rules.receive(3, write_request(2) + "0003 0000 0006 FF 04 0000 0001");
   EXPECT_THAT(without_rules.take_sent(3), ElementsAre(kDenied, "00 03 00 00 00 03 FF 84 01"));
-}
-
-TEST(AccessInTheMachine, OnlyWhoMayWriteKeepsFailsafeWritesBack) {
-  Settings settings = watched_plant();
-  AccessRule writers = rule_for("192.0.2.1");
-  settings.rules = {writers, reading()};
-  MachineRig rig(settings);
-  rig.connect(1, "192.0.2.1");
-  rig.connect(2, "192.0.2.2");
-  ask(rig, 1);
-  ask(rig, 2);
-  rig.disconnect(1);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
-}
-
-TEST(AccessInTheMachine, WhoseRoleMayOnlyReadKeepsNoFailsafeWritesBack) {
-  Settings settings = watched_plant();
-  AccessRule operators = rule(true, "operators");
-  operators.roles = {"operator"};
-  AccessRule viewers = reading();
-  viewers.roles = {"viewer"};
-  settings.rules = {operators, viewers};
-  MachineRig rig(settings);
-  rig.connect(1, "192.0.2.1", 0, 0, {ClientRole::Kind::named, "operator"});
-  rig.connect(2, "192.0.2.2", 0, 0, {ClientRole::Kind::named, "viewer"});
-  ask(rig, 1);
-  ask(rig, 2);
-  rig.disconnect(1);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
 TEST(AccessInTheMachine, RulesKeepTheirDevicesWhenAReloadNumbersThemAnew) {

@@ -23,12 +23,12 @@ TEST(Gateway, TakesAtMostThePipelineAndThenReadsAheadAtMostFourKilobytes) {
   rig.receive(1, many);
   EXPECT_TRUE(rig.paused.contains(1));
   for (int answers = 0; answers < 16; ++answers) {
-    rig.advance(10ms);
+    rig.advance(40ms);
     rig.respond("01 03 02 00 01");
   }
   EXPECT_THAT(rig.take_sent(1), SizeIs(16));
   for (int answers = 0; answers < 184; ++answers) {
-    rig.advance(10ms);
+    rig.advance(40ms);
     rig.respond("01 03 02 00 01");
   }
   EXPECT_THAT(rig.take_sent(1), SizeIs(184));

@@ -179,6 +179,24 @@ TEST(Gateway, RestartAndListenOnlyAreAllowedEachByItself) {
   }
 }
 
+TEST(Gateway, AnotherDelimiterIsSetOnAsciiLinesOnlyWhereItIsNamed) {
+  constexpr auto kDelimiter = "0001 0000 0006 01 08 0003 3B00";
+  Settings settings = one_bus();
+  settings.listeners.emplace_back().name = "service";
+  settings.listeners[1].bus = BusId{0};
+  for (const bool is_ascii : {false, true}) {
+    settings.buses[0].line.framing = is_ascii ? bus::Framing::ascii : bus::Framing::rtu;
+    settings.routes[0].functions.change_delimiter = !is_ascii;
+    for (const std::uint32_t listener : {0U, 1U}) {
+      MachineRig rig(settings);
+      rig.connect(1, "192.0.2.1", listener);
+      rig.receive(1, kDelimiter);
+      EXPECT_EQ(rig.take_sent(1), is_ascii ? Lines{"00 01 00 00 00 03 01 88 01"} : Lines{});
+      EXPECT_EQ(rig.take_transmitted().size(), is_ascii ? 0U : 1U);
+    }
+  }
+}
+
 TEST(Gateway, SilenceAfterListenOnlyIsNoFailure) {
   Settings settings = one_bus();
   settings.routes[0].functions.force_listen_only = true;

@@ -69,6 +69,7 @@ TEST(Record, EveryInputIsALineThatCanBeReadAgain) {
       {ClientDisconnected{ClientId{7}}, "1234567890123 gone 7"},
       {LineOpened{BusId{1}}, "1234567890123 opened 1 virtual"},
       {LineBytes{BusId{1}, bytes}, "1234567890123 line 1 0001AB"},
+      {LineUnsent{BusId{1}, 8}, "1234567890123 unsent 1 8"},
       {LineLost{BusId{1}}, "1234567890123 lost 1"},
       {LineLost{BusId{1}, bus::Loss::closed}, "1234567890123 closed 1"},
       {DeadlineReached{}, "1234567890123 time"},
@@ -104,6 +105,7 @@ TEST(Record, SaysWhatIsWrongWithALine) {
   EXPECT_EQ(again("12 time 1"), "expected the end of the line, found \"1\"");
   EXPECT_EQ(again("12 sent -1"), "expected the number of a client, found \"-1\"");
   EXPECT_EQ(again("12 lost"), "expected the place of a bus at the end of the line");
+  EXPECT_EQ(again("12 unsent 0 x"), "expected a number of bytes, found \"x\"");
   EXPECT_EQ(again("12 line 0 0g"), "expected hexadecimal bytes, found \"0g\"");
   EXPECT_EQ(again("12 line 0 012"), "expected hexadecimal bytes, found \"012\"");
   EXPECT_EQ(again("12 connected 1 0 here 0"), "expected an address, found \"here\"");

@@ -95,7 +95,7 @@ TEST_F(Reload, OpensAChangedLineAnew) {
   rig_.respond("0B 03 02 00 01", 1);
   EXPECT_THAT(rig_.take_sent(1), ElementsAre(kFour));
   rig_.open_line(0);
-  rig_.advance(10ms);
+  rig_.advance(300ms);  // the drive may still answer what it was asked over the line before
   rig_.receive(1, read_request(1));
   EXPECT_THAT(take_requests(rig_, 0), ElementsAre(kRead1));
 }
@@ -239,20 +239,18 @@ TEST_F(Reload, ClosesClientsThatAreNotAllowedAnyMore) {
 
 TEST_F(Reload, GivesClientsTheirNewRights) {
   Settings changed = plant();
-  changed.listeners.insert(changed.listeners.begin(), changed.listeners[0]);
-  changed.listeners[0].name = "new";
+  changed.listeners.emplace(changed.listeners.begin())->name = "new";
   changed.listeners[1].read_only = {*routing::Network::parse("192.0.2.1")};
   rig_.reload(changed);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(busy(2), busy(3, 2), busy(5, 11)));
   rig_.receive(1, write_request(6));
   EXPECT_THAT(rig_.take_sent(1), ElementsAre("00 06 00 00 00 03 01 86 01"));
 }
 
-TEST(ReloadOfGuards, KeepsOwnersAndSendsFailsafeWritesIfNobodyMayWriteAnyMore) {
+TEST(ReloadOfGuards, KeepsOwners) {
   Settings settings = stop_plant(16);
   settings.guards.resize(2);
   settings.guards[0].writer = gateway::WriterRule::first;
-  settings.guards[0].failsafe = {
-      *modbus::Request::parse(*modbus::Pdu::from(unhex("06 007C 00E1")))};
   MachineRig rig(settings);
   rig.connect(1, "192.0.2.1");
   rig.connect(2, "192.0.2.2");
@@ -266,10 +264,6 @@ TEST(ReloadOfGuards, KeepsOwnersAndSendsFailsafeWritesIfNobodyMayWriteAnyMore) {
   rig.receive(2, write_request(2));
   EXPECT_THAT(rig.take_sent(2), ElementsAre(busy(2)));
   EXPECT_THAT(take_requests(rig), IsEmpty());
-  rig.connect(3, "192.0.2.3");  // asks nothing
-  settings.routes[0].access = routing::Access::read_only;
-  rig.reload(settings);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
 TEST(ReloadOfListeners, CanTakeAllOfThemAway) {

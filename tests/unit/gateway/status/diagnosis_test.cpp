@@ -28,6 +28,40 @@ Settings plant_with_order() {
   return settings;
 }
 
+Settings plant_with_stop() {
+  Settings settings = troubled_plant();
+  settings.devices[0].profile.stops = {{.address = 0x7C, .value = 0xE1}};
+  settings.devices[0].timing.stop_retries = 0;
+  return settings;
+}
+
+TEST(FailedStop, IsShownWithTheExceptionUntilAWriteIsAcknowledged) {
+  Trouble trouble(plant_with_stop());
+  trouble.rig.receive(1, "0001 0000 0006 01 06 007C 00E1");
+  trouble.rig.advance(10ms);
+  trouble.rig.respond("01 86 06");
+  trouble.rig.advance(5s);
+  EXPECT_THAT(
+      trouble.diagnoses(),
+      ElementsAre("device axis: it has refused a stop | exception 0x06 (server device busy) "
+                  "to the last try, 5 s ago | whether it stands still"));
+  trouble.rig.receive(1, "0002 0000 0006 01 06 007C 00E1");
+  trouble.rig.advance(10ms);
+  trouble.rig.respond("01 06 00 7C 00 E1");
+  EXPECT_THAT(trouble.diagnoses(), IsEmpty());
+}
+
+TEST(FailedStop, IsShownWhereNobodyAnswered) {
+  Trouble trouble(plant_with_stop());
+  trouble.ask_and_answer(1);
+  trouble.rig.receive(1, "0001 0000 0006 01 06 007C 00E1");
+  trouble.rig.advance(4s);
+  EXPECT_THAT(
+      trouble.diagnoses(),
+      testing::Contains("device axis: it has not acknowledged a stop | no answer to the last "
+                        "try, 3 s ago | whether it stands still"));
+}
+
 TEST(LineWithEcho, IsNamedWhereItsSettingsSayNothing) {
   Settings settings = troubled_plant();
   settings.buses[0].line.echo.reset();

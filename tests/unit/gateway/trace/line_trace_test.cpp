@@ -50,7 +50,7 @@ TEST(TraceOfABroadcast, ItsEchoIsNotCalledUnasked) {
 // A length that is too large: the answer never becomes whole.
 TEST(TraceOfAConnection, ShowsWhatIsNoWholeAdu) {
   Settings settings = one_axis();
-  settings.buses[0].timing.retries = 0;
+  settings.devices[0].timing.retries = 0;
   settings.buses[0].line.framing = bus::Framing::tcp;
   settings.buses[0].line.remote = bus::Endpoint{"192.0.2.50"};
   MachineRig rig{settings};

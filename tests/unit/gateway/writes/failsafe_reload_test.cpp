@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Failsafe writes of a drive that other settings take away: they were due before, or are because of
-// it.
+// Failsafe writes and new settings: what is at the same address of the same port is the same drive.
 #include <gmock/gmock.h>
 
 #include "unit/gateway/writes/watched_plant.hpp"
@@ -11,82 +10,126 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr auto kSentToTheGone =
-    "bus line-a: address 1: the last client that may write has gone; its failsafe writes are sent";
+class FailsafeReload : public testing::Test {
+ protected:
+  FailsafeReload() {
+    rig_.connect(1);
+    write(rig_, 1);
+  }
+  static Settings renamed() {
+    Settings settings = watched_plant();
+    settings.devices[0].name = "axis-q";
+    return settings;
+  }
+  MachineRig rig_{watched_plant()};
+};
 
-constexpr auto kSentToTheLeaving =
-    "bus line-a: address 1: a reload has taken its device away; its failsafe writes are sent";
+TEST_F(FailsafeReload, ADriveThatIsRenamedIsTheSame) {
+  rig_.reload(renamed());
+  rig_.advance(1h);
+  EXPECT_THAT(take_requests(rig_), IsEmpty());
+  rig_.disconnect(1);
+  rig_.advance(kGrace);
+  EXPECT_THAT(answer_all(rig_), ElementsAre(kStop1, kSecond));
+  EXPECT_THAT(rig_.events, ElementsAre("device axis-q: the client that counts for it has gone; it "
+                                       "has acknowledged its failsafe writes"));
+}
 
-/// The drive goes, and with it the listener of the client that has set it going.
-Settings without_drive() {
+TEST_F(FailsafeReload, SoIsOneOfARenamedBus) {
   Settings settings = watched_plant();
-  settings.listeners.erase(settings.listeners.begin());
-  settings.devices.erase(settings.devices.begin());
-  settings.guards.clear();
-  return settings;
+  settings.buses[0].name = "line-q";
+  rig_.reload(settings);
+  rig_.open_line(1);
+  rig_.advance(1h);
+  EXPECT_THAT(take_requests(rig_, 1), IsEmpty());
+  rig_.disconnect(1);
+  rig_.advance(kGrace);
+  EXPECT_THAT(take_requests(rig_, 1), ElementsAre(kStop1));
 }
 
-TEST(FailsafeReload, ADriveThatGoesWithItsLastClientGetsItsWrites) {
-  MachineRig rig(watched_plant());
-  rig.connect(1);
-  ask(rig, 1);
-  rig.reload(without_drive());
-  EXPECT_TRUE(rig.closed.contains(1));
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
-  rig.respond(kStop1);
-  rig.advance(10ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kSecond));
-  EXPECT_THAT(rig.events, ElementsAre(kSentToTheGone));
+TEST_F(FailsafeReload, DueWritesStayDueWhileTheLineIsReplaced) {
+  rig_.lose_line();
+  rig_.disconnect(1);
+  rig_.advance(kGrace);
+  Settings changed = renamed();
+  std::swap(changed.devices[0], changed.devices[1]);
+  changed.guards.insert(changed.guards.begin(), gateway::DeviceGuard());
+  changed.buses[0].line.baud = modbus::Baud{9600};
+  rig_.reload(changed);
+  EXPECT_THAT(answer_all(rig_), IsEmpty());
+  rig_.open_line();
+  EXPECT_THAT(answer_all(rig_, 3s), ElementsAre(kStop1, kSecond));
 }
 
-TEST(FailsafeReload, SoDoesOneThatGoesAloneBecauseNobodyMayWriteToItAnyMore) {
-  MachineRig rig(watched_plant());
-  rig.connect(1);
-  ask(rig, 1);
-  Settings settings = without_drive();
-  settings.listeners = watched_plant().listeners;
-  rig.reload(settings);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+TEST_F(FailsafeReload, WhatIsUnderWayBeginsAnewWithTheNewWrites) {
+  rig_.disconnect(1);
+  rig_.advance(kGrace);
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
+  Settings changed = watched_plant();
+  std::ranges::reverse(changed.guards[0].failsafe);
+  rig_.reload(changed);
+  rig_.lose_line();
+  rig_.open_line();
+  EXPECT_THAT(answer_all(rig_, 3s), ElementsAre(kSecond, kStop1));
 }
 
-TEST(FailsafeReload, ADriveThatMovesGetsThemWhereItWas) {
-  MachineRig rig(watched_plant());
-  rig.connect(1);
-  ask(rig, 1);
-  Settings settings = watched_plant();
-  settings.devices[0].address = 5;
-  rig.reload(settings);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
-  rig.respond(kStop1);
-  rig.advance(10ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kSecond));
-  EXPECT_THAT(rig.events, ElementsAre(kSentToTheLeaving));
+TEST_F(FailsafeReload, ThatTakesTheWritesAwayEndsThem) {
+  rig_.disconnect(1);
+  rig_.advance(kGrace);
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
+  Settings changed = watched_plant();
+  changed.guards.clear();
+  rig_.reload(changed);
+  rig_.lose_line();
+  rig_.open_line();
+  rig_.advance(1min);
+  EXPECT_THAT(take_requests(rig_), IsEmpty());
 }
 
-TEST(FailsafeReload, ADriveThatNobodyHasSetGoingGetsNone) {
-  MachineRig rig(watched_plant());
+TEST_F(FailsafeReload, ThatTakesTheClientsListenerAwayEndsItsConnection) {
+  Settings changed = watched_plant();
+  changed.listeners.erase(changed.listeners.begin());
+  rig_.reload(changed);
+  EXPECT_TRUE(rig_.closed.contains(1));
+  rig_.advance(kGrace);
+  EXPECT_THAT(answer_all(rig_), ElementsAre(kStop1, kSecond));
+}
+
+TEST_F(FailsafeReload, ThatTakesADriveAwayWritesNothingAndSaysSo) {
+  Settings changed = watched_plant();
+  changed.devices[0].address = 5;  // another drive
+  rig_.reload(changed);
+  rig_.disconnect(1);
+  rig_.advance(1h);
+  EXPECT_THAT(take_requests(rig_), IsEmpty());
+  EXPECT_THAT(rig_.events,
+              ElementsAre("bus line-a: address 1: a reload has taken the device away; its failsafe "
+                          "writes are not sent any more, whatever clients have written to it"));
+}
+
+TEST_F(FailsafeReload, ADriveThatNobodyHasWrittenToMayGoWithoutAWord) {
+  Settings changed = watched_plant();
+  std::swap(changed.devices[0].address, changed.devices[1].address);
+  MachineRig rig(changed);
   rig.connect(1);
-  rig.reload(without_drive());
-  rig.advance(1s);
-  EXPECT_THAT(take_requests(rig), IsEmpty());
+  ask(rig, 1, 1);
+  changed.devices.pop_back();
+  rig.reload(changed);
   EXPECT_THAT(rig.events, IsEmpty());
 }
 
-TEST(FailsafeReload, OfADriveThatIsRenamedWhileItsLineIsAwayItIsSaidThatTheyWereNotSent) {
-  MachineRig rig(watched_plant());
-  rig.connect(1);
-  ask(rig, 1);
-  rig.lose_line();
-  rig.disconnect(1);
-  Settings renamed = watched_plant();
-  renamed.devices[0].name = "axis-q";
-  rig.reload(renamed);
-  EXPECT_THAT(rig.events,
-              ElementsAre(kLost,
-                          "device axis-x: the last client that may write has gone; its failsafe "
-                          "writes could not be sent yet",
-                          "device axis-q: a reload has taken the device of before away; its "
-                          "failsafe writes were not all sent"));
+TEST_F(FailsafeReload, WhoCountsIsWhomTheNewSettingsName) {
+  rig_.connect(2, "192.0.2.2");
+  ask(rig_, 2, 1);
+  Settings changed = watched_plant();
+  changed.guards[0].failsafe_clients = {*routing::Network::parse("192.0.2.2")};
+  rig_.reload(changed);
+  rig_.disconnect(1);
+  rig_.advance(1h);
+  EXPECT_THAT(take_requests(rig_), IsEmpty());
+  rig_.disconnect(2);
+  rig_.advance(kGrace);
+  EXPECT_THAT(answer_all(rig_), ElementsAre(kStop1, kSecond));
 }
 
 }  // namespace

@@ -22,9 +22,9 @@ TEST(Stop, TakesBackWhatLayInAPausedSocketButNotItsOwnClientsLaterWrites) {
     rig.receive(client, many);
     ASSERT_TRUE(rig.paused.contains(client));
   }
-  rig.advance(10ms);
+  rig.advance(40ms);
   rig.respond("01 03 02 00 01");
-  rig.advance(10ms);
+  rig.advance(40ms);
   rig.respond("01 03 02 00 01");
   rig.advance(10ms);
   rig.take_sent(1);
@@ -34,7 +34,7 @@ TEST(Stop, TakesBackWhatLayInAPausedSocketButNotItsOwnClientsLaterWrites) {
   rig.receive(2, write_request(203));
   EXPECT_THAT(rig.take_sent(2), ElementsAre(busy(203)));
   rig.respond(kStop1);
-  rig.advance(10ms);
+  rig.advance(100ms);
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1, kWrite1));
 }
 

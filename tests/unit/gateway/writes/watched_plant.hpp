@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plant of whose drives the first is written to when nobody is left who might.
+// A plant of whose drives the first has failsafe writes.
 #pragma once
 
 #include "unit/gateway/writes/stop_plant.hpp"
@@ -24,14 +24,48 @@ inline Settings watched_plant() {
 
 inline constexpr auto kSecond = "01 06 00 10 00 07";
 inline constexpr auto kLost = "bus line-a is lost; it is being reopened";
+inline constexpr auto kAcknowledged =
+    "device axis-x: the client that counts for it has gone; it has acknowledged its failsafe "
+    "writes";
+inline constexpr auto kNotYet =
+    "device axis-x: the client that counts for it has gone; its failsafe writes are not "
+    "acknowledged yet, and are sent again";
+inline constexpr auto kBack =
+    "device axis-x: the client that counts for it asks again; not all of its failsafe writes were "
+    "acknowledged";
+inline constexpr Duration kGrace = 1s;  ///< the default
 
-/// A read of unit 2, answered.
-inline void ask(MachineRig& rig, std::uint64_t client) {
-  rig.receive(client, read_request(99, 2));
-  rig.respond("02 03 02 00 01");
+/// A write to unit 1, or another one, that its drive carries out.
+inline void write(MachineRig& rig, std::uint64_t client, unsigned unit = 1) {
+  rig.receive(client, write_request(98, unit));
+  rig.advance(5ms);
+  rig.respond(unit == 1 ? kWrite1 : kWrite2);
   rig.advance(10ms);
   rig.take_transmitted();
   rig.take_sent(client);
+}
+
+/// A read of unit 2, or another one, answered.
+inline void ask(MachineRig& rig, std::uint64_t client, unsigned unit = 2) {
+  rig.receive(client, read_request(99, unit));
+  rig.advance(5ms);
+  rig.respond(unit == 1 ? "01 03 02 00 01" : "02 03 02 00 01");
+  rig.advance(10ms);
+  rig.take_transmitted();
+  rig.take_sent(client);
+}
+
+/// Answers what the gateway writes by itself within this time, and says what that was.
+inline Lines answer_all(MachineRig& rig, Duration time = 40ms) {
+  Lines requests;
+  for (const Instant end = rig.now() + time; rig.now() < end;) {
+    for (const auto& request : take_requests(rig)) {
+      requests.push_back(request);
+      rig.respond(request);
+    }
+    rig.advance(10ms);
+  }
+  return requests;
 }
 
 }  // namespace mbgate::test

@@ -24,6 +24,7 @@ class SerialLineTest : public testing::Test, public LineEvents {
   void line_bytes(drive::BusId /*bus*/, modbus::Bytes bytes) override {
     received_.append(bytes.begin(), bytes.end());
   }
+  void line_unsent(drive::BusId /*bus*/, std::size_t bytes) override { unsent_.push_back(bytes); }
   void line_lost(drive::BusId /*bus*/, const std::string& why) override { lost_.push_back(why); }
   void line_closed(drive::BusId /*bus*/, const std::string& /*why*/) override { FAIL(); }
 
@@ -47,6 +48,7 @@ class SerialLineTest : public testing::Test, public LineEvents {
   std::vector<std::string> warnings_;
   std::vector<std::string> lost_;
   std::string received_;
+  std::vector<std::size_t> unsent_;
 };
 
 const std::array<std::uint8_t, 4> kFrame{1, 2, 3, 4};
@@ -86,6 +88,25 @@ TEST_F(SerialLineTest, CarriesBytesBothWays) {
   ASSERT_TRUE(terminal.write(kFrame));
   ASSERT_TRUE(wait_for([&] { return received_.size() >= kFrame.size(); }));
   EXPECT_EQ(received_, kFrameText);
+}
+
+// A pty's driver holds nothing, but it takes only so much.
+TEST_F(SerialLineTest, TellsHowMuchHasNotLeftWhereThatHasChanged) {
+  const PseudoTerminal terminal;
+  make_line(terminal.path());
+  ASSERT_TRUE(open_line());
+  ASSERT_EQ(line_->transmit(kFrame), std::nullopt);
+  line_->read_now();
+  EXPECT_EQ(unsent_, std::vector<std::size_t>());
+  const std::vector<std::uint8_t> frame(256, 0);
+  for (int frames = 0; frames < 4096 && unsent_.empty(); ++frames) {
+    ASSERT_EQ(line_->transmit(modbus::Bytes(frame)), std::nullopt);
+    line_->read_now();
+  }
+  line_->read_now();
+  ASSERT_EQ(unsent_.size(), 1U);
+  EXPECT_GT(unsent_[0], 0U);
+  EXPECT_LE(unsent_[0], frame.size());
 }
 
 // Giving a line back takes its time on a thread of its own.

@@ -73,6 +73,7 @@ class TcpLineTest : public testing::Test, public LineEvents {
     received_.append(bytes.begin(), bytes.end());
     longest_piece_ = std::max(longest_piece_, bytes.size());
   }
+  void line_unsent(drive::BusId /*bus*/, std::size_t /*bytes*/) override { FAIL(); }
   void line_lost(drive::BusId /*bus*/, const std::string& why) override { lost_.push_back(why); }
   void line_closed(drive::BusId /*bus*/, const std::string& why) override {
     closed_.push_back(why);

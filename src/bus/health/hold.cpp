@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/health/hold.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "modbus/response.hpp"
+
+namespace mbgate::bus {
+namespace {
+
+constexpr int kMarginPart = 4;  // a quarter more than what was seen
+constexpr int kFastPart = 4;    // a fast device answers in a quarter of its response timeout
+
+// Found by trying, with answer times that vary by a tenth.
+constexpr int kHoldFactor = 2;
+
+constexpr int kMostTails = 3;  // of the last eight
+constexpr auto kTailsWithin = std::chrono::minutes(1);
+constexpr auto kBetweenRests = std::chrono::minutes(10);
+
+// Second answers are timed so often before the device is left alone for less than a whole response
+// timeout after each answer, and forgotten after so many answers without one.
+constexpr unsigned kTimedSeconds = 8;
+constexpr unsigned kCleanAnswers = 200;
+
+bool fits(const modbus::Request& asked, modbus::Bytes response) {
+  return is_fitting(modbus::check_response(asked, response));
+}
+
+}  // namespace
+
+void Hold::add(const Sent& sent, bool is_unreadable) {
+  pending_.reset();
+  if (unanswered_.size() >= kMostUnanswered) {
+    unanswered_.erase(unanswered_.begin());
+  }
+  unanswered_.emplace_back(
+      Unanswered{sent.asked, sent.sent, sent.due, is_unreadable, sent.is_retry});
+  unanswered_.back().suspected = std::exchange(suspected_, Duration{0});
+}
+
+std::vector<Hold::Unanswered>::iterator Hold::find(modbus::Bytes response) {
+  return std::ranges::find_if(unanswered_,
+                              [&](const Unanswered& it) { return fits(it.asked, response); });
+}
+
+void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
+                         const Timing& timing) {
+  settle(now, timing, false);
+  const Instant oldest = unanswered_.empty() ? sent.sent : unanswered_.front().sent;
+  const auto earlier = find(response);
+  // A device that answers this one at once, and nothing else, has no queue: it owes no more than
+  // before.
+  const bool has_no_queue = earlier == unanswered_.end() &&
+                            took * kFastPart < timing.response_timeout && held_until_ &&
+                            !unanswered_.empty() && unanswered_.back().sent < *held_until_;
+  if (earlier != unanswered_.end()) {
+    const Duration suspected = std::max(earlier->suspected, now - earlier->due);
+    close(earlier, now, timing);
+    suspected_ = std::max(suspected_, suspected);
+    add(sent, false);
+    unanswered_.back().was_replaced = true;
+  }
+  pending_.reset();
+  suspected_ = Duration{0};
+  was_sudden_ = pace_.note_answer(took, now);
+  heard_at_ = answered_at_ = now;
+  answered_ = sent.asked;
+  if (seconds_ > 0 && ++clean_ >= kCleanAnswers) {
+    seconds_ = 0;
+    longest_second_ = Duration{0};
+  }
+  if (!has_no_queue) {
+    hold_for_rest(oldest, now, timing);
+  }
+}
+
+void Hold::close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing) {
+  if (!answered->is_over) {
+    note_tail(*answered, true, now, timing);
+  }
+  unanswered_.erase(answered);
+}
+
+// No longer than anything is owed.
+void Hold::hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing) {
+  held_until_.reset();
+  const auto count = static_cast<Duration::rep>(unanswered_.size() + (pending_ ? 1U : 0U));
+  if (count > 0) {
+    held_until_ = now + std::min(kHoldFactor * count * (now - oldest_sent),
+                                 timing.quarantine_max + kAdapterKeeps);
+  }
+}
+
+void Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing,
+                      bool is_probe) {
+  settle(now, timing, is_probe);
+  pending_.reset();
+  suspected_ = Duration{0};
+  if (asked != nullptr) {
+    pending_ = *asked;
+  }
+}
+
+// What is not remembered any more: the tail is over, and the device had its time.
+void Hold::settle(Instant now, const Timing& timing, bool is_probe) {
+  const bool is_held = held_until_ && now < *held_until_;
+  for (Unanswered& it : unanswered_) {
+    if (!it.is_over && now >= end_of_tail(it, timing)) {
+      it.is_over = true;
+      note_tail(it, it.is_unreadable || it.was_replaced, now, timing);
+    }
+  }
+  std::erase_if(unanswered_, [&](const Unanswered& it) {
+    const bool was_waited_for = held_until_ && it.sent < *held_until_;
+    return it.is_over && ((!is_held && (was_waited_for || is_probe || it.is_unreadable)) ||
+                          now >= it.sent + timing.quarantine_max + kAdapterKeeps);
+  });
+}
+
+// Where tails end without an answer several times in a minute, though the device answers others,
+// its answers may be later than any tail: once it is left alone for long enough to hear them.
+void Hold::note_tail(const Unanswered& ended, bool was_answered, Instant now,
+                     const Timing& timing) {
+  tails_ = static_cast<std::uint8_t>((unsigned{tails_} << 1U) | (was_answered ? 0U : 1U));
+  if (was_answered) {
+    return;
+  }
+  const Instant first = std::exchange(silent_[0], std::exchange(silent_[1], ended.sent));
+  const bool has_rested = rested_at_ != Instant::min() && now < rested_at_ + kBetweenRests;
+  if (std::popcount(tails_) >= kMostTails && ended.sent < first + kTailsWithin &&
+      heard_at_ > first && !has_rested) {
+    tails_ = 0;
+    rested_at_ = now;
+    rests_until_ = now + timing.quarantine_max;
+  }
+}
+
+void Hold::note_written() {
+  for (Unanswered& it : unanswered_) {
+    it.is_outdated = it.asked.writes().has_value();
+  }
+}
+
+std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
+                                          const Timing& timing) {
+  settle(came, timing, false);
+  const auto found = find(response);
+  if (found == unanswered_.end()) {
+    return std::nullopt;
+  }
+  const Instant oldest = unanswered_.front().sent;
+  const Duration seen = std::max({came - found->due, found->suspected, Duration{0}});
+  Late late{seen, false, seen};
+  // If it fits a later one too, it may be the answer to that, and this one's was lost. It is known
+  // when one more comes.
+  const auto later =
+      std::ranges::find_if(unanswered_.rbegin(), unanswered_.rend(),
+                           [&](const Unanswered& it) { return fits(it.asked, response); });
+  if (pending_ && fits(*pending_, response)) {
+    suspected_ = std::max(suspected_, seen);
+    late.lateness = late.shown = Duration{0};
+  } else if (&*later != &*found) {
+    later->suspected = std::max(later->suspected, seen);
+    late.lateness = std::max(came - later->due, Duration{0});
+    const auto first = std::ranges::find_if(later, std::prev(unanswered_.rend()),
+                                            [](const Unanswered& it) { return !it.is_retry; });
+    late.shown = std::max(came - first->due, Duration{0});
+  }
+  const Duration covering =
+      std::min(late.lateness + late.lateness / kMarginPart, timing.quarantine_max);
+  late.grew = covering > tail(came, timing);
+  pace_.note_late(covering, came);
+  if (late.lateness > Duration{0}) {
+    pace_.note_answer(late.lateness + timing.response_timeout, came);
+  }
+  heard_at_ = came;
+  close(found, came, timing);
+  hold_for_rest(oldest, came, timing);
+  return late;
+}
+
+bool Hold::note_second(modbus::Bytes response, Instant came, const Timing& timing) {
+  if (!answered_ || came > answered_at_ + timing.response_timeout || !fits(*answered_, response)) {
+    return false;
+  }
+  ++seconds_;
+  clean_ = 0;
+  longest_second_ = std::max(longest_second_, came - answered_at_);
+  return true;
+}
+
+// A second answer to the last request may come until then; or its own, if what came suddenly was
+// the second one to an earlier request.
+Instant Hold::end_of_seconds(const Timing& timing) const {
+  if (seconds_ == 0) {
+    return was_sudden_ ? answered_at_ + pace_.longest_answer() + kAdapterKeeps : Instant::min();
+  }
+  const Duration learned = longest_second_ + longest_second_ / kMarginPart + kAdapterKeeps;
+  return answered_at_ + (seconds_ < kTimedSeconds ? timing.response_timeout
+                                                  : std::min(learned, timing.response_timeout));
+}
+
+OwedAnswers Hold::owed(const modbus::Request& next, Instant first_sent) const {
+  OwedAnswers owed;
+  for (const Unanswered& it : unanswered_) {
+    if (it.asked.function() == next.function()) {
+      const bool is_own = it.sent >= first_sent && !it.is_outdated && it.asked.pdu() == next.pdu();
+      owed.push_back({it.asked, is_own});
+    }
+  }
+  return owed;
+}
+
+Instant Hold::until(const Timing& timing) const {
+  Instant until = std::max(held_until_.value_or(Instant::min()), rests_until_);
+  for (const Unanswered& it : unanswered_) {
+    until = std::max(until, end_of_tail(it, timing));
+  }
+  return std::max(until, end_of_seconds(timing));
+}
+
+Instant Hold::until(std::uint8_t function, const Timing& timing) const {
+  const bool is_fast = !unanswered_.empty() && heard_at_ > unanswered_.back().sent &&
+                       pace_.longest_answer() * kFastPart < timing.response_timeout;
+  const auto is_same = [&](const Unanswered& it) { return it.asked.function() == function; };
+  if (is_fast && std::ranges::none_of(unanswered_, is_same)) {
+    return end_of_seconds(timing);
+  }
+  return until(timing);
+}
+
+Duration Hold::tail(Instant now, const Timing& timing) const {
+  return std::max(timing.quarantine_or_default(),
+                  std::min(pace_.learned(now), timing.quarantine_max));
+}
+
+}  // namespace mbgate::bus

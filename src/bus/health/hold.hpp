@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which transmissions a device has not answered yet, and how long it is left alone for that.
+//
+// A transmission is *unanswered* until an answer that fits it has come. It is *open* until then, or
+// until its tail is over: the quarantine after its response timeout. After its tail an answer is
+// *owed* still. A device works in order: an answer closes the oldest unanswered transmission that
+// it fits. If others are left then, the device may owe more than was counted, and is held until it
+// had twice the time that all of them need at its present pace; what has not come by then is lost.
+//
+// While a device has an open transmission, or is held, nothing is sent to it but stops and the
+// retry of the same read. A device that has answered since, and fast, may get a request of another
+// function: the answer names its function, and there is no queue in such a device.
+//
+// A device that answers twice (two drives at one address, a repeater) is left alone after each
+// answer until the second one must have come.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "bus/health/answer_pace.hpp"
+#include "bus/instant.hpp"
+#include "bus/line_end.hpp"
+#include "bus/state_reader.hpp"
+#include "drive/device.hpp"
+
+namespace mbgate::bus {
+
+/// The most transmissions of a device that are remembered as unanswered.
+inline constexpr std::size_t kMostUnanswered = 64;
+
+/// Added to every time for which a device is held back: an adapter may keep received bytes for this
+/// long.
+inline constexpr Duration kAdapterKeeps = std::chrono::milliseconds(20);
+
+class Hold {
+ public:
+  using Timing = drive::DeviceTiming;
+
+  /// A transmission: what was asked, when it began, and when its response timeout ends.
+  struct Sent {
+    const modbus::Request& asked;
+    Instant sent;
+    Instant due;
+    bool is_retry = false;
+  };
+  /// No answer came to it.
+  void note_unanswered(const Sent& sent) { add(sent, false); }
+  /// A frame came in its place that is no answer, or is damaged. Its answer may still come until
+  /// the response timeout is over.
+  void note_unreadable(const Sent& sent, Instant now) {
+    add(sent, true);
+    heard_at_ = now;
+  }
+  /// It was answered by `response` (a PDU), `took` after the end of the transmission. If an earlier
+  /// try of the same request is unanswered too, it is that one's answer.
+  void note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
+                     const Timing& timing);
+  /// A request is sent to the device, and is open from now on; nullptr: nothing ever answers it.
+  /// `is_probe`: the device is offline. Then nothing that it could still answer from before has
+  /// come for a whole interval of probes.
+  void note_asked(const modbus::Request* asked, Instant now, const Timing& timing, bool is_probe);
+  /// A write that is not a stop is sent to the device. From now on the answer to an earlier write
+  /// no longer proves that the same write, sent after this one, was carried out.
+  void note_written();
+  /// What an unexpected frame shows.
+  struct Late {
+    Duration lateness;
+    bool grew;       ///< the frame has lengthened the quarantine
+    Duration shown;  ///< lateness of what was probably answered, the first try of a request
+  };
+  /// An unexpected frame of the device has come: the answer to the oldest unanswered transmission
+  /// that it fits. Nothing if there is none.
+  std::optional<Late> note_late(modbus::Bytes response, Instant came, const Timing& timing);
+  /// Such a frame, which is no late answer, is a second answer to the last request that was
+  /// answered. False: it is not.
+  bool note_second(modbus::Bytes response, Instant came, const Timing& timing);
+  /// How many second answers have come since the last two hundred answers without one.
+  [[nodiscard]] unsigned seconds() const { return seconds_; }
+
+  /// The unanswered transmissions that an answer to `next` may belong to, oldest first. Those of
+  /// the same request that were sent at `first_sent` or later are its own earlier tries.
+  [[nodiscard]] OwedAnswers owed(const modbus::Request& next, Instant first_sent) const;
+  /// The earliest instant at which a request with this function code may be sent to the device. A
+  /// stop, and the same read once more, need not wait.
+  [[nodiscard]] Instant until(std::uint8_t function, const Timing& timing) const;
+  /// The instant from which on any request may be sent.
+  [[nodiscard]] Instant until(const Timing& timing) const;
+  /// The end of the tail of a transmission that was due then.
+  [[nodiscard]] Instant end_of_tail(Instant due, const Timing& timing) const {
+    return due + tail(due, timing) + kAdapterKeeps;
+  }
+  /// The length of a tail that begins at `now`: the quarantine in force.
+  [[nodiscard]] Duration tail(Instant now, const Timing& timing) const;
+  /// The longest answer of the last minute or two, late ones included; 0: there was none.
+  [[nodiscard]] Duration longest_answer() const { return pace_.longest_answer(); }
+
+ private:
+  friend struct mbgate::StateReader;
+  struct Unanswered {
+    modbus::Request asked;
+    Instant sent;
+    Instant due;
+    bool is_unreadable;
+    bool is_retry;
+    bool is_outdated = false;  ///< a write, and another write has gone to the device since
+    bool is_over = false;      ///< its tail
+    /// An answer came to it, and was taken for that of an earlier one.
+    bool was_replaced = false;
+    /// How late the answer to an earlier one was, if this one is answered too.
+    Duration suspected{0};
+  };
+
+  void add(const Sent& sent, bool is_unreadable);
+  [[nodiscard]] std::vector<Unanswered>::iterator find(modbus::Bytes response);
+  void close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing);
+  void settle(Instant now, const Timing& timing, bool is_probe);
+  void note_tail(const Unanswered& ended, bool was_answered, Instant now, const Timing& timing);
+  void hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing);
+  [[nodiscard]] Instant end_of_tail(const Unanswered& it, const Timing& timing) const {
+    return it.is_unreadable ? it.due : end_of_tail(it.due, timing);
+  }
+  [[nodiscard]] Instant end_of_seconds(const Timing& timing) const;
+
+  std::vector<Unanswered> unanswered_;      // oldest first, without the one on the wire
+  std::optional<modbus::Request> pending_;  // that one
+  Duration suspected_{0};                   // as in Unanswered, of that one
+  std::optional<Instant> held_until_;       // the device may owe more than was counted
+  AnswerPace pace_;
+  Instant heard_at_ = Instant::min();
+
+  std::uint8_t tails_ = 0;                // a bit for each of the last: did it end unanswered?
+  std::array<Instant, 2> silent_{};       // when the last two of these were sent
+  Instant rests_until_ = Instant::min();  // it is left alone for once, to hear how late it is
+  Instant rested_at_ = Instant::min();
+
+  std::optional<modbus::Request> answered_;  // the last one
+  Instant answered_at_ = Instant::min();
+  bool was_sudden_ = false;  // that answer came faster than any before it
+  unsigned seconds_ = 0;     // second answers
+  unsigned clean_ = 0;       // answers without one since
+  Duration longest_second_{0};
+};
+
+}  // namespace mbgate::bus

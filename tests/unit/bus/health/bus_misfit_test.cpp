@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Good frames of the device that was asked, which do not fit what it was asked.
+#include "unit/bus/bus_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using Kind = bus::DeviceNotice::Kind;
+
+constexpr auto kSetPoint = "06 0005 2710";
+constexpr auto kLimited = "01 06 00 05 03 E8 99 75";
+constexpr auto kAnswered = "01 06 00 05 27 10 83 F7";
+
+class BusMisfit : public Bus {
+ protected:
+  void ask(std::string_view request) {
+    submit(job(request));
+    advance(10ms);
+  }
+  void expect_misfit(Duration after) {
+    EXPECT_THAT(endings_, IsEmpty());
+    advance(after - 1ms);
+    EXPECT_THAT(endings_, IsEmpty());
+    advance(1ms);
+    EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+    EXPECT_EQ(bus_->devices()[1].health.state(), bus::DeviceState::answering);
+    EXPECT_THAT(notices_, ElementsAre(Kind::misfit));
+  }
+};
+
+TEST_F(BusMisfit, ALimitedSetPointEndsTheWaitAndTheDeviceIsThere) {
+  open(settings());
+  ask(kSetPoint);
+  line(kLimited);
+  expect_misfit(20ms);
+}
+
+TEST_F(BusMisfit, ThreeOfThemTakeNoDeviceOffline) {
+  auto breaking = settings();
+  breaking.timing.offline_after = 3;
+  open(breaking);
+  for (int times = 0; times < 5; ++times) {
+    ask(kSetPoint);
+    line(kLimited);
+    advance(200ms);
+  }
+  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
+  EXPECT_THAT(notices_, ElementsAre(Kind::misfit));
+}
+
+TEST_F(BusMisfit, AnExceptionWithAByteMoreIsOne) {
+  open(settings());
+  ask(kRead);
+  line("01 83 02 00 F1 50");
+  expect_misfit(20ms);
+}
+
+TEST_F(BusMisfit, AnotherNumberOfRegistersIsOne) {
+  open(settings());
+  ask(kRead);
+  line("01 03 04 12 34 56 78 81 07");
+  expect_misfit(20ms);
+}
+
+TEST_F(BusMisfit, AnotherFunctionIsOne) {
+  open(settings());
+  ask("04 0000 0001");
+  line(kAnswer);
+  expect_misfit(20ms);
+}
+
+TEST_F(BusMisfit, ItsAnswerMayStandBehindIt) {
+  open(settings());
+  ask(kSetPoint);
+  line(std::string(kLimited) + kAnswered);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusMisfit, AReadIsRepeatedOnceItsAnswerHadTime) {
+  open_retrying();
+  ask(kRead);
+  line(kAnswer);
+  ask(kRead);
+  line("01 03 04 12 34 56 78 81 07");
+  advance(20ms);
+  EXPECT_THAT(frames_, SizeIs(2));
+  advance(10ms);
+  EXPECT_THAT(frames_, SizeIs(3));
+  line(kAnswer);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+}
+
+TEST_F(BusMisfit, ALimitedEchoIsTheAnswerWhereTheDeviceIsToldToGiveIt) {
+  drive::Device limiting{"axis", {}, 1, settings().timing};
+  limiting.limits_values = true;
+  open(settings(), {limiting});
+  ask(kSetPoint);
+  line(kLimited);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_EQ(jobs_[0].transactions[0].response, modbus::Pdu::from(unhex("06 0005 03E8")));
+  ask(kSetPoint);
+  line("01 06 00 06 03 E8 69 75");  // of another register
+  advance(20ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
+}
+
+// It was heard; the answer to a read cannot be mistaken for that to the write.
+TEST_F(BusMisfit, AReadNeedNotWaitUntilTheResponseTimeoutOfTheWriteIsOver) {
+  auto patient = settings();
+  patient.timing.response_timeout = 1s;
+  open(patient);
+  ask(kSetPoint);
+  line(kLimited);
+  submit(job(kRead));
+  advance(30ms);
+  EXPECT_EQ(frames_.back(), kReadFrame);
+}
+
+}  // namespace
+}  // namespace mbgate::test
