@@ -49,10 +49,9 @@ class Hold {
   void note_unanswered(const Sent& sent) { add(sent, false); }
   /// A frame came in its place that is no answer, or is damaged. Its answer may still come until
   /// the response timeout is over.
-  void note_unreadable(const Sent& sent, Instant now) {
-    add(sent, true);
-    heard_at_ = now;
-  }
+  void note_unreadable(const Sent& sent) { add(sent, true); }
+  /// A good frame of it came, though it answers nothing.
+  void note_heard(Instant now) { heard_at_ = now; }
   /// It was answered by `response` (a PDU), `took` after the end of the transmission. If an earlier
   /// try of the same request is unanswered too, it is that one's answer.
   void note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,

@@ -204,13 +204,16 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
 void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& sent = transmission.on_wire();
   DeviceEntry& entry = parts_.devices[sent.address];
-  entry.hold.note_unreadable(sent_of(transmission, end.due), now);
+  entry.hold.note_unreadable(sent_of(transmission, end.due));
   if (end.how == LineEnd::How::damaged) {
     ++parts_.counters.bad_crcs;
     ++entry.counters.bad_crcs;
     entry.health.note_damaged(now);
-  } else if (entry.health.note_heard(now)) {
-    diagnosis_.notify(DeviceNotice::Kind::back, sent.address);
+  } else {
+    entry.hold.note_heard(now);
+    if (entry.health.note_heard(now)) {
+      diagnosis_.notify(DeviceNotice::Kind::back, sent.address);
+    }
   }
   entry.note_heard();
   entry.hold_booting(sent.boot_time, now);  // it may have carried out what it was told

@@ -145,7 +145,7 @@ TEST_F(Health, ATailGrowsNoFurtherThanAllowed) {
 }
 
 TEST_F(Health, AnUnreadableAnswerIsWaitedForUntilTheResponseTimeoutOnly) {
-  hold_.note_unreadable({read_, at(0ms), at(100ms)}, at(10ms));
+  hold_.note_unreadable({read_, at(0ms), at(100ms)});
   EXPECT_FALSE(may_be_asked(99ms));
   EXPECT_TRUE(may_be_asked(100ms));
   asked(100ms);
