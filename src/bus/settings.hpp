@@ -82,6 +82,11 @@ struct LineSettings {
   /// left is not accepted. None: depends on the LineKind.
   std::optional<bool> paced{};
   bool low_latency = true;
+
+  /// The same port or server, by its name.
+  [[nodiscard]] bool has_end_of(const LineSettings& other) const {
+    return remote == other.remote && device == other.device;
+  }
   friend bool operator==(const LineSettings&, const LineSettings&) = default;
 };
 

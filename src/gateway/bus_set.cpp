@@ -18,7 +18,7 @@ namespace {
 
 bool is_same_port(const bus::LineSettings& one, const bus::LineSettings& other) {
   return one.framing != bus::Framing::tcp && other.framing != bus::Framing::tcp &&
-         one.remote == other.remote && one.device == other.device;
+         one.has_end_of(other);
 }
 
 }  // namespace

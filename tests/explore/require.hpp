@@ -19,12 +19,6 @@ inline constexpr bus::Duration kFarPast = kLongestLife;
 /// A quarantine never grows beyond this here.
 inline constexpr bus::Duration kMostLearned = std::chrono::milliseconds(2600);
 
-/// Four times as long as the longest answer took is waited for, but not beyond the quarantine of
-/// what was asked since: whatever took longer counts the same.
-inline bus::Duration longest_that_counts(const drive::DeviceTiming& timing) {
-  return (timing.response_timeout + kMostLearned + bus::kAdapterKeeps) / 4;
-}
-
 inline void require(bool holds, const char* what) {
   if (!holds) {
     throw std::logic_error(std::string("the explorer's reasoning does not hold: ") + what);

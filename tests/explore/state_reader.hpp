@@ -55,7 +55,7 @@ struct StateReader {
   static void read(const bus::Framer& framer, Hash& hash);
   static void read(const bus::RtuFramer& framer, Hash& hash);
   static void read(const bus::ReceivedBytes& received, Duration reach, Hash& hash);
-  static void read(const bus::CutFrame& cut, bool is_last, Duration slack, Hash& hash);
+  static void read(const bus::CutFrame& cut, bool is_last, Hash& hash);
 };
 
 }  // namespace mbgate

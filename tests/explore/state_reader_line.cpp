@@ -112,7 +112,7 @@ void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {
     hash.add(answer_at);
   }
   read(buffer, explore::kFarPast, hash);
-  read(cut, buffer.size() == 0, std::chrono::seconds(1), hash);
+  read(cut, buffer.size() == 0, hash);
 }
 
 void StateReader::read(const bus::ReceivedBytes& received, Duration reach, Hash& hash) {
@@ -123,11 +123,11 @@ void StateReader::read(const bus::ReceivedBytes& received, Duration reach, Hash&
   }
 }
 
-// What is kept is thrown away when it is older than `slack` and more bytes come; but what stands in
-// the buffer may be put behind it before.
-void StateReader::read(const bus::CutFrame& cut, bool is_last, Duration slack, Hash& hash) {
+// What is kept is thrown away when it is older than kLongestPauses and more bytes come; but what
+// stands in the buffer may be put behind it before.
+void StateReader::read(const bus::CutFrame& cut, bool is_last, Hash& hash) {
   const auto& [kept, begins, last, pause] = cut;
-  const bool is_over = is_last && hash.now() - last > slack;
+  const bool is_over = is_last && hash.now() - last > bus::kLongestPauses;
   if (kept.empty() || is_over) {
     hash.add(false);
     return;

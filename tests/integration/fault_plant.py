@@ -98,6 +98,11 @@ class Client:
         return got
 
 
+def registers_of(first, *values):
+    head = b"\x10" + first.to_bytes(2, "big") + len(values).to_bytes(2, "big") + bytes([2 * len(values)])
+    return head + b"".join(value.to_bytes(2, "big") for value in values)
+
+
 def write_of(value):
     return bytes([WRITE, 0, 0]) + value.to_bytes(2, "big")
 

@@ -6,7 +6,6 @@ and its cache are the same under every unit. And two buses that would share a li
 import os
 import pathlib
 import pty
-import socket
 import subprocess
 import tempfile
 import threading
@@ -15,6 +14,7 @@ import unittest
 
 from demo_plant import PATIENCE, Process, program
 from fault_plant import BUSY, Client, exception
+from tcp_server import TcpServer
 
 ROUTED = 11
 OWN = 255
@@ -71,37 +71,24 @@ class Server:
         self.goes_on = threading.Event()
         self.goes_on.set()
         self._news = threading.Condition()
-        self._door = socket.create_server(("127.0.0.1", 0))
-        self.port = self._door.getsockname()[1]
-        threading.Thread(target=self._accept, daemon=True).start()
+        self._server = TcpServer(self._answer)
+        self.port = self._server.port
         return self
 
     def __exit__(self, *_):
         self.goes_on.set()
-        self._door.close()
+        self._server.end()
 
     def wait_for(self, count):
         with self._news:
             assert self._news.wait_for(lambda: len(self.heard) >= count, PATIENCE), self.heard
 
-    def _accept(self):
-        while True:
-            try:
-                connection, _ = self._door.accept()
-            except OSError:
-                return
-            threading.Thread(target=self._serve, args=[connection], daemon=True).start()
-
-    def _serve(self, connection):
-        with connection, connection.makefile("rb") as stream:
-            while len(head := stream.read(7)) == 7:
-                pdu = stream.read(int.from_bytes(head[4:6], "big") - 1)
-                with self._news:
-                    self.heard.append((head[6], pdu))
-                    self._news.notify_all()
-                self.goes_on.wait(PATIENCE)
-                answer = self._carry_out(pdu)
-                connection.sendall(head[:4] + (len(answer) + 1).to_bytes(2, "big") + head[6:] + answer)
+    def _answer(self, unit, pdu):
+        with self._news:
+            self.heard.append((unit, pdu))
+            self._news.notify_all()
+        self.goes_on.wait(PATIENCE)
+        return self._carry_out(pdu)
 
     def _carry_out(self, pdu):
         register = int.from_bytes(pdu[1:3], "big")

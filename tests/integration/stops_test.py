@@ -6,7 +6,7 @@ import time
 import unittest
 
 from demo_plant import CONFIGURATION
-from fault_plant import BUSY, DEAF, DRIVE, FaultCase, NotedLine, exception
+from fault_plant import BUSY, DEAF, DRIVE, FaultCase, NotedLine, exception, registers_of
 from scripted_line import framed
 
 JOG = 0x00CA  # the stepper's; torque mode is behind it
@@ -16,11 +16,6 @@ TRIES = 4
 
 def jog_of(value):
     return b"\x06" + JOG.to_bytes(2, "big") + value.to_bytes(2, "big")
-
-
-def registers_of(first, *values):
-    head = b"\x10" + first.to_bytes(2, "big") + len(values).to_bytes(2, "big") + bytes([2 * len(values)])
-    return head + b"".join(value.to_bytes(2, "big") for value in values)
 
 
 class Drive(NotedLine):

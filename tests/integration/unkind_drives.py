@@ -7,13 +7,12 @@ import pty
 import queue
 import random
 import select
-import socket
 import threading
 import time
 import tty
 
-from fault_plant import Client
-from scripted_line import framed
+from fault_plant import Client, registers_of
+from scripted_line import framed, length_of
 
 READ, WRITE, WRITE_MULTIPLE = 3, 6, 16
 BUSY = 6
@@ -21,13 +20,8 @@ BUSY = 6
 
 def take_request(heard):
     """The first request among the bytes, or nothing, and the rest."""
-    size = 9 + heard[6] if len(heard) > 6 and heard[1] == WRITE_MULTIPLE else 8
+    size = length_of(heard)
     return (heard[:size], heard[size:]) if len(heard) >= size else (None, heard)
-
-
-def registers_of(first, *values):
-    head = bytes([WRITE_MULTIPLE]) + first.to_bytes(2, "big") + len(values).to_bytes(2, "big") + bytes([2 * len(values)])
-    return head + b"".join(value.to_bytes(2, "big") for value in values)
 
 
 class Drive:
@@ -42,6 +36,12 @@ class Drive:
 
     def count(self, pdu):
         return self.done.count(pdu)
+
+    def serve(self, pdu):
+        """Its answer, after the time that it takes."""
+        self.asked.set()
+        time.sleep(self.service(pdu))
+        return self.answer(pdu)
 
     def answer(self, pdu):
         """Nothing: it says nothing."""
@@ -106,9 +106,7 @@ class SerialLine:
     def _work(self):
         while (request := self._requests.get()) is not None:
             pdu = request[1:-2]
-            self._drive.asked.set()
-            time.sleep(self._drive.service(pdu))
-            answer = self._drive.answer(pdu)
+            answer = self._drive.serve(pdu)
             if not answer:
                 continue
             os.write(self._ours, framed(request[:1] + answer))
@@ -123,38 +121,6 @@ class SerialLine:
         time.sleep(0.1)  # a second answer may be on its way
         os.close(self._ours)
         os.close(self._theirs)
-
-
-class Server:
-    """One drive that is a Modbus TCP server, whatever unit it is asked as."""
-
-    def __init__(self, drive):
-        self._drive = drive
-        self._door = socket.create_server(("127.0.0.1", 0))
-        self.port = self._door.getsockname()[1]
-        threading.Thread(target=self._accept, daemon=True).start()
-
-    def _accept(self):
-        while True:
-            try:
-                connection, _ = self._door.accept()
-            except OSError:
-                return
-            threading.Thread(target=self._serve, args=[connection], daemon=True).start()
-
-    def _serve(self, connection):
-        try:
-            with connection, connection.makefile("rb") as stream:
-                while len(head := stream.read(7)) == 7:
-                    pdu = stream.read(int.from_bytes(head[4:6], "big") - 1)
-                    time.sleep(self._drive.service(pdu))
-                    answer = self._drive.answer(pdu)
-                    connection.sendall(head[:4] + (len(answer) + 1).to_bytes(2, "big") + head[6:] + answer)
-        except OSError:
-            pass  # the gateway was killed
-
-    def end(self):
-        self._door.close()
 
 
 class Asker:

@@ -14,8 +14,10 @@ import time
 import unittest
 
 from demo_plant import CONFIGURATION, Process
+from fault_plant import registers_of
+from tcp_server import TcpServer
 from unkind_drives import (
-    Asker, Drive, Jogger, LimitingDrive, LossyDrive, RefusingDrive, SerialLine, Server, around, reads, registers_of, writes,
+    Asker, Drive, Jogger, LimitingDrive, LossyDrive, RefusingDrive, SerialLine, around, reads, writes,
 )
 
 ARGUMENTS = dict(zip(sys.argv[1::2], map(float, sys.argv[2::2]), strict=False))
@@ -105,7 +107,7 @@ class UnkindPlants(unittest.TestCase):
             self.addCleanup(self.lines[name].end)
         self.units = {name: 1 + number for number, name in enumerate(DRIVES)}
         cell = Drive(blocking)
-        self.server = Server(cell)
+        self.server = TcpServer(lambda _, pdu: cell.serve(pdu))
         self.addCleanup(self.server.end)
         self.units |= {"cell": 20, "cell's other": 21}
         stop = registers_of(FEED, 0)

@@ -254,12 +254,12 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   DeviceEntry& entry = parts_.devices[address];
   const Duration longest = entry.timing().quarantine_max;
   const bool is_asked = asked_of(parts_, address) != nullptr;
-  if (is_own(parts_, unsolicited) && unsolicited.is_request && parts_.settings.line.echo == false &&
+  const bool is_request_of_now = is_own(parts_, unsolicited);
+  if (is_request_of_now && unsolicited.is_request && parts_.settings.line.echo == false &&
       denied_echo_.note_heard(now)) {
     parts_.actions.push(LineNotice{LineFault::echo_denied});
   }
-  if (unsolicited.after_noise || is_own(parts_, unsolicited) ||
-      now < parts_.link.opened_at() + longest) {
+  if (unsolicited.after_noise || is_request_of_now || now < parts_.link.opened_at() + longest) {
     return;
   }
   const bool is_old = entry.owed_until == Instant::min() || now > entry.owed_until + longest;

@@ -24,8 +24,8 @@ void CutFrame::make_room(std::size_t size) {
   begins_ >>= count;
 }
 
-void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack) {
-  if (began - last_ > slack || bytes.size() > kept_.capacity()) {
+void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last) {
+  if (began - last_ > kLongestPauses || bytes.size() > kept_.capacity()) {
     clear();
   }
   if (bytes.size() <= kept_.capacity()) {
@@ -42,9 +42,8 @@ void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last, Duration s
   }
 }
 
-std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant began,
-                                                   Duration slack) {
-  if (began - last_ > slack) {
+std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant began) {
+  if (began - last_ > kLongestPauses) {
     clear();
   }
   if (kept_.empty() || bytes.empty()) {

@@ -12,13 +12,16 @@
 
 namespace mbgate::bus {
 
+/// A frame that has begun pauses for no longer, and is not longer under way.
+inline constexpr Duration kLongestPauses = std::chrono::seconds(1);
+
 class CutFrame {
  public:
   /// The bytes (at least one) were given up as a frame. The first of them came at `began`, the last
-  /// at `last`. They are appended to what is kept, unless they began more than `slack` after it:
-  /// then that is dropped first. Only what may be the beginning of a frame is kept; where there is
-  /// no room for all of it, the oldest pieces are dropped.
-  void keep(modbus::Bytes bytes, Instant began, Instant last, Duration slack);
+  /// at `last`. They are appended to what is kept, unless they began more than kLongestPauses
+  /// after it: then that is dropped first. Only what may be the beginning of a frame is kept; where
+  /// there is no room for all of it, the oldest pieces are dropped.
+  void keep(modbus::Bytes bytes, Instant began, Instant last);
   /// A valid frame that begins in what was kept and ends in the new bytes.
   struct Joined {
     modbus::RtuAdu frame;
@@ -28,9 +31,9 @@ class CutFrame {
     Duration pause;  ///< the longest between its pieces
   };
   /// Completes a kept frame with `bytes`, which began at `began`; what is kept is then dropped.
-  /// Nothing if the bytes complete no frame, began more than `slack` after what is kept, or begin
-  /// with a valid frame themselves.
-  std::optional<Joined> complete(modbus::Bytes bytes, Instant began, Duration slack);
+  /// Nothing if the bytes complete no frame, began more than kLongestPauses after what is kept, or
+  /// begin with a valid frame themselves.
+  std::optional<Joined> complete(modbus::Bytes bytes, Instant began);
 
  private:
   friend struct mbgate::StateReader;

@@ -10,9 +10,6 @@ namespace {
 
 using Kind = modbus::PduLength::Kind;
 
-// In a frame that has begun.
-constexpr Duration kLongestPauses = std::chrono::seconds(1);
-
 }  // namespace
 
 RtuFramer::RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters)
@@ -50,8 +47,7 @@ void RtuFramer::give_up_buffer() {
   } else {
     counters_.stray_bytes += buffer_.size();
     if (is_told && buffer_.size() > 0) {
-      cut_.keep(buffer_.bytes(), buffer_.came_at(0), buffer_.came_at(buffer_.size() - 1),
-                kLongestPauses);
+      cut_.keep(buffer_.bytes(), buffer_.came_at(0), buffer_.came_at(buffer_.size() - 1));
     }
   }
   buffer_.clear();
@@ -62,7 +58,7 @@ void RtuFramer::join_cut() {
   if (buffer_.size() == 0) {
     return;
   }
-  if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0), kLongestPauses)) {
+  if (const auto joined = cut_.complete(buffer_.bytes(), buffer_.came_at(0))) {
     const modbus::RtuAdu& frame = joined->frame;
     const Instant came = buffer_.came_at(joined->taken - 1);
     ++counters_.unsolicited_frames;
@@ -112,7 +108,7 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
     counters_.stray_bytes += answer_at_;
     if (answer_at_ > 0) {
       cut_.keep(buffer_.bytes().first(answer_at_), buffer_.came_at(0),
-                buffer_.came_at(answer_at_ - 1), kLongestPauses);
+                buffer_.came_at(answer_at_ - 1));
     }
     buffer_.drop(answer_at_);
     answer_at_ = 0;

@@ -62,12 +62,12 @@ Verdict SerialDiscipline::refuse_others(Verdict verdict, Instant now) {
 Verdict SerialDiscipline::refuse(Instant now) {
   const bool is_echo_of_now = paced_ && framer_.found().began < silence_.emission_ends() &&
                               echo_.is_repetition(framer_.response());
+  const bool proves_echo = owed_.empty() && echo_.is_unknown();
   if (echo_.take_owed(framer_.response()) || begins_as_echo(echo_, framer_, *transaction_)) {
     ++counters_.unsolicited_frames;
   } else if (echo_.is_learned() && echo_.is_repetition(framer_.response()) &&
-             (owed_.empty() || echo_.is_unknown()) &&
-             !echo_.pass(owed_.empty() && echo_.is_unknown())) {
-    if (!owed_.empty() || !echo_.is_unknown()) {
+             (owed_.empty() || echo_.is_unknown()) && !echo_.pass(proves_echo)) {
+    if (!proves_echo) {
       ++counters_.unsolicited_frames;  // an echo, or what is owed: that stays owed
     }
   } else if (const auto first = first_fit(owed_, framer_.response());

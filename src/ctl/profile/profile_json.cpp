@@ -104,10 +104,10 @@ json::object limits_json(const drive::Limits& limits) {
           {"write_registers", limits.write_registers}};
 }
 
-template <std::size_t kSize>
-json::array codes_json(const std::bitset<kSize>& set) {
+template <std::size_t Size>
+json::array codes_json(const std::bitset<Size>& set) {
   json::array codes;
-  for (std::size_t code = 1; code < kSize; ++code) {
+  for (std::size_t code = 1; code < Size; ++code) {
     if (set.test(code)) {
       codes.emplace_back(code);
     }

@@ -9,12 +9,8 @@ namespace {
 
 bool is_same_drive(const Settings& old, const drive::Device& one, const Settings& next,
                    const drive::Device& other) {
-  if (one.is_gone() || other.is_gone() || one.address != other.address) {
-    return false;
-  }
-  const bus::LineSettings& line = old.bus(one.bus).line;
-  const bus::LineSettings& other_line = next.bus(other.bus).line;
-  return line.device == other_line.device && line.remote == other_line.remote;
+  return !one.is_gone() && !other.is_gone() && one.address == other.address &&
+         old.bus(one.bus).line.has_end_of(next.bus(other.bus).line);
 }
 
 }  // namespace
