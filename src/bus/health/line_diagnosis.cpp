@@ -223,7 +223,7 @@ bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
   SerialDiscipline* line = parts_.line.serial();  // a connection's identifiers tell answers apart
   const Transmission* asked = asked_of(parts_, address);
   if (line == nullptr || unsolicited.after_noise || unsolicited.is_request || asked == nullptr ||
-      is_own(parts_, unsolicited)) {
+      unsolicited.came < asked->last_sent || is_own(parts_, unsolicited)) {
     return false;
   }
   DeviceEntry& entry = parts_.devices[address];

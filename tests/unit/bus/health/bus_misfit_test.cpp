@@ -116,5 +116,23 @@ TEST_F(BusMisfit, AReadNeedNotWaitUntilTheResponseTimeoutOfTheWriteIsOver) {
   EXPECT_EQ(frames_.back(), kReadFrame);
 }
 
+// A late answer that lay there when the next request left says nothing of that request.
+TEST_F(BusMisfit, AFrameThatCameBeforeTheRequestIsNone) {
+  auto patient = settings();
+  patient.frame_slack = 200ms;
+  patient.timing.quarantine = 0ms;
+  open(patient);
+  ask("08 0000 1234");
+  advance(patient.timing.response_timeout + 10ms);
+  line("01 08 0000 0001 21 CB");
+  advance(100ms);
+  submit(job(kRead));
+  advance(patient.timing.response_timeout - 1ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  line(kAnswer);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+  EXPECT_THAT(notices_, testing::Not(testing::Contains(Kind::misfit)));
+}
+
 }  // namespace
 }  // namespace mbgate::test
