@@ -5,14 +5,10 @@
 namespace mbgate::bus {
 namespace {
 
-// What may still be owed must come first: on a port that is new to the gateway by somebody else's
-// requests, else by its own.
-Instant listen_until(const Parts& parts, bool was_open, Instant now) {
-  if (!was_open) {
-    return now + parts.settings.listen_first.value_or(
-                     default_listen_first(parts.settings, parts.devices.devices()));
-  }
-  Instant until = now;
+// What may still be owed must come first: to somebody else's requests on a port that is
+// new to the gateway, so long as it listens for these, and to its own.
+Instant listen_until(const Parts& parts, Instant first_until, Instant now) {
+  Instant until = std::max(first_until, now);
   for (const DeviceEntry& entry : parts.devices.entries()) {
     until = std::max(until, entry.hold.until(entry.timing()));
   }
@@ -39,14 +35,17 @@ void Bus::handle_opened(Instant now, LineKind kind) {
   parts_.devices.forget_what_was_read();
   parts_.acknowledged.forget_all();
   diagnosis_.note_opened();
-  parts_.line.open(now, kind, listen_until(parts_, was_open_, now));
-  was_open_ = true;
+  if (!listens_first_until_) {
+    listens_first_until_ = now + parts_.settings.listen_first.value_or(default_listen_first(
+                                     parts_.settings, parts_.devices.devices()));
+  }
+  parts_.line.open(now, kind, listen_until(parts_, *listens_first_until_, now));
   dispatch_.pump(now);
 }
 
 void Bus::take_over(Bus& before) {
   before.outcomes_.note_lost();
-  was_open_ = before.was_open_;
+  listens_first_until_ = before.listens_first_until_;
   parts_.devices.take_over(before.parts_.devices);
 }
 

@@ -79,7 +79,8 @@ class Bus {
   void collect(Instant now);
 
   Parts parts_;
-  bool was_open_ = false;  // the port, by this bus or the one before
+  /// Since this bus, or the one before, opened the port for the first time.
+  std::optional<Instant> listens_first_until_;
   JobEnds ends_{parts_};
   LineDiagnosis diagnosis_{parts_};
   Outcomes outcomes_{parts_, ends_, diagnosis_};

@@ -9,8 +9,8 @@ using explore::kFarPast;
 using explore::Order;
 
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
-  auto& [parts, was_open, ends, diagnosis, outcomes, dispatch, admission] = bus;
-  hash.add(was_open);
+  auto& [parts, listens_first_until, ends, diagnosis, outcomes, dispatch, admission] = bus;
+  hash.until(listens_first_until.value_or(hash.now()));
   // Settings: settings. Counted only: counters. Watches real adapters only: adapter. For the trace:
   // is_traced. Empty when the machine was asked for its actions: actions.
   auto& [settings, devices, counters, line, queue, transmissions, stops, acknowledged, turns,

@@ -163,6 +163,23 @@ TEST_F(BusLate, ABusThatTakesThePortOverLeavesTheDeviceAloneToo) {
   EXPECT_THAT(frame_times_, ElementsAre(due + 120ms));
 }
 
+// A port that is opened again before it was listened to for long enough: the rest is made up for.
+TEST_F(BusLate, ABusThatTakesThePortOverListensForTheRestOfItsFirstTime) {
+  auto listening = settings();
+  listening.listen_first = 500ms;
+  bus::Bus before(listening, {});
+  before.handle_opened(now_);
+  const Instant until = now_ + 500ms;
+  advance(100ms);
+  bus_.emplace(listening, std::vector<drive::Device>{});
+  bus_->take_over(before);
+  bus_->handle_opened(now_);
+  drain();
+  submit(job(kRead));
+  advance(1s);
+  EXPECT_THAT(frame_times_, ElementsAre(until));
+}
+
 TEST_F(BusLate, OneLostAnswerOfAFastDeviceDelaysAWriteByLittle) {
   auto patient = settings();
   patient.timing.response_timeout = 1s;
