@@ -78,9 +78,9 @@ void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {
 
 void DeviceTable::note_written(const Transaction& broadcast) {
   for (const drive::Device& device : devices_) {
-    if (device.is_addressed_by(broadcast.address, broadcast.broadcast) &&
-        !device.is_stop(broadcast.request)) {
-      entries_.at(device.address).hold.note_written();
+    if (device.is_addressed_by(broadcast.address, broadcast.broadcast)) {
+      entries_.at(device.address)
+          .hold.note_written(broadcast.request, device.is_stop(broadcast.request));
     }
   }
 }

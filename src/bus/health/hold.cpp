@@ -138,9 +138,14 @@ void Hold::note_tail(const Unanswered& ended, bool was_answered, Instant now,
   }
 }
 
-void Hold::note_written() {
+void Hold::note_written(const modbus::Request& write, bool is_stop) {
+  constexpr std::size_t kEcho = 5;  // of 15 and 16 (Application Protocol V1.1b3, 6.11 and 6.12)
+  const auto echo = write.pdu().bytes().first(std::min(kEcho, write.pdu().size()));
   for (Unanswered& it : unanswered_) {
-    it.is_outdated = it.asked.writes().has_value();
+    const bool is_other = it.asked.writes() && it.asked.pdu() != write.pdu();
+    const bool is_alike = std::ranges::equal(
+        it.asked.pdu().bytes().first(std::min(kEcho, it.asked.pdu().size())), echo);
+    it.is_outdated = it.is_outdated || (is_other && (is_alike || !is_stop));
   }
 }
 

@@ -60,9 +60,10 @@ class Hold {
   /// `is_probe`: the device is offline. Then nothing that it could still answer from before has
   /// come for a whole interval of probes.
   void note_asked(const modbus::Request* asked, Instant now, const Timing& timing, bool is_probe);
-  /// A write that is not a stop is sent to the device. From now on the answer to an earlier write
-  /// no longer proves that the same write, sent after this one, was carried out.
-  void note_written();
+  /// A write is sent to the device. From now on the answer to another one, sent before it, no
+  /// longer proves that that one, sent once more, was carried out. After a stop this is so only for
+  /// writes whose answer looks like its own.
+  void note_written(const modbus::Request& write, bool is_stop);
   /// What an unexpected frame shows.
   struct Late {
     Duration lateness;

@@ -84,8 +84,8 @@ void Dispatch::note_asked(const Transaction& sent, JobClass job_class, Instant n
   entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.timing(),
                         entry.health.is_offline());
   entry.asked_at = now;
-  if (is_write(job_class) && !sent.request.is_read()) {
-    entry.hold.note_written();
+  if (!sent.request.is_read()) {
+    entry.hold.note_written(sent.request, job_class == JobClass::stop);
   }
   if (!is_silent) {
     parts_.adapter.note_request();

@@ -210,9 +210,22 @@ TEST_F(Health, EarlierTriesAreItsOwnUnlessAnotherWriteWasSentSince) {
   EXPECT_TRUE(owed[1].is_own);
   EXPECT_FALSE(hold_.owed(read_, at(250ms))[1].is_own);
   EXPECT_TRUE(hold_.owed(write_, at(300ms))[0].is_own);
-  hold_.note_written();
+  hold_.note_written(write_, false);
+  hold_.note_written(request("06 0001 0001"), true);
+  EXPECT_TRUE(hold_.owed(write_, at(300ms))[0].is_own);
+  hold_.note_written(request("06 0001 0001"), false);
   EXPECT_FALSE(hold_.owed(write_, at(300ms))[0].is_own);
   EXPECT_TRUE(hold_.owed(read_, at(150ms))[1].is_own);
+}
+
+// The echo of function 16 names no value.
+TEST_F(Health, AnotherStopWhoseEchoLooksTheSameTakesTheProofAway) {
+  const auto stop = request("10 0010 0001 02 0001");
+  unanswered(stop, 100ms);
+  hold_.note_written(request("10 0011 0001 02 0002"), true);
+  EXPECT_TRUE(hold_.owed(stop, at(0ms))[0].is_own);
+  hold_.note_written(request("10 0010 0001 02 0002"), true);
+  EXPECT_FALSE(hold_.owed(stop, at(0ms))[0].is_own);
 }
 
 TEST_F(Health, ADeviceWhoseTailsEndUnansweredThoughItAnswersIsLeftAloneForOnce) {
