@@ -87,7 +87,7 @@ def main():
         print(f"skipped: not installed: {' '.join(packages)}")
         return SKIPPED
     begun = time.monotonic()
-    image = Image(options.folder / "image", options.deb)
+    image = Image(options.folder.resolve() / "image", options.deb)
     print("made the image" if image.make() else "the image is there", f"({time.monotonic() - begun:.0f} s)", flush=True)
     with tempfile.TemporaryDirectory() as folder:
         payload = pathlib.Path(folder) / "payload"
