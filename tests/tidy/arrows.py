@@ -55,6 +55,8 @@ TEST_FOLDERS = {
     "simulation": GATEWAY | CONFIG | {"sim"},
     "drives": GATEWAY | CONFIG | {"sim"},
     "soak": GATEWAY | CONFIG | {"sim"},
+    "world": GATEWAY,
+    "judge": GATEWAY,
     "explore": GATEWAY,
     "fuzz": IO | CONFIG | {"app", "ctl"},
     "integration": set(),

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "judge/judge.hpp"
+
+namespace mbgate::judge {
+
+using namespace std::chrono_literals;
+
+std::string Judge::name(const Asked& asked) const {
+  const auto station = asked.intent.station;
+  return "at " + std::to_string(now().time_since_epoch() / 1us) + " us: client " +
+         std::to_string(asked.connection) + " transaction " + std::to_string(asked.transaction) +
+         " unit " + std::to_string(asked.intent.unit) + " pdu " + hex(asked.intent.pdu) + " given " + std::to_string(asked.given.time_since_epoch() / 1us) +
+         (asked.answers > 0 ? " answer " + hex(asked.answer) : "") +
+         (station ? " (" + plan_.bus(plan_.stations[*station].bus).name + " address " +
+                        std::to_string(plan_.stations[*station].address) + ")"
+                  : "");
+}
+
+std::string Judge::name(const Sent& sent) const {
+  return "at " + std::to_string(sent.begin.time_since_epoch() / 1us) + " us: " + plan_.bus(sent.bus).name +
+         " address " + std::to_string(sent.address) + " pdu " + hex(sent.pdu);
+}
+
+void Judge::asked(Id id) {
+  const Asked& asked = ledger_.asked[id];
+  if (asked.intent.kind == Kind::own) {
+    return;
+  }
+  const Door& door = door_of(asked);
+  deadlines_[id] = asked.intent.kind == Kind::read ? door.read_deadline : door.write_deadline;
+}
+
+void Judge::answered(Id id) {
+  const Asked& asked = ledger_.asked[id];
+  deadlines_.erase(id);
+  if (asked.answers > 1) {
+    violation("answered_twice", name(asked));
+  }
+  if (asked.intent.kind == Kind::own) {
+    return;
+  }
+  if (asked.answer.empty() || (asked.answer[0] & 0x7FU) != (asked.intent.pdu[0] & 0x7FU)) {
+    violation("other_function", name(asked));
+  } else if (asked.answer[0] >= 0x80) {
+    check_exception(asked);
+  } else if (asked.intent.refused && !asked.perhaps_outdated) {
+    violation("not_refused", name(asked));
+  } else if (asked.intent.kind == Kind::read) {
+    check_read(id);
+  } else {
+    check_write(id);
+  }
+}
+
+void Judge::sent(Id id) {
+  const Sent& sent = ledger_.sent[id];
+  if (!sent.readable) {
+    violation("unreadable", name(sent));
+    return;
+  }
+  check_silence(id);
+  check_waiting(id);
+  check_hold(id);
+  if (sent.is_failsafe) {
+    return;
+  }
+  check_asked_for(sent);
+  check_limits(sent);
+  if (!sent.cells.empty()) {
+    check_once(id);
+    check_stopped(sent);
+  }
+  check_late(id);
+  check_gone(id);
+}
+
+void Judge::check_rest() {
+  for (const Asked& asked : ledger_.asked) {
+    const bool is_due = asked.given != kNever && !asked.dropped && asked.answers == 0;
+    const bool replies = asked.intent.kind == Kind::own || door_of(asked).replies;
+    if (is_due && replies) {
+      violation("unanswered", name(asked));
+    }
+  }
+  constexpr unsigned kTries = 60;
+  for (std::size_t at = 0; at < plan_.doors.size(); ++at) {
+    const Door& door = plan_.doors[at];
+    if (!door.station || door.routed) {
+      continue;
+    }
+    bool is_back = false;
+    for (unsigned tries = 0; tries < kTries && !is_back; ++tries) {
+      const auto answer = world_.ask(at, 500ms);
+      is_back = answer && (*answer)[0] < 0x80;
+    }
+    if (!is_back) {
+      const Station& station = plan_.stations[*door.station];
+      violation("not_back", plan_.bus(station.bus).name + " address " + std::to_string(station.address));
+    }
+  }
+}
+
+void Judge::check_end() {
+  if (!world_.is_finished()) {
+    violation("not_finished", "after 2.2 s");
+  }
+}
+
+}  // namespace mbgate::judge

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// The judge of a run: a short list of truths, each a function over the ledger. It asks for truth and
+// never for turns: what was given to clients, and what was put on the wire, but not whose turn it
+// was. Where physics leaves something uncertain, it is counted apart, and bounded.
+#pragma once
+
+#include "world/world.hpp"
+
+namespace mbgate::judge {
+
+using namespace world;  // NOLINT(google-build-using-namespace): it is about nothing else
+
+class Judge : public Witness {
+ public:
+  explicit Judge(World& world)
+      : world_(world),
+        plan_(world.plan()),
+        ledger_(world.ledger()),
+        report_(world.report()),
+        slips_(plan_.stations.size()) {}
+
+  void asked(Id asked) override;
+  void answered(Id asked) override;
+  void sent(Id sent) override;
+  /// After come_to_rest(): everything was answered, and everybody is served again.
+  void check_rest();
+  /// After shut_down().
+  void check_end();
+
+ private:
+  /// Wrong answers of a device whose lateness or second answers must first be learned.
+  struct Slips {
+    unsigned wrong = 0;       ///< since something was new
+    unsigned stale = 0;       ///< the same, of those that show what was asked for, as it was before
+    unsigned right = 0;       ///< since the last wrong one
+    unsigned process = 0;
+    Instant reloaded = Instant::min();
+  };
+
+  // truth_answers.cpp: what a client gets is what its drive says, or a refusal that is true.
+  void check_exception(const Asked& asked);
+  void note_exception(const Asked& asked, const char* kind);
+  void check_read(Id id);
+  void check_write(Id id);
+  [[nodiscard]] bool held(const Station& station, Table table, unsigned first,
+                          std::span<const std::uint16_t> words, Span span) const;
+  [[nodiscard]] bool shows(const Asked& asked) const;
+  [[nodiscard]] bool was_done(const Asked& asked) const;
+  void note_wrong(const Asked& asked, const char* kind);
+  void note_right(const Asked& asked);
+
+  // truth_writes.cpp: a write is sent once, in time, for somebody, and not after its stop.
+  void check_asked_for(const Sent& sent);
+  void check_once(Id id);
+  void check_late(Id id);
+  void check_gone(Id id);
+  void check_stopped(const Sent& sent);
+  void check_limits(const Sent& sent);
+
+  // truth_wire.cpp: one transaction at a time, with silence; who may still answer is left alone.
+  void check_silence(Id id);
+  void check_waiting(Id id);
+  void check_hold(Id id);
+
+  void violation(const char* kind, const std::string& text) { report_.violation(kind, text); }
+  [[nodiscard]] std::string name(const Asked& asked) const;
+  [[nodiscard]] std::string name(const Sent& sent) const;
+  [[nodiscard]] const Door& door_of(const Asked& asked) const { return plan_.doors[asked.intent.door]; }
+  [[nodiscard]] Instant now() const { return world_.now(); }
+
+  World& world_;
+  const Plan& plan_;
+  const Ledger& ledger_;
+  Report& report_;
+  std::vector<Slips> slips_;
+  std::unordered_map<Id, Duration> deadlines_;
+};
+
+}  // namespace mbgate::judge

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// soak: the product's own gateway in a world as bad as a plant, seed after seed, before its judge.
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string_view>
+
+#include "judge/judge.hpp"
+
+namespace {
+
+struct Options {
+  std::uint64_t seed = 1;
+  std::uint64_t seeds = 1;
+  std::uint64_t transactions = 2000;
+  bool verbose = false;
+  bool trace = false;
+  bool first = false;
+};
+
+bool parse(int count, char** arguments, Options& options) {
+  for (int at = 1; at < count; ++at) {
+    const std::string_view name = arguments[at];
+    bool* flag = name == "--verbose" ? &options.verbose
+                 : name == "--trace" ? &options.trace
+                 : name == "--first" ? &options.first
+                                     : nullptr;
+    if (flag != nullptr) {
+      *flag = true;
+      continue;
+    }
+    std::uint64_t* number = name == "--seed"           ? &options.seed
+                            : name == "--seeds"        ? &options.seeds
+                            : name == "--transactions" ? &options.transactions
+                                                       : nullptr;
+    if (number == nullptr || at + 1 == count) {
+      return false;
+    }
+    const std::string_view text = arguments[++at];
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *number);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// What is thrown ends a seed, not the run.
+mbgate::world::Report run(std::uint64_t seed, const Options& options) {
+  mbgate::world::Report failed;
+  try {
+    mbgate::world::World world(mbgate::world::draw_plan(seed), options.trace);
+    mbgate::judge::Judge judge(world);
+    world.be_watched_by(judge);
+    const auto begun = world.now();
+    world.run(options.transactions);
+    world.come_to_rest();
+    judge.check_rest();
+    world.shut_down();
+    judge.check_end();
+    world.report().virtual_time = world.now() - begun;
+    return world.report();
+  } catch (const std::bad_alloc&) {
+    failed.violation("no_progress", "the gateway takes memory without end");
+  } catch (const std::exception& error) {
+    failed.violation("thrown", error.what());
+  }
+  return failed;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  Options options;
+  if (!parse(count, arguments, options)) {
+    std::fputs(
+        "usage: soak [--seed N] [--seeds K] [--transactions M] [--verbose] [--trace] [--first]\n"
+        "Runs seeds N to N+K-1, each until M transmissions were seen on its lines. --first ends at\n"
+        "the first seed with a violation.\n",
+        stderr);
+    return 2;
+  }
+  mbgate::world::Report total;
+  std::uint64_t failed = 0;
+  std::uint64_t seeds = 0;
+  const auto begun = std::chrono::steady_clock::now();
+  for (; seeds < options.seeds && !(options.first && failed > 0); ++seeds) {
+    const std::uint64_t seed = options.seed + seeds;
+    const mbgate::world::Report report = run(seed, options);
+    total.add(report);
+    const auto number = static_cast<unsigned long long>(seed);
+    if (options.verbose) {
+      std::printf("seed %llu: %s", number, report.summary().c_str());
+    }
+    if (report.violations.empty()) {
+      continue;
+    }
+    ++failed;
+    for (const std::string& text : report.texts) {
+      std::printf("seed %llu: %s\n", number, text.c_str());
+    }
+    std::printf("replay: soak --seed %llu --transactions %llu\n", number,
+                static_cast<unsigned long long>(options.transactions));
+    std::fflush(stdout);
+  }
+  const std::chrono::duration<double> real = std::chrono::steady_clock::now() - begun;
+  std::printf("%llu seeds, %llu with violations: %s  %.1f s, %.0f transactions a second\n",
+              static_cast<unsigned long long>(seeds), static_cast<unsigned long long>(failed),
+              total.summary().c_str(), real.count(),
+              static_cast<double>(total.transactions) / real.count());
+  return failed == 0 ? 0 : 1;
+}

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// A value that a client got was in that drive's registers between the request's arrival (less the
+// cache) and the answer; an acknowledged write was done; a refused one was not sent (behaviour.md,
+// promise 2, and section 1).
+#include <algorithm>
+
+#include "judge/judge.hpp"
+
+namespace mbgate::judge {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::uint8_t kNotNow = 0x06;
+constexpr std::uint8_t kNoPath = 0x0A;
+constexpr std::uint8_t kNoAnswer = 0x0B;
+
+bool is_on_wire(const Asked& asked) { return !asked.sent.empty(); }
+
+}  // namespace
+
+void Judge::check_exception(const Asked& asked) {
+  const std::uint8_t code = asked.answer.size() == 2 ? asked.answer[1] : 0;
+  const bool is_own = code < 16 && (asked.intent.codes >> code & 1U) != 0;
+  const bool is_the_drives = std::ranges::any_of(
+      asked.sent, [&](Id id) { return (ledger_.sent[id].exceptions >> code & 1U) != 0; });
+  if (asked.intent.refused) {
+    if (!is_own && code != kNotNow && !asked.perhaps_outdated) {
+      violation("refused_otherwise", name(asked));
+    }
+    return;
+  }
+  if (is_own || is_the_drives) {
+    return;
+  }
+  const bool is_write = asked.intent.kind != Kind::read;
+  switch (code) {
+    case kNotNow:
+    case kNoPath:
+      if (is_write && is_on_wire(asked) && asked.intent.buses.size() < 2) {
+        note_exception(asked, "sent_and_refused");
+      }
+      break;
+    case kNoAnswer:
+      if (is_write && !is_on_wire(asked)) {
+        violation("not_sent_and_uncertain", name(asked));
+      }
+      break;
+    default: note_exception(asked, "nobodys_exception"); break;
+  }
+}
+
+// Perhaps it is what the drive said to another request.
+void Judge::note_exception(const Asked& asked, const char* kind) {
+  const auto station = asked.intent.station;
+  const bool has_said = station && std::ranges::any_of(ledger_.last_sent[*station], [&](Id id) {
+    return (ledger_.sent[id].exceptions >> asked.answer[1] & 1U) != 0;
+  });
+  has_said ? note_wrong(asked, "exception") : violation(kind, name(asked));
+}
+
+// Of two drives at one address either may have said it.
+bool Judge::held(const Station& station, Table table, unsigned first,
+                 std::span<const std::uint16_t> words, Span span) const {
+  return std::ranges::any_of(station.drives, [&](std::size_t drive) {
+    return world_.drives()[drive].registers().held(table, first, words, span);
+  });
+}
+
+bool Judge::shows(const Asked& asked) const {
+  const Range& range = *asked.intent.reads;
+  const Octets& answer = asked.answer;
+  const Station& station = plan_.stations[*asked.intent.station];
+  const drive::Device* device = plan_.device_of(station);
+  const Span span{asked.given - (device == nullptr ? 0ms : device->cache), now()};
+  if (is_bits(range.table)) {
+    for (unsigned at = 0; at < range.count; ++at) {
+      const std::uint16_t bit = answer[2 + at / 8] >> at % 8 & 1U;
+      if (!held(station, range.table, range.first + at, {&bit, 1}, span)) {
+        return false;
+      }
+    }
+    return true;
+  }
+  const auto word_of = [&](unsigned address) {  // of the drive
+    const bool moves = asked.intent.swapped && range.table == Table::holding_registers;
+    const unsigned shown = moves ? partner_of(address) : address;
+    return word_at(answer, 2 + 2 * std::size_t{shown - range.first});
+  };
+  const unsigned end = range.first + range.count;
+  for (unsigned at = range.first; at < end;) {
+    const bool is_value = range.table == Table::holding_registers && value_begin(at) >= range.first &&
+                          value_end(at) <= end;
+    const unsigned next = is_value ? value_end(at) : at + 1;
+    std::vector<std::uint16_t> words;
+    if (is_value) {
+      for (unsigned part = at; part < next; ++part) {
+        words.push_back(word_of(part));
+      }
+    } else {
+      words.push_back(word_at(answer, 2 + 2 * std::size_t{at - range.first}));
+    }
+    const bool moves = !is_value && asked.intent.swapped && range.table == Table::holding_registers;
+    if (!held(station, range.table, moves ? partner_of(at) : at, words, span)) {
+      return false;
+    }
+    at = next;
+  }
+  return true;
+}
+
+void Judge::check_read(Id id) {
+  const Asked& asked = ledger_.asked[id];
+  const Intent& intent = asked.intent;
+  if (!intent.reads || asked.outdated || asked.perhaps_outdated) {
+    return;
+  }
+  const std::size_t size = data_size_of(*intent.reads);
+  if (asked.answer.size() != 2 + size || asked.answer[1] != size) {
+    note_wrong(asked, "other_length");
+    return;
+  }
+  shows(asked) ? note_right(asked) : note_wrong(asked, "value");
+}
+
+bool Judge::was_done(const Asked& asked) const {
+  return std::ranges::all_of(asked.intent.writes, [&](const Cell& cell) {
+    const auto found = ledger_.doers.find(key_of(*asked.intent.station, cell));
+    return found != ledger_.doers.end() && std::ranges::any_of(found->second, [&](Id done) {
+             return ledger_.done[done].at >= asked.given;
+           });
+  });
+}
+
+void Judge::check_write(Id id) {
+  const Asked& asked = ledger_.asked[id];
+  const Intent& intent = asked.intent;
+  constexpr std::size_t kHead = 5;  // of 15 and 16
+  if (intent.pdu[0] == 0x17) {
+    check_read(id);
+  } else {
+    const bool is_run = intent.pdu[0] == 0x0F || intent.pdu[0] == 0x10;
+    const Octets echo(intent.pdu.begin(),
+                      is_run ? intent.pdu.begin() + kHead : intent.pdu.end());
+    const bool is_limited = std::ranges::any_of(
+        asked.sent, [&](Id sent) { return ledger_.sent[sent].limited; });
+    // Of a function that nobody knows, zeros behind an answer may be a part: the CRC is good then too.
+    const bool is_known = intent.pdu[0] < 0x40;
+    const bool is_echo = is_known ? asked.answer == echo
+                                  : std::ranges::equal(echo, Bytes(asked.answer).first(std::min(echo.size(), asked.answer.size())));
+    if (!is_echo && !is_limited) {
+      note_wrong(asked, "other_echo");
+      return;
+    }
+    if (is_limited) {
+      return;
+    }
+  }
+  if (asked.outdated || asked.perhaps_outdated) {
+    return;
+  }
+  if (intent.kind == Kind::broadcast || intent.silent) {
+    if (!is_on_wire(asked)) {
+      violation("echoed_unsent", name(asked));
+    }
+  } else if (!was_done(asked)) {
+    note_wrong(asked, intent.kind == Kind::stop ? "stop_not_done" : "not_done");
+  } else {
+    note_right(asked);
+  }
+}
+
+void Judge::note_right(const Asked& asked) { ++slips_[*asked.intent.station].right; }
+
+// Some wrong answers nobody can help: until a device has shown how late it can be, or that it
+// answers twice (behaviour.md, section 5). They are few, and then there are none.
+void Judge::note_wrong(const Asked& asked, const char* kind) {
+  constexpr unsigned kMost = 8;
+  constexpr unsigned kForgotten = 200;
+  const std::size_t at = *asked.intent.station;
+  const Station& station = plan_.stations[at];
+  const auto& came = ledger_.lines[station.bus].came;
+  const auto last = std::find_if(came.rbegin(), came.rend(), [&](const Came& it) {
+    return it.answers != kNone && ledger_.sent[it.answers].station == at;
+  });
+  if (plan_.is_tcp(station.bus) || last == came.rend()) {
+    violation(kind, name(asked));
+    return;
+  }
+  // Whether the line has an echo is known when a read was answered on it (section 4).
+  const LineBook& line = ledger_.lines[station.bus];
+  if (plan_.lines[station.bus].echoes && !plan_.bus(station.bus).line.echo &&
+      line.read_answered < line.opened && asked.answer == asked.intent.pdu) {
+    ++report_.apart["echo_unknown"];
+    return;
+  }
+  const Sent& from = ledger_.sent[last->answers];
+  const drive::DeviceTiming& timing = plan_.timing_of(station);
+  const Instant known = from.end + timing.response_timeout + timing.response_wait +
+                        timing.quarantine_or_default() + 20ms;
+  const bool is_special = std::ranges::any_of(station.drives, [&](std::size_t drive) {
+    const Habits& habits = plan_.drives[drive].habits;
+    return habits.service > 0ms || habits.second > 0 || station.drives.size() > 1;
+  });
+  if (!is_special && last->at > known) {
+    ++report_.apart["later_than_ever"];
+    return;
+  }
+  Slips& slips = slips_[at];
+  if (!is_special) {
+    violation(kind, name(asked) + ", from " + name(from));
+    return;
+  }
+  if (slips.process != ledger_.process || slips.reloaded != ledger_.reloaded || slips.right >= kForgotten) {
+    slips.wrong = slips.stale = 0;
+  }
+  slips.process = ledger_.process;
+  slips.reloaded = ledger_.reloaded;
+  slips.right = 0;
+  // What it said to the same question a moment before cannot be told from the answer to this one.
+  const bool is_same = !asked.sent.empty() && from.pdu == ledger_.sent[asked.sent.back()].pdu;
+  ++report_.apart[std::string(is_same ? "learning_stale_" : "learning_") + kind];
+  constexpr unsigned kMostStale = 40;
+  if (++(is_same ? slips.stale : slips.wrong) > (is_same ? kMostStale : kMost)) {
+    violation("wrong_too_often", name(asked) + ", " + kind + ", " + std::to_string(slips.wrong));
+  }
+}
+
+}  // namespace mbgate::judge

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// The listeners and routes of a plant: through which units clients reach its drives.
+#include <string>
+
+#include "world/plan_parts.hpp"
+
+namespace mbgate::world {
+
+using namespace std::chrono_literals;
+using drive::WordOrder;
+
+namespace {
+
+constexpr unsigned kFirstUnit = 1;
+
+void add_listeners(Plan& plan, Random& random) {
+  auto& listeners = plan.settings.listeners;
+  for (unsigned count = random.between(1U, 2U); count > 0; --count) {
+    listeners.emplace_back().name = "plant-" + std::to_string(count);
+  }
+  for (std::size_t bus = 0; bus < plan.lines.size(); ++bus) {
+    auto& listener = listeners.emplace_back();
+    listener.name = "straight-" + std::to_string(bus);
+    listener.bus = drive::BusId{static_cast<std::uint32_t>(bus)};
+    listener.broadcast = !plan.is_tcp(bus);
+  }
+  for (auto& listener : listeners) {
+    listener.pipeline = random.one_of<std::size_t>({1, 4, 16, 64});
+    listener.ordered = random.chance(250);
+    if (random.chance(200)) {
+      listener.max_connections = random.one_of<std::size_t>({1, 2, 4, 8});
+    }
+    if (random.chance(200)) {
+      listener.max_connections_per_address = random.one_of<std::size_t>({1, 2, 3});
+    }
+    if (random.chance(150)) {
+      listener.max_requests_per_second = random.between(20U, 200U);
+    }
+    listener.max_connects_per_second = random.chance(100) ? 5 : 0;
+    if (random.chance(200)) {
+      listener.idle_timeout = random.duration(300ms, 3s);
+    }
+    listener.frame_timeout = random.duration(1s, 10s);
+    std::vector<unsigned>& readers = plan.readers.emplace_back();
+    for (unsigned host = 0; host < kMostHosts; ++host) {
+      if (random.chance(60)) {
+        readers.push_back(host);
+      }
+    }
+    listener.read_only = networks_of(readers);
+  }
+}
+
+void set_windows(routing::Route& route, Door& door, Random& random) {
+  constexpr unsigned kMiddle = kTableEnd / 2;
+  door.windowed = true;
+  door.holding_at = random.one_of({0U, random.between(1U, kMiddle - kRegisters)});
+  door.input_at = random.one_of({kTableEnd - kInputs, random.between(kMiddle, kTableEnd - kInputs)});
+  const auto word = [](unsigned value) { return static_cast<std::uint16_t>(value); };
+  route.windows = {{Table::holding_registers, word(door.holding_at), kRegisters, Table::holding_registers, 0},
+                   {Table::holding_registers, word(door.input_at), kInputs, Table::input_registers, 0},
+                   {Table::coils, 0, kCoils, Table::coils, 0}};
+  route.functions = routing::FunctionRules::rewritable();
+}
+
+void add_to_routed(Plan& plan, Door door) {
+  for (door.listener = 0; !plan.settings.listeners[door.listener].bus; ++door.listener) {
+    plan.doors.push_back(door);
+  }
+}
+
+void add_route(Plan& plan, std::size_t at, std::uint8_t unit, Random& random) {
+  const Station& station = plan.stations[at];
+  const drive::Device& device = *plan.device_of(station);
+  auto& route = plan.settings.routes.emplace_back();
+  route.first_unit = route.last_unit = unit;
+  route.buses = {device.bus};
+  route.first_address = station.address;
+  route.device = station.device;
+  if (random.chance(600)) {
+    route.word_order = random.one_of({WordOrder::big, WordOrder::little});
+  }
+  route.access = random.chance(100) ? routing::Access::read_only : routing::Access::read_write;
+  if (!plan.default_times && random.chance(500)) {
+    route.deadline = random.duration(50ms, 3s);
+  }
+  Door door;
+  door.unit = unit;
+  door.station = at;
+  door.route = plan.settings.routes.size() - 1;
+  door.routed = true;
+  if (random.chance(300)) {
+    set_windows(route, door, random);
+  }
+  door.names_order = route.word_order.has_value();
+  door.swapped = route.word_order && *route.word_order != *device.word_order;
+  door.read_only = route.access == routing::Access::read_only;
+  add_to_routed(plan, door);
+}
+
+void add_broadcasts(Plan& plan, Random& random) {
+  Door all;
+  auto& route = plan.settings.routes.emplace_back();
+  for (std::size_t bus = 0; bus < plan.lines.size(); ++bus) {
+    if (!plan.is_tcp(bus)) {
+      all.buses.push_back(bus);
+      route.buses.push_back(drive::BusId{static_cast<std::uint32_t>(bus)});
+    }
+  }
+  if (all.buses.empty()) {
+    plan.settings.routes.pop_back();
+    return;
+  }
+  route.broadcast_reply =
+      random.chance(700) ? routing::BroadcastReply::echo : routing::BroadcastReply::none;
+  route.broadcast_mixed = random.chance(500);
+  all.replies = route.broadcast_reply == routing::BroadcastReply::echo;
+  all.route = plan.settings.routes.size() - 1;
+  add_to_routed(plan, all);
+}
+
+}  // namespace
+
+void draw_doors(Plan& plan, Random& random) {
+  add_listeners(plan, random);
+  unsigned unit = kFirstUnit;
+  for (std::size_t at = 0; at < plan.stations.size(); ++at) {
+    for (unsigned count = random.between(1U, 2U); count > 0; --count) {
+      add_route(plan, at, low(unit++), random);
+    }
+    const Station& station = plan.stations[at];
+    for (std::size_t listener = 0; listener < plan.settings.listeners.size(); ++listener) {
+      const auto bus = plan.settings.listeners[listener].bus;
+      if (bus && static_cast<std::size_t>(*bus) == station.bus) {
+        Door door;
+        door.listener = listener;
+        door.unit = station.every_unit ? low(random.between(1U, 247U)) : station.address;
+        door.station = at;
+        plan.doors.push_back(door);
+      }
+    }
+  }
+  add_broadcasts(plan, random);
+}
+
+}  // namespace mbgate::world

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is done to the process: it is killed and started again while answers are on their way, and
+// gets other settings.
+#include <algorithm>
+
+#include "world/plan_parts.hpp"
+#include "world/world.hpp"
+
+namespace mbgate::world {
+
+using namespace std::chrono_literals;
+
+void World::number_buses() {
+  const gateway::Settings& in_force = harness_->settings();
+  for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+    for (std::uint32_t id = 0; id < in_force.buses.size(); ++id) {
+      if (!in_force.buses[id].is_gone && in_force.buses[id].name == plan_.bus(bus).name) {
+        buses_[bus].id = id;
+      }
+    }
+  }
+}
+
+void World::begin_changes() {
+  const auto again = [this](Duration every, void (World::*change)()) {
+    schedule_.after(changes_.duration(every / 4, 2 * every), [this, change] {
+      if (!ledger_.calm && ledger_.stopping == kNever) {
+        (this->*change)();
+      }
+    });
+  };
+  if (plan_.restarts_every > Duration{0}) {
+    again(plan_.restarts_every, &World::restart);
+  }
+  if (plan_.reloads_every > Duration{0}) {
+    again(plan_.reloads_every, &World::reload);
+  }
+}
+
+// What is on its way comes all the same, and nobody tells the new process anything.
+void World::restart() {
+  schedule_.after(changes_.duration(plan_.restarts_every / 4, 2 * plan_.restarts_every), [this] {
+    if (!ledger_.calm && ledger_.stopping == kNever) {
+      restart();
+    }
+  });
+  if (draining_ || driver_.is_awake()) {
+    return;
+  }
+  driver_.come_back();
+  report_.fault("process_restarted");
+  trace("killed, and started again");
+  ++ledger_.process;
+  ledger_.started = schedule_.now();
+  for (Client& client : clients_) {
+    client.be_cut_off();
+  }
+  for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+    close_line(bus);
+    buses_[bus].unsent = 0;
+  }
+  harness_.emplace(plan_.settings, schedule_.now());
+  number_buses();
+  drain();
+}
+
+void World::reload() {
+  schedule_.after(changes_.duration(plan_.reloads_every / 4, 2 * plan_.reloads_every), [this] {
+    if (!ledger_.calm && ledger_.stopping == kNever) {
+      reload();
+    }
+  });
+  driver_.post([this] {
+    if (ledger_.calm || ledger_.stopping != kNever) {
+      return;
+    }
+    driver_.come_back();
+    report_.fault("reload");
+    trace("reload");
+    ledger_.reloaded = schedule_.now();
+    change_settings();
+    if (plan_.meanings_change) {
+      change_meaning();
+    }
+    set_deadlines(plan_);
+    // A bus whose number changes is another one with the same line.
+    const gateway::Settings settings = plan_.settings;
+    harness_->handle(gateway::SettingsChanged{&settings}, schedule_.now());
+    std::vector<std::uint32_t> before;
+    std::ranges::transform(buses_, std::back_inserter(before), [](const BusState& it) { return it.id; });
+    number_buses();
+    for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+      if (buses_[bus].id != before[bus]) {
+        report_.fault("bus_renamed");
+        close_line(bus);
+      }
+    }
+    drain();
+  });
+}
+
+// Nothing of what was asked means anything else by these.
+void World::change_settings() {
+  gateway::Settings& settings = plan_.settings;
+  const std::size_t device = changes_.below(settings.devices.size());
+  const std::size_t bus = changes_.below(settings.buses.size());
+  if (changes_.chance(400)) {
+    const Duration slow = settings.devices[device].profile.slow.front().response_timeout;
+    draw_timing(settings.devices[device].timing, plan_.default_times, changes_);
+    settings.devices[device].profile.slow.front().response_timeout = slow;
+  }
+  if (changes_.chance(100)) {
+    settings.devices[device].name += "x";
+  }
+  if (changes_.chance(60)) {
+    settings.buses[bus].name += "x";
+    if (settings.buses[bus].line.remote) {
+      settings.buses[bus].line.remote->host += "";
+    }
+  }
+  if (changes_.chance(60) && !settings.buses[bus].line.remote) {
+    report_.fault("low_latency_changed");
+    settings.buses[bus].line.low_latency = !settings.buses[bus].line.low_latency;
+  }
+  if (changes_.chance(200)) {
+    settings.buses[bus].coalesce = !settings.buses[bus].coalesce;
+    settings.buses[bus].burst = changes_.between(1U, 8U);
+  }
+  if (changes_.chance(200)) {
+    auto& listener = settings.listeners[changes_.below(settings.listeners.size())];
+    listener.pipeline = changes_.one_of<std::size_t>({1, 4, 16, 64});
+  }
+}
+
+// What a client has asked before may mean something else now: it is refused, or was not read yet.
+void World::change_meaning() {
+  const std::size_t at = changes_.below(plan_.settings.routes.size());
+  routing::Route& route = plan_.settings.routes[at];
+  if (!route.device || !changes_.chance(500)) {
+    return;
+  }
+  report_.fault("order_changed");
+  const drive::Device& device = plan_.settings.devices[*route.device];
+  route.word_order = changes_.one_of({drive::WordOrder::big, drive::WordOrder::little});
+  for (std::size_t place = 0; place < plan_.doors.size(); ++place) {
+    Door& door = plan_.doors[place];
+    if (door.route != at) {
+      continue;
+    }
+    const bool before = door.swapped;
+    door.names_order = true;
+    door.swapped = *route.word_order != *device.word_order;
+    if (before != door.swapped) {
+      outdate(place);
+    }
+  }
+}
+
+// What was given to the gateway, and waits there alone, it has understood already.
+void World::outdate(std::size_t door) {
+  std::unordered_map<Id, unsigned> open;
+  for (const Asked& asked : ledger_.asked) {
+    open[asked.connection] += asked.answers == 0 && !asked.dropped ? 1U : 0U;
+  }
+  for (Id id = 0; id < ledger_.asked.size(); ++id) {
+    Asked& asked = ledger_.asked[id];
+    const bool is_open = asked.answers == 0 && !asked.dropped;
+    if (!is_open || asked.intent.kind == Kind::own || asked.intent.door != door) {
+      continue;
+    }
+    const bool is_understood = asked.given != kNever && open[asked.connection] == 1;
+    (is_understood ? asked.outdated : asked.perhaps_outdated) = true;
+    for (const Cell& cell : asked.intent.writes) {
+      const bool is_masks = cell.place >= kMasks && cell.place < kOpaque;
+      const unsigned shift = is_masks ? kMasks : 0;
+      if (cell.table == Table::holding_registers && cell.place < kOpaque) {
+        const Cell other{cell.table, partner_of(cell.place - shift) + shift, cell.word};
+        ledger_.writer.try_emplace(key_of(*asked.intent.station, other), id);
+      }
+    }
+  }
+}
+
+}  // namespace mbgate::world

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// The calm end: nothing goes wrong any more, and everything must come back.
+#include "world/world.hpp"
+
+namespace mbgate::world {
+
+using namespace std::chrono_literals;
+
+void World::come_to_rest() {
+  ledger_.calm = true;
+  driver_.calm_down();
+  for (Client& client : clients_) {
+    client.end_asking();
+    client.end_stall();
+  }
+  for (Wire& wire : wires_) {
+    std::visit([](auto& it) { it.calm_down(); }, wire);
+  }
+  for (Drive& drive : drives_) {
+    drive.calm_down();
+  }
+  for (const Station& station : plan_.stations) {
+    if (station.drives.size() > 1) {
+      drives_[station.drives.back()].habits.dead = true;  // two at one address are never well
+    }
+  }
+  run_for(60s);
+  for (Client& client : clients_) {
+    client.leave();
+  }
+  run_for(10s);
+}
+
+std::optional<Octets> World::ask(std::size_t door, Duration patience) {
+  Manners manners;
+  manners.listener = plan_.doors[door].listener;
+  manners.host = kMostHosts - 1;
+  Client& client = clients_.emplace_back(manners, tools_);
+  client.end_asking();
+  client.connect();
+  if (!client.is_connected()) {
+    return std::nullopt;
+  }
+  const Id id = client.write(asking_.fresh_read(door));
+  run_for(patience);
+  const Asked& asked = ledger_.asked[id];
+  const bool is_answered = asked.answers > 0;
+  const Octets answer = asked.answer;
+  client.leave();
+  return is_answered ? std::optional(answer) : std::nullopt;
+}
+
+void World::shut_down() {
+  ledger_.stopping = schedule_.now();
+  driver_.end_stops();
+  trace("shut down");
+  hand_in(gateway::ShutdownAsked{});
+  run_for(2200ms);
+}
+
+}  // namespace mbgate::world
