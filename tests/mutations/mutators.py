@@ -142,7 +142,7 @@ FUNCTIONS = {} if cindex is None else {Kind.FUNCTION_DECL, Kind.CXX_METHOD, Kind
 SCOPES = {} if cindex is None else {Kind.NAMESPACE, Kind.CLASS_DECL, Kind.STRUCT_DECL, Kind.CLASS_TEMPLATE,
                                     Kind.CLASS_TEMPLATE_PARTIAL_SPECIALIZATION, Kind.UNEXPOSED_DECL, Kind.LINKAGE_SPEC}
 # Whose arguments have no order, or those of equal rank none that is seen.
-SYMMETRIC = re.compile(r"(std::)?(ranges::)?(min|max|equal|swap|earlier|later|lcm|gcd)\b")
+SYMMETRIC = re.compile(r"(\w+::)*(min|max|equal|swap|earlier|later)\b")
 INTEGERS = {"bool", "char", "signed char", "short", "int", "long", "unsigned char", "unsigned short", "unsigned int",
             "unsigned long"}
 
