@@ -267,6 +267,7 @@ TEST(StatusUnit, IsClearedFromOutsideToo) {
   rig.receive(1, kRead);
   rig.advance(10ms);
   rig.respond("01 83 02");
+  rig.receive(1, "0001 0000 0006 FF 08 000E 0000");  // counts what unit 255 was asked
   rig.clear_counters();
   rig.take_sent(1);
   rig.receive(1, "0002 0000 0006 FF 08 000D 0000 0003 0000 0006 FF 08 000E 0000");

@@ -129,6 +129,18 @@ TEST_F(LineQuality, AnswersThatAreLateAgainAndAgainSayWhichTimeoutWouldDo) {
   EXPECT_EQ(verdict().quality, Quality::good);
 }
 
+TEST_F(LineQuality, WhatDoesNotFitWasInTimeToo) {
+  for (int at = 0; at < 4; ++at) {
+    quality_[1].note_silent();
+    quality_[1].note_late(100ms, 300ms);
+  }
+  for (int at = 0; at < 15; ++at) {
+    quality_[1].note_misfit();
+  }
+  answers(1, 1, 0);
+  EXPECT_EQ(verdict().quality, Quality::good);
+}
+
 TEST_F(LineQuality, TheLargestLatenessIsOneOfTheLastRequests) {
   for (const auto lateness : {500ms, 100ms}) {
     for (int at = 0; at < 4; ++at) {
