@@ -56,7 +56,7 @@ def unit_of(folder, root):
     """The sources of a folder of src/ as one, and the compiler's options for it."""
     sources = sorted(it for it in (root / "src" / folder).rglob("*.cpp") if it.name != "main.cpp")
     text = "".join(f'#include "{it}"\n' for it in sources)
-    return text, ["-std=c++20", f"-I{root}/src", '-DMBGATE_VERSION="0"', "-ferror-limit=0"]
+    return text, ["-std=c++20", f"-I{root}/src", '-DMBGATE_VERSION="0"', "-ferror-limit=0", "-Wno-narrowing"]
 
 
 def places_in(folder):
@@ -147,7 +147,7 @@ class Build:
         wanted = run.files_of(ROOT)
         for name in run.files_of(self.tree).keys() - wanted.keys():
             (self.tree / name).unlink()
-        wanted[pathlib.Path("src") / mutators.HEADER] = mutators.SWITCHES.encode()
+        wanted[pathlib.Path("src") / mutators.HEADER.name] = mutators.HEADER.read_bytes()
         for file in {it.file for it in mutants.values()}:
             numbered = [(number, it) for number, it in mutants.items() if it.file == file]
             wanted[pathlib.Path(file)] = source_of(file).switched(numbered).encode()

@@ -85,7 +85,8 @@ class ASwitchedText(Piece):
     def build(self, text, places):
         switched = self.source.switched(list(enumerate(places)))
         self.assertEqual(switched.count("\n"), self.source.text.count(b"\n"))
-        for name, content in ((mutators.HEADER, mutators.SWITCHES), ("a.hpp", switched), ("a.cpp", text)):
+        header = mutators.HEADER.read_text(encoding="utf-8")
+        for name, content in ((mutators.HEADER.name, header), ("a.hpp", switched), ("a.cpp", text)):
             (self.root / name).write_text(content, encoding="utf-8")
         subprocess.run(["g++", "-std=c++20", "-w", "-o", self.root / "a", self.root / "a.cpp"], check=True)
 

@@ -13,7 +13,7 @@ except ImportError:
     cindex = None
 
 MUTATORS = ("drop", "negate", "shift", "exchange", "return")
-HEADER = "mutation.hpp"
+HEADER = pathlib.Path(__file__).with_name("mutation.hpp")
 # What is said for people alone, and what only shows the state to tests.
 LEFT_OUT = re.compile(r"^src/gateway/(trace|recording|status)/|/describe\.|text\.[ch]pp$|/event\.hpp$|_reader\.hpp$")
 
@@ -102,40 +102,8 @@ class Source:
 
         begin, rest = written(0, len(self.text), ordered).split("\n", 1)  # instead of the line of the licence
         assert begin.startswith("//"), begin
-        return f'#include "{HEADER}"\n{rest}'
+        return f'#include "{HEADER.name}"\n{rest}'
 
-
-# Reads once which mutants are switched on, and notes which were reached: the whole of it, for the copy of the sources.
-# The compiler must not take what is switched for constant, so only constant functions ask `is`.
-SWITCHES = """#pragma once
-#include <cstdio>
-#include <cstdlib>
-#include <type_traits>
-namespace mbgate::mutation {
-inline bool active[100000];
-inline bool reached[100000];
-inline bool begun = false;
-inline void end() {
-  if (std::FILE* file = std::fopen(std::getenv("MBGATE_MUTANTS_REACHED"), "a")) {
-    for (int number = 0; number < 100000; ++number) {
-      if (reached[number]) { std::fprintf(file, "%d\\n", number); }
-    }
-    std::fclose(file);
-  }
-}
-[[gnu::constructor(101)]] inline void begin() {
-  if (begun) { return; }
-  begun = true;
-  for (char* at = std::getenv("MBGATE_MUTANT"); at != nullptr && *at != '\\0';) {
-    active[std::strtol(at, &at, 10) % 100000] = true;
-    at += *at == ',' ? 1 : 0;
-  }
-  if (std::getenv("MBGATE_MUTANTS_REACHED") != nullptr) { std::atexit(end); }
-}
-[[gnu::noinline]] inline bool on(int number) { reached[number] = true; return active[number]; }
-constexpr bool is(int number) { return !std::is_constant_evaluated() && on(number); }
-}
-"""
 
 FUNCTIONS = {} if cindex is None else {Kind.FUNCTION_DECL, Kind.CXX_METHOD, Kind.CONSTRUCTOR, Kind.DESTRUCTOR,
                                        Kind.CONVERSION_FUNCTION, Kind.FUNCTION_TEMPLATE}
@@ -156,10 +124,6 @@ def type_of(cursor):
     kind = cursor.type.get_canonical()
     name = (kind.get_pointee() if "&" in kind.spelling[-2:] else kind).spelling
     return re.sub(r"^const ", "", name)
-
-
-def is_bool(cursor):
-    return type_of(cursor) == "bool"
 
 
 class Finder:
@@ -205,37 +169,33 @@ class Finder:
         text = self.text(cursor)
         skipped = None
         match cursor.kind:
-            case Kind.COMPOUND_STMT:
+            case Kind.COMPOUND_STMT | Kind.CASE_STMT | Kind.DEFAULT_STMT:
+                skipped = children[0] if cursor.kind == Kind.CASE_STMT else None
                 for child in children:
-                    if child.kind.is_expression():
+                    if child.kind.is_expression() and child is not skipped:
                         self.add(child, "drop")
-            case Kind.CASE_STMT:
-                skipped = children[0]
-                if children[-1].kind.is_expression():
-                    self.add(children[-1], "drop")
-            case Kind.DEFAULT_STMT if children[-1].kind.is_expression():
-                self.add(children[-1], "drop")
             case Kind.IF_STMT if re.match(r"if\s+constexpr", text):
                 skipped = children[0]
             case Kind.IF_STMT | Kind.WHILE_STMT:
                 self.condition(cursor, children)
             case Kind.FOR_STMT:
                 for child in children:
-                    if child.kind.is_expression() and is_bool(child):
+                    if child.kind.is_expression() and type_of(child) == "bool":
                         self.add(child, "negate")
             case Kind.CONDITIONAL_OPERATOR:
                 self.add(children[0], "negate")
-            case Kind.RETURN_STMT if children and is_bool(children[0]):
+            case Kind.RETURN_STMT if children and type_of(children[0]) == "bool":
                 self.add(children[0], "negate")
             case Kind.BINARY_OPERATOR if len(children) == 2:
                 operator = self.source.piece(children[0].extent.end.offset, children[1].extent.start.offset).strip()
                 for child in children if operator in ("&&", "||") else []:
                     self.add(child, "negate")
-            case Kind.INTEGER_LITERAL:
-                self.literal(cursor, text)
+            case Kind.INTEGER_LITERAL if self.is_plain(cursor, text):
+                for by in (1, -1) if re.search("[1-9a-fA-F]", text[1:] if text.startswith("0x") else text) else (1,):
+                    self.add(cursor, "shift", by)
             case Kind.DECL_REF_EXPR if re.match(r"k[A-Z]\w*$", text) and type_of(cursor) in INTEGERS:
-                self.add(cursor, "shift", 1)
-                self.add(cursor, "shift", -1)
+                for by in (1, -1):
+                    self.add(cursor, "shift", by)
             case Kind.CALL_EXPR:
                 self.call(cursor, text)
             case Kind.VAR_DECL if re.search(r"\bconstexpr\b", text.split("=")[0]):
@@ -252,27 +212,20 @@ class Finder:
 
     def condition(self, cursor, children):
         """Of an if or a while: what stands in front of its first statement. What it declares may be asked in an if."""
-        before = []
-        for child in children:
-            if child.kind.is_statement() and child.kind != Kind.DECL_STMT:
-                break
-            before.append(child)
+        is_body = [it.kind.is_statement() and it.kind != Kind.DECL_STMT for it in children]
+        before = children[:is_body.index(True)] if True in is_body else []
+        declared = [it for it in before if it.kind == Kind.VAR_DECL]
         conditions = [it for it in before if it.kind.is_expression()]
-        declared = next((it for it in before if it.kind == Kind.VAR_DECL), None)
-        if declared is not None:
-            if cursor.kind == Kind.IF_STMT:
-                self.add(declared, "negate", declared.spelling)
-        elif conditions:
+        if declared and cursor.kind == Kind.IF_STMT:
+            self.add(declared[0], "negate", declared[0].spelling)
+        elif conditions and not declared:
             self.add(conditions[-1], "negate")
 
-    def literal(self, cursor, text):
-        start = cursor.extent.start.offset
-        clock = self.source.piece(start - 9, start).endswith(("Duration{", "Instant{"))  # nobody sees a tick of it
-        if clock or self.source.piece(start - 1, start) == "<" or not re.match(r"(0x)?[0-9a-fA-F']+[uUlLzZ]*$", text):
-            return  # an argument of a template, or another notation
-        self.add(cursor, "shift", 1)
-        if int(re.sub(r"[uUlLzZ']", "", text), 0 if text.startswith("0x") else 10) > 0:
-            self.add(cursor, "shift", -1)
+    def is_plain(self, cursor, text):
+        """No argument of a template, no tick of a clock, which nobody sees, and no other notation."""
+        before = self.source.piece(cursor.extent.start.offset - 9, cursor.extent.start.offset)
+        return (not before.endswith(("<", "Duration{", "Instant{"))
+                and re.match(r"(0x)?[0-9a-fA-F']+[uUlLzZ]*$", text) is not None)
 
     def call(self, cursor, text):
         """Arguments that may stand for each other."""
@@ -285,37 +238,6 @@ class Finder:
             if ((len(kinds) == 1 or kinds <= INTEGERS) and self.text(pair[0]) != self.text(pair[1])
                     and self.source.piece(spans[0][1], spans[1][0]).strip() == ","):
                 self.add(cursor, "exchange", spans)
-
-
-def find(unit, root, wanted):
-    """All places in the wanted files (paths below the root) of a translation unit that was read."""
-    macros, found = {}, []
-    for cursor in unit.cursor.get_children():
-        if cursor.kind == Kind.MACRO_INSTANTIATION and cursor.location.file:
-            macros.setdefault(cursor.location.file.name, set()).add(span_of(cursor))
-
-    finders = {}
-
-    def finder_of(name):
-        if name not in finders:
-            path = pathlib.Path(name).resolve()
-            below = str(path.relative_to(root)) if path.is_relative_to(root) else ""
-            finders[name] = Finder(below, Source(path.read_bytes()), macros.get(name, ())) if wanted(below) else None
-        return finders[name]
-
-    def visit(cursor):
-        for child in cursor.get_children():
-            if child.location.file is None:
-                continue
-            if child.kind in SCOPES and finder_of(child.location.file.name):
-                visit(child)
-            elif child.kind in FUNCTIONS and child.is_definition() and finder_of(child.location.file.name):
-                finder_of(child.location.file.name).function(child)
-
-    visit(unit.cursor)
-    for finder in finders.values():
-        found += finder.found.values() if finder else []
-    return found
 
 
 def read(text, arguments):
@@ -331,8 +253,29 @@ def errors_in(unit):
 
 
 def places(text, root, wanted, arguments):
-    """All places in the wanted files that the text includes."""
+    """All places in the wanted files (paths below the root) that the text includes."""
     unit = read(text, arguments)
     if errors_in(unit):
         raise SyntaxError(f"libclang does not understand the sources: {errors_in(unit)[:1000]}")
-    return find(unit, root, wanted)
+    macros, finders = {}, {}
+
+    def finder_of(name):
+        if name not in finders:
+            path = pathlib.Path(name).resolve()
+            below = str(path.relative_to(root)) if path.is_relative_to(root) else ""
+            finders[name] = Finder(below, Source(path.read_bytes()), macros.get(name, ())) if wanted(below) else None
+        return finders[name]
+
+    def visit(cursor):
+        for child in cursor.get_children():
+            finder = finder_of(child.location.file.name) if child.location.file else None
+            if finder and child.kind in SCOPES:
+                visit(child)
+            elif finder and child.kind in FUNCTIONS and child.is_definition():
+                finder.function(child)
+
+    for cursor in unit.cursor.get_children():
+        if cursor.kind == Kind.MACRO_INSTANTIATION and cursor.location.file:
+            macros.setdefault(cursor.location.file.name, set()).add(span_of(cursor))
+    visit(unit.cursor)
+    return [it for finder in finders.values() if finder for it in finder.found.values()]
