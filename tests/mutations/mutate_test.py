@@ -128,6 +128,25 @@ class AnOrder(unittest.TestCase):
         self.assertEqual({it.mutator for it in mutate.in_order(places, 3)[:5]}, set(mutators.MUTATORS))
 
 
+class TheCompilerRefuses(unittest.TestCase):
+    FILE = "src/modbus/crc16.cpp"
+
+    def refused(self, text):
+        build = mutate.Build(pathlib.Path("/work"), None)
+        at = {7 + it: mutate.source_of(self.FILE).text.find(line) for it, line in enumerate((b"#include", b"namespace"))}
+        mutants = {it: mutators.Mutant(self.FILE, begin, begin + 1, "drop", None, "on") for it, begin in at.items()}
+        lines = [mutate.lines_in(it)[0] for it in mutants.values()]
+        return build.refused(text.format(*(f"/work/tree/{self.FILE}:{line}:3:" for line in lines)), mutants)
+
+    def test_what_stands_where_it_finds_an_error(self):
+        self.assertEqual(self.refused("{1} error: no match\n"), {8})
+        self.assertEqual(self.refused("{0} warning: unused\n"), set())
+
+    def test_what_led_it_there(self):
+        self.assertEqual(self.refused("{0}   required from here\n/usr/include/a.h:5:1: error: no type\n"), {7})
+        self.assertEqual(self.refused("{0}   required from here\n{1} error: no type\n"), {8})
+
+
 class TheEqualOnes(unittest.TestCase):
     def test_are_known_by_their_lines(self):
         text = "# words\n\nsrc/bus/a.cpp shift\n  return a[1];\n  return a[2];\nBoth are\nthe same.\n"
