@@ -281,7 +281,8 @@ class Unit:
             return "-"
         for program in sorted(programs, key=lambda it: (it != f"{folder_of(mutant)}_tests", it)):
             names = programs[program]
-            seconds = sum(self.seconds[program, it] for it in names)
+            begin = min(self.seconds[program, it] for it in names)  # every case has been a process of its own
+            seconds = begin + sum(self.seconds[program, it] - begin for it in names)
             flags = self.work / f"{number}-{program}.flags"
             flags.write_text(f"--gtest_filter={':'.join(names)}\n--gtest_fail_fast\n", encoding="utf-8")
             text, status = execute([self.build.program(program), f"--gtest_flagfile={flags}"],

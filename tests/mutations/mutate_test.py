@@ -133,7 +133,8 @@ class TheCompilerRefuses(unittest.TestCase):
 
     def refused(self, text):
         build = mutate.Build(pathlib.Path("/work"), None)
-        at = {7 + it: mutate.source_of(self.FILE).text.find(line) for it, line in enumerate((b"#include", b"namespace"))}
+        text_of_file = mutate.source_of(self.FILE).text
+        at = {7: text_of_file.find(b"#include"), 8: text_of_file.find(b"namespace")}
         mutants = {it: mutators.Mutant(self.FILE, begin, begin + 1, "drop", None, "on") for it, begin in at.items()}
         lines = [mutate.lines_in(it)[0] for it in mutants.values()]
         return build.refused(text.format(*(f"/work/tree/{self.FILE}:{line}:3:" for line in lines)), mutants)
