@@ -238,7 +238,7 @@ def numbers_in(file):
 
 
 class Unit:
-    """The unit tests: which cases there are, how long each takes, and which mutants each reaches."""
+    """The unit tests: which cases there are, which mutants each reaches, and how long all of a program take."""
 
     def __init__(self, build, work, options):
         self.build, self.work, self.options = build, work, options
@@ -248,6 +248,10 @@ class Unit:
         work.mkdir(exist_ok=True)
 
     def look(self):
+        for program in self.options.unit:
+            begun = time.monotonic()
+            execute([self.build.program(program)], 3600)
+            self.seconds[program] = time.monotonic() - begun
         with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:
             every = [(program, case) for program in self.options.unit for case in self.names_in(program)]
             list(pool.map(lambda it: self.look_at(*it), every))
@@ -265,9 +269,7 @@ class Unit:
     def look_at(self, program, case):
         reached = self.work / f"{program}-{case.replace('/', '-')}"
         reached.unlink(missing_ok=True)
-        begun = time.monotonic()
         _, status = execute([self.build.program(program), f"--gtest_filter={case}"], 600, reached=reached)
-        self.seconds[program, case] = time.monotonic() - begun
         if status != 0:
             self.failing.append(case)
             return
@@ -280,13 +282,10 @@ class Unit:
         if not programs:
             return "-"
         for program in sorted(programs, key=lambda it: (it != f"{folder_of(mutant)}_tests", it)):
-            names = programs[program]
-            begin = min(self.seconds[program, it] for it in names)  # every case has been a process of its own
-            seconds = begin + sum(self.seconds[program, it] - begin for it in names)
             flags = self.work / f"{number}-{program}.flags"
-            flags.write_text(f"--gtest_filter={':'.join(names)}\n--gtest_fail_fast\n", encoding="utf-8")
-            text, status = execute([self.build.program(program), f"--gtest_flagfile={flags}"],
-                                   max(SHORTEST, LONGER * seconds), number)
+            flags.write_text(f"--gtest_filter={':'.join(programs[program])}\n--gtest_fail_fast\n", encoding="utf-8")
+            limit = max(SHORTEST, LONGER * self.seconds[program])
+            text, status = execute([self.build.program(program), f"--gtest_flagfile={flags}"], limit, number)
             flags.unlink()
             if status != 0:
                 running = re.findall(r"^\[ RUN      \] (\S+)", text, re.MULTILINE)[-1:]
