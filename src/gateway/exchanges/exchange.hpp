@@ -47,11 +47,6 @@ struct Exchange {
   [[nodiscard]] bool leaves_out(BusId bus) const {
     return std::ranges::find(left_out, bus) != left_out.end();
   }
-  /// Was anything of it transmitted?
-  [[nodiscard]] bool has_been_on_wire() const {
-    return was_on_wire ||
-           std::ranges::any_of(parts, [](const Part& part) { return part.job->was_on_wire; });
-  }
   /// Takes over how a job ended.
   void note(const bus::Job& job, bus::Ending ending);
   /// The answer, once every part has ended; nothing if none is to be given.

@@ -195,6 +195,14 @@ TEST(StatusUnit, IdentifiesItself) {
               ElementsAre("00 02 00 00 00 03 FF AB 02", "00 03 00 00 00 03 FF AB 03"));
 }
 
+TEST(StatusUnit, CountsInTwoRegisters) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.advance(65537s);
+  rig.receive(1, "0002 0000 0006 FF 04 0004 0002");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 07 FF 04 04 00 01 00 01"));
+}
+
 TEST(StatusUnit, ShowsTheHealthOfBusesAndDevices) {
   Settings settings = one_bus();
   settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing}};
@@ -259,6 +267,7 @@ TEST(StatusUnit, IsClearedFromOutsideToo) {
   rig.receive(1, kRead);
   rig.advance(10ms);
   rig.respond("01 83 02");
+  rig.receive(1, "0001 0000 0006 FF 08 000E 0000");  // counts what unit 255 was asked
   rig.clear_counters();
   rig.take_sent(1);
   rig.receive(1, "0002 0000 0006 FF 08 000D 0000 0003 0000 0006 FF 08 000E 0000");

@@ -181,6 +181,20 @@ TEST_F(Broadcasts, SoIsItOnARouteToTheBus) {
   EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no resolved"}) << "unit 0 is another bus";
 }
 
+TEST_F(Broadcasts, TheAicsBroadcastAddressIsOnTheLineOfItsRouteAlone) {
+  routing::Route range;
+  range.first_unit = range.last_unit = range.first_address = 129;
+  range.buses = {BusId{1}};
+  devices = {aic()};
+  devices[0].bus = BusId{1};
+  routes = {range, broadcast_route()};
+  routes[1].buses = {BusId{0}, BusId{1}};
+  const routing::RouteTable table(listeners, routes, devices);
+  const routing::ResolvedRoute* resolved = table.find(ListenerId{0}, 129);
+  ASSERT_NE(resolved, nullptr);
+  EXPECT_EQ(resolved->route.buses, std::vector{BusId{1}});
+}
+
 TEST_F(Broadcasts, SoIsItUnderWhateverUnit) {
   routing::Route range;
   range.first_address = 100;

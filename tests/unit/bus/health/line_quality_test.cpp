@@ -55,6 +55,13 @@ TEST_F(LineQuality, AFewBadCrcsOfManyAreNotWorthALine) {
   EXPECT_TRUE(of_device_.empty());
 }
 
+TEST_F(LineQuality, OneBadCrcInTwentyIsEnough) {
+  answers(1, 95, 4);
+  EXPECT_EQ(verdict().quality, Quality::good);
+  answers(1, 0, 1);
+  EXPECT_EQ(verdict().quality, Quality::bad_crc);
+}
+
 TEST_F(LineQuality, BadCrcsOfTwoDevicesAreAMatterOfTheLine) {
   answers(1, 0, 5);
   EXPECT_EQ(quality_.verdict().quality, Quality::good);
@@ -120,6 +127,29 @@ TEST_F(LineQuality, AnswersThatAreLateAgainAndAgainSayWhichTimeoutWouldDo) {
   EXPECT_EQ(verdict().needed, 430ms);
   answers(1, 16, 0);
   EXPECT_EQ(verdict().quality, Quality::good);
+}
+
+TEST_F(LineQuality, WhatDoesNotFitWasInTimeToo) {
+  for (int at = 0; at < 4; ++at) {
+    quality_[1].note_silent();
+    quality_[1].note_late(100ms, 300ms);
+  }
+  for (int at = 0; at < 15; ++at) {
+    quality_[1].note_misfit();
+  }
+  answers(1, 1, 0);
+  EXPECT_EQ(verdict().quality, Quality::good);
+}
+
+TEST_F(LineQuality, TheLargestLatenessIsOneOfTheLastRequests) {
+  for (const auto lateness : {500ms, 100ms}) {
+    for (int at = 0; at < 4; ++at) {
+      quality_[1].note_silent();
+      quality_[1].note_late(lateness, 300ms);
+    }
+    EXPECT_EQ(verdict().lateness, lateness);
+    answers(1, 16, 0);
+  }
 }
 
 // A drive that stood still sends all that it owes at once when it goes on.

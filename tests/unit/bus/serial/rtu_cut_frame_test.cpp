@@ -84,6 +84,14 @@ TEST_F(RtuCutFrame, OfAFrameThatPausesForLongerThePauseIsTold) {
   EXPECT_EQ(frame->pause, 21ms);
 }
 
+TEST_F(RtuCutFrame, WhatComesAfterASecondIsNoRestOfIt) {
+  framer_.listen();
+  add("01 03 04 00");
+  after(1001ms);
+  add("03 0D 40 0F 53");
+  EXPECT_FALSE(framer_.take_unsolicited());
+}
+
 /// At 1200 baud a single byte takes longer than a `frame_slack` of 5 ms.
 TEST_F(RtuCutFrame, ButNoSilenceIsNoPause) {
   framer_.set_slack(1ms);

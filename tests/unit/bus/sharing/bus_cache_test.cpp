@@ -72,6 +72,19 @@ TEST_F(BusCache, ABroadcastEmptiesItToo) {
   EXPECT_TRUE(meanwhile.is_waiting());
 }
 
+TEST_F(BusCache, IsFilledAgainWhenTheWriteOrTheBroadcastHasEnded) {
+  for (const std::uint8_t written : {1, 0}) {
+    open_with_cache();
+    submit(job("06 0000 0001", written));
+    advance(10ms);
+    line(written == 0 ? "" : "01 06 00 00 00 01 48 0A");
+    advance(150ms);  // the turnaround delay
+    read();
+    submit(job(kRead));
+    EXPECT_EQ(bus_->counters().cached_reads, 1U) << "address " << int{written};
+  }
+}
+
 TEST_F(BusCache, ATimeoutEmptiesIt) {
   open_with_cache();
   read();

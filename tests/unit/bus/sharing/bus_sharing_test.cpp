@@ -125,6 +125,7 @@ TEST_F(BusSharing, TheOthersGoOnWhenTheOneThatLedHasGone) {
   advance(110ms);
   EXPECT_THAT(frames_, SizeIs(2));
   EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
+  EXPECT_EQ(bus_->counters().expired, 0U);
   line(kAnswer);
   EXPECT_THAT(endings_, ElementsAre(Ending::cancelled, Ending::answered));
   EXPECT_EQ(response_of(jobs_[2]), "03 02 12 34");
@@ -138,6 +139,17 @@ TEST_F(BusSharing, EachKeepsItsOwnDeadline) {
   advance(110ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::expired));
   EXPECT_TRUE(jobs_[2].was_on_wire);
+  EXPECT_EQ(bus_->counters().expired, 1U);
+}
+
+TEST_F(BusSharing, WhoLeavesBetweenTwoTriesIsNotCountedAsExpired) {
+  auto retrying = sharing();
+  retrying.timing.retries = 1;
+  let_two_wait(retrying);
+  jobs_[2].abandoned = true;
+  advance(110ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
+  EXPECT_EQ(bus_->counters().expired, 0U);
 }
 
 TEST_F(BusSharing, AllFailTogether) {

@@ -50,6 +50,15 @@ TEST_F(BusTcp, HasAsManyOnTheirWayAsItMay) {
   EXPECT_THAT(units(), ElementsAre(1, 1, 2, 3));
 }
 
+TEST_F(BusTcp, AReloadMayLetMoreBeOnTheirWay) {
+  open(tcp());
+  submit(job(kRead, 1));
+  submit(job(kRead, 2));
+  EXPECT_THAT(frames_, SizeIs(1));
+  update(tcp(2), {});
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
 TEST_F(BusTcp, AnswersMayComeInAnyOrder) {
   open(tcp(3));
   bus::Job& first = job("03 0000 0001");

@@ -80,6 +80,16 @@ TEST(AccessInTheMachine, OtherRulesApplyAtOnceToOpenConnections) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kWrite1));
 }
 
+TEST(AccessInTheMachine, OverItsRateAClientIsNotToldOfTheGatewayEither) {
+  AccessRule limited = rule(true, "limited");
+  limited.per_second = 1;
+  MachineRig rig(plant_with({limited}));
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 FF 04 0000 0001 0002 0000 0006 FF 04 0000 0001");
+  EXPECT_THAT(rig.take_sent(1),
+              ElementsAre("00 01 00 00 00 05 FF 04 02 00 02", "00 02 00 00 00 03 FF 84 06"));
+}
+
 TEST(AccessInTheMachine, OverItsRateAClientGets06AndAStopGoesAllTheSame) {
   AccessRule limited = rule(true, "limited");
   limited.per_second = 2;

@@ -36,6 +36,20 @@ TEST(Deadlines, WritesWaitThreeResponseTimeoutsAndALittleReadsNoLess) {
   }
 }
 
+TEST(Deadlines, CountFromTheFirstByteOfARequest) {
+  Settings settings = one_bus();
+  settings.buses[0].timing.response_timeout = 1s;
+  MachineRig rig(settings, false);
+  rig.connect(1);
+  rig.receive(1, "00");
+  rig.advance(1s);
+  rig.receive(1, "08 0000 0006 01  06 007C 00E1");
+  rig.advance(2499ms);
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+  rig.advance(1ms);
+  EXPECT_EQ(rig.take_sent(1).size(), 1U);
+}
+
 // A process that was stopped: what is read then has come at any time since.
 TEST(Deadlines, CountFromTheBeginningOfAStallUntilASocketWasSeenEmpty) {
   MachineRig rig;

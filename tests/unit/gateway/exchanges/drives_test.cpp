@@ -154,6 +154,23 @@ TEST(Drives, AWriteOfCommunicationRegistersIsRefusedOrJournaled) {
                                       "communication registers"));
 }
 
+TEST(Drives, AWriteOfCommunicationRegistersIsJournaledIfItMayHaveBeenDone) {
+  Settings settings = one_drive();
+  settings.devices[0].allow_reconfigure = true;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 01 06 0032 0085");
+  rig.respond("01 86 04");
+  EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 86 04"));
+  EXPECT_THAT(rig.events, IsEmpty());
+  rig.advance(10ms);
+  rig.receive(1, "0002 0000 0006 01 06 0032 0085");
+  rig.advance(200ms);
+  EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 86 0B"));
+  EXPECT_THAT(rig.events, ElementsAre("device axis-x: client 192.0.2.1 has written its "
+                                      "communication registers"));
+}
+
 TEST(Drives, AWriteOfCommunicationRegistersThroughTheBusIsJournaledToo) {
   Settings settings = one_drive();
   settings.routes[1].first_address = 1;

@@ -240,6 +240,22 @@ TEST_F(SilentClient, ThatIsListedIsSilentAlthoughAnotherWrites) {
   expect_writes();
 }
 
+TEST_F(SilentClient, ThatIsListedIsSilentSinceTheFirstWriteAndNotBefore) {
+  Settings listed = rig_.harness.settings();
+  listed.guards[0].failsafe_clients = {*routing::Network::parse(kPlc)};
+  rig_.reload(listed);
+  ask(rig_, 1, 1);
+  rig_.advance(1h);
+  rig_.connect(2, kPanel);
+  rig_.receive(2, write_request(1));
+  rig_.advance(5ms);
+  rig_.respond(kWrite1);
+  take_requests(rig_);
+  expect_none(2900ms);
+  rig_.advance(100ms);
+  expect_writes();
+}
+
 class SilentShortly : public SilentClient {
  protected:
   SilentShortly() : SilentClient(10ms) {}

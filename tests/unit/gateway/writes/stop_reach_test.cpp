@@ -63,6 +63,8 @@ TEST(Stop, OfAllCountsForEveryDeviceThatHearsIt) {
   rig.advance(150ms);
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, "00 06 00 7C 00 E1", kWrite2));
   EXPECT_THAT(rig.take_sent(1), ElementsAre(kOne, "00 04 00 00 00 06 00 06 00 7C 00 E1", busy(2)));
+  EXPECT_THAT(rig.events, ElementsAre(testing::HasSubstr("stops by broadcast, but not devices "
+                                                         "axis-y")));
 }
 
 /// Unit 0 leads to both lines: a stop for axis-x on the first, for axis-z on the second a write
