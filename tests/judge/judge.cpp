@@ -9,7 +9,8 @@ std::string Judge::name(const Asked& asked) const {
   const auto station = asked.intent.station;
   return "at " + std::to_string(now().time_since_epoch() / 1us) + " us: client " +
          std::to_string(asked.connection) + " transaction " + std::to_string(asked.transaction) +
-         " unit " + std::to_string(asked.intent.unit) + " pdu " + hex(asked.intent.pdu) + " given " + std::to_string(asked.given.time_since_epoch() / 1us) +
+         " unit " + std::to_string(asked.intent.unit) + " pdu " + hex(asked.intent.pdu) +
+         " given " + std::to_string(asked.given.time_since_epoch() / 1us) +
          (asked.answers > 0 ? " answer " + hex(asked.answer) : "") +
          (station ? " (" + plan_.bus(plan_.stations[*station].bus).name + " address " +
                         std::to_string(plan_.stations[*station].address) + ")"
@@ -17,8 +18,9 @@ std::string Judge::name(const Asked& asked) const {
 }
 
 std::string Judge::name(const Sent& sent) const {
-  return "at " + std::to_string(sent.begin.time_since_epoch() / 1us) + " us: " + plan_.bus(sent.bus).name +
-         " address " + std::to_string(sent.address) + " pdu " + hex(sent.pdu);
+  return "at " + std::to_string(sent.begin.time_since_epoch() / 1us) +
+         " us: " + plan_.bus(sent.bus).name + " address " + std::to_string(sent.address) + " pdu " +
+         hex(sent.pdu);
 }
 
 void Judge::asked(Id id) {
@@ -30,12 +32,19 @@ void Judge::asked(Id id) {
   deadlines_[id] = asked.intent.kind == Kind::read ? door.read_deadline : door.write_deadline;
 }
 
+void Judge::given(Id id) {
+  const Asked& asked = ledger_.asked[id];
+  has_broadcast_ = has_broadcast_ || asked.intent.kind == Kind::broadcast;
+  note_asked_of(asked);
+}
+
 void Judge::answered(Id id) {
   const Asked& asked = ledger_.asked[id];
   deadlines_.erase(id);
   if (asked.answers > 1) {
     violation("answered_twice", name(asked));
   }
+  note_asked_of(asked);
   if (asked.intent.kind == Kind::own) {
     return;
   }
@@ -43,6 +52,7 @@ void Judge::answered(Id id) {
     violation("other_function", name(asked));
   } else if (asked.answer[0] >= 0x80) {
     check_exception(asked);
+    check_refused_stop(asked);
   } else if (asked.intent.refused && !asked.perhaps_outdated) {
     violation("not_refused", name(asked));
   } else if (asked.intent.kind == Kind::read) {
@@ -62,8 +72,10 @@ void Judge::sent(Id id) {
   check_waiting(id);
   check_hold(id);
   if (sent.is_failsafe) {
+    check_failsafe(sent);
     return;
   }
+  check_stop_time(id);
   check_asked_for(sent);
   check_limits(sent);
   if (!sent.cells.empty()) {
@@ -75,6 +87,7 @@ void Judge::sent(Id id) {
 }
 
 void Judge::check_rest() {
+  check_failsafe_done();
   for (const Asked& asked : ledger_.asked) {
     const bool is_due = asked.given != kNever && !asked.dropped && asked.answers == 0;
     const bool replies = asked.intent.kind == Kind::own || door_of(asked).replies;
@@ -95,7 +108,8 @@ void Judge::check_rest() {
     }
     if (!is_back) {
       const Station& station = plan_.stations[*door.station];
-      violation("not_back", plan_.bus(station.bus).name + " address " + std::to_string(station.address));
+      violation("not_back",
+                plan_.bus(station.bus).name + " address " + std::to_string(station.address));
     }
   }
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The judge of a run: a short list of truths, each a function over the ledger. It asks for truth and
-// never for turns: what was given to clients, and what was put on the wire, but not whose turn it
-// was. Where physics leaves something uncertain, it is counted apart, and bounded.
+// The judge of a run: a short list of truths, each a function over the ledger. It asks for truth
+// and never for turns: what was given to clients, and what was put on the wire, but not whose turn
+// it was. Where physics leaves something uncertain, it is counted apart, and bounded.
 #pragma once
+
+#include <map>
 
 #include "world/world.hpp"
 
@@ -20,6 +22,7 @@ class Judge : public Witness {
         slips_(plan_.stations.size()) {}
 
   void asked(Id asked) override;
+  void given(Id asked) override;
   void answered(Id asked) override;
   void sent(Id sent) override;
   /// After come_to_rest(): everything was answered, and everybody is served again.
@@ -30,9 +33,9 @@ class Judge : public Witness {
  private:
   /// Wrong answers of a device whose lateness or second answers must first be learned.
   struct Slips {
-    unsigned wrong = 0;       ///< since something was new
-    unsigned stale = 0;       ///< the same, of those that show what was asked for, as it was before
-    unsigned right = 0;       ///< since the last wrong one
+    unsigned wrong = 0;  ///< since something was new
+    unsigned stale = 0;  ///< the same, of those that show what was asked for, as it was before
+    unsigned right = 0;  ///< since the last wrong one
     unsigned process = 0;
     Instant reloaded = Instant::min();
   };
@@ -57,6 +60,16 @@ class Judge : public Witness {
   void check_stopped(const Sent& sent);
   void check_limits(const Sent& sent);
 
+  // truth_failsafe.cpp: failsafe writes go when a client has gone, and only then.
+  void note_asked_of(const Asked& asked);
+  [[nodiscard]] Instant gone_since(unsigned host, std::size_t station) const;
+  void check_failsafe(const Sent& sent);
+  void check_failsafe_done();
+
+  // truth_stops.cpp: a stop goes soon, and is repeated where its drive says "not now".
+  void check_stop_time(Id id);
+  void check_refused_stop(const Asked& asked);
+
   // truth_wire.cpp: one transaction at a time, with silence; who may still answer is left alone.
   void check_silence(Id id);
   void check_waiting(Id id);
@@ -65,7 +78,9 @@ class Judge : public Witness {
   void violation(const char* kind, const std::string& text) { report_.violation(kind, text); }
   [[nodiscard]] std::string name(const Asked& asked) const;
   [[nodiscard]] std::string name(const Sent& sent) const;
-  [[nodiscard]] const Door& door_of(const Asked& asked) const { return plan_.doors[asked.intent.door]; }
+  [[nodiscard]] const Door& door_of(const Asked& asked) const {
+    return plan_.doors[asked.intent.door];
+  }
   [[nodiscard]] Instant now() const { return world_.now(); }
 
   World& world_;
@@ -74,6 +89,11 @@ class Judge : public Witness {
   Report& report_;
   std::vector<Slips> slips_;
   std::unordered_map<Id, Duration> deadlines_;
+  /// By host and station: connections that have asked it; were they answered?
+  std::map<std::pair<unsigned, std::size_t>, std::map<Id, bool>> askers_;
+  std::map<std::size_t, std::map<unsigned, unsigned>>
+      wrote_;  ///< by station and host: in which process
+  bool has_broadcast_ = false;
 };
 
 }  // namespace mbgate::judge

@@ -77,7 +77,8 @@ int main(int count, char** arguments) {
   if (!parse(count, arguments, options)) {
     std::fputs(
         "usage: soak [--seed N] [--seeds K] [--transactions M] [--verbose] [--trace] [--first]\n"
-        "Runs seeds N to N+K-1, each until M transmissions were seen on its lines. --first ends at\n"
+        "Runs seeds N to N+K-1, each until M transmissions were seen on its lines. --first ends "
+        "at\n"
         "the first seed with a violation.\n",
         stderr);
     return 2;

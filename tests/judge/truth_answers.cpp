@@ -55,8 +55,8 @@ void Judge::check_exception(const Asked& asked) {
 void Judge::note_exception(const Asked& asked, const char* kind) {
   const auto station = asked.intent.station;
   const bool has_said = station && std::ranges::any_of(ledger_.last_sent[*station], [&](Id id) {
-    return (ledger_.sent[id].exceptions >> asked.answer[1] & 1U) != 0;
-  });
+                          return (ledger_.sent[id].exceptions >> asked.answer[1] & 1U) != 0;
+                        });
   has_said ? note_wrong(asked, "exception") : violation(kind, name(asked));
 }
 
@@ -90,8 +90,8 @@ bool Judge::shows(const Asked& asked) const {
   };
   const unsigned end = range.first + range.count;
   for (unsigned at = range.first; at < end;) {
-    const bool is_value = range.table == Table::holding_registers && value_begin(at) >= range.first &&
-                          value_end(at) <= end;
+    const bool is_value = range.table == Table::holding_registers &&
+                          value_begin(at) >= range.first && value_end(at) <= end;
     const unsigned next = is_value ? value_end(at) : at + 1;
     std::vector<std::uint16_t> words;
     if (is_value) {
@@ -141,14 +141,16 @@ void Judge::check_write(Id id) {
     check_read(id);
   } else {
     const bool is_run = intent.pdu[0] == 0x0F || intent.pdu[0] == 0x10;
-    const Octets echo(intent.pdu.begin(),
-                      is_run ? intent.pdu.begin() + kHead : intent.pdu.end());
-    const bool is_limited = std::ranges::any_of(
-        asked.sent, [&](Id sent) { return ledger_.sent[sent].limited; });
-    // Of a function that nobody knows, zeros behind an answer may be a part: the CRC is good then too.
+    const Octets echo(intent.pdu.begin(), is_run ? intent.pdu.begin() + kHead : intent.pdu.end());
+    const bool is_limited =
+        std::ranges::any_of(asked.sent, [&](Id sent) { return ledger_.sent[sent].limited; });
+    // Of a function that nobody knows, zeros behind an answer may be a part: the CRC is good then
+    // too.
     const bool is_known = intent.pdu[0] < 0x40;
-    const bool is_echo = is_known ? asked.answer == echo
-                                  : std::ranges::equal(echo, Bytes(asked.answer).first(std::min(echo.size(), asked.answer.size())));
+    const bool is_echo =
+        is_known ? asked.answer == echo
+                 : std::ranges::equal(
+                       echo, Bytes(asked.answer).first(std::min(echo.size(), asked.answer.size())));
     if (!is_echo && !is_limited) {
       note_wrong(asked, "other_echo");
       return;
@@ -212,7 +214,8 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
     violation(kind, name(asked) + ", from " + name(from));
     return;
   }
-  if (slips.process != ledger_.process || slips.reloaded != ledger_.reloaded || slips.right >= kForgotten) {
+  if (slips.process != ledger_.process || slips.reloaded != ledger_.reloaded ||
+      slips.right >= kForgotten) {
     slips.wrong = slips.stale = 0;
   }
   slips.process = ledger_.process;

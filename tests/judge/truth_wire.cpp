@@ -61,10 +61,12 @@ void Judge::check_waiting(Id id) {
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*before.station]);
   const Duration least = std::min(timing.response_timeout, timing.probe_timeout_or_default());
   const bool is_stop = before.is_stop || before.is_failsafe;
-  const Duration limit = is_stop ? std::min(plan_.bus(sent.bus).stop_wait, least)
-                                 : timing.response_wait + least;
+  const Duration limit =
+      is_stop ? std::min(plan_.bus(sent.bus).stop_wait, least) : timing.response_wait + least;
   if (sent.begin + kRounding < before.end + limit) {
-    violation("impatient", name(sent) + " behind " + name(before) + ", after " + std::to_string((sent.begin - before.end) / 1us) + " us, not " + std::to_string(limit / 1us));
+    violation("impatient", name(sent) + " behind " + name(before) + ", after " +
+                               std::to_string((sent.begin - before.end) / 1us) + " us, not " +
+                               std::to_string(limit / 1us));
   }
 }
 
@@ -84,7 +86,8 @@ void Judge::check_hold(Id id) {
         before.process != ledger_.process || before.begin <= ledger_.reloaded) {
       continue;
     }
-    const Instant until = before.end + std::min(timing.response_timeout, timing.probe_timeout_or_default()) +
+    const Instant until = before.end +
+                          std::min(timing.response_timeout, timing.probe_timeout_or_default()) +
                           timing.response_wait + timing.quarantine_or_default();
     if (sent.begin + kRounding < until) {
       violation("hold", name(sent) + " behind " + name(before));

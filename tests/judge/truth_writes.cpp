@@ -44,9 +44,9 @@ void Judge::check_limits(const Sent& sent) {
   const drive::Device* device = plan_.device_of(plan_.stations[*sent.station]);
   if (!is_routed || device == nullptr) {
     const bool is_whole = sent.asked.empty() || std::ranges::any_of(sent.asked, [&](Id id) {
-      const Intent& intent = ledger_.asked[id].intent;
-      return !intent.whole || intent.sent == sent.pdu;
-    });
+                            const Intent& intent = ledger_.asked[id].intent;
+                            return !intent.whole || intent.sent == sent.pdu;
+                          });
     const bool asks_order = sent.reads && sent.reads->first == kOrderRegister;
     if (!is_whole && !asks_order) {
       violation("altered", name(sent));
@@ -57,9 +57,8 @@ void Judge::check_limits(const Sent& sent) {
   if (sent.reads && sent.reads->count > limits.read_from(sent.reads->table)) {
     violation("limits", name(sent));
   }
-  const auto registers = std::ranges::count_if(sent.cells, [](const Cell& cell) {
-    return cell.table == Table::holding_registers;
-  });
+  const auto registers = std::ranges::count_if(
+      sent.cells, [](const Cell& cell) { return cell.table == Table::holding_registers; });
   if (registers > limits.write_registers) {
     violation("limits", name(sent));
   }
@@ -83,15 +82,16 @@ void Judge::check_once(Id id) {
     return;
   }
   const auto same = std::ranges::count_if(found->second, [&](Id other) {
-    return !sent.asked.empty() && std::ranges::count(ledger_.sent[other].asked, sent.asked.front()) > 0;
+    return !sent.asked.empty() &&
+           std::ranges::count(ledger_.sent[other].asked, sent.asked.front()) > 0;
   });
   if (same > 1 && !plan_.timing_of(plan_.stations[sent.station.value_or(0)]).retry_writes) {
     violation("sent_twice", name(sent));
   }
 }
 
-// What has begun is finished; a stop has no deadline. A request is as old as the process could know:
-// it reads what has come, late by no more than its machine makes it.
+// What has begun is finished; a stop has no deadline. A request is as old as the process could
+// know: it reads what has come, late by no more than its machine makes it.
 void Judge::check_late(Id id) {
   const Sent& sent = ledger_.sent[id];
   if (sent.is_stop || sent.asked.empty()) {

@@ -139,7 +139,8 @@ Intent Asking::read(std::size_t door, bool popular) {
         random_.chance(100) ? random_.between(30U, 120U) : random_.between(1U, 12U);
     const bool lives = random_.chance(500);
     plan_read(intent, Table::holding_registers,
-              lives ? kLiveFrom + random_.below(20U) : random_.between(0U, kRegisters - count), count);
+              lives ? kLiveFrom + random_.below(20U) : random_.between(0U, kRegisters - count),
+              count);
   }
   return intent;
 }

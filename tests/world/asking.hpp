@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes requests: what a client writes, and what that means to its drive, worked out by rules of its
-// own. Every write has words that no other write to its place has.
+// Makes requests: what a client writes, and what that means to its drive, worked out by rules of
+// its own. Every write has words that no other write to its place has.
 #pragma once
 
 #include "world/ledger.hpp"

@@ -28,13 +28,19 @@ Intent Asking::write(std::size_t door) {
       registers(intent, random_.between(0U, kLiveFrom - count), count);
       break;
     }
-    case 7: registers(intent, kPairsFrom + 2 * random_.between(0U, 16U), 2 * random_.between(1U, 3U)); break;
-    case 8: registers(intent, random_.between(kPairsFrom - 2U, kPairsEnd - 8U), random_.between(1U, 8U)); break;
-    case 9: registers(intent, random_.between(kQuadsFrom, kMotionEnd - 8U), random_.between(1U, 8U)); break;
+    case 7:
+      registers(intent, kPairsFrom + 2 * random_.between(0U, 16U), 2 * random_.between(1U, 3U));
+      break;
+    case 8:
+      registers(intent, random_.between(kPairsFrom - 2U, kPairsEnd - 8U), random_.between(1U, 8U));
+      break;
+    case 9:
+      registers(intent, random_.between(kQuadsFrom, kMotionEnd - 8U), random_.between(1U, 8U));
+      break;
     case 10: {
-      const unsigned address =
-          random_.one_of({random_.between(kPairsFrom, kPairsEnd - 1U), random_.between(kSlowFrom, kSlowEnd - 1U),
-                          random_.between(kMotionFrom, kCommunicationRegister)});
+      const unsigned address = random_.one_of(
+          {random_.between(kPairsFrom, kPairsEnd - 1U), random_.between(kSlowFrom, kSlowEnd - 1U),
+           random_.between(kMotionFrom, kCommunicationRegister)});
       single(intent, address);
       break;
     }
@@ -203,7 +209,8 @@ Intent Asking::broadcast(std::size_t at) {
     intent.buses = {static_cast<std::size_t>(*plan_.settings.listeners[door.listener].bus)};
   }
   intent.whole = false;
-  const unsigned address = random_.one_of({kBroadcastRegister, random_.between(0U, kLiveFrom - 1U)});
+  const unsigned address =
+      random_.one_of({kBroadcastRegister, random_.between(0U, kLiveFrom - 1U)});
   const unsigned word = next(all_of(0), address);
   if (random_.chance(200)) {
     const unsigned stop = 0x5000U | (next(all_of(0), kStopRegister) & 0xFFFU);

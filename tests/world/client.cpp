@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-
 namespace mbgate::world {
 
 using namespace std::chrono_literals;

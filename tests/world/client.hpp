@@ -24,7 +24,7 @@ struct ClientTools {
   std::function<void(Id)> asked;                       ///< it was written
   std::function<void(Id)> given;                       ///< the gateway has all of it
   std::function<void(Id)> answered;
-  std::function<void(Id)> gone;                        ///< a connection
+  std::function<void(Id)> gone;  ///< a connection
 };
 
 class Client {

@@ -73,9 +73,12 @@ void Client::look() {
 void Client::take(Bytes adu) {
   const std::uint16_t transaction = word_at(adu, 0);
   const auto found = open_.find(transaction);
-  const bool is_sound = adu.size() >= 9 && word_at(adu, 2) == 0 && word_at(adu, 4) == adu.size() - 6;
-  if (found == open_.end() || !is_sound || adu[6] != tools_.ledger.asked[found->second].intent.unit) {
-    tools_.report.violation("nobodys_answer", "client " + std::to_string(connection_) + " got " + hex(adu));
+  const bool is_sound =
+      adu.size() >= 9 && word_at(adu, 2) == 0 && word_at(adu, 4) == adu.size() - 6;
+  if (found == open_.end() || !is_sound ||
+      adu[6] != tools_.ledger.asked[found->second].intent.unit) {
+    tools_.report.violation("nobodys_answer",
+                            "client " + std::to_string(connection_) + " got " + hex(adu));
   } else {
     const Id id = found->second;
     open_.erase(found);

@@ -49,7 +49,9 @@ inline constexpr std::uint8_t kIdentification = 0x0E;  ///< of 43, the MEI type 
 
 /// The word at a place, high byte first (Application Protocol V1.1b3, 4.2).
 std::uint16_t word_at(Bytes bytes, std::size_t at);
-constexpr std::uint8_t high(unsigned value) { return static_cast<std::uint8_t>(value >> 8U & 0xFFU); }
+constexpr std::uint8_t high(unsigned value) {
+  return static_cast<std::uint8_t>(value >> 8U & 0xFFU);
+}
 constexpr std::uint8_t low(unsigned value) { return static_cast<std::uint8_t>(value & 0xFFU); }
 void append_word(Octets& bytes, unsigned word);
 /// A function and two words: what most requests are.

@@ -45,13 +45,15 @@ struct Intent {
   bool whole = false;                    ///< it goes on the wire as it is: `sent`
   Octets sent{};
   std::vector<Cell> writes{};
-  bool refused = false;   ///< the gateway must answer one of `codes` and send nothing
-  std::uint16_t codes = 0;  ///< exceptions that the gateway may refuse it with, each a bit
-  bool silent = false;                      ///< the drive never answers it, the gateway does
+  bool refused = false;      ///< the gateway must answer one of `codes` and send nothing
+  std::uint16_t codes = 0;   ///< exceptions that the gateway may refuse it with, each a bit
+  bool silent = false;       ///< the drive never answers it, the gateway does
   bool is_odd_read = false;  ///< a read that names no register: its answer is the drive's own
 };
 
-constexpr std::uint16_t code(unsigned exception) { return static_cast<std::uint16_t>(1U << exception); }
+constexpr std::uint16_t code(unsigned exception) {
+  return static_cast<std::uint16_t>(1U << exception);
+}
 
 /// A connection of a client to the gateway.
 struct Connection {
@@ -69,15 +71,15 @@ struct Asked {
   Id connection = kNone;
   std::uint16_t transaction = 0;
   Intent intent;
-  Instant written{};           ///< its last byte, by the client
-  Instant given = kNever;      ///< the gateway has all of it
-  Instant answered = kNever;   ///< the first time
+  Instant written{};          ///< its last byte, by the client
+  Instant given = kNever;     ///< the gateway has all of it
+  Instant answered = kNever;  ///< the first time
   Octets answer{};
   unsigned answers = 0;
-  bool dropped = false;        ///< its connection has gone
-  bool outdated = false;       ///< a reload gave its unit another meaning meanwhile
+  bool dropped = false;           ///< its connection has gone
+  bool outdated = false;          ///< a reload gave its unit another meaning meanwhile
   bool perhaps_outdated = false;  ///< the same before the gateway had it
-  std::vector<Id> sent{};      ///< transmissions that carried a part of it
+  std::vector<Id> sent{};         ///< transmissions that carried a part of it
 };
 
 /// A frame that the gateway has put on a line.
@@ -100,11 +102,11 @@ struct Sent {
   Instant begin{};
   Instant end{};  ///< computed: when its last bit leaves
   // What came of it, in the world:
-  Instant done = kNever;       ///< a drive carried it out
-  Instant answered = kNever;   ///< a whole fitting answer has reached the kernel
+  Instant done = kNever;         ///< a drive carried it out
+  Instant answered = kNever;     ///< a whole fitting answer has reached the kernel
   std::uint32_t exceptions = 0;  ///< that drives answered, each code a bit
-  bool limited = false;        ///< the drive has taken another value
-  bool cut = false;            ///< its line was closed meanwhile
+  bool limited = false;          ///< the drive has taken another value
+  bool cut = false;              ///< its line was closed meanwhile
 };
 
 /// What a drive has carried out.
@@ -118,10 +120,10 @@ struct Done {
 /// Bytes that reached the kernel.
 struct Came {
   Instant at{};
-  Instant said{};         ///< the last bit on the line; earlier where an adapter kept them
-  Id answers = kNone;     ///< the transmission whose answer ends here
-  bool fits = false;      ///< it is what was asked for
-  bool is_second = false; ///< it was said before
+  Instant said{};          ///< the last bit on the line; earlier where an adapter kept them
+  Id answers = kNone;      ///< the transmission whose answer ends here
+  bool fits = false;       ///< it is what was asked for
+  bool is_second = false;  ///< it was said before
   std::size_t bytes = 0;
 };
 
@@ -131,10 +133,10 @@ struct LineBook {
   unsigned openings = 0;
   Instant opened{};
   Instant closed = Instant::min();
-  std::deque<Came> came{};   ///< of the last seconds
-  Instant heard = Instant::min();  ///< the last byte reached the kernel
-  Instant said = Instant::min();   ///< its last bit on the line
-  Id last = kNone;                 ///< transmission
+  std::deque<Came> came{};                 ///< of the last seconds
+  Instant heard = Instant::min();          ///< the last byte reached the kernel
+  Instant said = Instant::min();           ///< its last bit on the line
+  Id last = kNone;                         ///< transmission
   Instant read_answered = Instant::min();  ///< which proves whether there is an echo
   Instant turnaround_end = Instant::min();
 };
@@ -145,17 +147,17 @@ struct Ledger {
   std::deque<Sent> sent;
   std::deque<Done> done;
   std::vector<LineBook> lines;
-  std::vector<std::vector<Id>> open_reads;  ///< by station: given, not answered
-  std::vector<std::vector<Id>> last_sent;   ///< by station: the last transmissions to it
-  std::vector<std::vector<Id>> stops;       ///< by station: given
-  std::unordered_map<std::uint64_t, Id> writer;                ///< by key_of(): who writes it
+  std::vector<std::vector<Id>> open_reads;       ///< by station: given, not answered
+  std::vector<std::vector<Id>> last_sent;        ///< by station: the last transmissions to it
+  std::vector<std::vector<Id>> stops;            ///< by station: given
+  std::unordered_map<std::uint64_t, Id> writer;  ///< by key_of(): who writes it
   std::unordered_map<std::uint64_t, std::vector<Id>> carriers;  ///< likewise: its transmissions
   std::unordered_map<std::uint64_t, std::vector<Id>> doers;     ///< likewise: who carried it out
   unsigned process = 0;
-  Instant started{};   ///< the process
+  Instant started{};  ///< the process
   Instant reloaded = Instant::min();
   Instant stopping = kNever;
-  bool calm = false;   ///< faults have stopped
+  bool calm = false;  ///< faults have stopped
 };
 
 /// In place of a station: all drives of a bus, for broadcasts.

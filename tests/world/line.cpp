@@ -150,7 +150,8 @@ void Line::begin_talk(std::uint64_t number) {
 void Line::garble(Talk& talk) {
   talk.damaged = true;
   for (std::size_t at = talk.heard; at < talk.bytes.size(); ++at) {
-    talk.bytes[at] = low(ascii_ ? talk.bytes[at] | 0x80U : talk.bytes[at] ^ random_.between(1U, 255U));
+    talk.bytes[at] =
+        low(ascii_ ? talk.bytes[at] | 0x80U : talk.bytes[at] ^ random_.between(1U, 255U));
     if (!ascii_ && ends_in_its_crc(Bytes(talk.bytes).first(at + 1))) {
       talk.bytes[at] ^= 1U;
     }
@@ -249,7 +250,8 @@ void Line::ask_as_stranger() {
   const auto address = low(kStrangers + random_.below(100U));
   const Octets asked = encode(address, request(3, random_.below(100U), 2));
   const Octets answer = encode(address, Octets{3, 4, low(random_.below(256U)), 1, 2, 3});
-  const Instant then = now + times_.of(asked.size()) + times_.silence() + random_.duration(0ms, 5ms);
+  const Instant then =
+      now + times_.of(asked.size()) + times_.silence() + random_.duration(0ms, 5ms);
   say(asked, now, 0, {}, {});
   say(answer, then, 0, {}, {});
 }
@@ -278,18 +280,17 @@ void Line::end_stall() {
 
 void Line::lose_supply(std::size_t number) {
   const Habits& habits = around_.drives[number].habits;
-  around_.schedule.after(random_.duration(habits.sleeps_every / 4, 2 * habits.sleeps_every),
-                         [this, number] {
-                           Drive& drive = around_.drives[number];
-                           if (is_calm_) {
-                             return;
-                           }
-                           around_.report.fault("without_supply");
-                           const Duration longest = drive.habits.sleeps_for;
-                           drive.lose_supply(around_.schedule.now() +
-                                             random_.duration(longest / 10, longest));
-                           lose_supply(number);
-                         });
+  around_.schedule.after(
+      random_.duration(habits.sleeps_every / 4, 2 * habits.sleeps_every), [this, number] {
+        Drive& drive = around_.drives[number];
+        if (is_calm_) {
+          return;
+        }
+        around_.report.fault("without_supply");
+        const Duration longest = drive.habits.sleeps_for;
+        drive.lose_supply(around_.schedule.now() + random_.duration(longest / 10, longest));
+        lose_supply(number);
+      });
 }
 
 }  // namespace mbgate::world

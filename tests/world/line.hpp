@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A serial line: its drives, its adapter, and everything that goes wrong on it. One event is a chunk
-// of bytes, not a byte. What overlaps on the line can be read by nobody.
+// A serial line: its drives, its adapter, and everything that goes wrong on it. One event is a
+// chunk of bytes, not a byte. What overlaps on the line can be read by nobody.
 #pragma once
 
 #include <map>
@@ -75,7 +75,7 @@ class Line {
   bool ascii_;
   std::map<std::uint64_t, Talk> talks_;
   std::uint64_t numbers_ = 0;
-  std::uint64_t echo_ = 0;  ///< of what is being sent, if the line has one
+  std::uint64_t echo_ = 0;                      ///< of what is being sent, if the line has one
   std::map<std::size_t, Instant> talks_until_;  ///< by drive
   std::vector<Frame> kept_;                     ///< by an adapter that stalls
   bool stalls_ = false;

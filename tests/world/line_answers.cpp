@@ -43,7 +43,8 @@ void Line::ask(Drive& drive, Id id) {
   }
   around_.report.fault("slow_drive");
   const Duration service = drive.habits.service;
-  drive.free() = std::max(drive.free(), now) + random_.duration(service * 9 / 10, service * 11 / 10);
+  drive.free() =
+      std::max(drive.free(), now) + random_.duration(service * 9 / 10, service * 11 / 10);
   around_.schedule.at(drive.free(), [this, &drive, id] { respond(drive, id); });
 }
 
@@ -58,8 +59,9 @@ void Line::respond(Drive& drive, Id id) {
     drive.carry_out(around_.ledger, id, std::move(pdu), now);
     return;
   }
-  const bool refuses = sent.is_stop ? happens(drive.habits.refuses_stops, "stop_refused")
-                                    : !is_silent_write(pdu) && happens(drive.habits.exceptions, "exception");
+  const bool refuses = sent.is_stop
+                           ? happens(drive.habits.refuses_stops, "stop_refused")
+                           : !is_silent_write(pdu) && happens(drive.habits.exceptions, "exception");
   if (refuses) {
     const std::uint8_t code = sent.is_stop ? random_.one_of<std::uint8_t>({5, 6, 0x0A, 0x0B})
                                            : random_.one_of<std::uint8_t>({4, 5, 7, 0x11, 0x12});
@@ -90,13 +92,15 @@ Instant Line::begin_of(Drive& drive, const Sent& sent) {
   const Duration limit = timing.response_timeout + timing.response_wait;
   const Duration tail = timing.quarantine_or_default();
   if (happens(drive.habits.late, "late")) {
-    return std::max(now, sent.end + limit + random_.duration(0ms, std::max<Duration>(tail - 10ms, 1ms)));
+    return std::max(now,
+                    sent.end + limit + random_.duration(0ms, std::max<Duration>(tail - 10ms, 1ms)));
   }
   if (happens(drive.habits.very_late, "very_late")) {
     return std::max(now, sent.end + limit + tail + random_.duration(1ms, 2 * limit));
   }
   Duration wait = kLeast + timing.response_wait + random_.duration(0us, drive.habits.quick);
-  if (sent.reads && sent.reads->first < kSlowEnd && sent.reads->first + sent.reads->count > kSlowFrom) {
+  if (sent.reads && sent.reads->first < kSlowEnd &&
+      sent.reads->first + sent.reads->count > kSlowFrom) {
     wait += random_.duration(0ms, timing.response_timeout / 2);
   }
   return now + wait;
@@ -134,14 +138,16 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
     good += size;
   } else if (!ascii_ && happens(habits.tails, "tail")) {
     // Zeros leave a CRC good: of a function that nobody knows they might be a part.
-    const std::uint8_t byte = pdu[0] >= 0x40 && pdu[0] < 0x80 ? 0xFF : random_.one_of<std::uint8_t>({0x00, 0xFF});
+    const std::uint8_t byte =
+        pdu[0] >= 0x40 && pdu[0] < 0x80 ? 0xFF : random_.one_of<std::uint8_t>({0x00, 0xFF});
     frame.insert(frame.end(), random_.between<std::size_t>(1, 3), byte);
   } else if (happens(habits.pauses, "pause")) {
     const auto kept = plan_.adapter == AdapterKind::uart ? 2ms : 20ms;
     pause = {random_.between<std::size_t>(1, frame.size() - 1),
              random_.duration(1ms, std::max<Duration>(slack - kept, 1ms))};
   } else if (happens(habits.long_pauses, "long_pause")) {
-    pause = {random_.between<std::size_t>(1, frame.size() - 1), slack + random_.duration(25ms, 200ms)};
+    pause = {random_.between<std::size_t>(1, frame.size() - 1),
+             slack + random_.duration(25ms, 200ms)};
   }
   busy = begin + times_.of(frame.size()) + pause.length;
   const bool again = !is_calm_ && habits.second > 0 && random_.chance(habits.second);
@@ -162,7 +168,8 @@ bool Line::spoil(const Habits& habits, Octets& pdu, Octets& frame, const Sent& s
     byte = low(ascii_ ? byte | 0x80U : byte ^ (1U << random_.below(8U)));
     return true;
   }
-  if (pdu[0] >= 0x40 || !happens(habits.misfits, "misfit")) {  // nobody knows what an unknown one says
+  if (pdu[0] >= 0x40 ||
+      !happens(habits.misfits, "misfit")) {  // nobody knows what an unknown one says
     return false;
   }
   switch (random_.between(0U, 2U)) {

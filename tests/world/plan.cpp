@@ -48,7 +48,9 @@ class Draw {
   void add_station(std::size_t bus, std::uint8_t address);
   Habits draw_habits(const drive::DeviceTiming& timing);
   void be_special(Habits& habits, const drive::DeviceTiming& timing);
-  unsigned some() { return random_.chance(500) ? 0 : static_cast<unsigned>(random_.below(most_ + 1)); }
+  unsigned some() {
+    return random_.chance(500) ? 0 : static_cast<unsigned>(random_.below(most_ + 1));
+  }
   Duration every(Duration least, Duration most) {
     return most_ > 0 && random_.chance(300) ? random_.duration(least, most) : Duration{0};
   }
@@ -69,7 +71,8 @@ void Draw::add_bus(std::size_t index) {
     draw_server(bus, line);
   }
   if (!plan_.default_times) {
-    bus.listen_first = random_.chance(700) ? random_.duration(0ms, 50ms) : std::optional<Duration>();
+    bus.listen_first =
+        random_.chance(700) ? random_.duration(0ms, 50ms) : std::optional<Duration>();
     bus.turnaround = random_.duration(10ms, 100ms);
     bus.stop_wait = random_.duration(40ms, 100ms);
     bus.reopen_min = 20ms;
@@ -100,16 +103,19 @@ void Draw::add_bus(std::size_t index) {
 }
 
 void Draw::draw_line(bus::BusSettings& bus, LinePlan& line) {
-  bus.line.baud = modbus::Baud{random_.one_of<std::uint32_t>({9600, 19200, 19200, 57600, 115200, 460800})};
-  bus.line.framing = random_.one_of({Framing::rtu, Framing::rtu, Framing::rtu, Framing::rtu,
-                                     Framing::ascii, Framing::tcp});
+  bus.line.baud =
+      modbus::Baud{random_.one_of<std::uint32_t>({9600, 19200, 19200, 57600, 115200, 460800})};
+  bus.line.framing = random_.one_of(
+      {Framing::rtu, Framing::rtu, Framing::rtu, Framing::rtu, Framing::ascii, Framing::tcp});
   if (bus.line.framing == Framing::tcp) {
     return;
   }
-  line.adapter = random_.one_of({AdapterKind::uart, AdapterKind::uart, AdapterKind::ticking, AdapterKind::late});
-  line.kind = line.adapter == AdapterKind::uart
-                  ? random_.one_of({bus::LineKind::uart, bus::LineKind::uart, bus::LineKind::virtual_line})
-                  : bus::LineKind::uart;
+  line.adapter = random_.one_of(
+      {AdapterKind::uart, AdapterKind::uart, AdapterKind::ticking, AdapterKind::late});
+  line.kind =
+      line.adapter == AdapterKind::uart
+          ? random_.one_of({bus::LineKind::uart, bus::LineKind::uart, bus::LineKind::virtual_line})
+          : bus::LineKind::uart;
   if (random_.chance(120)) {
     bus.line.remote = bus::Endpoint{"server-" + bus.name, 4001};
     line.kind = bus::LineKind::virtual_line;
@@ -171,15 +177,15 @@ Habits Draw::draw_habits(const drive::DeviceTiming& timing) {
   if (most_ == 0) {
     return habits;
   }
-  for (unsigned* rate :
-       {&habits.late, &habits.never, &habits.copies, &habits.damaged, &habits.cut, &habits.pauses,
-        &habits.long_pauses, &habits.misfits, &habits.glitches, &habits.tails, &habits.exceptions,
-        &habits.limits, &habits.deaf}) {
+  for (unsigned* rate : {&habits.late, &habits.never, &habits.copies, &habits.damaged, &habits.cut,
+                         &habits.pauses, &habits.long_pauses, &habits.misfits, &habits.glitches,
+                         &habits.tails, &habits.exceptions, &habits.limits, &habits.deaf}) {
     *rate = some();
   }
   habits.late *= random_.one_of({1U, 4U});
   habits.very_late = random_.chance(100) ? some() : 0;
-  // A copy cannot be told from what a drive still owes, nor from the next answer once it is behind it.
+  // A copy cannot be told from what a drive still owes, nor from the next answer once it is behind
+  // it.
   if (habits.late + habits.very_late > 0 || plan_.lines.back().adapter != AdapterKind::uart) {
     habits.copies = 0;
   }

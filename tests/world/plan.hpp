@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plant, drawn from a seed: the gateway's settings, what really is behind its lines, who asks, and
-// what goes wrong. Each fault is a figure here, so that a plant can be told to have it or not.
+// A plant, drawn from a seed: the gateway's settings, what really is behind its lines, who asks,
+// and what goes wrong. Each fault is a figure here, so that a plant can be told to have it or not.
 #pragma once
 
 #include "gateway/settings.hpp"
@@ -12,28 +12,28 @@ namespace mbgate::world {
 
 /// How a drive behaves. Chances in thousandths of answers, unless it says otherwise.
 struct Habits {
-  Duration quick{0};  ///< it answers within so long
-  Duration service{0};  ///< it takes each request so long, one after the other; 0: at once
-  unsigned late = 0;  ///< after its timeout, within the quarantine
+  Duration quick{0};       ///< it answers within so long
+  Duration service{0};     ///< it takes each request so long, one after the other; 0: at once
+  unsigned late = 0;       ///< after its timeout, within the quarantine
   unsigned very_late = 0;  ///< beyond
   unsigned never = 0;
   unsigned second = 0;  ///< another answer follows
   Duration second_from{0};
   Duration second_to{0};
-  unsigned copies = 0;    ///< the answer is said twice, without a pause
+  unsigned copies = 0;  ///< the answer is said twice, without a pause
   unsigned damaged = 0;
-  unsigned cut = 0;       ///< the rest never comes
-  unsigned pauses = 0;    ///< within an answer, for less than `frame_slack`
+  unsigned cut = 0;          ///< the rest never comes
+  unsigned pauses = 0;       ///< within an answer, for less than `frame_slack`
   unsigned long_pauses = 0;  ///< for more
-  unsigned misfits = 0;   ///< other lengths, functions, addresses and values, with a good check
-  unsigned glitches = 0;  ///< bytes in front
-  unsigned tails = 0;     ///< a byte or more behind
+  unsigned misfits = 0;      ///< other lengths, functions, addresses and values, with a good check
+  unsigned glitches = 0;     ///< bytes in front
+  unsigned tails = 0;        ///< a byte or more behind
   unsigned exceptions = 0;
-  unsigned limits = 0;    ///< of writes: another value is taken, and echoed
+  unsigned limits = 0;         ///< of writes: another value is taken, and echoed
   unsigned refuses_stops = 0;  ///< of stops: an exception that asks for another try
-  unsigned deaf = 0;      ///< of requests
-  bool dead = false;      ///< it has no supply
-  Duration sleeps_every{0};  ///< it is without supply for `sleeps_for` at most; 0: never
+  unsigned deaf = 0;           ///< of requests
+  bool dead = false;           ///< it has no supply
+  Duration sleeps_every{0};    ///< it is without supply for `sleeps_for` at most; 0: never
   Duration sleeps_for{0};
 };
 
@@ -74,9 +74,9 @@ struct LinePlan {
   unsigned other_identifier = 0;
   unsigned other_unit = 0;
   unsigned wrong_length = 0;
-  unsigned half = 0;         ///< of an answer, and then nothing more on this connection
+  unsigned half = 0;  ///< of an answer, and then nothing more on this connection
   unsigned closes_after = 0;
-  unsigned stray = 0;        ///< an answer with an identifier of nobody goes before
+  unsigned stray = 0;  ///< an answer with an identifier of nobody goes before
   Duration idle_close{0};
 };
 

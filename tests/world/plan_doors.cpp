@@ -55,11 +55,13 @@ void set_windows(routing::Route& route, Door& door, Random& random) {
   constexpr unsigned kMiddle = kTableEnd / 2;
   door.windowed = true;
   door.holding_at = random.one_of({0U, random.between(1U, kMiddle - kRegisters)});
-  door.input_at = random.one_of({kTableEnd - kInputs, random.between(kMiddle, kTableEnd - kInputs)});
+  door.input_at =
+      random.one_of({kTableEnd - kInputs, random.between(kMiddle, kTableEnd - kInputs)});
   const auto word = [](unsigned value) { return static_cast<std::uint16_t>(value); };
-  route.windows = {{Table::holding_registers, word(door.holding_at), kRegisters, Table::holding_registers, 0},
-                   {Table::holding_registers, word(door.input_at), kInputs, Table::input_registers, 0},
-                   {Table::coils, 0, kCoils, Table::coils, 0}};
+  route.windows = {
+      {Table::holding_registers, word(door.holding_at), kRegisters, Table::holding_registers, 0},
+      {Table::holding_registers, word(door.input_at), kInputs, Table::input_registers, 0},
+      {Table::coils, 0, kCoils, Table::coils, 0}};
   route.functions = routing::FunctionRules::rewritable();
 }
 

@@ -72,7 +72,8 @@ void draw_guards(Plan& plan, Random& random) {
     if (!random.chance(250)) {
       continue;
     }
-    const std::array<std::uint8_t, 5> write{6, 0, low(kFailsafeRegister), 0x5F, 0xFE};
+    const std::array<std::uint8_t, 5> write{6, 0, low(kFailsafeRegister), high(kFailsafeWord),
+                                            low(kFailsafeWord)};
     guard.failsafe.push_back(*modbus::Request::parse(*modbus::Pdu::from(write)));
     guard.quiet = random.chance(300) ? random.duration(1s, 5s) : 0ms;
     if (random.chance(500)) {

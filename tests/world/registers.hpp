@@ -14,11 +14,12 @@ namespace mbgate::world {
 inline constexpr unsigned kLiveFrom = 40;
 inline constexpr unsigned kPairsFrom = 100;  ///< values of two registers
 inline constexpr unsigned kPairsEnd = 140;
-inline constexpr unsigned kOtherStop = 149;  ///< 4xxx stops, alone or together with the next
-inline constexpr unsigned kStopRegister = 150;   ///< 5xxx stops
+inline constexpr unsigned kOtherStop = 149;       ///< 4xxx stops, alone or together with the next
+inline constexpr unsigned kStopRegister = 150;    ///< 5xxx stops
 inline constexpr unsigned kSilentRegister = 151;  ///< 7xxx is carried out and never answered
 inline constexpr unsigned kBroadcastRegister = 152;
 inline constexpr unsigned kFailsafeRegister = 153;  ///< nobody but the gateway writes it
+inline constexpr std::uint16_t kFailsafeWord = 0x5FFE;
 inline constexpr unsigned kSlowFrom = 160;
 inline constexpr unsigned kSlowEnd = 164;
 inline constexpr unsigned kQuadsFrom = 164;  ///< values of four registers
@@ -54,9 +55,7 @@ constexpr unsigned value_size(unsigned address) {
   return is_pair ? 2U : address >= kQuadsFrom && address < kQuadsEnd ? 4U : 1U;
 }
 /// Its first register; the sizes divide the addresses where values begin.
-constexpr unsigned value_begin(unsigned address) {
-  return address - address % value_size(address);
-}
+constexpr unsigned value_begin(unsigned address) { return address - address % value_size(address); }
 constexpr unsigned value_end(unsigned address) {
   return value_begin(address) + value_size(address);
 }

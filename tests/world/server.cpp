@@ -90,7 +90,8 @@ void Server::heard(Id id) {
       return;
     }
     const Duration service = is_calm_ ? Duration{0} : drive.habits.service;
-    drive.free() = std::max(drive.free(), now) + random_.duration(service * 9 / 10, service * 11 / 10);
+    drive.free() =
+        std::max(drive.free(), now) + random_.duration(service * 9 / 10, service * 11 / 10);
     around_.schedule.at(drive.free(), [this, &drive, id] { respond(drive, id); });
   }
 }
@@ -129,7 +130,8 @@ void Server::respond(Drive& drive, Id id) {
   });
   if (!is_calm_ && drive.habits.second > 0 && random_.chance(drive.habits.second)) {
     around_.report.fault("second_answer");
-    const Duration again = wait + random_.duration(drive.habits.second_from, drive.habits.second_to);
+    const Duration again =
+        wait + random_.duration(drive.habits.second_from, drive.habits.second_to);
     around_.schedule.after(again, [this, epoch = epoch_, id, pdu = *answer, fits] {
       if (epoch == epoch_) {
         say(id, pdu, fits, true);
@@ -169,7 +171,8 @@ void Server::say(Id id, const Octets& pdu, bool fits, bool is_second) {
     is_mute_ = random_.chance(300);
   }
   const std::uint64_t epoch = epoch_;
-  const std::size_t first = random_.chance(100) ? random_.between<std::size_t>(1, adu.size()) : adu.size();
+  const std::size_t first =
+      random_.chance(100) ? random_.between<std::size_t>(1, adu.size()) : adu.size();
   if (first < adu.size()) {
     deliver(Octets(adu.begin(), adu.begin() + static_cast<std::ptrdiff_t>(first)), {});
     adu.erase(adu.begin(), adu.begin() + static_cast<std::ptrdiff_t>(first));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The far end of a Modbus TCP bus: answers come late, in another order, in pieces, with identifiers
-// or units of nobody, with wrong lengths, or break off; connections are closed when they are idle or
-// after an answer.
+// or units of nobody, with wrong lengths, or break off; connections are closed when they are idle
+// or after an answer.
 #pragma once
 
 #include "world/surroundings.hpp"

@@ -35,12 +35,19 @@ World::World(Plan plan, bool trace)
       random_(plan_.seed ^ kWorldsChance),
       changes_(plan_.seed ^ kChangesChance),
       drives_(make_drives(plan_)),
-      around_{plan_,   schedule_, ledger_, report_, drives_,
-              [this](std::size_t bus, const Octets& bytes, const Came& came) { deliver(bus, bytes, came); },
+      around_{plan_,
+              schedule_,
+              ledger_,
+              report_,
+              drives_,
+              [this](std::size_t bus, const Octets& bytes, const Came& came) {
+                deliver(bus, bytes, came);
+              },
               [this](std::size_t bus) { lose(bus, bus::Loss::closed); }},
       buses_(plan_.lines.size()),
       harness_(std::in_place, plan_.settings, schedule_.now()),
-      driver_(plan_.driver, buses_.size(), plan_.seed ^ kDriversChance, schedule_, report_, hands()),
+      driver_(plan_.driver, buses_.size(), plan_.seed ^ kDriversChance, schedule_, report_,
+              hands()),
       asking_(plan_, random_),
       tools_{plan_,
              schedule_,
@@ -81,7 +88,8 @@ World::World(Plan plan, bool trace)
 void World::trace(const std::string& text) const {
   if (trace_) {
     std::fprintf(stderr, "%10.6f %s\n",
-                 static_cast<double>(schedule_.now().time_since_epoch().count()) / 1e9, text.c_str());
+                 static_cast<double>(schedule_.now().time_since_epoch().count()) / 1e9,
+                 text.c_str());
   }
 }
 
@@ -127,39 +135,40 @@ void World::run_until(Instant limit) {
 }
 
 Driver::Hands World::hands() {
-  return {[this](std::size_t bus, Octets bytes) {
-            trace(plan_.bus(bus).name + " < " + hex(bytes));
-            hand_in(gateway::LineBytes{gateway::BusId{buses_[bus].id}, bytes});
-          },
-          [this](std::size_t bus) {
-            hand_in(gateway::LineLost{gateway::BusId{buses_[bus].id},
-                                      std::exchange(losses_[bus], bus::Loss::failed)});
-          },
-          [this] {
-            for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
-              tell_unsent(bus);
-            }
-            hand_in(gateway::DeadlineReached{});
-          },
-          [this](Duration missed) {
-            hand_in(gateway::Stalled{std::chrono::duration_cast<std::chrono::milliseconds>(missed)});
-            for (Client& client : clients_) {
-              client.be_read();
-            }
-          },
-          [this] {
-            const auto wake = harness_->next_wake();
-            return wake ? std::optional(bus::Wake{wake->at, wake->silence_of.has_value()})
-                        : std::nullopt;
-          },
-          [this](Duration time) {
-            const Instant end = schedule_.now() + time;
-            for (auto next = schedule_.next(); next && *next <= end; next = schedule_.next()) {
-              schedule_.advance(*next);
-              schedule_.run_one();
-            }
-            schedule_.advance(end);
-          }};
+  return {
+      [this](std::size_t bus, Octets bytes) {
+        trace(plan_.bus(bus).name + " < " + hex(bytes));
+        hand_in(gateway::LineBytes{gateway::BusId{buses_[bus].id}, bytes});
+      },
+      [this](std::size_t bus) {
+        hand_in(gateway::LineLost{gateway::BusId{buses_[bus].id},
+                                  std::exchange(losses_[bus], bus::Loss::failed)});
+      },
+      [this] {
+        for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+          tell_unsent(bus);
+        }
+        hand_in(gateway::DeadlineReached{});
+      },
+      [this](Duration missed) {
+        hand_in(gateway::Stalled{std::chrono::duration_cast<std::chrono::milliseconds>(missed)});
+        for (Client& client : clients_) {
+          client.be_read();
+        }
+      },
+      [this] {
+        const auto wake = harness_->next_wake();
+        return wake ? std::optional(bus::Wake{wake->at, wake->silence_of.has_value()})
+                    : std::nullopt;
+      },
+      [this](Duration time) {
+        const Instant end = schedule_.now() + time;
+        for (auto next = schedule_.next(); next && *next <= end; next = schedule_.next()) {
+          schedule_.advance(*next);
+          schedule_.run_one();
+        }
+        schedule_.advance(end);
+      }};
 }
 
 void World::hand_in(const gateway::Input& input) {

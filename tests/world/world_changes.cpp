@@ -87,7 +87,8 @@ void World::reload() {
     const gateway::Settings settings = plan_.settings;
     harness_->handle(gateway::SettingsChanged{&settings}, schedule_.now());
     std::vector<std::uint32_t> before;
-    std::ranges::transform(buses_, std::back_inserter(before), [](const BusState& it) { return it.id; });
+    std::ranges::transform(buses_, std::back_inserter(before),
+                           [](const BusState& it) { return it.id; });
     number_buses();
     for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
       if (buses_[bus].id != before[bus]) {

@@ -33,8 +33,9 @@ Range without_rest(const Asked& asked, Range read) {
   }
   const unsigned first = std::max(read.first, intent.reads->first);
   const unsigned end = std::min(read.first + read.count, intent.reads->first + intent.reads->count);
-  const bool widened = first < end && read.first >= value_begin(intent.reads->first) &&
-                       read.first + read.count <= value_end(intent.reads->first + intent.reads->count - 1);
+  const bool widened =
+      first < end && read.first >= value_begin(intent.reads->first) &&
+      read.first + read.count <= value_end(intent.reads->first + intent.reads->count - 1);
   return widened ? Range{read.table, first, end - first} : read;
 }
 
@@ -93,7 +94,8 @@ void World::note_sent(Id id) {
     sent.cells = cells_of(sent.pdu);
     const auto fields = fields_of(sent.pdu);
     sent.reads = fields ? fields->reads : std::nullopt;
-    sent.is_stop = !sent.cells.empty() && sent.pdu[0] != 0x17 && std::ranges::all_of(sent.cells, is_stopping);
+    sent.is_stop =
+        !sent.cells.empty() && sent.pdu[0] != 0x17 && std::ranges::all_of(sent.cells, is_stopping);
     sent.is_failsafe = std::ranges::any_of(sent.cells, [](const Cell& cell) {
       return cell.table == Table::holding_registers && cell.place == kFailsafeRegister;
     });
@@ -115,8 +117,9 @@ void World::note_sent(Id id) {
       });
       for (const Id asked : open) {
         const Intent& intent = ledger_.asked[asked].intent;
-        const bool is_its = sent.reads ? covers(intent, without_rest(ledger_.asked[asked], *sent.reads))
-                                       : intent.pdu == sent.pdu;
+        const bool is_its = sent.reads
+                                ? covers(intent, without_rest(ledger_.asked[asked], *sent.reads))
+                                : intent.pdu == sent.pdu;
         if (is_its) {
           sent.asked.push_back(asked);
         }

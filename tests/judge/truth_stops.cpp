@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// A stop is on the wire within its bound, and repeated while its drive says "not now" (behaviour.md,
+// section 6).
+#include <algorithm>
+
+#include "judge/judge.hpp"
+
+namespace mbgate::judge {
+
+using namespace std::chrono_literals;
+
+namespace {
+// 05, 06, 0A and 0B.
+constexpr std::uint32_t kTryAgain = 1U << 5U | 1U << 6U | 1U << 10U | 1U << 11U;
+}  // namespace
+
+// From acceptance, or from when its line was there, to the wire; others that wait are counted.
+void Judge::check_stop_time(Id id) {
+  const Sent& sent = ledger_.sent[id];
+  const LineBook& line = ledger_.lines[sent.bus];
+  if (!sent.is_stop || sent.asked.empty()) {
+    return;
+  }
+  const Asked& asked = ledger_.asked[sent.asked.front()];
+  if (asked.sent.size() > 1 || asked.intent.kind != Kind::stop || asked.intent.sent.empty() == asked.intent.whole) {
+    return;
+  }
+  const Instant from = std::max({asked.given, line.opened, ledger_.reloaded});
+  Duration longest = 0ms;
+  for (const drive::Device& device : plan_.settings.devices) {
+    longest = std::max(longest, device.timing.response_timeout + device.timing.response_wait);
+  }
+  unsigned others = 0;  // stops that went meanwhile, each with its tries
+  for (Id before = id; before > 0 && ledger_.sent[before - 1].begin >= from; --before) {
+    others += ledger_.sent[before - 1].bus == sent.bus ? 1U : 0U;
+  }
+  const Duration frame = 2 * WireTimes(plan_.bus(sent.bus).line).of(kAsciiFrame);
+  const Duration bound = 2s + 600ms + frame + (others + 1) * (longest + frame / 4);
+  if (sent.begin > from + bound) {
+    violation("stop_late", name(sent) + " for " + name(asked) + ", after " +
+                               std::to_string((sent.begin - from) / 1ms) + " ms");
+  }
+}
+
+// Where its drive has answered each try with "not now", it was tried often enough.
+void Judge::check_refused_stop(const Asked& asked) {
+  if (asked.intent.kind != Kind::stop || asked.sent.empty() || asked.answer[0] < 0x80 ||
+      ledger_.reloaded >= asked.given || ledger_.stopping != kNever) {
+    return;
+  }
+  const bool is_refused = std::ranges::all_of(asked.sent, [&](Id id) {
+    const Sent& sent = ledger_.sent[id];
+    const std::uint32_t said = sent.exceptions;
+    return said != 0 && (said & ~kTryAgain) == 0 && sent.answered != kNever && !sent.cut &&
+           sent.opening == ledger_.lines[sent.bus].openings;
+  });
+  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*asked.intent.station]);
+  // After a whole series that failed a stop is one try.
+  const auto& stops = ledger_.stops[*asked.intent.station];
+  const bool is_first = std::ranges::none_of(stops, [&](Id id) {
+    const Asked& other = ledger_.asked[id];
+    return &other != &asked && other.given + 30s > asked.given && other.given <= now();
+  });
+  if (is_refused && is_first && asked.sent.size() < 1 + timing.stop_retries) {
+    violation("stop_given_up", name(asked) + ", after " + std::to_string(asked.sent.size()) + " tries");
+  }
+}
+
+}  // namespace mbgate::judge
