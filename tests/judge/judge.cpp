@@ -45,6 +45,7 @@ void Judge::answered(Id id) {
     violation("answered_twice", name(asked));
   }
   note_asked_of(asked);
+  note_share(asked);
   if (asked.intent.kind == Kind::own) {
     return;
   }
@@ -88,6 +89,7 @@ void Judge::sent(Id id) {
 
 void Judge::check_rest() {
   check_failsafe_done();
+  check_shares();
   for (const Asked& asked : ledger_.asked) {
     const bool is_due = asked.given != kNever && !asked.dropped && asked.answers == 0;
     const bool replies = asked.intent.kind == Kind::own || door_of(asked).replies;

@@ -25,6 +25,7 @@ class Judge : public Witness {
   void given(Id asked) override;
   void answered(Id asked) override;
   void sent(Id sent) override;
+  void came(std::size_t bus) override;
   /// After come_to_rest(): everything was answered, and everybody is served again.
   void check_rest();
   /// After shut_down().
@@ -37,7 +38,6 @@ class Judge : public Witness {
     unsigned stale = 0;  ///< the same, of those that show what was asked for, as it was before
     unsigned right = 0;  ///< since the last wrong one
     unsigned process = 0;
-    Instant reloaded = Instant::min();
   };
 
   // truth_answers.cpp: what a client gets is what its drive says, or a refusal that is true.
@@ -70,6 +70,16 @@ class Judge : public Witness {
   void check_stop_time(Id id);
   void check_refused_stop(const Asked& asked);
 
+  // truth_bounds.cpp: what is fast enough, over a run.
+  struct Share {
+    unsigned got = 0;
+    unsigned lost = 0;    ///< though the answer came in time
+    unsigned ended = 0;   ///< waits, by a frame that did not fit
+    unsigned waited = 0;  ///< for the whole timeout all the same
+  };
+  void note_share(const Asked& asked);
+  void check_shares();
+
   // truth_wire.cpp: one transaction at a time, with silence; who may still answer is left alone.
   void check_silence(Id id);
   void check_waiting(Id id);
@@ -94,6 +104,8 @@ class Judge : public Witness {
   std::map<std::size_t, std::map<unsigned, unsigned>>
       wrote_;  ///< by station and host: in which process
   bool has_broadcast_ = false;
+  std::map<std::size_t, Share> shares_;      ///< by bus
+  std::unordered_map<Id, Instant> misfits_;  ///< by transmission
 };
 
 }  // namespace mbgate::judge

@@ -214,12 +214,10 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
     violation(kind, name(asked) + ", from " + name(from));
     return;
   }
-  if (slips.process != ledger_.process || slips.reloaded != ledger_.reloaded ||
-      slips.right >= kForgotten) {
+  if (slips.process != ledger_.process || slips.right >= kForgotten) {
     slips.wrong = slips.stale = 0;
   }
   slips.process = ledger_.process;
-  slips.reloaded = ledger_.reloaded;
   slips.right = 0;
   // What it said to the same question a moment before cannot be told from the answer to this one.
   const bool is_same = !asked.sent.empty() && from.pdu == ledger_.sent[asked.sent.back()].pdu;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Failsafe writes go when a client that has written to the drive has gone, and not while all of them
-// are there; they stay due until the drive has them (behaviour.md, section 6).
+// Failsafe writes go when a client that has written to the drive has gone, and not while all of
+// them are there; they stay due until the drive has them (behaviour.md, section 6).
 #include <algorithm>
 #include <set>
 
@@ -10,8 +10,8 @@ namespace mbgate::judge {
 
 using namespace std::chrono_literals;
 
-// A host that has written: since when is it gone, for this drive? Connections that ask it nothing do
-// not count. kNever: it is there.
+// A host that has written: since when is it gone, for this drive? Connections that ask it nothing
+// do not count. kNever: it is there.
 Instant Judge::gone_since(unsigned host, std::size_t station) const {
   const auto found = askers_.find({host, station});
   Instant last = Instant::min();
@@ -71,10 +71,11 @@ void Judge::check_failsafe_done() {
   std::vector<Instant> written(plan_.stations.size(), Instant::min());
   for (const Done& done : ledger_.done) {
     const Sent& sent = ledger_.sent[done.sent];
-    const bool is_clients = sent.station && !sent.is_failsafe && !sent.is_stop && sent.process == ledger_.process;
+    const bool is_clients =
+        sent.station && !sent.is_failsafe && !sent.is_stop && sent.process == ledger_.process;
     const bool is_known = is_clients && std::ranges::any_of(sent.asked, [&](Id id) {
-      return !ledger_.asked[id].intent.refused;
-    });
+                            return !ledger_.asked[id].intent.refused;
+                          });
     if (is_known) {
       written[*sent.station] = std::max(written[*sent.station], sent.begin);
     }
@@ -87,12 +88,13 @@ void Judge::check_failsafe_done() {
       continue;
     }
     const auto found = ledger_.doers.find(key_of(at, stop));
-    const bool is_done = found != ledger_.doers.end() && std::ranges::any_of(found->second, [&](Id done) {
-      return ledger_.done[done].at > written[at];
-    });
+    const bool is_done =
+        found != ledger_.doers.end() && std::ranges::any_of(found->second, [&](Id done) {
+          return ledger_.done[done].at > written[at];
+        });
     if (!is_done) {
-      violation("failsafe_missing", plan_.bus(station.bus).name + " address " +
-                                        std::to_string(station.address));
+      violation("failsafe_missing",
+                plan_.bus(station.bus).name + " address " + std::to_string(station.address));
     }
   }
 }

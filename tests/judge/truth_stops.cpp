@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stop is on the wire within its bound, and repeated while its drive says "not now" (behaviour.md,
-// section 6).
+// A stop is on the wire within its bound, and repeated while its drive says "not now"
+// (behaviour.md, section 6).
 #include <algorithm>
 
 #include "judge/judge.hpp"
@@ -22,7 +22,8 @@ void Judge::check_stop_time(Id id) {
     return;
   }
   const Asked& asked = ledger_.asked[sent.asked.front()];
-  if (asked.sent.size() > 1 || asked.intent.kind != Kind::stop || asked.intent.sent.empty() == asked.intent.whole) {
+  if (asked.sent.size() > 1 || asked.intent.kind != Kind::stop ||
+      asked.intent.sent.empty() == asked.intent.whole) {
     return;
   }
   const Instant from = std::max({asked.given, line.opened, ledger_.reloaded});
@@ -62,7 +63,8 @@ void Judge::check_refused_stop(const Asked& asked) {
     return &other != &asked && other.given + 30s > asked.given && other.given <= now();
   });
   if (is_refused && is_first && asked.sent.size() < 1 + timing.stop_retries) {
-    violation("stop_given_up", name(asked) + ", after " + std::to_string(asked.sent.size()) + " tries");
+    violation("stop_given_up",
+              name(asked) + ", after " + std::to_string(asked.sent.size()) + " tries");
   }
 }
 

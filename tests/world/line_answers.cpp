@@ -123,6 +123,17 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
   std::size_t good = frame.size();
   Pause pause{0, Duration{0}};
   const Duration slack = slack_of(around_.plan.bus(bus_));
+  if (happens(habits.crawls, "crawl")) {
+    constexpr Duration kStep = 600ms;
+    constexpr std::size_t kMost = 8;
+    frame.resize(std::min(frame.size(), kMost));
+    for (const std::uint8_t byte : frame) {
+      say({byte}, begin, 0, {}, {});
+      begin += kStep;
+    }
+    busy = begin;
+    return;
+  }
   if (happens(habits.copies, "copy")) {
     const Octets once = frame;
     frame.insert(frame.end(), once.begin(), once.end());

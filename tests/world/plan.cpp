@@ -182,6 +182,7 @@ Habits Draw::draw_habits(const drive::DeviceTiming& timing) {
                          &habits.tails, &habits.exceptions, &habits.limits, &habits.deaf}) {
     *rate = some();
   }
+  habits.crawls = random_.chance(200) ? random_.between(1U, 10U) : 0;
   habits.late *= random_.one_of({1U, 4U});
   habits.very_late = random_.chance(100) ? some() : 0;
   // A copy cannot be told from what a drive still owes, nor from the next answer once it is behind
@@ -231,7 +232,7 @@ void draw_timing(drive::DeviceTiming& timing, bool is_default, Random& random) {
   }
   timing.quarantine_max = 2s;
   timing.offline_after = random.between(0U, 4U);
-  timing.probe_interval = random.duration(100ms, 2s);
+  timing.probe_interval = random.duration(600ms, 2s);  // longer than a timeout and its tail
   timing.probe_timeout.reset();
   if (random.chance(300)) {
     timing.probe_timeout = random.duration(25ms, 100ms);

@@ -23,6 +23,7 @@ struct Habits {
   unsigned copies = 0;  ///< the answer is said twice, without a pause
   unsigned damaged = 0;
   unsigned cut = 0;          ///< the rest never comes
+  unsigned crawls = 0;       ///< one byte, a long pause, and the next
   unsigned pauses = 0;       ///< within an answer, for less than `frame_slack`
   unsigned long_pauses = 0;  ///< for more
   unsigned misfits = 0;      ///< other lengths, functions, addresses and values, with a good check

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is fast enough is a figure of a whole run: answers that came in time reach their clients,
+// and a good frame that does not fit ends a wait (behaviour.md, section 4).
+#include "judge/judge.hpp"
+
+namespace mbgate::judge {
+
+using namespace std::chrono_literals;
+
+namespace {
+constexpr std::uint8_t kUnanswered = 0x0B;
+constexpr Duration kLateness = 60ms;  // of adapters and drivers
+}  // namespace
+
+// A frame of the drive that was asked, which is not what was asked for.
+void Judge::came(std::size_t bus) {
+  const Came& came = ledger_.lines[bus].came.back();
+  if (came.answers != kNone && !came.fits && !came.is_second) {
+    misfits_[came.answers] = came.at;
+  }
+}
+
+void Judge::note_share(const Asked& asked) {
+  if (asked.intent.kind == Kind::own || asked.sent.empty() || !asked.intent.station) {
+    return;
+  }
+  const Sent& sent = ledger_.sent[asked.sent.back()];
+  const LineBook& line = ledger_.lines[sent.bus];
+  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*asked.intent.station]);
+  const Instant due = sent.end + timing.response_timeout + timing.response_wait;
+  const bool is_plain = line.openings == sent.opening && ledger_.reloaded < sent.begin &&
+                        ledger_.stopping == kNever && !plan_.driver.stalls && !plan_.driver.stops;
+  if (!is_plain || &ledger_.asked[sent.asked.front()] != &asked) {
+    return;  // one of those that share a transmission
+  }
+  Share& share = shares_[sent.bus];
+  const bool is_lost = asked.answer[0] >= 0x80 && asked.answer[1] == kUnanswered;
+  if (sent.answered < due - kLateness && asked.intent.kind == Kind::read && sent.exceptions == 0) {
+    ++(is_lost ? share.lost : share.got);
+  }
+  const auto misfit = misfits_.find(asked.sent.back());
+  const Duration allowed = slack_of(plan_.bus(sent.bus)) + kLateness;
+  if (misfit != misfits_.end() && asked.intent.kind == Kind::write && is_lost &&
+      !plan_.is_tcp(sent.bus) && due - misfit->second > 2 * allowed) {
+    ++(asked.answered > misfit->second + allowed ? share.waited : share.ended);
+  }
+}
+
+void Judge::check_shares() {
+  constexpr unsigned kFew = 5;
+  for (const auto& [bus, share] : shares_) {
+    const std::string text = plan_.bus(bus).name + ": ";
+    if (share.lost > kFew + (share.got + share.lost) / 5) {
+      violation("answers_lost", text + std::to_string(share.lost) + " of " +
+                                    std::to_string(share.lost + share.got) + " that came in time");
+    }
+    if (share.waited > 2 + share.ended) {
+      violation("misfits_waited", text + std::to_string(share.waited) + " of " +
+                                      std::to_string(share.waited + share.ended));
+    }
+  }
+}
+
+}  // namespace mbgate::judge
