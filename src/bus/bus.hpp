@@ -11,7 +11,6 @@
 #include "bus/health/line_diagnosis.hpp"
 #include "bus/parts.hpp"
 #include "bus/queue/admission.hpp"
-#include "bus/state_reader.hpp"
 #include "bus/transmission/dispatch.hpp"
 #include "bus/transmission/job_ends.hpp"
 #include "bus/transmission/outcomes.hpp"
@@ -75,7 +74,6 @@ class Bus {
   void set_traced(bool traced) { parts_.is_traced = traced; }
 
  private:
-  friend struct mbgate::StateReader;
   void collect(Instant now);
 
   Parts parts_;

@@ -7,7 +7,6 @@
 #include <variant>
 
 #include "bus/serial/serial_discipline.hpp"
-#include "bus/state_reader.hpp"
 #include "bus/tcp/tcp_discipline.hpp"
 
 namespace mbgate::bus {
@@ -96,7 +95,6 @@ class LineDiscipline {
   }
 
  private:
-  friend struct mbgate::StateReader;
   using Variant = std::variant<SerialDiscipline, TcpDiscipline>;
   static Variant make(const BusSettings& settings, BusCounters& counters) {
     if (settings.line.framing == Framing::tcp) {

@@ -12,7 +12,6 @@
 
 #include "bus/instant.hpp"
 #include "bus/settings.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -63,7 +62,6 @@ class LinkState {
   [[nodiscard]] std::optional<Instant> next_attempt() const { return reopen_at_; }
 
  private:
-  friend struct mbgate::StateReader;
   enum class State : std::uint8_t {
     starting,  ///< the first attempt to open it runs
     closed,    ///< the next attempt is scheduled or runs

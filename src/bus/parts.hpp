@@ -72,7 +72,6 @@ struct Parts {
   ActionQueue<BusAction> actions;
 
  private:
-  friend struct mbgate::StateReader;
   [[nodiscard]] std::size_t most_in_flight() const {
     return settings.line.framing == Framing::tcp ? settings.outstanding : 1;
   }

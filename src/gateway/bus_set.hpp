@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "bus/bus.hpp"
-#include "bus/state_reader.hpp"
 #include "gateway/settings.hpp"
 
 namespace mbgate::gateway {
@@ -66,7 +65,6 @@ class BusSet {
   std::vector<GivenUp> adopt(const Settings& old, const Settings& next, Instant now);
 
  private:
-  friend struct mbgate::StateReader;
   struct Slot {
     std::unique_ptr<bus::Bus> bus;  ///< none: removed
     bool touched = false;

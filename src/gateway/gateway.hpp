@@ -51,7 +51,6 @@ class Gateway {
   [[nodiscard]] bool is_open(BusId bus) const { return buses_[bus].link().serves(); }
 
  private:
-  friend struct mbgate::StateReader;
   void on(const ClientConnected& input, Instant now);
   void on(const ClientBytes& input, Instant now);
   void on(const ClientSent& input, Instant now);

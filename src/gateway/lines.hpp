@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "bus/bus_action.hpp"
-#include "bus/state_reader.hpp"
 #include "gateway/bus_set.hpp"
 #include "gateway/exchanges/exchanges.hpp"
 #include "gateway/input.hpp"
@@ -36,7 +35,6 @@ class Lines {
   void adopt(const Settings& before, const Settings& next, Instant now);
 
  private:
-  friend struct mbgate::StateReader;
   void carry_out(BusId bus, const bus::BusAction& action);
   void trace(BusId bus, const bus::BusAction& action, Instant now);
   void report(const Event& event) { actions_.push(Report{event}); }

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "bus/health/device_health.hpp"
+#include "bus/instant.hpp"
 
 namespace mbgate::explore {
 

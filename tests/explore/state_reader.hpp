@@ -1,61 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that the machine remembers and that may decide what it does later. Each class is taken
-// apart whole: a member that is added does not compile until somebody has said here what it means.
-// What is left out is left out by name, with the reason why it decides nothing.
-//
-// The reasons hold for small worlds: one RTU line that is never lost, no guards, nothing read
-// ahead, the same settings all the time, less than a minute of virtual time. What they rest on and
-// can be seen here is asserted.
 #pragma once
 
 #include "explore/state_hash.hpp"
-#include "gateway/gateway.hpp"
 
-namespace mbgate {
+namespace mbgate::gateway {
 
-struct StateReader {
-  using Hash = explore::StateHash;
-  using Instant = bus::Instant;
-  using Duration = bus::Duration;
+class Gateway;
 
-  static void read(gateway::Gateway& gateway, Hash& hash);
+}  // namespace mbgate::gateway
 
- private:
-  /// What of a bus says how far back is looked.
-  struct Sight {
-    bool stop_waits;       ///< what was before it waited counts for it too
-    bool may_be_offline;   ///< any of its devices
-    Duration frame_slack;  ///< that an answer may pause
-  };
+namespace mbgate::explore {
 
-  // state_reader_gateway.cpp
-  static void read(gateway::Clients& clients, gateway::Gateway& gateway, Hash& hash);
-  static void read(const gateway::ClientSession& session, gateway::Gateway& gateway, Hash& hash);
-  static void read(const gateway::Exchange& exchange, gateway::Gateway& gateway, Hash& hash);
-  static void read(const routing::Plan& plan, Hash& hash);
+/// Adds everything that the machine remembers and that may decide what it does later.
+void read_state(gateway::Gateway& gateway, StateHash& hash);
 
-  // state_reader_bus.cpp
-  static void read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash);
-  static void read(const bus::BusQueue& queue, gateway::Gateway& gateway, Hash& hash);
-  static void read(const bus::DeviceTable& devices, const Sight& sight, Hash& hash);
-  static void read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash);
-  static void read(const bus::DeviceHealth& health, const drive::DeviceTiming& timing, Hash& hash);
-  static void read(const bus::Hold& hold, const drive::DeviceTiming& timing, Hash& hash);
-  static void read(const bus::ReadCache& cache, Duration age, Hash& hash);
-  static void read(const bus::LinkState& link, Hash& hash);
-  static void read(const bus::Transmission& transmission, const bus::DeviceTable& devices,
-                   gateway::Gateway& gateway, Hash& hash);
-  static void read(const bus::Job* job, gateway::Gateway& gateway, Hash& hash);
-  static void read(const bus::Transaction& transaction, Hash& hash);
-
-  // state_reader_line.cpp
-  static void read(const bus::LineDiscipline& line, const Sight& sight, Hash& hash);
-  static void read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash);
-  static void read(const bus::Echo& echo, bool is_running, Hash& hash);
-  static void read(const bus::Framer& framer, Hash& hash);
-  static void read(const bus::RtuFramer& framer, Hash& hash);
-  static void read(const bus::ReceivedBytes& received, Duration reach, Hash& hash);
-  static void read(const bus::CutFrame& cut, bool is_last, Hash& hash);
-};
-
-}  // namespace mbgate
+}  // namespace mbgate::explore

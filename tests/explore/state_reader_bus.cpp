@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bus: who waits, who is on the wire, what is known of the devices.
 #include "explore/require.hpp"
-#include "explore/state_reader.hpp"
+#include "explore/state_reader_parts.hpp"
 
-namespace mbgate {
-
-using explore::kFarPast;
-using explore::Order;
+namespace mbgate::explore {
 
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   auto& [parts, listens_first_until, ends, diagnosis, outcomes, dispatch, admission] = bus;
@@ -57,7 +54,7 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   }
   read(queue, gateway, hash);
   const auto& [waiting_stops, resting_stops] = stops;
-  explore::require(resting_stops.empty(), "no stop is refused");
+  require(resting_stops.empty(), "no stop is refused");
   hash.add(waiting_stops.size());
   for (const bus::Transmission& stop : waiting_stops) {
     read(stop, devices, gateway, hash);
@@ -75,7 +72,7 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
 void StateReader::read(const bus::LinkState& link, Hash& hash) {
   // Only after a loss: opened_at, delay.
   const auto& [state, opened_at, reopen_at, delay] = link;
-  explore::require(link.is_open() && !reopen_at, "the line is never lost");
+  require(link.is_open() && !reopen_at, "the line is never lost");
   hash.add(state);
 }
 
@@ -165,7 +162,7 @@ void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
   // Its route's: window_begin, window_end.
   const auto& [address, unit, request, silence_is_success, broadcast, response, boot_time,
                must_hold, window_begin, window_end] = transaction;
-  explore::require(must_hold == nullptr, "the gateway asks nothing of its own");
+  require(must_hold == nullptr, "the gateway asks nothing of its own");
   hash.add(address);
   hash.add(unit);
   hash.add(request.pdu().bytes());
@@ -230,7 +227,7 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
                longest_second] = hold;
   const auto& [longest_answer, longest_before, shortest_answer, shortest_before, while_began,
                learned, learned_at] = pace;
-  explore::require(longest_before == Duration{0}, "a short life");
+  require(longest_before == Duration{0}, "a short life");
   hash.add(unanswered.size());
   for (const bus::Hold::Unanswered& it : unanswered) {
     const auto& [asked, sent, due, is_unreadable, is_retry, is_outdated, is_over, was_replaced,
@@ -269,7 +266,7 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   hash.add(longest_second);
   hash.add(longest_answer);
   hash.add(shortest_answer);
-  explore::require(learned <= explore::kMostLearned, "answers are not that late");
+  require(learned <= kMostLearned, "answers are not that late");
   hash.add(std::max(learned, timing.quarantine_or_default()));  // the longer one is in force
 }
 
@@ -288,4 +285,4 @@ void StateReader::read(const bus::ReadCache& cache, Duration age, Hash& hash) {
   hash.add(accepted - ended);
 }
 
-}  // namespace mbgate
+}  // namespace mbgate::explore

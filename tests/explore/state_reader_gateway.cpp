@@ -2,8 +2,11 @@
 // The gateway: its clients and their requests.
 #include "explore/require.hpp"
 #include "explore/state_reader.hpp"
+#include "explore/state_reader_parts.hpp"
 
-namespace mbgate {
+namespace mbgate::explore {
+
+void read_state(gateway::Gateway& gateway, StateHash& hash) { StateReader::read(gateway, hash); }
 
 void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
   // Empty when the machine was asked for its actions: actions. Looks only: trace.
@@ -13,16 +16,16 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
   [[maybe_unused]] auto& [line_buses, line_exchanges, line_trace, line_reports, line_actions] =
       lines;
   const auto& [snapshots] = settings;
-  explore::require(snapshots.size() == 1 && gateway.settings().guards.empty(),
-                   "one snapshot of settings, and no guards");
-  explore::require(gateway.settings().rules.empty(), "no access rules");
+  require(snapshots.size() == 1 && gateway.settings().guards.empty(),
+          "one snapshot of settings, and no guards");
+  require(gateway.settings().rules.empty(), "no access rules");
   hash.add(stopping);
   hash.add(finished);
   hash.add(stop_deadline.has_value());
   read(clients, gateway, hash);
   // Its requests and jobs are read with those that refer to them; the others belong to the gateway.
   auto& [of_settings, of_buses, of_actions, requests, jobs, completed] = exchanges;
-  explore::require(!completed.poll(), "nothing is left to do");
+  require(!completed.poll(), "nothing is left to do");
   hash.add(requests.in_use());
   hash.add(jobs.in_use());
   // Whatever arrives from now on is younger than all of them: stop_marks. Only without guards:
@@ -30,7 +33,7 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
   [[maybe_unused]] auto& [in_force, stop_marks, writers] = rules;
   // For the trace: traced.
   auto& [slots, touched, traced] = buses;
-  explore::require(touched.empty(), "nothing is left to do");
+  require(touched.empty(), "nothing is left to do");
   for (const auto& slot : slots) {
     read(*slot.bus, gateway, hash);
   }
@@ -49,12 +52,12 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
   // No rules: access.
   [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, stop, counters, access,
                           denials, unrouted_told, changed_at] = intake;
-  explore::require(changed_at.empty(), "the settings stay the same");
+  require(changed_at.empty(), "the settings stay the same");
   // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,
   // addresses, free_keys. Counted only: of_listeners.
   auto& [in_force, by_number, closed, ready, timers, on_listener, of_listeners, addresses,
          free_keys] = sessions;
-  explore::require(closed.empty() && ready.empty() && !timers.next(), "nothing is left to do");
+  require(closed.empty() && ready.empty() && !timers.next(), "nothing is left to do");
   hash.add(by_number.size());
   for (std::uint64_t client = 1; client <= by_number.size(); ++client) {
     read(by_number.at(gateway::ClientId{client}), gateway, hash);
@@ -73,12 +76,11 @@ void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& 
                half_closed, pauses, read_position, unread, seen_empty] = session;
   // Settings: ordered. Not ordered: first_held.
   const auto& [ordered, open, unsent, held, first_held] = answers;
-  explore::require(input.empty() && !session.is_full() && held.empty() && pauses.empty() &&
-                       !partial_since && !held_until && !has_turn && !is_in_line &&
-                       !timer_armed_at && unread == 0,
-                   "nothing is read ahead");
-  explore::require(listener->idle_timeout == Duration{0}, "idle clients stay");
-  explore::require(!is_closed, "closed clients are gone");
+  require(input.empty() && !session.is_full() && held.empty() && pauses.empty() && !partial_since &&
+              !held_until && !has_turn && !is_in_line && !timer_armed_at && unread == 0,
+          "nothing is read ahead");
+  require(listener->idle_timeout == Duration{0}, "idle clients stay");
+  require(!is_closed, "closed clients are gone");
   hash.add(is_leaving);
   hash.add(open);
   hash.add(unsent);
@@ -99,7 +101,7 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
   const auto& [snapshot, route, client, listener, address, client_gone, left_out, answer, header,
                plan, parts, response, failed, was_on_wire, wrong_word_order, had_no_path,
                ended_as] = exchange;
-  explore::require(plan && left_out.empty(), "a request of a client");
+  require(plan && left_out.empty(), "a request of a client");
   hash.add(client);
   hash.add(header.transaction);
   hash.add(header.unit);
@@ -130,4 +132,4 @@ void StateReader::read(const routing::Plan& plan, Hash& hash) {
   }
 }
 
-}  // namespace mbgate
+}  // namespace mbgate::explore

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The line and its framer.
 #include "explore/require.hpp"
-#include "explore/state_reader.hpp"
+#include "explore/state_reader_parts.hpp"
 
-namespace mbgate {
+namespace mbgate::explore {
 
 void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash& hash) {
   const auto& [variant] = line;
@@ -20,10 +20,10 @@ void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Ha
   // Settings: timing, frame_gap, turnaround, settle.
   const auto& [timing, frame_gap, turnaround, settle, quiet_since, busy_since, settling_until,
                listening_until, turnaround_until, emission_ends] = silence;
-  explore::require(faults.empty() && !end, "a line has told everything");
+  require(faults.empty() && !end, "a line has told everything");
   const bool is_running = transaction != nullptr;
   // A stop compares these with its own instants; others with now.
-  const Duration before = sight.stop_waits ? explore::kFarPast : Duration{0};
+  const Duration before = sight.stop_waits ? kFarPast : Duration{0};
   hash.add(paced);
   hash.since(quiet_since, std::max({before, frame_gap, sight.frame_slack}));
   hash.since(busy_since, before);
@@ -32,9 +32,9 @@ void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Ha
   hash.since(turnaround_until, before);
   hash.add(is_running);
   if (is_running) {  // otherwise what is left of the last one is compared with nothing but now
-    hash.since(emission_ends, explore::kFarPast);
-    hash.since(response_due, explore::kFarPast);
-    hash.since(response_deadline, explore::kFarPast);
+    hash.since(emission_ends, kFarPast);
+    hash.since(response_due, kFarPast);
+    hash.since(response_deadline, kFarPast);
     hash.add(response_wait);
     hash.add(owed.size());
     for (const bus::OwedAnswer& it : owed) {
@@ -55,8 +55,8 @@ void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
   // read.
   const auto& [state, learns, counters, faults, address, asked, may_answer, expected, seen, owed,
                due, held, echoed, heard, spoilt, passed, shown, lost, unproven_told] = echo;
-  explore::require(!may_answer || !asked || !modbus::is_read(asked->bytes()),
-                   "no read looks like its own answer");
+  require(!may_answer || !asked || !modbus::is_read(asked->bytes()),
+          "no read looks like its own answer");
   hash.add(state);
   hash.add(std::span(expected.data(), expected.size()));
   hash.add(seen);
@@ -79,11 +79,11 @@ void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
     hash.add(passed);
   }
   if (may_be_owed) {
-    hash.since(due, explore::kFarPast);
+    hash.since(due, kFarPast);
     hash.add(held.size());
     for (const bus::Echo::Piece& piece : held) {
       hash.add(piece.begin);
-      hash.since(piece.came, explore::kFarPast);
+      hash.since(piece.came, kFarPast);
     }
   }
 }
@@ -111,7 +111,7 @@ void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {
   if (framer.in_progress()) {
     hash.add(answer_at);
   }
-  read(buffer, explore::kFarPast, hash);
+  read(buffer, kFarPast, hash);
   read(cut, buffer.size() == 0, hash);
 }
 
@@ -137,8 +137,8 @@ void StateReader::read(const bus::CutFrame& cut, bool is_last, Hash& hash) {
   for (std::size_t at = 0; at < kept.size(); ++at) {
     hash.add(begins.test(at));
   }
-  hash.since(last, explore::kFarPast);
+  hash.since(last, kFarPast);
   hash.add(pause);
 }
 
-}  // namespace mbgate
+}  // namespace mbgate::explore

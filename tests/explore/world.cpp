@@ -246,7 +246,7 @@ void World::handle(const gateway::Action& action) {
 
 Digest World::digest() {
   StateHash hash(now());
-  StateReader::read(harness_.gateway(), hash);
+  read_state(harness_.gateway(), hash);
   oracle_.read(hash);
   hash.add(left_.requests);
   for (const Octets& socket : sockets_) {

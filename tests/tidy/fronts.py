@@ -62,7 +62,6 @@ FRONTS = {
 }
 # Tests of several modules, and the bench, see these behind the front headers too.
 BEHIND = {
-    "explore": {"bus/health/device_health.hpp"},  # how long an adapter keeps an answer
     "fuzz": {
         "app/control/event_streams.hpp", "app/control/tcp_rules.hpp", "bus/serial/framer.hpp", "ctl/replay/replay.hpp",
     },

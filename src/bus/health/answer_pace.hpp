@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "bus/instant.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -27,8 +26,6 @@ class AnswerPace {
   [[nodiscard]] Duration learned(Instant now) const;
 
  private:
-  friend struct mbgate::StateReader;
-
   Duration longest_answer_{0};  // in this period, and in the one before
   Duration longest_before_{0};
   Duration shortest_answer_ = Duration::max();

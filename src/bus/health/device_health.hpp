@@ -9,7 +9,6 @@
 
 #include "bus/health/device_state.hpp"
 #include "bus/instant.hpp"
-#include "bus/state_reader.hpp"
 #include "drive/device.hpp"
 
 namespace mbgate::bus {
@@ -50,7 +49,6 @@ class DeviceHealth {
   void set_wanted_at(Instant instant) { wanted_at_ = instant; }
 
  private:
-  friend struct mbgate::StateReader;
   unsigned unanswered_in_row_ = 0;  // sent after the last transmission that was answered
   Instant answered_sent_ = Instant::min();
   unsigned damaged_in_row_ = 0;  // shown only

@@ -18,7 +18,6 @@
 #include "bus/job.hpp"
 #include "bus/settings.hpp"
 #include "bus/sharing/read_cache.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -123,7 +122,6 @@ class DeviceTable {
   void clear_counters();
 
  private:
-  friend struct mbgate::StateReader;
   drive::Device other_;
   std::vector<drive::Device> devices_;
   Duration longest_response_timeout_{0};

@@ -22,7 +22,6 @@
 #include "bus/health/answer_pace.hpp"
 #include "bus/instant.hpp"
 #include "bus/line_end.hpp"
-#include "bus/state_reader.hpp"
 #include "drive/device.hpp"
 
 namespace mbgate::bus {
@@ -97,7 +96,6 @@ class Hold {
   [[nodiscard]] Duration longest_answer() const { return pace_.longest_answer(); }
 
  private:
-  friend struct mbgate::StateReader;
   struct Unanswered {
     modbus::Request asked;
     Instant sent;

@@ -73,7 +73,6 @@ class LineDiagnosis {
   [[nodiscard]] NoticedEcho echo() const;
 
  private:
-  friend struct mbgate::StateReader;
   void note_foreign(const UnsolicitedFrame& unsolicited);
   bool note_second_answer(const UnsolicitedFrame& unsolicited);
   bool note_misfit(const UnsolicitedFrame& unsolicited);

@@ -6,7 +6,6 @@
 
 #include "bus/health/device_table.hpp"
 #include "bus/settings.hpp"
-#include "bus/state_reader.hpp"
 #include "bus/transmission/transmission.hpp"
 
 namespace mbgate::bus {
@@ -30,7 +29,6 @@ class Probes {
   [[nodiscard]] bool any_free() const { return free_ > 0; }
 
  private:
-  friend struct mbgate::StateReader;
   [[nodiscard]] bool nobody_else_asks(Instant now) const {
     return others_ == 0 && now >= others_gone_at_ + settings_.timing.probe_interval;
   }

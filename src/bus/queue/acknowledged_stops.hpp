@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "bus/job.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -43,7 +42,6 @@ class AcknowledgedStops {
   }
 
  private:
-  friend struct mbgate::StateReader;
   struct Stop {
     std::uint8_t address;
     drive::BroadcastForm broadcast;

@@ -23,7 +23,6 @@ class Admission {
   [[nodiscard]] Admitted admit(Job& job, Instant now);
 
  private:
-  friend struct mbgate::StateReader;
   void classify(Job& job) const;
   [[nodiscard]] bool is_stop(const Job& job) const;
   void note_changed(const Job& job);

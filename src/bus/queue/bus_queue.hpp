@@ -12,7 +12,6 @@
 
 #include "bus/health/device_table.hpp"
 #include "bus/job.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -73,7 +72,6 @@ class BusQueue {
   [[nodiscard]] std::optional<Most> most_waiting(const std::bitset<kAddresses>& held_back) const;
 
  private:
-  friend struct mbgate::StateReader;
   using JobList = boost::intrusive::list<
       Job,
       boost::intrusive::member_hook<Job, boost::intrusive::list_member_hook<>, &Job::queue_hook>>;

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <optional>
 
-#include "bus/state_reader.hpp"
 #include "bus/transmission/transmission.hpp"
 
 namespace mbgate::bus {
@@ -72,7 +71,6 @@ class StopLane {
   }
 
  private:
-  friend struct mbgate::StateReader;
   using List = boost::intrusive::list<
       Transmission,
       boost::intrusive::member_hook<Transmission, boost::intrusive::list_member_hook<>,

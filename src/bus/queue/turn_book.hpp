@@ -7,7 +7,6 @@
 
 #include "bus/instant.hpp"
 #include "bus/job.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -38,7 +37,6 @@ class TurnBook {
   [[nodiscard]] unsigned writes_in_row() const { return writes_in_row_; }
 
  private:
-  friend struct mbgate::StateReader;
   unsigned writes_in_row_ = 0;
   std::uint64_t turn_ = 0;
   std::uint64_t other_turn_ = 0;

@@ -7,7 +7,6 @@
 #include <boost/container/static_vector.hpp>
 
 #include "bus/instant.hpp"
-#include "bus/state_reader.hpp"
 #include "modbus/rtu.hpp"
 
 namespace mbgate::bus {
@@ -36,7 +35,6 @@ class CutFrame {
   std::optional<Joined> complete(modbus::Bytes bytes, Instant began);
 
  private:
-  friend struct mbgate::StateReader;
   void clear();
   void make_room(std::size_t size);
 

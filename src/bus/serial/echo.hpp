@@ -24,7 +24,6 @@
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -103,7 +102,6 @@ class Echo {
   [[nodiscard]] bool has_heard_device() const { return heard_.test(address_); }
 
  private:
-  friend struct mbgate::StateReader;
   [[nodiscard]] bool is_awaited() const { return seen_ < expected_.size(); }
   [[nodiscard]] std::optional<std::size_t> matching(modbus::Bytes bytes) const;
   void owe(Instant now);

@@ -8,7 +8,6 @@
 #include "bus/serial/ascii_framer.hpp"
 #include "bus/serial/rtu_framer.hpp"
 #include "bus/settings.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -77,7 +76,6 @@ class Framer {
   }
 
  private:
-  friend struct mbgate::StateReader;
   using Variant = std::variant<RtuFramer, AsciiFramer>;
   static Variant make(const BusSettings& settings, const modbus::RtuTiming& timing,
                       BusCounters& counters) {

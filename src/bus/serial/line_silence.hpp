@@ -10,7 +10,6 @@
 
 #include "bus/instant.hpp"
 #include "bus/settings.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -59,8 +58,6 @@ class LineSilence {
   [[nodiscard]] const modbus::RtuTiming& timing() const { return timing_; }
 
  private:
-  friend struct mbgate::StateReader;
-
   modbus::RtuTiming timing_;
   Duration frame_gap_;
   Duration turnaround_;

@@ -8,7 +8,6 @@
 #include <cstdint>
 
 #include "bus/instant.hpp"
-#include "bus/state_reader.hpp"
 #include "modbus/bytes.hpp"
 
 namespace mbgate::bus {
@@ -41,7 +40,6 @@ class ReceivedBytes {
   [[nodiscard]] Instant came_at(std::size_t at) const { return came_[at]; }
 
  private:
-  friend struct mbgate::StateReader;
   boost::container::static_vector<std::uint8_t, kMostBuffered> bytes_;
   boost::container::static_vector<Instant, kMostBuffered> came_;
 };

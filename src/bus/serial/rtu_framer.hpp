@@ -19,7 +19,6 @@
 #include "bus/serial/rtu_search.hpp"
 #include "bus/serial/verdict.hpp"
 #include "bus/settings.hpp"
-#include "bus/state_reader.hpp"
 #include "modbus/response.hpp"
 
 namespace mbgate::bus {
@@ -59,7 +58,6 @@ class RtuFramer {
   std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
 
  private:
-  friend struct mbgate::StateReader;
   [[nodiscard]] RtuSearch looker() const { return {buffer_, transaction_, timing_, sent_}; }
   /// Counts what is left as stray and forgets it, until the next silence.
   void discard();

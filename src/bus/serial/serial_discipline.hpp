@@ -13,7 +13,6 @@
 #include "bus/serial/framer.hpp"
 #include "bus/serial/line_silence.hpp"
 #include "bus/settings.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -66,7 +65,6 @@ class SerialDiscipline {
   [[nodiscard]] bool hears_itself() const { return echo_.is_learned() && echo_.is_present(); }
 
  private:
-  friend struct mbgate::StateReader;
   void judge_held(const Echo::Held& held, Instant now);
   Verdict refuse_others(Verdict verdict, Instant now);
   Verdict refuse(Instant now);

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "bus/instant.hpp"
-#include "bus/state_reader.hpp"
 #include "modbus/request.hpp"
 
 namespace mbgate::bus {
@@ -37,7 +36,6 @@ class ReadCache {
   void end_write();
 
  private:
-  friend struct mbgate::StateReader;
   struct Read {
     modbus::Pdu request;
     modbus::Pdu response;

@@ -34,7 +34,6 @@ class Dispatch {
   [[nodiscard]] const std::optional<Wake>& next_start() const { return next_start_; }
 
  private:
-  friend struct mbgate::StateReader;
   enum class Looking : std::uint8_t { no, asked, done };
 
   // dispatch.cpp: what goes next

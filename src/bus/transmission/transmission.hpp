@@ -14,7 +14,6 @@
 
 #include "bus/bus_action.hpp"
 #include "bus/job.hpp"
-#include "bus/state_reader.hpp"
 
 namespace mbgate::bus {
 
@@ -91,8 +90,6 @@ class Transmissions {
   [[nodiscard]] std::size_t room() const { return room_; }
 
  private:
-  friend struct mbgate::StateReader;
-
   std::size_t room_;
   std::vector<Transmission*> running_;
   std::deque<Transmission> all_;  // a deque because its elements have a stable address

@@ -8,7 +8,6 @@
 #include <map>
 #include <utility>
 
-#include "bus/state_reader.hpp"
 #include "gateway/access/rule_verdict.hpp"
 #include "gateway/second_rate.hpp"
 
@@ -24,7 +23,6 @@ class AccessBook {
   void forget_rates() { rates_.clear(); }
 
  private:
-  friend struct mbgate::StateReader;
   using Key = std::pair<const routing::AccessRule*, ClientKey>;
   [[nodiscard]] bool has_room(const routing::AccessRule* rule, const ClientKey& client,
                               Instant now);

@@ -21,7 +21,6 @@ class DenialReports {
                                           Instant now);
 
  private:
-  friend struct mbgate::StateReader;
   ReportLimit reads_{kDenialsReported};
   ReportLimit writes_{kDenialsReported};
   ReportLimit stops_{kActsReported};

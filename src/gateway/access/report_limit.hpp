@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "bus/instant.hpp"
-#include "bus/state_reader.hpp"
 #include "gateway/client.hpp"
 
 namespace mbgate::gateway {
@@ -24,7 +23,6 @@ class ReportLimit {
   [[nodiscard]] std::optional<std::uint64_t> note(const ClientInfo& client, bus::Instant now);
 
  private:
-  friend struct mbgate::StateReader;
   struct Minute {
     bus::Instant began = bus::Instant::min();
     unsigned reports = 0;

@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "bus/state_reader.hpp"
 #include "gateway/clients/client_session.hpp"
 #include "gateway/second_rate.hpp"
 
@@ -42,7 +41,6 @@ class AddressLimits {
   bool is_news(const ClientSession& session, Instant now);
 
  private:
-  friend struct mbgate::StateReader;
   using Key = std::pair<ListenerId, ClientKey>;
   struct Waiting {
     ClientSession* session;

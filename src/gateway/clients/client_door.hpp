@@ -5,7 +5,6 @@
 
 #include <optional>
 
-#include "bus/state_reader.hpp"
 #include "gateway/access/report_limit.hpp"
 #include "gateway/clients/address_limits.hpp"
 #include "gateway/clients/intake.hpp"
@@ -47,7 +46,6 @@ class ClientDoor {
   void forget(ClientSession& session, Instant now);
 
  private:
-  friend struct mbgate::StateReader;
   [[nodiscard]] bool admit(const ClientInfo& info, Phase phase, Instant now);
   [[nodiscard]] std::optional<RefusalReason> objection(const ClientInfo& info, Phase phase,
                                                        Instant now) const;

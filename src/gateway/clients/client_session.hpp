@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "bus/state_reader.hpp"
 #include "gateway/client.hpp"
 #include "gateway/clients/due_answers.hpp"
 #include "gateway/clients/early_stops.hpp"
@@ -103,7 +102,6 @@ class ClientSession {
   boost::container::small_vector<std::uint32_t, 4> exchanges;
 
  private:
-  friend struct mbgate::StateReader;
   /// What ends its timeouts may lie in the socket: they are judged when that has been read.
   [[nodiscard]] bool may_have_asked() const { return !pauses_.empty() && !paused_; }
 

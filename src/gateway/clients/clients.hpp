@@ -43,7 +43,6 @@ class Clients {
   void clear_counters() { requests_.clear_counters(); }
 
  private:
-  friend struct mbgate::StateReader;
   void serve(ClientSession& session, Instant now);
   [[nodiscard]] bool may_take(ClientSession& session, Instant now);
   void take_early_stops(ClientSession& session, Instant now);

@@ -9,7 +9,6 @@
 #include <deque>
 #include <optional>
 
-#include "bus/state_reader.hpp"
 #include "gateway/client.hpp"
 #include "modbus/mbap.hpp"
 
@@ -36,7 +35,6 @@ class DueAnswers {
   void confirm_sent();
 
  private:
-  friend struct mbgate::StateReader;
   struct Held {
     bool done = false;
     std::optional<modbus::MbapBytes> adu;

@@ -82,7 +82,6 @@ class Intake {
   void adopt(const SettingsSnapshot& before, Instant now);
 
  private:
-  friend struct mbgate::StateReader;
   Request& understand(const ClientSession& session, const modbus::MbapAdu& adu,
                       std::uint64_t position, Instant arrival);
   void apply_rules(const ClientSession& session, Request& request) const;

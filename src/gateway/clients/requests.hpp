@@ -42,7 +42,6 @@ class Requests {
   void clear_counters();
 
  private:
-  friend struct mbgate::StateReader;
   void answer_at_once(ClientSession& session, const Request& request, const modbus::Pdu& answer,
                       Instant now);
   void begin(ClientSession& session, Request& request, Instant now);

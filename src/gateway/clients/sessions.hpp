@@ -10,7 +10,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "bus/state_reader.hpp"
 #include "gateway/client.hpp"
 #include "gateway/clients/client_session.hpp"
 #include "gateway/clients/client_timers.hpp"
@@ -73,7 +72,6 @@ class Sessions {
   void adopt(const Settings& next, Instant now);
 
  private:
-  friend struct mbgate::StateReader;
   struct Address {
     routing::ClientAddress first;  ///< of those that are counted as one
     Turns turns;

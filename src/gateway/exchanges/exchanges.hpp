@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "bus/action_queue.hpp"
-#include "bus/state_reader.hpp"
 #include "gateway/bus_set.hpp"
 #include "gateway/exchanges/exchange.hpp"
 #include "gateway/pool.hpp"
@@ -48,7 +47,6 @@ class Exchanges {
   void end_changed(const SettingsSnapshot& old);
 
  private:
-  friend struct mbgate::StateReader;
   [[nodiscard]] Duration time_for(const routing::Route& route, const routing::Plan& plan) const;
   void end_unsent(const Exchange::Part& part);
 

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "bus/state_reader.hpp"
 #include "gateway/client.hpp"
 #include "gateway/settings/device_index.hpp"
 #include "routing/route_table.hpp"
@@ -52,7 +51,6 @@ class SettingsHistory {
   }
 
  private:
-  friend struct mbgate::StateReader;
   std::list<SettingsSnapshot> snapshots_;  // each has a stable address
 };
 

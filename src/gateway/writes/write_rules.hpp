@@ -59,7 +59,6 @@ class WriteRules {
   void adopt(const SettingsSnapshot& settings);
 
  private:
-  friend struct mbgate::StateReader;
   [[nodiscard]] bool is_stop(const routing::PlannedTransaction& transaction) const;
   /// A broadcast that is a stop may be an ordinary write on some of its buses.
   [[nodiscard]] bool stops_on(BusId bus, const routing::Plan& stop) const;

@@ -142,5 +142,28 @@ TEST_F(JournalOfALine, TellsASecondAnswerToOneRequest) {
       ElementsAre("device axis: two answers came to one request: two devices at one address?"));
 }
 
+TEST(Gateway, SaysWhetherALineHearsItself) {
+  Settings settings = one_bus();
+  settings.buses[0].line.echo.reset();
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 01 06 0000 0001");
+  rig.advance(10ms);
+  rig.line("01 06 00 00 00 01 48 0A");  // nobody was heard: it acknowledges nothing
+  rig.advance(400ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 86 0B"));
+  rig.receive(1, "0002 0000 0006 01 03 0000 0001");
+  rig.advance(10ms);
+  rig.line("01 03 00 00 00 01 84 0A");
+  rig.respond("01 03 02 12 34");
+  EXPECT_THAT(
+      rig.events,
+      ElementsAre("bus line-a: a write was answered by its own repetition, and no read has "
+                  "shown yet whether that is an echo: until one has, it proves nothing (say "
+                  "echo = true or echo = false)",
+                  "bus line-a: the line hears what it sends; the echo is compared from now "
+                  "on (echo = true says so from the start)"));
+}
+
 }  // namespace
 }  // namespace mbgate::test

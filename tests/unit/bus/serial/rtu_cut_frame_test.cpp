@@ -292,9 +292,7 @@ TEST_F(RtuCutFrame, WhatStandsBehindNoiseIsToldAsThat) {
     add(noise + std::string("01 03 04 00"));
     framer_.listen();
     add("03 0D 40 0F 53");
-    const auto unsolicited = framer_.take_unsolicited();
-    ASSERT_TRUE(unsolicited);
-    EXPECT_EQ(unsolicited->after_noise, *noise != '\0');
+    EXPECT_EQ(framer_.take_unsolicited().value().after_noise, *noise != '\0');
   }
 }
 

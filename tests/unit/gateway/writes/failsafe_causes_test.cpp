@@ -2,7 +2,7 @@
 // When failsafe writes are due: who counts, and when that client has gone or is silent.
 #include <gmock/gmock.h>
 
-#include "unit/gateway/writes/watched_plant.hpp"
+#include "unit/gateway/writes/failsafe_rig.hpp"
 
 namespace mbgate::test {
 namespace {
@@ -11,22 +11,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-constexpr auto kPlc = "192.0.2.1";
 constexpr auto kPanel = "192.0.2.2";
-
-class FailsafeCauses : public testing::Test {
- protected:
-  explicit FailsafeCauses(Settings settings = watched_plant()) : rig_(std::move(settings)) {
-    rig_.connect(1, kPlc);
-  }
-  /// Nothing is written within this time.
-  void expect_none(Duration time) {
-    rig_.advance(time);
-    EXPECT_THAT(take_requests(rig_), IsEmpty());
-  }
-  void expect_writes() { EXPECT_THAT(answer_all(rig_), ElementsAre(kStop1, kSecond)); }
-  MachineRig rig_;
-};
 
 TEST_F(FailsafeCauses, NobodyHasGoneWhoNeverWrote) {
   ask(rig_, 1, 1);
