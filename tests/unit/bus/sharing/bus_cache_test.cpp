@@ -73,7 +73,7 @@ TEST_F(BusCache, ABroadcastEmptiesItToo) {
 }
 
 TEST_F(BusCache, IsFilledAgainWhenTheWriteOrTheBroadcastHasEnded) {
-  for (const std::uint8_t written : {1, 0}) {
+  for (const auto written : {std::uint8_t{1}, std::uint8_t{0}}) {
     open_with_cache();
     submit(job("06 0000 0001", written));
     advance(10ms);
