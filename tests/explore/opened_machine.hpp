@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The machine with nothing private, for those who read its state: the product itself names no
-// friends for tests. (-fno-access-control is no help: structured bindings ask all the same, with
-// g++ and clang.) Only headers of src/ are opened. What they include from elsewhere is included
-// before.
+// The machine without the word private, for the sources that read its whole state: the product
+// names no friends for them. g++ and clang refuse to take private members apart even with
+// -fno-access-control. Only the headers of src/ are opened: what they include from elsewhere is
+// included first.
 //
-// In the C++ ABI of Linux neither layout nor names depend on what is private here, so that this
-// goes with the machine as it is built for all others. To be included before any header of the
-// machine, by sources that are compiled alone (tests/CMakeLists.txt); otherwise it does not
-// compile.
+// With g++ and clang on Linux neither the layout of a class nor any symbol depends on this. Sources
+// that include it are compiled alone (tests/CMakeLists.txt).
 #pragma once
 
 #include <algorithm>

@@ -23,15 +23,7 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   hash.add(stopping);
   hash.add(looking);
   hash.ordered(Order::acceptance, sequence);
-  const auto& [writes_in_row, turn, other_turn, last_address, turn_of_others, last_end] = turns;
-  hash.add(std::min(writes_in_row, settings.burst));
-  hash.ordered(Order::turn, turn);
-  hash.ordered(Order::turn, other_turn);
-  hash.ordered(Order::turn, turn_of_others);
-  hash.add(last_address);
-  if (sight.stop_waits) {
-    hash.since(last_end, settings.stop_wait);
-  }
+  read(turns, settings, sight, hash);
   hash.add(next_start.has_value());
   if (next_start) {
     // Perhaps a deadline that nothing comes near to; a longer wait can be read from its reasons.
@@ -67,6 +59,19 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   }
   read(devices, sight, hash);
   read(line, sight, hash);
+}
+
+void StateReader::read(const bus::TurnBook& turns, const bus::BusSettings& settings,
+                       const Sight& sight, Hash& hash) {
+  const auto& [writes_in_row, turn, other_turn, last_address, turn_of_others, last_end] = turns;
+  hash.add(std::min(writes_in_row, settings.burst));
+  hash.ordered(Order::turn, turn);
+  hash.ordered(Order::turn, other_turn);
+  hash.ordered(Order::turn, turn_of_others);
+  hash.add(last_address);
+  if (sight.stop_waits) {
+    hash.since(last_end, settings.stop_wait);
+  }
 }
 
 void StateReader::read(const bus::LinkState& link, Hash& hash) {
