@@ -242,7 +242,8 @@ def check(patches):
     if shutil.which("git") is None:
         print("there is no git, which applies them")
         return SKIPPED
-    known = "".join(file.read_text(encoding="utf-8") for file in sorted((ROOT / "tests/soak").glob("*.?pp")))
+    known = "".join(file.read_text(encoding="utf-8") for folder in ("soak", "judge")
+                    for file in sorted((ROOT / "tests" / folder).glob("*.?pp")))
     good = True
     for patch in patches:
         applied = git_apply(ROOT, patch, "--check")
@@ -279,7 +280,7 @@ def main():
     options = options_of(patches)
     patches = [patch for patch in patches if not options.names or patch.stem in options.names]
     if options.check:
-        return check(patches)
+        return check([*patches, *sorted((HERE / "mends").glob("*.patch"))])
     work = (options.build or pathlib.Path(tempfile.mkdtemp(prefix="mbgate-mutations-"))).resolve()
     copies = [Copy(work / str(number)) for number in range(min(options.jobs, len(patches)))]
     for copy in copies:
