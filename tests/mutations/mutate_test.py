@@ -132,12 +132,12 @@ class TheCompilerRefuses(unittest.TestCase):
     FILE = "src/modbus/crc16.cpp"
 
     def refused(self, text):
-        build = mutate.Build(pathlib.Path("/work"), None)
+        build = mutate.Build(pathlib.Path("/build"), None)
         text_of_file = mutate.source_of(self.FILE).text
         at = {7: text_of_file.find(b"#include"), 8: text_of_file.find(b"namespace")}
         mutants = {it: mutators.Mutant(self.FILE, begin, begin + 1, "drop", None, "on") for it, begin in at.items()}
         lines = [mutate.lines_in(it)[0] for it in mutants.values()]
-        return build.refused(text.format(*(f"/work/tree/{self.FILE}:{line}:3:" for line in lines)), mutants)
+        return build.refused(text.format(*(f"/build/tree/{self.FILE}:{line}:3:" for line in lines)), mutants)
 
     def test_what_stands_where_it_finds_an_error(self):
         self.assertEqual(self.refused("{1} error: no match\n"), {8})
