@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "soak/hosts.hpp"
+#include "soak/from_world.hpp"
 #include "soak/plan.hpp"
 #include "soak/registers.hpp"
 

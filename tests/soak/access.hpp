@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "routing/client_role.hpp"
-#include "soak/random.hpp"
+#include "soak/from_world.hpp"
 #include "soak/registers.hpp"
 
 namespace mbgate::soak {

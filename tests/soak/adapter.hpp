@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "soak/flight.hpp"
+#include "soak/from_world.hpp"
 #include "soak/plan.hpp"
-#include "soak/schedule.hpp"
 
 namespace mbgate::soak {
 

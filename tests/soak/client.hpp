@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "soak/asking.hpp"
-#include "soak/driver.hpp"
+#include "soak/from_world.hpp"
 #include "soak/oracle.hpp"
 #include "support/gateway_harness.hpp"
 

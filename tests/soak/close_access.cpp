@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "soak/access.hpp"
-#include "soak/hosts.hpp"
+#include "soak/from_world.hpp"
 #include "soak/plan.hpp"
 #include "soak/registers.hpp"
 

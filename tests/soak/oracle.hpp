@@ -14,11 +14,11 @@
 #include "soak/device.hpp"
 #include "soak/failsafe_watch.hpp"
 #include "soak/flight.hpp"
+#include "soak/from_world.hpp"
 #include "soak/meanings.hpp"
 #include "soak/oracle_books.hpp"
 #include "soak/report.hpp"
 #include "soak/rule_rates.hpp"
-#include "soak/schedule.hpp"
 #include "soak/specification.hpp"
 #include "soak/writer_rules.hpp"
 

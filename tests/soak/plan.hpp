@@ -9,9 +9,7 @@
 
 #include "gateway/settings.hpp"
 #include "soak/access.hpp"
-#include "soak/driver.hpp"
-#include "soak/hosts.hpp"
-#include "soak/random.hpp"
+#include "soak/from_world.hpp"
 
 namespace mbgate::soak {
 

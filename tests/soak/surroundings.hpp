@@ -4,8 +4,8 @@
 
 #include <functional>
 
+#include "soak/from_world.hpp"
 #include "soak/oracle.hpp"
-#include "soak/random.hpp"
 
 namespace mbgate::soak {
 

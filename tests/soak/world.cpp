@@ -55,7 +55,7 @@ World::World(std::uint64_t seed, bool trace)
       hangs_(plan_),
       reloads_(plan_, devices_, oracle_, seed),
       harness_(plan_.settings, schedule_.now()),
-      driver_(plan_.driver, buses_.size(), seed ^ kDriversChance, schedule_, report_, hands()),
+      driver_(plan_.driver, buses_.size(), seed ^ kDriversChance, schedule_, hands()),
       tools_{harness_,
              driver_,
              oracle_,
@@ -138,7 +138,8 @@ Driver::Hands World::hands() {
             return wake ? std::optional(bus::Wake{wake->at, wake->silence_of.has_value()})
                         : std::nullopt;
           },
-          [this](Duration time) { interrupt(time); }};
+          [this](Duration time) { interrupt(time); },
+          [this](const char* kind) { report_.fault(kind); }};
 }
 
 // False: it does one thing after the other and time does not go on. Nothing more is asked of it

@@ -9,8 +9,8 @@
 #include <variant>
 
 #include "soak/client.hpp"
-#include "soak/driver.hpp"
 #include "soak/far_server.hpp"
+#include "soak/from_world.hpp"
 #include "soak/hang_watch.hpp"
 #include "soak/reload.hpp"
 #include "soak/serial_wire.hpp"

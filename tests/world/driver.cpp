@@ -51,12 +51,11 @@ void draw_stops(DriverManners& manners, std::uint64_t seed) {
 }
 
 Driver::Driver(const DriverManners& manners, std::size_t buses, std::uint64_t seed,
-               Schedule& schedule, Report& report, Hands hands)
+               Schedule& schedule, Hands hands)
     : manners_(manners),
       random_(seed),
       of_stops_(seed ^ kStopsChance),
       schedule_(schedule),
-      report_(report),
       hands_(std::move(hands)),
       lines_(buses) {}
 
@@ -65,13 +64,13 @@ Duration Driver::lateness() {
     return Duration{0};
   }
   if (manners_.stalls && random_.below(kWakesForAStall) == 0) {
-    report_.fault("driver_stalled");
+    hands_.fault("driver_stalled");
     return random_.duration(kLateness, kStall);
   }
   if (manners_.late > 0 && random_.chance(manners_.late)) {
     const Duration late = random_.duration(0us, kLateness);
     if (late > kNoticed) {
-      report_.fault("driver_late");
+      hands_.fault("driver_late");
     }
     return late;
   }
@@ -102,7 +101,7 @@ void Driver::perhaps_interrupt() {
 
 void Driver::perhaps_stop() {
   if (manners_.stops && of_stops_.below(kWakesForAStop) == 0) {
-    report_.fault("driver_stopped");
+    hands_.fault("driver_stopped");
     stop_ = {schedule_.now(), schedule_.now() + of_stops_.duration(kShortStop, kLongStop)};
   }
 }
@@ -228,9 +227,9 @@ void Driver::judge_deadline() {
     return;
   }
   if (!is_due) {
-    report_.fault("spurious_call");
+    hands_.fault("spurious_call");
   } else if (unread_) {
-    report_.fault("unread_at_deadline");
+    hands_.fault("unread_at_deadline");
   }
   judging_ = true;
   if (promises_) {

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "world/random.hpp"
-#include "world/report.hpp"
 #include "world/schedule.hpp"
 
 namespace mbgate::world {
@@ -46,9 +45,11 @@ class Driver {
     std::function<std::optional<bus::Wake>()> next_wake;
     /// Lets time go on, and what happens meanwhile in the plant happen.
     std::function<void(Duration)> interrupt;
+    /// Something of this kind has gone wrong.
+    std::function<void(const char*)> fault;
   };
   Driver(const DriverManners& manners, std::size_t buses, std::uint64_t seed, Schedule& schedule,
-         Report& report, Hands hands);
+         Hands hands);
 
   // The kernel's side.
   /// A line's adapter has received bytes; or is no more.
@@ -130,7 +131,6 @@ class Driver {
   Random random_;
   Random of_stops_;
   Schedule& schedule_;
-  Report& report_;
   Hands hands_;
   std::vector<Line> lines_;
   std::vector<Ready> ready_;

@@ -46,8 +46,7 @@ World::World(Plan plan, bool trace)
               [this](std::size_t bus) { lose(bus, bus::Loss::closed); }},
       buses_(plan_.lines.size()),
       harness_(std::in_place, plan_.settings, schedule_.now()),
-      driver_(plan_.driver, buses_.size(), plan_.seed ^ kDriversChance, schedule_, report_,
-              hands()),
+      driver_(plan_.driver, buses_.size(), plan_.seed ^ kDriversChance, schedule_, hands()),
       asking_(plan_, random_),
       tools_{plan_,
              schedule_,
@@ -168,7 +167,8 @@ Driver::Hands World::hands() {
           schedule_.run_one();
         }
         schedule_.advance(end);
-      }};
+      },
+      [this](const char* kind) { report_.fault(kind); }};
 }
 
 void World::hand_in(const gateway::Input& input) {
