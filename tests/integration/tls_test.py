@@ -473,8 +473,7 @@ class Signer(TlsCase):
             self.plant.client()
         self.refusal(r"no TLS handshake: mbgate-signer \(.*\): (Connection refused|No such file or directory)")
         self.plant.start_signer()
-        with self.plant.client() as client:
-            self.assert_served(client)
+        self.assert_served_in_the_end()
 
     def test_a_signer_that_does_not_answer_is_named_and_holds_nobody(self):
         served = self.use(self.plant.client())
@@ -484,14 +483,18 @@ class Signer(TlsCase):
                     self.plant.client()
                 self.assert_served(served)
             self.refusal("no TLS handshake: mbgate-signer does not answer")
-        for _ in range(50):  # it is not asked for a second
+        self.assert_served_in_the_end()
+
+    def assert_served_in_the_end(self):
+        """A signer that took more than 200 ms, be it because the machine is busy, is not asked for a second."""
+        for _ in range(50):
             try:
                 with self.plant.client() as client:
                     self.assert_served(client)
                 return
             except (ssl.SSLError, ConnectionError):
                 time.sleep(0.1)
-        self.fail("no handshake with a signer that goes on")
+        self.fail("no handshake with a signer that answers again")
 
     @unittest.skipUnless(os.geteuid() == 0, "only root reads the memory of other programs")
     def test_the_gateway_has_no_key_in_its_memory(self):

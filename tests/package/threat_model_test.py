@@ -27,8 +27,8 @@ def python_tests():
 def ctest_names():
     text = (ROOT / "tests/CMakeLists.txt").read_text(encoding="utf-8")
     worlds = re.search(r"foreach\(world ([\w ]+)\)", text).group(1).split()
-    seeds = re.search(r"foreach\(first ([\d ]+)\)\n *add_test\(NAME soak.slice_", text).group(1).split()
-    return {*(f"soak.slice_{first}" for first in seeds), *(f"explore.slice_{world}" for world in worlds)}
+    seeds = re.search(r"foreach\(first ([\d ]+)\)\n *add_test\(NAME judge.slice_", text).group(1).split()
+    return {*(f"judge.slice_{first}" for first in seeds), *(f"explore.slice_{world}" for world in worlds)}
 
 
 def fuzzers():
@@ -39,7 +39,7 @@ def fuzzers():
 def missing(text):
     """What the page names and is not there."""
     known = cpp_tests() | python_tests() | ctest_names()
-    named = re.findall(r"`([A-Z]\w+\.[A-Z0-9]\w+|\w+_test\.py: \w+|(?:soak|explore)\.\w+)`", text)
+    named = re.findall(r"`([A-Z]\w+\.[A-Z0-9]\w+|\w+_test\.py: \w+|(?:judge|explore)\.\w+)`", text)
     absent = [name for name in named if name not in known]
     for words in re.findall(r"the fuzzers? ((?:\w+, )*\w+(?: and \w+)?)", text):
         absent += [name for name in re.split(r", | and ", words) if name not in fuzzers()]
