@@ -72,6 +72,8 @@ void Judge::sent(Id id) {
   check_silence(id);
   check_waiting(id);
   check_hold(id);
+  check_crawl(id);
+  check_half(id);
   if (sent.is_failsafe) {
     check_failsafe(sent);
     return;

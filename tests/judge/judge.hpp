@@ -84,6 +84,8 @@ class Judge : public Witness {
   void check_silence(Id id);
   void check_waiting(Id id);
   void check_hold(Id id);
+  void check_crawl(Id id);
+  void check_half(Id id);
 
   void violation(const char* kind, const std::string& text) { report_.violation(kind, text); }
   [[nodiscard]] std::string name(const Asked& asked) const;

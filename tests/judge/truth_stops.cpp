@@ -53,7 +53,7 @@ void Judge::check_refused_stop(const Asked& asked) {
     const Sent& sent = ledger_.sent[id];
     const std::uint32_t said = sent.exceptions;
     return said != 0 && (said & ~kTryAgain) == 0 && sent.answered != kNever && !sent.cut &&
-           sent.opening == ledger_.lines[sent.bus].openings;
+           ledger_.lines[sent.bus].open && sent.opening == ledger_.lines[sent.bus].openings;
   });
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*asked.intent.station]);
   // After a whole series that failed a stop is one try.

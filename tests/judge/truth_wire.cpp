@@ -96,4 +96,66 @@ void Judge::check_hold(Id id) {
   }
 }
 
+// An answer that has begun is complete after its wire time and 1 s, or its wait is over: the others
+// on the line do not wait longer for it.
+void Judge::check_crawl(Id id) {
+  const Sent& sent = ledger_.sent[id];
+  const LineBook& line = ledger_.lines[sent.bus];
+  if (line.last == kNone || sent.asked.empty() || plan_.driver.stalls || plan_.driver.stops) {
+    return;
+  }
+  const Sent& before = ledger_.sent[line.last];
+  if (before.crawls == kNever || before.opening != sent.opening || !before.expects_answer ||
+      !sent.station) {
+    return;
+  }
+  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*before.station]);
+  const Instant from = std::max({before.crawls, ledger_.asked[sent.asked.front()].given,
+                                 ledger_.reloaded, before.end + timing.response_timeout});
+  // Its own drive is left alone for the tail besides.
+  const Duration tail = before.station == sent.station
+                            ? timing.response_timeout + timing.quarantine_or_default()
+                            : 0ms;
+  const Duration bound = WireTimes(plan_.bus(sent.bus).line).of(kAsciiFrame) + 1s + tail + 1s;
+  if (sent.begin > from + bound) {
+    violation("held_by_a_crawl", name(sent) + " behind " + name(before) + ", after " +
+                                     std::to_string((sent.begin - from) / 1ms) + " ms");
+  }
+}
+
+// Half an answer in the stream at its timeout: what comes on this connection can no more be told
+// apart, so nothing else is asked there.
+void Judge::check_half(Id id) {
+  const Sent& sent = ledger_.sent[id];
+  const LineBook& line = ledger_.lines[sent.bus];
+  if (line.halved == kNone || ledger_.sent[line.halved].opening != sent.opening) {
+    return;
+  }
+  const Sent& halved = ledger_.sent[line.halved];
+  const auto breaks_in = [&](const Sent& it) {
+    return it.bus == sent.bus && (it.is_stop || it.is_failsafe);
+  };
+  // A stop cuts the wait; and half an answer of two bytes might be another request's.
+  if (plan_.bus(sent.bus).outstanding > 1 ||
+      std::any_of(ledger_.sent.begin() + line.halved, ledger_.sent.begin() + id + 1, breaks_in)) {
+    return;
+  }
+  const Station& station = plan_.stations[*halved.station];
+  const drive::DeviceTiming& timing = plan_.timing_of(station);
+  const drive::Device* device = plan_.device_of(station);
+  const bool may_be_slow = device != nullptr && !device->profile.slow.empty();
+  const Duration timeout =
+      std::max(timing.response_timeout,
+               may_be_slow ? device->profile.slow.front().response_timeout : Duration{0});
+  constexpr Duration kLateness = 60ms;
+  const Duration least = std::min(timing.response_timeout, timing.probe_timeout_or_default());
+  if (line.halved_at > halved.end + least) {
+    return;  // it was late: no timeout has found it yet
+  }
+  if (ledger_.reloaded < halved.begin && !plan_.driver.stalls && !plan_.driver.stops &&
+      sent.begin > halved.end + timeout + timing.response_wait + kLateness) {
+    violation("half_an_answer", name(sent) + " behind a part of the answer to " + name(halved));
+  }
+}
+
 }  // namespace mbgate::judge

@@ -106,6 +106,7 @@ struct Sent {
   Instant answered = kNever;     ///< a whole fitting answer has reached the kernel
   std::uint32_t exceptions = 0;  ///< that drives answered, each code a bit
   bool limited = false;          ///< the drive has taken another value
+  Instant crawls = kNever;       ///< since then its answer comes, a byte and a long pause at a time
   bool cut = false;              ///< its line was closed meanwhile
 };
 
@@ -139,6 +140,8 @@ struct LineBook {
   Id last = kNone;                         ///< transmission
   Instant read_answered = Instant::min();  ///< which proves whether there is an echo
   Instant turnaround_end = Instant::min();
+  Id halved = kNone;  ///< transmission: a part of its answer came, and nothing comes behind it
+  Instant halved_at{};
 };
 
 struct Ledger {

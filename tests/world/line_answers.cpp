@@ -125,8 +125,9 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
   const Duration slack = slack_of(around_.plan.bus(bus_));
   if (happens(habits.crawls, "crawl")) {
     constexpr Duration kStep = 600ms;
-    constexpr std::size_t kMost = 8;
-    frame.resize(std::min(frame.size(), kMost));
+    const std::size_t most = ascii_ ? 24 : 8;
+    frame.resize(std::min(frame.size(), most));
+    sent.crawls = begin;
     for (const std::uint8_t byte : frame) {
       say({byte}, begin, 0, {}, {});
       begin += kStep;

@@ -164,6 +164,8 @@ void Server::say(Id id, const Octets& pdu, bool fits, bool is_second) {
   } else if (happens(plan_.half, "half")) {
     adu.resize(random_.between<std::size_t>(1, adu.size() - 1));
     is_mute_ = true;
+    around_.ledger.lines[bus_].halved = id;
+    around_.ledger.lines[bus_].halved_at = around_.schedule.now();
     came.answers = kNone;
   } else if (happens(plan_.wrong_length, "wrong_length")) {
     adu[5] = random_.one_of<std::uint8_t>({71, 254, low(adu[5] + 1U)});

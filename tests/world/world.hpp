@@ -84,6 +84,8 @@ class World {
   void begin_changes();
   void restart();
   void reload();
+  void hand_in_settings();
+  void rename_devices();
   void change_settings();
   void change_meaning();
   void outdate(std::size_t door);

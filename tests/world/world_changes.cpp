@@ -83,21 +83,34 @@ void World::reload() {
       change_meaning();
     }
     set_deadlines(plan_);
-    // A bus whose number changes is another one with the same line.
-    const gateway::Settings settings = plan_.settings;
-    harness_->handle(gateway::SettingsChanged{&settings}, schedule_.now());
-    std::vector<std::uint32_t> before;
-    std::ranges::transform(buses_, std::back_inserter(before),
-                           [](const BusState& it) { return it.id; });
-    number_buses();
-    for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
-      if (buses_[bus].id != before[bus]) {
-        report_.fault("bus_renamed");
-        close_line(bus);
-      }
-    }
-    drain();
+    hand_in_settings();
   });
+}
+
+// A bus whose number changes is another one with the same line.
+void World::hand_in_settings() {
+  const gateway::Settings settings = plan_.settings;
+  harness_->handle(gateway::SettingsChanged{&settings}, schedule_.now());
+  std::vector<std::uint32_t> before;
+  std::ranges::transform(buses_, std::back_inserter(before),
+                         [](const BusState& it) { return it.id; });
+  number_buses();
+  for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+    if (buses_[bus].id != before[bus]) {
+      report_.fault("bus_renamed");
+      close_line(bus);
+    }
+  }
+  drain();
+}
+
+// Who has written to them before is still who has written to them.
+void World::rename_devices() {
+  report_.fault("devices_renamed");
+  for (drive::Device& device : plan_.settings.devices) {
+    device.name += "y";
+  }
+  driver_.post([this] { hand_in_settings(); });
 }
 
 // Nothing of what was asked means anything else by these.

@@ -25,6 +25,10 @@ void World::come_to_rest() {
     }
   }
   run_for(60s);
+  if (plan_.reloads_every > Duration{0}) {
+    rename_devices();
+    run_for(1s);
+  }
   for (Client& client : clients_) {
     client.leave();
   }

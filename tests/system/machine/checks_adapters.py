@@ -62,8 +62,11 @@ def parity(plant):
     """Bytes that come with a wrong parity are counted as bad CRCs, and named."""
     mark = plant.mark()
     plant.a.line.hurt = PARITY_ERRORS_TO_TELL
-    answers = [plant.read(2) for _ in range(PARITY_ERRORS_TO_TELL)]
-    plant.a.line.hurt = 0
+    answers = []
+    # On a busy machine an answer may come after its timeout, and a read get 0B without going out.
+    while plant.a.line.hurt > 0 and len(answers) < 3 * PARITY_ERRORS_TO_TELL:
+        answers.append(plant.read(2))
+    assert plant.a.line.hurt == 0, f"{plant.a.line.hurt} answers were not asked for, of {len(answers)} reads"
     assert set(answers) == {"0B"}, answers
     counted = plant.guest.run(COUNTS.format(path=plant.a.path))
     assert int(counted) == PARITY_ERRORS_TO_TELL, f"the driver counted {counted}"
