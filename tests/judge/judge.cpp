@@ -69,6 +69,10 @@ void Judge::sent(Id id) {
     violation("unreadable", name(sent));
     return;
   }
+  const bool is_told = plan_.lines[sent.bus].tells_unsent && !plan_.is_tcp(sent.bus);
+  if (is_told && sent.station && sent.expects_answer) {
+    waits_[id] = longest_wait_of(*sent.station);
+  }
   check_silence(id);
   check_waiting(id);
   check_hold(id);
@@ -92,6 +96,7 @@ void Judge::sent(Id id) {
 void Judge::check_rest() {
   check_failsafe_done();
   check_shares();
+  std::ranges::for_each(waits_, [this](const auto& wait) { check_heard(wait.first); });
   for (const Asked& asked : ledger_.asked) {
     const bool is_due = asked.given != kNever && !asked.dropped && asked.answers == 0;
     const bool replies = asked.intent.kind == Kind::own || door_of(asked).replies;

@@ -86,6 +86,8 @@ class Judge : public Witness {
   void check_hold(Id id);
   void check_crawl(Id id);
   void check_half(Id id);
+  void check_heard(Id id);
+  [[nodiscard]] Duration longest_wait_of(std::size_t station) const;
 
   void violation(const char* kind, const std::string& text) { report_.violation(kind, text); }
   [[nodiscard]] std::string name(const Asked& asked) const;
@@ -101,6 +103,7 @@ class Judge : public Witness {
   Report& report_;
   std::vector<Slips> slips_;
   std::unordered_map<Id, Duration> deadlines_;
+  std::unordered_map<Id, Duration> waits_;  ///< by transmission: the longest for its answer
   /// By host and station: connections that have asked it; were they answered?
   std::map<std::pair<unsigned, std::size_t>, std::map<Id, bool>> askers_;
   std::map<std::size_t, std::map<unsigned, unsigned>>

@@ -140,22 +140,41 @@ void Judge::check_half(Id id) {
       std::any_of(ledger_.sent.begin() + line.halved, ledger_.sent.begin() + id + 1, breaks_in)) {
     return;
   }
-  const Station& station = plan_.stations[*halved.station];
-  const drive::DeviceTiming& timing = plan_.timing_of(station);
-  const drive::Device* device = plan_.device_of(station);
-  const bool may_be_slow = device != nullptr && !device->profile.slow.empty();
-  const Duration timeout =
-      std::max(timing.response_timeout,
-               may_be_slow ? device->profile.slow.front().response_timeout : Duration{0});
+  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*halved.station]);
   constexpr Duration kLateness = 60ms;
   const Duration least = std::min(timing.response_timeout, timing.probe_timeout_or_default());
   if (line.halved_at > halved.end + least) {
     return;  // it was late: no timeout has found it yet
   }
   if (ledger_.reloaded < halved.begin && !plan_.driver.stalls && !plan_.driver.stops &&
-      sent.begin > halved.end + timeout + timing.response_wait + kLateness) {
+      sent.begin > halved.end + longest_wait_of(*halved.station) + kLateness) {
     violation("half_an_answer", name(sent) + " behind a part of the answer to " + name(halved));
   }
+}
+
+// What an adapter still holds at the response timeout never leaves it: the line is lost, and the
+// driver drops it (behaviour.md, section 4).
+void Judge::check_heard(Id id) {
+  const Sent& sent = ledger_.sent[id];
+  if (sent.heard == kNever || plan_.driver.stalls || plan_.driver.stops) {
+    return;
+  }
+  constexpr Duration kLateness = 200ms;
+  if (sent.heard > sent.end + waits_.at(id) + kLateness) {
+    violation("heard_late", name(sent) + " left at " +
+                                std::to_string(sent.heard.time_since_epoch() / 1us) + " us");
+  }
+}
+
+// Of a drive whose slow registers may have been asked.
+Duration Judge::longest_wait_of(std::size_t station) const {
+  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[station]);
+  const drive::Device* device = plan_.device_of(plan_.stations[station]);
+  Duration longest = timing.response_timeout;
+  for (std::size_t at = 0; device != nullptr && at < device->profile.slow.size(); ++at) {
+    longest = std::max(longest, device->profile.slow[at].response_timeout);
+  }
+  return longest + timing.response_wait;
 }
 
 }  // namespace mbgate::judge
