@@ -24,10 +24,10 @@ Octets pdu_of(Word word, std::uint16_t value) {
 Octets answer_of(const Flight& flight) {
   const auto address = static_cast<std::uint8_t>(flight.device + 1U);
   if (!Ask{.word = flight.word}.is_read()) {
-    return soak::spec::rtu_frame(address, Octets{0x10, high(kCommand), low(kCommand), 0, 1});
+    return world::rtu_frame(address, Octets{0x10, high(kCommand), low(kCommand), 0, 1});
   }
   const unsigned tag = tag_of(flight.device, flight.word);
-  return soak::spec::rtu_frame(
+  return world::rtu_frame(
       address, Octets{0x03, 4, high(flight.serial), low(flight.serial), high(tag), low(tag)});
 }
 

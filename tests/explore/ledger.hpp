@@ -9,7 +9,7 @@
 
 #include "explore/plant.hpp"
 #include "explore/state_hash.hpp"
-#include "soak/specification.hpp"
+#include "world/frames.hpp"
 
 namespace mbgate::explore {
 

@@ -25,9 +25,9 @@ Duration deadline_of(const Plant& plant, const Ask& ask) {
 Oracle::Oracle(const Plant& plant)
     : plant_(plant),
       times_(plant.bus().line),
-      silence_(soak::spec::silence_of(plant.bus())),
-      slack_(soak::spec::slack_of(plant.bus())),
-      hold_(soak::spec::quarantine_of(plant.device().timing) + kAdapterKeeps) {}
+      silence_(world::silence_of(plant.bus())),
+      slack_(world::slack_of(plant.bus())),
+      hold_(world::quarantine_of(plant.device().timing) + kAdapterKeeps) {}
 
 std::size_t Oracle::note_asked(const Ask& ask, Instant now) {
   const auto free = std::ranges::find(requests_, false, &Request::open);

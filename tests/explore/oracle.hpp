@@ -106,7 +106,7 @@ class Oracle {
   [[nodiscard]] const Flight* last_flight_of(const Request& request) const;
 
   const Plant& plant_;
-  soak::spec::WireTimes times_;
+  world::WireTimes times_;
   Duration silence_;
   Duration slack_;  ///< that an answer may pause
   Duration

@@ -23,7 +23,7 @@ constexpr Duration kDelay = 600ms;
 }  // namespace
 
 void Oracle::note_sent(std::uint8_t client, const Octets& adu, Instant now) {
-  const std::size_t slot = adu.size() > kHeader ? soak::spec::word_at(adu, 0) : kSlots;
+  const std::size_t slot = adu.size() > kHeader ? world::word_at(adu, 0) : kSlots;
   if (slot >= kSlots || !requests_[slot].open || !requests_[slot].taken ||
       requests_[slot].ask.client != client) {
     report("an answer to nothing that the client has asked");
@@ -32,8 +32,8 @@ void Oracle::note_sent(std::uint8_t client, const Octets& adu, Instant now) {
   Request& request = requests_[slot];
   const Octets pdu(adu.begin() + kHeader, adu.end());
   const std::uint8_t function = pdu_of(request.ask.word, 0).front();
-  if (adu[6] != request.ask.device + 1 || soak::spec::word_at(adu, 2) != 0 ||
-      soak::spec::word_at(adu, 4) != pdu.size() + 1) {
+  if (adu[6] != request.ask.device + 1 || world::word_at(adu, 2) != 0 ||
+      world::word_at(adu, 4) != pdu.size() + 1) {
     report("the header of an answer");
   } else if (pdu.front() == function && request.ask.is_read()) {
     check_read(request, pdu, now);
@@ -55,9 +55,9 @@ void Oracle::note_sent(std::uint8_t client, const Octets& adu, Instant now) {
 
 // It shows the register asked for, as it was after the request came, or was remembered for it.
 void Oracle::check_read(const Request& request, const Octets& pdu, Instant /*now*/) {
-  const std::size_t serial = pdu.size() == 6 ? soak::spec::word_at(pdu, 2) : flights_.size();
+  const std::size_t serial = pdu.size() == 6 ? world::word_at(pdu, 2) : flights_.size();
   if (serial >= flights_.size() || !flights_[serial].heard ||
-      soak::spec::word_at(pdu, 4) != tag_of(request.ask.device, request.ask.word)) {
+      world::word_at(pdu, 4) != tag_of(request.ask.device, request.ask.word)) {
     report("misdelivered: another answer than that to the read");
     return;
   }

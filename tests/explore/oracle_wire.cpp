@@ -6,10 +6,8 @@
 
 namespace mbgate::explore {
 
-namespace spec = soak::spec;
-
 std::optional<Flight> Oracle::understand(const Octets& frame, Instant now) {
-  const auto adu = spec::read_rtu(frame);
+  const auto adu = world::read_rtu(frame);
   if (!adu || adu->address < 1 || adu->address > kDevices) {
     return std::nullopt;
   }
@@ -19,7 +17,7 @@ std::optional<Flight> Oracle::understand(const Octets& frame, Instant now) {
   flight.event = events_ + 1;
   flight.left = now + times_.of(frame.size());
   const Duration timeout =
-      is_offline(flight.device) ? spec::probe_timeout_of(timing()) : timing().response_timeout;
+      is_offline(flight.device) ? world::probe_timeout_of(timing()) : timing().response_timeout;
   flight.due = flight.left + timeout;
   for (const Word word : {Word::read_a, Word::read_b, Word::stop}) {
     if (adu->pdu == pdu_of(word, 0)) {

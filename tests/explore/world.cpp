@@ -133,8 +133,8 @@ void World::ask(const Ask& ask) {
   has_read_ = has_read_ || ask.is_read();
   const std::size_t slot = oracle_.note_asked(ask, now());
   const Octets pdu = pdu_of(ask.word, static_cast<std::uint16_t>(kFirstValue + slot));
-  const Octets adu = soak::spec::tcp_adu(static_cast<std::uint16_t>(slot),
-                                         static_cast<std::uint8_t>(ask.device + 1U), pdu);
+  const Octets adu = world::tcp_adu(static_cast<std::uint16_t>(slot),
+                                    static_cast<std::uint8_t>(ask.device + 1U), pdu);
   Octets& socket = sockets_[ask.client];
   socket.insert(socket.end(), adu.begin(), adu.end());
   if (!asleep_since_) {
@@ -219,7 +219,7 @@ void World::handle(const gateway::Action& action) {
     const Octets adu(send->adu.begin(), send->adu.end());
     const auto client = static_cast<std::uint8_t>(static_cast<std::uint64_t>(send->client) - 1U);
     seen_.add(client);
-    seen_.add(soak::spec::word_at(adu, 0));
+    seen_.add(world::word_at(adu, 0));
     seen_.add(adu.back());
     seen_.add(adu.size());
     oracle_.note_sent(client, adu, now());

@@ -17,7 +17,7 @@ MBGATE_FUZZ_TARGET(config);
 MBGATE_FUZZ_TARGET(rules);
 MBGATE_FUZZ_TARGET(profile);
 MBGATE_FUZZ_TARGET(machine);
-MBGATE_FUZZ_TARGET(confusable);
+MBGATE_FUZZ_TARGET(plant);
 MBGATE_FUZZ_TARGET(role);
 MBGATE_FUZZ_TARGET(http);
 MBGATE_FUZZ_TARGET(recording);
@@ -35,7 +35,7 @@ const std::map<std::string, Target> kTargets{{"mbap", fuzz_mbap},
                                              {"config", fuzz_config},
                                              {"profile", fuzz_profile},
                                              {"machine", fuzz_machine},
-                                             {"confusable", fuzz_confusable},
+                                             {"plant", fuzz_plant},
                                              {"http", fuzz_http},
                                              {"recording", fuzz_recording},
                                              {"role", fuzz_role},

@@ -22,7 +22,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 CORPORA = ROOT / "tests/fuzz/corpus"
 # Longest input of each target: enough for what it can do, short enough to be fast.
 TARGETS = {"mbap": 1024, "role": 300, "rtu_framer": 1024, "ascii_framer": 1024, "plan": 600, "config": 6000, "profile": 6000,
-           "machine": 1500, "confusable": 160, "rules": 2000, "http": 1500, "recording": 4000}
+           "machine": 1500, "plant": 2000, "rules": 2000, "http": 1500, "recording": 4000}
 # Most inputs of a corpus: they are run again with every test.
 MOST_INPUTS = 80
 # Their names there: the beginning of a hash of their content.

@@ -2,6 +2,7 @@
 """Inputs to begin with: the printed frames of the drives' manuals, our configuration files and profiles."""
 
 import pathlib
+import random
 import re
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -165,8 +166,10 @@ def of(target):
     if target == "profile":
         return [*texts("tests/config/profiles", True), *texts("tests/config/profiles-invalid", True),
                 *texts("conf/profiles", True)]
-    if target in ("confusable", "role"):
+    if target == "role":
         return []  # its scripts are short: the corpus does
+    if target == "plant":
+        return [number.to_bytes(2, "big") + random.Random(number).randbytes(1000) for number in range(60)]
     return [*machine_scripts(), *reloads()]
 
 

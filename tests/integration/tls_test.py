@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """Modbus/TCP Security over mbgated's own listeners, with Python's ssl (OpenSSL) as the client: handshakes, roles,
-resumption, revocation, and what a reload does. tests/README.md says which clause of MB-TCP-Security v36 each shows."""
+resumption, revocation, and what a reload does. README.md here says which clause of MB-TCP-Security v36 each shows."""
 
 import contextlib
 import datetime

@@ -48,6 +48,10 @@ HOW = ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g0 -w", "-DCMAK
        *(["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else [])]
 
 
+def failed_tests(text):
+    return set(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", text, re.MULTILINE))
+
+
 def is_wanted(file):
     return file.startswith(tuple(f"src/{it}/" for it in FOLDERS)) and not mutators.LEFT_OUT.search(file)
 
@@ -289,7 +293,7 @@ class Unit:
             flags.unlink()
             if status != 0:
                 running = re.findall(r"^\[ RUN      \] (\S+)", text, re.MULTILINE)[-1:]
-                return min(run.failed_tests(text), default=" ".join([*running, "hangs" if status is None else "dies"]))
+                return min(failed_tests(text), default=" ".join([*running, "hangs" if status is None else "dies"]))
         return None
 
 
@@ -376,7 +380,7 @@ def options_of():
     parser.add_argument("--build", type=pathlib.Path, help="keeps copy and build here")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--unit", default=UNIT, type=lambda it: [name for name in it.split(",") if name])
-    parser.add_argument("--soak", default="gateway_soak", help='the program; "" runs none')
+    parser.add_argument("--soak", default="soak", help='the program; "" runs none')
     parser.add_argument("--soak-arguments", action="append", help="one run after the other, until one sees it")
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--show", type=int)

@@ -1,16 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Breaks copies of the product on purpose and shows that the soak's oracle notices, or else the unit tests.
+"""Breaks copies of the product on purpose and shows that the judge notices.
 
-usage: run.py [--check] [--unit-tests] [--build FOLDER] [--seeds N] [--transactions N] [--tries N] [--jobs N] [NAME...]
+usage: run.py [--check] [--build FOLDER] [--seeds N] [--transactions N] [--tries N] [--jobs N] [NAME...]
 
-Each patch names in its first line the kind of violation that it must cause, "any" of them, "died" if it must kill the
-soak, or "unit_test" if only a unit test sees it. An assertion of the product counts as any of them (broken_invariant).
-The tree is copied for each job, one patch at a time is applied to a copy, gateway_soak is built there and run; a line of
-the table of tests/README.md is printed for each, with the seed that shows it first. Where the first seeds show nothing,
-others are tried. With --unit-tests the unit and simulation tests are built and run for what the soak has missed, and the
-failing ones are named. Copies and builds are kept in --build, so that only what a patch changes is compiled again, by
-ccache where there is one. --check only says whether every patch still applies.
+Each patch names in its first line the kind of violation that it must cause, or "any" of them. An assertion of the product
+counts as any of them (broken_invariant). The tree is copied for each job, one patch at a time is applied to a copy, the
+soak is built there and run; a line of the table of tests/README.md is printed for each, with the seed that shows it first.
+Where the first seeds show nothing, others are tried. Copies and builds are kept in --build, so that only what a patch
+changes is compiled again, by ccache where there is one. --check only says whether every patch still applies.
 
 Exits 1 if a violation did not show, or a patch does not apply.
 """
@@ -35,10 +33,6 @@ SKIPPED = 77  # what ctest takes for a test that could not be run
 MOST_MEMORY = 4 << 30
 MOST_SECONDS = 900
 SOAK = ["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG"]  # compiling takes longer than the seeds
-UNIT = ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O0 -g0", "-DCMAKE_UNITY_BUILD=ON",
-        *(["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else [])]
-PROGRAMS = ("modbus_tests", "drive_tests", "routing_tests", "bus_tests", "gateway_tests", "simulation_tests",
-            "drives_tests")
 
 
 def run(command, **options):
@@ -90,8 +84,6 @@ class Copy:
     def __init__(self, work):
         self.tree = work / "tree"
         self.soak = self.tree / "build/mutation"  # as deep as the builds of the presets: ccache knows their objects
-        self.unit = self.tree / "build/unit"
-        self.failing = None  # unit tests that fail without any patch
         synchronize(self.tree)
 
     def build(self, folder, how, targets, jobs=1):
@@ -106,37 +98,7 @@ class Copy:
         return made.stdout if made.returncode != 0 else ""
 
     def build_soak(self, jobs=1):
-        return self.build(self.soak, SOAK, ["gateway_soak"], jobs)
-
-    def failing_tests(self, program):
-        """The names of those that fail, or of the program, if it dies."""
-        trouble = self.build(self.unit, UNIT, [program])
-        if trouble:
-            return {f"({program} does not build)"}
-        made = limited([self.unit / "bin" / program, "--gtest_brief=1"])
-        return failed_tests(made.stdout) or ({program} if made.returncode != 0 else set())
-
-    def unit_tests(self, patch):
-        """Those that fail because of the patch, which is applied: of the first program of which any do."""
-        if self.failing is None:
-            git_apply(self.tree, patch, "--reverse")
-            self.failing = set().union(*(self.failing_tests(program) for program in PROGRAMS))
-            git_apply(self.tree, patch)
-        for program in nearest_first(patch):
-            failing = self.failing_tests(program) - self.failing
-            if failing:
-                return sorted(failing)
-        return []
-
-
-def nearest_first(patch):
-    """The test programs, that of the room that the patch breaks before the others."""
-    room = re.search(r"^\+\+\+ b/src/(\w+)/", patch.read_text(encoding="utf-8"), re.MULTILINE)
-    return sorted(PROGRAMS, key=lambda it: not room or it != f"{room.group(1)}_tests")
-
-
-def failed_tests(text):
-    return set(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", text, re.MULTILINE))
+        return self.build(self.soak, SOAK, ["soak"], jobs)
 
 
 class Seen(NamedTuple):
@@ -168,15 +130,13 @@ def seen_in(text):
 
 def kind_of(expected, seen):
     """The violation that shows the patch, or nothing. Of any of them, the one that is seen first."""
-    if expected == "died":
-        return "died" if seen.died else None
-    if expected not in ("any", "unit_test"):
+    if expected != "any":
         return next((kind for kind in (expected, "broken_invariant") if kind in seen.counts), None)
     return min(seen.counts, key=lambda kind: (seen.seeds.get(kind, sys.maxsize), -seen.counts[kind]), default=None)
 
 
 def soak(copy, first, options):
-    return seen_in(limited([copy.soak / "bin/gateway_soak", "--seed", str(first), "--seeds", str(options.seeds),
+    return seen_in(limited([copy.soak / "bin/soak", "--seed", str(first), "--seeds", str(options.seeds),
                             "--transactions", str(options.transactions)]).stdout)
 
 
@@ -203,15 +163,10 @@ def try_patch(patch, copy, options):
             return f"{patch.stem}: does not build\n{trouble}", False
         expected = expected_of(patch)
         kind, seed, count, died = see(expected, copy, options)
-        note = " (a soak died)" if died and kind != "died" else ""
+        note = " (a soak died)" if died else ""
         if kind:
             return f"| {patch.stem} | {kind}{note} | {seed} | {count} |", True
-        if not options.unit_tests:
-            is_for_them = expected == "unit_test"
-            return f"| {patch.stem} | {'unit tests' if is_for_them else 'MISSED'}{note} | | |", is_for_them
-        failing = copy.unit_tests(patch)
-        more = f" and {len(failing) - 2} more" if len(failing) > 2 else ""
-        return f"| {patch.stem} | {', '.join(failing[:2]) or 'MISSED'}{more}{note} | | |", bool(failing)
+        return f"| {patch.stem} | MISSED{note} | | |", False
     finally:
         git_apply(copy.tree, patch, "--reverse")
 
@@ -242,7 +197,7 @@ def check(patches):
     if shutil.which("git") is None:
         print("there is no git, which applies them")
         return SKIPPED
-    known = "".join(file.read_text(encoding="utf-8") for folder in ("soak", "judge")
+    known = "".join(file.read_text(encoding="utf-8") for folder in ("world", "judge")
                     for file in sorted((ROOT / "tests" / folder).glob("*.?pp")))
     good = True
     for patch in patches:
@@ -251,7 +206,7 @@ def check(patches):
         if applied.returncode != 0:
             print(f"{patch.stem}: does not apply any more\n{applied.stdout}")
             good = False
-        elif expected not in ("any", "died", "unit_test") and f'"{expected}"' not in known:
+        elif expected != "any" and f'"{expected}"' not in known:
             print(f"{patch.stem}: the soak knows no violation {expected}")
             good = False
     print(f"{len(patches)} patches: {'all apply' if good else 'not all apply'}")
@@ -261,7 +216,6 @@ def check(patches):
 def options_of(patches):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="only say whether the patches apply")
-    parser.add_argument("--unit-tests", action="store_true", help="for what the soak has missed")
     parser.add_argument("--build", type=pathlib.Path, help="keeps copies and builds here")
     parser.add_argument("--seeds", type=int, default=100)
     parser.add_argument("--transactions", type=int, default=500)
@@ -280,7 +234,7 @@ def main():
     options = options_of(patches)
     patches = [patch for patch in patches if not options.names or patch.stem in options.names]
     if options.check:
-        return check([*patches, *sorted((HERE / "mends").glob("*.patch"))])
+        return check(patches)
     work = (options.build or pathlib.Path(tempfile.mkdtemp(prefix="mbgate-mutations-"))).resolve()
     copies = [Copy(work / str(number)) for number in range(min(options.jobs, len(patches)))]
     for copy in copies:

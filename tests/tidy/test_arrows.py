@@ -173,10 +173,30 @@ class Arrows(unittest.TestCase):
                 arrows.check_crowding(pathlib.Path(folder)), ["src/bus: has 21 units, more than 20"]
             )
 
+    def test_the_proofs_keep_their_sizes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tests = pathlib.Path(folder, "tests")
+            for name in ("world", "explore", "mutations"):
+                (tests / name).mkdir(parents=True)
+            (tests / "world/a.cpp").write_text("\n" * 10_500, encoding="utf-8")
+            (tests / "explore/a.hpp").write_text("\n" * 3_000, encoding="utf-8")
+            self.assertEqual(arrows.check_budgets(pathlib.Path(folder)), [])
+            (tests / "world/b.cpp").write_text("\n", encoding="utf-8")
+            (tests / "README.md").write_text("\n" * 201, encoding="utf-8")
+            for number in range(31):
+                (tests / f"mutations/{number}.patch").touch()
+            self.assertEqual(
+                arrows.check_budgets(pathlib.Path(folder)),
+                ["tests/{world,judge}: have 10501 lines, more than 10500",
+                 "tests/{world,judge,simulation,explore}: have 13501 lines, more than 13500",
+                 "tests/mutations: has 31 patches, more than 30",
+                 "tests/README.md: has 201 lines, more than 200"],
+            )
+
     def test_a_folder_has_front_headers_and_others_of_its_own(self):
         self.assertEqual(findings_in_serial(), [])
         for path in ("src/bus/bus.cpp", "src/bus/tcp.cpp", "src/gateway/a.cpp", "tests/unit/gateway/a.cpp",
-                     "tests/soak/a.cpp", "bench/a.cpp"):
+                     "tests/world/a.cpp", "bench/a.cpp"):
             with self.subTest(path=path):
                 self.assertEqual(findings_in_serial({path: "bus/serial/line.hpp"}), [])
                 self.assertEqual(

@@ -271,4 +271,17 @@ Duration slack_of(const bus::BusSettings& bus) {
   return bus.frame_slack.value_or(bus.line.remote ? 200ms : 20ms);
 }
 
+Duration silence_of(const bus::BusSettings& bus) {
+  return bus.frame_gap ? *bus.frame_gap : WireTimes(bus.line).silence();
+}
+
+Duration quarantine_of(const drive::DeviceTiming& timing) {
+  return timing.quarantine ? *timing.quarantine : timing.response_timeout;
+}
+
+Duration probe_timeout_of(const drive::DeviceTiming& timing) {
+  return timing.probe_timeout ? *timing.probe_timeout
+                              : std::min<Duration>(timing.response_timeout, 100ms);
+}
+
 }  // namespace mbgate::world

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bus/settings.hpp"
+#include "drive/device.hpp"
 
 namespace mbgate::world {
 
@@ -94,5 +95,11 @@ class WireTimes {
 
 /// The longest pause within an answer: `frame_slack`, 20 ms, or 200 ms behind `tcp://`.
 Duration slack_of(const bus::BusSettings& bus);
+/// Between frames: `frame_gap`, or t3.5.
+Duration silence_of(const bus::BusSettings& bus);
+/// `quarantine`, or one more response timeout.
+Duration quarantine_of(const drive::DeviceTiming& timing);
+/// `probe_timeout`, or the response timeout, 100 ms at most.
+Duration probe_timeout_of(const drive::DeviceTiming& timing);
 
 }  // namespace mbgate::world

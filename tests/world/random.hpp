@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstdint>
 #include <random>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -19,6 +20,9 @@ using bus::Instant;
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
+  /// From now on everybody's draws are these, two bytes each, as long as there are any: for
+  /// fuzzers, which must be able to change one draw and leave the others.
+  static void follow(std::span<const std::uint8_t> script) { script_ = script; }
 
   /// 0 .. limit - 1; 0 if the limit is 0. As many bits as the limit has: size_t is not the same
   /// everywhere.
@@ -27,7 +31,7 @@ class Random {
     if (limit == 0) {
       return 0;
     }
-    return static_cast<std::make_unsigned_t<Number>>((engine_() >> 8U) %
+    return static_cast<std::make_unsigned_t<Number>>((draw() >> 8U) %
                                                      static_cast<std::uint64_t>(limit));
   }
   /// low .. high, both included.
@@ -48,6 +52,16 @@ class Random {
   }
 
  private:
+  std::uint64_t draw() {
+    if (script_.size() < 2) {
+      return engine_();
+    }
+    const std::uint64_t drawn = script_[0] * 256ULL + script_[1];
+    script_ = script_.subspan(2);
+    return drawn << 8U;
+  }
+
+  inline static thread_local std::span<const std::uint8_t> script_{};
   std::mt19937_64 engine_;
 };
 

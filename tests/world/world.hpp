@@ -38,6 +38,8 @@ class World {
   /// A client that asks this, and waits; none: it got no answer in time.
   std::optional<Octets> ask(std::size_t door, Duration patience);
   void shut_down();
+  /// Its driver judges before it reads, which it must not.
+  void break_promise() { driver_.break_promise(); }
 
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] const Ledger& ledger() const { return ledger_; }

@@ -12,6 +12,7 @@ PORT = 1502
 LINE_B = 'baud = 115200\nparity = "none"'
 DROP_INS = "/etc/systemd/system/mbgated.service.d"
 
+# Both lines listen for a second at a start, not for the two minutes that the longest response timeouts would have.
 # Units 1 to 9 are the drives of line a, 11 to 19 those of line b. Unit 21 is drive 1, and what waits for it does so for
 # 8 s only; what waits for unit 1 does so for two minutes.
 CONFIGURATION = """
@@ -27,12 +28,14 @@ baud = 19200
 parity = "even"
 response_timeout = "5s"
 retries = 0
+listen_first = "1s"
 {line_a}
 [[bus]]
 name = "line-b"
 device = "{b}"
 {line_b}
 response_timeout = "5s"
+listen_first = "1s"
 [[device]]
 name = "hurt"
 bus = "line-a"
