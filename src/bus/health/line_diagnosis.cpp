@@ -228,7 +228,9 @@ bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
   }
   DeviceEntry& entry = parts_.devices[address];
   entry.note_heard();
-  if (entry.device->takes_limited(asked->on_wire().request, unsolicited.pdu.bytes())) {
+  // A stop with another value is none; it may be the late echo of another stop.
+  if (!asked->is_stop() &&
+      entry.device->takes_limited(asked->on_wire().request, unsolicited.pdu.bytes())) {
     line->take_misfit(unsolicited.pdu, std::nullopt);
     return true;
   }

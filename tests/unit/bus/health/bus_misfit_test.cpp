@@ -104,6 +104,20 @@ TEST_F(BusMisfit, ALimitedEchoIsTheAnswerWhereTheDeviceIsToldToGiveIt) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
 }
 
+// Two stops by values of their own: what comes is late, and is the echo of the first.
+TEST_F(BusMisfit, ALimitedEchoAcknowledgesNoStop) {
+  drive::Device limiting{"axis", {}, 1, settings().timing};
+  limiting.limits_values = true;
+  limiting.timing.stop_retries = 0;
+  limiting.profile.stops = {{modbus::Table::holding_registers, 5, 0xF000, 0x2000}};
+  open(settings(), {limiting});
+  ask(kSetPoint);
+  line(kLimited);
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(20ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+}
+
 // It was heard; the answer to a read cannot be mistaken for that to the write.
 TEST_F(BusMisfit, AReadNeedNotWaitUntilTheResponseTimeoutOfTheWriteIsOver) {
   auto patient = settings();
