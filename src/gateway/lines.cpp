@@ -102,8 +102,10 @@ void Lines::trace(BusId bus, const bus::BusAction& action, Instant now) {
 
 void Lines::adopt(const Settings& before, const Settings& next, Instant now) {
   for (const BusSet::GivenUp& given_up : buses_.adopt(before, next, now)) {
-    // What was on the wire ends, and what waits. Nobody needs its news any more.
+    // What was on the wire ends, and what waits: also on a connection that the server has closed,
+    // where a refused stop may wait for its next try. Nobody needs its news any more.
     given_up.bus->handle_lost(now);
+    given_up.bus->give_up(now);
     while (const auto action = given_up.bus->poll()) {
       if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
         exchanges_.end(*ended->job, ended->ending);

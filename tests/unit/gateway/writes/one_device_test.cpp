@@ -139,6 +139,19 @@ TEST_F(SeveralDevices, AreEachAUnit) {
   EXPECT_THAT(rig_.take_sent(1), IsEmpty());
 }
 
+/// It rests before its next try, the server closes, and the bus is given up.
+TEST_F(OneDevice, AStopThatWasRefusedEndsWithItsLine) {
+  rig_.receive(1, stop_request(1, 11));
+  rig_.line("00 01 00 00 00 03 FF 86 06");
+  rig_.close_line();
+  Settings settings = server();
+  settings.buses[0].name = "line-b";
+  rig_.reload(settings);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre("00 01 00 00 00 03 0B 86 0B"));
+  rig_.shutdown();
+  EXPECT_TRUE(rig_.finished);
+}
+
 /// From one identity to the other: a unit that led to the drive does so no more.
 TEST_F(OneDevice, AReloadThatSaysOtherwiseEndsWhatWaits) {
   rig_.receive(2, read_request(1, 1));
