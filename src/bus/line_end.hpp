@@ -53,9 +53,10 @@ struct LineEnd {
   Instant due{};       ///< when its response timeout ends, whether or not it was waited for
   Duration took{0};    ///< response: from the end of the request to the end of the answer
   bool early = false;  ///< a response that began clearly before the device's response wait was over
-  std::size_t heard = 0;    ///< bytes received since the end of the request
-  Duration heard_after{0};  ///< from the end of the request to the first of them
-  std::size_t noise = 0;    ///< bytes before the response, good or damaged, that are no part of it
+  std::size_t heard = 0;     ///< bytes received since the end of the request
+  Duration heard_after{0};   ///< from the end of the request to the first of them
+  std::size_t noise = 0;     ///< bytes before the response, good or damaged, that are no part of it
+  bool may_be_echo = false;  ///< no response, but what may be one: it may be an echo as well
 };
 
 enum class LineFault : std::uint8_t {

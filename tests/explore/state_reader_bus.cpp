@@ -235,12 +235,13 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   require(longest_before == Duration{0}, "a short life");
   hash.add(unanswered.size());
   for (const bus::Hold::Unanswered& it : unanswered) {
-    const auto& [asked, sent, due, is_unreadable, is_retry, is_outdated, is_over, was_replaced,
-                 suspected] = it;
+    const auto& [asked, sent, due, is_unreadable, is_retry, may_be_answered, is_outdated, is_over,
+                 was_replaced, suspected] = it;
     hash.add(asked.pdu().bytes());
     hash.since(sent, kFarPast);
     hash.since(due, kFarPast);
     hash.add(is_unreadable);
+    hash.add(may_be_answered);
     hash.add(is_outdated);
     hash.add(is_over);
     hash.add(was_replaced);

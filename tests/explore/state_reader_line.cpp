@@ -15,8 +15,8 @@ void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Ha
   // heard_at, unpaced_told. Without a driver that holds something: unsent, is_answerless. Empty
   // when the machine was asked for its actions: faults, refused, end.
   const auto& [silence, paced_setting, paced, counters, faults, echo, framer, transaction,
-               response_due, response_deadline, response_wait, owed, misfit, refused, draining,
-               heard, heard_at, unpaced_told, unsent, is_answerless, end] = line;
+               response_due, response_deadline, response_wait, owed, misfit, may_be_echo, refused,
+               draining, heard, heard_at, unpaced_told, unsent, is_answerless, end] = line;
   // Settings: timing, frame_gap, turnaround, settle.
   const auto& [timing, frame_gap, turnaround, settle, quiet_since, busy_since, settling_until,
                listening_until, turnaround_until, emission_ends] = silence;
@@ -42,6 +42,7 @@ void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Ha
       hash.add(it.is_own);
     }
     hash.add(misfit);
+    hash.add(may_be_echo);
   } else {
     hash.until(emission_ends);
   }

@@ -36,8 +36,8 @@ void Hold::add(const Sent& sent, bool is_unreadable) {
   if (unanswered_.size() >= kMostUnanswered) {
     unanswered_.erase(unanswered_.begin());
   }
-  unanswered_.emplace_back(
-      Unanswered{sent.asked, sent.sent, sent.due, is_unreadable, sent.is_retry});
+  unanswered_.emplace_back(Unanswered{sent.asked, sent.sent, sent.due, is_unreadable, sent.is_retry,
+                                      sent.may_be_answered});
   unanswered_.back().suspected = std::exchange(suspected_, Duration{0});
 }
 
@@ -220,9 +220,14 @@ OwedAnswers Hold::owed(const modbus::Request& next, Instant first_sent) const {
 }
 
 Instant Hold::until(const Timing& timing) const {
+  return end_of_tails(timing, [](const Unanswered&) { return true; });
+}
+
+template <typename Predicate>
+Instant Hold::end_of_tails(const Timing& timing, Predicate holds) const {
   Instant until = std::max(held_until_.value_or(Instant::min()), rests_until_);
   for (const Unanswered& it : unanswered_) {
-    until = std::max(until, end_of_tail(it, timing));
+    until = holds(it) ? std::max(until, end_of_tail(it, timing)) : until;
   }
   return std::max(until, end_of_seconds(timing));
 }
@@ -234,7 +239,8 @@ Instant Hold::until(std::uint8_t function, const Timing& timing) const {
   if (is_fast && std::ranges::none_of(unanswered_, is_same)) {
     return end_of_seconds(timing);
   }
-  return until(timing);
+  return end_of_tails(timing,
+                      [&](const Unanswered& it) { return !it.may_be_answered || is_same(it); });
 }
 
 Duration Hold::tail(Instant now, const Timing& timing) const {

@@ -9,7 +9,8 @@
 //
 // While a device has an open transmission, or is held, nothing is sent to it but stops and the
 // retry of the same read. A device that has answered since, and fast, may get a request of another
-// function: the answer names its function, and there is no queue in such a device.
+// function: the answer names its function, and there is no queue in such a device. So may one whose
+// answer may have come, where nobody knows whether the line has an echo: only reads show that.
 //
 // A device that answers twice (two drives at one address, a repeater) is left alone after each
 // answer until the second one must have come.
@@ -43,6 +44,7 @@ class Hold {
     Instant sent;
     Instant due;
     bool is_retry = false;
+    bool may_be_answered = false;  ///< what came may be its answer, or its echo
   };
   /// No answer came to it.
   void note_unanswered(const Sent& sent) { add(sent, false); }
@@ -102,6 +104,7 @@ class Hold {
     Instant due;
     bool is_unreadable;
     bool is_retry;
+    bool may_be_answered;
     bool is_outdated = false;  ///< a write, and another write has gone to the device since
     bool is_over = false;      ///< its tail
     /// An answer came to it, and was taken for that of an earlier one.
@@ -119,6 +122,8 @@ class Hold {
   [[nodiscard]] Instant end_of_tail(const Unanswered& it, const Timing& timing) const {
     return it.is_unreadable ? it.due : end_of_tail(it.due, timing);
   }
+  template <typename Predicate>
+  [[nodiscard]] Instant end_of_tails(const Timing& timing, Predicate holds) const;
   [[nodiscard]] Instant end_of_seconds(const Timing& timing) const;
 
   std::vector<Unanswered> unanswered_;      // oldest first, without the one on the wire

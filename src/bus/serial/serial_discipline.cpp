@@ -62,7 +62,7 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   silence_.note_frame(frame.size(), now);
   response_wait_ = timing.response_wait;
   owed_ = std::move(owed);
-  misfit_ = false;
+  misfit_ = may_be_echo_ = false;
   draining_ = false;
   const Duration answer_time = transaction.boot_time
                                    ? silence_.turnaround()
@@ -129,6 +129,7 @@ void SerialDiscipline::end(LineEnd::How how) {
   end_->heard = heard_;
   end_->heard_after = heard_ > 0 ? heard_at_ - silence_.emission_ends() : Duration{0};
   end_->noise = framed ? framer_.noise() : 0;
+  end_->may_be_echo = may_be_echo_;
   framer_.listen();
 }
 

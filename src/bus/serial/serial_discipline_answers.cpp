@@ -108,6 +108,7 @@ Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
     }
     behind = refuse_others(behind, now);
     if (is_nobodys && behind == Verdict::none && echo_.is_unknown()) {
+      may_be_echo_ = !transaction_->request.is_read();
       echo_.note_unproven();
     }
     return behind;

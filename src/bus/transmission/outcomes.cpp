@@ -26,8 +26,8 @@ bool is_still_asked(const drive::Device& device, const Transaction& question) {
          read->range.first == told->address;
 }
 
-Hold::Sent sent_of(const Transmission& it, Instant due) {
-  return {it.on_wire().request, it.last_sent, due, it.tries > 1};
+Hold::Sent sent_of(const Transmission& it, Instant due, bool may_be_answered = false) {
+  return {it.on_wire().request, it.last_sent, due, it.tries > 1, may_be_answered};
 }
 
 }  // namespace
@@ -196,7 +196,7 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   }
   ++parts_.counters.timeouts;
   ++entry.counters.timeouts;
-  entry.hold.note_unanswered(sent_of(transmission, end.due));
+  entry.hold.note_unanswered(sent_of(transmission, end.due, end.may_be_echo));
   note_unanswered(transmission, end.due, now);
   handle_failure(transmission, now);
 }
