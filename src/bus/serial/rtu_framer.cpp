@@ -198,14 +198,21 @@ Verdict RtuFramer::handle_deadline(Instant now) {
   if (!deadline || now < *deadline) {
     return Verdict::none;
   }
-  if (!in_progress()) {
-    if (modbus::decode_rtu(buffer_.bytes())) {
-      consume(0, buffer_.size());
-    }
-    give_up_buffer();
-    discarding_ = false;
-    return Verdict::none;
+  const Verdict verdict = in_progress() ? end_answer() : Verdict::none;
+  // The silence behind an answer that was given up may be over too.
+  const auto silent = next_deadline();
+  if (verdict != Verdict::none || in_progress() || !silent || now < *silent) {
+    return verdict;
   }
+  if (modbus::decode_rtu(buffer_.bytes())) {
+    consume(0, buffer_.size());
+  }
+  give_up_buffer();
+  discarding_ = false;
+  return Verdict::none;
+}
+
+Verdict RtuFramer::end_answer() {
   switch (answer_) {
     case Answer::opaque: return end_by_silence();
     case Answer::unsure:

@@ -165,6 +165,14 @@ TEST_F(RtuFramer, GivesAnIncompleteAnswerUpAfterTheTimeOfItsBytes) {
   EXPECT_EQ(add(kAnswer), Verdict::response);
 }
 
+TEST_F(RtuFramer, IsDoneWithAnAnswerThatItHasGivenUp) {
+  expect("03 0000 0002");
+  EXPECT_EQ(add("01 03 04 00"), Verdict::none);
+  ASSERT_NE(framer_.next_deadline(), std::nullopt);
+  EXPECT_EQ(after(*framer_.next_deadline() - now_), Verdict::none);
+  EXPECT_EQ(framer_.next_deadline(), std::nullopt);
+}
+
 TEST_F(RtuFramer, SilenceSeparatesGarbageFromTheAnswer) {
   expect(kRead);
   EXPECT_EQ(add("55 AA 12"), Verdict::none);
