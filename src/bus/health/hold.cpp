@@ -208,8 +208,14 @@ Instant Hold::end_of_seconds(const Timing& timing) const {
                                                   : std::min(learned, timing.response_timeout));
 }
 
-OwedAnswers Hold::owed(const modbus::Request& next, Instant first_sent) const {
+// Only a stop is sent while a second answer is still to come.
+OwedAnswers Hold::owed(const modbus::Request& next, Instant first_sent, Instant now,
+                       const Timing& timing) const {
   OwedAnswers owed;
+  const bool has_second = seconds_ > 0 && clean_ > 0 && now < end_of_seconds(timing);
+  if (has_second && answered_->function() == next.function()) {
+    owed.push_back({*answered_, false});
+  }
   for (const Unanswered& it : unanswered_) {
     if (it.asked.function() == next.function()) {
       const bool is_own = it.sent >= first_sent && !it.is_outdated && it.asked.pdu() == next.pdu();

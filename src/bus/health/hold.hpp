@@ -80,9 +80,11 @@ class Hold {
   /// How many second answers have come since the last two hundred answers without one.
   [[nodiscard]] unsigned seconds() const { return seconds_; }
 
-  /// The unanswered transmissions that an answer to `next` may belong to, oldest first. Those of
-  /// the same request that were sent at `first_sent` or later are its own earlier tries.
-  [[nodiscard]] OwedAnswers owed(const modbus::Request& next, Instant first_sent) const;
+  /// The transmissions that an answer to `next`, which is sent now, may belong to, oldest first:
+  /// the unanswered ones, and the one that may get a second answer. Those of the same request that
+  /// were sent at `first_sent` or later are its own earlier tries.
+  [[nodiscard]] OwedAnswers owed(const modbus::Request& next, Instant first_sent, Instant now,
+                                 const Timing& timing) const;
   /// The earliest instant at which a request with this function code may be sent to the device. A
   /// stop, and the same read once more, need not wait.
   [[nodiscard]] Instant until(std::uint8_t function, const Timing& timing) const;

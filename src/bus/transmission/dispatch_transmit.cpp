@@ -58,7 +58,8 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
     const DeviceEntry& entry = parts_.devices[sent.address];
     // An earlier stop of the same bytes, without another write since, has stopped the drive too.
     const bool is_stop = transmission.is_stop();
-    owed = entry.hold.owed(sent.request, is_stop ? Instant::min() : transmission.transmitted_at);
+    owed = entry.hold.owed(sent.request, is_stop ? Instant::min() : transmission.transmitted_at,
+                           now, entry.timing());
     std::ranges::for_each(owed, [&](OwedAnswer& it) { it.is_stop = is_stop; });
   }
   const auto quiet_since = [silence = parts_.line.silence()] {

@@ -49,7 +49,10 @@ class Health : public testing::Test {
     hold_.note_asked(nullptr, at(time), timing_, is_probe);
   }
   [[nodiscard]] std::size_t owed(const modbus::Request& next) const {
-    return hold_.owed(next, Instant::max()).size();
+    return hold_.owed(next, Instant::max(), at(0ms), timing_).size();
+  }
+  [[nodiscard]] bus::OwedAnswers owed_since(const modbus::Request& next, bus::Duration sent) const {
+    return hold_.owed(next, at(sent), at(0ms), timing_);
   }
 
   const std::vector<std::uint8_t> kAnswer = unhex("03 02 12 34");

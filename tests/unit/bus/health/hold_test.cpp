@@ -204,18 +204,18 @@ TEST_F(Health, EarlierTriesAreItsOwnUnlessAnotherWriteWasSentSince) {
   unanswered(other_read_, 100ms);
   unanswered(read_, 300ms);
   unanswered(write_, 400ms);
-  auto owed = hold_.owed(read_, at(150ms));
+  auto owed = owed_since(read_, 150ms);
   ASSERT_EQ(owed.size(), 2U);
   EXPECT_FALSE(owed[0].is_own);
   EXPECT_TRUE(owed[1].is_own);
-  EXPECT_FALSE(hold_.owed(read_, at(250ms))[1].is_own);
-  EXPECT_TRUE(hold_.owed(write_, at(300ms))[0].is_own);
+  EXPECT_FALSE(owed_since(read_, 250ms)[1].is_own);
+  EXPECT_TRUE(owed_since(write_, 300ms)[0].is_own);
   hold_.note_written(write_, false);
   hold_.note_written(request("06 0001 0001"), true);
-  EXPECT_TRUE(hold_.owed(write_, at(300ms))[0].is_own);
+  EXPECT_TRUE(owed_since(write_, 300ms)[0].is_own);
   hold_.note_written(request("06 0001 0001"), false);
-  EXPECT_FALSE(hold_.owed(write_, at(300ms))[0].is_own);
-  EXPECT_TRUE(hold_.owed(read_, at(150ms))[1].is_own);
+  EXPECT_FALSE(owed_since(write_, 300ms)[0].is_own);
+  EXPECT_TRUE(owed_since(read_, 150ms)[1].is_own);
 }
 
 // The echo of function 16 names no value.
@@ -223,9 +223,9 @@ TEST_F(Health, AnotherStopWhoseEchoLooksTheSameTakesTheProofAway) {
   const auto stop = request("10 0010 0001 02 0001");
   unanswered(stop, 100ms);
   hold_.note_written(request("10 0011 0001 02 0002"), true);
-  EXPECT_TRUE(hold_.owed(stop, at(0ms))[0].is_own);
+  EXPECT_TRUE(owed_since(stop, 0ms)[0].is_own);
   hold_.note_written(request("10 0010 0001 02 0002"), true);
-  EXPECT_FALSE(hold_.owed(stop, at(0ms))[0].is_own);
+  EXPECT_FALSE(owed_since(stop, 0ms)[0].is_own);
 }
 
 TEST_F(Health, ADeviceWhoseTailsEndUnansweredThoughItAnswersIsLeftAloneForOnce) {

@@ -45,6 +45,31 @@ TEST_F(BusStopAnswers, TheLateAnswerToAMoveThatLooksTheSameIsNone) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
 }
 
+// Two drives at one address, or a repeater: a stop does not wait until both have answered.
+TEST_F(BusStopAnswers, TheSecondAnswerToAMoveThatLooksTheSameIsNone) {
+  open_axis();
+  for (int times = 0; times < 2; ++times) {
+    submit(job_of(1, kMoveBy16));
+    advance(10ms);
+    line(kAnswerBy16);
+    advance(10ms);
+    line(kAnswerBy16);
+    advance(kUnanswered);
+  }
+  submit(job_of(1, kMoveBy16));
+  advance(10ms);
+  line(kAnswerBy16);
+  submit(job(kStopBy16));
+  advance(10ms);
+  ASSERT_THAT(frames_, SizeIs(4));
+  line(kAnswerBy16);  // of the move
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered, Ending::answered));
+  advance(10ms);
+  line(kAnswerBy16);
+  EXPECT_THAT(endings_, SizeIs(4));
+  EXPECT_EQ(endings_.back(), Ending::answered);
+}
+
 TEST_F(BusStopAnswers, ALateExceptionToTheTryBeforeIsNone) {
   open_axis();
   submit(job(kStop));
