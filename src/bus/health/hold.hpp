@@ -58,8 +58,8 @@ class Hold {
   void note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                      const Timing& timing);
   /// A request is sent to the device, and is open from now on; nullptr: nothing ever answers it.
-  /// `is_probe`: the device is offline. Then nothing that it could still answer from before has
-  /// come for a whole interval of probes.
+  /// `is_probe`: the device is offline, and this is no stop, which waits for nothing. Then nothing
+  /// that it could still answer from before has come for a whole interval of probes.
   void note_asked(const modbus::Request* asked, Instant now, const Timing& timing, bool is_probe);
   /// A write is sent to the device. From now on the answer to another one, sent before it, no
   /// longer proves that that one, sent once more, was carried out. After a stop this is so only for

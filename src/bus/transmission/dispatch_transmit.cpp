@@ -82,8 +82,8 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
 void Dispatch::note_asked(const Transaction& sent, JobClass job_class, Instant now) {
   DeviceEntry& entry = parts_.devices[sent.address];
   const bool is_silent = sent.may_stay_silent();
-  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.timing(),
-                        entry.health.is_offline());
+  const bool is_probe = entry.health.is_offline() && job_class != JobClass::stop;
+  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.timing(), is_probe);
   entry.asked_at = now;
   if (!sent.request.is_read()) {
     entry.hold.note_written(sent.request, job_class == JobClass::stop);

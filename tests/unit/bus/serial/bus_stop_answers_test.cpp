@@ -45,6 +45,25 @@ TEST_F(BusStopAnswers, TheLateAnswerToAMoveThatLooksTheSameIsNone) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
 }
 
+// The tail of the move is over, and nothing has been waited for: a stop is no probe.
+TEST_F(BusStopAnswers, TheLateAnswerToAMoveOfAnOfflineAxisIsNone) {
+  auto short_tails = settings();
+  short_tails.timing.offline_after = 1;
+  short_tails.timing.quarantine = 10ms;
+  short_tails.line.echo = false;
+  open(short_tails, {axis(short_tails)});
+  submit(job_of(1, kMoveBy16));
+  advance(kUnanswered + 100ms);
+  submit(job(kStopBy16));
+  ASSERT_THAT(frames_, SizeIs(2));
+  advance(10ms);
+  line(kAnswerBy16);  // of the move
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  advance(10ms);
+  line(kAnswerBy16);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
 // Two drives at one address, or a repeater: a stop does not wait until both have answered.
 TEST_F(BusStopAnswers, TheSecondAnswerToAMoveThatLooksTheSameIsNone) {
   open_axis();
