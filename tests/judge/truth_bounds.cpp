@@ -12,10 +12,11 @@ constexpr std::uint8_t kUnanswered = 0x0B;
 constexpr Duration kLateness = 60ms;  // of adapters and drivers
 }  // namespace
 
-// A frame of the drive that was asked, which is not what was asked for.
+// A frame of the drive that was asked, which is not what was asked for. One of another function may
+// be another client's, and ends no wait.
 void Judge::came(std::size_t bus) {
   const Came& came = ledger_.lines[bus].came.back();
-  if (came.answers != kNone && !came.fits && !came.is_second) {
+  if (came.answers != kNone && came.ends_wait && !came.is_second) {
     misfits_[came.answers] = came.at;
   }
 }
@@ -39,9 +40,10 @@ void Judge::note_share(const Asked& asked) {
     ++(is_lost ? share.lost : share.got);
   }
   const auto misfit = misfits_.find(asked.sent.back());
+  const bool is_ordered = plan_.settings.listeners[door_of(asked).listener].ordered;
   const Duration allowed = slack_of(plan_.bus(sent.bus)) + kLateness;
   if (misfit != misfits_.end() && asked.intent.kind == Kind::write && is_lost &&
-      !plan_.is_tcp(sent.bus) && due - misfit->second > 2 * allowed) {
+      !plan_.is_tcp(sent.bus) && !is_ordered && due - misfit->second > 2 * allowed) {
     ++(asked.answered > misfit->second + allowed ? share.waited : share.ended);
   }
 }

@@ -126,6 +126,7 @@ struct Came {
   Id answers = kNone;      ///< the transmission whose answer ends here
   bool fits = false;       ///< it is what was asked for
   bool is_second = false;  ///< it was said before
+  bool ends_wait = false;  ///< it does not fit, and is the drive's: a misfit, or a bad CRC
   std::size_t bytes = 0;
 };
 

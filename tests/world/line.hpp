@@ -51,7 +51,7 @@ class Line {
   void answer(Drive& drive, Id sent, const Octets& pdu);
   [[nodiscard]] Instant begin_of(Drive& drive, const Sent& sent);
   /// Makes it something that no drive of sense says; false: it is still the answer.
-  bool spoil(const Habits& habits, Octets& pdu, Octets& frame, const Sent& sent);
+  bool spoil(const Habits& habits, Octets& pdu, Octets& frame, Came& came);
   void say(Octets bytes, Instant begin, std::size_t good, const Came& came, Pause pause);
   void begin_talk(std::uint64_t number);
   void hear(std::uint64_t number, std::size_t until);

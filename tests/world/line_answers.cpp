@@ -123,7 +123,8 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
   std::size_t good = frame.size();
   Pause pause{0, Duration{0}};
   const Duration slack = slack_of(around_.plan.bus(bus_));
-  if (happens(habits.crawls, "crawl")) {
+  // One at a time: of many behind each other the last would come long after all is calm.
+  if (busy <= around_.schedule.now() && happens(habits.crawls, "crawl")) {
     constexpr Duration kStep = 600ms;
     const std::size_t most = ascii_ ? 24 : 8;
     frame.resize(std::min(frame.size(), most));
@@ -140,9 +141,11 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
     frame.insert(frame.end(), once.begin(), once.end());
   } else if (happens(habits.cut, "cut")) {
     frame.resize(random_.between<std::size_t>(1, frame.size() - 1));
+    while (!ascii_ && ends_in_its_crc(frame)) {
+      frame.pop_back();  // what ends in its own CRC is a frame, of a function that nobody knows
+    }
     good = 0;
-  } else if (spoil(habits, pdu, frame, sent)) {
-    came.fits = false;
+  } else if (spoil(habits, pdu, frame, came)) {
     good = frame.size();
   } else if (!ascii_ && answers_with_data(pdu) && happens(habits.glitches, "glitch")) {
     const std::size_t size = random_.between<std::size_t>(1, 8);
@@ -173,19 +176,28 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
   say(std::move(frame), begin, good, came, pause);
 }
 
-// Damage is what a CRC or LRC finds for certain; a misfit has a good one.
-bool Line::spoil(const Habits& habits, Octets& pdu, Octets& frame, const Sent& sent) {
+// Damage is what a CRC or LRC finds for certain; a misfit has a good one. Of an ASCII character it
+// leaves none that may stand in a frame.
+bool Line::spoil(const Habits& habits, Octets& pdu, Octets& frame, Came& came) {
   if (happens(habits.damaged, "damaged")) {
-    auto& byte = frame[random_.below(frame.size() - (ascii_ ? 2U : 0U))];
-    byte = low(ascii_ ? byte | 0x80U : byte ^ (1U << random_.below(8U)));
+    constexpr std::size_t kHead = 3;  // who, what, and how much
+    const std::size_t at = random_.below(frame.size() - (ascii_ ? 2U : 0U));
+    frame[at] = low(ascii_ ? frame[at] | 0x80U : frame[at] ^ (1U << random_.below(8U)));
+    came.fits = false;
+    came.ends_wait = !ascii_ && at >= kHead;
     return true;
   }
   if (pdu[0] >= 0x40 ||
       !happens(habits.misfits, "misfit")) {  // nobody knows what an unknown one says
     return false;
   }
+  came.fits = false;
+  came.ends_wait = true;
   switch (random_.between(0U, 2U)) {
-    case 0: pdu[0] ^= 0x05U; break;  // another function
+    case 0:  // another function, which may be another client's
+      pdu[0] ^= 0x05U;
+      came.ends_wait = false;
+      break;
     case 1:
       if (answers_with_data(pdu) && pdu.size() < 240) {
         pdu.insert(pdu.end(), {0xAA, 0xBB});
@@ -203,7 +215,7 @@ bool Line::spoil(const Habits& habits, Octets& pdu, Octets& frame, const Sent& s
         pdu[1] ^= 0x40U;  // another address
       }
   }
-  frame = encode(sent.address, pdu);
+  frame = encode(around_.ledger.sent[came.answers].address, pdu);
   return true;
 }
 

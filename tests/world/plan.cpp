@@ -187,8 +187,10 @@ Habits Draw::draw_habits(const drive::DeviceTiming& timing) {
   habits.late *= random_.one_of({1U, 4U});
   habits.very_late = random_.chance(100) ? some() : 0;
   // A copy cannot be told from what a drive still owes, nor from the next answer once it is behind
-  // it.
-  if (habits.late + habits.very_late > 0 || plan_.lines.back().adapter != AdapterKind::uart) {
+  // it. Where an adapter keeps requests, any drive may owe.
+  const LinePlan& line = plan_.lines.back();
+  if (habits.late + habits.very_late > 0 || line.adapter != AdapterKind::uart ||
+      line.stalls_every > Duration{0}) {
     habits.copies = 0;
   }
   habits.refuses_stops = random_.chance(300) ? random_.one_of({100U, 500U, 1000U}) : 0;

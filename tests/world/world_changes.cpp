@@ -10,6 +10,21 @@ namespace mbgate::world {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+// Some names in turn: so some come back, and the gateway, which keeps a number for each that it has
+// ever read, does not have thousands.
+void rename(std::string& name) {
+  constexpr std::string_view kMost = "xxxx";
+  if (name.ends_with(kMost)) {
+    name.resize(name.size() - kMost.size());
+  } else {
+    name += "x";
+  }
+}
+
+}  // namespace
+
 void World::number_buses() {
   const gateway::Settings& in_force = harness_->settings();
   for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
@@ -124,10 +139,10 @@ void World::change_settings() {
     settings.devices[device].profile.slow.front().response_timeout = slow;
   }
   if (changes_.chance(100)) {
-    settings.devices[device].name += "x";
+    rename(settings.devices[device].name);
   }
   if (changes_.chance(60)) {
-    settings.buses[bus].name += "x";
+    rename(settings.buses[bus].name);
     if (settings.buses[bus].line.remote) {
       settings.buses[bus].line.remote->host += "";
     }
