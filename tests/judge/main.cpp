@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "judge/judge.hpp"
+#include "judge/rules_judge.hpp"
 
 namespace {
 
@@ -53,7 +54,8 @@ mbgate::world::Report run(std::uint64_t seed, const Options& options) {
   try {
     mbgate::world::World world(mbgate::world::draw_plan(seed), options.trace);
     mbgate::judge::Judge judge(world);
-    world.be_watched_by(judge);
+    mbgate::judge::RulesJudge rules(world, judge);
+    world.be_watched_by(rules);
     const auto begun = world.now();
     world.run(options.transactions);
     world.come_to_rest();

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "world/rights.hpp"
+
 namespace mbgate::world {
 namespace {
 
@@ -54,8 +56,6 @@ Intent Asking::make(const Manners& manners) {
     intent.pdu = request(4, 0, 4);
     return intent;
   }
-  const auto& readers = plan_.readers[manners.listener];
-  const bool may_write = std::ranges::count(readers, manners.host) == 0;
   Intent intent;
   if (random_.chance(manners.malformed)) {
     return malformed(*door);
@@ -70,7 +70,7 @@ Intent Asking::make(const Manners& manners) {
   } else {
     intent = read(*door, random_.chance(manners.same_reads));
   }
-  check_rights(intent, may_write);
+  check_rights(intent, manners.listener, manners.host);
   if (intent.whole) {
     intent.sent = intent.pdu;
   }
@@ -86,24 +86,41 @@ void Asking::refuse(Intent& intent, unsigned codes) {
   may_refuse(intent, codes);
 }
 
-void Asking::check_rights(Intent& intent, bool may_write) const {
-  const Door& door = door_of(intent);
-  if (intent.kind == Kind::own) {
-    return;
-  }
-  if (intent.kind != Kind::read && (!may_write || door.read_only)) {
+void Asking::check_rights(Intent& intent, std::size_t listener, unsigned host) const {
+  const bool is_sound = !intent.refused;
+  const auto& readers = plan_.readers[listener];
+  const bool may_write = std::ranges::count(readers, host) == 0 && !door_of(intent).read_only;
+  const Verdict verdict = verdict_of(plan_, intent, listener, host);
+  if (!verdict.permitted || (intent.kind != Kind::read && !may_write)) {
     refuse(intent, code(1));
-    return;
+  } else if (!verdict.sure) {
+    may_refuse(intent, code(1));
+  }
+  if (intent.station) {
+    check_station(intent, host);
+  }
+  intent.rated = intent.refused ? std::vector<std::size_t>{} : verdict.rated;
+  intent.denied = is_sound && intent.refused;
+}
+
+void Asking::check_station(Intent& intent, unsigned host) const {
+  const Door& door = door_of(intent);
+  const Station& station = plan_.stations[*intent.station];
+  const bool is_writer =
+      intent.kind != Kind::write || !station.device ||
+      plan_.settings.guards[*station.device].writer != gateway::WriterRule::listed ||
+      std::ranges::count(plan_.writers[*station.device], host) > 0;
+  if (!is_writer) {
+    refuse(intent, code(1) | code(6));
   }
   if (!door.routed) {
     return;
   }
   const drive::Device& device = device_of(intent);
-  if (!device.profile.functions.test(intent.pdu[0]) && intent.pdu[0] < 0x80) {
+  const auto& functions = door.functions ? *door.functions : device.profile.functions;
+  if (!functions.test(intent.pdu[0])) {
     refuse(intent, code(1));
   }
-  // Pieces of it may need a function that the drive does not have.
-  may_refuse(intent, code(1));
   if (device.verify_word_order) {
     may_refuse(intent, code(4));
   }
@@ -188,7 +205,7 @@ Intent Asking::malformed(std::size_t at) {
     default:
       intent.unit = kUnitOfNobody;
       intent.pdu = request(3, address, 1);
-      codes = code(0x0A);
+      codes = code(0x0A) | (plan_.rules.empty() ? 0U : code(1));
       break;
   }
   refuse(intent, codes);

@@ -15,6 +15,8 @@ class Asking {
   Intent make(const Manners& manners);
   /// A read of registers that live.
   [[nodiscard]] Intent fresh_read(std::size_t door) const;
+  /// Refuses what this host has no right to.
+  void check_rights(Intent& intent, std::size_t listener, unsigned host) const;
 
  private:
   using Words = std::vector<std::uint16_t>;
@@ -27,7 +29,7 @@ class Asking {
   }
   static void may_refuse(Intent& intent, unsigned codes);
   static void refuse(Intent& intent, unsigned codes);
-  void check_rights(Intent& intent, bool may_write) const;
+  void check_station(Intent& intent, unsigned host) const;
   // Reads.
   Intent read(std::size_t door, bool popular);
   void plan_read(Intent& intent, Table table, unsigned first, unsigned count) const;

@@ -12,7 +12,7 @@ constexpr std::uint8_t kOwnFunction = 0x41;
 Intent Asking::write(std::size_t door) {
   Intent intent = begin(door, Kind::write);
   const std::size_t place = place_of(intent);
-  switch (random_.between(0U, 15U)) {
+  switch (random_.between(0U, 16U)) {
     case 0:
     case 1:
     case 2:
@@ -51,6 +51,7 @@ Intent Asking::write(std::size_t door) {
     case 12: mask(intent); break;
     case 13: read_and_write(intent); break;
     case 14: coils(intent); break;
+    case 15: single(intent, kCommunicationRegister); break;
     default: nameless(intent); break;
   }
   return intent;

@@ -45,9 +45,11 @@ struct Intent {
   bool whole = false;                    ///< it goes on the wire as it is: `sent`
   Octets sent{};
   std::vector<Cell> writes{};
-  bool refused = false;      ///< the gateway must answer one of `codes` and send nothing
-  std::uint16_t codes = 0;   ///< exceptions that the gateway may refuse it with, each a bit
-  bool silent = false;       ///< the drive never answers it, the gateway does
+  bool refused = false;              ///< the gateway must answer one of `codes` and send nothing
+  std::uint16_t codes = 0;           ///< exceptions that the gateway may refuse it with, each a bit
+  bool denied = false;               ///< for want of a right, and else it could be done
+  std::vector<std::size_t> rated{};  ///< rules that count it for their rates
+  bool silent = false;               ///< the drive never answers it, the gateway does
   bool is_odd_read = false;  ///< a read that names no register: its answer is the drive's own
 };
 
@@ -79,6 +81,7 @@ struct Asked {
   bool dropped = false;           ///< its connection has gone
   bool outdated = false;          ///< a reload gave its unit another meaning meanwhile
   bool perhaps_outdated = false;  ///< the same before the gateway had it
+  bool withdrawn = false;         ///< a reload has taken the right to it, before it went anywhere
   std::vector<Id> sent{};         ///< transmissions that carried a part of it
 };
 

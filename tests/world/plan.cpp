@@ -6,6 +6,7 @@
 #include <string>
 
 #include "world/plan_parts.hpp"
+#include "world/rights.hpp"
 
 namespace mbgate::world {
 
@@ -37,6 +38,7 @@ class Draw {
       plan_.reloads_every = random_.one_of<Duration>({200ms, 1s, 10s});
       plan_.meanings_change = random_.chance(500);
     }
+    draw_rights(plan_);
     set_deadlines(plan_);
     return std::move(plan_);
   }

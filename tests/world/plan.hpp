@@ -3,6 +3,8 @@
 // and what goes wrong. Each fault is a figure here, so that a plant can be told to have it or not.
 #pragma once
 
+#include <bitset>
+
 #include "gateway/settings.hpp"
 #include "world/driver.hpp"
 #include "world/hosts.hpp"
@@ -95,9 +97,26 @@ struct Door {
   bool names_order = false;
   bool swapped = false;
   bool read_only = false;
+  std::optional<std::bitset<128>> functions{};  ///< that its route names
   bool replies = true;
   Duration read_deadline{0};
   Duration write_deadline{0};
+};
+
+/// An access rule, by hosts and stations. What is empty fits everything.
+struct RulePlan {
+  bool permits = true;
+  bool reads = true;   ///< it is about requests that read,
+  bool writes = true;  ///< or about those that write
+  std::vector<unsigned> hosts{};
+  std::vector<std::size_t> listeners{};
+  std::vector<std::size_t> stations{};
+  std::vector<std::uint8_t> units{};
+  std::vector<std::uint8_t> functions{};
+  std::vector<Range> spans{};  ///< of the drive
+  bool stops = false;          ///< and writes that stop
+  bool communication = false;  ///< and its communication register
+  unsigned rate = 0;           ///< a second and host that it permits; 0: any number
 };
 
 /// How a client behaves. Chances in thousandths of its requests or bursts.
@@ -130,6 +149,9 @@ struct Plan {
   std::vector<LinePlan> lines;
   std::vector<Door> doors;
   std::vector<std::vector<unsigned>> readers;  ///< by listener: hosts that may not write
+  std::vector<RulePlan> rules;
+  std::vector<std::vector<unsigned>> writers;  ///< by device, of those that list theirs: hosts
+  unsigned takes_rights = 0;                   ///< so often a reload takes rights away
   std::vector<Manners> clients;
   DriverManners driver;
   Duration restarts_every{0};  ///< the process is killed

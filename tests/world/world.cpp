@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::uint64_t kWorldsChance = 0x574F524CULL;
 constexpr std::uint64_t kChangesChance = 0x4348414EULL;
+constexpr std::uint64_t kTakingChance = 0x54414B45ULL;
 constexpr std::uint64_t kDriversChance = 0x44524956ULL;
 constexpr std::uint64_t kMostRequests = 60;  // for each transmission that is to be seen
 constexpr Duration kLongestRun = std::chrono::hours(20);
@@ -34,6 +35,7 @@ World::World(Plan plan, bool trace)
     : plan_(std::move(plan)),
       random_(plan_.seed ^ kWorldsChance),
       changes_(plan_.seed ^ kChangesChance),
+      rights_(plan_.seed ^ kTakingChance),
       drives_(make_drives(plan_)),
       around_{plan_,
               schedule_,

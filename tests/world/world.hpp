@@ -90,12 +90,14 @@ class World {
   void rename_devices();
   void change_settings();
   void change_meaning();
+  void take_rights();
   void outdate(std::size_t door);
   void number_buses();
 
   Plan plan_;
   Random random_;
   Random changes_;
+  Random rights_;
   Schedule schedule_;
   Ledger ledger_;
   Report report_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "world/plan_parts.hpp"
+#include "world/rights.hpp"
 #include "world/world.hpp"
 
 namespace mbgate::world {
@@ -97,6 +98,7 @@ void World::reload() {
     if (plan_.meanings_change) {
       change_meaning();
     }
+    take_rights();
     set_deadlines(plan_);
     hand_in_settings();
   });
@@ -181,6 +183,33 @@ void World::change_meaning() {
     door.swapped = *route.word_order != *device.word_order;
     if (before != door.swapped) {
       outdate(place);
+    }
+  }
+}
+
+// What waits for a right that is gone may not go any more.
+void World::take_rights() {
+  if (plan_.takes_rights == 0 || !rights_.chance(300)) {
+    return;
+  }
+  --plan_.takes_rights;
+  report_.fault(take_right(plan_, rights_));
+  for (Asked& asked : ledger_.asked) {
+    const bool is_open = asked.answers == 0 && !asked.dropped && asked.intent.kind != Kind::own;
+    if (!is_open || !asked.sent.empty()) {
+      continue;
+    }
+    if (asked.intent.refused) {
+      asked.intent.codes |= code(1);
+      continue;
+    }
+    Intent again = asked.intent;
+    const Connection& connection = ledger_.connections[asked.connection];
+    asking_.check_rights(again, connection.listener, connection.host);
+    if (again.refused) {
+      report_.fault("right_taken");
+      asked.withdrawn = true;
+      asked.intent.codes |= code(1);
     }
   }
 }

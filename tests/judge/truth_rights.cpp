@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is denied gets 01 and goes nowhere (judge.cpp, truth_writes.cpp see to the latter); what
+// waits for a right that a reload has taken gets 06, and does not go any more (behaviour.md,
+// sections 3 and 8).
+#include <algorithm>
+
+#include "judge/rules_judge.hpp"
+
+namespace mbgate::judge {
+
+namespace {
+constexpr std::uint8_t kNoRight = 0x01;
+constexpr std::uint8_t kBusy = 0x06;
+}  // namespace
+
+void RulesJudge::check_denied(const Asked& asked) {
+  const std::uint8_t code = asked.answer.size() == 2 ? asked.answer[1] : 0;
+  // What came before a reload is perhaps not understood any more; and it counts from when its
+  // socket was last seen empty.
+  const bool is_plain =
+      ledger_.reloaded < connection_of(asked).opened && ledger_.stopping == kNever;
+  if (asked.intent.denied && is_plain && code == kBusy && (asked.intent.codes >> kBusy & 1U) == 0) {
+    violation("denied_as_if_busy", asked);
+  }
+  const auto station = asked.intent.station;
+  const auto was_closed = [&] {
+    const LineBook& line = ledger_.lines[plan_.stations[*station].bus];
+    return !line.open || line.opened >= asked.given || line.closed >= asked.given;
+  };
+  if (asked.withdrawn && asked.sent.empty() && asked.intent.kind != Kind::read && code != kBusy &&
+      code != kNoRight && (!station || was_closed()) == false) {
+    violation("withdrawn_otherwise", asked);
+  }
+}
+
+void RulesJudge::check_withdrawn(const Sent& sent) {
+  if (sent.asked.empty() || sent.is_stop || sent.cells.empty()) {
+    return;
+  }
+  const Asked& asked = ledger_.asked[sent.asked.front()];
+  if (asked.withdrawn && asked.sent.size() == 1) {
+    violation("sent_without_right", asked);
+  }
+}
+
+}  // namespace mbgate::judge
