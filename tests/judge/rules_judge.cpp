@@ -18,17 +18,34 @@ void RulesJudge::violation(const char* kind, const Asked& asked, const std::stri
                               (why.empty() ? "" : ", " + why));
 }
 
-void RulesJudge::given(Id id) { next_.given(id); }
+void RulesJudge::given(Id id) {
+  open_.insert(id);
+  recent_[connection_of(ledger_.asked[id]).host].push_back(id);
+  note_due(id);
+  note_write(ledger_.asked[id]);
+  next_.given(id);
+}
+
+void RulesJudge::gone(Id connection) {
+  std::erase_if(open_, [&](Id id) { return ledger_.asked[id].connection == connection; });
+  due_.erase(connection);
+  next_.gone(connection);
+}
 
 void RulesJudge::answered(Id id) {
   const Asked& asked = ledger_.asked[id];
   check_denied(asked);
+  check_order(id);
+  check_busy(asked);
+  note_gone_through(asked);
+  open_.erase(id);
   next_.answered(id);
 }
 
 void RulesJudge::sent(Id id) {
   const Sent& sent = ledger_.sent[id];
   check_withdrawn(sent);
+  check_writer(sent);
   next_.sent(id);
 }
 

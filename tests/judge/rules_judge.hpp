@@ -5,6 +5,7 @@
 
 #include <deque>
 #include <map>
+#include <set>
 
 #include "world/world.hpp"
 
@@ -26,12 +27,45 @@ class RulesJudge : public Witness {
   void answered(Id asked) override;
   void sent(Id sent) override;
   void came(std::size_t bus) override { next_.came(bus); }
-  void gone(Id connection) override { next_.gone(connection); }
+  void gone(Id connection) override;
 
  private:
   // truth_rights.cpp
   void check_denied(const Asked& asked);
   void check_withdrawn(const Sent& sent);
+
+  // truth_writer.cpp: others than the one who writes do not.
+  struct Written {
+    Instant given;  ///< accepted then at the earliest
+    Instant sent;   ///< and then at the latest
+    unsigned process;
+  };
+  void note_write(const Asked& asked);
+  void check_writer(const Sent& sent);
+  [[nodiscard]] bool may_be_owned(const Asked& asked) const;
+
+  // truth_rates.cpp: beyond a rate nothing goes; what is under it is not refused for nothing.
+  struct Rate {
+    unsigned per_second;
+    std::multiset<Instant> given{};  ///< of those that surely went through
+  };
+  using RateKey = std::pair<std::size_t, unsigned>;  ///< rule, or listener, and host
+  void note_gone_through(const Asked& asked);
+  void count(std::map<RateKey, Rate>& rates, const RateKey& key, unsigned per_second,
+             const Asked& asked);
+  void check_busy(const Asked& asked);
+  [[nodiscard]] bool are_many_stops_due(std::size_t bus) const;
+  [[nodiscard]] Instant ended(const Asked& asked) const;
+  [[nodiscard]] bool may_be_over(const Asked& asked) const;
+  [[nodiscard]] bool may_be_full(const Asked& asked) const;
+  [[nodiscard]] bool may_not_be_written(const Asked& asked) const;
+  [[nodiscard]] bool is_before_reload(const Asked& asked) const {
+    return ledger_.reloaded >= connection_of(asked).opened || ledger_.stopping != kNever;
+  }
+
+  // truth_order.cpp: with `ordered = true` answers have the order of their requests.
+  void note_due(Id asked);
+  void check_order(Id asked);
 
   void violation(const char* kind, const Asked& asked, const std::string& why = "");
   [[nodiscard]] const Connection& connection_of(const Asked& asked) const {
@@ -43,6 +77,14 @@ class RulesJudge : public Witness {
   const Plan& plan_;
   const Ledger& ledger_;
   Report& report_;
+  std::map<std::size_t, std::map<unsigned, Written>> written_;  ///< by station and host
+  std::map<std::size_t, std::map<unsigned, Instant>> wanted_;   ///< likewise: asked to write
+  std::map<std::size_t, Instant> broadcast_;                    ///< by bus: the last one
+  std::map<RateKey, Rate> of_rules_;
+  std::map<RateKey, Rate> of_listeners_;
+  std::map<unsigned, std::deque<Id>> recent_;  ///< by host: given within a second or so
+  std::set<Id> open_;                          ///< given, not answered, and somebody waits
+  std::map<Id, std::deque<Id>> due_;           ///< by connection, where answers are ordered
 };
 
 }  // namespace mbgate::judge

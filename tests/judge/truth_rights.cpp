@@ -23,12 +23,15 @@ void RulesJudge::check_denied(const Asked& asked) {
     violation("denied_as_if_busy", asked);
   }
   const auto station = asked.intent.station;
-  const auto was_closed = [&] {
-    const LineBook& line = ledger_.lines[plan_.stations[*station].bus];
-    return !line.open || line.opened >= asked.given || line.closed >= asked.given;
-  };
-  if (asked.withdrawn && asked.sent.empty() && asked.intent.kind != Kind::read && code != kBusy &&
-      code != kNoRight && (!station || was_closed()) == false) {
+  // Where answers wait for others it may have been decided before.
+  const bool is_ordered = plan_.settings.listeners[connection_of(asked).listener].ordered;
+  if (!asked.withdrawn || !asked.sent.empty() || asked.intent.kind == Kind::read || !station ||
+      is_ordered) {
+    return;
+  }
+  const LineBook& line = ledger_.lines[plan_.stations[*station].bus];
+  const bool was_closed = !line.open || line.opened >= asked.given || line.closed >= asked.given;
+  if (code != kBusy && code != kNoRight && !was_closed) {
     violation("withdrawn_otherwise", asked);
   }
 }
