@@ -59,6 +59,7 @@ mbgate::world::Report run(std::uint64_t seed, const Options& options) {
     const auto begun = world.now();
     world.run(options.transactions);
     world.come_to_rest();
+    rules.check_counters();
     judge.check_rest();
     world.shut_down();
     judge.check_end();

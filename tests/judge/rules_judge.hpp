@@ -28,6 +28,8 @@ class RulesJudge : public Witness {
   void sent(Id sent) override;
   void came(std::size_t bus) override { next_.came(bus); }
   void gone(Id connection) override;
+  /// After come_to_rest(), before anything else is asked.
+  void check_counters();
 
  private:
   // truth_rights.cpp
@@ -66,6 +68,15 @@ class RulesJudge : public Witness {
   // truth_order.cpp: with `ordered = true` answers have the order of their requests.
   void note_due(Id asked);
   void check_order(Id asked);
+
+  // truth_counters.cpp
+  struct Bounds {
+    std::uint64_t least = 0;
+    std::uint64_t most = 0;
+  };
+  void compare(const std::string& what, std::uint64_t shown, Bounds seen);
+  void check_bus(std::size_t at, const gateway::BusStatus& bus);
+  void check_listener(std::size_t at, const gateway::ListenerStatus& listener);
 
   void violation(const char* kind, const Asked& asked, const std::string& why = "");
   [[nodiscard]] const Connection& connection_of(const Asked& asked) const {
