@@ -69,6 +69,10 @@ class RulesJudge : public Witness {
   void note_due(Id asked);
   void check_order(Id asked);
 
+  // truth_kinds.cpp
+  void check_odd_read(const Asked& asked);
+  void check_forms(const Asked& asked);
+
   // truth_counters.cpp
   struct Bounds {
     std::uint64_t least = 0;

@@ -82,7 +82,7 @@ void Judge::check_once(Id id) {
     return;
   }
   const auto same = std::ranges::count_if(found->second, [&](Id other) {
-    return !sent.asked.empty() &&
+    return !sent.asked.empty() && ledger_.sent[other].has_other_form == sent.has_other_form &&
            std::ranges::count(ledger_.sent[other].asked, sent.asked.front()) > 0;
   });
   if (same > 1 && !plan_.timing_of(plan_.stations[sent.station.value_or(0)]).retry_writes) {

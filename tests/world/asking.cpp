@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::uint8_t kUnitOfNobody = 251;
 constexpr std::uint8_t kStatusUnit = 255;
+constexpr std::uint8_t kOfNobody = 198;  // a register that no rule names
 
 }  // namespace
 
@@ -180,7 +181,16 @@ void Asking::plan_read(Intent& intent, Table table, unsigned first, unsigned cou
 
 Intent Asking::nameless_read(std::size_t at) {
   Intent intent = begin(at, Kind::read);
-  intent.pdu = random_.one_of<Octets>({{0x07}, {0x0B}, {0x11}, {0x0C}});
+  intent.pdu = random_.one_of<Octets>({{0x07},
+                                       {0x0B},
+                                       {0x11},
+                                       {0x0C},
+                                       {0x14, 7, 6, 0, 1, 0, 0, 0, 2},
+                                       {0x2B, kIdentification, 1, 0},
+                                       {0x18, 0, kOfNobody}});
+  if (intent.pdu[0] == 0x18 && door_of(intent).windowed) {
+    intent.pdu = {0x07};
+  }
   intent.is_odd_read = true;
   if (door_of(intent).windowed) {
     refuse(intent, code(1));
@@ -194,7 +204,7 @@ Intent Asking::malformed(std::size_t at) {
   intent.kind = Kind::write;
   const unsigned address = door_of(intent).holding_at;
   unsigned codes = code(1) | code(2) | code(3);
-  switch (random_.between(0U, 7U)) {
+  switch (random_.between(0U, 8U)) {
     case 0: intent.pdu = request(3, address, 0); break;
     case 1: intent.pdu = request(3, address, 126); break;
     case 2: intent.pdu = {3, 0, 0, 0}; break;
@@ -202,6 +212,7 @@ Intent Asking::malformed(std::size_t at) {
     case 4: intent.pdu = request(0x83, address, 1); break;
     case 5: intent.pdu = {0x10, 0, 0, 0, 2, 3, 1, 1, 1}; break;
     case 6: intent.pdu = request(5, 1, 0x1234); break;
+    case 7: intent.pdu = request(8, random_.one_of({1U, 4U, 21U}), 0); break;  // named nowhere
     default:
       intent.unit = kUnitOfNobody;
       intent.pdu = request(3, address, 1);

@@ -6,6 +6,7 @@ namespace mbgate::world {
 namespace {
 
 constexpr std::uint8_t kOwnFunction = 0x41;
+constexpr std::uint8_t kOtherFunction = 0x64;
 
 }  // namespace
 
@@ -176,9 +177,12 @@ void Asking::coils(Intent& intent) {
 }
 
 void Asking::nameless(Intent& intent) {
-  const unsigned function = random_.one_of<unsigned>({0x08, kOwnFunction});
+  const unsigned function = random_.one_of<unsigned>({0x08, 0x15, kOwnFunction, kOtherFunction});
   const unsigned turn = next(place_of(intent), kOpaque + function);
-  intent.pdu = function == 0x08 ? request(8, 0, turn) : request(kOwnFunction, turn, 0x1234);
+  intent.pdu = function == 0x08 ? request(8, 0, turn) : request(function, turn, 0x1234);
+  if (function == 0x15) {
+    intent.pdu = {0x15, 9, 6, high(turn), low(turn), 0, 0, 0, 1, 1, 1};
+  }
   const std::uint32_t word = std::uint32_t{word_at(intent.pdu, 1)} << 16U | word_at(intent.pdu, 3);
   intent.writes.push_back({Table::holding_registers, kOpaque + function, word});
   if (door_of(intent).windowed) {

@@ -96,6 +96,10 @@ Octets Drive::tell(Bytes pdu, Instant now) const {
     case 0x0C:
     case 0x11: return {pdu[0], 4, high(first), low(first), high(second), low(second)};
     case 0x18: return {0x18, 0, 6, 0, 2, high(first), low(first), high(second), low(second)};
+    case 0x14: return {0x14, 6, 5, 6, high(first), low(first), high(second), low(second)};
+    case 0x2B:
+      return {0x2B,       kIdentification, 1,          1, 0, 0, 1, 0, 4, high(first),
+              low(first), high(second),    low(second)};
     default: return exception(pdu[0], 1);
   }
 }

@@ -96,7 +96,8 @@ struct Sent {
   bool readable = false;
   std::optional<std::size_t> station{};
   bool is_broadcast = false;
-  std::vector<Id> asked{};  ///< whose it may be
+  bool has_other_form = false;  ///< at address 129, its function with 0x80 (AiC, section 2.13)
+  std::vector<Id> asked{};      ///< whose it may be
   std::vector<Cell> cells{};
   std::optional<Range> reads{};
   bool is_stop = false;

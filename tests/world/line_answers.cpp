@@ -23,7 +23,8 @@ void Line::heard(Id id) {
     return;
   }
   for (const Station& station : around_.plan.stations) {
-    if (station.bus != bus_ || (!sent.is_broadcast && station.address != sent.address)) {
+    if (station.bus != bus_ || (!sent.is_broadcast && station.address != sent.address) ||
+        (sent.is_broadcast && station.other_broadcasts != sent.has_other_form)) {
       continue;
     }
     for (const std::size_t drive : station.drives) {
@@ -206,7 +207,7 @@ bool Line::spoil(const Habits& habits, Octets& pdu, Octets& frame, Came& came) {
       }
       [[fallthrough]];
     default:
-      if (pdu.size() < 5) {
+      if (pdu.size() < 5 || pdu[0] == 0x0B) {
         pdu.push_back(0x33);
       } else if (answers_with_data(pdu)) {
         pdu.resize(pdu.size() - 1);

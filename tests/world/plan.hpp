@@ -52,7 +52,8 @@ struct Station {
   std::uint8_t address = 0;
   std::optional<std::size_t> device{};  ///< of the settings; none: a route leads to the address
   std::vector<std::size_t> drives{};
-  bool every_unit = false;  ///< of a TCP server: whatever the unit
+  bool every_unit = false;        ///< of a TCP server: whatever the unit
+  bool other_broadcasts = false;  ///< it hears them in the form of AiC
 };
 
 /// How bytes come from a line to the kernel.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The listeners and routes of a plant: through which units clients reach its drives.
+#include <algorithm>
 #include <string>
 
 #include "world/plan_parts.hpp"
@@ -12,6 +13,8 @@ using drive::WordOrder;
 namespace {
 
 constexpr unsigned kFirstUnit = 1;
+constexpr std::uint64_t kRangesChance = 0x52414E47ULL;
+constexpr std::uint64_t kFormsChance = 0x464F524DULL;
 
 void add_listeners(Plan& plan, Random& random) {
   auto& listeners = plan.settings.listeners;
@@ -100,6 +103,36 @@ void add_route(Plan& plan, std::size_t at, std::uint8_t unit, Random& random) {
   add_to_routed(plan, door);
 }
 
+// A range of units, each an address of the bus: nothing is exchanged or split.
+void add_range(Plan& plan, std::size_t bus) {
+  constexpr unsigned kFirst = 100;
+  constexpr unsigned kCount = 40;
+  Random random(plan.seed ^ (kRangesChance + bus));
+  const unsigned from = random.between(1U, 3U);
+  const unsigned first = kFirst + kCount * static_cast<unsigned>(bus);
+  const bool has_addresses = std::ranges::any_of(plan.stations, [&](const Station& it) {
+    return it.bus == bus && !it.every_unit && it.address >= from;
+  });
+  if (!random.chance(300) || !has_addresses) {
+    return;
+  }
+  auto& route = plan.settings.routes.emplace_back();
+  route.first_unit = low(first);
+  route.last_unit = low(first + kCount - 1);
+  route.buses = {drive::BusId{static_cast<std::uint32_t>(bus)}};
+  route.first_address = low(from);
+  for (std::size_t at = 0; at < plan.stations.size(); ++at) {
+    const Station& station = plan.stations[at];
+    if (station.bus == bus && station.address >= from && station.address < from + kCount) {
+      Door door;
+      door.unit = low(first + station.address - from);
+      door.station = at;
+      door.route = plan.settings.routes.size() - 1;
+      add_to_routed(plan, door);
+    }
+  }
+}
+
 void add_broadcasts(Plan& plan, Random& random) {
   Door all;
   auto& route = plan.settings.routes.emplace_back();
@@ -123,7 +156,21 @@ void add_broadcasts(Plan& plan, Random& random) {
 
 }  // namespace
 
+// On a line of a plant where any is, about half of the drives are such.
+void draw_forms(Plan& plan) {
+  Random random(plan.seed ^ kFormsChance);
+  const bool has_some = random.chance(200);
+  for (Station& station : plan.stations) {
+    if (has_some && !plan.is_tcp(station.bus) && random.chance(500)) {
+      station.other_broadcasts = true;
+      plan.settings.devices[*station.device].profile.broadcast.form =
+          drive::BroadcastForm::autonics;
+    }
+  }
+}
+
 void draw_doors(Plan& plan, Random& random) {
+  draw_forms(plan);
   add_listeners(plan, random);
   unsigned unit = kFirstUnit;
   for (std::size_t at = 0; at < plan.stations.size(); ++at) {
@@ -141,6 +188,9 @@ void draw_doors(Plan& plan, Random& random) {
         plan.doors.push_back(door);
       }
     }
+  }
+  for (std::size_t bus = 0; bus < plan.lines.size(); ++bus) {
+    add_range(plan, bus);
   }
   add_broadcasts(plan, random);
 }

@@ -11,6 +11,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr Duration kRemembered = 30s;
+constexpr std::uint8_t kOtherBroadcast = 129;
 
 bool is_stopping(const Cell& cell) {
   const bool by_register = cell.table == Table::holding_registers &&
@@ -65,7 +66,12 @@ Sent World::read_frame(std::size_t bus, Bytes frame) {
   sent.readable = true;
   sent.address = adu->address;
   sent.pdu = std::move(adu->pdu);
-  sent.is_broadcast = framing != bus::Framing::tcp && sent.address == 0;
+  sent.has_other_form = framing != bus::Framing::tcp && sent.address == kOtherBroadcast;
+  sent.is_broadcast = framing != bus::Framing::tcp && (sent.address == 0 || sent.has_other_form);
+  if (sent.has_other_form) {
+    sent.readable = sent.pdu[0] >= 0x80;
+    sent.pdu[0] &= 0x7FU;
+  }
   for (std::size_t at = 0; at < plan_.stations.size(); ++at) {
     const Station& station = plan_.stations[at];
     if (station.bus == bus && !sent.is_broadcast &&
