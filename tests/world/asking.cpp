@@ -67,7 +67,7 @@ Intent Asking::make(const Manners& manners) {
   } else if (random_.chance(manners.stops)) {
     intent = stop(*door);
   } else if (random_.chance(manners.writes)) {
-    intent = write(*door);
+    intent = manners.plain ? plain_write(*door) : write(*door);
   } else {
     intent = read(*door, random_.chance(manners.same_reads));
   }

@@ -36,6 +36,7 @@ class Asking {
   Intent nameless_read(std::size_t door);
   // Writes.
   Intent write(std::size_t door);
+  Intent plain_write(std::size_t door);
   void registers(Intent& intent, unsigned first, unsigned count);
   void plan_write(Intent& intent, unsigned first, const Words& words) const;
   void single(Intent& intent, unsigned address);

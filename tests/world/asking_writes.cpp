@@ -58,6 +58,12 @@ Intent Asking::write(std::size_t door) {
   return intent;
 }
 
+Intent Asking::plain_write(std::size_t door) {
+  Intent intent = begin(door, Kind::write);
+  single(intent, random_.between(0U, kLiveFrom - 1U));
+  return intent;
+}
+
 void Asking::registers(Intent& intent, unsigned first, unsigned count) {
   Words words;
   for (unsigned at = 0; at < count; ++at) {

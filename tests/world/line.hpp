@@ -23,6 +23,8 @@ class Line {
   void begin_trouble();
   /// Nothing goes wrong any more.
   void calm_down();
+  /// Nothing is heard until it is opened again at least; perhaps nothing is sent either.
+  void hang();
 
  private:
   struct Frame {
@@ -61,7 +63,6 @@ class Line {
   [[nodiscard]] bool happens(unsigned permille, const char* kind);
   void make_noise();
   void ask_as_stranger();
-  void hang();
   void stall();
   void end_stall();
   void lose_supply(std::size_t drive);

@@ -139,6 +139,7 @@ struct Manners {
   unsigned stalls = 0;   ///< it reads no answers for a while
   Duration patience{0};  ///< it asks again, or goes, after so long without an answer; 0: never
   bool repeats = false;
+  bool plain = false;  ///< it reads four registers, writes one, and stops; nothing else
   std::vector<std::size_t> stations{};  ///< that it asks; empty: all
 };
 

@@ -141,10 +141,10 @@ void Server::respond(Drive& drive, Id id) {
 }
 
 void Server::say(Id id, const Octets& pdu, bool fits, bool is_second) {
-  if (is_mute_ || !is_open_) {
-    return;
-  }
   const Sent& sent = around_.ledger.sent[id];
+  if (is_mute_ || !is_open_ || sent.opening != around_.ledger.lines[bus_].openings) {
+    return;  // nobody is answered on another connection than he asked on
+  }
   auto unit = sent.address;
   if (happens(plan_.other_unit, "other_unit")) {
     unit ^= 0xFFU;

@@ -40,6 +40,10 @@ class World {
   void shut_down();
   /// Its driver judges before it reads, which it must not.
   void break_promise() { driver_.break_promise(); }
+  /// A serial line hangs, until it is opened again at least.
+  void hang(std::size_t bus) { std::get<Line>(wires_[bus]).hang(); }
+  /// The drive has none for so long.
+  void take_supply(std::size_t drive, Duration time) { drives_[drive].lose_supply(now() + time); }
 
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] const Ledger& ledger() const { return ledger_; }

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "judge/bounds.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include "world/world.hpp"
+
+namespace mbgate::judge {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace world;  // NOLINT(google-build-using-namespace): it is about nothing else
+
+constexpr std::uint8_t kRefusedNow = 0x06;
+constexpr Duration kStart = 10s;  // it has listened, and asked everybody
+constexpr Duration kRun = 120s;
+constexpr unsigned kPoller = 0;  // hosts
+constexpr unsigned kOther = 1;
+constexpr unsigned kWriter = 2;
+
+double seconds(Duration time) { return std::chrono::duration<double>(time).count(); }
+
+class Meter : public Witness {
+ public:
+  explicit Meter(World& world) : world_(world), back_(world.plan().stations.size(), kNever) {}
+
+  void given(Id id) override { open_[id] = world_.now(); }
+  void answered(Id id) override {
+    const Asked& asked = world_.ledger().asked[id];
+    const unsigned host = world_.ledger().connections[asked.connection].host;
+    open_.erase(id);
+    if (asked.answer[0] < 0x80) {
+      ++good[host];
+      back_[*asked.intent.station] = std::min(back_[*asked.intent.station], world_.now());
+    }
+    if (asked.intent.kind == Kind::write) {
+      ++writes;
+      longest_write = std::max(longest_write, asked.answered - asked.given);
+      refused_writes += asked.answer[0] >= 0x80 && asked.answer[1] == kRefusedNow ? 1U : 0U;
+    }
+    if (asked.intent.kind == Kind::stop && asked.answer[0] < 0x80) {
+      longest_without_stop = std::max(longest_without_stop, world_.now() - last_stop_);
+      last_stop_ = world_.now();
+    }
+  }
+  // Idle since the silence behind what was heard or sent last, or since there was something to do.
+  void sent(Id id) override {
+    const Sent& sent = world_.ledger().sent[id];
+    const LineBook& line = world_.ledger().lines[sent.bus];
+    Instant since = line.heard + WireTimes(world_.plan().bus(sent.bus).line).silence();
+    Instant waits = kNever;
+    for (const auto& [other, at] : open_) {
+      waits = std::min(waits, at);
+    }
+    since = std::max({since, waits, line.opened});
+    longest_idle = std::max(longest_idle, sent.begin - since);
+  }
+  /// What is measured begins now.
+  void begin() {
+    std::ranges::fill(back_, kNever);
+    good.clear();
+    writes = refused_writes = 0;
+    longest_write = longest_idle = longest_without_stop = Duration{0};
+  }
+  [[nodiscard]] Instant all_back() const { return std::ranges::max(back_); }
+  [[nodiscard]] Duration without_stop() const {
+    return std::max(longest_without_stop, world_.now() - last_stop_);
+  }
+
+  std::map<unsigned, unsigned> good;  ///< by host
+  unsigned writes = 0;
+  unsigned refused_writes = 0;
+  Duration longest_write{0};
+  Duration longest_idle{0};
+  Duration longest_without_stop{0};
+
+ private:
+  World& world_;
+  std::vector<Instant> back_;  ///< by station
+  std::map<Id, Instant> open_;
+  Instant last_stop_ = Instant::min() + 1h;
+};
+
+/// One line at 19200 baud behind a transparent listener; at the last addresses is nobody.
+Plan make_plant(unsigned drives, unsigned nobody) {
+  Plan plan;
+  plan.seed = 1;
+  auto& bus = plan.settings.buses.emplace_back();
+  bus.name = "line";
+  bus.line.device = "/dev/ttyS0";
+  plan.lines.emplace_back().kind = bus::LineKind::uart;
+  auto& listener = plan.settings.listeners.emplace_back();
+  listener.name = "clients";
+  listener.bus = drive::BusId{0};
+  for (unsigned at = 0; at < drives + nobody; ++at) {
+    Station station{0, low(at + 1), {}, {}, false, false};
+    if (at < drives) {
+      auto& device = plan.settings.devices.emplace_back();
+      device.name = "drive-" + std::to_string(at + 1);
+      device.bus = drive::BusId{0};
+      device.address = low(at + 1);
+      device.word_order = drive::WordOrder::big;
+      device.profile.stops.push_back({Table::holding_registers, kStopRegister, 0xF000, 0x5000});
+      device.profile.stops.push_back({Table::holding_registers, kOtherStop, 0xF000, 0x4000});
+      station.device = at;
+      station.drives = {at};
+      plan.drives.emplace_back().habits.quick = 5ms;
+    }
+    plan.stations.push_back(station);
+    Door door;
+    door.unit = station.address;
+    door.station = at;
+    plan.doors.push_back(door);
+  }
+  plan.readers.resize(1);
+  plan.writers.resize(plan.settings.devices.size());
+  plan.settings.guards.resize(plan.settings.devices.size());
+  return plan;
+}
+
+/// It asks again as soon as it is answered.
+Manners& add_client(Plan& plan, unsigned host, std::vector<std::size_t> stations) {
+  Manners& manners = plan.clients.emplace_back();
+  manners.host = host;
+  manners.pause = 1ms;
+  manners.same_reads = 1000;
+  manners.plain = true;
+  manners.stations = std::move(stations);
+  return manners;
+}
+
+void add_writer(Plan& plan) {
+  Manners& writer = add_client(plan, kWriter, {0});
+  writer.writes = 1000;
+  writer.pause = 500ms;
+}
+
+class Figures {
+ public:
+  void add(const std::string& what, const std::string& figure, const std::string& goal, bool kept,
+           bool was_kept) {
+    std::printf("%-44s %-34s %-34s %s\n", what.c_str(), figure.c_str(), goal.c_str(),
+                kept       ? "ok"
+                : was_kept ? "MISSES, kept until now"
+                           : "MISSES");
+    sound_ = sound_ && (kept || !was_kept);
+  }
+  [[nodiscard]] bool is_sound() const { return sound_; }
+
+ private:
+  bool sound_ = true;
+};
+
+std::string text(const char* form, double value) {
+  std::array<char, 64> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), form, value);
+  return buffer.data();
+}
+
+unsigned rate_alone() {
+  Plan plan = make_plant(1, 0);
+  add_client(plan, kPoller, {0});
+  World world(std::move(plan), false);
+  Meter meter(world);
+  world.be_watched_by(meter);
+  world.run_for(kStart);
+  meter.begin();
+  world.run_for(kRun);
+  return meter.good[kPoller];
+}
+
+// (a) and (b): reads and writes of a drive that is well, beside others that are polled, from when
+// these have lost their supply.
+void beside_dead_drives(Figures& table, unsigned dead, unsigned alone) {
+  constexpr double kShare = 0.45;
+  constexpr Duration kLongest = 1s + 200ms;
+  Plan plan = make_plant(1 + dead, 0);
+  add_client(plan, kPoller, {0});
+  for (std::size_t at = 1; at <= dead; ++at) {
+    add_client(plan, kOther, {at});
+  }
+  add_writer(plan);
+  World world(std::move(plan), false);
+  Meter meter(world);
+  world.be_watched_by(meter);
+  world.run_for(kStart);
+  meter.begin();
+  for (std::size_t at = 1; at <= dead; ++at) {
+    world.take_supply(at, 2 * kRun);
+  }
+  world.run_for(kRun);
+  const double share = static_cast<double>(meter.good[kPoller]) / alone;
+  const std::string beside = " beside " + std::to_string(dead) + " dead drives";
+  table.add("(a) reads" + beside, text("%.0f %% of the line", 100 * share), "45 %", share >= kShare,
+            true);
+  table.add("(b) writes" + beside,
+            std::to_string(meter.refused_writes) + " of " + std::to_string(meter.writes) +
+                " refused, longest " + text("%.2f s", seconds(meter.longest_write)),
+            "none refused, 1.2 s", meter.refused_writes == 0 && meter.longest_write <= kLongest,
+            false);
+}
+
+// (c): as many connections as one likes, the hosts get alike.
+void shares_of_hosts(Figures& table) {
+  constexpr unsigned kHosts = 4;
+  Plan plan = make_plant(kHosts, 0);
+  for (unsigned host = 0; host < kHosts; ++host) {
+    for (unsigned count = 0; count < 1U << host; ++count) {
+      add_client(plan, host, {host});
+    }
+  }
+  plan.settings.buses.front().coalesce = false;
+  World world(std::move(plan), false);
+  Meter meter(world);
+  world.be_watched_by(meter);
+  world.run_for(kStart);
+  meter.begin();
+  world.run_for(kRun);
+  unsigned least = ~0U;
+  unsigned most = 0;
+  for (const auto& [host, count] : meter.good) {
+    least = std::min(least, count);
+    most = std::max(most, count);
+  }
+  const double spread = static_cast<double>(most) / std::max(least, 1U) - 1;
+  table.add("(c) hosts with 1, 2, 4 and 8 connections", text("%.1f %% apart", 100 * spread), "10 %",
+            spread <= 0.1, true);
+  table.add("(f) the wire is idle while work waits",
+            text("%.3f ms at most", 1000 * seconds(meter.longest_idle)), "0.1 ms",
+            meter.longest_idle <= 100us, true);
+}
+
+// (d): they lose their supply together, and get it back together.
+void time_until_back(Figures& table, unsigned drives, bool was_kept) {
+  constexpr Duration kDark = 60s;
+  Plan plan = make_plant(drives, 0);
+  for (std::size_t at = 0; at < drives; ++at) {
+    add_client(plan, kPoller, {at});
+  }
+  World world(std::move(plan), false);
+  Meter meter(world);
+  world.be_watched_by(meter);
+  world.run_for(kStart);
+  for (std::size_t at = 0; at < drives; ++at) {
+    world.take_supply(at, kDark);
+  }
+  world.run_for(kDark);
+  meter.begin();
+  const Instant back = world.now();
+  world.run_for(kRun);
+  const Instant all = meter.all_back();
+  table.add("(d) " + std::to_string(drives) + " drives are back, all served",
+            all == kNever ? "never" : text("after %.2f s", seconds(all - back)), "3 s",
+            all <= back + 3s, was_kept);
+}
+
+// (e): somebody asks all addresses, most of which nobody has.
+void beside_a_scan(Figures& table, unsigned alone) {
+  constexpr unsigned kAddresses = 200;
+  Plan plan = make_plant(1, kAddresses);
+  add_client(plan, kPoller, {0});
+  std::vector<std::size_t> all;
+  for (std::size_t at = 1; at <= kAddresses; ++at) {
+    all.push_back(at);
+  }
+  add_client(plan, kOther, all);
+  World world(std::move(plan), false);
+  Meter meter(world);
+  world.be_watched_by(meter);
+  world.run_for(kStart);
+  meter.begin();
+  world.run_for(kRun);
+  const double share = static_cast<double>(meter.good[kPoller]) / alone;
+  table.add("(e) a poller beside a scan", text("%.0f %% of its rate", 100 * share), "40 %",
+            share >= 0.4, false);
+}
+
+// (g): nothing comes and nothing goes until the line is opened again, which mostly helps.
+void hung_under_stops(Figures& table, unsigned clients, bool was_kept) {
+  constexpr unsigned kWorlds = 5;
+  std::vector<Duration> longest;
+  Duration hung_after{0};
+  for (unsigned seed = 1; seed <= kWorlds; ++seed) {
+    Plan plan = make_plant(1, 0);
+    plan.seed = seed;
+    for (unsigned host = 0; host < clients; ++host) {
+      Manners& manners = add_client(plan, host, {0});
+      manners.stops = 1000;
+      manners.pause = 200ms;
+    }
+    hung_after = plan.settings.buses.front().hung_after;
+    World world(std::move(plan), false);
+    Meter meter(world);
+    world.be_watched_by(meter);
+    world.run_for(kStart);
+    meter.begin();
+    world.hang(0);
+    world.run_for(5 * kRun);
+    longest.push_back(meter.without_stop());
+  }
+  std::ranges::sort(longest);
+  const Duration median = longest[kWorlds / 2];
+  table.add("(g) a hung adapter, stops of " + std::to_string(clients) + " clients",
+            text("%.1f s without a stop", seconds(median)),
+            text("%.0f s", seconds(hung_after + 10s)), median <= hung_after + 10s, was_kept);
+}
+
+}  // namespace
+
+bool run_bounds() {
+  Figures table;
+  const unsigned alone = rate_alone();
+  for (const unsigned dead : {1U, 2U, 4U, 6U, 8U, 12U, 16U}) {
+    beside_dead_drives(table, dead, alone);
+  }
+  shares_of_hosts(table);
+  time_until_back(table, 1, true);
+  time_until_back(table, 12, false);
+  beside_a_scan(table, alone);
+  hung_under_stops(table, 1, true);
+  hung_under_stops(table, 2, false);
+  return table.is_sound();
+}
+
+}  // namespace mbgate::judge
