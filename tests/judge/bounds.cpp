@@ -279,16 +279,14 @@ void beside_a_scan(Figures& table, unsigned alone) {
 
 // (g): nothing comes and nothing goes until the line is opened again, which mostly helps.
 void hung_under_stops(Figures& table, unsigned clients, bool was_kept) {
-  constexpr unsigned kWorlds = 5;
+  constexpr unsigned kWorlds = 3;
   std::vector<Duration> longest;
   Duration hung_after{0};
   for (unsigned seed = 1; seed <= kWorlds; ++seed) {
-    Plan plan = make_plant(1, 0);
+    Plan plan = make_plant(clients, 0);
     plan.seed = seed;
     for (unsigned host = 0; host < clients; ++host) {
-      Manners& manners = add_client(plan, host, {0});
-      manners.stops = 1000;
-      manners.pause = 200ms;
+      add_client(plan, host, {host}).stops = 1000;
     }
     hung_after = plan.settings.buses.front().hung_after;
     World world(std::move(plan), false);
@@ -297,7 +295,7 @@ void hung_under_stops(Figures& table, unsigned clients, bool was_kept) {
     world.run_for(kStart);
     meter.begin();
     world.hang(0);
-    world.run_for(5 * kRun);
+    world.run_for(2 * kRun);
     longest.push_back(meter.without_stop());
   }
   std::ranges::sort(longest);
