@@ -2,25 +2,18 @@
 // A simulated plant in which the input decides what clients ask and what goes wrong: the judge
 // finds nothing.
 #include "fuzz/fuzz.hpp"
-#include "judge/judge.hpp"
+#include "judge/run.hpp"
 
 namespace mbgate::fuzz {
 namespace {
 
 /// Two bytes draw the plant, the others are what is drawn afterwards.
 void run(Script script) {
-  constexpr std::uint64_t kTransactions = 100;
-  world::World world(world::draw_plan(script.word()), false);
+  const world::Plan plan = world::draw_plan(script.word());
   world::Random::follow(script.rest());
-  judge::Judge judge(world);
-  world.be_watched_by(judge);
-  world.run(kTransactions);
+  const world::Report report = judge::run(plan, {.transactions = 100});
   world::Random::follow({});
-  world.come_to_rest();
-  judge.check_rest();
-  world.shut_down();
-  judge.check_end();
-  for (const std::string& text : world.report().texts) {
+  for (const std::string& text : report.texts) {
     require(false, text.c_str());
   }
 }

@@ -3,13 +3,10 @@
 #include <charconv>
 #include <chrono>
 #include <cstdio>
-#include <exception>
-#include <new>
 #include <string_view>
 
 #include "judge/bounds.hpp"
-#include "judge/judge.hpp"
-#include "judge/rules_judge.hpp"
+#include "judge/run.hpp"
 
 namespace {
 
@@ -49,31 +46,6 @@ bool parse(int count, char** arguments, Options& options) {
   return true;
 }
 
-// What is thrown ends a seed, not the run.
-mbgate::world::Report run(std::uint64_t seed, const Options& options) {
-  mbgate::world::Report failed;
-  try {
-    mbgate::world::World world(mbgate::world::draw_plan(seed), options.trace);
-    mbgate::judge::Judge judge(world);
-    mbgate::judge::RulesJudge rules(world, judge);
-    world.be_watched_by(rules);
-    const auto begun = world.now();
-    world.run(options.transactions);
-    world.come_to_rest();
-    rules.check_counters();
-    judge.check_rest();
-    world.shut_down();
-    judge.check_end();
-    world.report().virtual_time = world.now() - begun;
-    return world.report();
-  } catch (const std::bad_alloc&) {
-    failed.violation("no_progress", "the gateway takes memory without end");
-  } catch (const std::exception& error) {
-    failed.violation("thrown", error.what());
-  }
-  return failed;
-}
-
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -98,7 +70,9 @@ int main(int count, char** arguments) {
   const auto begun = std::chrono::steady_clock::now();
   for (; seeds < options.seeds && !(options.first && failed > 0); ++seeds) {
     const std::uint64_t seed = options.seed + seeds;
-    const mbgate::world::Report report = run(seed, options);
+    const mbgate::world::Report report =
+        mbgate::judge::run(mbgate::world::draw_plan(seed),
+                           {.transactions = options.transactions, .trace = options.trace});
     total.add(report);
     const auto number = static_cast<unsigned long long>(seed);
     if (options.verbose) {

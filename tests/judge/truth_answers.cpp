@@ -199,8 +199,8 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
   }
   const Sent& from = ledger_.sent[last->answers];
   const drive::DeviceTiming& timing = plan_.timing_of(station);
-  const Instant known = from.end + timing.response_timeout + timing.response_wait +
-                        timing.quarantine_or_default() + 20ms;
+  const Instant known =
+      from.end + timing.response_timeout + timing.response_wait + quarantine_of(timing) + 20ms;
   const bool is_special = std::ranges::any_of(station.drives, [&](std::size_t drive) {
     const Habits& habits = plan_.drives[drive].habits;
     return habits.service > 0ms || habits.second > 0 || station.drives.size() > 1;

@@ -110,7 +110,7 @@ bool RulesJudge::may_not_be_written(const Asked& asked) const {
   const drive::DeviceTiming& timing = plan_.timing_of(station);
   const bool was_well = sent.process == ledger_.process && sent.expects_answer &&
                         sent.answered != kNever && sent.answered + kUsual < asked.given &&
-                        sent.answered < sent.end + timing.probe_timeout_or_default() - kUsual;
+                        sent.answered < sent.end + probe_timeout_of(timing) - kUsual;
   const bool was_stopped = !stops.empty() && ledger_.asked[stops.back()].given + 1s > asked.given;
   const bool was_called = by_all != broadcast_.end() && by_all->second + 1s > asked.given;
   const bool is_old = asked.written + kUsual < asked.given;

@@ -59,7 +59,7 @@ void Judge::check_waiting(Id id) {
     return;
   }
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*before.station]);
-  const Duration least = std::min(timing.response_timeout, timing.probe_timeout_or_default());
+  const Duration least = std::min(timing.response_timeout, probe_timeout_of(timing));
   const bool is_stop = before.is_stop || before.is_failsafe;
   const Duration limit =
       is_stop ? std::min(plan_.bus(sent.bus).stop_wait, least) : timing.response_wait + least;
@@ -86,9 +86,8 @@ void Judge::check_hold(Id id) {
         before.process != ledger_.process || before.begin <= ledger_.reloaded) {
       continue;
     }
-    const Instant until = before.end +
-                          std::min(timing.response_timeout, timing.probe_timeout_or_default()) +
-                          timing.response_wait + timing.quarantine_or_default();
+    const Instant until = before.end + std::min(timing.response_timeout, probe_timeout_of(timing)) +
+                          timing.response_wait + quarantine_of(timing);
     if (sent.begin + kRounding < until) {
       violation("hold", name(sent) + " behind " + name(before));
       return;
@@ -113,9 +112,8 @@ void Judge::check_crawl(Id id) {
   const Instant from = std::max({before.crawls, ledger_.asked[sent.asked.front()].given,
                                  ledger_.reloaded, before.end + timing.response_timeout});
   // Its own drive is left alone for the tail besides.
-  const Duration tail = before.station == sent.station
-                            ? timing.response_timeout + timing.quarantine_or_default()
-                            : 0ms;
+  const Duration tail =
+      before.station == sent.station ? timing.response_timeout + quarantine_of(timing) : 0ms;
   const Duration bound = WireTimes(plan_.bus(sent.bus).line).of(kAsciiFrame) + 1s + tail + 1s;
   if (sent.begin > from + bound) {
     violation("held_by_a_crawl", name(sent) + " behind " + name(before) + ", after " +
@@ -142,7 +140,7 @@ void Judge::check_half(Id id) {
   }
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*halved.station]);
   constexpr Duration kLateness = 60ms;
-  const Duration least = std::min(timing.response_timeout, timing.probe_timeout_or_default());
+  const Duration least = std::min(timing.response_timeout, probe_timeout_of(timing));
   if (line.halved_at > halved.end + least) {
     return;  // it was late: no timeout has found it yet
   }

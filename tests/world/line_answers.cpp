@@ -91,7 +91,7 @@ Instant Line::begin_of(Drive& drive, const Sent& sent) {
   const drive::DeviceTiming& timing = around_.plan.timing_of(station);
   const Instant now = around_.schedule.now();
   const Duration limit = timing.response_timeout + timing.response_wait;
-  const Duration tail = timing.quarantine_or_default();
+  const Duration tail = quarantine_of(timing);
   if (happens(drive.habits.late, "late")) {
     return std::max(now,
                     sent.end + limit + random_.duration(0ms, std::max<Duration>(tail - 10ms, 1ms)));

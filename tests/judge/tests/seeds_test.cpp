@@ -2,34 +2,28 @@
 // A seed is a run: whatever it showed once, it shows again; and the judge can find something.
 #include <gtest/gtest.h>
 
-#include "judge/judge.hpp"
+#include "judge/run.hpp"
 
 namespace mbgate::judge {
 namespace {
 
-world::Report run(std::uint64_t seed, std::uint64_t transactions, bool keeps_its_promise = true) {
-  world::World world(world::draw_plan(seed), false);
-  Judge judge(world);
-  world.be_watched_by(judge);
-  if (!keeps_its_promise) {
-    world.break_promise();
-  }
-  world.run(transactions);
-  return world.report();
+world::Report run_seed(std::uint64_t seed, std::uint64_t transactions) {
+  return run(world::draw_plan(seed), {.transactions = transactions});
 }
 
 TEST(Seeds, GiveTheSameSummaryTwice) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    EXPECT_EQ(run(seed, 300).summary(), run(seed, 300).summary()) << "seed " << seed;
+    EXPECT_EQ(run_seed(seed, 300).summary(), run_seed(seed, 300).summary()) << "seed " << seed;
   }
 }
 
-TEST(Seeds, Differ) { EXPECT_NE(run(1, 100).summary(), run(2, 100).summary()); }
+TEST(Seeds, Differ) { EXPECT_NE(run_seed(1, 100).summary(), run_seed(2, 100).summary()); }
 
 TEST(Seeds, ShowADriverThatJudgesBeforeItReads) {
   world::Report report;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
-    report.add(run(seed, 200, false));
+    report.add(run(world::draw_plan(seed),
+                   {.transactions = 200, .prepare = &world::World::break_promise}));
   }
   EXPECT_GT(report.violations["silence"], 0U);
 }
