@@ -85,7 +85,8 @@ Verdict SerialDiscipline::refuse(Instant now) {
 
 // Until a read has shown whether the line hears itself, a repetition that comes at once may be an
 // echo. If something else that fits stands behind it, it was; alone it is taken, but only from a
-// device that is known to be there.
+// device that is known to be there. Whether there is an echo this does not show: a device that
+// answers twice may have said both.
 Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
   // It was shown that this line hears itself; or it is a read, whose answer hardly looks so; or
   // nothing shows that there is a device.
@@ -96,17 +97,10 @@ Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
     return verdict;
   }
   if (echo_.pass()) {
-    if (owed_.empty()) {
-      echo_.find();  // two came, and only one of them can be the echo
-    }
-    return verdict;
+    return verdict;  // two came, and only one of them can be the echo
   }
   if (is_echo) {
-    Verdict behind = framer_.again(now);
-    if (behind == Verdict::response && owed_.empty()) {
-      echo_.find();
-    }
-    behind = refuse_others(behind, now);
+    const Verdict behind = refuse_others(framer_.again(now), now);
     if (is_nobodys && behind == Verdict::none && echo_.is_unknown()) {
       may_be_echo_ = !transaction_->request.is_read();
       echo_.note_unproven();
@@ -115,7 +109,6 @@ Verdict SerialDiscipline::settle_echo(Verdict verdict, Instant now) {
   }
   const modbus::Pdu repetition = framer_.response();
   if (owed_.empty() && framer_.again(now) == Verdict::response) {
-    echo_.find();
     return Verdict::response;
   }
   echo_.note_unproven();
