@@ -49,6 +49,8 @@ class Judge : public Witness {
                           std::span<const std::uint16_t> words, Span span) const;
   [[nodiscard]] bool shows(const Asked& asked) const;
   [[nodiscard]] bool was_done(const Asked& asked) const;
+  [[nodiscard]] bool is_echo_unknown(const Asked& asked, const Came& last) const;
+  [[nodiscard]] bool is_later_than_ever(const Asked& asked, const Came& last) const;
   void note_wrong(const Asked& asked, const char* kind);
   void note_right(const Asked& asked);
 

@@ -175,6 +175,37 @@ void Judge::check_write(Id id) {
 
 void Judge::note_right(const Asked& asked) { ++slips_[*asked.intent.station].right; }
 
+// Whether a line has an echo is known when a read was answered on it (section 4). Until then an
+// echo may acknowledge a write, whose own answer then comes for the next request.
+bool Judge::is_echo_unknown(const Asked& asked, const Came& last) const {
+  const std::size_t bus = plan_.stations[*asked.intent.station].bus;
+  const LineBook& line = ledger_.lines[bus];
+  const auto is_behind_echo = [&](Id id) {
+    const Asked& before = ledger_.asked[id];
+    return before.answer == before.intent.pdu && before.answered < last.at;
+  };
+  return plan_.lines[bus].echoes && !plan_.bus(bus).line.echo && line.read_answered < line.opened &&
+         (asked.answer == asked.intent.pdu ||
+          std::ranges::any_of(ledger_.sent[last.answers].asked, is_behind_echo));
+}
+
+// What is later than ever takes the place of an answer, and this one that of the next; and of the
+// parts of a request any may be wrong.
+bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
+  const std::size_t at = *asked.intent.station;
+  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[at]);
+  const Duration longest =
+      timing.response_timeout + timing.response_wait + timing.quarantine_or_default() + 20ms;
+  Instant begun = ledger_.sent[last.answers].begin;
+  if (!asked.sent.empty()) {
+    begun = std::min(begun, ledger_.sent[asked.sent.front()].begin);
+  }
+  return std::ranges::any_of(ledger_.lines[plan_.stations[at].bus].came, [&](const Came& it) {
+    return it.answers != kNone && ledger_.sent[it.answers].station == at && it.at >= begun &&
+           it.at > ledger_.sent[it.answers].end + longest;
+  });
+}
+
 // Some wrong answers nobody can help: until a device has shown how late it can be, or that it
 // answers twice (behaviour.md, section 5). They are few, and then there are none.
 void Judge::note_wrong(const Asked& asked, const char* kind) {
@@ -190,22 +221,16 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
     violation(kind, name(asked));
     return;
   }
-  // Whether the line has an echo is known when a read was answered on it (section 4).
-  const LineBook& line = ledger_.lines[station.bus];
-  if (plan_.lines[station.bus].echoes && !plan_.bus(station.bus).line.echo &&
-      line.read_answered < line.opened && asked.answer == asked.intent.pdu) {
+  if (is_echo_unknown(asked, *last)) {
     ++report_.apart["echo_unknown"];
     return;
   }
   const Sent& from = ledger_.sent[last->answers];
-  const drive::DeviceTiming& timing = plan_.timing_of(station);
-  const Instant known =
-      from.end + timing.response_timeout + timing.response_wait + quarantine_of(timing) + 20ms;
   const bool is_special = std::ranges::any_of(station.drives, [&](std::size_t drive) {
     const Habits& habits = plan_.drives[drive].habits;
     return habits.service > 0ms || habits.second > 0 || station.drives.size() > 1;
   });
-  if (!is_special && last->at > known) {
+  if (!is_special && is_later_than_ever(asked, *last)) {
     ++report_.apart["later_than_ever"];
     return;
   }

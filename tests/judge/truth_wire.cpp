@@ -108,6 +108,14 @@ void Judge::check_crawl(Id id) {
       !sent.station) {
     return;
   }
+  // A drive that owes answers of its own is left alone for those.
+  const bool owes = before.station != sent.station &&
+                    std::ranges::any_of(ledger_.last_sent[*sent.station], [&](Id it) {
+                      return it != id && ledger_.sent[it].answered > before.begin;
+                    });
+  if (owes) {
+    return;
+  }
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*before.station]);
   const Instant from = std::max({before.crawls, ledger_.asked[sent.asked.front()].given,
                                  ledger_.reloaded, before.end + timing.response_timeout});

@@ -142,8 +142,9 @@ void Server::respond(Drive& drive, Id id) {
 
 void Server::say(Id id, const Octets& pdu, bool fits, bool is_second) {
   const Sent& sent = around_.ledger.sent[id];
-  if (is_mute_ || !is_open_ || sent.opening != around_.ledger.lines[bus_].openings) {
-    return;  // nobody is answered on another connection than he asked on
+  const bool is_of_before = sent.opening != around_.ledger.lines[bus_].openings;
+  if (is_mute_ || !is_open_ || is_of_before) {  // it goes to the connection that has asked
+    return;
   }
   auto unit = sent.address;
   if (happens(plan_.other_unit, "other_unit")) {
@@ -164,8 +165,10 @@ void Server::say(Id id, const Octets& pdu, bool fits, bool is_second) {
   } else if (happens(plan_.half, "half")) {
     adu.resize(random_.between<std::size_t>(1, adu.size() - 1));
     is_mute_ = true;
-    around_.ledger.lines[bus_].halved = id;
-    around_.ledger.lines[bus_].halved_at = around_.schedule.now();
+    if (!is_second) {  // for that nobody waits
+      around_.ledger.lines[bus_].halved = id;
+      around_.ledger.lines[bus_].halved_at = around_.schedule.now();
+    }
     came.answers = kNone;
   } else if (happens(plan_.wrong_length, "wrong_length")) {
     adu[5] = random_.one_of<std::uint8_t>({71, 254, low(adu[5] + 1U)});
