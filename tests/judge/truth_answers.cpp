@@ -195,7 +195,7 @@ bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
   const std::size_t at = *asked.intent.station;
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[at]);
   const Duration longest =
-      timing.response_timeout + timing.response_wait + timing.quarantine_or_default() + 20ms;
+      timing.response_timeout + timing.response_wait + quarantine_of(timing) + 20ms;
   Instant begun = ledger_.sent[last.answers].begin;
   if (!asked.sent.empty()) {
     begun = std::min(begun, ledger_.sent[asked.sent.front()].begin);

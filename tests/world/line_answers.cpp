@@ -127,7 +127,7 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
   // One at a time: of many behind each other the last would come long after all is calm.
   if (busy <= around_.schedule.now() && happens(habits.crawls, "crawl")) {
     constexpr Duration kStep = 600ms;
-    const std::size_t most = ascii_ ? 24 : 8;
+    const std::size_t most = ascii_ ? 48 : 8;
     frame.resize(std::min(frame.size(), most));
     sent.crawls = begin;
     for (const std::uint8_t byte : frame) {

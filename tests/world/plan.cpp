@@ -187,6 +187,7 @@ Habits Draw::draw_habits(const drive::DeviceTiming& timing) {
   const bool is_ascii = plan_.settings.buses.back().line.framing == bus::Framing::ascii;
   habits.crawls = random_.chance(200) ? random_.between(1U, is_ascii ? 60U : 10U) : 0;
   habits.late *= random_.one_of({1U, 4U});
+  habits.cut = habits.cut * 3 / 2;
   habits.very_late = random_.chance(100) ? some() : 0;
   // A copy cannot be told from what a drive still owes, nor from the next answer once it is behind
   // it. Where an adapter keeps requests, any drive may owe.
