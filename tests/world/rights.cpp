@@ -242,6 +242,11 @@ void draw_rights(Plan& plan) {
     write_rules(plan);
   }
   name_functions(plan, random);
+  for (auto& listener : plan.settings.listeners) {
+    if (plan.reloads_every == Duration{0} && random.chance(120)) {
+      listener.max_requests_per_second = random.one_of({4U, 10U});
+    }
+  }
   for (std::size_t at = 0; at < plan.settings.devices.size(); ++at) {
     gateway::DeviceGuard& guard = plan.settings.guards[at];
     if (guard.writer == gateway::WriterRule::any && random.chance(120)) {
