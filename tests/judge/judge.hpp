@@ -5,6 +5,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 
 #include "world/world.hpp"
 
@@ -52,6 +53,7 @@ class Judge : public Witness {
   [[nodiscard]] bool is_echo_unknown(const Asked& asked, const Came& last) const;
   [[nodiscard]] bool is_later_than_ever(const Asked& asked, const Came& last) const;
   void note_wrong(const Asked& asked, const char* kind);
+  void note_slip(const Came& came);
   void note_right(const Asked& asked);
 
   // truth_writes.cpp: a write is sent once, in time, for somebody, and not after its stop.
@@ -111,6 +113,8 @@ class Judge : public Witness {
   std::map<std::size_t, std::map<unsigned, unsigned>>
       wrote_;  ///< by station and host: in which process
   bool has_broadcast_ = false;
+  /// Stations of which an answer later than ever has taken the place of another, and so on.
+  std::set<std::size_t> slipped_;
   std::map<std::size_t, Share> shares_;      ///< by bus
   std::unordered_map<Id, Instant> misfits_;  ///< by transmission
 };

@@ -184,9 +184,24 @@ bool Judge::is_echo_unknown(const Asked& asked, const Came& last) const {
     const Asked& before = ledger_.asked[id];
     return before.answer == before.intent.pdu && before.answered < last.at;
   };
+  const auto is_answered_by_itself = [&](Id id) {
+    return ledger_.sent[id].pdu[0] == 5 || ledger_.sent[id].pdu[0] == 6;
+  };
   return plan_.lines[bus].echoes && !plan_.bus(bus).line.echo && line.read_answered < line.opened &&
-         (asked.answer == asked.intent.pdu ||
+         (std::ranges::any_of(asked.sent, is_answered_by_itself) ||
           std::ranges::any_of(ledger_.sent[last.answers].asked, is_behind_echo));
+}
+
+// It ends with an answer to what was sent last.
+void Judge::note_slip(const Came& came) {
+  const Sent& sent = ledger_.sent[came.answers];
+  const std::size_t at = *sent.station;
+  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[at]);
+  if (came.at > sent.end + longest_wait_of(at) + quarantine_of(timing) + 20ms) {
+    slipped_.insert(at);
+  } else if (!ledger_.last_sent[at].empty() && ledger_.last_sent[at].back() == came.answers) {
+    slipped_.erase(at);
+  }
 }
 
 // What is later than ever takes the place of an answer, and this one that of the next; and of the
@@ -230,7 +245,7 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
     const Habits& habits = plan_.drives[drive].habits;
     return habits.service > 0ms || habits.second > 0 || station.drives.size() > 1;
   });
-  if (!is_special && is_later_than_ever(asked, *last)) {
+  if (!is_special && (is_later_than_ever(asked, *last) || slipped_.contains(at))) {
     ++report_.apart["later_than_ever"];
     return;
   }

@@ -19,6 +19,9 @@ void Judge::came(std::size_t bus) {
   if (came.answers != kNone && came.ends_wait && !came.is_second) {
     misfits_[came.answers] = came.at;
   }
+  if (came.answers != kNone && ledger_.sent[came.answers].station) {
+    note_slip(came);
+  }
 }
 
 void Judge::note_share(const Asked& asked) {

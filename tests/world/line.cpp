@@ -95,7 +95,10 @@ void Line::leave(const Frame& frame) {
   }
   around_.schedule.at(own_end_, [this, epoch = epoch_, sent = frame.sent] {
     if (epoch == epoch_ && !own_damaged_ && !(is_deaf_ && swallows_)) {
-      around_.ledger.sent[sent].heard = around_.schedule.now();
+      Sent& it = around_.ledger.sent[sent];
+      if (around_.ledger.lines[bus_].heard < it.begin) {
+        it.heard = around_.schedule.now();
+      }
       heard(sent);
     }
   });
