@@ -197,7 +197,8 @@ void Judge::note_slip(const Came& came) {
   const Sent& sent = ledger_.sent[came.answers];
   const std::size_t at = *sent.station;
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[at]);
-  if (came.at > sent.end + longest_wait_of(at) + quarantine_of(timing) + 20ms) {
+  const Duration longest = timing.response_timeout + timing.response_wait + quarantine_of(timing);
+  if (came.at > sent.end + longest + 20ms) {
     slipped_.insert(at);
   } else if (!ledger_.last_sent[at].empty() && ledger_.last_sent[at].back() == came.answers) {
     slipped_.erase(at);
