@@ -49,7 +49,7 @@ std::vector<Hold::Unanswered>::iterator Hold::find(modbus::Bytes response) {
 void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                          const Timing& timing) {
   settle(now, timing, false);
-  const Instant oldest = unanswered_.empty() ? sent.sent : unanswered_.front().sent;
+  const Instant oldest = oldest_unanswered(sent.sent);
   const auto earlier = find(response);
   // A device that answers this one at once, and nothing else, has no queue: it owes no more than
   // before.
@@ -84,10 +84,17 @@ void Hold::close(std::vector<Unanswered>::iterator answered, Instant now, const 
   unanswered_.erase(answered);
 }
 
+// Of those that were not answered for certain.
+Instant Hold::oldest_unanswered(Instant otherwise) const {
+  const auto oldest = std::ranges::find(unanswered_, false, &Unanswered::may_be_answered);
+  return oldest == unanswered_.end() ? otherwise : oldest->sent;
+}
+
 // No longer than anything is owed.
 void Hold::hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing) {
   held_until_.reset();
-  const auto count = static_cast<Duration::rep>(unanswered_.size() + (pending_ ? 1U : 0U));
+  const auto count =
+      std::ranges::count(unanswered_, false, &Unanswered::may_be_answered) + (pending_ ? 1 : 0);
   if (count > 0) {
     held_until_ = now + std::min(kHoldFactor * count * (now - oldest_sent),
                                  timing.quarantine_max + kAdapterKeeps);
@@ -156,7 +163,7 @@ std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
   if (found == unanswered_.end()) {
     return std::nullopt;
   }
-  const Instant oldest = unanswered_.front().sent;
+  const Instant oldest = oldest_unanswered(came);
   const Duration seen = std::max({came - found->due, found->suspected, Duration{0}});
   Late late{seen, false, seen};
   // If it fits a later one too, it may be the answer to that, and this one's was lost. It is known

@@ -120,6 +120,7 @@ class Hold {
   void close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing);
   void settle(Instant now, const Timing& timing, bool is_probe);
   void note_tail(const Unanswered& ended, bool was_answered, Instant now, const Timing& timing);
+  [[nodiscard]] Instant oldest_unanswered(Instant otherwise) const;
   void hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing);
   [[nodiscard]] Instant end_of_tail(const Unanswered& it, const Timing& timing) const {
     return it.is_unreadable ? it.due : end_of_tail(it.due, timing);

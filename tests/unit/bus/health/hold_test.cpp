@@ -219,6 +219,17 @@ TEST_F(Health, EarlierTriesAreItsOwnUnlessAnotherWriteWasSentSince) {
 }
 
 // The echo of function 16 names no value.
+// It was answered, or its echo came: it is no sign of a queue.
+TEST_F(Health, WhatMayBeAnsweredHoldsNoOtherFunction) {
+  hold_.note_unanswered({write_, at(0ms), at(100ms), false, true});
+  EXPECT_TRUE(may_be_asked(read_, 100ms));
+  EXPECT_FALSE(may_be_asked(write_, 219ms));
+  unanswered(write_, 1100ms);
+  late(kEcho, 1120ms);  // of one of them
+  EXPECT_FALSE(may_be_asked(read_, 1359ms));
+  EXPECT_TRUE(may_be_asked(read_, 1360ms));  // 120 ms of the second one, twice
+}
+
 TEST_F(Health, AnotherStopWhoseEchoLooksTheSameTakesTheProofAway) {
   const auto stop = request("10 0010 0001 02 0001");
   unanswered(stop, 100ms);
