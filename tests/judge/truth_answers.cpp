@@ -180,15 +180,16 @@ void Judge::note_right(const Asked& asked) { ++slips_[*asked.intent.station].rig
 bool Judge::is_echo_unknown(const Asked& asked, const Came& last) const {
   const std::size_t bus = plan_.stations[*asked.intent.station].bus;
   const LineBook& line = ledger_.lines[bus];
-  const auto is_behind_echo = [&](Id id) {
-    const Asked& before = ledger_.asked[id];
-    return before.answer == before.intent.pdu && before.answered < last.at;
+  // A client's 16 may have gone out as 06.
+  const auto took_echo = [&](const Asked& it) {
+    const bool went_as_06 = !it.sent.empty() && ledger_.sent[it.sent.back()].pdu[0] == 0x06;
+    return it.answer == it.intent.pdu || (went_as_06 && !it.answer.empty() && it.answer[0] < 0x80);
   };
-  const auto is_answered_by_itself = [&](Id id) {
-    return ledger_.sent[id].pdu[0] == 5 || ledger_.sent[id].pdu[0] == 6;
+  const auto is_behind_echo = [&](Id id) {
+    return took_echo(ledger_.asked[id]) && ledger_.asked[id].answered < last.at;
   };
   return plan_.lines[bus].echoes && !plan_.bus(bus).line.echo && line.read_answered < line.opened &&
-         (std::ranges::any_of(asked.sent, is_answered_by_itself) ||
+         (took_echo(asked) ||
           std::ranges::any_of(ledger_.sent[last.answers].asked, is_behind_echo));
 }
 

@@ -119,8 +119,9 @@ void Judge::check_crawl(Id id) {
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*before.station]);
   const Instant from = std::max({before.crawls, ledger_.asked[sent.asked.front()].given,
                                  ledger_.reloaded, before.end + timing.response_timeout});
-  // Its own drive is left alone for as long as it may still answer.
-  const Duration tail = before.station == sent.station ? timing.quarantine_max : Duration{0};
+  // Its own drive is left alone for the tail besides, and may have shown how long that must be.
+  const Duration tail =
+      before.station == sent.station ? timing.response_timeout + timing.quarantine_max : 0ms;
   const Duration bound = WireTimes(plan_.bus(sent.bus).line).of(kAsciiFrame) + 1s + tail + 1s;
   if (sent.begin > from + bound) {
     violation("held_by_a_crawl", name(sent) + " behind " + name(before) + ", after " +

@@ -14,8 +14,10 @@ constexpr std::uint8_t kOfNobody = 198;  // a register that no rule names
 
 }  // namespace
 
+// The registers of a value have no word in common: a write that was asked for in one word order may
+// go out in another.
 std::uint16_t Asking::next(std::size_t place, unsigned address) {
-  return ++counters_[std::uint64_t{place} << 32U | address];
+  return ++counters_[std::uint64_t{place} << 32U | value_begin(address)];
 }
 
 std::size_t Asking::place_of(const Intent& intent) const {
