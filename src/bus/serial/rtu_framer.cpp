@@ -194,44 +194,36 @@ std::optional<Instant> RtuFramer::next_deadline() const {
 }
 
 Verdict RtuFramer::handle_deadline(Instant now) {
-  const auto deadline = next_deadline();
-  if (!deadline || now < *deadline) {
-    return Verdict::none;
-  }
-  const Verdict verdict = in_progress() ? end_answer() : Verdict::none;
-  // The silence behind an answer that was given up may be over too.
-  const auto silent = next_deadline();
-  if (verdict != Verdict::none || in_progress() || !silent || now < *silent) {
-    return verdict;
-  }
-  if (modbus::decode_rtu(buffer_.bytes())) {
-    consume(0, buffer_.size());
-  }
-  give_up_buffer();
-  discarding_ = false;
-  return Verdict::none;
-}
-
-Verdict RtuFramer::end_answer() {
-  switch (answer_) {
-    case Answer::opaque: return end_by_silence();
-    case Answer::unsure:
-      if (search(true) == Verdict::response) {
-        return Verdict::response;
+  // The silence behind an answer that is given up may be over too.
+  for (auto due = next_deadline(); due && now >= *due; due = next_deadline()) {
+    if (!in_progress()) {
+      if (modbus::decode_rtu(buffer_.bytes())) {
+        consume(0, buffer_.size());
       }
-      break;
-    case Answer::not_begun:
-    case Answer::incomplete:
-    case Answer::bad_crc: break;
+      give_up_buffer();
+      discarding_ = false;
+      return Verdict::none;
+    }
+    switch (answer_) {
+      case Answer::opaque: return end_by_silence();
+      case Answer::unsure:
+        if (search(true) == Verdict::response) {
+          return Verdict::response;
+        }
+        break;
+      case Answer::not_begun:
+      case Answer::incomplete:
+      case Answer::bad_crc: break;
+    }
+    if (answer_ == Answer::bad_crc) {
+      noise_ = answer_at_;
+      counters_.noise_bytes += noise_;
+      buffer_.drop(noise_);
+      return Verdict::damaged;
+    }
+    discard();
+    join_cut();
   }
-  if (answer_ == Answer::bad_crc) {
-    noise_ = answer_at_;
-    counters_.noise_bytes += noise_;
-    buffer_.drop(noise_);
-    return Verdict::damaged;
-  }
-  discard();
-  join_cut();
   return Verdict::none;
 }
 

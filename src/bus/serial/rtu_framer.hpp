@@ -66,7 +66,6 @@ class RtuFramer {
   Verdict search(bool silence);
   void accept(const RtuFind& response);
   void consume(std::size_t at, std::size_t size);
-  Verdict end_answer();
   Verdict end_by_silence();
   /// What ends a frame of which nothing else tells the end.
   [[nodiscard]] Duration silence() const { return std::max(timing_.t3_5(), slack_); }
