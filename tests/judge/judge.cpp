@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "judge/judge.hpp"
 
+#include <algorithm>
+
 namespace mbgate::judge {
 
 using namespace std::chrono_literals;
@@ -30,6 +32,16 @@ void Judge::asked(Id id) {
   }
   const Door& door = door_of(asked);
   deadlines_[id] = asked.intent.kind == Kind::read ? door.read_deadline : door.write_deadline;
+}
+
+// A reload may give what waits more time, and the next one less.
+void Judge::reloaded() {
+  for (auto& [id, deadline] : deadlines_) {
+    const Asked& asked = ledger_.asked[id];
+    const Door& door = door_of(asked);
+    const bool is_read = asked.intent.kind == Kind::read;
+    deadline = std::max(deadline, is_read ? door.read_deadline : door.write_deadline);
+  }
 }
 
 void Judge::given(Id id) {

@@ -27,6 +27,7 @@ class Judge : public Witness {
   void answered(Id asked) override;
   void sent(Id sent) override;
   void came(std::size_t bus) override;
+  void reloaded() override;
   /// After come_to_rest(): everything was answered, and everybody is served again.
   void check_rest();
   /// After shut_down().

@@ -28,6 +28,7 @@ class RulesJudge : public Witness {
   void sent(Id sent) override;
   void came(std::size_t bus) override { next_.came(bus); }
   void gone(Id connection) override;
+  void reloaded() override { next_.reloaded(); }
   /// After come_to_rest(), before anything else is asked.
   void check_counters();
 

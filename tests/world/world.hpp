@@ -21,6 +21,7 @@ struct Witness {
   virtual void sent(Id /*sent*/) {}
   virtual void came(std::size_t /*bus*/) {}
   virtual void gone(Id /*connection*/) {}
+  virtual void reloaded() {}  ///< the plan has other settings from now on
 };
 
 class World {

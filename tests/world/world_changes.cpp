@@ -106,6 +106,7 @@ void World::reload() {
 
 // A bus whose number changes is another one with the same line.
 void World::hand_in_settings() {
+  witness_->reloaded();
   const gateway::Settings settings = plan_.settings;
   harness_->handle(gateway::SettingsChanged{&settings}, schedule_.now());
   std::vector<std::uint32_t> before;
