@@ -48,7 +48,7 @@ std::vector<Hold::Unanswered>::iterator Hold::find(modbus::Bytes response) {
 
 void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                          const Timing& timing) {
-  settle(now, timing, false);
+  settle(now, timing);
   const Instant oldest = oldest_unanswered(sent.sent);
   const auto earlier = find(response);
   // A device that answers this one at once, and nothing else, has no queue: it owes no more than
@@ -102,8 +102,9 @@ void Hold::hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing)
 }
 
 void Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing,
-                      bool is_probe) {
-  settle(now, timing, is_probe);
+                      Forgets forgets) {
+  settle(now, timing);
+  forget(asked, now, forgets);
   pending_.reset();
   suspected_ = Duration{0};
   if (asked != nullptr) {
@@ -112,7 +113,7 @@ void Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& t
 }
 
 // What is not remembered any more: the tail is over, and the device had its time.
-void Hold::settle(Instant now, const Timing& timing, bool is_probe) {
+void Hold::settle(Instant now, const Timing& timing) {
   const bool is_held = held_until_ && now < *held_until_;
   for (Unanswered& it : unanswered_) {
     if (!it.is_over && now >= end_of_tail(it, timing)) {
@@ -122,8 +123,18 @@ void Hold::settle(Instant now, const Timing& timing, bool is_probe) {
   }
   std::erase_if(unanswered_, [&](const Unanswered& it) {
     const bool was_waited_for = held_until_ && it.sent < *held_until_;
-    return it.is_over && ((!is_held && (was_waited_for || is_probe || it.is_unreadable)) ||
+    return it.is_over && ((!is_held && (was_waited_for || it.is_unreadable)) ||
                           now >= it.sent + timing.quarantine_max + kAdapterKeeps);
+  });
+}
+
+void Hold::forget(const modbus::Request* asked, Instant now, Forgets forgets) {
+  if (forgets == Forgets::nothing || (held_until_ && now < *held_until_)) {
+    return;
+  }
+  std::erase_if(unanswered_, [&](const Unanswered& it) {
+    const bool is_same = asked != nullptr && it.asked.pdu() == asked->pdu();
+    return it.is_over && (is_same || forgets == Forgets::all);
   });
 }
 
@@ -158,7 +169,7 @@ void Hold::note_written(const modbus::Request& write, bool is_stop) {
 
 std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
                                           const Timing& timing) {
-  settle(came, timing, false);
+  settle(came, timing);
   const auto found = find(response);
   if (found == unanswered_.end()) {
     return std::nullopt;

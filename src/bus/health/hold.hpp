@@ -58,9 +58,10 @@ class Hold {
   void note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                      const Timing& timing);
   /// A request is sent to the device, and is open from now on; nullptr: nothing ever answers it.
-  /// `is_probe`: the device is offline, and this is no stop, which waits for nothing. Then nothing
-  /// that it could still answer from before has come for a whole interval of probes.
-  void note_asked(const modbus::Request* asked, Instant now, const Timing& timing, bool is_probe);
+  /// What an offline device was asked before, it may have lost: `all` of it, since nothing has come
+  /// for a whole interval of probes; for a stop, which waits for nothing, only the `same` request.
+  enum class Forgets { nothing, same, all };
+  void note_asked(const modbus::Request* asked, Instant now, const Timing& timing, Forgets forgets);
   /// A write is sent to the device. From now on the answer to another one, sent before it, no
   /// longer proves that that one, sent once more, was carried out. After a stop this is so only for
   /// writes whose answer looks like its own.
@@ -118,7 +119,8 @@ class Hold {
   void add(const Sent& sent, bool is_unreadable);
   [[nodiscard]] std::vector<Unanswered>::iterator find(modbus::Bytes response);
   void close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing);
-  void settle(Instant now, const Timing& timing, bool is_probe);
+  void settle(Instant now, const Timing& timing);
+  void forget(const modbus::Request* asked, Instant now, Forgets forgets);
   void note_tail(const Unanswered& ended, bool was_answered, Instant now, const Timing& timing);
   [[nodiscard]] Instant oldest_unanswered(Instant otherwise) const;
   void hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing);

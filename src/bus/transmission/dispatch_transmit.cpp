@@ -82,8 +82,10 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
 void Dispatch::note_asked(const Transaction& sent, JobClass job_class, Instant now) {
   DeviceEntry& entry = parts_.devices[sent.address];
   const bool is_silent = sent.may_stay_silent();
-  const bool is_probe = entry.health.is_offline() && job_class != JobClass::stop;
-  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.timing(), is_probe);
+  const auto forgets = !entry.health.is_offline()    ? Hold::Forgets::nothing
+                       : job_class == JobClass::stop ? Hold::Forgets::same
+                                                     : Hold::Forgets::all;
+  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.timing(), forgets);
   entry.asked_at = now;
   if (!sent.request.is_read()) {
     entry.hold.note_written(sent.request, job_class == JobClass::stop);

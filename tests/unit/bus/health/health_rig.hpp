@@ -46,7 +46,8 @@ class Health : public testing::Test {
     return hold_.note_late(response, at(came), timing_);
   }
   void asked(bus::Duration time, bool is_probe = false) {
-    hold_.note_asked(nullptr, at(time), timing_, is_probe);
+    using enum bus::Hold::Forgets;
+    hold_.note_asked(nullptr, at(time), timing_, is_probe ? all : nothing);
   }
   [[nodiscard]] std::size_t owed(const modbus::Request& next) const {
     return hold_.owed(next, Instant::max(), at(0ms), timing_).size();

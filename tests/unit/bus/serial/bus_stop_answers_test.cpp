@@ -64,6 +64,28 @@ TEST_F(BusStopAnswers, TheLateAnswerToAMoveOfAnOfflineAxisIsNone) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
 }
 
+// Each of them would leave the drive alone for ten seconds, once it is back.
+TEST_F(BusStopAnswers, WhatIsStoppedAgainAndAgainOwesOneAnswerForIt) {
+  auto short_tails = settings();
+  short_tails.timing.offline_after = 1;
+  short_tails.timing.quarantine = 10ms;
+  short_tails.timing.stop_retries = 0;
+  short_tails.line.echo = false;
+  open(short_tails, {axis(short_tails)});
+  for (unsigned stops = 0; stops < 4; ++stops) {
+    submit(job(kStop));
+    advance(kUnanswered + 400ms);
+  }
+  submit(job(kStop));
+  advance(10ms);
+  line(kStopFrame);
+  EXPECT_EQ(endings_.back(), Ending::answered);
+  const std::size_t stops = frames_.size();
+  submit(job_of(1, kMove));
+  advance(300ms);
+  EXPECT_EQ(frames_.size(), stops + 1);
+}
+
 // Two drives at one address, or a repeater: a stop does not wait until both have answered.
 TEST_F(BusStopAnswers, TheSecondAnswerToAMoveThatLooksTheSameIsNone) {
   open_axis();
