@@ -57,6 +57,8 @@ class RulesJudge : public Witness {
   void count(std::map<RateKey, Rate>& rates, const RateKey& key, unsigned per_second,
              const Asked& asked);
   void check_busy(const Asked& asked);
+  void check_refused_writes();
+  std::ptrdiff_t refused_writes_ = 0;
   [[nodiscard]] bool are_many_stops_due(std::size_t bus) const;
   [[nodiscard]] Instant ended(const Asked& asked) const;
   [[nodiscard]] bool may_be_over(const Asked& asked) const;

@@ -18,6 +18,7 @@ void RulesJudge::compare(const std::string& what, std::uint64_t shown, Bounds se
 }
 
 void RulesJudge::check_counters() {
+  check_refused_writes();
   const auto status = world_.gateway().report_status(0s, world_.now());
   // A bus that a reload has replaced counts anew.
   const bool is_replaced =

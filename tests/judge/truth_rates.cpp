@@ -42,7 +42,9 @@ void RulesJudge::count(std::map<RateKey, Rate>& rates, const RateKey& key, unsig
 void RulesJudge::note_gone_through(const Asked& asked) {
   const Connection& connection = connection_of(asked);
   const bool is_sure = asked.answer.size() > 1 && asked.answer[0] < 0x80;
-  if (!is_sure || asked.intent.kind == Kind::own || asked.intent.kind == Kind::stop ||
+  const bool stops_all =
+      asked.intent.kind == Kind::broadcast && std::ranges::all_of(asked.intent.writes, is_stopping);
+  if (!is_sure || asked.intent.kind == Kind::own || asked.intent.kind == Kind::stop || stops_all ||
       asked.given <= ledger_.reloaded || asked.given <= ledger_.started) {
     return;
   }
@@ -115,7 +117,13 @@ bool RulesJudge::may_not_be_written(const Asked& asked) const {
                         sent.answered < sent.end + probe_timeout_of(timing) - kUsual;
   const bool was_stopped = !stops.empty() && ledger_.asked[stops.back()].given + 1s > asked.given;
   const bool was_called = by_all != broadcast_.end() && by_all->second + 1s > asked.given;
-  const bool is_old = asked.written + kUsual < asked.given;
+  // A write is as old as its client's socket was last seen empty.
+  const bool was_behind = std::ranges::any_of(recent_.at(connection_of(asked).host), [&](Id id) {
+    const Asked& other = ledger_.asked[id];
+    return &other != &asked && other.connection == asked.connection &&
+           other.written <= asked.written && other.given >= asked.written;
+  });
+  const bool is_old = was_behind || asked.written + kUsual < asked.given;
   return !was_well || was_stopped || was_called || is_old;
 }
 
@@ -152,9 +160,24 @@ void RulesJudge::check_busy(const Asked& asked) {
   const bool stands_still = plan_.driver.stalls || plan_.driver.stops;
   const bool is_at_once = asked.answered == asked.given && asked.sent.empty() &&
                           (intent.codes >> kTryAgainLater & 1U) == 0;
-  if (is_at_once && !stands_still && !may_be_over(asked) && !may_be_full(asked) &&
-      (intent.kind == Kind::read || !may_not_be_written(asked))) {
+  if (!is_at_once || stands_still || may_be_over(asked) || may_be_full(asked)) {
+    return;
+  }
+  if (intent.kind == Kind::read) {
     violation("busy_for_nothing", asked);
+  } else if (!may_not_be_written(asked)) {
+    ++refused_writes_;
+  }
+}
+
+// How old a write is, only the gateway knows: a few get 06 for that.
+void RulesJudge::check_refused_writes() {
+  const auto writes = std::ranges::count_if(ledger_.asked, [](const Asked& it) {
+    return it.intent.kind == Kind::write && it.answers > 0 && it.answer[0] < 0x80;
+  });
+  if (refused_writes_ > 20 + writes / 10) {
+    report_.violation("busy_for_nothing", std::to_string(refused_writes_) + " writes beside " +
+                                              std::to_string(writes) + " that were done");
   }
 }
 

@@ -52,7 +52,8 @@ void Judge::check_refused_stop(const Asked& asked) {
   const bool is_refused = std::ranges::all_of(asked.sent, [&](Id id) {
     const Sent& sent = ledger_.sent[id];
     const std::uint32_t said = sent.exceptions;
-    return said != 0 && (said & ~kTryAgain) == 0 && sent.answered != kNever && !sent.cut &&
+    return said != 0 && (said & ~kTryAgain) == 0 && !sent.cut &&
+           sent.answered < sent.end + longest_wait_of(*asked.intent.station) &&
            ledger_.lines[sent.bus].open && sent.opening == ledger_.lines[sent.bus].openings;
   });
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*asked.intent.station]);

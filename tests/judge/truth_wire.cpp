@@ -162,11 +162,17 @@ void Judge::check_half(Id id) {
 // driver drops it (behaviour.md, section 4).
 void Judge::check_heard(Id id) {
   const Sent& sent = ledger_.sent[id];
-  if (sent.heard == kNever || plan_.driver.stalls || plan_.driver.stops) {
+  constexpr Duration kLateness = 200ms;
+  const Instant until = sent.end + waits_.at(id);
+  if (sent.heard == kNever || plan_.driver.stalls || plan_.driver.stops ||
+      sent.heard <= until + kLateness) {
     return;
   }
-  constexpr Duration kLateness = 200ms;
-  if (sent.heard > sent.end + waits_.at(id) + kLateness) {
+  // A wait that a stop has cut has no timeout.
+  const auto cuts = [&](const Sent& it) {
+    return it.bus == sent.bus && (it.is_stop || it.is_failsafe) && it.begin < until;
+  };
+  if (std::none_of(ledger_.sent.begin() + id, ledger_.sent.end(), cuts)) {
     violation("heard_late", name(sent) + " left at " +
                                 std::to_string(sent.heard.time_since_epoch() / 1us) + " us");
   }

@@ -48,4 +48,11 @@ std::vector<Cell> cells_of(Bytes pdu) {
   return cells;
 }
 
+bool is_stopping(const Cell& cell) {
+  const bool by_register = cell.table == Table::holding_registers &&
+                           ((cell.place == kStopRegister && cell.word >> 12U == 5U) ||
+                            (cell.place == kOtherStop && cell.word >> 12U == 4U));
+  return by_register || (cell.table == Table::coils && cell.place == kStopCoil && cell.word != 0);
+}
+
 }  // namespace mbgate::world

@@ -177,6 +177,8 @@ constexpr std::uint64_t key_of(std::size_t station, const Cell& cell) {
          std::uint64_t{cell.place} << 32U | cell.word;
 }
 
+/// A value that stops a drive of the world.
+bool is_stopping(const Cell& cell);
 /// What a request on a line writes. Empty for those that write nothing or cannot be read.
 std::vector<Cell> cells_of(Bytes pdu);
 /// The same of functions that name no table: their data.

@@ -13,13 +13,6 @@ namespace {
 constexpr Duration kRemembered = 30s;
 constexpr std::uint8_t kOtherBroadcast = 129;
 
-bool is_stopping(const Cell& cell) {
-  const bool by_register = cell.table == Table::holding_registers &&
-                           ((cell.place == kStopRegister && cell.word >> 12U == 5U) ||
-                            (cell.place == kOtherStop && cell.word >> 12U == 4U));
-  return by_register || (cell.table == Table::coils && cell.place == kStopCoil && cell.word != 0);
-}
-
 bool covers(const Intent& intent, const Range& read) {
   return intent.reads && intent.reads->table == read.table && intent.reads->first <= read.first &&
          intent.reads->first + intent.reads->count >= read.first + read.count;
