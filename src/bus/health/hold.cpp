@@ -104,7 +104,12 @@ void Hold::hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing)
 void Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing,
                       Forgets forgets) {
   settle(now, timing);
-  forget(asked, now, forgets);
+  const bool is_held = held_until_ && now < *held_until_;
+  std::erase_if(unanswered_, [&](const Unanswered& it) {
+    const bool is_same = asked != nullptr && it.asked.pdu() == asked->pdu();
+    const bool is_forgotten = forgets == Forgets::all || (forgets == Forgets::same && is_same);
+    return is_forgotten && it.is_over && !is_held;
+  });
   pending_.reset();
   suspected_ = Duration{0};
   if (asked != nullptr) {
@@ -125,16 +130,6 @@ void Hold::settle(Instant now, const Timing& timing) {
     const bool was_waited_for = held_until_ && it.sent < *held_until_;
     return it.is_over && ((!is_held && (was_waited_for || it.is_unreadable)) ||
                           now >= it.sent + timing.quarantine_max + kAdapterKeeps);
-  });
-}
-
-void Hold::forget(const modbus::Request* asked, Instant now, Forgets forgets) {
-  if (forgets == Forgets::nothing || (held_until_ && now < *held_until_)) {
-    return;
-  }
-  std::erase_if(unanswered_, [&](const Unanswered& it) {
-    const bool is_same = asked != nullptr && it.asked.pdu() == asked->pdu();
-    return it.is_over && (is_same || forgets == Forgets::all);
   });
 }
 

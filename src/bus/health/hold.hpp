@@ -120,7 +120,6 @@ class Hold {
   [[nodiscard]] std::vector<Unanswered>::iterator find(modbus::Bytes response);
   void close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing);
   void settle(Instant now, const Timing& timing);
-  void forget(const modbus::Request* asked, Instant now, Forgets forgets);
   void note_tail(const Unanswered& ended, bool was_answered, Instant now, const Timing& timing);
   [[nodiscard]] Instant oldest_unanswered(Instant otherwise) const;
   void hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing);
