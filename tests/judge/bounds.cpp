@@ -96,16 +96,27 @@ std::string text(const char* form, double value) {
   return buffer.data();
 }
 
+/// A plant after its start, and what is measured in it.
+struct Trial {
+  explicit Trial(Plan plan) : world(std::move(plan), false), meter(world) {
+    world.be_watched_by(meter);
+    world.run_for(kStart);
+  }
+  void measure(Duration time) {
+    meter.begin();
+    world.run_for(time);
+  }
+
+  World world;
+  Meter meter;
+};
+
 unsigned rate_alone() {
   Plan plan = make_plant(1, 0);
   add_client(plan, kPoller, {0});
-  World world(std::move(plan), false);
-  Meter meter(world);
-  world.be_watched_by(meter);
-  world.run_for(kStart);
-  meter.begin();
-  world.run_for(kRun);
-  return meter.good[kPoller];
+  Trial trial(std::move(plan));
+  trial.measure(kRun);
+  return trial.meter.good[kPoller];
 }
 
 // (a) and (b): reads and writes of a drive that is well, beside others that are polled, from when
@@ -119,24 +130,22 @@ void beside_dead_drives(Figures& table, unsigned dead, unsigned alone) {
     add_client(plan, kOther, {at});
   }
   add_writer(plan);
-  World world(std::move(plan), false);
-  Meter meter(world);
-  world.be_watched_by(meter);
-  world.run_for(kStart);
-  meter.begin();
+  Trial trial(std::move(plan));
+  trial.meter.begin();
   for (std::size_t at = 1; at <= dead; ++at) {
-    world.take_supply(at, 2 * kRun);
+    trial.world.take_supply(at, 2 * kRun);
   }
-  world.run_for(kRun);
-  const double share = static_cast<double>(meter.good[kPoller]) / alone;
+  trial.world.run_for(kRun);
+  const double share = static_cast<double>(trial.meter.good[kPoller]) / alone;
   const std::string beside = " beside " + std::to_string(dead) + " dead drives";
   table.add("(a) reads" + beside, text("%.0f %% of the line", 100 * share), "45 %", share >= kShare,
             true);
   table.add("(b) writes" + beside,
-            std::to_string(meter.refused_writes) + " of " + std::to_string(meter.writes) +
-                " refused, longest " + text("%.2f s", seconds(meter.longest_write)),
-            "none refused, 1.2 s", meter.refused_writes == 0 && meter.longest_write <= kLongest,
-            false);
+            std::to_string(trial.meter.refused_writes) + " of " +
+                std::to_string(trial.meter.writes) + " refused, longest " +
+                text("%.2f s", seconds(trial.meter.longest_write)),
+            "none refused, 1.2 s",
+            trial.meter.refused_writes == 0 && trial.meter.longest_write <= kLongest, false);
 }
 
 // (c): as many connections as one likes, the hosts get alike.
@@ -149,15 +158,11 @@ void shares_of_hosts(Figures& table) {
     }
   }
   plan.settings.buses.front().coalesce = false;
-  World world(std::move(plan), false);
-  Meter meter(world);
-  world.be_watched_by(meter);
-  world.run_for(kStart);
-  meter.begin();
-  world.run_for(kRun);
+  Trial trial(std::move(plan));
+  trial.measure(kRun);
   unsigned least = ~0U;
   unsigned most = 0;
-  for (const auto& [host, count] : meter.good) {
+  for (const auto& [host, count] : trial.meter.good) {
     least = std::min(least, count);
     most = std::max(most, count);
   }
@@ -165,8 +170,8 @@ void shares_of_hosts(Figures& table) {
   table.add("(c) hosts with 1, 2, 4 and 8 connections", text("%.1f %% apart", 100 * spread), "10 %",
             spread <= 0.1, true);
   table.add("(f) the wire is idle while work waits",
-            text("%.3f ms at most", 1000 * seconds(meter.longest_idle)), "0.1 ms",
-            meter.longest_idle <= 100us, true);
+            text("%.3f ms at most", 1000 * seconds(trial.meter.longest_idle)), "0.1 ms",
+            trial.meter.longest_idle <= 100us, true);
 }
 
 // (d): they lose their supply together, and get it back together.
@@ -176,18 +181,15 @@ void time_until_back(Figures& table, unsigned drives, bool was_kept) {
   for (std::size_t at = 0; at < drives; ++at) {
     add_client(plan, kPoller, {at});
   }
-  World world(std::move(plan), false);
-  Meter meter(world);
-  world.be_watched_by(meter);
-  world.run_for(kStart);
+  Trial trial(std::move(plan));
   for (std::size_t at = 0; at < drives; ++at) {
-    world.take_supply(at, kDark);
+    trial.world.take_supply(at, kDark);
   }
-  world.run_for(kDark);
-  meter.begin();
-  const Instant back = world.now();
-  world.run_for(kRun);
-  const Instant all = meter.all_back();
+  trial.world.run_for(kDark);
+  trial.meter.begin();
+  const Instant back = trial.world.now();
+  trial.world.run_for(kRun);
+  const Instant all = trial.meter.all_back();
   table.add("(d) " + std::to_string(drives) + " drives are back, all served",
             all == kNever ? "never" : text("after %.2f s", seconds(all - back)), "3 s",
             all <= back + 3s, was_kept);
@@ -203,13 +205,9 @@ void beside_a_scan(Figures& table, unsigned alone) {
     all.push_back(at);
   }
   add_client(plan, kOther, all);
-  World world(std::move(plan), false);
-  Meter meter(world);
-  world.be_watched_by(meter);
-  world.run_for(kStart);
-  meter.begin();
-  world.run_for(kRun);
-  const double share = static_cast<double>(meter.good[kPoller]) / alone;
+  Trial trial(std::move(plan));
+  trial.measure(kRun);
+  const double share = static_cast<double>(trial.meter.good[kPoller]) / alone;
   table.add("(e) a poller beside a scan", text("%.0f %% of its rate", 100 * share), "40 %",
             share >= 0.4, false);
 }
@@ -226,14 +224,11 @@ void hung_under_stops(Figures& table, unsigned clients, bool was_kept) {
       add_client(plan, host, {host}).stops = 1000;
     }
     hung_after = plan.settings.buses.front().hung_after;
-    World world(std::move(plan), false);
-    Meter meter(world);
-    world.be_watched_by(meter);
-    world.run_for(kStart);
-    meter.begin();
-    world.hang(0);
-    world.run_for(2 * kRun);
-    longest.push_back(meter.without_stop());
+    Trial trial(std::move(plan));
+    trial.meter.begin();
+    trial.world.hang(0);
+    trial.world.run_for(2 * kRun);
+    longest.push_back(trial.meter.without_stop());
   }
   std::ranges::sort(longest);
   const Duration median = longest[kWorlds / 2];

@@ -30,17 +30,13 @@ void Judge::asked(Id id) {
   if (asked.intent.kind == Kind::own) {
     return;
   }
-  const Door& door = door_of(asked);
-  deadlines_[id] = asked.intent.kind == Kind::read ? door.read_deadline : door.write_deadline;
+  deadlines_[id] = deadline_of(asked);
 }
 
 // A reload may give what waits more time, and the next one less.
 void Judge::reloaded() {
   for (auto& [id, deadline] : deadlines_) {
-    const Asked& asked = ledger_.asked[id];
-    const Door& door = door_of(asked);
-    const bool is_read = asked.intent.kind == Kind::read;
-    deadline = std::max(deadline, is_read ? door.read_deadline : door.write_deadline);
+    deadline = std::max(deadline, deadline_of(ledger_.asked[id]));
   }
 }
 

@@ -54,6 +54,7 @@ class Judge : public Witness {
   [[nodiscard]] bool is_echo_unknown(const Asked& asked, const Came& last) const;
   [[nodiscard]] bool is_later_than_ever(const Asked& asked, const Came& last) const;
   void note_wrong(const Asked& asked, const char* kind);
+  [[nodiscard]] bool is_beyond_its_tail(const Came& came) const;
   void note_slip(const Came& came);
   void note_right(const Asked& asked);
 
@@ -99,6 +100,11 @@ class Judge : public Witness {
   [[nodiscard]] std::string name(const Sent& sent) const;
   [[nodiscard]] const Door& door_of(const Asked& asked) const {
     return plan_.doors[asked.intent.door];
+  }
+  /// As the settings in force have it.
+  [[nodiscard]] Duration deadline_of(const Asked& asked) const {
+    const Door& door = door_of(asked);
+    return asked.intent.kind == Kind::read ? door.read_deadline : door.write_deadline;
   }
   [[nodiscard]] Instant now() const { return world_.now(); }
 

@@ -193,13 +193,18 @@ bool Judge::is_echo_unknown(const Asked& asked, const Came& last) const {
           std::ranges::any_of(ledger_.sent[last.answers].asked, is_behind_echo));
 }
 
+// Of an answer to an ordinary register, with the 20 ms for which an adapter may keep it.
+bool Judge::is_beyond_its_tail(const Came& came) const {
+  const Sent& sent = ledger_.sent[came.answers];
+  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*sent.station]);
+  return came.at >
+         sent.end + timing.response_timeout + timing.response_wait + quarantine_of(timing) + 20ms;
+}
+
 // It ends with an answer to what was sent last.
 void Judge::note_slip(const Came& came) {
-  const Sent& sent = ledger_.sent[came.answers];
-  const std::size_t at = *sent.station;
-  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[at]);
-  const Duration longest = timing.response_timeout + timing.response_wait + quarantine_of(timing);
-  if (came.at > sent.end + longest + 20ms) {
+  const std::size_t at = *ledger_.sent[came.answers].station;
+  if (is_beyond_its_tail(came)) {
     slipped_.insert(at);
   } else if (!ledger_.last_sent[at].empty() && ledger_.last_sent[at].back() == came.answers) {
     slipped_.erase(at);
@@ -210,16 +215,13 @@ void Judge::note_slip(const Came& came) {
 // parts of a request any may be wrong.
 bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
   const std::size_t at = *asked.intent.station;
-  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[at]);
-  const Duration longest =
-      timing.response_timeout + timing.response_wait + quarantine_of(timing) + 20ms;
   Instant begun = ledger_.sent[last.answers].begin;
   if (!asked.sent.empty()) {
     begun = std::min(begun, ledger_.sent[asked.sent.front()].begin);
   }
   return std::ranges::any_of(ledger_.lines[plan_.stations[at].bus].came, [&](const Came& it) {
     return it.answers != kNone && ledger_.sent[it.answers].station == at && it.at >= begun &&
-           it.at > ledger_.sent[it.answers].end + longest;
+           is_beyond_its_tail(it);
   });
 }
 

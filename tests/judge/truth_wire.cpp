@@ -24,7 +24,7 @@ void Judge::check_silence(Id id) {
     return;
   }
   const auto& bus = plan_.bus(sent.bus);
-  const Duration silence = bus.frame_gap.value_or(WireTimes(bus.line).silence());
+  const Duration silence = silence_of(bus);
   if (line.last != kNone) {
     const Sent& before = ledger_.sent[line.last];
     if (sent.begin + kRounding < before.end) {

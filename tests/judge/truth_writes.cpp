@@ -102,10 +102,9 @@ void Judge::check_late(Id id) {
   const auto late_by = [&](Id it) {
     const Asked& asked = ledger_.asked[it];
     const bool is_read = asked.intent.kind == Kind::read;
-    const Door& door = door_of(asked);
     const auto stated = deadlines_.find(it);
-    const Duration limit = std::max(is_read ? door.read_deadline : door.write_deadline,
-                                    stated == deadlines_.end() ? Duration{0} : stated->second);
+    const Duration limit =
+        std::max(deadline_of(asked), stated == deadlines_.end() ? Duration{0} : stated->second);
     const Instant known = is_read ? asked.given : std::min(asked.given, asked.written + lateness);
     return asked.sent.size() > 1 ? Duration{0} : sent.begin - known - limit;
   };
