@@ -106,9 +106,8 @@ void Judge::check_rest() {
   check_shares();
   std::ranges::for_each(waits_, [this](const auto& wait) { check_heard(wait.first); });
   for (const Asked& asked : ledger_.asked) {
-    const bool is_due = asked.given != kNever && !asked.dropped && asked.answers == 0;
-    const bool replies = asked.intent.kind == Kind::own || door_of(asked).replies;
-    if (is_due && replies) {
+    const bool is_waiting = asked.given != kNever && !asked.dropped && asked.answers == 0;
+    if (is_waiting && asked.intent.answer_due) {
       violation("unanswered", name(asked));
     }
   }

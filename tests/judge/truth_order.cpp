@@ -9,8 +9,7 @@ namespace mbgate::judge {
 
 void RulesJudge::note_due(Id id) {
   const Asked& asked = ledger_.asked[id];
-  const bool replies = asked.intent.kind == Kind::own || plan_.doors[asked.intent.door].replies;
-  if (plan_.settings.listeners[connection_of(asked).listener].ordered && replies) {
+  if (plan_.settings.listeners[connection_of(asked).listener].ordered && asked.intent.answer_due) {
     due_[asked.connection].push_back(id);
   }
 }

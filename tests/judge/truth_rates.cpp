@@ -59,11 +59,10 @@ void RulesJudge::note_gone_through(const Asked& asked) {
 
 // It may have been taken as late as this.
 Instant RulesJudge::ended(const Asked& asked) const {
-  const bool replies = asked.intent.kind == Kind::own || plan_.doors[asked.intent.door].replies;
-  return asked.answers > 0 ? asked.answered
-         : asked.dropped   ? connection_of(asked).gone
-         : replies         ? world_.now()
-                           : asked.given + kKept;
+  return asked.answers > 0         ? asked.answered
+         : asked.dropped           ? connection_of(asked).gone
+         : asked.intent.answer_due ? world_.now()
+                                   : asked.given + kKept;
 }
 
 // Fewer than the rate within the last second leave room for one more.

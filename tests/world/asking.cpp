@@ -47,6 +47,7 @@ Intent Asking::begin(std::size_t at, Kind kind) const {
   intent.buses = door.buses;
   intent.swapped = door.swapped;
   intent.whole = !door.routed;
+  intent.answer_due = door.replies;
   return intent;
 }
 

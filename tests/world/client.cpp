@@ -82,7 +82,7 @@ void Client::act() {
 
 void Client::ask_some() {
   for (unsigned count = tools_.random.between(1U, manners_.burst); count > 0; --count) {
-    if (open_.size() >= manners_.outstanding || !connected_) {
+    if (is_waiting_enough() || !connected_) {
       return;
     }
     if (unwritten_.empty() && tools_.random.chance(manners_.foreign)) {
@@ -95,6 +95,15 @@ void Client::ask_some() {
     const Id id = write(tools_.asking.make(manners_));
     be_patient(id);
   }
+}
+
+// What nobody will answer is not waited for.
+bool Client::is_waiting_enough() const {
+  const auto is_due = [this](const auto& it) {
+    return tools_.ledger.asked[it.second].intent.answer_due;
+  };
+  return open_.size() >= manners_.outstanding &&
+         std::ranges::count_if(open_, is_due) >= std::ptrdiff_t{manners_.outstanding};
 }
 
 Id Client::write(Intent intent) {

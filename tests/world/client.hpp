@@ -64,6 +64,7 @@ class Client {
   void plan_next();
   void act();
   void ask_some();
+  [[nodiscard]] bool is_waiting_enough() const;
   void be_patient(Id asked);
   void lose_patience(Id asked);
   void push(std::size_t bytes);

@@ -49,6 +49,7 @@ struct Intent {
   std::uint16_t codes = 0;           ///< exceptions that the gateway may refuse it with, each a bit
   bool denied = false;               ///< for want of a right, and else it could be done
   std::vector<std::size_t> rated{};  ///< rules that count it for their rates
+  bool answer_due = true;            ///< or the client expects none: a broadcast
   bool silent = false;               ///< the drive never answers it, the gateway does
   bool is_odd_read = false;  ///< a read that names no register: its answer is the drive's own
 };

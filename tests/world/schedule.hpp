@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "bus/instant.hpp"
@@ -22,7 +23,15 @@ class Schedule {
 
   [[nodiscard]] Instant now() const { return now_; }
   void at(Instant instant, Happening happening) {
-    entries_.push_back({std::max(instant, now_), order_++, std::move(happening)});
+    std::uint32_t place = static_cast<std::uint32_t>(happenings_.size());
+    if (free_.empty()) {
+      happenings_.push_back(std::move(happening));
+    } else {
+      place = free_.back();
+      free_.pop_back();
+      happenings_[place] = std::move(happening);
+    }
+    entries_.push_back({std::max(instant, now_), order_++, place});
     std::ranges::push_heap(entries_, later);
   }
   void after(Duration delay, Happening happening) { at(now_ + delay, std::move(happening)); }
@@ -37,8 +46,10 @@ class Schedule {
       return false;
     }
     std::ranges::pop_heap(entries_, later);
-    const Happening happening = std::move(entries_.back().happening);
+    const std::uint32_t place = entries_.back().place;
     entries_.pop_back();
+    const Happening happening = std::exchange(happenings_[place], nullptr);
+    free_.push_back(place);
     happening();
     return true;
   }
@@ -47,7 +58,7 @@ class Schedule {
   struct Entry {
     Instant at;
     std::uint64_t order;
-    Happening happening;
+    std::uint32_t place;  ///< in happenings_: entries are small, for the heap moves them
   };
   static bool later(const Entry& a, const Entry& b) {
     return a.at != b.at ? a.at > b.at : a.order > b.order;
@@ -56,6 +67,8 @@ class Schedule {
   Instant now_{std::chrono::seconds(1)};
   std::uint64_t order_ = 0;
   std::vector<Entry> entries_;
+  std::vector<Happening> happenings_;
+  std::vector<std::uint32_t> free_;
 };
 
 }  // namespace mbgate::world
