@@ -45,7 +45,7 @@ class Bus {
   /// Takes a waiting job that is no stop back at once, without a JobEnded.
   void withdraw(Job& job);
   /// Sees to it that nothing more follows of a job that does not wait, once what is on the wire has
-  /// ended.
+  /// ended; nor of a stop, which is not sent any more.
   void abandon(Job& job);
   /// The same line with other rules, or other devices: what is known of addresses is kept. Jobs
   /// that wait for devices that are no longer what they were must have been withdrawn.

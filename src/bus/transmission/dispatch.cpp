@@ -232,6 +232,11 @@ bool Dispatch::send_stops(Instant now) {
 // True: it is on its way, or ended. False: not yet, because the line is not silent. Where it never
 // is, there is nothing to lose: the stop is transmitted all the same, but not repeated so.
 bool Dispatch::send_stop(Transmission& stop, Instant now) {
+  if (stop.is_abandoned()) {
+    parts_.stops.remove(stop);
+    ends_.finish(stop, Ending::cancelled);
+    return true;
+  }
   const Instant silent_at = parts_.line.ready_for_stop_at();
   if (silent_at > now) {
     const Instant overdue_at = std::max(stop_overdue_at(parts_, stop), parts_.line.possible_at());

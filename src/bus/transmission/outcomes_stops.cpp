@@ -37,7 +37,7 @@ void Outcomes::note_stopped(const Transmission& transmission, Instant now) {
 void Outcomes::handle_stop_failure(Transmission& stop, Instant now) {
   DeviceEntry& entry = parts_.devices[stop.on_wire().address];
   const bool is_given_up = stop.is_one_try && entry.stops_given_up;
-  if (!is_given_up && stop.tries <= entry.timing().stop_retries) {
+  if (!is_given_up && !stop.is_abandoned() && stop.tries <= entry.timing().stop_retries) {
     parts_.transmissions.leave(stop);
     stop.waits_since = now;
     parts_.stops.push(stop);
@@ -54,7 +54,7 @@ bool Outcomes::repeat_refused(Transmission& stop, Instant now) {
   DeviceEntry& entry = parts_.devices[sent.address];
   const std::uint8_t exception = sent.response->bytes()[1];
   const bool may_repeat = std::ranges::count(kPassingExceptions, exception) > 0;
-  if (may_repeat && stop.tries <= entry.timing().stop_retries) {
+  if (may_repeat && !stop.is_abandoned() && stop.tries <= entry.timing().stop_retries) {
     const Instant again_at = now + parts_.settings.stop_wait;
     sent.response.reset();
     entry.free_at = std::max(entry.free_at, again_at);

@@ -39,6 +39,10 @@ struct Transmission {
 
   [[nodiscard]] Transaction& on_wire() const { return merged ? *merged : leader->transaction(); }
   [[nodiscard]] bool is_stop() const { return leader->job_class == JobClass::stop; }
+  /// Nobody wants it sent any more.
+  [[nodiscard]] bool is_abandoned() const {
+    return leader->abandoned && std::ranges::all_of(followers, &Job::abandoned);
+  }
   /// It has a single transaction, which is to be repeated.
   [[nodiscard]] bool is_between_tries() const {
     return tries > 0 && !in_flight && leader->transactions.size() == 1;

@@ -105,6 +105,12 @@ void Exchanges::cancel(std::uint32_t index) {
   }
 }
 
+void Exchanges::abandon(std::uint32_t index) {
+  for (const Exchange::Part& part : exchanges_[index].parts) {
+    buses_.touch(part.bus).abandon(*part.job);
+  }
+}
+
 // Takes a job back, or, if it is on the wire, sees to it that nothing more of it follows.
 void Exchanges::end_unsent(const Exchange::Part& part) {
   if (part.job->is_waiting()) {

@@ -32,6 +32,9 @@ class Exchanges {
   /// gone. Stops are carried out even if their client has gone.
   void cancel(std::uint32_t index);
 
+  /// Sees to it that no more of its stops is sent.
+  void abandon(std::uint32_t index);
+
   /// An exchange whose jobs have all ended, which is then to be closed; nothing if there is none.
   std::optional<std::uint32_t> take_completed();
   void close(std::uint32_t index);

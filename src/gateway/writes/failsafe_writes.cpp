@@ -105,6 +105,11 @@ void FailsafeWrites::client_asked(const ClientSession& client, const routing::Pl
       if (std::exchange(watch.is_told, false)) {
         report(settings_.settings().devices[device], watch, FailsafeOutcome::client_back);
       }
+      for (const Write& write : watch.writes) {
+        if (write.exchange) {
+          exchanges_.abandon(*write.exchange);
+        }
+      }
       watch.due.reset();
       watch.writes.clear();
     }

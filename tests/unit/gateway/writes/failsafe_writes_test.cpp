@@ -8,6 +8,7 @@ namespace mbgate::test {
 namespace {
 
 using testing::Contains;
+using testing::Each;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -111,6 +112,15 @@ TEST_F(FailsafeWrites, StayDueOneByOne) {
   rig_.open_line();
   EXPECT_THAT(answer_all(rig_, 3s), ElementsAre(kSecond));
   EXPECT_THAT(rig_.events, ElementsAre(kLost, kNotYet, "bus line-a is open", kAcknowledged));
+}
+
+TEST_F(FailsafeWrites, AreNotRepeatedForAClientThatAsksAgain) {
+  leave();
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
+  rig_.connect(2);
+  rig_.receive(2, read_request(1, 1));
+  rig_.advance(4s);
+  EXPECT_THAT(take_requests(rig_), Each(kRead1));
 }
 
 TEST_F(FailsafeWrites, AreNoLongerDueWhenTheClientThatCountsAsksTheDeviceAgain) {
