@@ -66,6 +66,16 @@ TEST_F(FailsafeEcho, TakeTurnsWithReadsOfADriveThatIsNotThere) {
   EXPECT_THAT(rig_.events, Not(Contains(kAcknowledged)));
 }
 
+// What may be its echo does not show that a drive is silent: offline, it would get no read.
+TEST_F(FailsafeEcho, TakeNoDriveOfflineThatMayHaveAnswered) {
+  for (int count = 0; count < 20; ++count) {
+    answer_all(rig_, 1s);
+  }
+  EXPECT_THAT(rig_.events, Not(Contains("device axis-x: does not answer any more")));
+  EXPECT_THAT(poll(3s, true), Contains(kRead1));
+  EXPECT_THAT(rig_.events, Contains(kAcknowledged));
+}
+
 TEST_F(FailsafeEcho, AreSentAsOftenAsEverIfNobodyReads) {
   rig_.advance(10s);
   take_requests(rig_);
