@@ -55,7 +55,7 @@ void Judge::check_shares() {
   constexpr unsigned kFew = 5;
   for (const auto& [bus, share] : shares_) {
     const std::string text = plan_.bus(bus).name + ": ";
-    if (share.lost > kFew + (share.got + share.lost) / 5) {
+    if (share.lost > kFew + share.got * 3 / 2) {
       violation("answers_lost", text + std::to_string(share.lost) + " of " +
                                     std::to_string(share.lost + share.got) + " that came in time");
     }

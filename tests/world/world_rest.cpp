@@ -43,6 +43,7 @@ std::optional<Octets> World::ask(std::size_t door, Duration patience) {
   client.end_asking();
   client.connect();
   if (!client.is_connected()) {
+    run_for(patience);
     return std::nullopt;
   }
   const Id id = client.write(asking_.fresh_read(door));
