@@ -40,6 +40,7 @@ class Judge : public Witness {
     unsigned stale = 0;  ///< the same, of those that show what was asked for, as it was before
     unsigned right = 0;  ///< since the last wrong one
     unsigned process = 0;
+    Instant last{};  ///< the frame that was wrong: it may have answered several requests
   };
 
   // truth_answers.cpp: what a client gets is what its drive says, or a refusal that is true.

@@ -228,7 +228,7 @@ bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
 // Some wrong answers nobody can help: until a device has shown how late it can be, or that it
 // answers twice (behaviour.md, section 5). They are few, and then there are none.
 void Judge::note_wrong(const Asked& asked, const char* kind) {
-  constexpr unsigned kMost = 8;
+  constexpr unsigned kMost = 12;
   constexpr unsigned kForgotten = 200;
   const std::size_t at = *asked.intent.station;
   const Station& station = plan_.stations[at];
@@ -263,11 +263,12 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
   }
   slips.process = ledger_.process;
   slips.right = 0;
+  const bool is_shared = std::exchange(slips.last, last->at) == last->at;
   // What it said to the same question a moment before cannot be told from the answer to this one.
   const bool is_same = !asked.sent.empty() && from.pdu == ledger_.sent[asked.sent.back()].pdu;
   ++report_.apart[std::string(is_same ? "learning_stale_" : "learning_") + kind];
   constexpr unsigned kMostStale = 40;
-  if (++(is_same ? slips.stale : slips.wrong) > (is_same ? kMostStale : kMost)) {
+  if (!is_shared && ++(is_same ? slips.stale : slips.wrong) > (is_same ? kMostStale : kMost)) {
     violation("wrong_too_often", name(asked) + ", " + kind + ", " + std::to_string(slips.wrong));
   }
 }

@@ -57,11 +57,11 @@ void Judge::check_refused_stop(const Asked& asked) {
            ledger_.lines[sent.bus].open && sent.opening == ledger_.lines[sent.bus].openings;
   });
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*asked.intent.station]);
-  // After a whole series that failed a stop is one try.
+  // After a whole series that failed, a stop is one try until the drive is heard.
   const auto& stops = ledger_.stops[*asked.intent.station];
   const bool is_first = std::ranges::none_of(stops, [&](Id id) {
     const Asked& other = ledger_.asked[id];
-    return &other != &asked && other.given + 30s > asked.given && other.given <= now();
+    return &other != &asked && other.given <= now();
   });
   if (is_refused && is_first && asked.sent.size() < 1 + timing.stop_retries) {
     violation("stop_given_up",
