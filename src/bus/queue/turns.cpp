@@ -133,7 +133,7 @@ bool is_within(Parts& parts, const Bounds& bounds, const Job& job, Instant now) 
     return (job.transaction().address == bounds.before->address() || job.is_broadcast()) &&
            job.sequence < bounds.before->sequence;
   }
-  return !bounds.beside_stops ||
+  return !bounds.beside_stops || job.job_class == JobClass::read ||
          (!job.is_broadcast() && parts.stops.find([&](const Transmission& stop) {
            return (stop.leader->address() == job.address() || stop.leader->is_broadcast()) &&
                   !parts.acknowledged.has(*stop.leader, now);

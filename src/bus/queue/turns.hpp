@@ -18,8 +18,8 @@ struct Choice {
 /// Which jobs may be sent while a stop waits. By default all: no stop waits.
 struct Bounds {
   const Job* before = nullptr;  ///< only those for its device that were accepted before it
-  /// Only those for devices that no waiting stop is for, unless it only repeats an acknowledged
-  /// one.
+  /// Only reads, and those for devices that no waiting stop is for, unless it only repeats an
+  /// acknowledged one. A read may show that what came was no echo.
   bool beside_stops = false;
 };
 

@@ -156,12 +156,17 @@ void Outcomes::note_unreached(Transmission& transmission, Instant now) {
   note_unanswered(transmission, now, now);
 }
 
+// Something else goes before the next stop to this device.
+void Outcomes::note_turn(const Transmission& transmission) {
+  if (transmission.is_stop()) {
+    parts_.devices[transmission.on_wire().address].last_stop_turn = transmission.turn;
+  }
+}
+
 void Outcomes::note_unanswered(Transmission& transmission, Instant due, Instant now) {
   const std::uint8_t address = transmission.on_wire().address;
   DeviceEntry& entry = parts_.devices[address];
-  if (transmission.is_stop()) {
-    entry.last_stop_turn = transmission.turn;
-  }
+  note_turn(transmission);
   parts_.probes.note_unanswered(transmission, now);
   if (entry.health.note_unanswered(transmission.last_sent, due, entry.timing())) {
     go_offline(entry, address, now);
@@ -197,7 +202,9 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   ++parts_.counters.timeouts;
   ++entry.counters.timeouts;
   entry.hold.note_unanswered(sent_of(transmission, end.due, end.may_be_echo));
-  if (!end.may_be_echo) {
+  if (end.may_be_echo) {
+    note_turn(transmission);
+  } else {
     note_unanswered(transmission, end.due, now);
   }
   handle_failure(transmission, now);
