@@ -65,6 +65,7 @@ void Judge::answered(Id id) {
   } else if (asked.intent.refused && !asked.perhaps_outdated) {
     violation("not_refused", name(asked));
   } else if (asked.intent.kind == Kind::read) {
+    note_echo_shown(asked);
     check_read(id);
   } else {
     check_write(id);

@@ -52,6 +52,7 @@ class Judge : public Witness {
                           std::span<const std::uint16_t> words, Span span) const;
   [[nodiscard]] bool shows(const Asked& asked) const;
   [[nodiscard]] bool was_done(const Asked& asked) const;
+  void note_echo_shown(const Asked& asked);
   [[nodiscard]] bool is_echo_unknown(const Asked& asked, const Came& last) const;
   [[nodiscard]] bool is_later_than_ever(const Asked& asked, const Came& last) const;
   void note_wrong(const Asked& asked, const char* kind);
@@ -114,6 +115,12 @@ class Judge : public Witness {
   const Ledger& ledger_;
   Report& report_;
   std::vector<Slips> slips_;
+  struct ShowsEcho {
+    unsigned opening = 0;
+    unsigned reads = 0;  ///< that were answered since
+    Instant at{};        ///< when that was enough
+  };
+  std::map<std::size_t, ShowsEcho> shows_echo_;  // by bus
   std::unordered_map<Id, Duration> deadlines_;
   std::unordered_map<Id, Duration> waits_;  ///< by transmission: the longest for its answer
   /// By host and station: connections that have asked it; were they answered?

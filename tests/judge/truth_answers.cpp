@@ -175,11 +175,23 @@ void Judge::check_write(Id id) {
 
 void Judge::note_right(const Asked& asked) { ++slips_[*asked.intent.station].right; }
 
-// Whether a line has an echo is known when a read was answered on it (section 4). Until then an
-// echo may acknowledge a write, whose own answer then comes for the next request.
+void Judge::note_echo_shown(const Asked& asked) {
+  if (asked.sent.empty()) {
+    return;
+  }
+  const Sent& sent = ledger_.sent[asked.sent.back()];
+  ShowsEcho& shows = shows_echo_[sent.bus];
+  if (shows.opening != sent.opening) {
+    shows = {sent.opening, 0, kNever};
+  }
+  constexpr unsigned kSurely = 3;  // the echo of one may be damaged
+  shows.at = ++shows.reads == kSurely ? now() : shows.at;
+}
+
+// Whether a line has an echo is known when clients have got what reads have brought (section 4).
+// Until then an echo may acknowledge a write, whose own answer then comes for the next request.
 bool Judge::is_echo_unknown(const Asked& asked, const Came& last) const {
   const std::size_t bus = plan_.stations[*asked.intent.station].bus;
-  const LineBook& line = ledger_.lines[bus];
   // A client's 16 may have gone out as 06.
   const auto took_echo = [&](const Asked& it) {
     const bool went_as_06 = !it.sent.empty() && ledger_.sent[it.sent.back()].pdu[0] == 0x06;
@@ -188,7 +200,12 @@ bool Judge::is_echo_unknown(const Asked& asked, const Came& last) const {
   const auto is_behind_echo = [&](Id id) {
     return took_echo(ledger_.asked[id]) && ledger_.asked[id].answered < last.at;
   };
-  return plan_.lines[bus].echoes && !plan_.bus(bus).line.echo && line.read_answered < line.opened &&
+  const auto shown = shows_echo_.find(bus);
+  const Instant asked_at = asked.sent.empty() ? asked.given : ledger_.sent[asked.sent.back()].begin;
+  const bool is_shown = shown != shows_echo_.end() &&
+                        shown->second.opening == ledger_.lines[bus].openings &&
+                        shown->second.at <= asked_at;
+  return plan_.lines[bus].echoes && !plan_.bus(bus).line.echo && !is_shown &&
          (took_echo(asked) ||
           std::ranges::any_of(ledger_.sent[last.answers].asked, is_behind_echo));
 }

@@ -63,7 +63,15 @@ void Judge::check_waiting(Id id) {
   const bool is_stop = before.is_stop || before.is_failsafe;
   const Duration limit =
       is_stop ? std::min(plan_.bus(sent.bus).stop_wait, least) : timing.response_wait + least;
-  if (sent.begin + kRounding < before.end + limit) {
+  // A failsafe write may have cut the wait and was dropped then, because its client asked again.
+  const auto drops_failsafe = [&](const Asked& asked) {
+    const auto& at = asked.intent.station;
+    return asked.given > before.begin && at && plan_.stations[*at].bus == sent.bus &&
+           plan_.stations[*at].device &&
+           !plan_.settings.guards[*plan_.stations[*at].device].failsafe.empty();
+  };
+  if (sent.begin + kRounding < before.end + limit &&
+      std::ranges::none_of(ledger_.asked, drops_failsafe)) {
     violation("impatient", name(sent) + " behind " + name(before) + ", after " +
                                std::to_string((sent.begin - before.end) / 1us) + " us, not " +
                                std::to_string(limit / 1us));

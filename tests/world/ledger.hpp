@@ -145,7 +145,6 @@ struct LineBook {
   Instant heard = Instant::min();          ///< the last byte reached the kernel
   Instant said = Instant::min();           ///< its last bit on the line
   Id last = kNone;                         ///< transmission
-  Instant read_answered = Instant::min();  ///< which proves whether there is an echo
   Instant turnaround_end = Instant::min();
   Id halved = kNone;  ///< transmission: a part of its answer came, and nothing comes behind it
   Instant halved_at{};

@@ -227,10 +227,6 @@ void World::deliver(std::size_t bus, const Octets& bytes, const Came& came) {
   if (came.answers != kNone && came.fits && !came.is_second) {
     Sent& sent = ledger_.sent[came.answers];
     sent.answered = std::min(sent.answered, came.at);
-    // A late answer, behind the next request, does not show what stood in front of it.
-    if (sent.cells.empty() && sent.begin >= line.opened && came.answers == line.last) {
-      line.read_answered = came.at;
-    }
   }
   if (trace_ && came.answers != kNone) {
     const Sent& sent = ledger_.sent[came.answers];
