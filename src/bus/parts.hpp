@@ -16,6 +16,7 @@
 #include "bus/link_state.hpp"
 #include "bus/queue/acknowledged_stops.hpp"
 #include "bus/queue/bus_queue.hpp"
+#include "bus/queue/payback.hpp"
 #include "bus/queue/stop_lane.hpp"
 #include "bus/queue/turn_book.hpp"
 #include "bus/transmission/transmission.hpp"
@@ -63,6 +64,7 @@ struct Parts {
   StopLane stops;  // links transmissions: destroyed before them
   AcknowledgedStops acknowledged;
   TurnBook turns;
+  Payback payback;
   Probes probes;
   AdapterWatch adapter;
   LinkState link;

@@ -123,7 +123,7 @@ struct BusSettings {
   std::optional<Duration> stop_deadline;
   /// While there are requests to other devices, the probes of all offline devices together take at
   /// most this percentage of the time of the bus.
-  unsigned probe_share = 2;
+  unsigned probe_share = 5;
   std::size_t outstanding = 1;  ///< framing tcp: requests in flight at a time
   /// Framing tcp: true if a response must have the unit identifier of its request. False: the
   /// transaction identifier is enough; many servers answer as unit 1 or 255.

@@ -11,7 +11,7 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   // Settings: settings. Counted only: counters. Watches real adapters only: adapter. For the trace:
   // is_traced. Empty when the machine was asked for its actions: actions.
   auto& [settings, devices, counters, line, queue, transmissions, stops, acknowledged, turns,
-         probes, adapter, link, stopping, is_traced, pumped_at, actions] = parts;
+         payback, probes, adapter, link, stopping, is_traced, pumped_at, actions] = parts;
   // Told only: diagnosis. They know nothing of their own: ends, outcomes.
   const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, next_start, looking] = dispatch;
   const auto& [of_admission, ends_too, sequence] = admission;
@@ -24,6 +24,11 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   hash.add(looking);
   hash.ordered(Order::acceptance, sequence);
   read(turns, settings, sight, hash);
+  const auto& [paid_until, last_answered, answered_at, other_answered_at] = payback;
+  hash.until(paid_until);
+  hash.add(last_answered);
+  hash.since(answered_at, settings.timing.probe_interval);
+  hash.since(other_answered_at, settings.timing.probe_interval);
   hash.add(next_start.has_value());
   if (next_start) {
     // Perhaps a deadline that nothing comes near to; a longer wait can be read from its reasons.
@@ -193,16 +198,15 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
   // misfit_reported, pause_reported, owed_until, asked_at, silence, times, second_at,
   // second_read_at, setting, unreached, failed_stop. A job that the queue shows too: probe.
   const auto& [device, counters, health, hold, cache, free_at, probe, setting_known, early_reported,
-               last_turn, last_stop_turn, stops_given_up, merge_refused, second_reported,
-               misfit_reported, pause_reported, owed_until, asked_at, silence, times, second_at,
-               second_read_at, setting, unreached, failed_stop] = entry;
+               last_stop_turn, stops_given_up, merge_refused, second_reported, misfit_reported,
+               pause_reported, owed_until, asked_at, silence, times, second_at, second_read_at,
+               setting, unreached, failed_stop] = entry;
   read(health, entry.timing(), hash);
   read(hold, entry.timing(), hash);
   read(cache, device->cache, hash);
   hash.until(free_at);
   hash.name(probe);
   hash.add(setting_known);
-  hash.ordered(Order::turn, last_turn);
   hash.ordered(Order::turn, last_stop_turn);
   hash.add(stops_given_up);
   hash.add(merge_refused);

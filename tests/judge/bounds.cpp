@@ -145,7 +145,7 @@ void beside_dead_drives(Figures& table, unsigned dead, unsigned alone) {
                 std::to_string(trial.meter.writes) + " refused, longest " +
                 text("%.2f s", seconds(trial.meter.longest_write)),
             "none refused, 1.2 s",
-            trial.meter.refused_writes == 0 && trial.meter.longest_write <= kLongest, false);
+            trial.meter.refused_writes == 0 && trial.meter.longest_write <= kLongest, true);
 }
 
 // (c): as many connections as one likes, the hosts get alike.
@@ -209,7 +209,7 @@ void beside_a_scan(Figures& table, unsigned alone) {
   trial.measure(kRun);
   const double share = static_cast<double>(trial.meter.good[kPoller]) / alone;
   table.add("(e) a poller beside a scan", text("%.0f %% of its rate", 100 * share), "40 %",
-            share >= 0.4, false);
+            share >= 0.4, true);
 }
 
 // (g): nothing comes and nothing goes until the line is opened again, which mostly helps.
@@ -220,6 +220,7 @@ void hung_under_stops(Figures& table, unsigned clients, bool was_kept) {
   for (unsigned seed = 1; seed <= kWorlds; ++seed) {
     Plan plan = make_plant(clients, 0);
     plan.seed = seed;
+    plan.settings.buses.front().line.echo = false;  // else nothing but a read shows what comes
     for (unsigned host = 0; host < clients; ++host) {
       add_client(plan, host, {host}).stops = 1000;
     }
@@ -247,10 +248,10 @@ bool run_bounds() {
   }
   shares_of_hosts(table);
   time_until_back(table, 1, true);
-  time_until_back(table, 12, false);
+  time_until_back(table, 12, true);
   beside_a_scan(table, alone);
   hung_under_stops(table, 1, true);
-  hung_under_stops(table, 2, false);
+  hung_under_stops(table, 2, true);
   return table.is_sound();
 }
 

@@ -141,10 +141,10 @@ struct LineBook {
   unsigned openings = 0;
   Instant opened{};
   Instant closed = Instant::min();
-  std::deque<Came> came{};                 ///< of the last seconds
-  Instant heard = Instant::min();          ///< the last byte reached the kernel
-  Instant said = Instant::min();           ///< its last bit on the line
-  Id last = kNone;                         ///< transmission
+  std::deque<Came> came{};         ///< of the last seconds
+  Instant heard = Instant::min();  ///< the last byte reached the kernel
+  Instant said = Instant::min();   ///< its last bit on the line
+  Id last = kNone;                 ///< transmission
   Instant turnaround_end = Instant::min();
   Id halved = kNone;  ///< transmission: a part of its answer came, and nothing comes behind it
   Instant halved_at{};

@@ -9,7 +9,7 @@ constexpr unsigned kDamagedInRow = 3;
 
 }  // namespace
 
-bool DeviceHealth::note_unanswered(Instant sent, Instant due, const Timing& timing) {
+bool DeviceHealth::note_unanswered(Instant sent, Instant due, unsigned offline_after) {
   if (sent <= answered_sent_) {
     return false;
   }
@@ -17,7 +17,7 @@ bool DeviceHealth::note_unanswered(Instant sent, Instant due, const Timing& timi
   if (is_offline()) {
     return false;
   }
-  const bool is_lost = timing.offline_after != 0 && unanswered_in_row_ >= timing.offline_after;
+  const bool is_lost = offline_after != 0 && unanswered_in_row_ >= offline_after;
   state_.enter(is_lost ? DeviceState::offline : DeviceState::not_answering, due);
   return is_lost;
 }

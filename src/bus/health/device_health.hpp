@@ -9,18 +9,15 @@
 
 #include "bus/health/device_state.hpp"
 #include "bus/instant.hpp"
-#include "drive/device.hpp"
 
 namespace mbgate::bus {
 
 class DeviceHealth {
  public:
-  using Timing = drive::DeviceTiming;
-
   /// The transmission at `sent` got no answer. `due`: when its response timeout ended, or would
-  /// have ended. Returns true if this takes the device offline. It does not if the device has
-  /// answered, in time, something that was sent to it later.
-  bool note_unanswered(Instant sent, Instant due, const Timing& timing);
+  /// have ended. Returns true if this takes the device offline, as the last of `offline_after` (0:
+  /// never). It does not if the device has answered, in time, something that was sent to it later.
+  bool note_unanswered(Instant sent, Instant due, unsigned offline_after);
   /// An answer came with a wrong CRC or LRC, or fits in nothing else.
   void note_damaged(Instant now);
   /// The transmission at `sent` was answered. Returns true if the device was offline, and is back.

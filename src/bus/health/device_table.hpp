@@ -44,7 +44,6 @@ struct DeviceEntry {
   /// written.
   bool setting_known = false;
   bool early_reported = false;
-  std::uint64_t last_turn = 0;       ///< of the last transmission to it that was not a stop
   std::uint64_t last_stop_turn = 0;  ///< of the last stop, if that was unanswered; else 0
   bool stops_given_up = false;       ///< a stop and all its repetitions were unanswered
   bool merge_refused = false;        ///< it rejected a merged read
@@ -70,6 +69,14 @@ struct DeviceEntry {
   std::optional<FailedStop> failed_stop;
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
+  /// No [[device]] has this address, and nobody was ever heard there.
+  [[nodiscard]] bool is_unknown() const {
+    return device->name.empty() && health.state() == DeviceState::not_asked;
+  }
+  /// What was sent to it last is unanswered, or there may be nobody.
+  [[nodiscard]] bool is_silent() const {
+    return health.state() == DeviceState::not_answering || health.is_offline() || is_unknown();
+  }
   /// It was told what makes it boot, or may have been.
   void hold_booting(std::optional<Duration> boot_time, Instant now) {
     free_at = boot_time ? std::max(free_at, now + *boot_time) : free_at;
@@ -99,6 +106,7 @@ class DeviceTable {
   }
   [[nodiscard]] std::span<const drive::Device> devices() const { return devices_; }
   [[nodiscard]] std::span<const DeviceEntry> entries() const { return entries_; }
+  [[nodiscard]] std::span<DeviceEntry> entries() { return entries_; }
   /// Of all devices, and of addresses that have none.
   [[nodiscard]] Duration longest_response_timeout() const { return longest_response_timeout_; }
   /// Is the request a stop for the device at the address, or for a device that hears the broadcast?

@@ -68,4 +68,13 @@ void Probes::note_unanswered(const Transmission& probe, Instant now) {
   next_at_ = std::max(next_at_, probe.last_sent + took * kPercent / settings_.probe_share);
 }
 
+void Probes::expect_others(Instant now) {
+  next_at_ = now;
+  for (DeviceEntry& entry : devices_.entries()) {
+    if (entry.health.is_offline()) {
+      entry.health.set_probe_at(now);
+    }
+  }
+}
+
 }  // namespace mbgate::bus

@@ -25,6 +25,8 @@ class Probes {
   void note_released(Job& job, Instant at);
   /// If the transmission is a probe: it was left unanswered, or its answer was damaged or cut off.
   void note_unanswered(const Transmission& probe, Instant now);
+  /// The next probes of all offline devices are due now.
+  void expect_others(Instant now);
   /// Are there probes that may wait only because there are no ordinary requests?
   [[nodiscard]] bool any_free() const { return free_ > 0; }
 

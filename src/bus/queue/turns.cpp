@@ -35,22 +35,13 @@ bool may_join(const Parts& parts, const Job& job) {
   });
 }
 
-// Between two tries each other device has one turn at most.
-bool had_its_turn(const Parts& parts, const Job& job, Instant now) {
-  const std::uint64_t last_turn = parts.devices[job.transaction().address].last_turn;
-  return std::ranges::any_of(parts.transmissions.running(), [&](const Transmission* repeated) {
-    return repeated->is_between_tries() && last_turn > repeated->turn &&
-           !is_held_back(parts, *repeated->leader, now);
-  });
-}
-
 // Jobs are looked at in the order of their turns. One that cannot go yet lets those to other
 // devices pass: for as long as its device is held back or busy, but only once for its device's gap,
 // because on a line that is never silent for so long its turn would never come.
 void look_for(Parts& parts, JobClass job_class, Search& search, Instant now) {
   parts.queue.visit_candidates(job_class, [&](Job& job) {
     const std::uint8_t address = job.transaction().address;
-    if (!is_within(parts, search.bounds, job, now) || had_its_turn(parts, job, now)) {
+    if (!is_within(parts, search.bounds, job, now)) {
       return false;
     }
     if (search.claimed[address] || !may_join(parts, job)) {
@@ -72,7 +63,7 @@ void look_for(Parts& parts, JobClass job_class, Search& search, Instant now) {
 }
 
 // The one that waits for its next try for longest.
-Job* next_repeated(Parts& parts, const Bounds& bounds, Instant now) {
+const Transmission* next_repeated(Parts& parts, const Bounds& bounds, Instant now) {
   const Transmission* next = nullptr;
   for (const Transmission* running : parts.transmissions.running()) {
     if (running->is_between_tries() && !is_held_back(parts, *running->leader, now) &&
@@ -82,15 +73,28 @@ Job* next_repeated(Parts& parts, const Bounds& bounds, Instant now) {
       next = running;
     }
   }
-  return next == nullptr ? nullptr : next->leader;
+  return next;
+}
+
+bool reads_go_first(const Parts& parts) {
+  return parts.turns.writes_in_row() >= parts.settings.burst;
+}
+
+// What is repeated is the first of its class, once lost time was paid back.
+bool goes_before_repeated(const Parts& parts, const Choice& choice, const Job& repeated,
+                          Instant ready) {
+  const bool is_of_first_class =
+      is_write(choice.job->job_class) && repeated.is_read() && !reads_go_first(parts);
+  const bool is_paid =
+      parts.payback.is_due(ready) && !parts.devices[choice.job->address()].is_silent();
+  return choice.at < ready || (choice.at == ready && (is_of_first_class || is_paid));
 }
 
 }  // namespace
 
 std::optional<Choice> next_waiting(Parts& parts, const Bounds& bounds, Instant now) {
   Search search{std::max(now, parts.line.ready_at(Duration{0})), {}, nullptr, {}, bounds, false};
-  const bool reads_first = parts.turns.writes_in_row() >= parts.settings.burst;
-  const JobClass first = reads_first ? JobClass::read : JobClass::write;
+  const JobClass first = reads_go_first(parts) ? JobClass::read : JobClass::write;
   const JobClass second = first == JobClass::write ? JobClass::read : JobClass::write;
   if (bounds.before != nullptr) {
     look_for(parts, JobClass::write, search, now);
@@ -106,12 +110,14 @@ std::optional<Choice> next_waiting(Parts& parts, const Bounds& bounds, Instant n
 
 std::optional<Choice> next_turn(Parts& parts, const Bounds& bounds, Instant now) {
   const auto choice = next_waiting(parts, bounds, now);
-  Job* repeated = next_repeated(parts, bounds, now);
+  const Transmission* repeated = next_repeated(parts, bounds, now);
   if (repeated == nullptr) {
     return choice;
   }
-  const Instant ready = std::max(now, ready_at(parts, *repeated));
-  return choice && choice->at <= ready ? choice : Choice{repeated, ready};
+  const Instant ready = std::max(now, ready_at(parts, *repeated->leader));
+  return choice && goes_before_repeated(parts, *choice, *repeated->leader, ready)
+             ? choice
+             : Choice{repeated->leader, ready};
 }
 
 Wake wake_for(const Parts& parts, const Job& job, Instant at) {
@@ -150,9 +156,14 @@ Instant held_until(const Parts& parts, const Job& job) {
   const bool repeats_read = job.leads != nullptr && job.leads->tries > 0 && next == job.current &&
                             transaction.request.is_read();
   const std::uint8_t function = transaction.request.function();
+  const Duration recently = parts.settings.timing.probe_interval;
+  const Instant free =
+      entry.is_silent() && !transaction.is_broadcast()
+          ? std::max(entry.free_at, parts.payback.until(transaction.address, recently))
+          : entry.free_at;
   return parts.quarantines() && !repeats_read
-             ? std::max(entry.free_at, entry.hold.until(function, entry.timing()))
-             : entry.free_at;
+             ? std::max(free, entry.hold.until(function, entry.timing()))
+             : free;
 }
 
 bool is_held_back(const Parts& parts, const Job& job, Instant now) {

@@ -36,8 +36,8 @@ struct Bounds {
 [[nodiscard]] bool has_place(const Parts& parts, Instant now);
 [[nodiscard]] bool is_within(Parts& parts, const Bounds& bounds, const Job& job, Instant now);
 
-/// Until then the device of the job boots, or may send a late answer that could be mistaken for the
-/// answer to the job's request.
+/// Until then the device of the job boots, may send a late answer that could be mistaken for the
+/// answer to the job's request, or does not answer, and lost time is paid back to others.
 [[nodiscard]] Instant held_until(const Parts& parts, const Job& job);
 [[nodiscard]] bool is_held_back(const Parts& parts, const Job& job, Instant now);
 /// The first instant at which the job may be transmitted.

@@ -112,12 +112,9 @@ void Dispatch::continue_running(Instant now) {
 }
 
 // Only between transmissions, so that nothing on the wire is cut; what waits, and what is repeated,
-// goes on once the line is open. A stop finds the line as it is.
+// stops too, goes on once the line is open.
 bool Dispatch::reopen_if_hung(Instant now) {
-  const bool stop_waits = !parts_.stops.empty() ||
-                          std::ranges::any_of(parts_.transmissions.running(),
-                                              [](const Transmission* it) { return it->is_stop(); });
-  if (parts_.stopping || stop_waits || parts_.transmissions.first_in_flight() != nullptr ||
+  if (parts_.stopping || parts_.transmissions.first_in_flight() != nullptr ||
       !parts_.adapter.is_hung(parts_.settings, now)) {
     return false;
   }

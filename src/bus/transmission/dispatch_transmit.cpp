@@ -121,7 +121,6 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
     transmission.is_one_try = is_given_up(parts_, transmission);
   }
   transmission.turn = parts_.turns.note(job.job_class, sent.address);
-  entry.last_turn = transmission.is_stop() ? entry.last_turn : transmission.turn;
   ++counters.transmissions;
   counters.stops += transmission.is_stop() ? 1U : 0U;
   counters.retries += transmission.tries > 0 ? 1U : 0U;

@@ -10,6 +10,8 @@
 namespace mbgate::bus {
 namespace {
 
+constexpr auto kLongOffline = std::chrono::seconds(10);
+
 // What was read of one register; nothing if the device refuses to tell.
 std::optional<std::uint16_t> register_of(const modbus::Pdu& response) {
   constexpr std::size_t kRegister = 2;  // after function and byte count (6.3)
@@ -102,8 +104,13 @@ bool Outcomes::take_response(Transmission& transmission, const LineEnd& end, Ins
   entry.unreached.reset();
   entry.hold.note_answered(sent_of(transmission, end.due), response.bytes(), end.took, now,
                            entry.timing());
+  parts_.payback.note_answered(asked.address, now);
+  const Instant offline_since = entry.health.state_since();
   if (entry.health.note_answered(transmission.last_sent, now)) {
     diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
+    if (now > offline_since + kLongOffline) {
+      parts_.probes.expect_others(now);  // supply that several drives share has come back
+    }
   }
   diagnosis_.note_times(transmission, end, now);
   return true;
@@ -144,33 +151,6 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   entry.hold_booting(own.boot_time, now);  // though it has answered before
   remember(leader, transmission);
   ends_.advance(transmission, Ending::answered);
-}
-
-// Nothing came from the device; what is owed on a connection holds nothing.
-void Outcomes::note_unreached(Transmission& transmission, Instant now) {
-  const Transaction& sent = transmission.on_wire();
-  DeviceEntry& entry = parts_.devices[sent.address];
-  entry.setting_known = false;
-  entry.cache.clear();
-  entry.unreached = sent.response->bytes()[1];
-  note_unanswered(transmission, now, now);
-}
-
-// Something else goes before the next stop to this device.
-void Outcomes::note_turn(const Transmission& transmission) {
-  if (transmission.is_stop()) {
-    parts_.devices[transmission.on_wire().address].last_stop_turn = transmission.turn;
-  }
-}
-
-void Outcomes::note_unanswered(Transmission& transmission, Instant due, Instant now) {
-  const std::uint8_t address = transmission.on_wire().address;
-  DeviceEntry& entry = parts_.devices[address];
-  note_turn(transmission);
-  parts_.probes.note_unanswered(transmission, now);
-  if (entry.health.note_unanswered(transmission.last_sent, due, entry.timing())) {
-    go_offline(entry, address, now);
-  }
 }
 
 // Other settings, which came meanwhile, may expect the question's register to hold something else,
@@ -248,13 +228,6 @@ void Outcomes::handle_failure(Transmission& transmission, Instant now) {
   } else {
     ends_.finish(transmission, Ending::no_answer);
   }
-}
-
-void Outcomes::go_offline(DeviceEntry& entry, std::uint8_t address, Instant now) {
-  entry.health.set_probe_at(now + entry.timing().probe_interval);
-  entry.merge_refused = false;
-  diagnosis_.notify(DeviceNotice::Kind::lost, address);
-  ends_.end_waiting_for(address);
 }
 
 void Outcomes::share_response(Transmission& transmission) {

@@ -23,7 +23,6 @@ void Exchange::note(const bus::Job& job, bus::Ending ending) {
       // A read that is refused gets the answer that it would have got; a write says that it was
       // never transmitted.
       was_on_wire = was_on_wire || plan->is_read();
-      had_no_path = had_no_path || (!plan->is_read() && !job.was_on_wire);
       break;
     case bus::Ending::no_answer:
     case bus::Ending::expired:

@@ -32,12 +32,22 @@ inline constexpr auto kEmission = 4583334ns;                     // 88 bits, rou
 
 class Bus : public testing::Test {
  protected:
-  void open(const bus::BusSettings& settings, const std::vector<drive::Device>& devices = {}) {
+  void open(const bus::BusSettings& settings) { open(settings, usual_devices(settings)); }
+  void open(const bus::BusSettings& settings, const std::vector<drive::Device>& devices) {
     bus_.emplace(settings, devices);
     bus_->start();
     bus_->handle_opened(now_);
     drain();
     advance(5ms);
+  }
+  /// Addresses 1 to 32. An address that no device has goes offline sooner.
+  static std::vector<drive::Device> usual_devices(const bus::BusSettings& settings) {
+    constexpr std::uint8_t kLast = 32;
+    std::vector<drive::Device> devices;
+    for (std::uint8_t address = 1; address <= kLast; ++address) {
+      devices.push_back({"device-" + std::to_string(address), {}, address, settings.timing});
+    }
+    return devices;
   }
   /// Reads are sent twice.
   void open_retrying() {

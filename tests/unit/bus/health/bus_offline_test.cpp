@@ -109,7 +109,9 @@ TEST_F(BusOffline, AnAnswerThatComesAfterTheProbesTimeBringsItBackToo) {
 }
 
 TEST_F(BusOffline, ProbesTakeTheirShareOfTheTimeAndNoMore) {
-  open(breaking());
+  auto scarce = breaking();
+  scarce.probe_share = 2;
+  open(scarce);
   lose_device();
   advance(2s);
   const Instant start = now_;
@@ -127,9 +129,11 @@ TEST_F(BusOffline, ProbesTakeTheirShareOfTheTimeAndNoMore) {
 }
 
 TEST_F(BusOffline, AShorterProbeLeavesTheShareOfALongerOne) {
-  drive::Device quick{"axis", {}, 2, breaking().timing};
-  quick.timing.probe_timeout = 10ms;
-  open(breaking(), {quick});
+  auto scarce = breaking();
+  scarce.probe_share = 2;
+  auto devices = usual_devices(scarce);
+  devices[1].timing.probe_timeout = 10ms;
+  open(scarce, devices);
   lose_device();
   for (int times = 0; times < 3; ++times) {
     submit(job(kRead, 2));

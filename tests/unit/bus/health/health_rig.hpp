@@ -33,7 +33,7 @@ class Health : public testing::Test {
   /// it is offline now.
   bool unanswered(const modbus::Request& asked, bus::Duration due) {
     hold_.note_unanswered({asked, at(due - 100ms), at(due)});
-    return health_.note_unanswered(at(due - 100ms), at(due), timing_);
+    return health_.note_unanswered(at(due - 100ms), at(due), timing_.offline_after);
   }
   /// It is, after `took`. True: it was offline.
   bool answered(const modbus::Request& asked, const std::vector<std::uint8_t>& response,

@@ -23,7 +23,10 @@ class BusDeadStops : public Bus {
     drive::Device other = axis;
     other.name = "other";
     other.address = 2;
-    open(settings, {axis, other});
+    drive::Device third = axis;
+    third.name = "third";
+    third.address = 3;
+    open(settings, {axis, other, third});
   }
   [[nodiscard]] std::size_t stops_sent() const {
     return static_cast<std::size_t>(std::ranges::count(frames_, kHaltFrame));

@@ -112,7 +112,7 @@ class BusSharedRetries : public BusRepeatedRead {
 
 TEST_F(BusSharedRetries, WhoInheritsThemHasThoseThatAreLeft) {
   send_for_both(2);
-  advance(150ms);
+  advance(250ms);
   ASSERT_THAT(frames_, ElementsAre("02 03 00 10 00 01 85 FC", kReadFrame, kReadFrame));
   jobs_[1].abandoned = true;
   advance(1s);
@@ -123,7 +123,7 @@ TEST_F(BusSharedRetries, WhoInheritsThemHasThoseThatAreLeft) {
 TEST_F(BusSharedRetries, GoOnForTheOtherWhenTheDeadlineOfTheFirstIsOver) {
   send_for_both(1);
   jobs_[1].deadline = now_ + 50ms;
-  advance(150ms);
+  advance(250ms);
   EXPECT_THAT(frames_, SizeIs(3));
   line(kAnswer);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::expired, Ending::answered));
