@@ -255,6 +255,42 @@ TEST_F(BusOffline, AProbeThatWasTakenBackLeavesItsPlace) {
   EXPECT_TRUE(next.is_waiting());
 }
 
+// Probes that may wait because nobody else asks do not keep the line from whoever asks next.
+TEST_F(BusOffline, ASingleProbeThatWaitsIsAnsweredWhenSomebodyElseAsks) {
+  auto settling = breaking();
+  settling.timing.offline_after = 1;
+  settling.settle = 20ms;
+  open(settling);
+  for (const std::uint8_t address : kAddresses) {
+    submit(job(kRead, address));
+    advance(300ms);
+  }
+  advance(10s);
+  submit(job(kRead, 1));
+  bus::Job& waiting = job(kRead, 2);
+  submit(waiting);
+  advance(kEmission + 50ms);  // the first one is over, and the line settles
+  ASSERT_TRUE(waiting.is_waiting());
+  endings_.clear();
+  submit(job_of(1, kRead, 4));
+  EXPECT_THAT(endings_, ElementsAre(Ending::offline));
+}
+
+// It takes its time of the line like one that gets no answer.
+TEST_F(BusOffline, AProbeWhoseAnswerIsDamagedTakesItsShareOfTheTimeToo) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job(kRead));
+  advance(20ms);
+  line("01 03 02 12 35 B5 33");
+  advance(100ms);
+  EXPECT_TRUE(bus_->devices()[1].health.is_offline());
+  submit(job(kRead));
+  EXPECT_THAT(endings_.back(), Ending::offline);
+  EXPECT_THAT(frames_, SizeIs(1));
+}
+
 TEST_F(BusOffline, AProbeThatFoundNoRoomIsNone) {
   auto small = breaking();
   small.queue = 1;

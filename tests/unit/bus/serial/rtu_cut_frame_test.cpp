@@ -84,6 +84,14 @@ TEST_F(RtuCutFrame, OfAFrameThatPausesForLongerThePauseIsTold) {
   EXPECT_EQ(frame->pause, 21ms);
 }
 
+TEST_F(RtuCutFrame, WhatComesOnAnotherConnectionIsNoRestOfIt) {
+  framer_.listen();
+  add("01 03 04 00");
+  framer_.forget();
+  add("03 0D 40 0F 53");
+  EXPECT_FALSE(framer_.take_unsolicited());
+}
+
 TEST_F(RtuCutFrame, WhatComesAfterASecondIsNoRestOfIt) {
   framer_.listen();
   add("01 03 04 00");
@@ -134,7 +142,7 @@ TEST_F(RtuCutFrame, NorIsWhatCameBeforeInManyPieces) {
   EXPECT_FALSE(unsolicited->after_noise);
 }
 
-// Long ones: together they are longer than any frame.
+// Long ones: together they are longer than any frame. Their unequal lengths tell where each begins.
 TEST_F(RtuCutFrame, NorIsALongOneThatCameBefore) {
   std::vector<std::uint8_t> answer(226);
   answer[0] = 3;
@@ -142,7 +150,7 @@ TEST_F(RtuCutFrame, NorIsALongOneThatCameBefore) {
   const auto late = modbus::encode_rtu(1, *modbus::Pdu::from(answer));
   framer_.listen();
   for (int piece = 0; piece < 17; ++piece) {
-    add("18 04 F0 00 00 00 00 00 00 00");
+    add(piece == 0 ? "18 04 F8" : "18 04 F8 00 00 00 00 00 00 00");
     after(16ms);
   }
   std::size_t begin = 0;
