@@ -44,7 +44,7 @@ UNIT = "modbus_tests,routing_tests,bus_tests,gateway_tests,simulation_tests"
 SOAK = ["--seed 1 --seeds 20 --transactions 500", "--seed 21 --seeds 480 --transactions 500"]
 LONGER = 10  # what takes so many times as long as without a mutant does not end
 SHORTEST = 5.0  # but nothing is given up before so many seconds
-HOW = ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g0 -w", "-DCMAKE_UNITY_BUILD=ON",
+HOW = ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O2 -g0 -w", "-DCMAKE_UNITY_BUILD=ON",
        *(["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else [])]
 
 

@@ -179,6 +179,15 @@ TEST(Gateway, AnswersWhatItHasReadAheadWhenItStops) {
   EXPECT_FALSE(rig.finished);
 }
 
+TEST(Gateway, SaysThatALineIsNeverSilent) {
+  MachineRig rig;
+  for (int at = 0; at < 1200; ++at) {
+    rig.line("55");
+    rig.advance(1ms);
+  }
+  EXPECT_THAT(rig.events, ElementsAre(testing::StartsWith("bus line-a is never silent")));
+}
+
 TEST(StatusUnit, IdentifiesItself) {
   MachineRig rig(one_bus(), false);
   rig.connect(1);
@@ -221,6 +230,17 @@ TEST(StatusUnit, ShowsTheHealthOfBusesAndDevices) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 04 00 00 00 0B FF 04 08 00 01 00 01 00 01 00 00"));
   rig.receive(1, "0005 0000 0006 FF 04 2710 0021");  // there is no second device
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 84 02"));
+}
+
+TEST(StatusUnit, ShowsEachBusBehindTheOneBefore) {
+  Settings settings = one_bus();
+  settings.buses.push_back(settings.buses[0]);
+  settings.buses[1].name = "line-b";
+  settings.buses[1].line.device = "/dev/ttyS1";
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 FF 04 0427 0002");  // the last register of bus 0; bus 1: open
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 07 FF 04 04 00 00 00 01"));
 }
 
 TEST(StatusUnit, ShowsDevicesThatDoNotAnswer) {

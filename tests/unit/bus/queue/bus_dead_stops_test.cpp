@@ -266,6 +266,15 @@ TEST_F(BusDeadStops, OnlyTheTimeWithoutSilenceCounts) {
   EXPECT_THAT(notices_, IsEmpty());
 }
 
+TEST_F(BusDeadStops, AStopToAnOfflineDeviceIsNoProbe) {
+  open_axis(breaking());
+  give_up_axis();
+  submit(job(kHalt));
+  advance(600ms);
+  EXPECT_GT(stops_sent(), 0U);
+  EXPECT_EQ(bus_->counters().probes, 0U);
+}
+
 TEST_F(BusDeadStops, ALineThatIsNeverSilentIsReportedOnce) {
   open_axis(settings());
   babble(900ms);
