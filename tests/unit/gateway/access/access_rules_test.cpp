@@ -60,8 +60,7 @@ TEST(AccessInTheMachine, CommunicationIsDeniedByTheValuesThatChangeIt) {
   locked.registers.communication_registers = true;
   Settings settings = plant_with({locked, rule(true, "")});
   settings.devices[0].allow_reconfigure = true;
-  settings.devices[0].profile.guarded = {
-      {{modbus::Table::holding_registers, 0x32, 1}, 0xFFFF, 0}};
+  settings.devices[0].profile.guarded = {{{modbus::Table::holding_registers, 0x32, 1}, 0xFFFF, 0}};
   MachineRig rig(settings);
   rig.connect(1);
   rig.receive(1, "0001 0000 0006 01 06 0032 0000 0002 0000 0006 01 06 0032 0001");
