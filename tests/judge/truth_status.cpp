@@ -2,7 +2,6 @@
 // What the gateway says of itself when all is well again: the states of its devices, and its own
 // unit, 255, in the layout that mbgated(8) promises (behaviour.md, sections 3 and 10).
 #include <string_view>
-#include <tuple>
 
 #include "judge/rules_judge.hpp"
 
@@ -53,7 +52,7 @@ Words words_of(const gateway::DeviceStatus& device) {
 }
 
 Octets object(std::uint8_t id, std::string_view text) {
-  Octets octets{id, low(text.size())};
+  Octets octets{id, low(static_cast<unsigned>(text.size()))};
   octets.insert(octets.end(), text.begin(), text.end());
   return octets;
 }
@@ -164,26 +163,21 @@ void RulesJudge::check_sums(const gateway::StatusReport& status) {
     return;
   }
   for (std::size_t at = 0; at < status.buses.size(); ++at) {
-    bus::DeviceCounters sum;
-    for (const gateway::DeviceStatus& device : status.devices) {
-      const bool is_here = device.bus == at;
-      sum.transmissions += is_here ? device.counters.transmissions : 0;
-      sum.responses += is_here ? device.counters.responses : 0;
-      sum.exceptions += is_here ? device.counters.exceptions : 0;
-      sum.timeouts += is_here ? device.counters.timeouts : 0;
-      sum.bad_crcs += is_here ? device.counters.bad_crcs : 0;
-      sum.late_responses += is_here ? device.counters.late_responses : 0;
-    }
-    const auto& [name, counters] = std::tie(status.buses[at].name, status.buses[at].counters);
-    const auto is_sum = [&](const char* what, std::uint64_t shown, std::uint64_t of_devices) {
-      compare(name + ": sum of " + what, of_devices, {shown, shown});
+    const bus::BusCounters& it = status.buses[at].counters;
+    const auto is_sum = [&](const char* what, std::uint64_t shown, auto counter) {
+      std::uint64_t sum = 0;
+      for (const gateway::DeviceStatus& device : status.devices) {
+        sum += device.bus == at ? device.counters.*counter : 0;
+      }
+      compare(status.buses[at].name + ": sum of " + what, sum, {shown, shown});
     };
-    is_sum("transmissions", counters.transmissions - counters.broadcasts, sum.transmissions);
-    is_sum("responses", counters.responses, sum.responses);
-    is_sum("exceptions", counters.exceptions, sum.exceptions);
-    is_sum("timeouts", counters.timeouts, sum.timeouts);
-    is_sum("bad CRCs", counters.bad_crcs, sum.bad_crcs);
-    is_sum("late responses", counters.late_responses, sum.late_responses);
+    using Device = bus::DeviceCounters;
+    is_sum("transmissions", it.transmissions - it.broadcasts, &Device::transmissions);
+    is_sum("responses", it.responses, &Device::responses);
+    is_sum("exceptions", it.exceptions, &Device::exceptions);
+    is_sum("timeouts", it.timeouts, &Device::timeouts);
+    is_sum("bad CRCs", it.bad_crcs, &Device::bad_crcs);
+    is_sum("late responses", it.late_responses, &Device::late_responses);
   }
 }
 
@@ -223,7 +217,9 @@ void RulesJudge::check_status() {
   check_sums(world_.gateway().report_status(0s, world_.now()));
   const auto status = read();
   check_states(status);
-  expect(request(4, 0, 3), {4, 6, 0, 2, 0, low(status.buses.size()), 0, low(status.devices.size())},
+  expect(request(4, 0, 3),
+         {4, 6, 0, 2, 0, low(static_cast<unsigned>(status.buses.size())), 0,
+          low(static_cast<unsigned>(status.devices.size()))},
          8);
   check_blocks(kBuses, [&] { return words_of_all(read().buses); });
   check_blocks(kDevices, [&] { return words_of_all(read().devices); });

@@ -179,15 +179,6 @@ TEST(Gateway, AnswersWhatItHasReadAheadWhenItStops) {
   EXPECT_FALSE(rig.finished);
 }
 
-TEST(Gateway, SaysThatALineIsNeverSilent) {
-  MachineRig rig;
-  for (int at = 0; at < 1200; ++at) {
-    rig.line("55");
-    rig.advance(1ms);
-  }
-  EXPECT_THAT(rig.events, ElementsAre(testing::StartsWith("bus line-a is never silent")));
-}
-
 TEST(StatusUnit, IdentifiesItself) {
   MachineRig rig(one_bus(), false);
   rig.connect(1);

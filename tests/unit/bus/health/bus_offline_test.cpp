@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Devices that do not answer: nobody waits for them, and one request now and then looks whether
 // they are back.
-#include "unit/bus/bus_rig.hpp"
+#include "offline_rig.hpp"
 
 namespace mbgate::test {
 namespace {
@@ -9,28 +9,6 @@ namespace {
 using Kind = bus::DeviceNotice::Kind;
 
 constexpr std::array<std::uint8_t, 3> kAddresses{1, 2, 3};
-
-class BusOffline : public Bus {
- protected:
-  static bus::BusSettings breaking() {
-    auto breaking = settings();
-    breaking.timing.offline_after = 3;
-    breaking.timing.probe_timeout = 50ms;
-    return breaking;
-  }
-  /// Device 1 goes offline.
-  void lose_device() {
-    for (int times = 0; times < 3; ++times) {
-      submit(job(kRead));
-      advance(300ms);
-    }
-    EXPECT_TRUE(bus_->devices()[1].health.is_offline());
-    frames_.clear();
-    frame_times_.clear();
-    endings_.clear();
-    ended_at_.clear();
-  }
-};
 
 TEST_F(BusOffline, RetriesCountAndTheOthersWaitingAreAnsweredAtOnce) {
   auto retrying = breaking();

@@ -101,22 +101,6 @@ TEST_F(Health, TheFirstTryIsShownToBeLateThoughItMayBeTheRetry) {
   EXPECT_EQ(seen->shown, 150ms);
 }
 
-// A later request that its answer would fit too is no retry, and its answer may have come.
-TEST_F(Health, AnotherRequestIsShownToBeLateByItsOwnTimeout) {
-  unanswered(read_, 100ms);
-  unanswered(other_read_, 210ms);
-  const auto seen = late(kAnswer, 250ms);
-  ASSERT_TRUE(seen);
-  EXPECT_EQ(seen->shown, 40ms);
-}
-
-TEST_F(Health, OfManyUnansweredOnesTheOldestIsForgotten) {
-  for (std::size_t count = 1; count <= bus::kMostUnanswered + 1; ++count) {
-    unanswered(read_, 100ms);
-    EXPECT_EQ(owed(read_), std::min(count, bus::kMostUnanswered));
-  }
-}
-
 TEST_F(Health, WhatAHoldHasWaitedForIsNotOwedThoughItsTailEndsLater) {
   answered(read_, kAnswer, 100ms, 5ms);
   unanswered(read_, 1s);

@@ -104,6 +104,7 @@ TEST_F(BusDeadStops, ToADeadDriveThatWasGivenUpAStopIsTriedOnce) {
   advance(1s);
   EXPECT_EQ(stops_sent(), 1U);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_EQ(bus_->counters().probes, 0U);
 }
 
 TEST_F(BusDeadStops, AndCutsNothingThatRuns) {
@@ -264,15 +265,6 @@ TEST_F(BusDeadStops, OnlyTheTimeWithoutSilenceCounts) {
   advance(kT35);
   EXPECT_EQ(stops_sent(), 1U);
   EXPECT_THAT(notices_, IsEmpty());
-}
-
-TEST_F(BusDeadStops, AStopToAnOfflineDeviceIsNoProbe) {
-  open_axis(breaking());
-  give_up_axis();
-  submit(job(kHalt));
-  advance(600ms);
-  EXPECT_GT(stops_sent(), 0U);
-  EXPECT_EQ(bus_->counters().probes, 0U);
 }
 
 TEST_F(BusDeadStops, ALineThatIsNeverSilentIsReportedOnce) {

@@ -25,14 +25,6 @@ TEST_F(AsciiFramer, TakesAnAnswerAtItsLineFeed) {
   EXPECT_EQ(response(), "03 02 12 34");
 }
 
-TEST_F(AsciiFramer, NothingOfBeforeGoesOnOnAnotherConnection) {
-  framer_.listen();
-  add(kAnswer.substr(0, 8));
-  framer_.forget();
-  add(kAnswer.substr(8));
-  EXPECT_FALSE(framer_.take_unsolicited());
-}
-
 TEST_F(AsciiFramer, TakesOneThatEndsInALineFeedAloneAtOnce) {
   expect(kRead);
   EXPECT_EQ(add(":0103021234B4\n"), Verdict::response);

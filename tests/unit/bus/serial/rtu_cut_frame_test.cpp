@@ -74,24 +74,6 @@ TEST_F(RtuCutFrame, WhatComesBehindTheRestOfACutFrameIsSearched) {
   ASSERT_TRUE(framer_.take_unsolicited());
 }
 
-TEST_F(RtuCutFrame, OfAFrameThatPausesForLongerThePauseIsTold) {
-  framer_.listen();
-  add("01 03 04 00");
-  after(21ms);
-  add("03 0D 40 0F 53");
-  const auto frame = framer_.take_unsolicited();
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->pause, 21ms);
-}
-
-TEST_F(RtuCutFrame, WhatComesOnAnotherConnectionIsNoRestOfIt) {
-  framer_.listen();
-  add("01 03 04 00");
-  framer_.forget();
-  add("03 0D 40 0F 53");
-  EXPECT_FALSE(framer_.take_unsolicited());
-}
-
 TEST_F(RtuCutFrame, WhatComesAfterASecondIsNoRestOfIt) {
   framer_.listen();
   add("01 03 04 00");
@@ -273,22 +255,6 @@ TEST_F(RtuCutFrame, SoMayItsUnitAndFunction) {
     EXPECT_EQ(unsolicited->came, came);
     EXPECT_FALSE(framer_.in_progress());
   }
-}
-
-// They take longer than `frame_slack` together.
-TEST_F(RtuCutFrame, ThePauseBetweenPiecesCountsFromTheLastByte) {
-  expect(kRead);
-  for (const auto* byte :
-       {"02", "03", "0E", "11", "11", "11", "11", "11", "11", "11", "11", "11", "01", "03"}) {
-    add(byte);
-    after(1900us);
-  }
-  after(16ms);
-  add("22 33 44 85 28");
-  const auto unsolicited = framer_.take_unsolicited();
-  ASSERT_TRUE(unsolicited);
-  EXPECT_EQ(unsolicited->address, 2);
-  EXPECT_EQ(unsolicited->pause, 0ns);
 }
 
 // Five bytes behind noise look like an exception too often, as they do before an answer.
