@@ -223,7 +223,7 @@ def execute(command, limit, number=None, reached=None, stop=None):
     """What it wrote, its status, and the seconds of processor time that it took; nothing as the status if these were
     more than the limit, or it stood still. It is ended at the first line that stop matches."""
     memory = [f"--as={run.MOST_MEMORY}"] if shutil.which("prlimit") else []
-    limits = ["prlimit", *memory, "--core=0", f"--cpu={math.ceil(limit)}"] if memory else []
+    limits = ["prlimit", *memory, "--core=0", f"--cpu={math.ceil(limit)}:{math.ceil(limit) + 5}"] if memory else []
     surroundings = os.environ | ({"MBGATE_MUTANT": str(number)} if number is not None else {})
     surroundings |= {"MBGATE_MUTANTS_REACHED": str(reached)} if reached else {}
     late = threading.Event()
