@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -31,6 +32,8 @@ class RulesJudge : public Witness {
   void reloaded() override { next_.reloaded(); }
   /// After come_to_rest(), before anything else is asked.
   void check_counters();
+  /// After check_rest(), which asked every drive.
+  void check_status();
 
  private:
   // truth_rights.cpp
@@ -84,6 +87,19 @@ class RulesJudge : public Witness {
   void compare(const std::string& what, std::uint64_t shown, Bounds seen);
   void check_bus(std::size_t at, const gateway::BusStatus& bus);
   void check_listener(std::size_t at, const gateway::ListenerStatus& listener);
+
+  // truth_status.cpp
+  std::optional<Octets> ask_gateway(const Octets& pdu);
+  /// The answer begins so, and has this size.
+  void expect(const Octets& pdu, const Octets& begin, std::optional<std::size_t> size = {});
+  /// Registers; nothing: whatever they hold.
+  using Words = std::vector<std::optional<std::uint64_t>>;
+  void check_blocks(unsigned first, const std::function<Words()>& expected);
+  void check_identity();
+  void check_diagnostics(const gateway::StatusReport& status);
+  void check_states(const gateway::StatusReport& status);
+  void check_sums(const gateway::StatusReport& status);
+  void check_cleared();
 
   void violation(const char* kind, const Asked& asked, const std::string& why = "");
   [[nodiscard]] const Connection& connection_of(const Asked& asked) const {

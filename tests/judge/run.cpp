@@ -22,6 +22,7 @@ world::Report run(world::Plan plan, const Course& course) {
     world.come_to_rest();
     rules.check_counters();
     judge.check_rest();
+    rules.check_status();
     world.shut_down();
     judge.check_end();
     world.report().virtual_time = world.now() - begun;

@@ -10,8 +10,8 @@ negated, an integer shifted by one, two arguments exchanged, or a function left 
 as many of each kind, and of each folder as it is long. The first --count that compile are the set. Each of them is in
 the programs behind a number, and the environment variable MBGATE_MUTANT switches it on. A run without any tells which
 test cases reach which (MBGATE_MUTANTS_REACHED); then these cases and the soak are run for each, until one sees it.
-A process that dies or takes ten times as long as without it has seen it too. What --equivalent lists was found to mean
-the same by somebody who looked at it (equivalent.txt says how it is written), and is not run.
+A process that dies, or needs ten times the processor time that it needs without it, has seen it too. What --equivalent
+lists was found to mean the same by somebody who looked at it (equivalent.txt says how it is written), and is not run.
 
 --list tells the first of the order, --show N how mutant N reads; both build nothing. In a folder that --build names the
 copy and the build are kept.
@@ -22,11 +22,13 @@ import collections
 import concurrent.futures
 import difflib
 import functools
+import math
 import os
 import pathlib
 import random
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -44,7 +46,8 @@ UNIT = "modbus_tests,routing_tests,bus_tests,gateway_tests,simulation_tests"
 SOAK = ["--seed 1 --seeds 20 --transactions 500", "--seed 21 --seeds 480 --transactions 500"]
 LONGER = 10  # what takes so many times as long as without a mutant does not end
 SHORTEST = 5.0  # but nothing is given up before so many seconds
-HOW = ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g0 -w", "-DCMAKE_UNITY_BUILD=ON",
+STANDS_STILL = 20  # times the limit, by the clock: a busy machine is not the mutant's fault
+HOW = ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O2 -g0 -w", "-DCMAKE_UNITY_BUILD=ON",
        *(["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else [])]
 
 
@@ -217,14 +220,16 @@ class Build:
 
 
 def execute(command, limit, number=None, reached=None, stop=None):
-    """What it wrote; nothing as the status if it took too long. It is ended at the first line that stop matches."""
-    limits = ["prlimit", f"--as={run.MOST_MEMORY}", "--core=0"] if shutil.which("prlimit") else []
+    """What it wrote, its status, and the seconds of processor time that it took; nothing as the status if these were
+    more than the limit, or it stood still. It is ended at the first line that stop matches."""
+    memory = [f"--as={run.MOST_MEMORY}"] if shutil.which("prlimit") else []
+    limits = ["prlimit", *memory, "--core=0", f"--cpu={math.ceil(limit)}:{math.ceil(limit) + 5}"] if memory else []
     surroundings = os.environ | ({"MBGATE_MUTANT": str(number)} if number is not None else {})
     surroundings |= {"MBGATE_MUTANTS_REACHED": str(reached)} if reached else {}
     late = threading.Event()
     with subprocess.Popen([*limits, *command], text=True, errors="replace", env=surroundings, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT) as process:
-        timer = threading.Timer(limit, lambda: (late.set(), process.kill()))
+        timer = threading.Timer(STANDS_STILL * limit, lambda: (late.set(), process.kill()))
         timer.start()
         lines = []
         for line in process.stdout:
@@ -232,9 +237,11 @@ def execute(command, limit, number=None, reached=None, stop=None):
             if stop and stop.search(line):
                 process.kill()
                 break
-        process.wait()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
         timer.cancel()
-    return "".join(lines), None if late.is_set() else process.returncode
+    is_late = late.is_set() or process.returncode in (-signal.SIGXCPU, 128 + signal.SIGXCPU)
+    return "".join(lines), None if is_late else process.returncode, usage.ru_utime + usage.ru_stime
 
 
 def numbers_in(file):
@@ -253,9 +260,7 @@ class Unit:
 
     def look(self):
         for program in self.options.unit:
-            begun = time.monotonic()
-            execute([self.build.program(program)], 3600)
-            self.seconds[program] = time.monotonic() - begun
+            self.seconds[program] = execute([self.build.program(program)], 3600)[2]
         with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:
             every = [(program, case) for program in self.options.unit for case in self.names_in(program)]
             list(pool.map(lambda it: self.look_at(*it), every))
@@ -273,7 +278,7 @@ class Unit:
     def look_at(self, program, case):
         reached = self.work / f"{program}-{case.replace('/', '-')}"
         reached.unlink(missing_ok=True)
-        _, status = execute([self.build.program(program), f"--gtest_filter={case}"], 600, reached=reached)
+        _, status, _ = execute([self.build.program(program), f"--gtest_filter={case}"], 600, reached=reached)
         if status != 0:
             self.failing.append(case)
             return
@@ -289,7 +294,7 @@ class Unit:
             flags = self.work / f"{number}-{program}.flags"
             flags.write_text(f"--gtest_filter={':'.join(programs[program])}\n--gtest_fail_fast\n", encoding="utf-8")
             limit = max(SHORTEST, LONGER * self.seconds[program])
-            text, status = execute([self.build.program(program), f"--gtest_flagfile={flags}"], limit, number)
+            text, status, _ = execute([self.build.program(program), f"--gtest_flagfile={flags}"], limit, number)
             flags.unlink()
             if status != 0:
                 running = re.findall(r"^\[ RUN      \] (\S+)", text, re.MULTILINE)[-1:]
@@ -308,9 +313,8 @@ class Soak:
         for number, arguments in enumerate(options.soak_arguments):
             file = work / f"soak-{number}"
             file.unlink(missing_ok=True)
-            begun = time.monotonic()
-            text, status = execute(self.command + arguments.split(), 36000, reached=file)
-            self.seconds.append(time.monotonic() - begun)
+            text, status, seconds = execute(self.command + arguments.split(), 36000, reached=file)
+            self.seconds.append(seconds)
             if status != 0:
                 print(f"WARNING: without any mutant the soak already tells\n{text[-2000:]}", flush=True)
             self.reached.append(numbers_in(file))
@@ -322,7 +326,7 @@ class Soak:
             if number not in reached:
                 continue
             limit = max(SHORTEST, LONGER * seconds)
-            text, status = execute(self.command + arguments.split(), limit, number, stop=self.SEEN)
+            text, status, _ = execute(self.command + arguments.split(), limit, number, stop=self.SEEN)
             seen = self.SEEN.search(text.splitlines()[-1]) if text else None
             if status is None:
                 return "hangs"

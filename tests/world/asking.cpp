@@ -51,14 +51,18 @@ Intent Asking::begin(std::size_t at, Kind kind) const {
   return intent;
 }
 
+Intent Asking::of_gateway(const Octets& pdu) {
+  Intent intent;
+  intent.kind = Kind::own;
+  intent.unit = kStatusUnit;
+  intent.pdu = pdu;
+  return intent;
+}
+
 Intent Asking::make(const Manners& manners) {
   const auto door = pick_door(manners, false);
   if (!door) {
-    Intent intent;
-    intent.kind = Kind::own;
-    intent.unit = kStatusUnit;
-    intent.pdu = request(4, 0, 4);
-    return intent;
+    return of_gateway(request(4, 0, 4));
   }
   Intent intent;
   if (random_.chance(manners.malformed)) {

@@ -15,6 +15,8 @@ class Asking {
   Intent make(const Manners& manners);
   /// A read of registers that live.
   [[nodiscard]] Intent fresh_read(std::size_t door) const;
+  /// Asks the gateway's own unit.
+  [[nodiscard]] static Intent of_gateway(const Octets& pdu);
   /// Refuses what this host has no right to.
   void check_rights(Intent& intent, std::size_t listener, unsigned host) const;
 

@@ -38,6 +38,8 @@ class World {
   void come_to_rest();
   /// A client that asks this, and waits; none: it got no answer in time.
   std::optional<Octets> ask(std::size_t door, Duration patience);
+  /// The same of the gateway's own unit.
+  std::optional<Octets> ask_gateway(const Octets& pdu, Duration patience);
   void shut_down();
   /// Its driver judges before it reads, which it must not.
   void break_promise() { driver_.break_promise(); }
@@ -84,6 +86,7 @@ class World {
   void lose(std::size_t bus, bus::Loss loss);
   void given(Id asked);
   void answered(Id asked);
+  std::optional<Octets> ask(std::size_t listener, Intent intent, Duration patience);
   [[nodiscard]] Client* find(gateway::ClientId number);
   [[nodiscard]] std::optional<std::size_t> bus_of(gateway::BusId id) const;
   [[nodiscard]] std::size_t unsent_of(std::size_t bus) const;

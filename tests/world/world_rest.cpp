@@ -36,8 +36,16 @@ void World::come_to_rest() {
 }
 
 std::optional<Octets> World::ask(std::size_t door, Duration patience) {
+  return ask(plan_.doors[door].listener, asking_.fresh_read(door), patience);
+}
+
+std::optional<Octets> World::ask_gateway(const Octets& pdu, Duration patience) {
+  return ask(0, Asking::of_gateway(pdu), patience);
+}
+
+std::optional<Octets> World::ask(std::size_t listener, Intent intent, Duration patience) {
   Manners manners;
-  manners.listener = plan_.doors[door].listener;
+  manners.listener = listener;
   manners.host = kMostHosts - 1;
   Client& client = clients_.emplace_back(manners, tools_);
   client.end_asking();
@@ -46,7 +54,7 @@ std::optional<Octets> World::ask(std::size_t door, Duration patience) {
     run_for(patience);
     return std::nullopt;
   }
-  const Id id = client.write(asking_.fresh_read(door));
+  const Id id = client.write(std::move(intent));
   run_for(patience);
   const Asked& asked = ledger_.asked[id];
   const bool is_answered = asked.answers > 0;

@@ -26,6 +26,54 @@ TEST_F(Bus, ABadCrcIsRetriedForReadsOnly) {
   EXPECT_EQ(bus_->counters().bad_crcs, 2U);
 }
 
+TEST_F(Bus, LooksAtItsLineOnceBeforeItTransmits) {
+  open(settings());
+  EXPECT_TRUE(bus_->submit(job(kRead), now_));
+  EXPECT_TRUE(bus_->submit(job(kOther), now_));
+  ASSERT_TRUE(bus_->poll());
+  EXPECT_FALSE(bus_->poll());
+  bus_->handle_looked(now_);
+  drain();
+  EXPECT_THAT(frames_, ElementsAre(kReadFrame));
+}
+
+TEST_F(Bus, LooksAgainOnAnotherConnection) {
+  open(settings());
+  EXPECT_TRUE(bus_->submit(job(kRead), now_));
+  bus_->handle_lost(now_);  // before it has looked
+  while (bus_->poll()) {
+  }
+  advance(1s);
+  bus_->handle_opened(now_);
+  submit(job(kRead));
+  advance(1s);
+  EXPECT_THAT(frames_, ElementsAre(kReadFrame));
+}
+
+TEST_F(Bus, HalfALateAnswerDoesNotGoOnOnAnotherConnection) {
+  open(settings());
+  submit(job(kRead));
+  time_out();
+  line("01 03 02");
+  bus_->handle_lost(now_);
+  drain();
+  bus_->handle_opened(now_);
+  drain();
+  line("12 34 B5 33");
+  advance(50ms);
+  EXPECT_EQ(bus_->counters().late_responses, 0U);
+}
+
+TEST_F(Bus, ADeviceIsSilentSinceItsTimeoutThoughThatIsSeenLater) {
+  open(settings());
+  submit(job(kRead));
+  const Instant due = now_ + kEmission + 100ms;
+  now_ = due + 30ms;
+  bus_->handle_deadline(now_);
+  drain();
+  EXPECT_EQ(bus_->devices()[1].health.state_since(), due);
+}
+
 TEST_F(Bus, ReadsAndComparesItsEcho) {
   auto echoing = settings();
   echoing.line.echo = true;

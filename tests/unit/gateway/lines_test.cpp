@@ -223,6 +223,17 @@ TEST(StatusUnit, ShowsTheHealthOfBusesAndDevices) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 84 02"));
 }
 
+TEST(StatusUnit, ShowsEachBusBehindTheOneBefore) {
+  Settings settings = one_bus();
+  settings.buses.push_back(settings.buses[0]);
+  settings.buses[1].name = "line-b";
+  settings.buses[1].line.device = "/dev/ttyS1";
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 FF 04 0427 0002");  // the last register of bus 0; bus 1: open
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 07 FF 04 04 00 00 00 01"));
+}
+
 TEST(StatusUnit, ShowsDevicesThatDoNotAnswer) {
   Settings settings = one_bus();
   settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing}};

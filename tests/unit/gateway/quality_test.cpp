@@ -165,5 +165,14 @@ TEST(Gateway, SaysWhetherALineHearsItself) {
                   "on (echo = true says so from the start)"));
 }
 
+TEST(JournalOfABabblingLine, SaysThatItIsNeverSilent) {
+  MachineRig rig;
+  for (int at = 0; at < 1200; ++at) {
+    rig.line("55");
+    rig.advance(1ms);
+  }
+  EXPECT_THAT(rig.events, ElementsAre(testing::StartsWith("bus line-a is never silent")));
+}
+
 }  // namespace
 }  // namespace mbgate::test

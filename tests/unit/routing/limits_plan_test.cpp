@@ -119,6 +119,14 @@ TEST(LimitsPlan, TurnsOneWriteIntoARunOfSingles) {
   EXPECT_EQ(Planned(device, "10 0000 0001 02 0001").answer({"06 0000 0001"}), "10 00 00 00 01");
 }
 
+TEST(LimitsPlan, ADriveThatHasOnlySingleWritesGetsThese) {
+  auto device = small_drive();
+  device.write_function = 0x06;
+  device.profile.functions.reset(0x0F).reset(0x10);
+  EXPECT_EQ(Planned(device, "10 0000 0001 02 0001").requests(), Texts{"06 00 00 00 01"});
+  EXPECT_EQ(Planned(device, "0F 0000 0001 01 01").requests(), Texts{kNotAllowed});
+}
+
 TEST(LimitsPlan, ARunOfSinglesKeepsTogetherWhatIsWrittenOfAValue) {
   drive::Device device;
   device.write_function = 0x06;

@@ -48,6 +48,17 @@ TEST_F(BusMisfit, ThreeOfThemTakeNoDeviceOffline) {
   EXPECT_THAT(notices_, ElementsAre(Kind::misfit));
 }
 
+TEST_F(BusMisfit, IsToldAgainAfterTheSettingsHaveChanged) {
+  open(settings());
+  for (int times = 0; times < 2; ++times) {
+    ask(kSetPoint);
+    line(kLimited);
+    advance(200ms);
+    update(settings(), {});
+  }
+  EXPECT_THAT(notices_, ElementsAre(Kind::misfit, Kind::misfit));
+}
+
 TEST_F(BusMisfit, AnExceptionWithAByteMoreIsOne) {
   open(settings());
   ask(kRead);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Devices that do not answer: nobody waits for them, and one request now and then looks whether
 // they are back.
-#include "unit/bus/bus_rig.hpp"
+#include "offline_rig.hpp"
 
 namespace mbgate::test {
 namespace {
@@ -9,28 +9,6 @@ namespace {
 using Kind = bus::DeviceNotice::Kind;
 
 constexpr std::array<std::uint8_t, 3> kAddresses{1, 2, 3};
-
-class BusOffline : public Bus {
- protected:
-  static bus::BusSettings breaking() {
-    auto breaking = settings();
-    breaking.timing.offline_after = 3;
-    breaking.timing.probe_timeout = 50ms;
-    return breaking;
-  }
-  /// Device 1 goes offline.
-  void lose_device() {
-    for (int times = 0; times < 3; ++times) {
-      submit(job(kRead));
-      advance(300ms);
-    }
-    EXPECT_TRUE(bus_->devices()[1].health.is_offline());
-    frames_.clear();
-    frame_times_.clear();
-    endings_.clear();
-    ended_at_.clear();
-  }
-};
 
 TEST_F(BusOffline, RetriesCountAndTheOthersWaitingAreAnsweredAtOnce) {
   auto retrying = breaking();
@@ -257,6 +235,42 @@ TEST_F(BusOffline, AProbeThatWasTakenBackLeavesItsPlace) {
   bus::Job& next = job(kRead);
   submit(next);
   EXPECT_TRUE(next.is_waiting());
+}
+
+// Probes that may wait because nobody else asks do not keep the line from whoever asks next.
+TEST_F(BusOffline, ASingleProbeThatWaitsIsAnsweredWhenSomebodyElseAsks) {
+  auto settling = breaking();
+  settling.timing.offline_after = 1;
+  settling.settle = 20ms;
+  open(settling);
+  for (const std::uint8_t address : kAddresses) {
+    submit(job(kRead, address));
+    advance(300ms);
+  }
+  advance(10s);
+  submit(job(kRead, 1));
+  bus::Job& waiting = job(kRead, 2);
+  submit(waiting);
+  advance(kEmission + 50ms);  // the first one is over, and the line settles
+  ASSERT_TRUE(waiting.is_waiting());
+  endings_.clear();
+  submit(job_of(1, kRead, 4));
+  EXPECT_THAT(endings_, ElementsAre(Ending::offline));
+}
+
+// It takes its time of the line like one that gets no answer.
+TEST_F(BusOffline, AProbeWhoseAnswerIsDamagedTakesItsShareOfTheTimeToo) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job(kRead));
+  advance(20ms);
+  line("01 03 02 12 35 B5 33");
+  advance(100ms);
+  EXPECT_TRUE(bus_->devices()[1].health.is_offline());
+  submit(job(kRead));
+  EXPECT_THAT(endings_.back(), Ending::offline);
+  EXPECT_THAT(frames_, SizeIs(1));
 }
 
 TEST_F(BusOffline, AProbeThatFoundNoRoomIsNone) {

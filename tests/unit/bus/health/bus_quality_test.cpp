@@ -45,6 +45,18 @@ TEST_F(BusQuality, BytesThatNeverMakeAFrameAreTold) {
   EXPECT_THAT(qualities_, SizeIs(1));
 }
 
+TEST_F(BusQuality, WhereBytesComeUnaskedTooTheyMayBeNoise) {
+  open(settings());
+  for (int at = 0; at < 12; ++at) {
+    ask();
+    line("E6 18 86 9E 06");
+    rest();
+    line("E6 18");
+    rest();
+  }
+  EXPECT_EQ(bus_->diagnosis().quality()[1].verdict().quality, Quality::unknown);
+}
+
 // A driver that turns off behind each request, and nobody there.
 TEST_F(BusQuality, AGlitchBehindEachRequestIsNobodysAnswer) {
   open(settings());

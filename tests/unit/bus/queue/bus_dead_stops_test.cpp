@@ -107,6 +107,7 @@ TEST_F(BusDeadStops, ToADeadDriveThatWasGivenUpAStopIsTriedOnce) {
   advance(1s);
   EXPECT_EQ(stops_sent(), 1U);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_EQ(bus_->counters().probes, 0U);
 }
 
 TEST_F(BusDeadStops, AndCutsNothingThatRuns) {

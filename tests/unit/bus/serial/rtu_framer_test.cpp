@@ -93,6 +93,24 @@ TEST_F(RtuFramer, IgnoresAWriteEchoedWithAnotherValueOrAddress) {
   EXPECT_EQ(counters_.unsolicited_frames, 2U);
 }
 
+TEST_F(RtuFramer, AnAnswerBeganACharacterBeforeItsFirstByteCame) {
+  expect("03 001E 0002");
+  framer_.expect(*transaction_, now_);
+  const Instant first = now_ + 10ms;
+  now_ = first;
+  add("01");
+  now_ += 10ms;
+  EXPECT_EQ(add("03 04 00 03 0D 40 0F 53"), Verdict::response);
+  EXPECT_EQ(framer_.found().began,
+            first - modbus::RtuTiming(modbus::Baud{19200}, {}).least_duration_of(1));
+}
+
+TEST_F(RtuFramer, AFrameBehindTheBeginningOfAnotherMayBeAPartOfIt) {
+  expect(kRead);
+  EXPECT_EQ(add("02 03 20 00 00 03 03 02 12 34 CC F3"), Verdict::none);
+  EXPECT_FALSE(framer_.take_unsolicited());
+}
+
 TEST_F(RtuFramer, ABadCrcNeedsSilenceToBeBelieved) {
   expect(kRead);
   EXPECT_EQ(add("01 03 04 00 03 0D 41 0F 53"), Verdict::none);

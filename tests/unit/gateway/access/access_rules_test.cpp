@@ -54,6 +54,20 @@ TEST(AccessInTheMachine, TheJournalIsToldOnceAMinuteForEachClientAndOfWhichRule)
                   "this was last said of the client"));
 }
 
+// Registers of which some values change a drive's communication count as such only for these.
+TEST(AccessInTheMachine, CommunicationIsDeniedByTheValuesThatChangeIt) {
+  AccessRule locked = rule(false, "locked");
+  locked.registers.communication_registers = true;
+  Settings settings = plant_with({locked, rule(true, "")});
+  settings.devices[0].allow_reconfigure = true;
+  settings.devices[0].profile.guarded = {{{modbus::Table::holding_registers, 0x32, 1}, 0xFFFF, 0}};
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 01 06 0032 0000 0002 0000 0006 01 06 0032 0001");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 86 01"));
+  EXPECT_THAT(take_requests(rig), ElementsAre("01 06 00 32 00 01"));
+}
+
 TEST(AccessInTheMachine, AnAddressThatNoRulePermitsAnythingIsClosedBeforeAByteIsRead) {
   MachineRig rig(plant_with({rule_for("192.0.2.0/28")}));
   rig.connect(1, "192.0.2.1");

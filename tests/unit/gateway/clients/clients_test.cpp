@@ -156,6 +156,17 @@ TEST(Gateway, ClosesIdleClientsAfterTheIdleTimeout) {
   EXPECT_TRUE(rig.closed.contains(1));
 }
 
+TEST(Gateway, AClientWhoseRequestsGetNoAnswerIsNotIdle) {
+  Settings settings = one_bus();
+  settings.listeners[0].idle_timeout = 60s;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.advance(50s);
+  rig.receive(1, "0001 0001 0006 01 03 0000 0001");  // of another protocol
+  rig.advance(50s);
+  EXPECT_FALSE(rig.closed.contains(1));
+}
+
 TEST(Gateway, RefusesClientsThatAreNotInTheAllowList) {
   Settings settings = one_bus();
   settings.listeners[0].allow = {*routing::Network::parse("10.0.0.0/8")};

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bus whose devices go offline.
+#pragma once
+
+#include "unit/bus/bus_rig.hpp"
+
+namespace mbgate::test {
+
+class BusOffline : public Bus {
+ protected:
+  static bus::BusSettings breaking() {
+    auto breaking = settings();
+    breaking.timing.offline_after = 3;
+    breaking.timing.probe_timeout = 50ms;
+    return breaking;
+  }
+  /// Device 1 goes offline.
+  void lose_device() {
+    for (int times = 0; times < 3; ++times) {
+      submit(job(kRead));
+      advance(300ms);
+    }
+    EXPECT_TRUE(bus_->devices()[1].health.is_offline());
+    frames_.clear();
+    frame_times_.clear();
+    endings_.clear();
+    ended_at_.clear();
+  }
+};
+
+}  // namespace mbgate::test

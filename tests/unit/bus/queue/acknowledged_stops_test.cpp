@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/queue/acknowledged_stops.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/hex.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+bus::Job stop_of(std::string_view pdu) {
+  bus::Job job;
+  job.transactions.push_back({1, *modbus::Request::parse(*modbus::Pdu::from(unhex(pdu)))});
+  return job;
+}
+
+// A client repeats one stop many times in a second. Another kind of stop is still in a hurry.
+TEST(AcknowledgedStops, OneThatIsRepeatedCountsOnce) {
+  const bus::Job repeated = stop_of("06 0000 0001");
+  const bus::Job other = stop_of("06 0000 0002");
+  bus::AcknowledgedStops stops;
+  bus::Instant now{};
+  for (std::size_t times = 0; times < 2 * bus::kMostDifferentStops; ++times) {
+    now += 10ms;
+    stops.note(repeated.transactions.front(), now);
+  }
+  EXPECT_TRUE(stops.has(repeated, now));
+  EXPECT_FALSE(stops.has(other, now));
+}
+
+}  // namespace
+}  // namespace mbgate::test

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/sharing/read_cache.hpp"
+
+#include <gtest/gtest.h>
+
+#include "modbus/make_request.hpp"
+#include "support/hex.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+modbus::Request read_at(std::size_t address) {
+  return modbus::make_read(
+      {modbus::Table::holding_registers, static_cast<std::uint16_t>(address), 1});
+}
+
+TEST(ReadCache, TheOldestOfManyMakesRoomForANewOne) {
+  const auto response = *modbus::Pdu::from(unhex("03 02 12 34"));
+  bus::ReadCache cache;
+  for (std::size_t address = 0; address <= bus::kMostCachedReads; ++address) {
+    cache.put(read_at(address), response, bus::Instant{} + 1ms * address, 0);
+  }
+  EXPECT_EQ(cache.find(read_at(0), bus::Instant{}), nullptr);
+  EXPECT_NE(cache.find(read_at(1), bus::Instant{}), nullptr);
+  EXPECT_NE(cache.find(read_at(bus::kMostCachedReads), bus::Instant{}), nullptr);
+}
+
+}  // namespace
+}  // namespace mbgate::test
