@@ -11,8 +11,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kAdapterKeeps = 20ms;
-
 // As behaviour says where nothing is set.
 Duration deadline_of(const Plant& plant, const Ask& ask) {
   const auto& route = plant.settings.routes.front();
@@ -47,6 +45,7 @@ void Oracle::note_taken(std::uint8_t client, Instant now) {
     request.since = now;
     request.deadline = ask.word == Word::stop ? Instant::max() : now + deadline_of(plant_, ask);
     request.was_offline = is_offline(ask.device);
+    request.repeats = is_repeated(request, now);
     request.must_follow = books_[ask.device].done;
     for (Request& other : requests_) {
       if (&other != &request && other.open && other.taken && !other.ask.is_read() &&
@@ -75,12 +74,26 @@ bool Oracle::takes_part(const Request& request, const Flight& flight) const {
          (flight.word != Word::write || flight.value == kFirstValue + slot);
 }
 
+// It repeats a stop that was acknowledged, with nothing but stops since: it is no hurry.
+bool Oracle::is_repeated(const Request& request, Instant now) const {
+  const Book& book = books_[request.ask.device];
+  return request.ask.word == Word::stop && book.is_stopped && now < book.stopped_at + kStopCounts;
+}
+
+// One is a retry of the other. No write is.
+bool Oracle::is_same_request(const Flight& a, const Flight& b) const {
+  return a.word == b.word && a.word != Word::write &&
+         std::ranges::any_of(
+             requests_, [&](const Request& it) { return takes_part(it, a) && takes_part(it, b); });
+}
+
 // What was transmitted and not answered holds back what comes after it.
 void Oracle::end_running(Instant now, bool counts) {
-  const Flight& flight = *running();
+  Flight& flight = *running();
   running_.reset();
   Book& book = books_[flight.device];
   is_disturbed_ = true;
+  flight.spoilt = flight.spoilt || !counts;
   book.held_until = std::max(book.held_until, flight.due + hold_);
   book.stop_unanswered = counts && flight.word == Word::stop;
   const bool was_offline = is_offline(flight.device);
@@ -140,17 +153,46 @@ void Oracle::note_damaged(Flight& flight, Instant now) {
   }
 }
 
-void Oracle::note_heard(Flight& flight, Instant now) {
+// It closes the oldest that it fits. If there is none, it is a second answer for all to see, where
+// it fits what was answered last.
+void Oracle::note_frame(Flight& flight, Instant now) {
+  Book& book = books_[flight.device];
+  book.last_heard = flight.event;
+  book.heard_at = now;
+  book.answers_twice = book.answers_twice || flight.heard;
+  is_disturbed_ = is_disturbed_ || flight.heard;
   flight.heard = true;
+  const auto open = std::ranges::find_if(flights_, [&](const Flight& it) {
+    return it.open && it.device == flight.device && looks_alike(it.word, flight.word) &&
+           now >= it.left && now < it.left + timing().quarantine_max;
+  });
+  if (open != flights_.end()) {
+    open->open = false;
+  } else if (book.answered && looks_alike(flights_[*book.answered].word, flight.word) &&
+             now <= book.answered_at + timing().response_timeout) {
+    book.taught = book.taught == 0 ? ++events_ : book.taught;
+    book.second_after = std::max(book.second_after, now - book.answered_at);
+  }
+}
+
+void Oracle::note_heard(Flight& flight, Instant now) {
+  note_frame(flight, now);
   Book& book = books_[flight.device];
   book.unanswered = 0;
   book.stop_unanswered = false;
   const bool was_written = std::ranges::any_of(flights_, [&](const Flight& it) {
     return it.device == flight.device && it.word == Word::write && it.event > flight.event;
   });
-  book.is_stopped = book.is_stopped || (flight.word == Word::stop && !was_written);
-  // What comes before a request has left answers another one.
-  if (!is_waited_for(flight) || now < running()->left) {
+  if (flight.word == Word::stop && !was_written) {
+    book.is_stopped = true;
+    book.stopped_at = now;
+    for (Request& request : requests_) {
+      request.repeats =
+          request.repeats || (request.open && request.taken && request.ask.device == flight.device);
+    }
+  }
+  // What comes before a request has left answers another one, if only an earlier try.
+  if (!is_waited_for(flight) || (now < running()->left && !is_same_request(flight, *running()))) {
     return;
   }
   const Flight* waited_for = running();
@@ -170,7 +212,19 @@ void Oracle::note_heard(Flight& flight, Instant now) {
     running()->perhaps = true;
     return;
   }
+  note_answered(*waited_for, now);
   running_.reset();
+}
+
+void Oracle::note_answered(const Flight& flight, Instant now) {
+  Book& book = books_[flight.device];
+  book.answered = flight.serial;
+  book.answered_at = now;
+  const Duration took = now - flight.left;
+  if (book.shortest_answer != Duration::max() && took < book.shortest_answer * 7 / 8) {
+    book.sudden_until = now + timing().response_timeout + kAdapterKeeps;
+  }
+  book.shortest_answer = std::min(book.shortest_answer, took);
 }
 
 void Oracle::add_edges(std::vector<Instant>& edges, bool may_be_asked) const {
@@ -199,7 +253,7 @@ void Oracle::add_deadlines(std::vector<Instant>& edges) const {
 bool Oracle::is_live(const Flight& flight) const {
   const bool may_be_remembered =
       plant_.device().cache > Duration{0} && flight.heard && Ask{.word = flight.word}.is_read();
-  return flight.outstanding || flight.rest_comes || running_ == flight.serial ||
+  return flight.outstanding || flight.rest_comes || running_ == flight.serial || flight.open ||
          may_be_remembered ||
          std::ranges::any_of(requests_, [&](const Request& it) { return takes_part(it, flight); });
 }
@@ -211,9 +265,9 @@ void Oracle::read(StateHash& hash) const {
     if (!request.open) {
       continue;
     }
-    const auto& [open, taken, cancelled, stop_behind, was_offline, ask, event, since, deadline,
-                 sent, rivals, must_follow] = request;
-    for (const bool flag : {taken, cancelled, stop_behind, was_offline}) {
+    const auto& [open, taken, cancelled, stop_behind, repeats, was_offline, ask, event, since,
+                 deadline, sent, rivals, must_follow] = request;
+    for (const bool flag : {taken, cancelled, stop_behind, repeats, was_offline}) {
       hash.add(flag);
     }
     hash.add(ask.client);
@@ -233,30 +287,44 @@ void Oracle::read(StateHash& hash) const {
     if (!is_live(flight)) {
       continue;
     }
-    const auto& [serial, device, word, value, event, left, due, outstanding, late, spoilt, heard,
-                 cut, in_time, perhaps, half_at, rest_comes] = flight;
+    const auto& [serial, device, word, value, event, left, due, begins, outstanding, late, spoilt,
+                 heard, open, cut, in_time, perhaps, first_at, half_at, rest_comes] = flight;
     hash.add(plant_.device().cache > Duration{0} ? serial : 0);
     hash.add(device);
     hash.add(word);
     hash.add(value);
     hash.ordered(Order::event, event);
-    for (const bool flag : {outstanding, late, spoilt, heard, cut, in_time, perhaps, rest_comes,
-                            running_ == serial}) {
+    for (const bool flag : {outstanding, late, spoilt, heard, open, cut, in_time, perhaps,
+                            rest_comes, running_ == serial}) {
       hash.add(flag);
     }
     if (rest_comes) {
       hash.since(*half_at, kFarPast);
     }
-    if (outstanding || running_ == serial) {
+    if (outstanding) {
+      hash.since(begins, kFarPast);
+      hash.since(first_at.value_or(Instant::min()), kFarPast);
+    }
+    if (outstanding || running_ == serial || open) {
       hash.since(left, kFarPast);
       hash.since(due, kFarPast);
     } else if (plant_.device().cache > Duration{0}) {
       hash.since(left, plant_.device().cache);
     }
   }
-  for (const auto& [held_until, stop_unanswered, unanswered, offline_at, is_stopped, done] :
-       books_) {
+  for (const auto& [held_until, stop_unanswered, unanswered, offline_at, is_stopped, stopped_at,
+                    done, answered, answered_at, shortest_answer, sudden_until, heard_at,
+                    last_heard, answers_twice, taught, second_after] : books_) {
+    hash.add(answered ? flights_[*answered].word : Word::read_a);
+    hash.since(answered_at, timing().response_timeout + Duration{1});
+    hash.add(answers_twice);
+    hash.ordered(Order::event, taught);
+    hash.add(second_after);
     hash.add(is_stopped);
+    hash.since(stopped_at, kStopCounts);
+    hash.add(shortest_answer);
+    hash.until(sudden_until);
+    hash.since(heard_at, kFarPast);
     hash.until(held_until);
     hash.add(stop_unanswered);
     hash.add(may_be_offline ? unanswered : 0);
