@@ -162,17 +162,53 @@ void Oracle::note_frame(Flight& flight, Instant now) {
   book.answers_twice = book.answers_twice || flight.heard;
   is_disturbed_ = is_disturbed_ || flight.heard;
   flight.heard = true;
-  const auto open = std::ranges::find_if(flights_, [&](const Flight& it) {
+  forget(flight.device, now);
+  const auto fits = [&](const Flight& it) {
     return it.open && it.device == flight.device && looks_alike(it.word, flight.word) &&
-           now >= it.left && now < it.left + timing().quarantine_max;
-  });
+           now >= it.left;
+  };
+  const auto open = std::ranges::find_if(flights_, fits);
   if (open != flights_.end()) {
-    open->open = false;
+    hold(*open, now);
   } else if (book.answered && looks_alike(flights_[*book.answered].word, flight.word) &&
              now <= book.answered_at + timing().response_timeout) {
     book.taught = book.taught == 0 ? ++events_ : book.taught;
     book.second_after = std::max(book.second_after, now - book.answered_at);
   }
+}
+
+// A device works in order, and may owe more than was counted. One that answers at once what was
+// asked last has no queue.
+void Oracle::hold(Flight& closed, Instant now) {
+  const auto is_open = [&](const Flight& it) { return it.open && it.device == closed.device; };
+  const Instant oldest = sent_at(*std::ranges::find_if(flights_, is_open));
+  closed.open = false;
+  Book& book = books_[closed.device];
+  const auto count = std::ranges::count_if(flights_, is_open);
+  const bool is_quick =
+      running_ == closed.serial && now < closed.left + timing().response_timeout / 4;
+  if (count == 0) {
+    book.owes_until = Instant::min();
+  } else if (!is_quick) {
+    book.owes_until = now + std::min<Duration>(2 * count * (now - oldest), timing().quarantine_max);
+  }
+}
+
+// What has not come when it was held for long enough is lost.
+void Oracle::forget(std::uint8_t device, Instant now) {
+  const Instant owes_until = books_[device].owes_until;
+  for (Flight& flight : flights_) {
+    const bool was_waited_for =
+        now >= owes_until && (flight.spoilt || sent_at(flight) < owes_until);
+    if (flight.device == device && now >= end_of_tail(flight) &&
+        (was_waited_for || now >= sent_at(flight) + timing().quarantine_max)) {
+      flight.open = false;
+    }
+  }
+}
+
+Instant Oracle::sent_at(const Flight& flight) const {
+  return flight.left - times_.of(pdu_of(flight.word, flight.value).size() + 3);
 }
 
 void Oracle::note_heard(Flight& flight, Instant now) {
@@ -314,7 +350,7 @@ void Oracle::read(StateHash& hash) const {
   }
   for (const auto& [held_until, stop_unanswered, unanswered, offline_at, is_stopped, stopped_at,
                     done, answered, answered_at, shortest_answer, sudden_until, heard_at,
-                    last_heard, answers_twice, taught, second_after] : books_) {
+                    owes_until, last_heard, answers_twice, taught, second_after] : books_) {
     hash.add(answered ? flights_[*answered].word : Word::read_a);
     hash.since(answered_at, timing().response_timeout + Duration{1});
     hash.add(answers_twice);
@@ -325,6 +361,7 @@ void Oracle::read(StateHash& hash) const {
     hash.add(shortest_answer);
     hash.until(sudden_until);
     hash.since(heard_at, kFarPast);
+    hash.since(owes_until, kFarPast);
     hash.until(held_until);
     hash.add(stop_unanswered);
     hash.add(may_be_offline ? unanswered : 0);

@@ -88,7 +88,8 @@ class Oracle {
     Duration shortest_answer = Duration::max();
     Instant sudden_until = Instant::min();  ///< an answer that came sooner may be an earlier one's
     Instant heard_at = Instant::min();
-    std::uint64_t last_heard = 0;  ///< what was heard last answers this transmission
+    Instant owes_until = Instant::min();  ///< it is held for what it may owe
+    std::uint64_t last_heard = 0;         ///< what was heard last answers this transmission
     bool answers_twice = false;
     std::uint64_t taught = 0;  ///< when a second answer was seen to be one, among all events
     Duration second_after{0};  ///< an answer, at most, of those
@@ -106,6 +107,12 @@ class Oracle {
   void note_answered(const Flight& flight, Instant now);
   void end_uncertain();
   void note_frame(Flight& flight, Instant now);
+  void hold(Flight& closed, Instant now);
+  void forget(std::uint8_t device, Instant now);
+  [[nodiscard]] Instant sent_at(const Flight& flight) const;
+  [[nodiscard]] Instant end_of_tail(const Flight& flight) const {
+    return flight.spoilt ? flight.due : end_of(flight);
+  }
   void note_wrong(std::uint8_t device, const char* what);
   void end_running(Instant now, bool counts);
   [[nodiscard]] bool is_cut_at(Instant now) const;

@@ -81,8 +81,7 @@ void Oracle::check_overlap(Instant now) {
 }
 
 // A device that may still answer an earlier request, or once more, is left alone, but for stops and
-// the retry of the same read. Once it has answered, which of its answers is still to come is not
-// certain; what would be wrong then is a wrong answer to a client.
+// the retry of the same read. Another function may go to one that has answered since.
 void Oracle::check_hold(const Flight& flight, Instant now) {
   const auto is_tried_again = [&](const Flight& it) { return is_same_request(it, flight); };
   if (flight.word == Word::stop || std::ranges::any_of(flights_, is_tried_again)) {
@@ -90,9 +89,13 @@ void Oracle::check_hold(const Flight& flight, Instant now) {
   }
   const Book& book = books_[flight.device];
   for (const Flight& owed : flights_) {
-    const Instant end = owed.spoilt ? owed.due : owed.due + hold_;
-    if (owed.device == flight.device && book.heard_at < owed.left && now < end) {
+    if (owed.device != flight.device) {
+      continue;
+    }
+    if (book.heard_at < owed.left && now < end_of_tail(owed)) {
       report("hold: transmitted while an answer is owed");
+    } else if (owed.open && looks_alike(owed.word, flight.word) && now < book.owes_until) {
+      report("hold: transmitted while a slow device may owe more");
     }
   }
   const Duration second = book.second_after + book.second_after / 4 + kAdapterKeeps;

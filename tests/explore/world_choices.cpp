@@ -94,6 +94,8 @@ std::optional<Instant> World::next_instant() const {
   }
   for (const Flight& flight : oracle_.flights()) {
     if (flight.outstanding) {
+      // Where its own answer cannot come yet, that to an earlier request may.
+      instants.push_back(flight.left + kAnswering);
       instants.push_back(opens(flight));
       edges.push_back(closes(flight));
     }
