@@ -100,7 +100,6 @@ class Oracle {
     return timing().offline_after != 0 && books_[device].unanswered >= timing().offline_after;
   }
   [[nodiscard]] bool takes_part(const Request& request, const Flight& flight) const;
-  [[nodiscard]] bool is_live(const Flight& flight) const;
   [[nodiscard]] Flight* running() { return running_ ? &flights_[*running_] : nullptr; }
   [[nodiscard]] bool is_repeated(const Request& request, Instant now) const;
   [[nodiscard]] bool is_same_request(const Flight& a, const Flight& b) const;
@@ -126,6 +125,11 @@ class Oracle {
   void check_hold(const Flight& flight, Instant now);
   void check_stops_first(const Flight& flight, Instant now);
   void check_asked_for(const Flight& flight, Instant now);
+
+  // oracle_state.cpp
+  [[nodiscard]] bool is_live(const Flight& flight) const;
+  void read(const Flight& flight, StateHash& hash) const;
+  void read(const Book& book, StateHash& hash) const;
 
   // oracle_answers.cpp
   void check_read(const Request& request, const Octets& pdu, Instant now);

@@ -295,25 +295,4 @@ void World::tell(const std::string& text) const {
   std::printf("%14.6f ms  %s\n", since.count(), text.c_str());
 }
 
-std::string to_text(const Choice& choice) {
-  const std::string which = " " + std::to_string(choice.which);
-  switch (choice.act) {
-    case Act::pass: return "pass";
-    case Act::ask: return "ask: " + name_of(choice.ask);
-    case Act::answer: return "answer" + which;
-    case Act::damaged: return "answer" + which + ", damaged";
-    case Act::twice: return "answer" + which + ", twice";
-    case Act::first: return "answer" + which + ", the first of two";
-    case Act::slow: return "device " + std::to_string(choice.which + 1) + " becomes slow";
-    case Act::half: return "first half of answer" + which;
-    case Act::rest: return "rest of answer" + which;
-    case Act::leave: return "answer" + which + ", and clients first";
-    case Act::sleep: return "the driver sleeps";
-    case Act::wake: return "the driver wakes";
-    case Act::read: return "the line is read";
-    case Act::take: return "client " + std::to_string(choice.which + 1) + " is read";
-  }
-  return "";
-}
-
 }  // namespace mbgate::explore
