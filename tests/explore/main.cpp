@@ -133,9 +133,7 @@ void print_usage() {
       "usage: gateway_explore [--world NAME|all] [--requests N] [--faults N] [--delays N]\n"
       "                       [--instants 1|2|3] [--forms] [--drives] [--most STATES]\n"
       "                       [--unmerged|--compare] [--replay PATH]\n"
-      "Explores all that may happen with so many requests, faults and delays of the driver at\n"
-      "most; (faults + 1) * (delays + 1) is at most 16. --compare: each state that is reached\n"
-      "once more must behave as it did before.\n"
+      "(faults + 1) * (delays + 1) is at most 16; tests/README.md says what each option does.\n"
       "worlds:\n",
       stderr);
   for (const Plant& plant : plants()) {

@@ -222,9 +222,8 @@ void Oracle::note_heard(Flight& flight, Instant now) {
   if (flight.word == Word::stop && !was_written) {
     book.is_stopped = true;
     book.stopped_at = now;
-    for (Request& request : requests_) {
-      request.repeats =
-          request.repeats || (request.open && request.taken && request.ask.device == flight.device);
+    for (Request& it : requests_) {
+      it.repeats = it.repeats || (it.open && it.taken && it.ask.device == flight.device);
     }
   }
   // What comes before a request has left answers another one, if only an earlier try.

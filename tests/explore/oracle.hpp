@@ -10,10 +10,8 @@
 
 namespace mbgate::explore {
 
-/// For so long an adapter may keep bytes.
+/// For so long an adapter may keep bytes, and a stop that was acknowledged counts.
 inline constexpr Duration kAdapterKeeps = std::chrono::milliseconds(20);
-
-/// So long a stop that was acknowledged counts.
 inline constexpr Duration kStopCounts = std::chrono::seconds(1);
 
 class Oracle {
@@ -52,7 +50,6 @@ class Oracle {
 
   [[nodiscard]] std::vector<Flight>& flights() { return flights_; }
   [[nodiscard]] const std::vector<Flight>& flights() const { return flights_; }
-  [[nodiscard]] const std::array<Request, kSlots>& requests() const { return requests_; }
   /// The last instant at which an answer that is late may come: later ones nobody can tell from
   /// answers to what was asked since.
   [[nodiscard]] Instant end_of(const Flight& flight) const { return flight.due + hold_; }

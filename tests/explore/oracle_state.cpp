@@ -44,9 +44,7 @@ void Oracle::read(StateHash& hash) const {
       read(flight, hash);
     }
   }
-  for (const Book& book : books_) {
-    read(book, hash);
-  }
+  std::ranges::for_each(books_, [&](const Book& book) { read(book, hash); });
   hash.since(quiet_, silence_ + Duration{1});
 }
 

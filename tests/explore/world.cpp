@@ -282,9 +282,7 @@ Digest World::digest() {
   hash.add(clients_);
   hash.add(devices_);
   hash.add(has_read_);
-  for (const bool is_slow : slow_) {
-    hash.add(is_slow);
-  }
+  std::ranges::for_each(slow_, [&](bool is_slow) { hash.add(is_slow); });
   return hash.digest();
 }
 
