@@ -57,11 +57,13 @@ std::unique_ptr<World> Explorer::again() const {
 bool Explorer::go_down(World& world) {
   Step& step = steps_.back();
   path_.push_back(step.next++);
+  const unsigned before = world.learning();
   world.take(step.choices[path_.back()]);
   if (world.is_beyond()) {
     return false;
   }
   ++findings_.transitions;
+  findings_.learning += world.learning() - before;
   if (!world.violation().empty()) {
     note_violation(world.violation());
     return false;

@@ -30,7 +30,8 @@ struct Findings {
   std::size_t deepest = 0;
   std::size_t memory = 0;  ///< bytes of the states that are known
   bool complete = true;
-  std::uint64_t violated = 0;         ///< paths that end in a violation
+  std::uint64_t learning = 0;  ///< transitions with an answer that nobody could know to be wrong
+  std::uint64_t violated = 0;  ///< paths that end in a violation
   std::vector<Violation> violations;  ///< the shortest of each kind
 };
 

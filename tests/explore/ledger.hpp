@@ -32,6 +32,7 @@ struct Request {
   bool taken = false;        ///< the gateway has it; before, it lies in its socket
   bool cancelled = false;    ///< a stop was taken that takes it back
   bool stop_behind = false;  ///< a stop of its device was taken after it
+  bool repeats = false;      ///< a stop that was acknowledged a moment before
   bool was_offline = false;  ///< its device was, while it was open
   Ask ask;
   std::uint64_t event = 0;  ///< when it was taken, among all events
@@ -48,17 +49,20 @@ struct Flight {
   Word word = Word::read_a;
   std::uint16_t value = 0;  ///< of a write
   std::uint64_t event = 0;
-  Instant left;                      ///< the end of the request on the wire
-  Instant due;                       ///< and of its response timeout
-  bool outstanding = true;           ///< its answer may still come
-  bool late = false;                 ///< it did not come in time, which was counted as a fault
-  bool spoilt = false;               ///< it came damaged, or not whole
-  bool heard = false;                ///< it was handed in, good
-  bool cut = false;                  ///< a stop may have ended the wait for it
-  bool in_time = false;              ///< while it was waited for
-  bool perhaps = false;              ///< what came meanwhile may have been taken for its answer
-  std::optional<Instant> half_at{};  ///< its first half came
-  bool rest_comes = false;           ///< and the other one may still come
+  Instant left;                       ///< the end of the request on the wire
+  Instant due;                        ///< and of its response timeout
+  Instant begins;                     ///< a slow device begins with it
+  bool outstanding = true;            ///< its answer may still come
+  bool late = false;                  ///< it did not come in time, which was counted as a fault
+  bool spoilt = false;                ///< it came damaged, or not whole, or what may have been it
+  bool heard = false;                 ///< it was handed in, good
+  bool open = true;                   ///< nothing has come that may be its answer
+  bool cut = false;                   ///< a stop may have ended the wait for it
+  bool in_time = false;               ///< while it was waited for
+  bool perhaps = false;               ///< what came meanwhile may have been taken for its answer
+  std::optional<Instant> first_at{};  ///< the first of its two answers came
+  std::optional<Instant> half_at{};   ///< its first half came
+  bool rest_comes = false;            ///< and the other one may still come
 };
 
 /// What a device is to say or has been told.

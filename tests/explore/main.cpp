@@ -72,13 +72,15 @@ bool parse(int count, char** arguments, Options& options) {
     const std::string_view name = arguments[at];
     if (name == "--forms") {
       options.bounds.forms = true;
+    } else if (name == "--drives") {
+      options.bounds.drives = true;
     } else if (name == "--unmerged" || name == "--compare") {
       options.merging = name == "--compare" ? Merging::compared : Merging::off;
     } else if (at + 1 == count || !read_value(name, arguments[++at], options)) {
       return false;
     }
   }
-  const auto& [requests, faults, delays, forms, instants] = options.bounds;
+  const auto& [requests, faults, delays, forms, drives, instants] = options.bounds;
   return 2 * (faults + 1) * (delays + 1) <= kMostSlacks;
 }
 
@@ -92,7 +94,7 @@ std::string to_text(const Path& path) {
 
 /// True: nothing is violated.
 bool explore(const Plant& plant, const Options& options) {
-  const auto& [requests, faults, delays, forms, instants] = options.bounds;
+  const auto& [requests, faults, delays, forms, drives, instants] = options.bounds;
   const auto begun = std::chrono::steady_clock::now();
   Explorer explorer(plant, options.bounds, options.merging);
   if (options.most > 0) {
@@ -101,24 +103,26 @@ bool explore(const Plant& plant, const Options& options) {
   const Findings found = explorer.run();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
   std::printf(
-      "%s: %u requests, %u faults%s, %u delays, %u instants an edge: %s, %llu states, %llu "
+      "%s: %u requests, %u faults%s%s, %u delays, %u instants an edge: %s, %llu states, %llu "
       "transitions, %llu merged, "
-      "%llu ends, %zu deep, %llu violations, %.1f s, %.0f MB\n",
-      std::string(plant.name).c_str(), requests, faults, forms ? " of all forms" : "", delays,
-      instants, found.complete ? "complete" : "NOT COMPLETE",
-      static_cast<unsigned long long>(found.states),
+      "%llu ends, %zu deep, %llu learning, %llu violations, %.1f s, %.0f MB\n",
+      std::string(plant.name).c_str(), requests, faults, forms ? " of all forms" : "",
+      drives ? " of drives too" : "", delays, instants,
+      found.complete ? "complete" : "NOT COMPLETE", static_cast<unsigned long long>(found.states),
       static_cast<unsigned long long>(found.transitions),
       static_cast<unsigned long long>(found.merged), static_cast<unsigned long long>(found.ends),
-      found.deepest, static_cast<unsigned long long>(found.violated), took.count(),
+      found.deepest, static_cast<unsigned long long>(found.learning),
+      static_cast<unsigned long long>(found.violated), took.count(),
       static_cast<double>(found.memory) / kMegabyte);
   for (const Violation& violation : found.violations) {
     std::printf("\nVIOLATION %s\n", violation.what.c_str());
     static_cast<void>(replay(plant, options.bounds, violation.path));
     std::printf(
-        "replay: gateway_explore --world %s --requests %u --faults %u --delays %u%s --instants %u "
+        "replay: gateway_explore --world %s --requests %u --faults %u --delays %u%s%s --instants "
+        "%u "
         "--replay %s\n",
         std::string(plant.name).c_str(), requests, faults, delays, forms ? " --forms" : "",
-        instants, to_text(violation.path).c_str());
+        drives ? " --drives" : "", instants, to_text(violation.path).c_str());
   }
   std::fflush(stdout);
   return found.violations.empty();
@@ -126,13 +130,10 @@ bool explore(const Plant& plant, const Options& options) {
 
 void print_usage() {
   std::fputs(
-      "usage: gateway_explore [--world NAME|all] [--requests N] [--faults N] [--delays N] "
-      "[--forms]\n"
-      "                       [--instants 1|2|3] [--most STATES] [--unmerged|--compare] [--replay "
-      "PATH]\n"
-      "Explores all that may happen with so many requests, faults and delays of the driver at\n"
-      "most; (faults + 1) * (delays + 1) is at most 16. --compare: each state that is reached\n"
-      "once more must behave as it did before.\n"
+      "usage: gateway_explore [--world NAME|all] [--requests N] [--faults N] [--delays N]\n"
+      "                       [--instants 1|2|3] [--forms] [--drives] [--most STATES]\n"
+      "                       [--unmerged|--compare] [--replay PATH]\n"
+      "(faults + 1) * (delays + 1) is at most 16; tests/README.md says what each option does.\n"
       "worlds:\n",
       stderr);
   for (const Plant& plant : plants()) {

@@ -11,8 +11,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kAdapterKeeps = 20ms;
-
 // As behaviour says where nothing is set.
 Duration deadline_of(const Plant& plant, const Ask& ask) {
   const auto& route = plant.settings.routes.front();
@@ -47,6 +45,7 @@ void Oracle::note_taken(std::uint8_t client, Instant now) {
     request.since = now;
     request.deadline = ask.word == Word::stop ? Instant::max() : now + deadline_of(plant_, ask);
     request.was_offline = is_offline(ask.device);
+    request.repeats = is_repeated(request, now);
     request.must_follow = books_[ask.device].done;
     for (Request& other : requests_) {
       if (&other != &request && other.open && other.taken && !other.ask.is_read() &&
@@ -75,12 +74,26 @@ bool Oracle::takes_part(const Request& request, const Flight& flight) const {
          (flight.word != Word::write || flight.value == kFirstValue + slot);
 }
 
+// It repeats a stop that was acknowledged, with nothing but stops since: it is no hurry.
+bool Oracle::is_repeated(const Request& request, Instant now) const {
+  const Book& book = books_[request.ask.device];
+  return request.ask.word == Word::stop && book.is_stopped && now < book.stopped_at + kStopCounts;
+}
+
+// One is a retry of the other. No write is.
+bool Oracle::is_same_request(const Flight& a, const Flight& b) const {
+  return a.word == b.word && a.word != Word::write &&
+         std::ranges::any_of(
+             requests_, [&](const Request& it) { return takes_part(it, a) && takes_part(it, b); });
+}
+
 // What was transmitted and not answered holds back what comes after it.
 void Oracle::end_running(Instant now, bool counts) {
-  const Flight& flight = *running();
+  Flight& flight = *running();
   running_.reset();
   Book& book = books_[flight.device];
   is_disturbed_ = true;
+  flight.spoilt = flight.spoilt || !counts;
   book.held_until = std::max(book.held_until, flight.due + hold_);
   book.stop_unanswered = counts && flight.word == Word::stop;
   const bool was_offline = is_offline(flight.device);
@@ -140,17 +153,81 @@ void Oracle::note_damaged(Flight& flight, Instant now) {
   }
 }
 
-void Oracle::note_heard(Flight& flight, Instant now) {
+// It closes the oldest that it fits. If there is none, it is a second answer for all to see, where
+// it fits what was answered last.
+void Oracle::note_frame(Flight& flight, Instant now) {
+  Book& book = books_[flight.device];
+  book.last_heard = flight.event;
+  book.heard_at = now;
+  book.answers_twice = book.answers_twice || flight.heard;
+  is_disturbed_ = is_disturbed_ || flight.heard;
   flight.heard = true;
+  forget(flight.device, now);
+  const auto fits = [&](const Flight& it) {
+    return it.open && it.device == flight.device && looks_alike(it.word, flight.word) &&
+           now >= it.left;
+  };
+  const auto open = std::ranges::find_if(flights_, fits);
+  if (open != flights_.end()) {
+    hold(*open, now);
+  } else if (book.answered && looks_alike(flights_[*book.answered].word, flight.word) &&
+             now <= book.answered_at + timing().response_timeout) {
+    book.taught = book.taught == 0 ? ++events_ : book.taught;
+    book.second_after = std::max(book.second_after, now - book.answered_at);
+  }
+}
+
+// A device works in order, and may owe more than was counted. One that answers at once what was
+// asked last has no queue.
+void Oracle::hold(Flight& closed, Instant now) {
+  const auto is_open = [&](const Flight& it) { return it.open && it.device == closed.device; };
+  const Instant oldest = sent_at(*std::ranges::find_if(flights_, is_open));
+  closed.open = false;
+  Book& book = books_[closed.device];
+  const auto count = std::ranges::count_if(flights_, is_open);
+  const bool is_quick =
+      running_ == closed.serial && now < closed.left + timing().response_timeout / 4;
+  if (count == 0) {
+    book.owes_until = Instant::min();
+  } else if (!is_quick) {
+    book.owes_until = now + std::min<Duration>(2 * count * (now - oldest), timing().quarantine_max);
+  }
+}
+
+// What has not come when it was held for long enough is lost.
+void Oracle::forget(std::uint8_t device, Instant now) {
+  const Instant owes_until = books_[device].owes_until;
+  for (Flight& flight : flights_) {
+    const bool was_waited_for =
+        now >= owes_until && (flight.spoilt || sent_at(flight) < owes_until);
+    if (flight.device == device && now >= end_of_tail(flight) &&
+        (was_waited_for || now >= sent_at(flight) + timing().quarantine_max)) {
+      flight.open = false;
+    }
+  }
+}
+
+Instant Oracle::sent_at(const Flight& flight) const {
+  return flight.left - times_.of(pdu_of(flight.word, flight.value).size() + 3);
+}
+
+void Oracle::note_heard(Flight& flight, Instant now) {
+  note_frame(flight, now);
   Book& book = books_[flight.device];
   book.unanswered = 0;
   book.stop_unanswered = false;
   const bool was_written = std::ranges::any_of(flights_, [&](const Flight& it) {
     return it.device == flight.device && it.word == Word::write && it.event > flight.event;
   });
-  book.is_stopped = book.is_stopped || (flight.word == Word::stop && !was_written);
-  // What comes before a request has left answers another one.
-  if (!is_waited_for(flight) || now < running()->left) {
+  if (flight.word == Word::stop && !was_written) {
+    book.is_stopped = true;
+    book.stopped_at = now;
+    for (Request& it : requests_) {
+      it.repeats = it.repeats || (it.open && it.taken && it.ask.device == flight.device);
+    }
+  }
+  // What comes before a request has left answers another one, if only an earlier try.
+  if (!is_waited_for(flight) || (now < running()->left && !is_same_request(flight, *running()))) {
     return;
   }
   const Flight* waited_for = running();
@@ -170,7 +247,19 @@ void Oracle::note_heard(Flight& flight, Instant now) {
     running()->perhaps = true;
     return;
   }
+  note_answered(*waited_for, now);
   running_.reset();
+}
+
+void Oracle::note_answered(const Flight& flight, Instant now) {
+  Book& book = books_[flight.device];
+  book.answered = flight.serial;
+  book.answered_at = now;
+  const Duration took = now - flight.left;
+  if (book.shortest_answer != Duration::max() && took < book.shortest_answer * 7 / 8) {
+    book.sudden_until = now + timing().response_timeout + kAdapterKeeps;
+  }
+  book.shortest_answer = std::min(book.shortest_answer, took);
 }
 
 void Oracle::add_edges(std::vector<Instant>& edges, bool may_be_asked) const {
@@ -194,76 +283,6 @@ void Oracle::add_deadlines(std::vector<Instant>& edges) const {
       edges.push_back(request.deadline);
     }
   }
-}
-
-bool Oracle::is_live(const Flight& flight) const {
-  const bool may_be_remembered =
-      plant_.device().cache > Duration{0} && flight.heard && Ask{.word = flight.word}.is_read();
-  return flight.outstanding || flight.rest_comes || running_ == flight.serial ||
-         may_be_remembered ||
-         std::ranges::any_of(requests_, [&](const Request& it) { return takes_part(it, flight); });
-}
-
-void Oracle::read(StateHash& hash) const {
-  const bool may_be_offline = timing().offline_after != 0;
-  for (const Request& request : requests_) {
-    hash.add(request.open);
-    if (!request.open) {
-      continue;
-    }
-    const auto& [open, taken, cancelled, stop_behind, was_offline, ask, event, since, deadline,
-                 sent, rivals, must_follow] = request;
-    for (const bool flag : {taken, cancelled, stop_behind, was_offline}) {
-      hash.add(flag);
-    }
-    hash.add(ask.client);
-    hash.add(ask.device);
-    hash.add(ask.word);
-    hash.ordered(Order::event, event);
-    hash.ordered(Order::event, plant_.device().cache > Duration{0} ? must_follow : 0);
-    hash.add(sent);
-    if (ask.word == Word::stop) {
-      hash.add(rivals);
-      hash.since(since, kFarPast);
-    } else if (taken) {
-      hash.deadline(deadline, since);
-    }
-  }
-  for (const Flight& flight : flights_) {
-    if (!is_live(flight)) {
-      continue;
-    }
-    const auto& [serial, device, word, value, event, left, due, outstanding, late, spoilt, heard,
-                 cut, in_time, perhaps, half_at, rest_comes] = flight;
-    hash.add(plant_.device().cache > Duration{0} ? serial : 0);
-    hash.add(device);
-    hash.add(word);
-    hash.add(value);
-    hash.ordered(Order::event, event);
-    for (const bool flag : {outstanding, late, spoilt, heard, cut, in_time, perhaps, rest_comes,
-                            running_ == serial}) {
-      hash.add(flag);
-    }
-    if (rest_comes) {
-      hash.since(*half_at, kFarPast);
-    }
-    if (outstanding || running_ == serial) {
-      hash.since(left, kFarPast);
-      hash.since(due, kFarPast);
-    } else if (plant_.device().cache > Duration{0}) {
-      hash.since(left, plant_.device().cache);
-    }
-  }
-  for (const auto& [held_until, stop_unanswered, unanswered, offline_at, is_stopped, done] :
-       books_) {
-    hash.add(is_stopped);
-    hash.until(held_until);
-    hash.add(stop_unanswered);
-    hash.add(may_be_offline ? unanswered : 0);
-    hash.since(offline_at, timing().probe_interval + Duration{1});
-    hash.ordered(Order::event, plant_.device().cache > Duration{0} ? done : 0);
-  }
-  hash.since(quiet_, silence_ + Duration{1});
 }
 
 }  // namespace mbgate::explore

@@ -10,6 +10,10 @@
 
 namespace mbgate::explore {
 
+/// For so long an adapter may keep bytes, and a stop that was acknowledged counts.
+inline constexpr Duration kAdapterKeeps = std::chrono::milliseconds(20);
+inline constexpr Duration kStopCounts = std::chrono::seconds(1);
+
 class Oracle {
  public:
   explicit Oracle(const Plant& plant);
@@ -39,14 +43,15 @@ class Oracle {
   /// A transmission whose answer was waited for until it was cut, once.
   std::optional<std::uint16_t> take_cut() { return std::exchange(cut_, std::nullopt); }
 
+  /// Answers to clients that are wrong because nobody could know yet that a device answers twice.
+  [[nodiscard]] unsigned learning() const { return learning_; }
   [[nodiscard]] const std::string& violation() const { return violation_; }
   void report(const std::string& what) { violation_ = violation_.empty() ? what : violation_; }
 
   [[nodiscard]] std::vector<Flight>& flights() { return flights_; }
   [[nodiscard]] const std::vector<Flight>& flights() const { return flights_; }
-  [[nodiscard]] const std::array<Request, kSlots>& requests() const { return requests_; }
-  /// The last instant at which the answer to a transmission may come: later ones nobody can tell
-  /// from answers to what was asked since.
+  /// The last instant at which an answer that is late may come: later ones nobody can tell from
+  /// answers to what was asked since.
   [[nodiscard]] Instant end_of(const Flight& flight) const { return flight.due + hold_; }
   /// The last instant at which the rest of an answer may come whose first half has.
   [[nodiscard]] Instant rest_end_of(const Flight& flight) const {
@@ -73,7 +78,18 @@ class Oracle {
     unsigned unanswered = 0;              ///< in a row
     Instant offline_at = Instant::min();
     bool is_stopped = false;  ///< a stop was answered, and no write was transmitted since it was
-    std::uint64_t done = 0;   ///< the last transmission of a write or stop that was acknowledged
+    Instant stopped_at = Instant::min();
+    std::uint64_t done = 0;  ///< the last transmission of a write or stop that was acknowledged
+    std::optional<std::uint16_t> answered{};  ///< the last transmission that was,
+    Instant answered_at = Instant::min();     ///< and when
+    Duration shortest_answer = Duration::max();
+    Instant sudden_until = Instant::min();  ///< an answer that came sooner may be an earlier one's
+    Instant heard_at = Instant::min();
+    Instant owes_until = Instant::min();  ///< it is held for what it may owe
+    std::uint64_t last_heard = 0;         ///< what was heard last answers this transmission
+    bool answers_twice = false;
+    std::uint64_t taught = 0;  ///< when a second answer was seen to be one, among all events
+    Duration second_after{0};  ///< an answer, at most, of those
   };
 
   [[nodiscard]] const drive::DeviceTiming& timing() const { return plant_.device().timing; }
@@ -81,9 +97,19 @@ class Oracle {
     return timing().offline_after != 0 && books_[device].unanswered >= timing().offline_after;
   }
   [[nodiscard]] bool takes_part(const Request& request, const Flight& flight) const;
-  [[nodiscard]] bool is_live(const Flight& flight) const;
   [[nodiscard]] Flight* running() { return running_ ? &flights_[*running_] : nullptr; }
+  [[nodiscard]] bool is_repeated(const Request& request, Instant now) const;
+  [[nodiscard]] bool is_same_request(const Flight& a, const Flight& b) const;
+  void note_answered(const Flight& flight, Instant now);
   void end_uncertain();
+  void note_frame(Flight& flight, Instant now);
+  void hold(Flight& closed, Instant now);
+  void forget(std::uint8_t device, Instant now);
+  [[nodiscard]] Instant sent_at(const Flight& flight) const;
+  [[nodiscard]] Instant end_of_tail(const Flight& flight) const {
+    return flight.spoilt ? flight.due : end_of(flight);
+  }
+  void note_wrong(std::uint8_t device, const char* what);
   void end_running(Instant now, bool counts);
   [[nodiscard]] bool is_cut_at(Instant now) const;
   [[nodiscard]] bool is_waited_for(const Flight& flight);
@@ -93,8 +119,14 @@ class Oracle {
   std::optional<Flight> understand(const Octets& frame, Instant now);
   void check_silence(Instant now);
   void check_overlap(Instant now);
-  void check_stops_first(const Flight& flight);
+  void check_hold(const Flight& flight, Instant now);
+  void check_stops_first(const Flight& flight, Instant now);
   void check_asked_for(const Flight& flight, Instant now);
+
+  // oracle_state.cpp
+  [[nodiscard]] bool is_live(const Flight& flight) const;
+  void read(const Flight& flight, StateHash& hash) const;
+  void read(const Book& book, StateHash& hash) const;
 
   // oracle_answers.cpp
   void check_read(const Request& request, const Octets& pdu, Instant now);
@@ -120,6 +152,7 @@ class Oracle {
   bool has_slept_ = false;
   std::uint64_t events_ = 0;
   bool is_disturbed_ = false;
+  unsigned learning_ = 0;
   std::string violation_;
 };
 

@@ -58,7 +58,7 @@ void Oracle::check_read(const Request& request, const Octets& pdu, Instant /*now
   const std::size_t serial = pdu.size() == 6 ? world::word_at(pdu, 2) : flights_.size();
   if (serial >= flights_.size() || !flights_[serial].heard ||
       world::word_at(pdu, 4) != tag_of(request.ask.device, request.ask.word)) {
-    report("misdelivered: another answer than that to the read");
+    note_wrong(request.ask.device, "misdelivered: another answer than that to the read");
     return;
   }
   const Flight& flight = flights_[serial];
@@ -66,7 +66,18 @@ void Oracle::check_read(const Request& request, const Octets& pdu, Instant /*now
   const bool is_remembered = cache > Duration{0} && flight.left >= request.since - cache &&
                              flight.event > request.must_follow;
   if (flight.event < request.event && !is_remembered) {
-    report("misdelivered: an answer from before the request");
+    note_wrong(request.ask.device, "misdelivered: an answer from before the request");
+  }
+}
+
+// A second answer to what was sent before one was seen to be one may be taken for another answer,
+// and that one for the next.
+void Oracle::note_wrong(std::uint8_t device, const char* what) {
+  const Book& book = books_[device];
+  if (book.answers_twice && (book.taught == 0 || book.last_heard < book.taught)) {
+    ++learning_;
+  } else {
+    report(what);
   }
 }
 
@@ -79,7 +90,7 @@ void Oracle::check_write(const Request& request) {
     return;
   }
   if (done == flights_.end()) {
-    report("misdelivered: acknowledged, and no answer to it was heard");
+    note_wrong(request.ask.device, "misdelivered: acknowledged, and no answer to it was heard");
     return;
   }
   book.done = std::max(book.done, done->event);
@@ -129,7 +140,8 @@ void Oracle::note_passing(Instant now, bool is_undisturbed) {
   for (const Request& request : requests_) {
     if (request.open && request.taken) {
       check_waiting(request, now);
-      const bool may_go = running() == nullptr && now >= silent_at();
+      const bool may_go = running() == nullptr && now >= silent_at() &&
+                          now >= books_[request.ask.device].sudden_until;
       if (is_undisturbed && !is_disturbed_ && may_go) {
         report("needlessly late: the line is silent, and a request waits");
       }
@@ -139,7 +151,8 @@ void Oracle::note_passing(Instant now, bool is_undisturbed) {
 
 void Oracle::check_waiting(const Request& request, Instant now) {
   const Duration timeout = timing().response_timeout + slack_ + kFrames;
-  const Duration delay = has_slept_ ? kDelay : Duration{0};
+  const Duration delay = (has_slept_ ? kDelay : Duration{0}) +
+                         (request.repeats ? kStopCounts + request.rivals * timeout : Duration{0});
   if (request.cancelled) {
     report("taken back by a stop, and not answered");
   }

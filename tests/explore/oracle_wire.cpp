@@ -15,7 +15,7 @@ std::optional<Flight> Oracle::understand(const Octets& frame, Instant now) {
   flight.serial = static_cast<std::uint16_t>(flights_.size());
   flight.device = static_cast<std::uint8_t>(adu->address - 1U);
   flight.event = events_ + 1;
-  flight.left = now + times_.of(frame.size());
+  flight.left = flight.begins = now + times_.of(frame.size());
   const Duration timeout =
       is_offline(flight.device) ? world::probe_timeout_of(timing()) : timing().response_timeout;
   flight.due = flight.left + timeout;
@@ -43,7 +43,8 @@ void Oracle::note_transmitted(const Octets& frame, Instant now) {
   }
   check_silence(now);
   check_overlap(now);
-  check_stops_first(*flight);
+  check_hold(*flight, now);
+  check_stops_first(*flight, now);
   check_asked_for(*flight, now);
   ++events_;
   for (Request& request : requests_) {
@@ -79,12 +80,37 @@ void Oracle::check_overlap(Instant now) {
   end_running(now, true);
 }
 
-void Oracle::check_stops_first(const Flight& flight) {
+// A device that may still answer an earlier request, or once more, is left alone, but for stops and
+// the retry of the same read. Another function may go to one that has answered since.
+void Oracle::check_hold(const Flight& flight, Instant now) {
+  const auto is_tried_again = [&](const Flight& it) { return is_same_request(it, flight); };
+  if (flight.word == Word::stop || std::ranges::any_of(flights_, is_tried_again)) {
+    return;
+  }
+  const Book& book = books_[flight.device];
+  for (const Flight& owed : flights_) {
+    if (owed.device != flight.device) {
+      continue;
+    }
+    if (book.heard_at < owed.left && now < end_of_tail(owed)) {
+      report("hold: transmitted while an answer is owed");
+    } else if (owed.open && looks_alike(owed.word, flight.word) && now < book.owes_until) {
+      report("hold: transmitted while a slow device may owe more");
+    }
+  }
+  const Duration second = book.second_after + book.second_after / 4 + kAdapterKeeps;
+  if (book.taught > 0 && now < book.answered_at + std::min(second, timing().response_timeout)) {
+    report("hold: transmitted while a second answer may come");
+  }
+}
+
+void Oracle::check_stops_first(const Flight& flight, Instant now) {
   if (flight.word == Word::stop) {
     return;
   }
   for (const Request& stop : requests_) {
-    if (!stop.open || !stop.taken || stop.ask.word != Word::stop || stop.sent > 0) {
+    if (!stop.open || !stop.taken || stop.ask.word != Word::stop || stop.sent > 0 ||
+        is_repeated(stop, now)) {
       continue;
     }
     const bool goes_first = !plant_.device().stop_cancels && flight.word == Word::write &&

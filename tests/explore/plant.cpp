@@ -32,7 +32,7 @@ gateway::Settings usual() {
   route.last_unit = kDevices;
   route.first_address = 1;
   route.buses = {drive::BusId{0}};
-  route.deadline = 10s;  // none that is ever reached
+  route.deadline = 60s;  // none that is ever reached
   return settings;
 }
 

@@ -16,9 +16,6 @@ inline constexpr bus::Duration kLongestLife = std::chrono::seconds(50);
 /// An instant that counts as long as anything does.
 inline constexpr bus::Duration kFarPast = kLongestLife;
 
-/// A quarantine never grows beyond this here.
-inline constexpr bus::Duration kMostLearned = std::chrono::milliseconds(2600);
-
 inline void require(bool holds, const char* what) {
   if (!holds) {
     throw std::logic_error(std::string("the explorer's reasoning does not hold: ") + what);

@@ -28,7 +28,7 @@ struct Digest {
 };
 
 /// No request is open for so long, unless its deadline is nearer than that.
-inline constexpr Duration kAnsweredBy = std::chrono::seconds(4);
+inline constexpr Duration kAnsweredBy = std::chrono::seconds(25);
 
 /// Numbers that are compared with each other, and with no others.
 enum class Order : std::uint8_t { acceptance, turn, cached_writes, event };

@@ -56,12 +56,17 @@ void World::take(const Choice& choice) {
     case Act::answer:
     case Act::damaged:
     case Act::twice:
+    case Act::first:
     case Act::half:
     case Act::rest:
       arrive(choice.which, choice.act);
       if (!asleep_since_) {
         hand_in();
       }
+      break;
+    case Act::slow:
+      slow_[choice.which] = true;
+      --left_.faults;
       break;
     case Act::sleep:
       --left_.delays;
@@ -100,6 +105,7 @@ void World::pass() {
 void World::miss(Instant until) {
   for (Flight& flight : oracle_.flights()) {
     if (is_missed(flight, until)) {
+      flight.outstanding = flight.outstanding && !is_slow(flight);
       flight.late = true;
       flight.spoilt = flight.spoilt || flight.rest_comes;
       flight.rest_comes = false;
@@ -108,19 +114,19 @@ void World::miss(Instant until) {
   }
 }
 
-// A stop has ended the wait for it.
-void World::miss_cut(Flight& flight) {
+// A stop has ended the wait for it, or nothing lay on the line when it was to come at the latest.
+void World::lose(Flight& flight) {
   if (flight.outstanding && !flight.late) {
     flight.late = true;
-    is_beyond_ = left_.faults == 0;
-    left_.faults -= is_beyond_ ? 0U : 1U;
+    is_beyond_ = is_beyond_ || left_.faults == 0;
+    left_.faults -= left_.faults == 0 ? 0U : 1U;
   }
 }
 
 void World::go_on(Instant to) {
   miss(to - Duration{1});
   for (Flight& flight : oracle_.flights()) {
-    flight.outstanding = flight.outstanding && to <= oracle_.end_of(flight);
+    flight.outstanding = flight.outstanding && (to <= closes(flight) || !flight.late);
   }
   harness_.go_on(to);
   require(age() < kLongestLife, "no world lives longer");
@@ -152,20 +158,27 @@ void World::take_client(std::uint8_t client) {
 void World::arrive(std::uint16_t serial, Act form) {
   std::vector<Flight>& flights = oracle_.flights();
   Flight& flight = flights[serial];
-  // A device answers in order: what it has not answered before never comes.
+  // A device answers in order: what it has not answered before never comes. But second answers do,
+  // which are those of another device, or stay on the way for longer.
   for (Flight& other : flights) {
-    if (other.outstanding && other.device == flight.device && other.serial < serial) {
+    if (!other.outstanding || other.device != flight.device || other.first_at || flight.first_at) {
+      continue;
+    }
+    if (other.serial < serial) {
       left_.faults -= other.late ? 0U : 1U;
       other.outstanding = false;
       other.late = true;
     }
+    other.begins = std::max(other.begins, now());
   }
   Octets frame = answer_of(flight);
-  flight.outstanding = false;
+  flight.outstanding = form == Act::first;
+  flight.late = flight.late || form == Act::first;
   const auto middle = frame.begin() + static_cast<std::ptrdiff_t>(frame.size() / 2);
   switch (form) {
     case Act::damaged: frame.back() ^= 0x40U; break;
     case Act::twice: frame.insert(frame.end(), frame.begin(), frame.end()); break;
+    case Act::first: flight.first_at = now(); break;
     case Act::half:
       frame.erase(middle, frame.end());
       flight.half_at = now();
@@ -177,8 +190,8 @@ void World::arrive(std::uint16_t serial, Act form) {
       break;
     default: break;
   }
-  const bool is_fault = form == Act::damaged || form == Act::twice || form == Act::half;
-  left_.faults -= is_fault ? 1U : 0U;
+  const bool is_good = form == Act::answer || form == Act::rest;
+  left_.faults -= !is_good ? 1U : 0U;
   kernel_.insert(kernel_.end(), frame.begin(), frame.end());
   pieces_.push_back({serial, form});
 }
@@ -228,11 +241,17 @@ void World::handle(const gateway::Action& action) {
     const Octets frame(transmit->frame.begin(), transmit->frame.end());
     seen_.add(std::span(frame));
     for (Flight& flight : oracle_.flights()) {  // the line was looked at, and nothing lay there
-      flight.outstanding = flight.outstanding && now() < oracle_.end_of(flight);
+      if (now() >= closes(flight) && (flight.late || is_slow(flight))) {
+        lose(flight);
+        flight.outstanding = false;
+      }
     }
     oracle_.note_transmitted(frame, now());
     if (const auto cut = oracle_.take_cut()) {
-      miss_cut(oracle_.flights()[*cut]);
+      Flight& flight = oracle_.flights()[*cut];
+      if (!is_slow(flight)) {
+        lose(flight);
+      }
     }
   } else if (std::holds_alternative<gateway::Look>(action)) {
     hand_in();
@@ -263,6 +282,7 @@ Digest World::digest() {
   hash.add(clients_);
   hash.add(devices_);
   hash.add(has_read_);
+  std::ranges::for_each(slow_, [&](bool is_slow) { hash.add(is_slow); });
   return hash.digest();
 }
 
@@ -271,25 +291,6 @@ Digest World::seen() { return seen_.digest(); }
 void World::tell(const std::string& text) const {
   const auto since = std::chrono::duration<double, std::milli>(now() - begun_);
   std::printf("%14.6f ms  %s\n", since.count(), text.c_str());
-}
-
-std::string to_text(const Choice& choice) {
-  const std::string which = " " + std::to_string(choice.which);
-  switch (choice.act) {
-    case Act::pass: return "pass";
-    case Act::ask: return "ask: " + name_of(choice.ask);
-    case Act::answer: return "answer" + which;
-    case Act::damaged: return "answer" + which + ", damaged";
-    case Act::twice: return "answer" + which + ", twice";
-    case Act::half: return "first half of answer" + which;
-    case Act::rest: return "rest of answer" + which;
-    case Act::leave: return "answer" + which + ", and clients first";
-    case Act::sleep: return "the driver sleeps";
-    case Act::wake: return "the driver wakes";
-    case Act::read: return "the line is read";
-    case Act::take: return "client " + std::to_string(choice.which + 1) + " is read";
-  }
-  return "";
 }
 
 }  // namespace mbgate::explore

@@ -18,6 +18,8 @@ struct Bounds {
   unsigned faults = 0;
   unsigned delays = 0;
   bool forms = false;  ///< answers come damaged, twice and in halves too, not only late or never
+  /// Answers are followed by second ones, and devices become slow, but work in order.
+  bool drives = false;
   /// 3: just before, at and just after each edge; 2: not after it; 1: at it only.
   unsigned instants = 3;
 };
@@ -36,6 +38,8 @@ enum class Act : std::uint8_t {
   answer,   ///< an answer reaches the kernel; where the driver is awake, it is handed in at once
   damaged,  ///< the same, with a wrong CRC
   twice,    ///< the same, followed by its copy without a silence
+  first,    ///< an answer in time; within a response timeout it comes once more, or never does
+  slow,     ///< from now on a device takes longer than the response timeout for each request
   half,     ///< the first half of an answer is handed in
   rest,     ///< the other half
   leave,    ///< an answer reaches the kernel, and clients are served first
@@ -47,7 +51,7 @@ enum class Act : std::uint8_t {
 
 struct Choice {
   Act act = Act::pass;
-  std::uint16_t which = 0;  ///< transmission, or client
+  std::uint16_t which = 0;  ///< transmission, client or device
   Ask ask{};
 };
 
@@ -61,6 +65,7 @@ class World {
   void take(const Choice& choice);
 
   [[nodiscard]] const std::string& violation() const { return oracle_.violation(); }
+  [[nodiscard]] unsigned learning() const { return oracle_.learning(); }
   /// More went wrong than may: this is not to be explored.
   [[nodiscard]] bool is_beyond() const { return is_beyond_; }
   /// Two worlds with the same digest and slack have the same future.
@@ -83,6 +88,10 @@ class World {
   void add_asks(std::vector<Choice>& choices) const;
   void add_answers(std::vector<Choice>& choices) const;
   void add_bunch(std::vector<Choice>& choices);
+  void add_faults(std::vector<Choice>& choices, const Flight& flight) const;
+  [[nodiscard]] Instant opens(const Flight& flight) const;
+  [[nodiscard]] Instant closes(const Flight& flight) const;
+  [[nodiscard]] bool is_slow(const Flight& flight) const { return slow_[flight.device]; }
   [[nodiscard]] bool may_come(const Flight& flight) const;
   [[nodiscard]] unsigned cost_of(const Flight& flight) const;
   [[nodiscard]] bool may_pass() const;
@@ -95,7 +104,7 @@ class World {
   [[nodiscard]] Instant now() const { return harness_.now(); }
   void pass();
   void miss(Instant until);
-  void miss_cut(Flight& flight);
+  void lose(Flight& flight);
   void go_on(Instant to);
   void ask(const Ask& ask);
   void take_client(std::uint8_t client);
@@ -121,6 +130,7 @@ class World {
   std::uint8_t clients_ = 0;  ///< that have asked,
   std::uint8_t devices_ = 0;  ///< and that were asked,
   bool has_read_ = false;     ///< what
+  std::array<bool, kDevices> slow_{};
   std::vector<gateway::ClientId> written_;
   StateHash seen_;
 };

@@ -28,12 +28,37 @@ const Flight* World::half_heard() const {
   return found == oracle_.flights().end() ? nullptr : &*found;
 }
 
+// From then on its answer may come. A slow device begins with a request when it has answered the
+// one before. The second of two answers comes at any time.
+Instant World::opens(const Flight& flight) const {
+  if (flight.first_at) {
+    return *flight.first_at + kAnswering;
+  }
+  return is_slow(flight) && !flight.late ? flight.begins + plant_.device().timing.response_timeout
+                                         : flight.left + kAnswering;
+}
+
+// Then it comes at the latest; if it is not late, anything else is a fault.
+Instant World::closes(const Flight& flight) const {
+  const drive::DeviceTiming& timing = plant_.device().timing;
+  if (flight.first_at) {
+    return *flight.first_at + timing.response_timeout;
+  }
+  if (flight.late) {
+    return oracle_.end_of(flight);
+  }
+  return is_slow(flight) ? opens(flight) + world::quarantine_of(timing) : flight.due;
+}
+
 bool World::may_come(const Flight& flight) const {
-  return flight.outstanding && now() >= flight.left + kAnswering && cost_of(flight) <= left_.faults;
+  return flight.outstanding && now() >= opens(flight) && cost_of(flight) <= left_.faults;
 }
 
 // Its device would have left others unanswered.
 unsigned World::cost_of(const Flight& flight) const {
+  if (flight.first_at) {
+    return 0;
+  }
   return static_cast<unsigned>(std::ranges::count_if(oracle_.flights(), [&](const Flight& other) {
     return other.outstanding && !other.late && other.device == flight.device &&
            other.serial < flight.serial;
@@ -43,7 +68,7 @@ unsigned World::cost_of(const Flight& flight) const {
 // It was to come until then at the latest, and has not.
 bool World::is_missed(const Flight& flight, Instant until) const {
   return flight.rest_comes ? until >= oracle_.rest_end_of(flight)
-                           : flight.outstanding && !flight.late && until >= flight.due;
+                           : flight.outstanding && !flight.late && until >= closes(flight);
 }
 
 unsigned World::missed(Instant until) const {
@@ -69,8 +94,10 @@ std::optional<Instant> World::next_instant() const {
   }
   for (const Flight& flight : oracle_.flights()) {
     if (flight.outstanding) {
+      // Where its own answer cannot come yet, that to an earlier request may.
       instants.push_back(flight.left + kAnswering);
-      edges.push_back(flight.late ? oracle_.end_of(flight) : flight.due);
+      instants.push_back(opens(flight));
+      edges.push_back(closes(flight));
     }
     if (flight.rest_comes) {
       edges.push_back(*flight.half_at + oracle_.silence());
@@ -135,13 +162,28 @@ void World::add_answers(std::vector<Choice>& choices) const {
     if (left_.requests > 0 && !asleep_since_ && !oracle_.is_running()) {
       choices.push_back({Act::leave, flight.serial});
     }
-    if (left_.forms && cost_of(flight) < left_.faults) {
-      choices.push_back({Act::damaged, flight.serial});
-      choices.push_back({Act::twice, flight.serial});
-      if (!asleep_since_) {
-        choices.push_back({Act::half, flight.serial});
-      }
+    if (cost_of(flight) < left_.faults) {
+      add_faults(choices, flight);
     }
+  }
+  // A device becomes slow when it is asked.
+  const Flight* last = oracle_.flights().empty() ? nullptr : &oracle_.flights().back();
+  if (left_.drives && left_.faults > 0 && last != nullptr && now() < last->left &&
+      last->outstanding && !is_slow(*last)) {
+    choices.push_back({Act::slow, last->device});
+  }
+}
+
+void World::add_faults(std::vector<Choice>& choices, const Flight& flight) const {
+  if (left_.forms) {
+    choices.push_back({Act::damaged, flight.serial});
+    choices.push_back({Act::twice, flight.serial});
+    if (!asleep_since_) {
+      choices.push_back({Act::half, flight.serial});
+    }
+  }
+  if (left_.drives && !flight.late && !is_slow(flight)) {
+    choices.push_back({Act::first, flight.serial});
   }
 }
 
@@ -192,6 +234,27 @@ std::vector<Choice> World::choices() {
     oracle_.note_end();
   }
   return choices;
+}
+
+std::string to_text(const Choice& choice) {
+  const std::string which = " " + std::to_string(choice.which);
+  switch (choice.act) {
+    case Act::pass: return "pass";
+    case Act::ask: return "ask: " + name_of(choice.ask);
+    case Act::answer: return "answer" + which;
+    case Act::damaged: return "answer" + which + ", damaged";
+    case Act::twice: return "answer" + which + ", twice";
+    case Act::first: return "answer" + which + ", the first of two";
+    case Act::slow: return "device " + std::to_string(choice.which + 1) + " becomes slow";
+    case Act::half: return "first half of answer" + which;
+    case Act::rest: return "rest of answer" + which;
+    case Act::leave: return "answer" + which + ", and clients first";
+    case Act::sleep: return "the driver sleeps";
+    case Act::wake: return "the driver wakes";
+    case Act::read: return "the line is read";
+    case Act::take: return "client " + std::to_string(choice.which + 1) + " is read";
+  }
+  return "";
 }
 
 }  // namespace mbgate::explore
