@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "simulation/traffic.hpp"
+#include "simulation/plants.hpp"
 
 namespace mbgate::test {
 

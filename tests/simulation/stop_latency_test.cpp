@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "config/profiles/profile_file.hpp"
-#include "simulation/traffic.hpp"
+#include "simulation/plants.hpp"
 
 namespace mbgate::test::stop_latency_test {
 namespace {

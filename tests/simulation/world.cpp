@@ -71,14 +71,7 @@ void World::send(ClientId client, modbus::Bytes bytes) {
   feed(gateway::ClientBytes{client, bytes});
 }
 
-void World::half_close(ClientId client) { feed(gateway::ClientHalfClosed{client}); }
-
 void World::disconnect(ClientId client) { feed(gateway::ClientDisconnected{client}); }
-
-void World::unplug(std::size_t bus) {
-  wires_[bus].disconnect();
-  feed(gateway::LineLost{BusId{static_cast<std::uint32_t>(bus)}});
-}
 
 std::optional<Instant> World::next_event() const {
   const auto wake = harness_.next_wake();

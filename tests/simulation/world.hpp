@@ -40,9 +40,7 @@ class World {
 
   ClientId connect(std::size_t listener, unsigned host);
   void send(ClientId client, modbus::Bytes bytes);
-  void half_close(ClientId client);
   void disconnect(ClientId client);
-  void unplug(std::size_t bus);
   void reload(const gateway::Settings& settings) { feed(gateway::SettingsChanged{&settings}); }
   void clear_counters() { feed(gateway::ClearCountersAsked{}); }
 

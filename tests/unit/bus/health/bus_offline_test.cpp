@@ -87,9 +87,7 @@ TEST_F(BusOffline, AnAnswerThatComesAfterTheProbesTimeBringsItBackToo) {
 }
 
 TEST_F(BusOffline, ProbesTakeTheirShareOfTheTimeAndNoMore) {
-  auto scarce = breaking();
-  scarce.probe_share = 2;
-  open(scarce);
+  open(scarce());
   lose_device();
   advance(2s);
   const Instant start = now_;
@@ -107,11 +105,9 @@ TEST_F(BusOffline, ProbesTakeTheirShareOfTheTimeAndNoMore) {
 }
 
 TEST_F(BusOffline, AShorterProbeLeavesTheShareOfALongerOne) {
-  auto scarce = breaking();
-  scarce.probe_share = 2;
-  auto devices = usual_devices(scarce);
+  auto devices = usual_devices(scarce());
   devices[1].timing.probe_timeout = 10ms;
-  open(scarce, devices);
+  open(scarce(), devices);
   lose_device();
   for (int times = 0; times < 3; ++times) {
     submit(job(kRead, 2));

@@ -14,6 +14,12 @@ class BusOffline : public Bus {
     breaking.timing.probe_timeout = 50ms;
     return breaking;
   }
+  /// Probes get 2 percent of the time.
+  static bus::BusSettings scarce() {
+    auto scarce = breaking();
+    scarce.probe_share = 2;
+    return scarce;
+  }
   /// Device 1 goes offline.
   void lose_device() {
     for (int times = 0; times < 3; ++times) {
