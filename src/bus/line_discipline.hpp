@@ -38,8 +38,8 @@ class LineDiscipline {
     return std::visit(
         [&](auto& line) { return line.begin(transaction, timing, std::move(owed), now); }, line_);
   }
-  void limit_wait(const Transaction& transaction, Instant instant, Duration least) {
-    std::visit([&](auto& line) { line.limit_wait(transaction, instant, least); }, line_);
+  void limit_wait(const Transaction& transaction, Duration longest) {
+    std::visit([&](auto& line) { line.limit_wait(transaction, longest); }, line_);
   }
   [[nodiscard]] std::optional<Instant> response_due() const {
     return std::visit([](const auto& line) { return std::optional(line.response_due()); }, line_);

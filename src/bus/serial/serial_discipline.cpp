@@ -81,10 +81,12 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   return frame;
 }
 
-void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Instant instant,
-                                  Duration least) {
-  response_deadline_ =
-      std::min(response_deadline_, std::max(instant, silence_.emission_ends() + least));
+void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Duration longest) {
+  end_wait_at(silence_.emission_ends() + longest);
+}
+
+void SerialDiscipline::end_wait_at(Instant instant) {
+  response_deadline_ = std::min(response_deadline_, instant);
   framer_.hurry(response_deadline_);
 }
 
@@ -104,7 +106,7 @@ void SerialDiscipline::take_misfit(const modbus::Pdu& frame, std::optional<Insta
   }
   if (over) {
     misfit_ = true;
-    limit_wait(*transaction_, *over, {});
+    end_wait_at(std::max(*over, silence_.emission_ends()));
   } else {
     transaction_->response = frame;
     end(LineEnd::How::response);

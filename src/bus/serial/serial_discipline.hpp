@@ -33,9 +33,9 @@ class SerialDiscipline {
   /// its own, belongs to that one and is refused, once. Returns the frame.
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
                    Instant now);
-  /// The running transaction counts as timed out at `instant`, but not before it has left and had
-  /// `least` for its response, unless this has begun by then.
-  void limit_wait(const Transaction& transaction, Instant instant, Duration least);
+  /// The running transaction has so long for its response, from when it has left, and no longer
+  /// than its timeout. A response that has begun by then is waited for.
+  void limit_wait(const Transaction& transaction, Duration longest);
   /// A good frame of the device came that does not fit the running transaction. It ends at `over`,
   /// unless its answer has begun by then; without that the device may answer so, and has.
   void take_misfit(const modbus::Pdu& frame, std::optional<Instant> over);
@@ -65,6 +65,7 @@ class SerialDiscipline {
   [[nodiscard]] bool hears_itself() const { return echo_.is_learned() && echo_.is_present(); }
 
  private:
+  void end_wait_at(Instant instant);
   void judge_held(const Echo::Held& held, Instant now);
   Verdict refuse_others(Verdict verdict, Instant now);
   Verdict refuse(Instant now);

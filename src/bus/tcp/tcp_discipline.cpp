@@ -41,10 +41,9 @@ void TcpDiscipline::update(const BusSettings& settings) {
   replace_after_ = settings.replace_after;
 }
 
-void TcpDiscipline::limit_wait(const Transaction& transaction, Instant instant, Duration least) {
+void TcpDiscipline::limit_wait(const Transaction& transaction, Duration longest) {
   const auto flight = std::ranges::find(flights_, &transaction, &Flight::transaction);
-  flight->response_deadline =
-      std::min(flight->response_deadline, std::max(instant, flight->sent + least));
+  flight->response_deadline = std::min(flight->response_deadline, flight->sent + longest);
 }
 
 FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,

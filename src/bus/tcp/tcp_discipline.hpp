@@ -44,9 +44,8 @@ class TcpDiscipline {
   /// A stop waits for neither.
   [[nodiscard]] Instant ready_for_stop_at() const { return quiet_since_; }
   [[nodiscard]] Instant possible_at() const { return quiet_since_; }
-  /// The running transaction counts as timed out at `instant`, but not before it had `least` for
-  /// its response.
-  void limit_wait(const Transaction& transaction, Instant instant, Duration least);
+  /// The running transaction has so long for its response, and no longer than its timeout.
+  void limit_wait(const Transaction& transaction, Duration longest);
   /// No device owes anything to another connection: nothing of this one can come there.
   [[nodiscard]] static std::optional<Instant> response_due() { return std::nullopt; }
   void update(const BusSettings& settings);

@@ -171,14 +171,19 @@ bool Dispatch::serve_stops(Instant now) {
   const Transmission* stop = next_stop(parts_, now);
   const Transmission* other = stop != nullptr ? in_the_way_of(parts_, *stop->leader) : nullptr;
   if (other != nullptr && !waits_patiently(parts_, *stop, now)) {
-    const bool has_own_time =
-        other->is_stop() || other->is_let_by ||
-        (lets_writes_go(parts_, *stop->leader) && goes_before(*other->leader, *stop->leader));
-    const Duration stop_wait = parts_.settings.stop_wait;
-    parts_.line.limit_wait(other->on_wire(), stop->waits_since + stop_wait,
-                           has_own_time ? stop_wait : Duration{0});
+    limit_wait(*other);
   }
   return other != nullptr;
+}
+
+// A stop into an answer that is on its way is a stop lost: the device that was asked has the time
+// that it needs.
+void Dispatch::limit_wait(const Transmission& running) {
+  constexpr int kSafely = 2;  // times the longest answer of late
+  const Transaction& sent = running.on_wire();
+  const DeviceEntry& entry = parts_.devices[sent.address];
+  const Duration needs = std::max(parts_.settings.stop_wait, kSafely * entry.hold.longest_answer());
+  parts_.line.limit_wait(sent, entry.timing().response_wait + needs);
 }
 
 // Of several transmissions, or forms, each goes like the first, and no other stop between them.
@@ -218,7 +223,7 @@ bool Dispatch::send_stops(Instant now) {
       return false;
     }
     if (before) {
-      begin(*before, now).is_let_by = true;
+      begin(*before, now);
     } else if (!send_stop(*choice->stop, now)) {
       return false;
     }

@@ -74,8 +74,7 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   }
   parts_.actions.push(std::move(frame));
   if (stop != nullptr && in_the_way_of(parts_, *stop->leader) == &transmission) {
-    const Duration stop_wait = parts_.settings.stop_wait;
-    parts_.line.limit_wait(sent, stop->waits_since + stop_wait, stop_wait);
+    limit_wait(transmission);
   }
 }
 

@@ -37,7 +37,6 @@ Hold::Sent sent_of(const Transmission& it, Instant due, bool may_be_answered = f
 void Outcomes::handle_end(const LineEnd& end, Instant now) {
   Transmission& transmission = parts_.transmissions.find(end.transaction);
   transmission.in_flight = false;
-  transmission.is_let_by = false;
   parts_.turns.note_end(now);
   const Transaction& sent = *end.transaction;
   const Asked asked{sent.address,

@@ -28,7 +28,6 @@ struct Transmission {
   bool in_flight = false;   ///< it was transmitted, and has not ended
   bool is_probe = false;    ///< tests whether an offline device answers again
   bool is_one_try = false;  ///< a stop that is not repeated, because an earlier one was given up
-  bool is_let_by = false;   ///< it is sent between two tries of a stop
   Instant waits_since;      ///< of a stop: accepted then, or repeated
   /// Of a stop: how long the writes that it lets go first were held back.
   Duration held_by_writes{0};

@@ -47,23 +47,6 @@ TEST_F(BusTcp, WhatGoesBetweenTwoTriesOfAStopIsNotCutOffByTheStopBesideIt) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer)) << "only the read of 2";
 }
 
-TEST_F(BusTcp, AStopThatIsRepeatedWaitsAnewForWhatIsInItsWay) {
-  auto slow = tcp(2);
-  slow.timing.response_timeout = 1s;
-  slow.stop_wait = 60ms;
-  open(slow, {axis(settings(), 2), axis(settings(), 3)});
-  submit(job_of(0, kRead, 4));
-  submit(job_of(1, kStop, 3));
-  submit(job_of(2, kRead, 1));
-  advance(settings().timing.response_timeout);
-  ASSERT_THAT(units(), ElementsAre(4, 3, 1));
-  advance(50ms);
-  EXPECT_THAT(endings_, IsEmpty());
-  advance(10ms);
-  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer)) << "only the read of 4";
-  EXPECT_THAT(units(), ElementsAre(4, 3, 1, 3));
-}
-
 TEST_F(BusTcp, AStopIsNotJoinedByTheNextPartOfARead) {
   open(tcp(2), {axis(settings())});
   auto& read = job(kRead);
