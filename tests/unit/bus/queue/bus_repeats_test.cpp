@@ -77,8 +77,8 @@ TEST_F(BusRepeats, SilentDevicesTakeHalfOfTheTimeAtMost) {
   std::uint32_t next = 100;
   int reads_of_silent = 0;
   for (const Instant end = now_ + 10s; now_ < end; advance(10ms)) {
-    for (const std::uint8_t address : {2, 1, 8}) {
-      submit(job_of(next, kRead, address));
+    for (const int address : {2, 1, 8}) {
+      submit(job_of(next, kRead, static_cast<std::uint8_t>(address)));
       ++next;
     }
     if (unhex(frames_.back())[0] == 2) {

@@ -139,7 +139,8 @@ TEST_F(BusStopOrder, ForHowLongAnotherDeviceWasWaitedForIsNoHoldOfTheWrites) {
   submit(job_of(9, kRead, 2));
   submit(job(kMove));
   submit(job(kStop));
-  EXPECT_EQ(until_next_frame(kEmission + 160ms), kEmission + 160ms);  // stop_wait, and then only `settle`
+  EXPECT_EQ(until_next_frame(kEmission + 160ms),
+            kEmission + 160ms);  // stop_wait, and then only `settle`
   EXPECT_EQ(frames_.back(), kMoveFrame);
   answer_after(10ms, kMoveFrame);
   EXPECT_EQ(until_next_frame(60ms), kT35);

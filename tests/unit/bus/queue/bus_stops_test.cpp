@@ -39,41 +39,6 @@ TEST_F(BusStops, AStopGoesNextBeforeEverythingThatWaits) {
   EXPECT_EQ(frames_[1], kStopFrame);
 }
 
-TEST_F(BusStops, AStopWaitsForARunningTransactionsFirstByteNoLongerThanStopWait) {
-  auto slow = settings();
-  slow.timing.response_timeout = 1s;
-  open(slow, {moons()});
-  submit(job(kRead, 2));
-  advance(20ms);
-  submit(job_of(1, kStop));
-  EXPECT_EQ(until_next_frame(500ms), kEmission + 80ms);
-  EXPECT_EQ(frames_.back(), kStopFrame);
-  EXPECT_EQ(endings_.front(), Ending::no_answer);
-  // The device that was cut off owes its answer until its own timeout and quarantine are over.
-  EXPECT_GT(bus_->view().held_back(2, now_), 0ms);
-}
-
-// Into an answer that is on its way a stop would be lost.
-TEST_F(BusStops, AStopWaitsForTwiceTheLongestAnswerOfLate) {
-  auto slow = settings();
-  slow.timing.response_timeout = 1s;
-  open(slow, {moons()});
-  constexpr auto kAnswerOf2 = "02 03 02 12 34 F1 33";
-  submit(job(kRead, 2));
-  advance(300ms);
-  line(kAnswerOf2);
-  advance(5ms);
-  submit(job(kRead, 2));
-  advance(20ms);
-  submit(job_of(1, kStop));
-  advance(400ms);
-  EXPECT_THAT(frames_, SizeIs(2));
-  line(kAnswerOf2);
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
-  EXPECT_EQ(until_next_frame(10ms), kT35);
-  EXPECT_EQ(frames_.back(), kStopFrame);
-}
-
 TEST_F(BusStops, AResponseThatHasBegunIsHeardOut) {
   open_with(moons());
   submit(job("03 0000 0010", 2));

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// How long a stop waits for the answer to what is on the wire.
+#include "stop_axis.hpp"
+#include "unit/bus/bus_rig.hpp"
+
+namespace mbgate::test::bus_stop_wait_test {
+namespace {
+
+using BusStopWait = Bus;
+
+TEST_F(BusStopWait, AStopWaitsForARunningTransactionsFirstByteNoLongerThanStopWait) {
+  auto slow = settings();
+  slow.timing.response_timeout = 1s;
+  open(slow, {axis(slow)});
+  submit(job(kRead, 2));
+  advance(20ms);
+  submit(job_of(1, kStop));
+  EXPECT_EQ(until_next_frame(500ms), kEmission + 80ms);
+  EXPECT_EQ(frames_.back(), kStopFrame);
+  EXPECT_EQ(endings_.front(), Ending::no_answer);
+  // The device that was cut off owes its answer until its own timeout and quarantine are over.
+  EXPECT_GT(bus_->view().held_back(2, now_), 0ms);
+}
+
+// Into an answer that is on its way a stop would be lost.
+TEST_F(BusStopWait, AStopWaitsForTwiceTheLongestAnswerOfLate) {
+  auto slow = settings();
+  slow.timing.response_timeout = 1s;
+  open(slow, {axis(slow)});
+  constexpr auto kAnswerOf2 = "02 03 02 12 34 F1 33";
+  submit(job(kRead, 2));
+  advance(300ms);
+  line(kAnswerOf2);
+  advance(5ms);
+  submit(job(kRead, 2));
+  advance(20ms);
+  submit(job_of(1, kStop));
+  advance(400ms);
+  EXPECT_THAT(frames_, SizeIs(2));
+  line(kAnswerOf2);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+  EXPECT_EQ(until_next_frame(10ms), kT35);
+  EXPECT_EQ(frames_.back(), kStopFrame);
+}
+
+}  // namespace
+}  // namespace mbgate::test::bus_stop_wait_test
