@@ -136,6 +136,13 @@ bool is_held_too_long(Parts& parts, const Transmission& stop, Instant now) {
          stop.held_by_writes + held_by(parts, stop, *next) > parts.settings.stop_wait;
 }
 
+Duration time_before_stop(const Parts& parts, const Transaction& sent) {
+  constexpr int kSafely = 2;  // times the longest answer of late
+  const DeviceEntry& entry = parts.devices[sent.address];
+  return entry.timing().response_wait +
+         std::max(parts.settings.stop_wait, kSafely * entry.hold.longest_answer());
+}
+
 bool is_given_up(const Parts& parts, const Transmission& stop) {
   const DeviceEntry& entry = parts.devices[stop.leader->address()];
   return !stop.leader->is_broadcast() && stop.tries == 0 && entry.stops_given_up &&

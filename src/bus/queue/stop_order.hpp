@@ -32,6 +32,9 @@ namespace mbgate::bus {
 /// a device with a write outstanding, and no write to a device with a read outstanding. If all
 /// places (`outstanding`) are taken, it is the oldest transmission.
 [[nodiscard]] Transmission* in_the_way_of(const Parts& parts, const Job& stop);
+/// How long what was sent has for its answer before a stop cuts it off, from when it has left. A
+/// stop into an answer that is on its way is a stop lost, so the device has the time that it needs.
+[[nodiscard]] Duration time_before_stop(const Parts& parts, const Transaction& sent);
 /// Is the device of the stop offline, with an earlier stop and all its repetitions unanswered?
 [[nodiscard]] bool is_given_up(const Parts& parts, const Transmission& stop);
 /// Is no running transaction cut short for the stop? Its device was given up, or the stop only

@@ -82,11 +82,7 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
 }
 
 void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Duration longest) {
-  end_wait_at(silence_.emission_ends() + longest);
-}
-
-void SerialDiscipline::end_wait_at(Instant instant) {
-  response_deadline_ = std::min(response_deadline_, instant);
+  response_deadline_ = std::min(response_deadline_, silence_.emission_ends() + longest);
   framer_.hurry(response_deadline_);
 }
 
@@ -106,7 +102,7 @@ void SerialDiscipline::take_misfit(const modbus::Pdu& frame, std::optional<Insta
   }
   if (over) {
     misfit_ = true;
-    end_wait_at(std::max(*over, silence_.emission_ends()));
+    limit_wait(*transaction_, std::max(*over - silence_.emission_ends(), Duration{0}));
   } else {
     transaction_->response = frame;
     end(LineEnd::How::response);

@@ -65,7 +65,6 @@ class SerialDiscipline {
   [[nodiscard]] bool hears_itself() const { return echo_.is_learned() && echo_.is_present(); }
 
  private:
-  void end_wait_at(Instant instant);
   void judge_held(const Echo::Held& held, Instant now);
   Verdict refuse_others(Verdict verdict, Instant now);
   Verdict refuse(Instant now);

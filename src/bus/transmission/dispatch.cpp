@@ -171,19 +171,9 @@ bool Dispatch::serve_stops(Instant now) {
   const Transmission* stop = next_stop(parts_, now);
   const Transmission* other = stop != nullptr ? in_the_way_of(parts_, *stop->leader) : nullptr;
   if (other != nullptr && !waits_patiently(parts_, *stop, now)) {
-    limit_wait(*other);
+    parts_.line.limit_wait(other->on_wire(), time_before_stop(parts_, other->on_wire()));
   }
   return other != nullptr;
-}
-
-// A stop into an answer that is on its way is a stop lost: the device that was asked has the time
-// that it needs.
-void Dispatch::limit_wait(const Transmission& running) {
-  constexpr int kSafely = 2;  // times the longest answer of late
-  const Transaction& sent = running.on_wire();
-  const DeviceEntry& entry = parts_.devices[sent.address];
-  const Duration needs = std::max(parts_.settings.stop_wait, kSafely * entry.hold.longest_answer());
-  parts_.line.limit_wait(sent, entry.timing().response_wait + needs);
 }
 
 // Of several transmissions, or forms, each goes like the first, and no other stop between them.

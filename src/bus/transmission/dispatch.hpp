@@ -44,7 +44,6 @@ class Dispatch {
   void wait_for_line();
   void watch_deadlines();
   bool serve_stops(Instant now);
-  void limit_wait(const Transmission& running);
   void go_on_with_stops(Instant now);
   void cancel_held_writes(Instant now);
   bool send_stops(Instant now);

@@ -74,7 +74,7 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   }
   parts_.actions.push(std::move(frame));
   if (stop != nullptr && in_the_way_of(parts_, *stop->leader) == &transmission) {
-    limit_wait(transmission);
+    parts_.line.limit_wait(sent, time_before_stop(parts_, sent));
   }
 }
 
