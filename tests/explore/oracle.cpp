@@ -114,12 +114,13 @@ bool Oracle::is_waited_for(const Flight& flight) {
          looks_alike(other->word, flight.word);
 }
 
-// A stop waits for no longer.
-bool Oracle::is_cut_at(Instant now) const {
-  return std::ranges::any_of(requests_, [&](const Request& it) {
-    return it.open && it.taken && it.ask.word == Word::stop &&
-           now >= it.since + plant_.bus().stop_wait;
-  });
+// What is on the wire has so long for its answer before a stop goes, or longer if its device has
+// answered more slowly.
+bool Oracle::is_cut_at(const Flight& running, Instant now) const {
+  const auto is_stop = [](const Request& it) {
+    return it.open && it.taken && it.ask.word == Word::stop;
+  };
+  return now >= running.left + plant_.bus().stop_wait && std::ranges::any_of(requests_, is_stop);
 }
 
 bool Oracle::is_begun(const Flight& flight, Instant now) const {
@@ -131,7 +132,7 @@ void Oracle::note_judged(Instant now) {
   if (flight == nullptr || is_begun(*flight, now)) {
     return;
   }
-  flight->cut = flight->cut || is_cut_at(now);
+  flight->cut = flight->cut || is_cut_at(*flight, now);
   if (now >= flight->due) {
     flight->perhaps ? end_uncertain() : end_running(now, true);
   }

@@ -111,7 +111,7 @@ class Oracle {
   }
   void note_wrong(std::uint8_t device, const char* what);
   void end_running(Instant now, bool counts);
-  [[nodiscard]] bool is_cut_at(Instant now) const;
+  [[nodiscard]] bool is_cut_at(const Flight& running, Instant now) const;
   [[nodiscard]] bool is_waited_for(const Flight& flight);
   [[nodiscard]] bool is_begun(const Flight& flight, Instant now) const;
 
@@ -133,7 +133,6 @@ class Oracle {
   void check_write(const Request& request);
   void check_busy(const Request& request, Instant now);
   void check_no_answer(const Request& request);
-  void check_no_path(const Request& request);
   void check_waiting(const Request& request, Instant now);
   [[nodiscard]] const Flight* last_flight_of(const Request& request) const;
 

@@ -13,7 +13,6 @@ using namespace std::chrono_literals;
 constexpr std::size_t kHeader = 7;
 constexpr std::uint8_t kException = 0x80;
 constexpr std::uint8_t kBusy = 0x06;
-constexpr std::uint8_t kNoPath = 0x0A;
 constexpr std::uint8_t kNoAnswer = 0x0B;
 /// A request and its answer on the wire, and the silences around them.
 constexpr Duration kFrames = 25ms;
@@ -43,8 +42,6 @@ void Oracle::note_sent(std::uint8_t client, const Octets& adu, Instant now) {
     report("an answer of another function");
   } else if (pdu[1] == kBusy) {
     check_busy(request, now);
-  } else if (pdu[1] == kNoPath) {
-    check_no_path(request);
   } else if (pdu[1] == kNoAnswer) {
     check_no_answer(request);
   } else {
@@ -96,14 +93,14 @@ void Oracle::check_write(const Request& request) {
   book.done = std::max(book.done, done->event);
 }
 
-// Never transmitted; and its deadline is over, or a stop took it back.
+// Never transmitted; and its deadline is over, a stop took it back, or its device is offline.
 void Oracle::check_busy(const Request& request, Instant now) {
   const bool is_late = now >= request.deadline;
   if (request.ask.word == Word::stop) {
     report("06 to a stop");
   } else if (request.ask.word == Word::write && request.sent > 0) {
     report("06 though it was transmitted");
-  } else if (!is_late && !request.cancelled &&
+  } else if (!is_late && !request.cancelled && !(request.was_offline && !request.ask.is_read()) &&
              (plant_.device().stop_cancels || !request.stop_behind)) {
     report("06 without a reason");
   }
@@ -125,14 +122,6 @@ void Oracle::check_no_answer(const Request& request) {
     report("0B though it was never transmitted");
   } else if (last->in_time && !is_disturbed()) {  // else it may belong to an earlier one
     report("0B though its answer came in time");
-  }
-}
-
-void Oracle::check_no_path(const Request& request) {
-  if (request.ask.is_read() || request.ask.word == Word::stop || !request.was_offline) {
-    report("0A without a reason");
-  } else if (request.sent > 0) {
-    report("0A though it was transmitted");
   }
 }
 

@@ -63,7 +63,7 @@ void Oracle::check_silence(Instant now) {
   }
 }
 
-// One at a time; a stop need not wait for longer than `stop_wait`. Then it goes, or what it gives
+// One at a time; a stop need not wait for longer than is_cut_at(). Then it goes, or what it gives
 // way to.
 void Oracle::check_overlap(Instant now) {
   if (running() == nullptr) {
@@ -73,7 +73,7 @@ void Oracle::check_overlap(Instant now) {
     end_uncertain();
     return;
   }
-  if (!is_cut_at(now)) {
+  if (!is_cut_at(*running(), now)) {
     report("overlap: transmitted while an answer is waited for");
   }
   cut_ = running()->serial;

@@ -110,8 +110,8 @@ void StateReader::read(const bus::Transmission& transmission, const bus::DeviceT
                        gateway::Gateway& gateway, Hash& hash) {
   // Where it is linked is told by who shows it: stop_hook. No line is lost: cut.
   const auto& [stop_hook, leader, followers, merged, tries, cut, in_flight, is_probe, is_one_try,
-               waits_since, held_by_writes, transmitted_at, last_sent, turn,
-               writes_before] = transmission;
+               waits_since, held_by_writes, transmitted_at, last_sent, turn, writes_before] =
+      transmission;
   for (const bool flag : {in_flight, is_probe, is_one_try}) {
     hash.add(flag);
   }

@@ -56,6 +56,7 @@ bus = "line-a"
 [[bus]]
 name = "line-a"
 device = "no-such-port"
+offline_after = 0
 """
 OWN_UNIT = 255
 READ = struct.pack(">BHH", 4, 0, 1)  # the first register of the status unit

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How soon a stop is on the wire after it was read, whatever the bus is doing just then, and that a
 // move which waited for the same drive never runs. Every instant is exact.
+#include <gtest/gtest.h>
+
 #include <numeric>
 
 #include "config/profiles/profile_file.hpp"

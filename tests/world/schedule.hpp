@@ -23,7 +23,7 @@ class Schedule {
 
   [[nodiscard]] Instant now() const { return now_; }
   void at(Instant instant, Happening happening) {
-    std::uint32_t place = static_cast<std::uint32_t>(happenings_.size());
+    auto place = static_cast<std::uint32_t>(happenings_.size());
     if (free_.empty()) {
       happenings_.push_back(std::move(happening));
     } else {

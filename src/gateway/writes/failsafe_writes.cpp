@@ -105,15 +105,19 @@ void FailsafeWrites::client_asked(const ClientSession& client, const routing::Pl
       if (std::exchange(watch.is_told, false)) {
         report(settings_.settings().devices[device], watch, FailsafeOutcome::client_back);
       }
-      for (const Write& write : watch.writes) {
-        if (write.exchange) {
-          exchanges_.abandon(*write.exchange);
-        }
-      }
-      watch.due.reset();
-      watch.writes.clear();
+      abandon(watch);
     }
   });
+}
+
+void FailsafeWrites::abandon(Watch& watch) {
+  for (const Write& write : watch.writes) {
+    if (write.exchange) {
+      exchanges_.abandon(*write.exchange);
+    }
+  }
+  watch.due.reset();
+  watch.writes.clear();
 }
 
 void FailsafeWrites::client_gone(ClientId client, Instant now) {

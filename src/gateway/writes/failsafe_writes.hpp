@@ -62,6 +62,7 @@ class FailsafeWrites {
   void visit_reached(const routing::Plan& plan, Visit visit);
   bool act(std::size_t device, Watch& watch, Instant now);
   void begin(std::size_t device, Watch& watch, FailsafeReason reason);
+  void abandon(Watch& watch);
   void send(std::size_t place, Watch& watch, Instant now);
   void end_run(std::size_t device, Watch& watch);
   void report(const drive::Device& device, const Watch& watch, FailsafeOutcome outcome);
