@@ -63,7 +63,7 @@ void look_for(Parts& parts, JobClass job_class, Search& search, Instant now) {
 }
 
 // The one that waits for its next try for longest.
-const Transmission* next_repeated(Parts& parts, const Bounds& bounds, Instant now) {
+Job* next_repeated(Parts& parts, const Bounds& bounds, Instant now) {
   const Transmission* next = nullptr;
   for (const Transmission* running : parts.transmissions.running()) {
     if (running->is_between_tries() && !is_held_back(parts, *running->leader, now) &&
@@ -73,7 +73,7 @@ const Transmission* next_repeated(Parts& parts, const Bounds& bounds, Instant no
       next = running;
     }
   }
-  return next;
+  return next == nullptr ? nullptr : next->leader;
 }
 
 bool reads_go_first(const Parts& parts) {
@@ -110,14 +110,13 @@ std::optional<Choice> next_waiting(Parts& parts, const Bounds& bounds, Instant n
 
 std::optional<Choice> next_turn(Parts& parts, const Bounds& bounds, Instant now) {
   const auto choice = next_waiting(parts, bounds, now);
-  const Transmission* repeated = next_repeated(parts, bounds, now);
+  Job* repeated = next_repeated(parts, bounds, now);
   if (repeated == nullptr) {
     return choice;
   }
-  const Instant ready = std::max(now, ready_at(parts, *repeated->leader));
-  return choice && goes_before_repeated(parts, *choice, *repeated->leader, ready)
-             ? choice
-             : Choice{repeated->leader, ready};
+  const Instant ready = std::max(now, ready_at(parts, *repeated));
+  return choice && goes_before_repeated(parts, *choice, *repeated, ready) ? choice
+                                                                          : Choice{repeated, ready};
 }
 
 Wake wake_for(const Parts& parts, const Job& job, Instant at) {

@@ -22,6 +22,10 @@ unsigned offline_after(const DeviceEntry& entry) {
   return entry.is_unknown() ? std::min(usual, 1U) : usual;
 }
 
+bool may_be_tried_again(const Transmission& stop, const DeviceEntry& entry) {
+  return !stop.is_abandoned() && stop.tries <= entry.timing().stop_retries;
+}
+
 }  // namespace
 
 // Nothing came from the device; what is owed on a connection holds nothing.
@@ -78,7 +82,7 @@ void Outcomes::note_stopped(const Transmission& transmission, Instant now) {
 void Outcomes::handle_stop_failure(Transmission& stop, Instant now) {
   DeviceEntry& entry = parts_.devices[stop.on_wire().address];
   const bool is_given_up = stop.is_one_try && entry.stops_given_up;
-  if (!is_given_up && !stop.is_abandoned() && stop.tries <= entry.timing().stop_retries) {
+  if (!is_given_up && may_be_tried_again(stop, entry)) {
     parts_.transmissions.leave(stop);
     stop.waits_since = now;
     parts_.stops.push(stop);
@@ -95,7 +99,7 @@ bool Outcomes::repeat_refused(Transmission& stop, Instant now) {
   DeviceEntry& entry = parts_.devices[sent.address];
   const std::uint8_t exception = sent.response->bytes()[1];
   const bool may_repeat = std::ranges::count(kPassingExceptions, exception) > 0;
-  if (may_repeat && !stop.is_abandoned() && stop.tries <= entry.timing().stop_retries) {
+  if (may_repeat && may_be_tried_again(stop, entry)) {
     const Instant again_at = now + parts_.settings.stop_wait;
     sent.response.reset();
     entry.free_at = std::max(entry.free_at, again_at);
