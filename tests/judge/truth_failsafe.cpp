@@ -82,9 +82,7 @@ void Judge::check_failsafe_done() {
   }
   for (std::size_t at = 0; at < plan_.stations.size(); ++at) {
     const Station& station = plan_.stations[at];
-    const bool is_guarded =
-        station.device && !plan_.settings.guards[*station.device].failsafe.empty();
-    if (!is_guarded || written[at] == Instant::min()) {
+    if (!plan_.has_failsafe(station) || written[at] == Instant::min()) {
       continue;
     }
     const auto found = ledger_.doers.find(key_of(at, stop));

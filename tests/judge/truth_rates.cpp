@@ -105,8 +105,7 @@ bool RulesJudge::may_not_be_written(const Asked& asked) const {
   const auto& stops = ledger_.stops[at];
   const auto by_all = broadcast_.find(station.bus);
   if (!station.device || plan_.is_tcp(station.bus) || last.empty() || may_be_owned(asked) ||
-      !plan_.settings.guards[*station.device].failsafe.empty() ||
-      connection_of(asked).half_closed != kNever) {
+      plan_.has_failsafe(station) || connection_of(asked).half_closed != kNever) {
     return true;
   }
   const Sent& sent = ledger_.sent[last.back()];

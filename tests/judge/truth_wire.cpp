@@ -67,8 +67,7 @@ void Judge::check_waiting(Id id) {
   const auto drops_failsafe = [&](const Asked& asked) {
     const auto& at = asked.intent.station;
     return asked.given > before.begin && at && plan_.stations[*at].bus == sent.bus &&
-           plan_.stations[*at].device &&
-           !plan_.settings.guards[*plan_.stations[*at].device].failsafe.empty();
+           plan_.has_failsafe(plan_.stations[*at]);
   };
   if (sent.begin + kRounding < before.end + limit &&
       std::ranges::none_of(ledger_.asked, drops_failsafe)) {

@@ -222,8 +222,9 @@ class Build:
 def execute(command, limit, number=None, reached=None, stop=None):
     """What it wrote, its status, and the seconds of processor time that it took; nothing as the status if these were
     more than the limit, or it stood still. It is ended at the first line that stop matches."""
-    memory = [f"--as={run.MOST_MEMORY}"] if shutil.which("prlimit") else []
-    limits = ["prlimit", *memory, "--core=0", f"--cpu={math.ceil(limit)}:{math.ceil(limit) + 5}"] if memory else []
+    seconds = math.ceil(limit)
+    limits = ["prlimit", f"--as={run.MOST_MEMORY}", "--core=0", f"--cpu={seconds}:{seconds + 5}"]
+    limits = limits if shutil.which("prlimit") else []
     surroundings = os.environ | ({"MBGATE_MUTANT": str(number)} if number is not None else {})
     surroundings |= {"MBGATE_MUTANTS_REACHED": str(reached)} if reached else {}
     late = threading.Event()

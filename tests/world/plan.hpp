@@ -168,6 +168,9 @@ struct Plan {
   [[nodiscard]] const drive::Device* device_of(const Station& station) const {
     return station.device ? &settings.devices[*station.device] : nullptr;
   }
+  [[nodiscard]] bool has_failsafe(const Station& station) const {
+    return station.device && !settings.guards[*station.device].failsafe.empty();
+  }
   /// The times of the station, as they are configured.
   [[nodiscard]] const drive::DeviceTiming& timing_of(const Station& station) const {
     return station.device ? settings.devices[*station.device].timing

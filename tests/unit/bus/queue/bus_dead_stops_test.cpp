@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stops that nobody answers, and lines that are never silent.
+#include "stop_axis.hpp"
 #include "unit/bus/bus_rig.hpp"
 
 namespace mbgate::test {
 namespace {
 
 using Kind = bus::DeviceNotice::Kind;
-
-constexpr auto kHalt = "06 007C 00E1";
-constexpr auto kHaltFrame = "01 06 00 7C 00 E1 88 5A";
 
 class BusDeadStops : public Bus {
  protected:
@@ -18,22 +16,14 @@ class BusDeadStops : public Bus {
     return breaking;
   }
   void open_axis(const bus::BusSettings& settings) {
-    drive::Device axis{"axis", {}, 1, settings.timing};
-    axis.profile.stops = {{.address = 0x007C, .value = 0x00E1}};
-    drive::Device other = axis;
-    other.name = "other";
-    other.address = 2;
-    drive::Device third = axis;
-    third.name = "third";
-    third.address = 3;
-    open(settings, {axis, other, third});
+    open(settings, {axis(settings, 1), axis(settings, 2), axis(settings, 3)});
   }
   [[nodiscard]] std::size_t stops_sent() const {
-    return static_cast<std::size_t>(std::ranges::count(frames_, kHaltFrame));
+    return static_cast<std::size_t>(std::ranges::count(frames_, kStopFrame));
   }
   /// A whole series of tries was in vain, and the device is offline.
   void give_up_axis() {
-    submit(job(kHalt));
+    submit(job(kStop));
     advance(600ms);
     EXPECT_EQ(stops_sent(), 4U);
     EXPECT_TRUE(bus_->devices()[1].health.is_offline());
@@ -51,7 +41,7 @@ class BusDeadStops : public Bus {
 
 TEST_F(BusDeadStops, BetweenTwoTriesAnotherDeviceHasOneTurn) {
   open_axis(settings());
-  submit(job(kHalt));
+  submit(job(kStop));
   submit(job_of(1, kRead, 2));
   submit(job_of(2, kRead, 3));
   advance(110ms);
@@ -60,7 +50,7 @@ TEST_F(BusDeadStops, BetweenTwoTriesAnotherDeviceHasOneTurn) {
   refuse(2);
   advance(10ms);
   ASSERT_THAT(frames_, SizeIs(3));
-  EXPECT_EQ(frames_[2], kHaltFrame);
+  EXPECT_EQ(frames_[2], kStopFrame);
   advance(110ms);
   ASSERT_THAT(frames_, SizeIs(4));
   EXPECT_EQ(unhex(frames_[3])[0], 3);
@@ -70,7 +60,7 @@ TEST_F(BusDeadStops, ThatTurnHasStopWaitForItsAnswer) {
   auto slow = settings();
   slow.timing.response_timeout = 1s;
   open_axis(slow);
-  submit(job(kHalt));
+  submit(job(kStop));
   submit(job_of(1, kRead, 2));
   advance(1100ms);
   ASSERT_THAT(frames_, SizeIs(2));
@@ -81,29 +71,29 @@ TEST_F(BusDeadStops, ThatTurnHasStopWaitForItsAnswer) {
 
 TEST_F(BusDeadStops, WithNobodyElseWaitingAStopIsRepeatedAtOnce) {
   open_axis(settings());
-  submit(job(kHalt));
+  submit(job(kStop));
   advance(3 * (kEmission + 100ms));
   EXPECT_EQ(stops_sent(), 4U);
 }
 
 TEST_F(BusDeadStops, AStopThatWasAnsweredGivesWayToNobody) {
   open_axis(settings());
-  submit(job(kHalt));
+  submit(job(kStop));
   advance(10ms);
-  line(kHaltFrame);
+  line(kStopFrame);
   submit(job_of(1, kRead, 2));
   advance(10ms);
-  submit(job(kHalt));
+  submit(job(kStop));
   submit(job_of(2, kRead, 3));
   refuse(2);
   advance(10ms);
-  EXPECT_EQ(frames_.back(), kHaltFrame);
+  EXPECT_EQ(frames_.back(), kStopFrame);
 }
 
 TEST_F(BusDeadStops, ToADeadDriveThatWasGivenUpAStopIsTriedOnce) {
   open_axis(breaking());
   give_up_axis();
-  submit(job(kHalt));
+  submit(job(kStop));
   advance(1s);
   EXPECT_EQ(stops_sent(), 1U);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
@@ -114,27 +104,27 @@ TEST_F(BusDeadStops, AndCutsNothingThatRuns) {
   auto slow = breaking();
   slow.timing.response_timeout = 1s;
   open_axis(slow);
-  submit(job(kHalt));
+  submit(job(kStop));
   advance(5s);
   EXPECT_TRUE(bus_->devices()[1].health.is_offline());
   endings_.clear();
   submit(job_of(1, kRead, 2));
-  submit(job(kHalt));
+  submit(job(kStop));
   advance(600ms);
   EXPECT_THAT(endings_, IsEmpty());
   refuse(2);
   advance(5ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-  EXPECT_EQ(frames_.back(), kHaltFrame);
+  EXPECT_EQ(frames_.back(), kStopFrame);
 }
 
 TEST_F(BusDeadStops, OnceItAnswersAgainStopsAreRepeatedAgain) {
   open_axis(breaking());
   give_up_axis();
-  submit(job(kHalt));
+  submit(job(kStop));
   advance(10ms);
-  line(kHaltFrame);
-  submit(job(kHalt));
+  line(kStopFrame);
+  submit(job(kStop));
   advance(1s);
   EXPECT_EQ(stops_sent(), 1U + 4U);
 }
@@ -147,7 +137,7 @@ TEST_F(BusDeadStops, AStopInEveryScanToADeadDriveLeavesTheOthersTheBus) {
   bus::Job* read = nullptr;
   for (int at = 0; at < 3000; ++at) {  // 30 s
     if (at % 25 == 0) {
-      submit(job_of(1, kHalt));
+      submit(job_of(1, kStop));
     }
     if (read == nullptr || !read->accepted) {
       read = &job_of(2, kRead, 2);
@@ -166,7 +156,7 @@ TEST_F(BusDeadStops, OnALineThatIsNeverSilentAStopGoesAtItsDeadline) {
   open_axis(settings());
   advance(1s);
   babble(10ms);
-  submit(job(kHalt));
+  submit(job(kStop));
   const Instant since = now_;
   babble(1900ms);
   EXPECT_THAT(frames_, IsEmpty());
@@ -181,13 +171,13 @@ TEST_F(BusDeadStops, OnALineThatIsNeverSilentAStopGoesAtItsDeadline) {
 
 TEST_F(BusDeadStops, StopsToOthersWithoutEndKeepItWaitingForOneOfThem) {
   open_axis(settings());
-  submit(job(kHalt));
+  submit(job(kStop));
   advance(1ms);
-  submit(job(kHalt, 2));
+  submit(job(kStop, 2));
   time_out();
   for (int times = 0; times < 4; ++times) {
     advance(5ms);
-    submit(job(kHalt, 2));
+    submit(job(kStop, 2));
     line("02 06 00 7C 00 E1 88 69");
   }
   EXPECT_GE(stops_sent(), 2U);
@@ -198,12 +188,12 @@ TEST_F(BusDeadStops, StopsToOthersWithoutEndKeepItWaitingForOneOfThem) {
 TEST_F(BusDeadStops, AnIdenticalOneThatWasNotTriedYetGoesAtADeadlineOfItsOwn) {
   open_axis(settings());
   babble(10ms);
-  submit(job(kHalt));
+  submit(job(kStop));
   babble(2200ms);
   ASSERT_EQ(stops_sent(), 1U);
   const Instant since = now_;
-  submit(job_of(1, kHalt));
-  submit(job(kHalt, 2));
+  submit(job_of(1, kStop));
+  submit(job(kStop, 2));
   babble(2s);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   babble(200ms);
@@ -211,18 +201,18 @@ TEST_F(BusDeadStops, AnIdenticalOneThatWasNotTriedYetGoesAtADeadlineOfItsOwn) {
   EXPECT_EQ(frame_times_[1] - since, 2s);
   babble(6s);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer, Ending::no_answer));
-  EXPECT_THAT(frames_, ElementsAre(kHaltFrame, kHaltFrame, "02 06 00 7C 00 E1 88 69"));
+  EXPECT_THAT(frames_, ElementsAre(kStopFrame, kStopFrame, "02 06 00 7C 00 E1 88 69"));
 }
 
 TEST_F(BusDeadStops, AtItsDeadlineItWaitsForNobodyElsesTurn) {
   open_axis(breaking());
   give_up_axis();
   babble(10ms);
-  submit(job(kHalt));
+  submit(job(kStop));
   submit(job_of(1, kRead, 2));
   const Instant since = now_;
   babble(1s);
-  submit(job(kHalt, 2));  // which does not give way
+  submit(job(kStop, 2));  // which does not give way
   babble(1100ms);
   ASSERT_EQ(stops_sent(), 1U);
   EXPECT_LE(frame_times_[0] - since, 2s + 1ms);
@@ -235,10 +225,10 @@ TEST_F(BusDeadStops, AtItsDeadlineItLetsNoWriteGoFirst) {
   open(settings(), {axis});
   babble(10ms);
   submit(job("06 0000 0001"));
-  submit(job(kHalt));
+  submit(job(kStop));
   const Instant since = now_;
   babble(2100ms);
-  ASSERT_THAT(frames_, ElementsAre(kHaltFrame));
+  ASSERT_THAT(frames_, ElementsAre(kStopFrame));
   EXPECT_LE(frame_times_[0] - since, 2s + 1ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
 }
@@ -247,13 +237,13 @@ TEST_F(BusDeadStops, ItsRepetitionsUseTheFirstSilence) {
   open_axis(settings());
   advance(1s);
   babble(10ms);
-  submit(job(kHalt));
+  submit(job(kStop));
   babble(2500ms);
   ASSERT_EQ(stops_sent(), 1U);
   advance(3ms);
   EXPECT_EQ(stops_sent(), 2U);
   advance(10ms);
-  line(kHaltFrame);
+  line(kStopFrame);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
@@ -262,7 +252,7 @@ TEST_F(BusDeadStops, OnlyTheTimeWithoutSilenceCounts) {
   patient.stop_deadline = 500ms;
   open_axis(patient);
   babble(450ms);
-  submit(job(kHalt));
+  submit(job(kStop));
   babble(450ms);
   EXPECT_THAT(frames_, IsEmpty());
   advance(kT35);

@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/serial/ascii_framer.hpp"
-
-#include "framer_rig.hpp"
+#include "ascii_framer_rig.hpp"
 
 namespace mbgate::test::ascii_framer_test {
 namespace {
 
-class AsciiFramer : public FramerRig<bus::AsciiFramer> {
- protected:
-  AsciiFramer()
-      : FramerRig(modbus::RtuTiming(modbus::Baud{9600}, {7, modbus::Parity::even, 1}), 20ms) {}
-  Verdict add(std::string_view text) {
-    return FramerRig::add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-  }
-};
+class AsciiFramer : public AsciiRig {};
 
 constexpr auto kRead = "03 0000 0001";
 constexpr std::string_view kAnswer = ":0103021234B4\r\n";
