@@ -31,7 +31,6 @@ struct BusCounters {
   std::uint64_t foreign_frames =
       0;  ///< requests of other clients, frames of devices that owed no answer
   std::uint64_t shared_reads = 0;      ///< requests answered by the transmission of another request
-  std::uint64_t merged_reads = 0;      ///< of these, those answered by a part of a longer read
   std::uint64_t cached_reads = 0;      ///< reads answered from the cache
   std::uint64_t stops = 0;             ///< stops that were sent, repetitions included
   std::uint64_t stops_unanswered = 0;  ///< stops given up without being acknowledged

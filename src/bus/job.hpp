@@ -45,10 +45,6 @@ struct Transaction {
   /// Set for a check that the gateway adds, a read of one register: the job goes on only if the
   /// register holds one of these values. Must outlive the job.
   const std::vector<std::uint16_t>* must_hold = nullptr;
-  /// Of a read through an address window: the range of device addresses that the window leads to.
-  /// The read is not merged with reads outside it.
-  std::uint32_t window_begin = 0;
-  std::uint32_t window_end = 0x10000;
 
   [[nodiscard]] bool is_broadcast() const { return broadcast != drive::BroadcastForm::none; }
   [[nodiscard]] bool may_stay_silent() const { return silence_is_success || boot_time; }
@@ -102,7 +98,6 @@ struct Job {
   bool overtaken = false;      ///< cancelled by a stop of its device: no further transmission
   bool probes_freely = false;  ///< it may probe only because there are no ordinary requests
   bool accepted = false;       ///< the bus has it
-  bool unmerged = false;       ///< it was part of a merged read that failed, and is sent alone now
 
   /// Is it in the queue? Stops never are.
   [[nodiscard]] bool is_waiting() const { return queue_hook.is_linked(); }

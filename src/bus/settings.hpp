@@ -111,7 +111,6 @@ struct BusSettings {
   Duration settle{0};
   std::size_t queue = 2048;  ///< requests waiting at most, stops not counted
   bool coalesce = true;      ///< identical waiting reads are transmitted once
-  bool merge = false;        ///< adjacent and overlapping waiting reads are transmitted as one
   unsigned burst = 8;        ///< after this many consecutive writes, one waiting read is sent
   /// How long a stop waits for the first byte of the response of a running transaction. If that
   /// transaction is itself a stop, or a write that goes first (`stop_cancels = false`), the time

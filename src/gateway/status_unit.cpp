@@ -49,6 +49,9 @@ void put_quality(Block& block, const bus::QualityVerdict& verdict) {
   block.push_back(saturated(verdict.quality == bus::Quality::bad_crc ? verdict.percent() : 0));
 }
 
+// Its counter is gone, and the others keep their registers.
+constexpr std::uint64_t kNoCounter = 0;
+
 Block bus_block(const bus::Bus& bus) {
   const bus::BusCounters& counters = bus.counters();
   Block block{static_cast<std::uint16_t>(bus.link().serves() ? 1 : 0),
@@ -60,7 +63,7 @@ Block bus_block(const bus::Bus& bus) {
         counters.expired,          counters.refused_full,     counters.losses,
         counters.retries,          counters.broadcasts,       counters.late_responses,
         counters.early_responses,  counters.foreign_frames,   counters.shared_reads,
-        counters.merged_reads,     counters.cached_reads,     counters.stops,
+        kNoCounter,     counters.cached_reads,     counters.stops,
         counters.stops_unanswered, counters.overtaken_writes, counters.probes,
         counters.refused_offline,  counters.evicted}) {
     put32(block, count);

@@ -69,14 +69,7 @@ std::optional<ExceptionCode> Plan::fill(const ResolvedRoute& resolved, std::uint
   if (!request) {
     return request.error();
   }
-  const auto error = add(resolved, unit, *request);
-  if (const auto* window = window_of(windows, client_request_)) {
-    for (PlannedTransaction& transaction : transactions_) {
-      transaction.window_begin = window->to;
-      transaction.window_end = window->to + window->count;
-    }
-  }
-  return error;
+  return add(resolved, unit, *request);
 }
 
 std::optional<ExceptionCode> Plan::add(const ResolvedRoute& resolved, std::uint8_t unit,

@@ -33,9 +33,6 @@ struct PlannedTransaction {
   /// Set for a check that the gateway adds, a read of one register: what follows is sent only if
   /// the register holds one of these values.
   const std::vector<std::uint16_t>* must_hold = nullptr;
-  /// Of a read through an address window: the addresses of the device that the window leads to.
-  std::uint32_t window_begin = 0;
-  std::uint32_t window_end = 0x10000;
 };
 
 class Plan {

@@ -109,7 +109,7 @@ void StateReader::read(const bus::BusQueue& queue, gateway::Gateway& gateway, Ha
 void StateReader::read(const bus::Transmission& transmission, const bus::DeviceTable& devices,
                        gateway::Gateway& gateway, Hash& hash) {
   // Where it is linked is told by who shows it: stop_hook. No line is lost: cut.
-  const auto& [stop_hook, leader, followers, merged, tries, cut, in_flight, is_probe, is_one_try,
+  const auto& [stop_hook, leader, followers, tries, cut, in_flight, is_probe, is_one_try,
                waits_since, held_by_writes, transmitted_at, last_sent, turn, writes_before] =
       transmission;
   for (const bool flag : {in_flight, is_probe, is_one_try}) {
@@ -128,10 +128,6 @@ void StateReader::read(const bus::Transmission& transmission, const bus::DeviceT
   if (is_probe) {
     hash.since(last_sent, kFarPast);
   }
-  hash.add(merged != nullptr);
-  if (merged) {
-    read(*merged, hash);
-  }
   read(leader, gateway, hash);
   hash.add(followers.size());
   for (const bus::Job* follower : followers) {
@@ -146,9 +142,9 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
   // Where it is linked is told by who shows it: hooks, leads. A name only: number.
   const auto& [queue_hook, deadline_hook, write_hook, number, owner, source, weight, job_class,
                sequence, deadline, transactions, current, leads, accepted_at, was_on_wire,
-               abandoned, passed_over, overtaken, probes_freely, accepted, unmerged] = *job;
+               abandoned, passed_over, overtaken, probes_freely, accepted] = *job;
   for (const bool flag :
-       {was_on_wire, abandoned, passed_over, overtaken, probes_freely, accepted, unmerged}) {
+       {was_on_wire, abandoned, passed_over, overtaken, probes_freely, accepted}) {
     hash.add(flag);
   }
   hash.add(source);
@@ -169,9 +165,8 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
 }
 
 void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
-  // Its route's: window_begin, window_end.
   const auto& [address, unit, request, silence_is_success, broadcast, response, boot_time,
-               must_hold, window_begin, window_end] = transaction;
+               must_hold] = transaction;
   require(must_hold == nullptr, "the gateway asks nothing of its own");
   hash.add(address);
   hash.add(unit);
@@ -198,7 +193,7 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
   // misfit_reported, pause_reported, owed_until, asked_at, silence, times, second_at,
   // second_read_at, setting, unreached, failed_stop. A job that the queue shows too: probe.
   const auto& [device, counters, health, hold, cache, free_at, probe, setting_known, early_reported,
-               last_stop_turn, stops_given_up, merge_refused, second_reported, misfit_reported,
+               last_stop_turn, stops_given_up, second_reported, misfit_reported,
                pause_reported, owed_until, asked_at, silence, times, second_at, second_read_at,
                setting, unreached, failed_stop] = entry;
   read(health, entry.timing(), hash);
@@ -209,7 +204,6 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
   hash.add(setting_known);
   hash.ordered(Order::turn, last_stop_turn);
   hash.add(stops_given_up);
-  hash.add(merge_refused);
   if (sight.may_be_offline && health.is_offline()) {
     hash.since(health.probe_at(), kFarPast);
     hash.since(health.wanted_at(), entry.timing().probe_interval);

@@ -134,30 +134,12 @@ void check_question(const Scene& scene, const Plan& plan, std::size_t at) {
       "a question reads the register of the word order");
 }
 
-/// What is merged with a read must not leave its window.
-void check_window(const Scene& scene, const PlannedTransaction& transaction,
-                  const Request& request) {
-  const auto& reads = request.reads();
-  if (!reads || transaction.must_hold != nullptr) {
-    return;
-  }
-  const ClientView view = view_of(scene, scene.device());
-  const auto* window = view.window_of(asked(reads->range));
-  require(transaction.window_begin == (window == nullptr ? 0U : window->to) &&
-              transaction.window_end == (window == nullptr ? 0x10000U : window->to + window->count),
-          "a read knows its window");
-  const Asked read = asked(transaction.request.reads()->range);
-  require(transaction.window_begin <= read.first && read.end() <= transaction.window_end,
-          "a read stays in its window");
-}
-
 void check_unicast(const Scene& scene, const Plan& plan, const Request& request, Script& script) {
   for (const PlannedTransaction& transaction : plan.transactions()) {
     require(transaction.bus == scene.resolved.route.buses.front() &&
                 transaction.address == kFirstAddress + scene.unit - kFirstUnit &&
                 transaction.broadcast == BroadcastForm::none,
             "a request goes where its unit leads");
-    check_window(scene, transaction, request);
     if (scene.resolved.device != nullptr) {
       check_limits(scene.device(), transaction.request);
     }

@@ -21,7 +21,6 @@ inline gateway::Settings plant(std::uint16_t choices) {
     bus.timing.response_timeout = 100ms;
     bus.queue = chosen(0) ? 4 : 2048;
     bus.coalesce = !chosen(1);
-    bus.merge = chosen(2);
     bus.settle = chosen(3) ? 10ms : 0ms;
     bus.line.echo = index == 0 && chosen(4);
     auto& drive = settings.devices.emplace_back();

@@ -80,7 +80,6 @@ object counters_json(const bus::BusCounters& counters) {
           {"evicted", counters.evicted},
           {"losses", counters.losses},
           {"shared_reads", counters.shared_reads},
-          {"merged_reads", counters.merged_reads},
           {"cached_reads", counters.cached_reads},
           {"stops", counters.stops},
           {"stops_unanswered", counters.stops_unanswered},

@@ -50,9 +50,6 @@ constexpr std::array kBusCounters = {
     BusCounter{
         {"mbgate_bus_shared_reads_total", "Reads answered by the transmission of another request."},
         &bus::BusCounters::shared_reads},
-    BusCounter{{"mbgate_bus_merged_reads_total",
-                "Of the shared reads, those answered by a part of a longer one."},
-               &bus::BusCounters::merged_reads},
     BusCounter{{"mbgate_bus_cached_reads_total", "Reads answered from the cache."},
                &bus::BusCounters::cached_reads},
     BusCounter{{"mbgate_bus_stops_total", "Stops sent, repetitions included."},

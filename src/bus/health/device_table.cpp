@@ -40,7 +40,6 @@ Addresses DeviceTable::update(const BusSettings& settings, std::span<const drive
     DeviceEntry& entry = entries_.at(address);
     entry.device = &other_;
     entry.early_reported = false;
-    entry.merge_refused = false;
     entry.second_reported = false;
     entry.misfit_reported = entry.pause_reported = false;
     if (names.at(address) != before.at(address)) {

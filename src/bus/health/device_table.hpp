@@ -46,7 +46,6 @@ struct DeviceEntry {
   bool early_reported = false;
   std::uint64_t last_stop_turn = 0;  ///< of the last stop, if that was unanswered; else 0
   bool stops_given_up = false;       ///< a stop and all its repetitions were unanswered
-  bool merge_refused = false;        ///< it rejected a merged read
   bool second_reported = false;
   bool misfit_reported = false;
   bool pause_reported = false;

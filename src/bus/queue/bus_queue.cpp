@@ -23,12 +23,6 @@ bool BusQueue::push(Job& job) {
   return true;
 }
 
-void BusQueue::push_front(Job& job) {
-  Source& source = source_of(job);
-  source.waiting.push_front(job);
-  link(job, source);
-}
-
 void BusQueue::link(Job& job, Source& source) {
   source.weight = job.weight;
   if (!source.round_hook.is_linked()) {

@@ -23,8 +23,6 @@ class BusQueue {
   /// Queues a job behind those of its client address. False if there is no room; the job is then
   /// untouched.
   bool push(Job& job);
-  /// Queues a job again, in front of those of its client address.
-  void push_front(Job& job);
   /// The waiting read that has to make room in a full queue: the newest of the client address with
   /// the most waiting requests. Nothing if that one has no read that waits.
   [[nodiscard]] Job* read_to_evict();

@@ -48,8 +48,9 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
     const DeviceEntry& entry = parts_.devices[job.address()];
     transmission.transmitted_at = now;
     transmission.writes_before = entry.cache.writes_ended();
-    const bool merges = parts_.settings.merge && !entry.merge_refused;
-    gather_followers(parts_.queue, transmission, *entry.device, {parts_.settings.coalesce, merges});
+    if (parts_.settings.coalesce) {
+      gather_followers(parts_.queue, transmission);
+    }
   }
   const drive::DeviceTiming timing = note_transmission(transmission, now);
   Transaction& sent = transmission.on_wire();

@@ -2,7 +2,6 @@
 #include "bus/transmission/job_ends.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include "bus/queue/stop_order.hpp"
@@ -42,24 +41,6 @@ void JobEnds::advance(Transmission& transmission, Ending ending) {
   transmission.tries = 0;
   if (++transmission.leader->current == transmission.leader->transactions.size()) {
     finish(transmission, ending);
-  }
-}
-
-void JobEnds::split_up(Transmission& transmission, Ending how) {
-  const auto whole = std::exchange(transmission.merged, nullptr);
-  auto shares = std::exchange(transmission.followers, {});
-  shares.insert(shares.begin(), transmission.leader);
-  parts_.transmissions.end(transmission);
-  for (Job* share : shares | std::views::reverse) {
-    share->unmerged = true;
-    if (share->transaction().request.pdu() == whole->request.pdu()) {
-      share->transaction().response = whole->response;
-      end(*share, how);
-    } else if (share->abandoned || parts_.stopping) {
-      end(*share, Ending::cancelled);
-    } else {
-      parts_.queue.push_front(*share);
-    }
   }
 }
 

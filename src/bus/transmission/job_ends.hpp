@@ -22,10 +22,6 @@ class JobEnds {
   /// The current transaction is over: the next one follows or, if none is left, the transmission is
   /// finished with `ending`.
   void advance(Transmission& transmission, Ending ending);
-  /// A merged read failed. The reads that it was made of are queued again one by one, ahead of
-  /// later requests of their clients. A job that itself asked for the whole range has had its
-  /// tries, and ends with `how`.
-  void split_up(Transmission& transmission, Ending how);
 
   /// Ends waiting jobs whose deadline has passed.
   void expire(Instant now);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "base/assert.hpp"
-#include "bus/sharing/shared_read.hpp"
 
 namespace mbgate::bus {
 namespace {
@@ -72,8 +71,7 @@ void Outcomes::handle_end(const LineEnd& end, Instant now) {
   diagnosis_.note_ended(asked, end, now);
 }
 
-// False: it is a server's, which did not reach the device.
-bool Outcomes::take_response(Transmission& transmission, const LineEnd& end, Instant now) {
+void Outcomes::take_response(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& asked = transmission.on_wire();
   const modbus::Pdu& response = *asked.response;
   DeviceEntry& entry = parts_.devices[asked.address];
@@ -97,7 +95,7 @@ bool Outcomes::take_response(Transmission& transmission, const LineEnd& end, Ins
   }
   if (parts_.is_unreached(response)) {
     note_unreached(transmission, now);
-    return false;
+    return;
   }
   entry.note_heard();
   entry.unreached.reset();
@@ -112,7 +110,6 @@ bool Outcomes::take_response(Transmission& transmission, const LineEnd& end, Ins
     }
   }
   diagnosis_.note_times(transmission, end, now);
-  return true;
 }
 
 void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, Instant now) {
@@ -120,15 +117,10 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   const modbus::Pdu& response = *asked.response;
   DeviceEntry& entry = parts_.devices[asked.address];
   const bool exception = response.is_exception();
-  const bool is_own = take_response(transmission, end, now);
+  take_response(transmission, end, now);
   transmission.is_probe = false;
-  if (exception && transmission.merged && is_own) {
-    entry.merge_refused = true;
-    ends_.split_up(transmission, Ending::answered);
-    return;
-  }
   const Job& leader = *transmission.leader;
-  if (leader.is_single_read() && (transmission.merged || !transmission.followers.empty())) {
+  if (leader.is_single_read()) {
     share_response(transmission);
   }
   const Transaction& own = leader.transaction();
@@ -222,29 +214,14 @@ void Outcomes::handle_failure(Transmission& transmission, Instant now) {
   if (may_repeat && transmission.tries <= entry.timing().retries) {
     return;
   }
-  if (transmission.merged && !entry.health.is_offline()) {
-    ends_.split_up(transmission, Ending::no_answer);
-  } else {
-    ends_.finish(transmission, Ending::no_answer);
-  }
+  ends_.finish(transmission, Ending::no_answer);
 }
 
 void Outcomes::share_response(Transmission& transmission) {
-  const modbus::Pdu response = *transmission.on_wire().response;
-  const auto whole = transmission.merged ? transmission.merged->request.reads() : std::nullopt;
-  const auto give = [&](Job& job) {
-    const auto& own = job.transaction().request.reads();
-    job.transaction().response =
-        whole && !response.is_exception() ? part_of(response, whole->range, own->range) : response;
-    job.current = job.transactions.size() - 1;
-  };
-  give(*transmission.leader);
   for (Job* follower : transmission.followers) {
-    give(*follower);
-    remember(*follower, transmission);
-    ++follower->current;
+    follower->transaction().response = transmission.on_wire().response;
+    follower->current = follower->transactions.size();
     ++parts_.counters.shared_reads;
-    parts_.counters.merged_reads += transmission.merged ? 1U : 0U;
   }
 }
 

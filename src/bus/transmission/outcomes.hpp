@@ -23,7 +23,7 @@ class Outcomes {
   void give_up_stop(Transmission& stop, Instant now);
 
  private:
-  bool take_response(Transmission& transmission, const LineEnd& end, Instant now);
+  void take_response(Transmission& transmission, const LineEnd& end, Instant now);
   void handle_response(Transmission& transmission, const LineEnd& end, Instant now);
   void note_unreached(Transmission& transmission, Instant now);
   void note_unanswered(Transmission& transmission, Instant due, Instant now);

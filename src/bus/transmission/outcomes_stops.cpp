@@ -58,7 +58,6 @@ void Outcomes::note_unanswered(Transmission& transmission, Instant due, Instant 
 
 void Outcomes::go_offline(DeviceEntry& entry, std::uint8_t address, Instant now) {
   entry.health.set_probe_at(now + entry.timing().probe_interval);
-  entry.merge_refused = false;
   diagnosis_.notify(DeviceNotice::Kind::lost, address);
   ends_.end_waiting_for(address);
 }

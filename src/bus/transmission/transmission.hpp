@@ -7,7 +7,6 @@
 #include <boost/container/small_vector.hpp>
 #include <boost/intrusive/list_hook.hpp>
 #include <deque>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,7 +20,6 @@ struct Transmission {
   boost::intrusive::list_member_hook<> stop_hook;  ///< of the stop lane
   Job* leader = nullptr;
   boost::container::small_vector<Job*, 1> followers;
-  std::unique_ptr<Transaction> merged;  ///< what is transmitted instead, for all of them
   unsigned tries = 0;                   ///< transmissions of the leader's current transaction
   /// The transaction that is sent once more because the connection was closed before its answer.
   std::optional<std::size_t> cut;
@@ -36,7 +34,7 @@ struct Transmission {
   std::uint64_t turn = 0;           ///< the turn of that (TurnBook)
   std::uint64_t writes_before = 0;  ///< writes to its device that ended before it was sent
 
-  [[nodiscard]] Transaction& on_wire() const { return merged ? *merged : leader->transaction(); }
+  [[nodiscard]] Transaction& on_wire() const { return leader->transaction(); }
   [[nodiscard]] bool is_stop() const { return leader->job_class == JobClass::stop; }
   /// Nobody wants it sent any more.
   [[nodiscard]] bool is_abandoned() const {

@@ -117,7 +117,6 @@ constexpr std::array kBusKeys = {
                                        kSilence),
     plain<&BusSettings::probe_share>("probe_share", IntegerRange{1, 100}),
     plain<&BusSettings::coalesce>("coalesce", Truth{}),
-    plain<&BusSettings::merge>("merge", Truth{}),
     plain<&BusSettings::reopen_min>("reopen_min", DurationRange{10ms, 1h}),
     plain<&BusSettings::reopen_max>("reopen_max", DurationRange{10ms, 1h}),
     plain<&BusSettings::hung_after>("hung_after", DurationRange{1s, 24h, true}, Lines::ports,

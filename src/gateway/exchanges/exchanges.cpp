@@ -34,8 +34,6 @@ void Exchanges::start(std::uint32_t index, Turns turns, Instant arrival, Instant
         planned.address, planned.request, planned.silence_is_success, planned.broadcast);
     transaction.unit = planned.unit;
     transaction.must_hold = planned.must_hold;
-    transaction.window_begin = planned.window_begin;
-    transaction.window_end = planned.window_end;
   }
   submit(index, now);
 }

@@ -100,14 +100,14 @@ void diagnose_load(const BusStatus& bus, const Together& all, std::vector<Diagno
                          " of the " + counted(bus.most_waiting->of, "request") +
                          " that wait are its, the oldest for " +
                          milliseconds_text(bus.most_waiting->longest),
-                     "how often it asks, and on how many connections; `pipeline`; `cache`, "
-                     "`merge` for what it reads"});
+                     "how often it asks, and on how many connections; `pipeline`; `cache` "
+                     "for what it reads"});
   } else if (are_long * 2 >= requests) {
     found.push_back({Rank::warning, subject_of(bus), "it is asked for more than it can carry",
                      busy + std::to_string(are_long) + " of the last " +
                          counted(requests, "request") + " waited " +
                          milliseconds_text(bus::kLongWait) + " or longer",
-                     "poll less often; longer reads instead of many; `cache`, `merge`; baud rate"});
+                     "poll less often; longer reads instead of many; `cache`; baud rate"});
   }
 }
 

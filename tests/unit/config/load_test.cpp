@@ -156,7 +156,6 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(bus.stop_wait, 50ms);
   EXPECT_EQ(bus.stop_deadline, 3s);
   EXPECT_FALSE(bus.coalesce);
-  EXPECT_TRUE(bus.merge);
   EXPECT_EQ(bus.probe_share, 5U);
   EXPECT_EQ(bus.reopen_min, 200ms);
   EXPECT_EQ(bus.reopen_max, 2s);

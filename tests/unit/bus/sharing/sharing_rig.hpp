@@ -10,10 +10,9 @@ inline constexpr auto kStranger = "02 03 02 12 34 F1 33";
 
 class BusSharing : public Bus {
  protected:
-  static bus::BusSettings sharing(bool merge = false) {
+  static bus::BusSettings sharing() {
     auto sharing = settings();
     sharing.coalesce = true;
-    sharing.merge = merge;
     return sharing;
   }
   /// The line is busy until free_line().

@@ -66,7 +66,6 @@ TEST(DeviceHealth, IsInheritedFromTheBus) {
 TEST(DeviceHealth, IsStatedForServersToo) {
   const auto settings = settings_of("guards.toml");
   EXPECT_EQ(settings.buses.at(1).timing.offline_after, 1U);
-  EXPECT_TRUE(settings.buses.at(1).merge);
   EXPECT_EQ(settings.buses.at(1).stop_wait, 20ms);
   EXPECT_EQ(settings.devices.at(4).timing.offline_after, 2U);
 }

@@ -137,7 +137,7 @@ class SharedAnswers : public testing::Test {
     narrow.access = routing::RuleAccess::read;
     narrow.registers.spans = {{Table::holding_registers, 1, 1}};
     Settings settings = plant_with({rule_for("192.0.2.1"), narrow});
-    settings.buses[0].coalesce = settings.buses[0].merge = true;
+    settings.buses[0].coalesce = true;
     settings.devices[0].cache = 1s;
     return settings;
   }

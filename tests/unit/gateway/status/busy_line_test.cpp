@@ -73,7 +73,7 @@ TEST(BusyLine, NamesTheClientThatAsksForMostOfWhatWaits) {
                                    "bus line-a is busy "),
                         HasSubstr(" of the 22 requests that wait are its, the oldest for "),
                         testing::EndsWith(" ms | how often it asks, and on how many connections; "
-                                          "`pipeline`; `cache`, `merge` for what it reads"))));
+                                          "`pipeline`; `cache` for what it reads"))));
   EXPECT_EQ(crowd.diagnoses(false), crowd.diagnoses());  // those who count them see no clients
 }
 

@@ -92,7 +92,7 @@ TEST_F(OneDevice, ForgetsWhatWasReadBeforeAWriteOfAnotherName) {
 /// Where it was no drive but a gateway to several, nobody gets another one's values.
 TEST_F(OneDevice, SharesNoReadWithAnotherUnit) {
   Settings settings = server();
-  settings.buses[0].coalesce = settings.buses[0].merge = true;
+  settings.buses[0].coalesce = true;
   rig_.reload(settings);
   rig_.receive(2, read_request(1, 1));
   rig_.receive(2, read_request(2, 2) + read_request(4, 2) + read_request(3, 3));
