@@ -22,7 +22,6 @@ Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
 
 void Bus::update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now) {
   diagnosis_.note_other_devices(parts_.update(settings, devices));
-  parts_.stops.visit([this](const Transmission& stop) { ends_.overtake_writes(*stop.leader); });
   ends_.end_repeats();
   dispatch_.pump(now);
 }

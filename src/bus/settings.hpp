@@ -112,10 +112,8 @@ struct BusSettings {
   std::size_t queue = 2048;  ///< requests waiting at most, stops not counted
   bool coalesce = true;      ///< identical waiting reads are transmitted once
   unsigned burst = 8;        ///< after this many consecutive writes, one waiting read is sent
-  /// How long a stop waits for the first byte of the response of a running transaction. If that
-  /// transaction is itself a stop, or a write that goes first (`stop_cancels = false`), the time
-  /// counts from the end of its request. While writes that go first are held back, the stop waits
-  /// for this long in all.
+  /// How long a stop waits for the first byte of the response of a running transaction, from the
+  /// end of its request.
   Duration stop_wait = std::chrono::milliseconds(100);
   /// A stop that finds no silence for this long on an open line is sent anyway. Default: 2 s, but
   /// at least least_stop_deadline().

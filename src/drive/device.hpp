@@ -72,9 +72,6 @@ struct Device {
   bool verify_word_order = false;
   bool limits_values = false;  ///< it limits what is written, and echoes what it made of it
   bool allow_reconfigure = false;
-  /// True: a stop cancels the writes that wait for the device. False: they are sent before it,
-  /// except those held back for longer than `stop_wait`.
-  bool stop_cancels = true;
   /// Reads may be answered with data up to this old; 0: never.
   Duration cache{0};
   /// It is the Modbus TCP server itself: every unit identifier on its bus is this device.

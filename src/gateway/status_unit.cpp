@@ -56,16 +56,32 @@ Block bus_block(const bus::Bus& bus) {
   const bus::BusCounters& counters = bus.counters();
   Block block{static_cast<std::uint16_t>(bus.link().serves() ? 1 : 0),
               saturated(bus.view().waiting())};
-  for (const std::uint64_t count :
-       {counters.transmissions,    counters.responses,        counters.exceptions,
-        counters.timeouts,         counters.bad_crcs,         counters.unsolicited_frames,
-        counters.stray_bytes,      counters.noise_bytes,      counters.echo_mismatches,
-        counters.expired,          counters.refused_full,     counters.losses,
-        counters.retries,          counters.broadcasts,       counters.late_responses,
-        counters.early_responses,  counters.foreign_frames,   counters.shared_reads,
-        kNoCounter,     counters.cached_reads,     counters.stops,
-        counters.stops_unanswered, counters.overtaken_writes, counters.probes,
-        counters.refused_offline,  counters.evicted}) {
+  for (const std::uint64_t count : {counters.transmissions,
+                                    counters.responses,
+                                    counters.exceptions,
+                                    counters.timeouts,
+                                    counters.bad_crcs,
+                                    counters.unsolicited_frames,
+                                    counters.stray_bytes,
+                                    counters.noise_bytes,
+                                    counters.echo_mismatches,
+                                    counters.expired,
+                                    counters.refused_full,
+                                    counters.losses,
+                                    counters.retries,
+                                    counters.broadcasts,
+                                    counters.late_responses,
+                                    counters.early_responses,
+                                    counters.foreign_frames,
+                                    counters.shared_reads,
+                                    kNoCounter,
+                                    counters.cached_reads,
+                                    counters.stops,
+                                    counters.stops_unanswered,
+                                    counters.overtaken_writes,
+                                    counters.probes,
+                                    counters.refused_offline,
+                                    counters.evicted}) {
     put32(block, count);
   }
   put_quality(block, bus.diagnosis().quality().verdict());

@@ -20,9 +20,9 @@
 //   2-53 counters: transmissions, responses, exceptions, timeouts, bad CRCs, unsolicited frames,
 //        stray bytes, noise bytes, echo mismatches, expired, refused because full, losses,
 //        retries, broadcasts, late responses, early responses, foreign frames, shared reads,
-//        always 0, reads answered from the cache, stops sent, stops unanswered, writes cancelled by a
-//        stop, probes of offline devices, requests refused because their device was offline, reads
-//        dropped from a full queue
+//        always 0, reads answered from the cache, stops sent, stops unanswered, writes cancelled by
+//        a stop, probes of offline devices, requests refused because their device was offline,
+//        reads dropped from a full queue
 //   54 quality of the answers: 0 not known, 1 good, 2 bad CRCs, of two devices or more; 55 with 2:
 //        percent of the last answers with a bad CRC
 //

@@ -31,7 +31,6 @@ struct Request {
   bool open = false;
   bool taken = false;        ///< the gateway has it; before, it lies in its socket
   bool cancelled = false;    ///< a stop was taken that takes it back
-  bool stop_behind = false;  ///< a stop of its device was taken after it
   bool repeats = false;      ///< a stop that was acknowledged a moment before
   bool was_offline = false;  ///< its device was, while it was open
   Ask ask;

@@ -60,8 +60,7 @@ void Oracle::note_taken(std::uint8_t client, Instant now) {
     for (Request& other : requests_) {
       if (other.open && other.taken && other.ask.device == ask.device &&
           other.ask.word == Word::write) {
-        other.stop_behind = true;
-        other.cancelled = other.cancelled || (plant_.device().stop_cancels && other.sent == 0);
+        other.cancelled = other.cancelled || other.sent == 0;
       }
     }
   }

@@ -100,8 +100,7 @@ void Oracle::check_busy(const Request& request, Instant now) {
     report("06 to a stop");
   } else if (request.ask.word == Word::write && request.sent > 0) {
     report("06 though it was transmitted");
-  } else if (!is_late && !request.cancelled && !(request.was_offline && !request.ask.is_read()) &&
-             (plant_.device().stop_cancels || !request.stop_behind)) {
+  } else if (!is_late && !request.cancelled && !(request.was_offline && !request.ask.is_read())) {
     report("06 without a reason");
   }
 }

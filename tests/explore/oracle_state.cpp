@@ -21,9 +21,9 @@ void Oracle::read(StateHash& hash) const {
     if (!request.open) {
       continue;
     }
-    const auto& [open, taken, cancelled, stop_behind, repeats, was_offline, ask, event, since,
-                 deadline, sent, rivals, must_follow] = request;
-    for (const bool flag : {taken, cancelled, stop_behind, repeats, was_offline}) {
+    const auto& [open, taken, cancelled, repeats, was_offline, ask, event, since, deadline, sent,
+                 rivals, must_follow] = request;
+    for (const bool flag : {taken, cancelled, repeats, was_offline}) {
       hash.add(flag);
     }
     hash.add(ask.client);

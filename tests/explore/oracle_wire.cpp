@@ -113,14 +113,10 @@ void Oracle::check_stops_first(const Flight& flight, Instant now) {
         is_repeated(stop, now)) {
       continue;
     }
-    const bool goes_first = !plant_.device().stop_cancels && flight.word == Word::write &&
-                            std::ranges::any_of(requests_, [&](const Request& it) {
-                              return takes_part(it, flight) && it.event < stop.event &&
-                                     it.ask.device == stop.ask.device;
-                            });
+    const Book& book = books_[stop.ask.device];
     const bool gives_way =
-        books_[stop.ask.device].stop_unanswered && flight.device != stop.ask.device;
-    if (!goes_first && !gives_way) {
+        (book.stop_unanswered || book.unanswered > 0) && flight.device != stop.ask.device;
+    if (!gives_way) {
       report("stop overtaken");
     }
   }

@@ -55,8 +55,6 @@ std::vector<Plant> make_plants() {
             [](gateway::Settings&) {}),
       plant("no-retries", "retries = 0",
             each_device([](drive::Device& device) { device.timing.retries = 0; })),
-      plant("writes-first", "stop_cancels = false",
-            each_device([](drive::Device& device) { device.stop_cancels = false; })),
       plant("cache", "cache = 300ms, retries = 1",
             each_device([](drive::Device& device) { device.cache = 300ms; })),
       plant("offline", "offline_after = 1, retries = 0", each_device([](drive::Device& device) {

@@ -68,12 +68,9 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
 
 void StateReader::read(const bus::TurnBook& turns, const bus::BusSettings& settings,
                        const Sight& sight, Hash& hash) {
-  const auto& [writes_in_row, turn, other_turn, last_address, turn_of_others, last_end] = turns;
+  const auto& [writes_in_row, was_stop_last, last_end] = turns;
   hash.add(std::min(writes_in_row, settings.burst));
-  hash.ordered(Order::turn, turn);
-  hash.ordered(Order::turn, other_turn);
-  hash.ordered(Order::turn, turn_of_others);
-  hash.add(last_address);
+  hash.add(was_stop_last);
   if (sight.stop_waits) {
     hash.since(last_end, settings.stop_wait);
   }
@@ -110,16 +107,14 @@ void StateReader::read(const bus::Transmission& transmission, const bus::DeviceT
                        gateway::Gateway& gateway, Hash& hash) {
   // Where it is linked is told by who shows it: stop_hook. No line is lost: cut.
   const auto& [stop_hook, leader, followers, tries, cut, in_flight, is_probe, is_one_try,
-               waits_since, held_by_writes, transmitted_at, last_sent, turn, writes_before] =
-      transmission;
+               waits_since, transmitted_at, last_sent, writes_before] = transmission;
   for (const bool flag : {in_flight, is_probe, is_one_try}) {
     hash.add(flag);
   }
   hash.add(tries);
-  hash.ordered(Order::turn, turn);
+  hash.ordered(Order::turn, static_cast<std::uint64_t>(last_sent.time_since_epoch().count()));
   if (transmission.is_stop()) {  // only a stop asks how long it has waited
     hash.since(waits_since, kFarPast);
-    hash.add(held_by_writes);
   }
   if (devices[leader->address()].device->cache > Duration{0}) {
     hash.since(transmitted_at, kFarPast);
@@ -193,16 +188,16 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
   // misfit_reported, pause_reported, owed_until, asked_at, silence, times, second_at,
   // second_read_at, setting, unreached, failed_stop. A job that the queue shows too: probe.
   const auto& [device, counters, health, hold, cache, free_at, probe, setting_known, early_reported,
-               last_stop_turn, stops_given_up, second_reported, misfit_reported,
-               pause_reported, owed_until, asked_at, silence, times, second_at, second_read_at,
-               setting, unreached, failed_stop] = entry;
+               stop_unanswered, stops_given_up, second_reported, misfit_reported, pause_reported,
+               owed_until, asked_at, silence, times, second_at, second_read_at, setting, unreached,
+               failed_stop] = entry;
   read(health, entry.timing(), hash);
   read(hold, entry.timing(), hash);
   read(cache, device->cache, hash);
   hash.until(free_at);
   hash.name(probe);
   hash.add(setting_known);
-  hash.ordered(Order::turn, last_stop_turn);
+  hash.add(stop_unanswered);
   hash.add(stops_given_up);
   if (sight.may_be_offline && health.is_offline()) {
     hash.since(health.probe_at(), kFarPast);

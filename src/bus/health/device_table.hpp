@@ -44,8 +44,8 @@ struct DeviceEntry {
   /// written.
   bool setting_known = false;
   bool early_reported = false;
-  std::uint64_t last_stop_turn = 0;  ///< of the last stop, if that was unanswered; else 0
-  bool stops_given_up = false;       ///< a stop and all its repetitions were unanswered
+  bool stop_unanswered = false;  ///< the last stop; what came may have been its echo
+  bool stops_given_up = false;   ///< a stop and all its repetitions were unanswered
   bool second_reported = false;
   bool misfit_reported = false;
   bool pause_reported = false;
@@ -81,10 +81,7 @@ struct DeviceEntry {
     free_at = boot_time ? std::max(free_at, now + *boot_time) : free_at;
   }
   /// A frame of the device was received: it is there.
-  void note_heard() {
-    last_stop_turn = 0;
-    stops_given_up = false;
-  }
+  void note_heard() { stop_unanswered = stops_given_up = false; }
   /// Another device is at this address now. What is still owed there, and what is decided, stays.
   void forget_shown();
 };

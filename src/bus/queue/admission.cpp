@@ -139,11 +139,7 @@ bool Admission::push(Job& job) {
 // Identical stops that wait are sent once.
 bool Admission::push_stop(Job& job) {
   Transmission* same = parts_.stops.find_any([&](const Transmission& stop) {
-    // A write between them that is let go first is to be stopped too.
-    const bool crosses =
-        !job.is_broadcast() &&
-        parts_.queue.write_waits_between(job.address(), stop.leader->sequence, job.sequence);
-    return !is_begun(*stop.leader) && !crosses && are_same(*stop.leader, job);
+    return !is_begun(*stop.leader) && are_same(*stop.leader, job);
   });
   if (same != nullptr) {
     const bool has_room = same->followers.size() < kRoomForStops;

@@ -43,10 +43,6 @@ class BusQueue {
   /// Does a write to the device wait that was accepted between these two?
   [[nodiscard]] bool write_waits_between(std::uint8_t address, std::uint64_t from,
                                          std::uint64_t to) const;
-  /// Does a write to the device wait that was accepted before this?
-  [[nodiscard]] bool write_waits_before(std::uint8_t address, std::uint64_t sequence) const {
-    return write_waits_between(address, 0, sequence);
-  }
 
   /// Removes a job whose turn it is; its client address has one turn less.
   void take(Job& job);

@@ -13,7 +13,7 @@ struct Search {
   std::optional<Choice> best;
   Job* waits_for_gap = nullptr;
   std::bitset<kAddresses> claimed;  ///< by jobs that wait for what is in flight to their device
-  Bounds bounds;
+  Passing passing;
   bool decided = false;
 };
 
@@ -41,7 +41,7 @@ bool may_join(const Parts& parts, const Job& job) {
 void look_for(Parts& parts, JobClass job_class, Search& search, Instant now) {
   parts.queue.visit_candidates(job_class, [&](Job& job) {
     const std::uint8_t address = job.transaction().address;
-    if (!is_within(parts, search.bounds, job, now)) {
+    if (search.passing == Passing::stops && !may_pass_stops(parts, job, now)) {
       return false;
     }
     if (search.claimed[address] || !may_join(parts, job)) {
@@ -63,13 +63,13 @@ void look_for(Parts& parts, JobClass job_class, Search& search, Instant now) {
 }
 
 // The one that waits for its next try for longest.
-Job* next_repeated(Parts& parts, const Bounds& bounds, Instant now) {
+Job* next_repeated(Parts& parts, Passing passing, Instant now) {
   const Transmission* next = nullptr;
   for (const Transmission* running : parts.transmissions.running()) {
     if (running->is_between_tries() && !is_held_back(parts, *running->leader, now) &&
         parts.transmissions.may_go_on(*running) &&
-        is_within(parts, bounds, *running->leader, now) &&
-        (next == nullptr || running->turn < next->turn)) {
+        (passing == Passing::nothing || may_pass_stops(parts, *running->leader, now)) &&
+        (next == nullptr || running->last_sent < next->last_sent)) {
       next = running;
     }
   }
@@ -90,17 +90,10 @@ bool goes_before_repeated(const Parts& parts, const Choice& choice, const Job& r
   return choice.at < ready || (choice.at == ready && (is_of_first_class || is_paid));
 }
 
-}  // namespace
-
-std::optional<Choice> next_waiting(Parts& parts, const Bounds& bounds, Instant now) {
-  Search search{std::max(now, parts.line.ready_at(Duration{0})), {}, nullptr, {}, bounds, false};
+std::optional<Choice> next_waiting(Parts& parts, Passing passing, Instant now) {
+  Search search{std::max(now, parts.line.ready_at(Duration{0})), {}, nullptr, {}, passing, false};
   const JobClass first = reads_go_first(parts) ? JobClass::read : JobClass::write;
   const JobClass second = first == JobClass::write ? JobClass::read : JobClass::write;
-  if (bounds.before != nullptr) {
-    look_for(parts, JobClass::write, search, now);
-    look_for(parts, JobClass::read, search, now);
-    return search.best;
-  }
   look_for(parts, first, search, now);
   if (!search.decided) {
     look_for(parts, second, search, now);
@@ -108,9 +101,11 @@ std::optional<Choice> next_waiting(Parts& parts, const Bounds& bounds, Instant n
   return search.best;
 }
 
-std::optional<Choice> next_turn(Parts& parts, const Bounds& bounds, Instant now) {
-  const auto choice = next_waiting(parts, bounds, now);
-  Job* repeated = next_repeated(parts, bounds, now);
+}  // namespace
+
+std::optional<Choice> next_turn(Parts& parts, Passing passing, Instant now) {
+  const auto choice = next_waiting(parts, passing, now);
+  Job* repeated = next_repeated(parts, passing, now);
   if (repeated == nullptr) {
     return choice;
   }
@@ -124,21 +119,16 @@ Wake wake_for(const Parts& parts, const Job& job, Instant at) {
 }
 
 bool has_place(const Parts& parts, Instant now) {
-  const bool stop_waits = !parts.stops.empty();
   const auto occupied =
       std::ranges::count_if(parts.transmissions.running(), [&](const Transmission* running) {
-        return running->in_flight || (!stop_waits && !running->is_between_tries() &&
-                                      !is_held_back(parts, *running->leader, now));
+        return running->in_flight ||
+               (!running->is_between_tries() && !is_held_back(parts, *running->leader, now));
       });
   return static_cast<std::size_t>(occupied) < parts.transmissions.room();
 }
 
-bool is_within(Parts& parts, const Bounds& bounds, const Job& job, Instant now) {
-  if (bounds.before != nullptr) {
-    return (job.transaction().address == bounds.before->address() || job.is_broadcast()) &&
-           job.sequence < bounds.before->sequence;
-  }
-  return !bounds.beside_stops || job.job_class == JobClass::read ||
+bool may_pass_stops(Parts& parts, const Job& job, Instant now) {
+  return job.job_class == JobClass::read ||
          (!job.is_broadcast() && parts.stops.find([&](const Transmission& stop) {
            return (stop.leader->address() == job.address() || stop.leader->is_broadcast()) &&
                   !parts.acknowledged.has(*stop.leader, now);

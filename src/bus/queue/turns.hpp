@@ -15,26 +15,21 @@ struct Choice {
   Job* passed_over = nullptr;
 };
 
-/// Which jobs may be sent while a stop waits. By default all: no stop waits.
-struct Bounds {
-  const Job* before = nullptr;  ///< only those for its device that were accepted before it
-  /// Only reads, and those for devices that no waiting stop is for, unless it only repeats an
-  /// acknowledged one. A read may show that what came was no echo.
-  bool beside_stops = false;
-};
+/// What may be sent: whatever waits, or between two stops only what may_pass_stops().
+enum class Passing : bool { nothing, stops };
 
 /// The next turn among queued jobs and jobs that wait for their next try.
-[[nodiscard]] std::optional<Choice> next_turn(Parts& parts, const Bounds& bounds, Instant now);
-/// The next turn among queued jobs.
-[[nodiscard]] std::optional<Choice> next_waiting(Parts& parts, const Bounds& bounds, Instant now);
+[[nodiscard]] std::optional<Choice> next_turn(Parts& parts, Passing passing, Instant now);
+/// Reads may, for one may show that what came was no echo, and what is for devices that no waiting
+/// stop is for, unless that stop only repeats an acknowledged one.
+[[nodiscard]] bool may_pass_stops(Parts& parts, const Job& job, Instant now);
 /// When the bus is to be woken for the job.
 [[nodiscard]] Wake wake_for(const Parts& parts, const Job& job, Instant at);
 
 /// May another job begin? Nothing comes between the transactions of a job, unless its device must
-/// be left alone meanwhile or a stop waits. A job with a single transaction that is to be repeated
-/// blocks no other job.
+/// be left alone meanwhile. A job with a single transaction that is to be repeated blocks no other
+/// job.
 [[nodiscard]] bool has_place(const Parts& parts, Instant now);
-[[nodiscard]] bool is_within(Parts& parts, const Bounds& bounds, const Job& job, Instant now);
 
 /// Until then the device of the job boots, may send a late answer that could be mistaken for the
 /// answer to the job's request, or does not answer, and lost time is paid back to others.

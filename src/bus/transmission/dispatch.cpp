@@ -35,7 +35,7 @@ void Dispatch::decide(Instant now) {
   parts_.stops.wake(now);
   ends_.expire(now);
   ends_.end_over(now);
-  watch_deadlines();
+  watch_deadlines(now);
   if (!parts_.link.is_open() || reopen_if_hung(now)) {
     wait_for_line();
     return;
@@ -45,9 +45,7 @@ void Dispatch::decide(Instant now) {
   }
   continue_running(now);
   while (has_place(parts_, now)) {
-    // A stop that waits now lets the writes to its device go first, and nothing goes before these.
-    const Transmission* stop = parts_.stops.first();
-    const auto choice = next_turn(parts_, {stop == nullptr ? nullptr : stop->leader}, now);
+    const auto choice = next_turn(parts_, Passing::nothing, now);
     if (!choice) {
       return;
     }
@@ -90,14 +88,10 @@ Transmission& Dispatch::begin(const Choice& choice, Instant now) {
 
 // Goes on with jobs of several transactions.
 void Dispatch::continue_running(Instant now) {
-  const Transmission* stop = parts_.stops.first();
   for (Transmission* running : parts_.transmissions.running()) {
     const Job& job = *running->leader;
     if (!parts_.transmissions.may_go_on(*running)) {
       continue;
-    }
-    if (stop != nullptr && job.address() != stop->leader->address() && !job.is_broadcast()) {
-      continue;  // the writes that the stop lets go first go before it
     }
     const Instant ready = ready_at(parts_, job);
     if (running->is_between_tries() && !is_held_back(parts_, job, now)) {
@@ -145,10 +139,15 @@ void Dispatch::wait_for_line() {
 }
 
 // Of what is neither in the queue nor on the wire, whatever keeps it waiting.
-void Dispatch::watch_deadlines() {
+void Dispatch::watch_deadlines(Instant now) {
   if (const auto next = parts_.stops.next_wake()) {
     wait_until(Wake{*next});
   }
+  parts_.stops.visit([&](const Transmission& stop) {
+    if (const Instant held = held_until(parts_, stop); held > now) {
+      wait_until(Wake{held});
+    }
+  });
   for (const Transmission* running : parts_.transmissions.running()) {
     if (running->in_flight || running->is_stop()) {
       continue;
@@ -160,20 +159,19 @@ void Dispatch::watch_deadlines() {
   }
 }
 
-// True: nothing else may begin now. False: no stop waits, or only such as let writes go first, and
-// nothing but these may begin.
+// True: nothing else may begin now.
 bool Dispatch::serve_stops(Instant now) {
   go_on_with_stops(now);
-  cancel_held_writes(now);
   if (!send_stops(now)) {
     return true;
   }
-  const Transmission* stop = next_stop(parts_, now);
-  const Transmission* other = stop != nullptr ? in_the_way_of(parts_, *stop->leader) : nullptr;
-  if (other != nullptr && !waits_patiently(parts_, *stop, now)) {
-    parts_.line.limit_wait(other->on_wire(), time_before_stop(parts_, other->on_wire()));
-  }
-  return other != nullptr;
+  parts_.stops.visit([&](const Transmission& stop) {
+    const Transmission* other = in_the_way_of(parts_, *stop.leader);
+    if (other != nullptr && !waits_patiently(parts_, stop, now)) {
+      parts_.line.limit_wait(other->on_wire(), time_before_stop(parts_, other->on_wire()));
+    }
+  });
+  return false;
 }
 
 // Of several transmissions, or forms, each goes like the first, and no other stop between them.
@@ -188,16 +186,6 @@ void Dispatch::go_on_with_stops(Instant now) {
     stop->waits_since = now;
     parts_.transmissions.leave(*stop);
     parts_.stops.push_front(*stop);
-  }
-}
-
-// If none of the writes that a stop lets go first can begin in time, all that wait are cancelled
-// at once: they must not follow the stop.
-void Dispatch::cancel_held_writes(Instant now) {
-  const Transmission* stop = parts_.stops.first();
-  if (stop != nullptr && is_held_too_long(parts_, *stop, now)) {
-    ends_.overtake_writes_before(*stop->leader);
-    ends_.end_over(now);
   }
 }
 

@@ -42,10 +42,9 @@ class Dispatch {
   [[nodiscard]] bool has_looked();
   bool reopen_if_hung(Instant now);
   void wait_for_line();
-  void watch_deadlines();
+  void watch_deadlines(Instant now);
   bool serve_stops(Instant now);
   void go_on_with_stops(Instant now);
-  void cancel_held_writes(Instant now);
   bool send_stops(Instant now);
   bool send_stop(Transmission& stop, Instant now);
   void continue_running(Instant now);

@@ -22,7 +22,8 @@ void Dispatch::check_allowed(const Transmission& transmission, Instant now) cons
   const bool is_stop = transmission.is_stop();
   MBGATE_ASSERT(parts_.transmissions.may_go_on(transmission),
                 "a job has one transmission on the wire, and goes beside no stop to its device");
-  MBGATE_ASSERT(parts_.transmissions.has_room(), "no more is on the wire than there is room for");
+  MBGATE_ASSERT(parts_.transmissions.has_room() || (is_stop && !parts_.quarantines()),
+                "no more is on the wire than there is room for");
   MBGATE_ASSERT(is_stop || !job.abandoned, "nothing is transmitted for a client that has gone");
   MBGATE_ASSERT(is_stop || !job.overtaken, "no write is transmitted behind its stop");
   MBGATE_ASSERT(is_stop || now < job.deadline, "nothing is transmitted after its deadline");
@@ -37,13 +38,10 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   skip_known_settings(transmission);
   check_allowed(transmission, now);
   const Job& job = *transmission.leader;
-  Transmission* stop =
+  const Transmission* stop =
       transmission.is_stop() ? nullptr : parts_.stops.find([&](const Transmission& it) {
         return !waits_patiently(parts_, it, now);
       });
-  if (stop != nullptr) {
-    stop->held_by_writes += held_by(parts_, *stop, ready_at(parts_, job));
-  }
   if (transmission.tries == 0) {
     const DeviceEntry& entry = parts_.devices[job.address()];
     transmission.transmitted_at = now;
@@ -120,7 +118,7 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
   if (transmission.is_stop() && transmission.tries == 0) {
     transmission.is_one_try = is_given_up(parts_, transmission);
   }
-  transmission.turn = parts_.turns.note(job.job_class, sent.address);
+  parts_.turns.note(job.job_class);
   ++counters.transmissions;
   counters.stops += transmission.is_stop() ? 1U : 0U;
   counters.retries += transmission.tries > 0 ? 1U : 0U;

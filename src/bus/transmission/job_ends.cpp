@@ -186,8 +186,4 @@ void JobEnds::overtake_writes(const Job& stop) {
   overtake([&](const Job& job) { return is_stopped_by(parts_, stop, job); });
 }
 
-void JobEnds::overtake_writes_before(const Job& stop) {
-  overtake([&](const Job& job) { return goes_before(job, stop); });
-}
-
 }  // namespace mbgate::bus

@@ -39,8 +39,6 @@ class JobEnds {
   /// Cancels the writes that the stop forbids. One that is not on the wire is never transmitted; of
   /// one that is, no further transaction is.
   void overtake_writes(const Job& stop);
-  /// The same for the writes that the stop has let go first.
-  void overtake_writes_before(const Job& stop);
 
  private:
   template <typename Predicate>

@@ -173,9 +173,8 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   ++parts_.counters.timeouts;
   ++entry.counters.timeouts;
   entry.hold.note_unanswered(sent_of(transmission, end.due, end.may_be_echo));
-  if (end.may_be_echo) {
-    note_turn(transmission);
-  } else {
+  entry.stop_unanswered = entry.stop_unanswered || transmission.is_stop();
+  if (!end.may_be_echo) {
     note_unanswered(transmission, end.due, now);
   }
   handle_failure(transmission, now);

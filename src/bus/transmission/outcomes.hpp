@@ -27,7 +27,6 @@ class Outcomes {
   void handle_response(Transmission& transmission, const LineEnd& end, Instant now);
   void note_unreached(Transmission& transmission, Instant now);
   void note_unanswered(Transmission& transmission, Instant due, Instant now);
-  void note_turn(const Transmission& transmission);
   [[nodiscard]] bool holds_what_it_must(const Transaction& question);
   void note_stopped(const Transmission& transmission, Instant now);
   void handle_silence(Transmission& transmission, const LineEnd& end, Instant now);

@@ -38,17 +38,9 @@ void Outcomes::note_unreached(Transmission& transmission, Instant now) {
   note_unanswered(transmission, now, now);
 }
 
-// Something else goes before the next stop to this device.
-void Outcomes::note_turn(const Transmission& transmission) {
-  if (transmission.is_stop()) {
-    parts_.devices[transmission.on_wire().address].last_stop_turn = transmission.turn;
-  }
-}
-
 void Outcomes::note_unanswered(Transmission& transmission, Instant due, Instant now) {
   const std::uint8_t address = transmission.on_wire().address;
   DeviceEntry& entry = parts_.devices[address];
-  note_turn(transmission);
   parts_.payback.note_lost(transmission.last_sent, now);
   parts_.probes.note_unanswered(transmission, now);
   if (entry.health.note_unanswered(transmission.last_sent, due, offline_after(entry))) {
@@ -87,7 +79,7 @@ void Outcomes::handle_stop_failure(Transmission& stop, Instant now) {
     parts_.stops.push(stop);
     return;
   }
-  entry.stops_given_up = entry.last_stop_turn != 0;
+  entry.stops_given_up = entry.stop_unanswered;
   give_up_stop(stop, now);
 }
 

@@ -20,18 +20,15 @@ struct Transmission {
   boost::intrusive::list_member_hook<> stop_hook;  ///< of the stop lane
   Job* leader = nullptr;
   boost::container::small_vector<Job*, 1> followers;
-  unsigned tries = 0;                   ///< transmissions of the leader's current transaction
+  unsigned tries = 0;  ///< transmissions of the leader's current transaction
   /// The transaction that is sent once more because the connection was closed before its answer.
   std::optional<std::size_t> cut;
   bool in_flight = false;   ///< it was transmitted, and has not ended
   bool is_probe = false;    ///< tests whether an offline device answers again
   bool is_one_try = false;  ///< a stop that is not repeated, because an earlier one was given up
   Instant waits_since;      ///< of a stop: accepted then, or repeated
-  /// Of a stop: how long the writes that it lets go first were held back.
-  Duration held_by_writes{0};
-  Instant transmitted_at;           ///< the first time of the current transaction
-  Instant last_sent;                ///< the last time of any of its transactions
-  std::uint64_t turn = 0;           ///< the turn of that (TurnBook)
+  Instant transmitted_at;   ///< the first time of the current transaction
+  Instant last_sent;        ///< the last time of any of its transactions
   std::uint64_t writes_before = 0;  ///< writes to its device that ended before it was sent
 
   [[nodiscard]] Transaction& on_wire() const { return leader->transaction(); }

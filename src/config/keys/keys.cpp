@@ -158,7 +158,6 @@ constexpr std::array kDeviceKeys = {
     plain<&Device::timing, &DeviceTiming::response_wait>("response_wait", DurationRange{0s, 1min}),
     plain<&Device::timing, &DeviceTiming::gap>("gap", DurationRange{0s, 1min}),
     plain<&Device::timing, &DeviceTiming::retry_writes>("retry_writes", Truth{}),
-    plain<&Device::stop_cancels>("stop_cancels", Truth{}),
     plain<&Device::cache>("cache", DurationRange{0s, 1h}),
     plain<&Device::verify_word_order>("verify_word_order", Truth{}),
     plain<&Device::split_values>("split_values", Truth{}),

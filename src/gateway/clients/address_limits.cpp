@@ -59,7 +59,7 @@ bool AddressLimits::may_ask(ClientSession& session, Instant now) {
     return true;
   }
   session.end_hold(now);
-  if (session.has_turn || session.ahead.goes_on(session.position())) {
+  if (session.has_turn || session.ahead.has(session.position())) {
     return true;
   }
   if (session.held_until) {

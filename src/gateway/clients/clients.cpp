@@ -122,7 +122,7 @@ void Clients::serve(ClientSession& session, Instant now) {
     take_early_stops(session, now);
   }
   const bool may_go_on = session.held_until && !session.is_full();
-  if (may_go_on && session.ahead.goes_on(session.position())) {
+  if (may_go_on && session.ahead.has(session.position())) {
     sessions_.wake(session);  // as far as to the last of these stops
   }
   if (session.is_finished()) {

@@ -114,8 +114,6 @@ void Intake::judge(const ClientSession& session, Request& request, Instant now) 
   }
   if (request.refused) {
     notice_unrouted(session, request);
-  } else if (request.is_stop) {
-    request.left_out = left_out_of(session, request, now);
   }
 }
 
@@ -160,14 +158,6 @@ void Intake::adopt(const SettingsSnapshot& before, Instant now) {
       }
     }
   }
-}
-
-// Where a part of a stop is none, it is a write like others: it goes only if it might go alone, in
-// its place among the requests of its connection and as long as its client is there.
-BusList Intake::left_out_of(const ClientSession& session, const Request& stop, Instant now) const {
-  const bool may_write = phase_ == Phase::running && !session.is_leaving &&
-                         !session.is_half_closed() && stop.position == session.position();
-  return rules_.left_out_of(*stop.plan, stop.origin(session), may_write, now);
 }
 
 void Intake::notice_unrouted(const ClientSession& session, const Request& request) {
@@ -249,9 +239,8 @@ Request* Intake::next_early(ClientSession& session, Instant now) {
     if (session.is_leaving && !is_outdated(session, request)) {
       notice_denied(session, request, now);  // its turn does not come any more
     }
-    if (request.plan && !is_outdated(session, request) && is_taken_early(session, request, now)) {
+    if (request.is_stop && !is_outdated(session, request)) {
       request.is_early = true;
-      request.left_out = left_out_of(session, request, now);
       session.has_asked = true;
       ++counters_.requests;
       return &request;
@@ -259,29 +248,6 @@ Request* Intake::next_early(ClientSession& session, Instant now) {
   }
   session.ahead.end_look();
   return nullptr;
-}
-
-bool Intake::is_taken_early(ClientSession& session, const Request& request, Instant now) const {
-  const routing::Plan& plan = *request.plan;
-  if (!request.is_stop) {
-    // One that its client may never make goes before nothing.
-    if (rules_.objection(plan, request.origin(session), now) != ExceptionCode::illegal_function) {
-      for (const std::size_t place : rules_.goes_before_stops_of(plan)) {
-        session.ahead.note_write(place, request.position);
-      }
-    }
-    return false;
-  }
-  // Only one for a single device may let writes go first.
-  const bool lets_go = rules_.overtaken_by(plan).empty();
-  const DevicePlaces devices =
-      settings_.in_force().devices.addressed_by(plan.transactions().front());
-  if (lets_go && !session.is_leaving &&
-      session.ahead.write_lies_before(devices, request.position)) {
-    session.ahead.hold(request.position);
-    return false;
-  }
-  return true;
 }
 
 }  // namespace mbgate::gateway

@@ -38,7 +38,6 @@ struct Request {
   const routing::ResolvedRoute* route = nullptr;  ///< nothing: there is none
   std::optional<routing::Plan> plan{};            ///< unless it is refused
   bool is_stop = false;
-  BusList left_out{};
   RuleVerdict verdict{};
 
   [[nodiscard]] WriteOrigin origin(const ClientSession& session) const {
@@ -90,10 +89,6 @@ class Intake {
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(const ClientSession& session,
                                                                const Request& request,
                                                                Instant now) const;
-  [[nodiscard]] BusList left_out_of(const ClientSession& session, const Request& stop,
-                                    Instant now) const;
-  [[nodiscard]] bool is_taken_early(ClientSession& session, const Request& request,
-                                    Instant now) const;
   void notice_unrouted(const ClientSession& session, const Request& request);
   [[nodiscard]] bool is_denied(const ClientSession& session, const Request& request,
                                Instant now) const;

@@ -91,13 +91,12 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   exchange.address = session.info().address;
   exchange.header = request.adu.header;
   exchange.route = request.route;
-  exchange.left_out = std::move(request.left_out);
   exchange.plan = *std::move(request.plan);
   if (trace_.is_on()) {
     trace_.asked(index, trace_of(session, request), *exchange.plan);
   }
   place_answer(session, request, index);
-  rules_.note_accepted(*exchange.plan, exchange.left_out, origin, now);
+  rules_.note_accepted(*exchange.plan, origin, now);
   if (request.is_early) {
     rules_.note_early(*exchange.plan, origin);
   }

@@ -30,9 +30,6 @@ struct Exchange {
   ListenerId listener{};  ///< its number in the settings in force
   routing::ClientAddress address;
   bool client_gone = false;
-  /// Of a request that is a stop on some of its buses only: the buses on which its part may not be
-  /// sent.
-  BusList left_out;
   AnswerId answer{};
   modbus::MbapHeader header;
   std::optional<routing::Plan> plan;
@@ -44,9 +41,6 @@ struct Exchange {
   bool had_no_path = false;       ///< a line was not open and nothing of that part was transmitted
   std::optional<bus::Ending> ended_as;  ///< its last job, or the first that failed
 
-  [[nodiscard]] bool leaves_out(BusId bus) const {
-    return std::ranges::find(left_out, bus) != left_out.end();
-  }
   /// Takes over how a job ended.
   void note(const bus::Job& job, bus::Ending ending);
   /// The answer, once every part has ended; nothing if none is to be given.

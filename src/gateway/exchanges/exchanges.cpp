@@ -23,10 +23,6 @@ void Exchanges::start(std::uint32_t index, Turns turns, Instant arrival, Instant
   const routing::Plan& plan = *exchange.plan;
   const Instant deadline = arrival + time_for(exchange.route->route, plan);
   for (const routing::PlannedTransaction& planned : plan.transactions()) {
-    if (exchange.leaves_out(planned.bus)) {
-      exchange.failed = true;
-      continue;
-    }
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
       add_job(index, planned.bus, turns, deadline);
     }

@@ -9,10 +9,6 @@ using modbus::ExceptionCode;
 
 namespace {
 
-bool is_on_one_bus(const routing::Plan& plan) {
-  return plan.transactions().front().bus == plan.transactions().back().bus;
-}
-
 // What is never allowed is said rather than what is not allowed now.
 void add(std::optional<ExceptionCode>& found, const std::optional<ExceptionCode>& denied) {
   if (denied && found != ExceptionCode::illegal_function) {
@@ -40,36 +36,16 @@ bool WriteRules::is_stop(const routing::Plan& plan) const {
                                      : std::ranges::all_of(plan.transactions(), part_stops));
 }
 
-bool WriteRules::stops_on(BusId bus, const routing::Plan& stop) const {
-  return is_on_one_bus(stop) || std::ranges::any_of(stop.transactions(), [&](const auto& it) {
-           return it.bus == bus && is_stop(it);
-         });
-}
-
 DevicePlaces WriteRules::overtaken_by(const routing::Plan& stop) const {
   DevicePlaces overtaken;
   for (const routing::PlannedTransaction& transaction : stop.transactions()) {
     for (const std::size_t place : settings_->devices.addressed_by(transaction)) {
-      const drive::Device& device = settings_->settings.devices[place];
-      const bool for_all = transaction.broadcast != drive::BroadcastForm::none;
-      if ((device.stop_cancels || for_all) && device.is_stop(transaction.request)) {
+      if (settings_->settings.devices[place].is_stop(transaction.request)) {
         overtaken.push_back(place);
       }
     }
   }
   return overtaken;
-}
-
-DevicePlaces WriteRules::goes_before_stops_of(const routing::Plan& write) const {
-  DevicePlaces places;
-  for (const routing::PlannedTransaction& transaction : write.transactions()) {
-    for (const std::size_t place : settings_->devices.reached_by(transaction)) {
-      if (!settings_->settings.devices[place].stop_cancels) {
-        places.push_back(place);
-      }
-    }
-  }
-  return places;
 }
 
 std::optional<ExceptionCode> WriteRules::objection(const routing::Plan& write,
@@ -109,36 +85,18 @@ bool WriteRules::is_denied_by_writer(const routing::Plan& write, const WriteOrig
   });
 }
 
-BusList WriteRules::left_out_of(const routing::Plan& stop, const WriteOrigin& origin,
-                                bool may_write, Instant now) const {
-  BusList left_out;
-  if (is_on_one_bus(stop)) {
-    return left_out;
-  }
-  for (const routing::PlannedTransaction& part : stop.transactions()) {
-    if (!stops_on(part.bus, stop) && (!may_write || objection(part, origin, now))) {
-      left_out.push_back(part.bus);
-    }
-  }
-  return left_out;
-}
-
-void WriteRules::note_accepted(const routing::Plan& request, const BusList& left_out,
-                               const WriteOrigin& origin, Instant now) {
+void WriteRules::note_accepted(const routing::Plan& request, const WriteOrigin& origin,
+                               Instant now) {
   if (request.is_read()) {
     return;
   }
-  const bool stops = is_stop(request);
-  if (stops) {
+  if (is_stop(request)) {
     for (const std::size_t place : overtaken_by(request)) {
       stop_marks_.note(place, origin.client, now);
     }
+    return;
   }
   for (const routing::PlannedTransaction& part : request.transactions()) {
-    const bool is_left_out = std::ranges::find(left_out, part.bus) != left_out.end();
-    if (is_left_out || (stops && stops_on(part.bus, request))) {
-      continue;
-    }
     for (const std::size_t place : settings_->devices.reached_by(part)) {
       writers_.note(place, origin.key, now);
     }
@@ -152,9 +110,7 @@ void WriteRules::note_early(const routing::Plan& stop, const WriteOrigin& origin
 }
 
 void WriteRules::note_own_stop(std::size_t device, Instant now) {
-  if (settings_->settings.devices[device].stop_cancels) {
-    stop_marks_.note(device, std::nullopt, now);
-  }
+  stop_marks_.note(device, std::nullopt, now);
 }
 
 void WriteRules::adopt(const SettingsSnapshot& settings) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a stop is, and which writes must not be carried out: those that a stop forbids, and those of
-// a client that may not write to the device now. Decided bus by bus and device by device.
+// a client that may not write to the device now. Decided device by device.
 #pragma once
 
 #include <optional>
@@ -29,9 +29,6 @@ class WriteRules {
   [[nodiscard]] bool is_stop(const routing::Plan& plan) const;
   /// The devices whose earlier writes are cancelled by the stop.
   [[nodiscard]] DevicePlaces overtaken_by(const routing::Plan& stop) const;
-  /// Of the devices that the write reaches, those whose stops let it go first (`stop_cancels =
-  /// false`).
-  [[nodiscard]] DevicePlaces goes_before_stops_of(const routing::Plan& write) const;
 
   /// Why the write may not reach one of its devices: 01 if it never may, 06 if it may not now.
   /// Nothing if it may.
@@ -41,15 +38,9 @@ class WriteRules {
   /// Does the `writer` of one of its devices not let this client write, or not now?
   [[nodiscard]] bool is_denied_by_writer(const routing::Plan& write, const WriteOrigin& origin,
                                          Instant now) const;
-  /// Of a broadcast that is a stop on some buses only: the other buses, on which it is an ordinary
-  /// write, if that write may not be sent. Either objection() forbids it there, or the client may
-  /// not write (`may_write` is false).
-  [[nodiscard]] BusList left_out_of(const routing::Plan& stop, const WriteOrigin& origin,
-                                    bool may_write, Instant now) const;
 
-  /// The request was accepted, except for its parts on the buses `left_out`.
-  void note_accepted(const routing::Plan& request, const BusList& left_out,
-                     const WriteOrigin& origin, Instant now);
+  /// The request was accepted.
+  void note_accepted(const routing::Plan& request, const WriteOrigin& origin, Instant now);
   /// A stop of the client was accepted although earlier requests of its stream still wait.
   void note_early(const routing::Plan& stop, const WriteOrigin& origin);
   /// The gateway itself stops the device.
@@ -60,8 +51,6 @@ class WriteRules {
 
  private:
   [[nodiscard]] bool is_stop(const routing::PlannedTransaction& transaction) const;
-  /// A broadcast that is a stop may be an ordinary write on some of its buses.
-  [[nodiscard]] bool stops_on(BusId bus, const routing::Plan& stop) const;
   [[nodiscard]] std::optional<modbus::ExceptionCode> objection(
       const routing::PlannedTransaction& write, const WriteOrigin& origin, Instant now) const;
 

@@ -218,21 +218,6 @@ TEST_F(BusDeadStops, AtItsDeadlineItWaitsForNobodyElsesTurn) {
   EXPECT_LE(frame_times_[0] - since, 2s + 1ms);
 }
 
-TEST_F(BusDeadStops, AtItsDeadlineItLetsNoWriteGoFirst) {
-  drive::Device axis{"axis", {}, 1, settings().timing};
-  axis.profile.stops = {{.address = 0x007C, .value = 0x00E1}};
-  axis.stop_cancels = false;
-  open(settings(), {axis});
-  babble(10ms);
-  submit(job("06 0000 0001"));
-  submit(job(kStop));
-  const Instant since = now_;
-  babble(2100ms);
-  ASSERT_THAT(frames_, ElementsAre(kStopFrame));
-  EXPECT_LE(frame_times_[0] - since, 2s + 1ms);
-  EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
-}
-
 TEST_F(BusDeadStops, ItsRepetitionsUseTheFirstSilence) {
   open_axis(settings());
   advance(1s);

@@ -98,28 +98,6 @@ TEST_F(BusStops, OfAWriteInPartsNoFurtherPartIsSent) {
   EXPECT_THAT(frames_, ElementsAre("01 06 00 7C 00 66 C8 38", kStopFrame));
 }
 
-TEST_F(BusStops, WithoutStopCancelsTheWritesGoFirst) {
-  auto patient = moons();
-  patient.stop_cancels = false;
-  open_with(patient);
-  submit(job_of(1, kRead, 2));
-  submit(job_of(2, kRead));
-  submit(job_of(2, kMove));
-  submit(job_of(3, kRead, 3));
-  submit(job(kStop));
-  submit(job_of(4, kMove));  // behind the stop
-  advance(10ms);
-  line("02 03 02 12 34 F1 33");
-  advance(10ms);
-  line(kAnswer);
-  advance(10ms);
-  line("01 06 00 7C 00 66 C8 38");
-  advance(10ms);
-  ASSERT_THAT(frames_, SizeIs(4));
-  EXPECT_EQ(frames_[2], "01 06 00 7C 00 66 C8 38");
-  EXPECT_EQ(frames_[3], kStopFrame);
-}
-
 TEST_F(BusStops, AStopIsRepeatedUntilItIsAcknowledged) {
   open_with(moons());
   submit(job(kStop));

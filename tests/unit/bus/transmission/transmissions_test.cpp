@@ -106,16 +106,16 @@ TEST_F(Transmissions, WaitInTheStopLaneInTheirOrder) {
   EXPECT_EQ(lane.first(), nullptr);
 }
 
-TEST(TurnBook, SaysWhatWentSinceTheLastStopAndTheLastOfADevice) {
+TEST(TurnBook, CountsWritesSinceTheLastReadAndKnowsWhetherAStopWasLast) {
   TurnBook turns;
-  EXPECT_EQ(turns.note(JobClass::read, 1), 1U);
-  EXPECT_EQ(turns.note(JobClass::stop, 2), 2U);
-  EXPECT_EQ(turns.note(JobClass::stop, 2), 3U);
-  EXPECT_EQ(turns.last_but_stops(), 1U);
-  EXPECT_EQ(turns.last_but_to(2), 1U);
-  EXPECT_EQ(turns.last_but_to(1), 3U);
+  turns.note(JobClass::read);
+  turns.note(JobClass::write);
+  EXPECT_FALSE(turns.was_stop_last());
+  turns.note(JobClass::stop);
+  EXPECT_TRUE(turns.was_stop_last());
   EXPECT_EQ(turns.writes_in_row(), 2U);
-  turns.note(JobClass::read, 1);
+  turns.note(JobClass::read);
+  EXPECT_FALSE(turns.was_stop_last());
   EXPECT_EQ(turns.writes_in_row(), 0U);
 }
 

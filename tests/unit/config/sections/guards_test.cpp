@@ -83,12 +83,10 @@ TEST(OwnStops, AreAddedToThoseOfTheProfile) {
   EXPECT_THAT(generic.profile.stops,
               ElementsAre(WriteMatch{Table::holding_registers, 200, 1, 0, false, 2},
                           WriteMatch{Table::coils, 7, 0xFFFF, 0xFF00, false, 0}));
-  EXPECT_FALSE(generic.stop_cancels);
   const auto settable = settings_of("guards.toml").devices.at(0);
   EXPECT_EQ(settable.profile.stops.size(), 3U);
   EXPECT_THAT(settable.profile.stops,
               Contains(WriteMatch{Table::holding_registers, 62, 0xFFFF, 0xE3, false, 3}));
-  EXPECT_TRUE(settable.stop_cancels);
 }
 
 TEST(Writer, IsAnyoneTheFirstOrListed) {

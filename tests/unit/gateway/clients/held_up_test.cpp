@@ -167,23 +167,6 @@ TEST_F(HeldUp, HoweverManyStopsThereAre) {
   EXPECT_THAT(rig_.take_sent(1), SizeIs(kStops));
 }
 
-class HeldUpBeforeAStop : public HeldUp {
- protected:
-  HeldUpBeforeAStop() : HeldUp(plant()) {}
-  static Settings plant() {
-    Settings settings = slow_plant(2);
-    settings.devices[0].stop_cancels = false;
-    return settings;
-  }
-};
-
-TEST_F(HeldUpBeforeAStop, AWriteThatGoesFirstIsTakenAtOnceToo) {
-  rig_.receive(1, write_request(3) + stop_request(4));
-  rig_.respond(kWrite1);
-  rig_.advance(10ms);
-  EXPECT_THAT(take_requests(rig_), ElementsAre(kWrite1, kStop1));
-}
-
 TEST_F(HeldUp, TheSocketIsReadNoFurtherThanTheReadAhead) {
   std::string requests;
   for (unsigned number = 0; number < 170; ++number) {

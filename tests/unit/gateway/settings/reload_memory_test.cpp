@@ -104,21 +104,6 @@ TEST(ReloadMemory, NorAreTheyAnsweredByTheGatewayItself) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre(kOne, "00 02 00 00 00 03 01 83 06"));
 }
 
-// One that lets writes go first is not taken early.
-TEST(ReloadMemory, AStopBehindAFullPipelineDoesNotStopAnotherDrive) {
-  Settings settings = stop_plant();
-  settings.devices[0].stop_cancels = settings.devices[1].stop_cancels = false;
-  MachineRig rig(settings);
-  rig.connect(1);
-  rig.receive(1, read_request(1) + write_request(2) + stop_request(3));
-  rig.advance(1ms);
-  rig.reload(moved(settings));
-  rig.respond("01 03 02 00 01");
-  rig.advance(10ms);
-  EXPECT_THAT(rig.take_sent(1), ElementsAre(kOne, busy(2), busy(3)));
-  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1));
-}
-
 // However many pieces lie before it, it is no older than it is.
 TEST(ReloadMemory, AStopThatComesAfterwardsIsTakenFromBehindAFullPipeline) {
   MachineRig rig(stop_plant());
@@ -139,30 +124,6 @@ TEST(ReloadMemory, AStopThatComesAfterwardsIsTakenFromBehindAFullPipeline) {
   rig.respond("01 03 02 00 01");
   rig.advance(10ms);
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop2));
-}
-
-// Nor is the write that goes before it, whatever comes behind them.
-TEST(ReloadMemory, OneThatLetsAWriteGoFirstIsNoOlderEither) {
-  Settings settings = stop_plant();
-  settings.devices[0].stop_cancels = settings.devices[1].stop_cancels = false;
-  MachineRig rig(settings);
-  rig.connect(1);
-  for (unsigned transaction = 1; transaction <= 80; ++transaction) {
-    if (transaction == 41) {
-      rig.reload(moved(settings));
-      rig.receive(1, write_request(101));
-      rig.advance(100us);
-      rig.receive(1, stop_request(102));
-      rig.advance(100us);
-    }
-    rig.receive(1, read_request(transaction));
-    rig.advance(100us);
-  }
-  rig.respond("01 03 02 00 01");
-  rig.advance(10ms);
-  rig.respond(kWrite2);
-  rig.advance(10ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kWrite2, kStop2));
 }
 
 // The process notices by up to a beat too much how long it stood still.

@@ -81,69 +81,6 @@ TEST_F(Stops, TakeBackWhatOtherClientsSentBefore) {
               ElementsAre("00 0A 00 00 00 05 01 03 02 00 01", busy(11), written(12, 2)));
 }
 
-class PoliteStops : public Stops {
- protected:
-  PoliteStops() : Stops(settings()) {}
-  static Settings settings() {
-    Settings settings = stop_plant();
-    settings.devices[0].stop_cancels = false;
-    return settings;
-  }
-};
-
-TEST_F(PoliteStops, LetWritesBeforeThemRun) {
-  rig_.receive(1, write_request(2) + stop_request(3));
-  answer_read();
-  echo(kWrite1);
-  echo(kStop1);
-  EXPECT_THAT(rig_.take_sent(1), ElementsAre(kOne, written(2), written(3, 1, true)));
-}
-
-TEST_F(PoliteStops, AreTakenFromBehindAFullPipelineIfNoWriteToTheirDeviceLiesBefore) {
-  rig_.receive(1, read_request(2) + write_request(3, 2) + stop_request(4) + write_request(5));
-  answer_read();
-  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
-}
-
-TEST_F(PoliteStops, AreTakenOnceTheLastWriteBeforeThemWasTaken) {
-  rig_.receive(1, write_request(2) + read_request(3) + stop_request(4) + write_request(5));
-  answer_read();
-  EXPECT_THAT(take_requests(rig_), ElementsAre(kWrite1));
-  echo(kWrite1);
-  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
-  echo(kStop1);
-  answer_read();
-  echo(kWrite1);
-  EXPECT_THAT(rig_.take_sent(1), ElementsAre(kOne, written(2), written(4, 1, true),
-                                             "00 03 00 00 00 05 01 03 02 00 01", written(5)));
-}
-
-TEST(PoliteStop, IsNotHeldByAWriteThatItsClientMayNeverMake) {
-  Settings settings = stop_plant();
-  settings.devices[0].stop_cancels = false;
-  settings.guards.resize(1);
-  settings.guards[0].writer = gateway::WriterRule::listed;
-  settings.guards[0].writers = {*routing::Network::parse("192.0.2.9")};
-  MachineRig rig(settings);
-  rig.connect(1);
-  rig.receive(1, read_request(1));
-  rig.receive(1, read_request(2) + write_request(3) + stop_request(4));
-  rig.respond("01 03 02 00 01");
-  rig.advance(10ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop1));
-}
-
-TEST_F(PoliteStops, DoNotKeepThoseBehindThemWaiting) {
-  rig_.receive(1, write_request(2) + stop_request(3) + stop_request(4, 2));
-  answer_read();
-  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop2));
-  echo(kStop2);
-  echo(kWrite1);
-  echo(kStop1);
-  EXPECT_THAT(rig_.take_sent(1),
-              ElementsAre(kOne, written(4, 2, true), written(2), written(3, 1, true)));
-}
-
 TEST_F(Stops, GoThoughTheirClientHasGone) {
   rig_.receive(1, read_request(2) + write_request(3) + stop_request(4));
   rig_.disconnect(1);
@@ -171,34 +108,6 @@ TEST_F(Stops, ThatWereReceivedWholeAllGoWhenTheirClientLeaves) {
     }
   }
   EXPECT_THAT(requests, testing::Contains(kStop2));
-}
-
-TEST_F(Stops, ThatLetWritesGoBeforeThemGoTooWhenTheirClientLeaves) {
-  Settings settings = stop_plant();
-  settings.devices[0].stop_cancels = false;
-  MachineRig rig(settings);
-  rig.connect(1);
-  rig.receive(1, read_request(1) + write_request(2) + stop_request(3));
-  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1));
-  rig.disconnect(1);
-  rig.respond("01 03 02 00 01");
-  rig.advance(10ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
-}
-
-TEST_F(Stops, OfAClientThatLeavesSetNothingElseOfItGoing) {
-  Settings settings = stop_plant();
-  settings.devices[0].stop_cancels = false;
-  MachineRig rig(settings);
-  rig.connect(1);
-  rig.receive(1, read_request(1));
-  EXPECT_THAT(take_requests(rig), ElementsAre(kRead1));
-  rig.respond("01 03 02 00 01");
-  rig.receive(1, write_request(2) + stop_request(3));  // the line must be silent before the write
-  rig.harness.go_on(rig.now() + 10ms);
-  rig.disconnect(1);
-  rig.advance(0ms);
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
 }
 
 TEST_F(Stops, AreTakenAheadOnlyUpToAReserve) {
