@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of the status page for README.md, of simulated drives: one that does not answer, and a slow one.
+"""Pictures of the status page for docs/status.md, of simulated drives: one that does not answer, and a slow one.
 
 usage: page_screenshots.py FOLDER; ./dev screenshots does it."""
 

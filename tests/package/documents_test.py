@@ -48,18 +48,23 @@ class Documents(unittest.TestCase):
         self.assertEqual(0, done.returncode, done.stdout)
 
     def test_still_link_to_what_is(self):
-        text = self.readme.read_text(encoding="utf-8")
-        for link in ("(/etc/mbgate/mbgate.toml)", "(examples/demo.toml)", "(examples)", "(docs/api.yaml)",
-                     "(copyright)", "(profiles/README.md)", "(bench/README.md)"):
-            self.assertIn(link, text)
+        for document, links in (("README.md", ("(/etc/mbgate/mbgate.toml)", "(examples)", "(copyright)", "(bench/README.md)",
+                                               "(docs/behaviour.md)")),
+                                ("docs/installing.md", ("(../examples/demo.toml)", "(../README.md#two-drives-on-a-usb-adapter)")),
+                                ("docs/drives.md", ("(../profiles/README.md)",)),
+                                ("docs/status.md", ("(api.yaml)", "(screenshots/overview.png)"))):
+            text = (self.readme.parent / document).read_text(encoding="utf-8")
+            for link in links:
+                self.assertIn(link, text)
 
     def test_a_link_to_nothing_is_seen(self):
         text = self.readme.read_text(encoding="utf-8")
         self.addCleanup(self.readme.write_text, text, encoding="utf-8")
-        self.readme.write_text(text + "[nothing](src/README.md)\n", encoding="utf-8")
+        self.readme.write_text(text + "[nothing](src/README.md) [no heading](docs/tls.md#nothing)\n", encoding="utf-8")
         done = look_at(self.package)
         self.assertEqual(1, done.returncode)
         self.assertIn("README.md: src/README.md is not there\n", done.stdout)
+        self.assertIn("README.md: docs/tls.md#nothing is not there\n", done.stdout)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""docs/debugging-with-a-recording.md: its recording can be replayed, and every command says what stands below it."""
+"""docs/recording.md: its recording can be replayed, and every command says what stands below it."""
 
 import os
 import pathlib
@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs/debugging-with-a-recording.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/recording.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 REPLAY = re.compile(r"^mbgatectl replay (\S+)$", re.MULTILINE)
 
