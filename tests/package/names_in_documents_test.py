@@ -66,7 +66,7 @@ class SourceDocuments(unittest.TestCase):
             named = [match[1] for word in words if (match := re.fullmatch(r"([a-z]\w*)(?: = .*)?", word))]
             named += [key for block in blocks for key in re.findall(r"^([a-z]\w*) = ", block, re.MULTILINE)]
             wrong += [f"{guide.name}: {key}" for key in named if key not in known and not key.startswith("mbgate_")]
-            asked = re.findall(r"(?<![/:])\bmbgatectl +([a-z][a-z-]*)", "\n".join(blocks + words))
+            asked = re.findall(r"(?<![/:])\bmbgatectl\s+([a-z][a-z-]*)", "|".join(blocks + words))
             wrong += [f"{guide.name}: mbgatectl {word}" for word in asked if word not in known_commands]
         self.assertEqual([], wrong)
 
