@@ -39,7 +39,7 @@ TEST_F(WriteRulesAlone, AStopIsWhatItsDeviceTakesForOne) {
 }
 
 TEST_F(WriteRulesAlone, AStopForbidsWhatOthersSentBeforeItToItsDevice) {
-  rules_.note_accepted(plan("06 00 7C 00 E1"), {}, from(1, 0, Instant{5s}), Instant{5s});
+  rules_.note_accepted(plan("06 00 7C 00 E1"), from(1, 0, Instant{5s}), Instant{5s});
   EXPECT_EQ(objection(from(2, 0, Instant{4s})), ExceptionCode::server_device_busy);
   EXPECT_EQ(objection(from(2, 0, Instant{6s})), std::nullopt);
   EXPECT_EQ(objection(from(2, 0, Instant{4s}), 2), std::nullopt);
@@ -56,7 +56,7 @@ TEST_F(WriteRulesAlone, OneThatWasTakenEarlyForbidsWhatLiesBeforeItInItsClientsS
 }
 
 TEST_F(WriteRulesAlone, NothingIsKnownOfADeviceThatWasGone) {
-  rules_.note_accepted(plan("06 00 7C 00 E1"), {}, from(1, 0, Instant{5s}), Instant{5s});
+  rules_.note_accepted(plan("06 00 7C 00 E1"), from(1, 0, Instant{5s}), Instant{5s});
   rules_.note_early(plan("06 00 7C 00 E1"), from(1, 24, Instant{5s}));
   Settings less = stop_plant();
   less.routes.clear();
