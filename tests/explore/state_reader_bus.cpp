@@ -68,9 +68,9 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
 
 void StateReader::read(const bus::TurnBook& turns, const bus::BusSettings& settings,
                        const Sight& sight, Hash& hash) {
-  const auto& [writes_in_row, was_stop_last, last_end] = turns;
+  const auto& [writes_in_row, last_stop, last_end] = turns;
   hash.add(std::min(writes_in_row, settings.burst));
-  hash.add(was_stop_last);
+  hash.add(last_stop.value_or(0));
   if (sight.stop_waits) {
     hash.since(last_end, settings.stop_wait);
   }

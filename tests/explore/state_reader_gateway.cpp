@@ -98,9 +98,8 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
   }
   // One for all: snapshot; of that and the unit: route. Of its client: listener, address. Unordered
   // answers have no place: answer. For the trace: ended_as.
-  const auto& [snapshot, route, client, listener, address, client_gone, answer, header,
-               plan, parts, response, failed, was_on_wire, wrong_word_order, had_no_path,
-               ended_as] = exchange;
+  const auto& [snapshot, route, client, listener, address, client_gone, answer, header, plan, parts,
+               response, failed, was_on_wire, wrong_word_order, had_no_path, ended_as] = exchange;
   require(plan.has_value(), "a request of a client");
   hash.add(client);
   hash.add(header.transaction);

@@ -6,13 +6,24 @@
 namespace mbgate::bus {
 namespace {
 
+bool does_not_answer(const DeviceEntry& entry) {
+  return entry.is_silent() || entry.stop_unanswered;
+}
+
 // Whoever repeats a stop to a dead drive, or one that was acknowledged, must not have the line for
 // itself. On a line that is never silent the turn of others would never come.
 bool gives_way(const Parts& parts, const Transmission& stop, Instant now) {
   const Job& job = *stop.leader;
-  const DeviceEntry& entry = parts.devices[job.address()];
-  const bool is_silent = !job.is_broadcast() && (entry.is_silent() || entry.stop_unanswered);
+  const bool is_silent = !job.is_broadcast() && does_not_answer(parts.devices[job.address()]);
   return (is_silent || parts.acknowledged.has(job, now)) && now < stop_overdue_at(parts, stop);
+}
+
+// Of two stops to drives that do not answer, the second lets something else go first, and so does
+// one that repeats an acknowledged stop.
+bool has_turn_before(const Parts& parts, const Transmission& stop, Instant now) {
+  const auto last = parts.turns.last_stop();
+  return last && parts.transmissions.has_room() &&
+         (does_not_answer(parts.devices[*last]) || parts.acknowledged.has(*stop.leader, now));
 }
 
 // The time that the stop has waited behind a transmission that nobody answered does not count: two
@@ -109,8 +120,8 @@ std::optional<StopChoice> choose_stop(Parts& parts, Instant now) {
   if (stop == nullptr) {
     return std::nullopt;
   }
-  const bool has_turn = parts.turns.was_stop_last() && parts.transmissions.has_room();
-  return StopChoice{stop, has_turn ? turn_before(parts, *stop, now) : std::nullopt};
+  return StopChoice{
+      stop, has_turn_before(parts, *stop, now) ? turn_before(parts, *stop, now) : std::nullopt};
 }
 
 }  // namespace mbgate::bus

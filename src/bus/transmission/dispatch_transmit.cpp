@@ -118,7 +118,7 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
   if (transmission.is_stop() && transmission.tries == 0) {
     transmission.is_one_try = is_given_up(parts_, transmission);
   }
-  parts_.turns.note(job.job_class);
+  parts_.turns.note(job.job_class, sent.address);
   ++counters.transmissions;
   counters.stops += transmission.is_stop() ? 1U : 0U;
   counters.retries += transmission.tries > 0 ? 1U : 0U;

@@ -221,7 +221,7 @@ TEST_F(BusTcpClosing, StoppingEndsWhatWasCut) {
   EXPECT_THAT(frames_, SizeIs(2));
 }
 
-TEST_F(BusTcpClosing, WhileItStopsAWaitingStopIsSentOnTheNextConnectionAndACutReadIsNot) {
+TEST_F(BusTcpClosing, WhileItStopsAStopIsRepeatedOnTheNextConnectionAndACutReadIsNot) {
   const auto settings = tcp();
   open(settings, {axis(settings)});
   ask_and_answer();
@@ -232,8 +232,8 @@ TEST_F(BusTcpClosing, WhileItStopsAWaitingStopIsSentOnTheNextConnectionAndACutRe
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::cancelled));
   EXPECT_EQ(opens_, 2U);
   reopen();
-  ASSERT_THAT(frames_, SizeIs(3));
-  EXPECT_EQ(frames_[2].substr(21), "06 00 7C 00 E1");
+  ASSERT_THAT(frames_, SizeIs(4));
+  EXPECT_EQ(frames_[3].substr(21), "06 00 7C 00 E1");
 }
 
 TEST_F(BusTcpClosing, WhileItStopsAStopThatACloseCutsIsRepeatedAndNothingElseOpensAConnection) {

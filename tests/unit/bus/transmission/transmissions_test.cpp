@@ -106,16 +106,16 @@ TEST_F(Transmissions, WaitInTheStopLaneInTheirOrder) {
   EXPECT_EQ(lane.first(), nullptr);
 }
 
-TEST(TurnBook, CountsWritesSinceTheLastReadAndKnowsWhetherAStopWasLast) {
+TEST(TurnBook, CountsWritesSinceTheLastReadAndKnowsALastStop) {
   TurnBook turns;
-  turns.note(JobClass::read);
-  turns.note(JobClass::write);
-  EXPECT_FALSE(turns.was_stop_last());
-  turns.note(JobClass::stop);
-  EXPECT_TRUE(turns.was_stop_last());
+  turns.note(JobClass::read, 1);
+  turns.note(JobClass::write, 1);
+  EXPECT_EQ(turns.last_stop(), std::nullopt);
+  turns.note(JobClass::stop, 2);
+  EXPECT_EQ(turns.last_stop(), 2);
   EXPECT_EQ(turns.writes_in_row(), 2U);
-  turns.note(JobClass::read);
-  EXPECT_FALSE(turns.was_stop_last());
+  turns.note(JobClass::read, 2);
+  EXPECT_EQ(turns.last_stop(), std::nullopt);
   EXPECT_EQ(turns.writes_in_row(), 0U);
 }
 

@@ -150,7 +150,7 @@ class SharedAnswers : public testing::Test {
 
 TEST_F(SharedAnswers, OfReadsThatWaitAreForThoseAloneWhoMayAsk) {
   rig_.receive(1, read_request(9, 2));  // keeps the line busy
-  rig_.receive(1, read_request(1));
+  rig_.receive(1, "0001 0000 0006 01 03 0001 0001");
   rig_.receive(2, read_request(2) + "0003 0000 0006 01 03 0000 0002");
   EXPECT_THAT(rig_.take_sent(2),
               ElementsAre("00 02 00 00 00 03 01 83 01", "00 03 00 00 00 03 01 83 01"));
@@ -158,9 +158,9 @@ TEST_F(SharedAnswers, OfReadsThatWaitAreForThoseAloneWhoMayAsk) {
   EXPECT_THAT(take_requests(rig_), ElementsAre("02 03 00 00 00 01"));
   rig_.respond("02 03 02 00 01");
   rig_.advance(10ms);
-  EXPECT_THAT(take_requests(rig_), ElementsAre("01 03 00 00 00 02"));
-  rig_.respond("01 03 04 00 01 00 02");
-  EXPECT_THAT(rig_.take_sent(1), Contains(kOne));
+  EXPECT_THAT(take_requests(rig_), ElementsAre("01 03 00 01 00 01"));
+  rig_.respond("01 03 02 00 02");
+  EXPECT_THAT(rig_.take_sent(1), Contains("00 01 00 00 00 05 01 03 02 00 02"));
   EXPECT_THAT(rig_.take_sent(2), ElementsAre("00 04 00 00 00 05 01 03 02 00 02"));
 }
 
